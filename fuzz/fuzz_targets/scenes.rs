@@ -1,8 +1,8 @@
 //! Arbitrary bytes are a sequence of calls of a scene: the entry of the test `scene`.
 #![no_main]
 
-use truth::driven::scenes;
 use lin_canny::scene::Scene;
+use truth::driven::scenes;
 
 fn read_back(scene: &Scene) -> Scene {
     let text = serde_json::to_string(scene).expect("a scene is written");

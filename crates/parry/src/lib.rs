@@ -1,9 +1,9 @@
-//! Certified contacts of [`lin_canny`] inside parry: a hull shape and a query dispatcher.
+//! Gives parry the certified contacts of [`lin_canny`]: a hull shape and a query dispatcher.
 //!
-//! Module [`single`] is for `parry3d` (feature `f32`, on by default), module
-//! [`double`] for `parry3d-f64` (feature `f64`). Both have the same items, and both
-//! features may be on. rapier and bevy_rapier take the dispatcher as it is; `lin-canny-rapier` has
-//! whole simulations.
+//! Module [`single`] is for `parry3d` (feature `f32`, on by default), module [`double`] for
+//! `parry3d-f64` (feature `f64`). Both have the same items, and both features may be enabled.
+//! rapier and bevy_rapier accept the dispatcher without changes. For whole simulations, use
+//! `lin-canny-rapier`.
 //!
 //! ```
 //! use lin_canny_parry::single::{CertifiedDispatcher, Hull, parry};
@@ -30,33 +30,37 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # What it gives
+//! # Contents
 //!
-//! * **The shape** [`Hull`](crate::single::Hull) carries a [`ConvexPolyhedron`], rounded by a border
-//!   radius or not, into parry: support
-//!   points, boxes and mass properties that do not scan the vertices, support faces spread over four
-//!   vertices that include the deepest one, exact point containment. It works under parry's own
-//!   dispatcher too: a coin laid flat on a half-space stays flat.
-//! * **The dispatcher** [`CertifiedDispatcher`](crate::single::CertifiedDispatcher) answers pairs of convex shapes of
-//!   every kind, rounded, in compounds, or as the triangles of a mesh or height field, by
-//!   [`lin_canny`], in `f64`, without an absolute tolerance, and hands all other pairs to parry.
-//! * **The shape** [`MeshShape`](crate::single::MeshShape) is a mesh as the caller brought it, a
-//!   terrain of a million triangles or a tool: closed ones are solids, contacts are those of convex
-//!   patches, so that no edge inside a flat floor bears one.
-//! * **V-HACD, checked.** [`decompose`](crate::single::decompose) cuts a mesh into convex pieces by
-//!   parry's V-HACD and measures the gaps: distances are intervals that hold for the mesh.
-//! * **No state.** A manifold is a function of the relative pose and of the contacts that the
-//!   engine itself kept: the closest features of the last query stand in the feature ids of the
-//!   contacts. Shapes whose bounding balls are farther apart than the prediction asks for have no
-//!   contact; others beyond the prediction keep one. Snapshots go on bit for bit, any number of
-//!   threads gives the same bits, and a
-//!   dropped pair leaves nothing behind. Only bodies made of cuboids, balls, capsules, triangles and
-//!   plain polyhedra are remembered, by their points: those in use, and some thousands that are not.
+//! * **The shape [`Hull`](crate::single::Hull)** is a [`ConvexPolyhedron`] for parry, with or
+//!   without a border radius. Its support points, boxes and mass properties do not scan the
+//!   vertices. A support face has four vertices around the face, including the deepest one. Point
+//!   containment is exact. The shape also works with parry's dispatcher: a coin laid flat on a
+//!   half-space stays flat.
+//! * **The dispatcher [`CertifiedDispatcher`](crate::single::CertifiedDispatcher)** handles pairs of convex shapes with
+//!   [`lin_canny`], in `f64` and without an absolute tolerance. The shapes may be rounded, parts of
+//!   a compound, or triangles of a mesh or height field. It passes all other pairs to parry.
+//! * **The shape [`MeshShape`](crate::single::MeshShape)** is a mesh, for example a tool or a
+//!   terrain of a million triangles. A closed mesh is solid. Contacts are those of convex patches,
+//!   so an edge inside a flat floor has no contact.
+//! * **The function [`decompose`](crate::single::decompose)** divides a mesh into convex pieces
+//!   with parry's V-HACD and measures the gaps. Distances are intervals that hold for the mesh.
 //!
-//! # Bodies and poses without the dispatcher
+//! # No hidden state
 //!
-//! To call [`lin_canny`] itself on what stands in a world of parry or rapier: both use `glam`, rapier
-//! mostly in `f32`, so numbers cross as arrays, and a rotation from `f32` has to be normalised in `f64`.
+//! A manifold is a function of the relative pose and of the contacts that the engine kept. The
+//! feature ids of the contacts store the closest features of the last query. So a restored snapshot
+//! continues bit for bit, any number of threads gives the same bits, and a removed pair leaves
+//! nothing behind. The dispatcher caches only bodies that it makes from cuboids, balls, capsules,
+//! triangles and plain polyhedra, by their points. It keeps those in use and a few thousand others.
+//!
+//! If the bounding balls of two shapes are farther apart than the prediction, they have no contact.
+//! Other shapes beyond the prediction keep one contact.
+//!
+//! # Use lin-canny without the dispatcher
+//!
+//! You can also call [`lin_canny`] directly for shapes in a parry or rapier world. Both use `glam`,
+//! rapier mostly in `f32`. So pass numbers as arrays, and normalise a rotation from `f32` in `f64`:
 //!
 //! ```
 //! use lin_canny::nalgebra::{Isometry3, Point3, Translation3};
@@ -89,100 +93,110 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Which pairs are answered by whom
+//! # Which pairs lin-canny handles
 //!
-//! | pair | distance, contact, test, closest points | manifold |
+//! *Here* means that the dispatcher computes the result with [`lin_canny`].
+//!
+//! | pair | distance, contact, intersection test, closest points | manifold |
 //! |---|---|---|
-//! | a hull, cuboid, capsule, segment, triangle, convex polyhedron or rounded one of these, and one of these | here | here |
-//! | a ball, and any of the shapes above but a cuboid | here | here |
-//! | ball and cuboid | here, but the test: parry (closed form) | parry (closed form) |
+//! | two of: hull, cuboid, capsule, segment, triangle, convex polyhedron, rounded or not | here | here |
+//! | ball, and any of the shapes above except a cuboid | here | here |
+//! | ball and cuboid | here; intersection test: parry (closed form) | parry (closed form) |
 //! | two balls | parry (closed form) | parry (closed form) |
-//! | cylinder or cone, rounded ones too, and any of the shapes above | here | here |
-//! | half-space, and a hull, capsule, segment, triangle, convex polyhedron or rounded one | parry (closed form) | here |
-//! | half-space, and a ball, cuboid, cylinder or cone, or a rounded one of the last two | parry (closed form) | parry (closed form) |
-//! | a `MeshShape`, and a `MeshShape` or any of the shapes above but a half-space | here | here |
-//! | compounds | part by part | part by part, at once with a `MeshShape` |
-//! | mesh or height field of parry, and any convex shape above but a half-space | parry | triangle by triangle, here |
+//! | cylinder or cone, rounded or not, and any of the shapes above | here | here |
+//! | half-space, and a hull, capsule, segment, triangle or convex polyhedron, rounded or not | parry (closed form) | here |
+//! | half-space, and a ball, a cuboid, or a cylinder or cone, rounded or not | parry (closed form) | parry (closed form) |
+//! | `MeshShape`, and a `MeshShape` or any of the shapes above except a half-space | here | here |
+//! | compounds | piece by piece | piece by piece; with a `MeshShape` all pieces at once |
+//! | mesh or height field of parry, and any convex shape above except a half-space | parry | triangle by triangle, here |
 //! | two meshes or height fields, voxels, custom shapes | parry | parry |
 //!
-//! A rounded `Hull` counts as a rounded polyhedron. The closed forms of parry that are kept compare no
-//! length with an absolute number: tests hold them to four parts in a million of the size, from a
-//! tenth of a millimetre to ten kilometres. Its other
-//! tolerances in `f32` are absolute: distances and casts of small parts to a mesh of parry are not
-//! cured, and a `MeshShape` (`MeshShape::try_from(&trimesh)`) is. rapier's character controller asks
-//! parry's own dispatcher, whichever is set.
+//! A rounded `Hull` counts as a rounded polyhedron. The closed forms of parry in the table compare
+//! no length with an absolute number. Tests check them to 4e-6 of the size, from 0.1 mm to 10 km.
+//! parry's other tolerances in `f32` are absolute. So distances and casts of small parts to a mesh
+//! of parry remain inaccurate. Use a `MeshShape` instead (`MeshShape::try_from(&trimesh)`).
+//! rapier's character controller always uses parry's dispatcher.
 //!
-//! # Triangles of surfaces
+//! # Triangles of parry's meshes and height fields
 //!
-//! An overlap with a triangle of a mesh or height field of parry is measured along the triangle's
-//! own normal where the contact lies in the triangle, as its least translation may lead out over an
-//! edge beyond which the surface goes on. Normals that the surface refuses
-//! (`TriMeshFlags::FIX_INTERNAL_EDGES`, `HeightFieldFlags`) bear no contact. **Without such flags
-//! edges inside a flat floor bear contacts**, as with parry: a body that slides may catch there. A
-//! `MeshShape` needs no flag.
+//! If a contact is inside a triangle, its overlap is measured along the normal of the triangle. The
+//! least translation may cross an edge, where the mesh continues. A normal that the mesh rejects
+//! (`TriMeshFlags::FIX_INTERNAL_EDGES`, `HeightFieldFlags`) has no contact. **Without such flags,
+//! edges inside a flat floor have contacts**, as with parry, and a sliding body may catch on them.
+//! A `MeshShape` needs no flag.
 //!
 //! # Casts
 //!
-//! `cast_shapes` and `cast_shapes_nonlinear` of all convex shapes of the table, and of compounds
-//! part by part, are those of [`impact`](lin_canny::impact); two balls without a turn have parry's
+//! [`impact`](lin_canny::impact) computes `cast_shapes` and `cast_shapes_nonlinear` of all convex
+//! shapes of the table, and of compounds piece by piece. Two balls without rotation use parry's
 //! closed form. The shapes are proven apart (or farther than the target distance) until the time of
-//! impact, and are within some units in the last place of the engine's numbers there. No contact is
-//! passed over, whatever the turn. Departures from parry:
+//! impact. At that time they are within a few units in the last place of the engine's numbers. No
+//! contact is missed, for any rotation. Departures from parry:
 //!
-//! * A cast that ends without a decision, because rounding hides whether the shapes meet, is a hit
-//!   at the last instant proven free. The status is `OutOfIterations` if a limit of work was
-//!   reached, and `Failed` never occurs.
-//! * A cast with turns that does not stop at a penetration, of shapes that meet at the start, is
-//!   parry's, unless the shapes pass more than ten thousand of their thicknesses: then the start is
-//!   the hit. If one of them is a `MeshShape`, such a cast is that of the other's core, a ball of half
-//!   its thickness about its centre of mass, or a smaller one if this touches, too. A part that
-//!   lies on a thin floor and is pushed may sink into the floor by half, and still come out below: of
-//!   36 that spin and are pushed at 3 m/s at a tray of 2 mm, 9 fall through in `f32`, and 27 without
-//!   sweeps.
-//! * rapier sweeps hulls, cuboids, balls and capsules by code of its own, which no dispatcher
-//!   replaces; cylinders and cones in continuous motion are cast by its dispatcher, and so here.
+//! * If a cast ends undecided, because a shape is within rounding error of contact, the result is a
+//!   hit at the last time proven free. The status is `OutOfIterations` if a work limit was reached.
+//!   `Failed` never occurs.
+//! * parry runs a cast with rotation that does not stop at penetration, if the shapes are in
+//!   contact at the start. If the shapes move by more than 10,000 of their thicknesses, the start
+//!   is the hit.
+//! * If one shape of such a cast is a `MeshShape`, only a core of the other shape is cast: a ball
+//!   of half its thickness around its centre of mass, or a smaller ball if that one touches
+//!   already. So a part that lies on a thin floor and is pushed may sink into the floor by half,
+//!   and may fall through. Of 36 spinning parts that were pushed at 3 m/s on a tray of 2 mm, 9 fell
+//!   through in `f32`, and 27 without sweeps.
+//! * rapier sweeps hulls, cuboids, balls and capsules with its own code, which no dispatcher
+//!   replaces. It casts cylinders and cones in continuous motion with its dispatcher, so with this
+//!   crate.
 //!
 //! # Limits
 //!
-//! * A query of numbers that the code in charge cannot work with is `Unsupported`: no query panics, nor
-//!   does a search of parry's go on without end. Such numbers are negative or infinite sizes, poses
-//!   that are none, and where parry answers, coordinates, velocities and ways above 1e9 in `f32` (1e76
-//!   in `f64`); such queries are manifolds of voxels with half-spaces and of polyhedra of which parry
-//!   kept no face, and casts over more than 65,536 cells of a field. A prediction below zero asks for
-//!   overlaps at least as deep. Vertices of meshes are not looked at: they must be finite.
-//! * Serialized, a `Hull` is a parry `ConvexPolyhedron` with the vertices of the hull; read back,
-//!   the dispatcher makes a body of these vertices again, which costs a comparison of all vertices
-//!   in each query ([`Hull::try_from`](crate::single::Hull) saves that). After reading a snapshot the
-//!   dispatcher must be set again: engines do not serialize it.
-//! * Cylinders and cones cost more than parry's: a step of 180 that are thrown into a bin takes 1.3
-//!   and 1.2 times as long at a metre (two cores of an AMD EPYC with other work on them,
-//!   2026-11-25). At 2 cm parry's overlap by .6 of their size and ours by .008. Of two that are near
-//!   and do not touch, the kept contact is that of a plane between them, which need not be the
-//!   nearest points. An overlap of at most 1 % of the smaller radius may be measured along the
-//!   normal that is best in its neighbourhood, so that it is told too deep by at most that.
-//! * A body on a `MeshShape` costs 10 to 25 microseconds a step, some ten times parry's mesh,
-//!   whatever the number of triangles (`terrain` of the examples of `lin-canny-rapier`). The engine
-//!   keeps a tracker for the pair, which saves time and nothing else.
-//! * A `MeshShape` is no part of a snapshot, has no mass unless it is closed, and bears contacts from
-//!   outside alone: give a thin sheet both sides, or a body that is pushed through it comes free.
-//! * Flat and needle-like bodies for which parry has no convex polyhedron are no part of a snapshot.
+//! * A query with invalid numbers returns `Unsupported`. No query panics or runs without end:
 //!
-//! # Defects of parry 0.31.1 and glamx 0.3.1 that are worked round
+//!   | invalid | details |
+//!   |---|---|
+//!   | sizes | negative or infinite |
+//!   | poses | not a rigid motion |
+//!   | coordinates, velocities and distances of queries that parry runs | above 1e9 (`f32`) or 1e76 (`f64`) |
+//!   | manifolds | voxels with half-spaces; polyhedra of which parry kept no face |
+//!   | casts | over more than 65,536 cells of a field |
 //!
-//! * glamx `symmetric_eigen`: any symmetric matrix with entries below about 1e-5 gets the unit axes.
-//!   `MassProperties::with_inertia_matrix` is wrong by 11 % for a hull of 24 vertices of 10 cm at
-//!   density 1, and by 100 % for a needle. `Hull` brings mass properties of its own.
+//! * A negative prediction returns only overlaps that are at least as deep. Vertices of meshes are
+//!   not checked: they must be finite.
+//! * A serialised `Hull` is a parry `ConvexPolyhedron` with the same vertices. After
+//!   deserialisation the dispatcher builds a body from these vertices again and compares all
+//!   vertices in each query ([`Hull::try_from`](crate::single::Hull) saves this). Engines do not
+//!   serialise the dispatcher, so set it again after you read a snapshot.
+//! * Cylinders and cones cost more than in parry: a step of 180 of them that are thrown into a bin
+//!   takes 1.3 and 1.2 times as long at 1 m (two cores of an AMD EPYC with other programs running,
+//!   2026-11-25). At 2 cm, overlaps are 0.6 of the size with parry and 0.008 with this crate.
+//! * If a cylinder or cone is close to a shape without touching it, the kept contact is that of a
+//!   plane between them, which may differ from the closest points. An overlap of at most 1 % of the
+//!   smaller radius may be a local minimum, so the reported depth is too large by at most that.
+//! * A body on a `MeshShape` costs 10-25 µs per step, about ten times the cost with parry's mesh,
+//!   for any number of triangles (example `terrain` of `lin-canny-rapier`). The engine keeps a
+//!   tracker for the pair, which only saves time.
+//! * A `MeshShape` is not part of a snapshot. It has a mass only if it is closed. It has contacts
+//!   from outside only: a thin sheet needs both sides, otherwise a body that is pushed through it
+//!   has no contact any more.
+//! * Flat and needle-like bodies for which parry has no convex polyhedron are not part of a
+//!   snapshot.
+//!
+//! # Workarounds for defects of parry 0.31.1 and glamx 0.3.1
+//!
+//! * glamx `symmetric_eigen` returns the unit axes for any symmetric matrix with entries below
+//!   about 1e-5. So `MassProperties::with_inertia_matrix` is wrong by 11 % for a 10 cm hull of 24
+//!   vertices at density 1, and by 100 % for a needle. `Hull` computes its mass properties itself.
 //! * `ConvexPolyhedron::local_support_feature` returns the first four vertices of the best-aligned
-//!   face, which need not hold the deepest vertex: prisms of 6 and more sides tip on a half-space.
-//! * The distance, contact and manifold code tests lengths against 1e-3 and areas against 1e-3
-//!   (`f32`) in absolute units: bodies of a centimetre are reported as intersecting from a gap of
-//!   a tenth of their size.
-//! * The distance of two cuboids and of two capsules is too large by as much as a hundredth of the
-//!   distance, in `f64` too: witnesses nearer than this exist.
+//!   face, which may not include the deepest vertex. So prisms with 6 or more sides tip on a
+//!   half-space.
+//! * The distance, contact and manifold code compares lengths and areas with 1e-3 (`f32`) in
+//!   absolute units. So bodies of 1 cm are reported as intersecting at a gap of a tenth of their
+//!   size.
+//! * The distance of two cuboids and of two capsules is too large by up to 1 %, in `f64` too:
+//!   closer witness points exist.
+//! * `contact` of a shape and a half-space, in this order, uses the pose instead of its inverse.
 //!
-//! * `contact` of a shape and a half-space in this order takes the pose for its inverse.
-//!
-//! All of these were reproduced with these versions.
+//! All of these defects were reproduced with these versions.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

@@ -1,4 +1,5 @@
-//! The piano mover's problem in the plane: an L through a door. Draws the freeways, the bridges and the path.
+//! The piano mover's problem in the plane: an L-shaped body moves through a door. Draws the
+//! freeways, the bridges and the path.
 //!
 //! `cargo run --release -p lin-canny-plan --example piano -- [--door WIDTH] [--seed N] [--out FILE.svg]`
 
@@ -13,21 +14,22 @@ use std::time::{Duration, Instant};
 use truth::command::{file, number, seconds};
 use truth::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 
-/// An L, 0.9 by 0.5, goes through a door in a wall. Searches a path with the opportunistic planner,
-/// shortens it, and draws freeways (by sweep coordinate), bridges, links and the path in the plane of
-/// the positions
+/// Plan the path of an L-shaped body, 0.9 by 0.5, through a door in a wall
+///
+/// Searches for a path with the opportunistic planner, shortens it, and draws freeways (by sweep
+/// coordinate), bridges, links and the path in the plane of the positions.
 #[derive(Parser)]
 struct Options {
     /// Width of the door
     #[arg(long, value_name = "WIDTH", default_value_t = 0.36, value_parser = number(0.0))]
     door: f64,
-    /// Seed of the random slices
+    /// Random seed
     #[arg(long, value_name = "N", default_value_t = 3)]
     seed: u64,
-    /// Limit of the search
+    /// Time limit of the search in seconds
     #[arg(long, value_name = "S", default_value = "10", value_parser = seconds)]
     seconds: Duration,
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/piano.svg", value_parser = file("svg"))]
     out: PathBuf,
 }

@@ -1,4 +1,4 @@
-//! A path of a rigid robot among obstacles, from a file: every segment of the path is proven free.
+//! Plans a path of a rigid robot among obstacles, from a file. Every segment is proven free.
 //!
 //! ```text
 //! cargo run --release -p lin-canny-plan --example plan -- FILE.json --out PATH.csv
@@ -16,26 +16,27 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Reads a robot and obstacles, searches a path with the opportunistic planner of Canny and Lin,
-/// shortens it, and writes one configuration a row, `x,y,z,qx,qy,qz,qw` under a header of these names
+/// Plan the path of a rigid robot among obstacles with the opportunistic planner of Canny and Lin
 ///
-/// In between the robot's origin goes straight and the robot turns the shorter way about one axis
-/// (slerp). Every segment is proven free of contact over its whole length.
+/// Shortens the path and writes one configuration per row, `x,y,z,qx,qy,qz,qw`, below a header with
+/// these names. Between two rows the origin of the robot moves along a straight line, and the robot
+/// rotates by the smaller angle about a fixed axis (slerp). Every segment is proven free over its
+/// whole length.
 ///
 /// The file is JSON:
 ///   { "robot": points of a hull [[x,y,z], ...], or a list of hulls,
 ///     "obstacles": list of hulls,
 ///     "start": [x,y,z,qx,qy,qz,qw], "goal": the same,
 ///     "bounds": [[x0,y0,z0],[x1,y1,z1]] of the robot's origin,
-///     "seed": number (default 0), "seconds": limit of the search (default 10) }
+///     "seed": number (default 0), "seconds": time limit of the search (default 10) }
 ///
-/// Ends with 0 if a path is written, with 3 if none was found in time, with 2 if the file is refused.
+/// Exit codes: 0 a path was written, 2 the file is invalid, 3 no path was found in time.
 #[derive(Parser)]
 #[command(verbatim_doc_comment)]
 struct Options {
-    /// The robot and its obstacles
+    /// JSON file with the robot and its obstacles
     file: PathBuf,
-    /// Where to write the path
+    /// Output file with the path
     #[arg(long, value_name = "PATH.csv", default_value = "target/plan.csv", value_parser = truth::command::file("csv"))]
     out: PathBuf,
 }

@@ -12,27 +12,27 @@ use crate::tree_motion::TreeSegment;
 /// The kind of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointKind {
-    /// Turns about its axis; values are radians.
+    /// Rotates about its axis; values in radians.
     Revolute,
-    /// Slides along its axis; values are lengths.
+    /// Slides along its axis; values in the unit of length.
     Prismatic,
 }
 
 /// A joint of a serial arm, and the link that the joint moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
-    /// The kind.
+    /// Revolute or prismatic.
     pub kind: JointKind,
-    /// The pose of the joint's frame in the frame of the link before.
+    /// Pose of the joint's frame in the frame of the parent link.
     pub origin: Isometry3<f64>,
-    /// The axis through the origin of the joint's frame, in that frame.
+    /// Axis through the origin of the joint's frame, in that frame.
     pub axis: Unit<Vector3<f64>>,
     /// Least and greatest value.
     pub limits: [f64; 2],
 }
 
 impl Joint {
-    /// Returns a joint that turns.
+    /// Returns a joint that rotates about an axis.
     #[must_use]
     pub fn revolute(origin: Isometry3<f64>, axis: Unit<Vector3<f64>>, limits: [f64; 2]) -> Self {
         let kind = JointKind::Revolute;
@@ -44,7 +44,7 @@ impl Joint {
         }
     }
 
-    /// Returns a joint that slides.
+    /// Returns a joint that slides along an axis.
     #[must_use]
     pub fn prismatic(origin: Isometry3<f64>, axis: Unit<Vector3<f64>>, limits: [f64; 2]) -> Self {
         let kind = JointKind::Prismatic;
@@ -57,9 +57,10 @@ impl Joint {
     }
 }
 
-/// A serial arm: joints in a chain, each of which moves a link; a link carries any number of
-/// bodies. A [`JointTree`] is the same with branches and joints that mimic. A configuration holds
-/// the value of each joint, and each joint moves evenly along a segment.
+/// A serial arm: joints in a chain, each of which moves a link.
+///
+/// A link carries any number of bodies. A configuration holds the value of each joint. Along a
+/// segment each joint moves at a constant rate. A [`JointTree`] also has branches and mimic joints.
 ///
 /// The frame of a link is the frame of its joint, moved by the value of the joint. Link 0 is the
 /// base, and link k is moved by joint k - 1.
@@ -98,13 +99,15 @@ pub struct SerialArm {
 }
 
 impl SerialArm {
-    /// Returns the arm whose base stands at a pose of the world. `links` names the link of each
-    /// body, in the order of the bodies; `reach` is the length from the last joint to the farthest
-    /// point of the arm, and sets with the lengths of the links the length that a radian of each
-    /// joint stands for.
+    /// Returns the arm whose base has the pose `base` in the world.
+    ///
+    /// `links` gives the link of each body, in the order of the bodies. `reach` is the distance
+    /// from the last joint to the farthest point of the arm. Together with the lengths of the links
+    /// it sets the length that corresponds to one radian of each joint.
     ///
     /// # Errors
-    /// Poses, limits or a reach that are not finite or out of range, or a link that does not exist.
+    /// Returns an error if a pose, a limit or `reach` is not finite or out of range, or if a link
+    /// does not exist.
     pub fn new(base: Isometry3<f64>, joints: Vec<Joint>, links: Vec<usize>, reach: f64) -> Result<Self, PlanError> {
         if !(reach > 0.0) {
             return Err(PlanError::Value {
@@ -126,10 +129,10 @@ impl SerialArm {
         Ok(Self { tree })
     }
 
-    /// Returns the pose of a link at a configuration: 0 for the base.
+    /// Returns the pose of a link in the world at a configuration. Link 0 is the base.
     ///
     /// # Errors
-    /// A configuration that is not of the space, or a link that does not exist.
+    /// Returns an error if the configuration is invalid or the link does not exist.
     pub fn link_pose(&self, configuration: &[f64], link: usize) -> Result<Isometry3<f64>, PlanError> {
         self.tree.link_pose(configuration, link)
     }

@@ -1,11 +1,12 @@
 //! Ascent of the clearance within a slice: steps along the gradients of the active set.
 //!
-//! The clearance is the least of the signed distances of all pairs. It has a kink if two pairs are
-//! equally near, or if the witness of one pair jumps (parallel faces), and its maxima lie on
-//! kinks. So a step is taken against a model, the least of several linear bounds `c + g . z` in the
-//! step z: the pairs near the closest at the centre, and those of places tried in vain. The step
-//! maximises the model less `|z|^2 / (2 mu)` (proximal bundle method: Lemarechal 1978, Kiwiel
-//! 1990); the dual is a quadratic over a simplex, solved by exchanges between two weights.
+//! The clearance is the least signed distance of all pairs. It has a kink if two pairs are equally
+//! close, or if the witness of one pair jumps (parallel faces). Its maxima are at kinks. So a step
+//! uses a model of the clearance: the least of several linear bounds `c + g . z` in the step z. The
+//! bounds are those of the pairs that are nearly closest at the centre, and those of configurations
+//! that were tried without gain. The step maximises the model less `|z|^2 / (2 mu)` (proximal
+//! bundle method: Lemarechal 1978, Kiwiel 1990). The dual problem is a quadratic over a simplex. It
+//! is solved by exchanges between two weights.
 
 use std::vec::Vec;
 
@@ -15,22 +16,23 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::space::ConfigurationSpace;
 
-/// Steps of an ascent, at most. Not measured.
+/// Maximum number of steps of an ascent. Not measured.
 const ASCENT: usize = 96;
 
-/// Gain of a step, over the length of the trust region, below which the clearance is taken for
+/// Gain of a step, divided by the length of the trust region, below which the clearance counts as
 /// stationary. Not measured.
 const FLAT: f64 = 1.0 / 256.0;
 
-/// Part of the expected gain that a step must bring. Not measured.
+/// Fraction of the expected gain that a step must reach. Not measured.
 const GOOD: f64 = 1.0 / 8.0;
 
-/// Pairs that count at one place, at most: as many bounds determine a maximum in six dimensions
-/// twice over. Not measured.
+/// Maximum number of pairs that count at one configuration: twice as many bounds as determine a
+/// maximum in six dimensions. Not measured.
 const PLANES: usize = 12;
 
-/// Exchanges between two weights in the search for a step, at most: of random models with six
-/// planes 2 % are not at their maximum to a thousandth after 64, 0.2 % after 256.
+/// Maximum number of exchanges between two weights in the search for a step. Of random models with
+/// six planes, 2 % are not within a thousandth of their maximum after 64 exchanges, 0.2 % after
+/// 256.
 const EXCHANGES: usize = 256;
 
 /// A configuration and its clearance.
@@ -41,33 +43,33 @@ pub(crate) struct ClearConfiguration {
     near: Vec<NearPair>,
 }
 
-/// A linear bound of the clearance about the centre.
+/// A linear bound of the clearance around the centre.
 struct ClearancePlane {
     value: f64,
     gradient: Vec<f64>,
 }
 
-/// The components of a step that stay zero, and lengths.
+/// The components of a step that stay zero, and the lengths of steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Slice {
     pub(crate) fixed: Vec<bool>,
-    /// The longest step, and the shortest worth a try.
+    /// The longest step, and the shortest step that is tried.
     pub(crate) longest: f64,
     pub(crate) shortest: f64,
-    /// A clearance that need not be exceeded.
+    /// The clearance at which an ascent ends.
     pub(crate) clearance_cap: f64,
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
-    /// Measures a configuration; a world without pairs is infinitely clear.
+    /// Measures a configuration. The clearance of a world without pairs is infinite.
     pub(crate) fn place(&mut self, q: Vec<f64>, slack: f64) -> Result<ClearConfiguration, PlanError> {
         let near = self.nearest(&q, slack)?;
         let distance = near.first().map_or(f64::INFINITY, |n| n.distance);
         Ok(ClearConfiguration { q, distance, near })
     }
 
-    /// Ascends within a slice and returns the places passed, the last of them a local maximum of
-    /// the clearance, up to the precision of the slice.
+    /// Ascends within a slice and returns the configurations passed. The last one is a local
+    /// maximum of the clearance, up to the precision of the slice.
     pub(crate) fn ascend(&mut self, start: Vec<f64>, slice: &Slice) -> Result<Vec<ClearConfiguration>, PlanError> {
         let mut centre = self.place(start, slice.longest)?;
         let mut mu = (0.5 * centre.distance.abs()).clamped(slice.shortest * 4.0, slice.longest);
@@ -106,8 +108,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(passed)
     }
 
-    /// Returns the step that maximises the model, and the gain that the model expects. Components
-    /// that would leave the bounds are left out.
+    /// Returns the step that maximises the model, and the gain of the model. Components that would
+    /// leave the bounds are zero.
     fn step(&self, centre: &ClearConfiguration, planes: &[ClearancePlane], mu: f64, slice: &Slice) -> (Vec<f64>, f64) {
         let mut fixed = slice.fixed.clone();
         loop {
@@ -126,7 +128,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         }
     }
 
-    /// Adds the bounds seen at a place tried in vain.
+    /// Adds the bounds of a configuration that was tried without gain.
     fn learn(
         &self,
         planes: &mut Vec<ClearancePlane>,
@@ -138,13 +140,13 @@ impl<C: ConfigurationSpace> Checker<C> {
         let z: Vec<f64> = step.iter().zip(self.space.scales()).map(|(x, s)| x * s).collect();
         for near in tried.near.iter().take(PLANES) {
             let value = near.distance - dot(&near.gradient, &z);
-            // The clearance is not concave: a bound below the value at the centre is none.
+            // The clearance is not concave: a plane below the value at the centre is no bound.
             planes.push(ClearancePlane {
                 value: value.larger(centre.distance),
                 gradient: near.gradient.clone(),
             });
         }
-        // The oldest of those learned go; those of the centre are first and stay.
+        // Remove the oldest learned planes. The planes of the centre come first and are kept.
         let extra = planes.len().saturating_sub(own + 4 * PLANES);
         planes.drain(own..own + extra);
     }
@@ -165,8 +167,8 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-/// Returns the z that maximises the least of the planes less `|z|^2 / (2 mu)`, and the least of the
-/// planes there.
+/// Returns the z that maximises the least plane less `|z|^2 / (2 mu)`, and the value of the least
+/// plane there.
 fn maximum(planes: &[ClearancePlane], mu: f64, fixed: &[bool]) -> (Vec<f64>, f64) {
     let free = |g: &[f64]| -> Vec<f64> {
         let parts = g.iter().zip(fixed);
@@ -177,7 +179,7 @@ fn maximum(planes: &[ClearancePlane], mu: f64, fixed: &[bool]) -> (Vec<f64>, f64
     let Some(first) = lowest else {
         return (std::vec![0.0; fixed.len()], f64::INFINITY);
     };
-    // Products of the gradients, so that an exchange costs no more than the number of planes.
+    // Products of the gradients, so that the cost of an exchange is linear in the number of planes.
     let products: Vec<Vec<f64>> = gradients
         .iter()
         .map(|g| gradients.iter().map(|h| dot(g, h)).collect())
@@ -194,8 +196,9 @@ fn maximum(planes: &[ClearancePlane], mu: f64, fixed: &[bool]) -> (Vec<f64>, f64
     (z, least)
 }
 
-/// Moves weight from the plane of the highest value to that of the lowest until all planes with
-/// weight are equally high. A value is the height of a plane after the step of the weights.
+/// Moves weight from the plane with the highest value to the plane with the lowest, until all
+/// planes with a weight have equal values. A value is that of a plane after the step of the
+/// weights.
 fn exchange(weights: &mut [f64], values: &mut [f64], products: &[Vec<f64>], mu: f64) {
     for _ in 0..EXCHANGES {
         let by_value = |i: &usize, j: &usize| values[*i].total_cmp(&values[*j]);
@@ -223,8 +226,8 @@ mod tests {
     use super::*;
     use truth::rng::Rng;
 
-    /// Against a search over the plane: the penalised model is concave, so no place on a fine grid
-    /// about the answer may be better.
+    /// Compares with a search: the penalised model is concave, so no point of a fine grid around
+    /// the result may be better.
     #[test]
     fn the_step_maximises_the_model() {
         let mut rng = Rng::new(5);

@@ -1,4 +1,4 @@
-//! Segments and paths proven free over their whole length.
+//! The checker: proves segments free over their whole length.
 
 use core::ops::Range;
 use std::vec::Vec;
@@ -17,12 +17,11 @@ use lin_canny::impact::{Cast, Certificate, Impact, Tolerance, cast_with_certific
 use lin_canny::separation::Separation;
 use lin_canny::tolerance::EXTENT_MAX;
 
-/// Width at which the bracket of a contact ends, in units of the sum of both radii: free segments
-/// that come nearer than this need more looks. Not measured.
+/// Width of the bracket of a contact, in units of the sum of both radii. Free segments that come
+/// closer than this need more queries. Not measured.
 const CONTACT: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// The proof that a pair stays apart on a segment: certificates one after the other, from time 0
-/// to 1.
+/// The proof that a pair stays apart on a segment: consecutive certificates from time 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairProof {
     /// The pair.
@@ -31,24 +30,24 @@ pub struct PairProof {
     pub certificates: Vec<Certificate>,
 }
 
-/// Checks motions of a robot among obstacles; keeps a tracker for each pair.
+/// Checks motions of a robot among obstacles, with one tracker per pair.
 pub struct Checker<C> {
     pub(crate) space: C,
     pub(crate) world: World,
     pub(crate) pairs: Pairs,
     margin: f64,
     pub(crate) work: CheckWork,
-    /// Scratch: pairs to look at, and poses.
+    /// Scratch memory: pairs to check, and poses.
     pub(crate) candidates: Vec<usize>,
     stretches: Vec<Stretch>,
     pub(crate) poses: Vec<Isometry3<f64>>,
-    /// The pairs that were not free at single configurations, the last first.
+    /// Pairs that were not free at single configurations, the latest first.
     pub(crate) hits: Vec<usize>,
-    /// Scratch: the distances of balls and the pairs.
+    /// Scratch memory: distances of balls, with their pairs.
     pub(crate) order: Vec<(f64, usize)>,
-    /// The distance within which the last clearance was found: how far the next one looks first.
+    /// Distance within which the last clearance was found; the next search starts with it.
     pub(crate) reach: f64,
-    /// Whether predicates are asked before distances.
+    /// Whether predicates run before distances.
     has_parts: bool,
 }
 
@@ -56,8 +55,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns the checker of a robot in a world.
     ///
     /// # Errors
-    /// If the space moves another number of bodies than the world has bodies of the robot, a pose
-    /// is out of range, or a pair of kinds cannot be measured.
+    /// Returns an error if the space and the world have different numbers of robot bodies, if a
+    /// pose is out of range, or if two kinds of geometry cannot be measured.
     pub fn new(space: C, world: World) -> Result<Self, PlanError> {
         if space.bodies() != world.robot.len() {
             return Err(PlanError::Bodies {
@@ -84,10 +83,10 @@ impl<C: ConfigurationSpace> Checker<C> {
         })
     }
 
-    /// Sets the distance that pairs must keep, zero at first: nearer counts as blocked.
+    /// Sets the distance that all pairs must keep; closer counts as blocked. The default is 0.
     ///
     /// # Errors
-    /// A margin that is negative or not finite.
+    /// Returns an error if the margin is negative or not finite.
     pub fn set_margin(&mut self, margin: f64) -> Result<(), PlanError> {
         if !(0.0..=EXTENT_MAX).contains(&margin) {
             return Err(PlanError::Value {
@@ -99,7 +98,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(())
     }
 
-    /// Returns the distance that pairs must keep.
+    /// Returns the distance that all pairs must keep.
     #[must_use]
     pub fn margin(&self) -> f64 {
         self.margin
@@ -117,24 +116,24 @@ impl<C: ConfigurationSpace> Checker<C> {
         &self.world
     }
 
-    /// Returns the name of a part.
+    /// Returns the name of a body.
     #[must_use]
     pub fn name(&self, part: WorldId) -> &str {
         self.world.name(part)
     }
 
-    /// Returns the work done.
+    /// Returns the counts of work since the checker was made.
     #[must_use]
     pub fn work(&self) -> CheckWork {
         self.work
     }
 
-    /// Forgets what earlier calls have left. The next answer is that of a new checker, bit for bit,
-    /// whatever was asked before: answers about many configurations depend on no order, and on no
-    /// division among threads or machines, if this call comes before each.
+    /// Drops all cached state: the next call returns, bit for bit, what a new checker would.
     ///
-    /// Costs little itself, and the time that trackers save between configurations near each other:
-    /// classes and predicates are the same without it, distances but for their last bits.
+    /// Call it before each configuration to make results independent of order, threads and
+    /// machines. The call itself is cheap, but trackers then save no time between neighbouring
+    /// configurations. Without it, classes and predicates are the same; only the last bits of
+    /// distances may differ.
     ///
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -159,25 +158,26 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Returns whether the segment between two configurations is free, blocked at a time, or
-    /// unknown, proven over its whole length.
+    /// unknown.
     ///
-    /// A blocked segment is proven free up to `safe`, so that the contact is the first.
+    /// The verdict covers the whole length of the segment. A blocked segment is proven free up to
+    /// `safe`, so the reported contact is the first.
     ///
     /// # Errors
-    /// A configuration that is not of the space.
+    /// Returns an error if a configuration is invalid.
     pub fn certify(&mut self, from: &[f64], to: &[f64]) -> Result<Verdict, PlanError> {
         let segment = self.segment(from, to)?;
         self.judged(&segment, false)
     }
 
-    /// Returns whether the segment between two configurations is proven free, without asking for
-    /// the first contact.
+    /// Returns whether the segment between two configurations is proven free.
     ///
-    /// If a body is not convex, so that a predicate costs far less than a distance, the last
-    /// configuration and the middle one are asked first ([`is_free_at`](Self::is_free_at)).
+    /// Does not search for the first contact. If a body is not convex, a predicate costs far less
+    /// than a distance, so the last and the middle configuration are tested first
+    /// ([`is_free_at`](Self::is_free_at)).
     ///
     /// # Errors
-    /// A configuration that is not of the space.
+    /// Returns an error if a configuration is invalid.
     pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
         let segment = self.segment(from, to)?;
         if self.has_parts && !(self.is_free_at(to)? && self.is_free_at(&self.space.between(from, to, 0.5))?) {
@@ -187,13 +187,13 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(self.judged(&segment, true)?.is_free())
     }
 
-    /// Returns the proof that a segment is free, all pairs and all certificates; `None` if the
-    /// segment is not proven free.
+    /// Returns the proof that a segment is free: the certificates of all pairs.
     ///
-    /// Pairs whose boxes never meet are looked at as well, so that the proof needs no boxes.
+    /// Returns `None` if the segment is not proven free. The proof contains pairs whose boxes never
+    /// overlap as well, so it does not depend on the boxes.
     ///
     /// # Errors
-    /// A configuration that is not of the space.
+    /// Returns an error if a configuration is invalid.
     pub fn prove(&mut self, from: &[f64], to: &[f64]) -> Result<Option<Vec<PairProof>>, PlanError> {
         let segment = self.segment(from, to)?;
         let mut proofs = Vec::new();
@@ -209,7 +209,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(Some(proofs))
     }
 
-    /// Returns the motion along a segment whose ends are of the space.
+    /// Returns the motion along a segment, after a check of its ends.
     pub(crate) fn segment(&self, from: &[f64], to: &[f64]) -> Result<C::Segment, PlanError> {
         self.space.check(from)?;
         self.space.check(to)?;
@@ -229,8 +229,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         found
     }
 
-    /// Collects the pairs whose swept boxes meet, with the times at which they do, and all pairs of
-    /// two bodies of the robot; the earliest first.
+    /// Collects the pairs whose swept boxes overlap, with their times, and all pairs of two robot
+    /// bodies; the earliest first.
     fn gather(&mut self, segment: &C::Segment, stretches: &mut Vec<Stretch>) -> Result<(), PlanError> {
         stretches.clear();
         for body in 0..self.space.bodies() {
@@ -271,7 +271,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 Impact::AtStart { seen } => (stretch.from, Some((stretch.from, seen))),
                 Impact::Hit { safe, hit, seen } => (safe, Some((hit, seen))),
                 Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => (safe, None),
-                // An answer that is not known here proves nothing.
+                // A variant that is unknown here proves nothing.
                 _ => (stretch.from, None),
             };
             verdict = match hit {
@@ -306,7 +306,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ) -> Result<Cast, PlanError> {
         let (tracked, resting) = self.pairs.tracked(index);
         let (WorldId::Robot(body) | WorldId::Obstacle(body)) = tracked.pair.a;
-        // Certificates are of the world, answers of any frame.
+        // Certificates must be in the world frame; other results may be in any frame.
         let stem = match tracked.pair.b {
             WorldId::Robot(other) if trail.is_none() => segment.stem(body, other),
             _ => 0,

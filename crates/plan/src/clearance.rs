@@ -16,84 +16,84 @@ use lin_canny::RelativePose;
 use lin_canny::impact::Impact;
 use lin_canny::motion::{Motion, Steady, Velocity};
 
-/// Places of a segment measured before its clearance is proven. Not measured.
+/// Configurations of a segment that are measured before its clearance is proven. Not measured.
 const SAMPLES: u32 = 8;
 
-/// How often the clearance to be proven is lowered along a segment before nothing is said. Not
+/// Maximum number of times that the clearance to be proven is lowered along a segment. Not
 /// measured.
 const LOWERED: u32 = 1000;
 
-/// Factor by which the distance is enlarged within which the last clearance was found, if no
-/// obstacle is as near any more; if none is within that, all are asked. Not measured.
+/// Factor by which the search distance grows if no obstacle is within the distance of the last
+/// clearance. If none is within the larger distance, all obstacles are measured. Not measured.
 const ENLARGED: f64 = 4.0;
 
-/// A pair near its closest at a configuration.
+/// A pair at a configuration: signed distance, bounds, witness points and gradient.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct NearPair {
     /// The pair.
     pub pair: WorldPair,
-    /// The signed distance: negative for an overlap, zero for an overlap of unknown depth.
+    /// Signed distance: negative for an overlap, zero for an overlap of unknown depth.
     pub distance: f64,
     /// Lower bound of the signed distance.
     pub lower: f64,
     /// Upper bound of the signed distance.
     pub upper: f64,
-    /// The witness points on both parts, in the world.
+    /// Witness points on both bodies, in the world.
     pub witnesses: [Point3<f64>; 2],
-    /// Derivative of the signed distance by each component of a step, over the component's
-    /// [`scale`](ConfigurationSpace::scales): by a displacement, so to say. Zero for an overlap of
-    /// unknown depth.
+    /// Derivative of the signed distance by each component of a step, divided by the component's
+    /// [`scale`](ConfigurationSpace::scales), so that all components are derivatives by a length.
+    /// Zero for an overlap of unknown depth.
     pub gradient: Vec<f64>,
 }
 
-/// A pair as measured, before its gradient.
+/// A measured pair without its gradient.
 struct MeasuredPair {
-    /// The distance of the balls about both parts, and the number of the pair: the order among
-    /// pairs of equal distance.
+    /// Distance of the balls around both bodies, and index of the pair: they order pairs of equal
+    /// distance.
     gap: f64,
     index: usize,
     near: NearPair,
-    /// The normal in the world, zero for an overlap of unknown depth.
+    /// Normal in the world; zero for an overlap of unknown depth.
     normal: Vector3<f64>,
 }
 
 /// The clearance along a segment: a proven lower bound, and a distance that is attained.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentClearance {
-    /// All pairs are proven at least this far apart over the whole segment; zero without a proof,
-    /// infinite without a pair.
+    /// Lower bound of the distance of all pairs over the whole segment; zero if nothing is proven,
+    /// infinite if there is no pair.
     pub lower: f64,
-    /// At `t` a pair is at most this far apart.
+    /// Upper bound of the least distance: at `t`, `pair` is at most this far apart.
     pub upper: f64,
     /// A time at which `upper` holds.
     pub t: f64,
-    /// The pair that is nearest there, if there is any pair.
+    /// The closest pair at `t`; `None` if there is no pair.
     pub pair: Option<WorldPair>,
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
     /// Returns the pair of least signed distance at a configuration; `None` if there is no pair.
     ///
-    /// Depths are known of convex bodies alone: a pair with a mesh that overlaps counts as zero, so
-    /// that among pairs in contact the deepest convex one comes first.
-    /// [`NearPair::lower`] is minus infinity for a depth that is not known. All pairs
-    /// in contact at a configuration are those of [`nearest`](Self::nearest) with an infinite slack
-    /// whose distance is at most zero.
+    /// Only convex bodies have depths. An overlapping pair with a mesh has the distance 0 and a
+    /// [`NearPair::lower`] of minus infinity, so among pairs in contact the deepest convex pair
+    /// comes first. To get all pairs in contact, call [`nearest`](Self::nearest) with an infinite
+    /// slack and keep the pairs whose distance is at most zero.
     ///
     /// # Errors
-    /// A configuration that is not of the space.
+    /// Returns an error if the configuration is invalid.
     pub fn clearance(&mut self, configuration: &[f64]) -> Result<Option<NearPair>, PlanError> {
         let mut near = self.nearest(configuration, 0.0)?;
         near.truncate(1);
         Ok(near.pop())
     }
 
-    /// Returns all pairs whose signed distance exceeds the least by at most `slack`, the nearest
-    /// first: the active set of the clearance.
+    /// Returns all pairs whose signed distance exceeds the least by at most `slack`.
+    ///
+    /// The closest pair comes first. These pairs are the active set of the clearance.
     ///
     /// # Errors
-    /// A configuration that is not of the space.
+    /// Returns an error if the configuration is invalid.
     pub fn nearest(&mut self, configuration: &[f64], slack: f64) -> Result<Vec<NearPair>, PlanError> {
         self.space.check(configuration)?;
         let mut poses = core::mem::take(&mut self.poses);
@@ -107,7 +107,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.work.configurations += 1;
         let mut found: Vec<MeasuredPair> = Vec::new();
         let mut least = f64::INFINITY;
-        // The last answer says how far to look; whatever is left out is farther than `reach`.
+        // Start with the distance of the last result. Pairs left out are farther than `reach`.
         let mut reach = self.reach;
         loop {
             self.gather_within(reach, poses)?;
@@ -137,7 +137,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(found.into_iter().map(|m| m.near).collect())
     }
 
-    /// Collects the pairs that may be within `reach`, and all pairs of two bodies of the robot.
+    /// Collects the pairs that may be within `reach`, and all pairs of two robot bodies.
     pub(crate) fn gather_within(&mut self, reach: f64, poses: &[Isometry3<f64>]) -> Result<(), PlanError> {
         self.candidates.clear();
         if !(reach < f64::INFINITY) {
@@ -186,15 +186,15 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(())
     }
 
-    /// Returns a lower bound of the distance of the balls about both parts: negative if the balls
+    /// Returns a lower bound of the distance of the balls around both bodies; negative if they
     /// overlap.
     pub(crate) fn ball_gap(&self, index: usize, poses: &[Isometry3<f64>]) -> f64 {
         let [(p, r), (q, s)] = self.balls(index, poses);
         (q - p).norm() - r - s
     }
 
-    /// Returns the balls about both parts of a pair, in the world, larger by the rounding of their
-    /// places and of their distance.
+    /// Returns the balls around both bodies of a pair in the world, enlarged by the rounding of
+    /// their positions and of their distance.
     fn balls(&self, index: usize, poses: &[Isometry3<f64>]) -> [(Point3<f64>, f64); 2] {
         let pair = self.pairs.all[index].pair;
         [pair.a, pair.b].map(|part| {
@@ -207,8 +207,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         })
     }
 
-    /// Measures one pair at posed bodies, but for its gradient. Returns the normal in the world as
-    /// well, zero for an overlap of unknown depth.
+    /// Measures one pair without its gradient, and returns its normal in the world as well, zero
+    /// for an overlap of unknown depth.
     fn measure(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<(NearPair, Vector3<f64>), PlanError> {
         self.work.measures += 1;
         let (tracked, _) = self.pairs.tracked(index);
@@ -250,16 +250,18 @@ impl<C: ConfigurationSpace> Checker<C> {
         near.gradient = gradient;
     }
 
-    /// Returns the least clearance along a segment, in bounds that are apart by a part `relative`
-    /// of the upper bound. Parts of 1e-3 and more are mostly reached; smaller parts may end without
-    /// a proof.
+    /// Returns bounds of the least clearance along a segment.
+    ///
+    /// The bounds differ by at most the fraction `relative` of the upper bound, if a proof is
+    /// found. This is nearly always so for 1e-3 and more; a smaller `relative` may end without a
+    /// proof.
     ///
     /// # Errors
-    /// A configuration that is not of the space, or a part that is not between 0 and 1.
+    /// Returns an error if a configuration is invalid or `relative` is not between 0 and 1.
     pub fn clearance_along(&mut self, from: &[f64], to: &[f64], relative: f64) -> Result<SegmentClearance, PlanError> {
         if !(relative > 0.0 && relative < 1.0) {
             return Err(PlanError::Value {
-                what: "relative width of a clearance",
+                what: "relative width of the clearance",
                 value: relative,
             });
         }
@@ -291,8 +293,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(found)
     }
 
-    /// Lowers the distance that a pair is proven to keep until the pair keeps it; `None` if nothing
-    /// is proven.
+    /// Lowers the distance to be proven until the pair keeps it; `None` if nothing is proven.
     fn lowered(
         &mut self,
         index: usize,
@@ -314,7 +315,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                     found.lower_to(seen.upper, time, pair);
                 }
                 Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => time = safe,
-                // An answer that is not known here proves nothing.
+                // A variant that is unknown here proves nothing.
                 _ => break,
             }
             keep = keep.smaller(found.upper) * (1.0 - relative);

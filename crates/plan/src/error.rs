@@ -1,4 +1,4 @@
-//! Refused input of configuration spaces, worlds and checkers.
+//! Errors of configuration spaces, worlds and checkers.
 
 use std::string::String;
 
@@ -7,74 +7,76 @@ use lin_canny::broad::BroadPhaseError;
 use lin_canny::impact::ImpactError;
 use lin_canny::motion::MotionError;
 
-/// Reason why a planning call was refused.
+/// Error of a call of this crate.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// A configuration with too few or too many numbers.
-    #[error("a configuration has {expected} numbers, not {found}")]
+    /// Returned if a configuration has too few or too many numbers.
+    #[error("configuration has {found} numbers (expected {expected})")]
     Length {
-        /// The number of coordinates of the space.
+        /// Number of coordinates of the space.
         expected: usize,
-        /// The number given.
+        /// Length of the configuration.
         found: usize,
     },
-    /// A coordinate of a configuration that is not finite or outside the bounds.
-    #[error("coordinate {index} of a configuration is out of bounds: {value:?}")]
+    /// Returned if a coordinate of a configuration is not finite or outside the bounds.
+    #[error("coordinate {index} of the configuration is out of bounds: {value:?}")]
     Coordinate {
-        /// The index of the coordinate.
+        /// Index of the coordinate.
         index: usize,
-        /// The value given.
+        /// Value of the coordinate.
         value: f64,
     },
-    /// The quaternion of a configuration is not of unit length, to 1e-12 of the squared norm.
-    #[error("the quaternion of a configuration has a squared norm of {squared_norm}")]
+    /// Returned if the squared norm of a quaternion differs from 1 by more than 1e-12.
+    #[error(
+        "quaternion of the configuration is not a unit quaternion: squared norm {squared_norm} (expected 1 to 1e-12)"
+    )]
     Rotation {
-        /// The squared norm.
+        /// Squared norm of the quaternion.
         squared_norm: f64,
     },
-    /// Bounds, limits, lengths or counts that define no space or no search.
+    /// Returned if a bound, limit, length, index or count of a space or a search is out of range.
     #[error("{what} is out of range: {value:?}")]
     Value {
-        /// The name of the number.
+        /// Name of the number.
         what: &'static str,
         /// The number.
         value: f64,
     },
-    /// The space moves another number of bodies than the world has bodies of the robot.
-    #[error("the space moves {space} bodies, the world has {world} bodies of the robot")]
+    /// Returned if the space and the world have different numbers of robot bodies.
+    #[error("number of robot bodies differs: {space} in the space, {world} in the world")]
     Bodies {
-        /// Bodies of the space.
+        /// Number of bodies that the space moves.
         space: usize,
-        /// Bodies of the robot in the world.
+        /// Number of robot bodies in the world.
         world: usize,
     },
-    /// No body has this name.
-    #[error("no body is called {0}")]
+    /// Returned if no body has this name.
+    #[error("body {0:?} does not exist")]
     Unnamed(String),
-    /// The robot is in contact, or nearer than the margin, at an end of the motion asked for.
-    #[error("{a} and {b} are in contact, or within the margin, at the {end}")]
+    /// Returned if the robot is in contact, or closer than the margin, at the start or the goal.
+    #[error("{a} and {b} are in contact or closer than the margin at the {end}")]
     Contact {
         /// `start` or `goal`.
         end: &'static str,
-        /// The name of the first body.
+        /// Name of the first body.
         a: String,
-        /// The name of the second body.
+        /// Name of the second body.
         b: String,
     },
-    /// A path without a configuration.
-    #[error("a path needs a configuration")]
+    /// Returned if a path has no configuration.
+    #[error("path is empty (expected at least one configuration)")]
     Empty,
-    /// A pose that is no rigid placement.
+    /// Returned if a pose is invalid.
     #[error(transparent)]
     Pose(#[from] PoseError),
-    /// Numbers of a motion that are out of range.
+    /// Returned if a number of a motion is out of range.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// A cast that was refused.
+    /// Returned if a cast is invalid.
     #[error(transparent)]
     Impact(#[from] ImpactError),
-    /// A box that the broad phase refused.
+    /// Returned if the broad phase rejects a box.
     #[error(transparent)]
     Broad(#[from] BroadPhaseError),
 }

@@ -1,4 +1,4 @@
-//! Whether a single configuration is free, by predicates alone.
+//! Decides whether a single configuration is free, by predicates alone.
 
 use nalgebra::Isometry3;
 
@@ -8,24 +8,23 @@ use crate::space::ConfigurationSpace;
 use crate::world::WorldId;
 use lin_canny::RelativePose;
 
-/// Pairs that were hit lately and come first at the next configuration; of these the first few are
-/// asked before any box is looked at. Not measured.
+/// Number of recent collisions that are tested first at the next configuration. The first few of
+/// them are tested before any box. Not measured.
 const HITS: usize = 16;
 const HITS_FIRST: usize = 2;
 
 impl<C: ConfigurationSpace> Checker<C> {
-    /// Returns whether every pair is proven farther apart than the margin at a configuration: what
-    /// sampling planners ask most.
+    /// Returns whether every pair is proven farther apart than the margin at a configuration.
     ///
-    /// Measures no distance, and ends at the first pair that is not free; which pairs are in contact
-    /// says [`nearest`](Self::nearest). Pairs that were hit
-    /// lately come first, then those whose boxes overlap, by the overlap of the balls about them.
-    /// Equals [`is_free`](Self::is_free) for a segment of one configuration, but for pairs at the
-    /// margin up to rounding, which this call decides exactly where
-    /// [`PairTracker::within`](lin_canny::PairTracker::within) does.
+    /// Measures no distance, and ends at the first pair that is not free. Tests recent collisions
+    /// first, then pairs with overlapping boxes, in the order of the distances of their balls.
+    /// Equals [`is_free`](Self::is_free) of a one-point segment, except within rounding of the
+    /// margin, where this call is exact wherever
+    /// [`PairTracker::within`](lin_canny::PairTracker::within) is. Use [`nearest`](Self::nearest)
+    /// to learn which pairs collide.
     ///
     /// # Errors
-    /// A configuration that is not of the space.
+    /// Returns an error if the configuration is invalid.
     pub fn is_free_at(&mut self, configuration: &[f64]) -> Result<bool, PlanError> {
         self.space.check(configuration)?;
         self.work.configurations += 1;
@@ -42,7 +41,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(hit.is_none())
     }
 
-    /// Returns a pair that is not proven to keep the margin.
+    /// Returns the index of a pair that is not proven to keep the margin.
     fn first_hit(&mut self, poses: &[Isometry3<f64>]) -> Result<Option<usize>, PlanError> {
         let margin = self.margin();
         for k in 0..self.hits.len().min(HITS_FIRST) {
@@ -57,7 +56,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         order.clear();
         let candidates = self.candidates.iter().filter(|k| !self.hits[..asked].contains(k));
         order.extend(candidates.filter_map(|&k| Some((self.near_by(k, poses)?, k))));
-        // Pairs hit before come first.
+        // Recent collisions come first.
         let rank = |k: usize| self.hits.iter().position(|&h| h == k).unwrap_or(HITS);
         order.sort_unstable_by(|x, y| rank(x.1).cmp(&rank(y.1)).then(x.0.total_cmp(&y.0)).then(x.1.cmp(&y.1)));
         let mut found = Ok(None);
@@ -73,13 +72,13 @@ impl<C: ConfigurationSpace> Checker<C> {
         found
     }
 
-    /// Returns the distance of the balls about both parts, if it is not proven beyond the margin.
+    /// Returns the distance of the balls around both bodies, unless it is beyond the margin.
     fn near_by(&self, index: usize, poses: &[Isometry3<f64>]) -> Option<f64> {
         let gap = self.ball_gap(index, poses);
         (gap <= self.margin()).then_some(gap)
     }
 
-    /// Returns whether a pair is proven farther apart than the margin at posed bodies.
+    /// Returns whether a pair is proven farther apart than the margin.
     fn keeps_margin(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<bool, PlanError> {
         self.work.decisions += 1;
         let margin = self.margin();

@@ -1,4 +1,4 @@
-//! Freeways: curves of slice-local maxima of the clearance.
+//! Freeways: curves of local maxima of the clearance within slices.
 
 use std::vec::Vec;
 
@@ -8,28 +8,27 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::space::ConfigurationSpace;
 
-/// Clearance, in units of the shortest step, below which a freeway has closed and no bridge begins.
+/// Clearance, in units of the shortest step, below which a freeway is closed and no bridge starts.
 /// Not measured.
 pub(crate) const CLOSED: f64 = 64.0;
 
-/// Steps of a trace of a freeway in one direction, at most. Not measured.
+/// Maximum number of steps of a trace in one direction. Not measured.
 const TRACE: usize = 256;
 
-/// Lengths of a step by which a corrector may move a place: farther is another maximum. Not
-/// measured.
+/// Step lengths by which the corrector may move a configuration; farther away is another maximum.
+/// Not measured.
 const HOP: f64 = 4.0;
 
 /// The reason why a freeway ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FreewayEnd {
-    /// At a bound of the sweep coordinate.
+    /// The sweep coordinate reaches a bound.
     Bound,
     /// The clearance falls to the margin: the channel closes.
     Closed,
-    /// The maximum is none in the next slices (the maximum meets a saddle), or leads away faster
-    /// than the sweep coordinate.
+    /// The maximum ends, because it meets a saddle, or it moves faster than the sweep coordinate.
     Inflection,
-    /// The number of steps is used up, or the caller stopped the search.
+    /// The step limit is reached, or the caller stopped the search.
     Budget,
 }
 
@@ -40,9 +39,11 @@ enum Tried {
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
-    /// Follows the slice-local maximum from a place as the sweep coordinate goes up (`sign` 1) or
-    /// down (-1). Predictor: the secant through the last two places; corrector: ascent within the
-    /// slice. Every step is proven free; a step that is not is halved.
+    /// Follows the local maximum of the slices as the sweep coordinate increases (`sign` 1) or
+    /// decreases (-1).
+    ///
+    /// Predicts along the secant through the last two configurations, and corrects by an ascent
+    /// within the slice. A step that is not proven free is halved.
     pub(crate) fn trace(
         &mut self,
         start: &ClearConfiguration,
@@ -82,8 +83,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok((places, FreewayEnd::Budget))
     }
 
-    /// Returns the step along the secant whose component of the sweep coordinate is `way`, as a
-    /// length.
+    /// Returns the step along the secant whose sweep component, as a length, is `way`.
     fn predicted(
         &self,
         here: &ClearConfiguration,
@@ -101,7 +101,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 .zip(scales)
                 .map(|(x, s)| (x * s).abs())
                 .fold(0.0, f64::larger);
-            // A secant across the sweep is a bad guess.
+            // A secant perpendicular to the sweep coordinate is a bad prediction.
             if along * way > 0.0 && aside <= HOP * along.abs() {
                 step = past.iter().map(|x| x * (way / along)).collect();
             }
@@ -110,8 +110,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         step
     }
 
-    /// Ascends in the slice ahead; lost if the ascent hops away, ends in contact, or the segment is
-    /// not proven free.
+    /// Ascends in the next slice; fails if the ascent moves too far, ends in contact, or the
+    /// segment is not proven free.
     fn corrected(&mut self, here: &[f64], ahead: Vec<f64>, way: f64, slice: &Slice) -> Result<Tried, PlanError> {
         let near = Slice {
             longest: way.larger(8.0 * slice.shortest),

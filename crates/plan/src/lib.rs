@@ -1,17 +1,18 @@
-//! Motions of robots among obstacles: segments proven free, and paths made of such segments.
+//! Checks and plans motions of robots among obstacles, with proofs.
 //!
-//! A [`Checker`] joins a [`ConfigurationSpace`] (where the bodies of a robot are at a
-//! configuration, and how they move along a segment) with a [`World`] (the bodies of the robot, the
-//! obstacles, of every kind of shape, and the pairs that may touch). [`Checker::certify`] decides a
-//! segment over its whole length: no step size, no contact missed between two samples.
-//! [`Checker::plan`] searches a path.
+//! A [`Checker`] combines two things. A [`ConfigurationSpace`] gives the poses of the robot's
+//! bodies at a configuration and their motion along a segment. A [`World`] holds the bodies of the
+//! robot, the obstacles and the pairs that may touch; shapes may be of any kind.
+//! [`Checker::certify`] decides a segment over its whole length. There is no step size, so no
+//! contact between two samples is missed. [`Checker::plan`] searches for a path of segments that
+//! are proven free.
 //!
 //! ```
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
 //! use lin_canny_plan::{Checker, PlanOptions, RigidSpace, World};
 //! use lin_canny::polyhedron::solids;
 //!
-//! // A rod, a wall of two blocks with a slit between them.
+//! // A rod, and a wall of two blocks with a slit between them.
 //! let mut world = World::new();
 //! world.robot_body("rod", solids::cuboid(Vector3::new(0.5, 0.1, 0.1))?);
 //! let block = solids::cuboid(Vector3::new(0.2, 1.0, 2.0))?;
@@ -34,32 +35,44 @@
 //!
 //! # Segments
 //!
-//! | question | function | answer |
+//! | question | function | result |
 //! |---|---|---|
-//! | Is a segment free? | [`Checker::certify`], [`is_free`](Checker::is_free) | [`Verdict`]: free, blocked at a time by a pair, unknown |
-//! | Is a path free? | [`Checker::certify_path`] | the first segment that is not |
-//! | Is a spline, or a motion with an error of tracking, free? | [`Checker::certify_tube`] | [`Verdict`] on all motions that close to the segment |
-//! | Why is the segment free? | [`Checker::prove`] | the certificates of every pair, one after the other |
-//! | How clear is the segment? | [`Checker::clearance_along`] | a proven bound, and a distance that is attained |
-//! | Is a configuration free? | [`Checker::is_free_at`] | yes or no, by predicates alone |
-//! | How clear is a configuration? | [`Checker::clearance`], [`nearest`](Checker::nearest) | signed distance, witnesses, gradient |
+//! | Is a segment free? | [`Checker::certify`], [`is_free`](Checker::is_free) | [`Verdict`]: free, blocked by a pair at a time, or unknown |
+//! | Is a path free? | [`Checker::certify_path`] | the first segment that is not free |
+//! | Is a spline free, or a motion with a tracking error? | [`Checker::certify_tube`] | [`Verdict`] for all motions within a distance of the segment |
+//! | Why is a segment free? | [`Checker::prove`] | the certificates of every pair, in order of time |
+//! | How large is the clearance along a segment? | [`Checker::clearance_along`] | a proven lower bound, and a distance that is attained |
+//! | Is a configuration free? | [`Checker::is_free_at`] | `true` or `false`, without distances |
+//! | How large is the clearance at a configuration? | [`Checker::clearance`], [`nearest`](Checker::nearest) | signed distance, witness points, gradient |
 //!
-//! A segment is looked at pair by pair. Boxes swept over stretches of the segment, each as long as
-//! the motion is nearly a parabola, sort out most obstacles, balls most of the rest without a
-//! distance query; two links are looked at from the last link that carries both. A look at one of the remaining pairs proves as much
-//! of the segment as a separating plane holds that turns with the closest features
-//! ([`impact`](lin_canny::impact)), and the next look begins where the plane ends. A pair that comes
-//! into contact ends with a time up to which the pair is proven apart and a time at which the pair
-//! is proven to meet, about a millionth of the pair's size apart. Rounding of the
-//! motion, of the poses and of the distances is part of every proof: of the motion over the reals,
-//! and of the poses that [`SegmentMotion::pose`] places at any f64.
+//! A segment is checked pair by pair:
+//!
+//! 1. Swept boxes exclude most obstacles. Each box covers a part of the segment in which the motion
+//!    is nearly a parabola.
+//! 2. Bounding balls exclude most of the remaining pairs, without a distance query.
+//! 3. Each remaining pair is cast ([`impact`](lin_canny::impact)). A step of the cast bounds how
+//!    long a plane that rotates with the closest features separates the pair. The next step starts
+//!    there.
+//! 4. If a pair comes into contact, the cast returns a time up to which the pair is proven apart,
+//!    and a time at which it is proven to be in contact. Between both, the pair moves by about a
+//!    millionth of its size.
+//!
+//! The motion of two links is measured relative to the last link that carries both. Every proof
+//! includes the rounding of the motion, of the poses and of the distances. It holds for the motion
+//! over the real numbers and for the poses that [`SegmentMotion::pose`] returns at any `f64`.
 //!
 //! # Spaces
 //!
-//! [`PlanarSpace`] (x, y, angle), [`TranslationSpace`], [`RigidSpace`] (position and quaternion)
-//! and [`JointTree`] (revolute, prismatic and fixed joints, branches, joints that mimic another,
-//! any number of bodies on a link), of which [`SerialArm`] is the case of one chain. The crate
-//! `lin-canny-robot` reads one from a URDF. Any other robot implements [`ConfigurationSpace`].
+//! | space | configuration |
+//! |---|---|
+//! | [`PlanarSpace`] | x, y and an angle |
+//! | [`TranslationSpace`] | x, y and z |
+//! | [`RigidSpace`] | position and quaternion |
+//! | [`SerialArm`] | joints in one chain |
+//! | [`JointTree`] | revolute, prismatic and fixed joints with branches; joints may mimic another, and a link may carry any number of bodies |
+//!
+//! The crate `lin-canny-robot` reads a [`JointTree`] from a URDF. For any other robot, implement
+//! [`ConfigurationSpace`].
 //!
 //! # The opportunistic planner
 //!
@@ -67,40 +80,41 @@
 //! *sweep coordinate* fixed. As the sweep coordinate moves, a local maximum of the clearance within
 //! the slice moves along a *freeway*, as far from the obstacles as the slice allows.
 //!
-//! 1. From start and goal, climb within the slice to a freeway: steps along the gradients of the
-//!    pairs that are nearest together, as the maxima lie where several pairs are equally near.
-//! 2. Follow the freeway both ways: predict along the secant, correct by a climb within the next
-//!    slice. Each step is proven free, or halved.
+//! 1. From start and goal, climb within the slice to a freeway. The steps follow the gradients of
+//!    all pairs that are nearly closest, because the maxima are where several pairs are equally
+//!    close.
+//! 2. Follow the freeway in both directions. Predict along the secant, and correct by a climb
+//!    within the next slice. Each step is proven free, or halved.
 //! 3. A freeway ends where its maximum meets a saddle (an *inflection*), where its channel closes,
-//!    or at a bound. Search the slice of the end in the same way, with one dimension less: freeways
-//!    of a slice are *bridges*.
-//! 4. Channels split and join where the robot lies between two obstacles on opposite sides of it.
-//!    Look for such a place by a *feeler*, a motion towards a random configuration up to the first
-//!    contact, and begin a slice there, swept along the channel; else take a random slice: a
-//!    random configuration, in contact or not, and a random sweep coordinate. Narrow passages are
-//!    mostly found by such a slice, since the climb within the slice leads into the passage.
-//! 5. Link what is new by straight segments to other components of the roadmap. Start and goal in
-//!    one component: done.
+//!    or at a bound. Search the slice of the end in the same way, with one dimension less. Freeways
+//!    of a slice are called *bridges*.
+//! 4. Channels split and join where the robot is between two obstacles on opposite sides. Search
+//!    for such a configuration with a *feeler*, a motion towards a random configuration up to the
+//!    first contact. If it finds one, start a slice there, swept along the channel. Otherwise take
+//!    a random slice: a random configuration, in contact or not, and a random sweep coordinate.
+//!    Random slices find most narrow passages, because the climb within the slice leads into the
+//!    passage.
+//! 5. Link the new nodes to other components of the roadmap by straight segments. If start and goal
+//!    are in one component, the search is done.
 //!
-//! Every edge of the roadmap is proven free. The search is *probabilistically complete*, no more:
-//! the probability of missing a path whose clearance exceeds the margin tends to zero with the
-//! number of slices, since feelers reach every open set and are linked. No answer ever says that
-//! there is no path. Budgets count ([`PlanOptions`]) or stop by a clock of the caller
-//! ([`Checker::plan_with_progress`]); the same seed gives the same answer, bit for bit.
+//! Every edge of the roadmap is proven free. The search is *probabilistically complete*: feelers
+//! reach every open set and are linked, so the probability of missing a path whose clearance
+//! exceeds the margin tends to zero as the number of slices grows. The search never proves that
+//! there is no path. The budget is a count ([`PlanOptions`]), or the caller stops the search by a
+//! clock ([`Checker::plan_with_progress`]). The same seed gives the same result, bit for bit.
 //!
 //! # When not to use it
 //!
-//! A robot with dynamics, moving obstacles, closed chains: the spaces here are geometry. Six free
-//! axes in tight clutter take seconds: an arm through a window 0.5 and 0.35 m high at most 0.5 and
-//! 4.1 s over 20 seeds, a plank 0.2 thick through a hole of 0.3 at most 0.7 s
-//! (`crates/plan/tests`, ignored tests). A planner with a tuned sampler and fixed steps may be faster
-//! and may be wrong.
+//! * The spaces are geometric. For dynamics, moving obstacles or closed chains use another planner.
+//! * Six free axes in tight clutter take seconds. An arm through a window of 0.5 m height takes at
+//!   most 0.5 s over 20 seeds, through 0.35 m at most 4.1 s. A plank 0.2 thick through a hole of
+//!   0.3 takes at most 0.7 s (`crates/plan/tests`, ignored tests).
+//! * A planner with a tuned sampler and fixed steps may be faster, but may miss a collision.
 //!
-//! No other planner is part of the crate: [`Checker::is_free_at`] and [`is_free`](Checker::is_free)
-//! answer what sampling planners ask of a configuration and of a motion. RRT-Connect of the crate
-//! `oxmpl` is a dependency of the benchmarks alone (`race plan`), although light (`log` and
-//! `rand`): its motions are checked at fixed steps inside the planner, so that a certified checker
-//! cannot take their place.
+//! To use a sampling planner, call [`Checker::is_free_at`] for its configurations and
+//! [`is_free`](Checker::is_free) for its motions. The crate has no other planner. The benchmark
+//! `race plan` uses RRT-Connect of the crate `oxmpl`. That planner checks motions at fixed steps
+//! itself, so it cannot use a certified checker.
 //!
 //! # Sources
 //!
@@ -108,11 +122,12 @@
 //! 6); Schwarzer, Saha and Latombe 2005, "Adaptive dynamic collision checking" (segments proven by
 //! bounds of displacements); Kuffner and LaValle 2000, RRT-Connect (feelers). Departures:
 //!
-//! 1. Proofs of segments are planes over an interval, not displacements: steps are longer.
-//! 2. Critical points are not enumerated from the constraints of all pairs of features; contacts
-//!    between opposite obstacles, found locally, stand for them.
-//! 3. The ascent is a proximal bundle method, since the clearance has kinks at its maxima.
-//! 4. Straight links and feelers join parts of the roadmap before bridges are searched.
+//! 1. Segments are proven by separating planes over an interval instead of displacements, so the
+//!    steps are longer.
+//! 2. Critical points are not enumerated from the constraints of all feature pairs. Contacts
+//!    between opposite obstacles, found locally, replace them.
+//! 3. The ascent is a proximal bundle method, because the clearance has kinks at its maxima.
+//! 4. Straight links and feelers join components of the roadmap before bridges are searched.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

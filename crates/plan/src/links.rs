@@ -1,4 +1,4 @@
-//! What joins the roadmap: steps of traces, ascents, and straight segments between its components.
+//! Edges of the roadmap: steps of traces, ascents, and straight segments between components.
 
 use std::vec::Vec;
 
@@ -9,25 +9,33 @@ use crate::opportunistic::PathSearch;
 use crate::roadmap::EdgeKind;
 use crate::space::ConfigurationSpace;
 
-/// Random nodes of which the nearest begins a feeler or is its link. Not measured. There is one
-/// feeler a slice: with 16 a plank of 0.2 through holes of 0.6, 0.4 and 0.3 took 0.20, 0.24 and
-/// 0.53 s on average over 60 seeds, with 4 0.11, 0.17 and 0.30, with 1 0.08, 0.15 and 0.20.
+/// Number of random nodes of which the nearest starts a feeler or is its link. Not measured.
+///
+/// There is one feeler per slice. Average times over 60 seeds of a plank of 0.2 through a hole:
+///
+/// | feelers per slice | hole of 0.6 | hole of 0.4 | hole of 0.3 |
+/// |---:|---:|---:|---:|
+/// | 16 | 0.20 s | 0.24 s | 0.53 s |
+/// | 4 | 0.11 s | 0.17 s | 0.30 s |
+/// | 1 | 0.08 s | 0.15 s | 0.20 s |
 const FEW: usize = 64;
 
-/// Components to which straight segments from one node are tried, at most. Not measured.
+/// Maximum number of components to which straight segments from one node are tried. Not measured.
 const LINKS: usize = 4;
 
-/// Nodes of a component among which the nearest is looked for, at most: over all nodes the search
-/// for the nearest took two thirds of the time at 40,000 nodes, and a plank of 0.2 through holes of
-/// 0.6, 0.4 and 0.3, 20 seeds each, was found in 0.30, 0.59 and 1.4 s on average, against 0.19,
-/// 0.31 and 0.64 s.
+/// Maximum number of nodes of a component among which the nearest is searched.
+///
+/// With all nodes, this search took two thirds of the time at 40,000 nodes. Average times over 20
+/// seeds of a plank of 0.2 through holes of 0.6, 0.4 and 0.3 were 0.30, 0.59 and 1.4 s with all
+/// nodes, and 0.19, 0.31 and 0.64 s with this limit.
 const MANY: usize = 1024;
 
-/// Places of a freeway from which links are tried, less one. Not measured.
+/// Number of nodes of a freeway from which links are tried, less one. Not measured.
 const TRIES_A_FREEWAY: usize = 4;
 
 impl<C: ConfigurationSpace> PathSearch<'_, C> {
-    /// Adds the places of a trace behind a node; every step was proven free when it was traced.
+    /// Adds the configurations of a trace after a node. Every step was proven free during the
+    /// trace.
     pub(crate) fn strung(&mut self, node: usize, places: Vec<ClearConfiguration>, kind: EdgeKind) -> Vec<usize> {
         let mut last = node;
         let each = places.into_iter().map(|place| {
@@ -39,8 +47,10 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         each.collect()
     }
 
-    /// Joins a node with the last of some places: straight, else from place to place as far as
-    /// segments are proven free. Returns the node reached.
+    /// Joins a node to the last of some configurations, and returns the node reached.
+    ///
+    /// Tries the straight segment first, then the segments from one configuration to the next, as
+    /// long as they are proven free.
     pub(crate) fn chain(
         &mut self,
         node: usize,
@@ -68,8 +78,7 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         Ok(at)
     }
 
-    /// Returns the nearest to a configuration of a few random nodes, of those of other components
-    /// than a node's if one is given.
+    /// Returns the nearest of a few random nodes, outside the component of `apart_from` if given.
     pub(crate) fn near_one(&mut self, q: &[f64], apart_from: Option<usize>) -> Option<usize> {
         let own = apart_from.map(|node| self.roadmap.component(node));
         let mut best = (f64::INFINITY, None);
@@ -89,7 +98,7 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         best.1
     }
 
-    /// Tries straight segments from some nodes to the nearest nodes of other components.
+    /// Tries straight segments from nodes to the nearest nodes of other components.
     pub(crate) fn link(&mut self, nodes: &[usize]) -> Result<(), PlanError> {
         for &node in nodes {
             for other in self.strangers(node) {
@@ -102,8 +111,8 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         Ok(())
     }
 
-    /// Returns the nearest node of each of the nearest other components, of at most [`MANY`] nodes
-    /// of a component chosen at random.
+    /// Returns the nearest node of each of the nearest other components. Of a large component, only
+    /// [`MANY`] random nodes are considered.
     fn strangers(&mut self, node: usize) -> Vec<usize> {
         let Self {
             roadmap,
@@ -143,13 +152,13 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
     }
 }
 
-/// Lower bound of the distance of two configurations, by their sweep coordinates alone.
+/// Returns a lower bound of the distance of two configurations, from their sweep coordinates alone.
 pub(crate) fn apart<C: ConfigurationSpace>(space: &C, a: &[f64], b: &[f64]) -> f64 {
     let each = a.iter().zip(b).zip(space.scales()).take(space.bounds().len());
     each.map(|((x, y), s)| ((x - y) * s).abs()).fold(0.0, f64::larger)
 }
 
-/// Returns a few nodes of a freeway, both ends among them.
+/// Returns a few nodes of a freeway, including both ends.
 pub(crate) fn spaced(nodes: &[usize]) -> Vec<usize> {
     let last = nodes.len() - 1;
     let mut some: Vec<usize> = (0..=TRIES_A_FREEWAY)

@@ -1,4 +1,4 @@
-//! The opportunistic global path planner of Canny and Lin: what it is asked and what it answers.
+//! The opportunistic global path planner of Canny and Lin: options, result and entry points.
 
 use core::ops::ControlFlow;
 use std::string::ToString;
@@ -20,20 +20,21 @@ use crate::verdict::CheckWork;
 const LONGEST: f64 = 1.0 / 16.0;
 const SHORTEST: f64 = 1.0 / 32_768.0;
 
-/// The budget of a search, and its seed.
+/// Budget and seed of a search.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PlanOptions {
-    /// The seed of the random slices: the same seed gives the same answer.
+    /// Random seed (default 0). The same seed gives the same result.
     pub seed: u64,
-    /// Random slices, at most.
+    /// Maximum number of random slices (default 10,000).
     pub slices: u64,
-    /// Queries of pairs, at most; looked at between freeways. The default, a million, takes some
-    /// seconds to tens of seconds, as the bodies are; a search that is watched by the caller takes
-    /// `u64::MAX`, with [`Checker::plan_with_progress`].
+    /// Maximum number of pair queries, checked between freeways (default 1,000,000).
+    ///
+    /// The default takes seconds to tens of seconds, depending on the bodies. To stop by a clock,
+    /// set `u64::MAX` and call [`Checker::plan_with_progress`].
     pub queries: u64,
-    /// The clearance beyond which no configuration is better: ascents end there. `None` for an
-    /// eighth of the largest extent of the bounds.
+    /// Clearance at which an ascent ends, because more is no better. `None` is an eighth of the
+    /// largest extent of the bounds.
     pub clearance_cap: Option<f64>,
 }
 
@@ -49,28 +50,28 @@ impl Default for PlanOptions {
 }
 
 impl PlanOptions {
-    /// Returns the options with another seed.
+    /// Sets the random seed.
     #[must_use]
     pub const fn seed(mut self, seed: u64) -> Self {
         self.seed = seed;
         self
     }
 
-    /// Returns the options with another budget of random slices.
+    /// Sets the maximum number of random slices.
     #[must_use]
     pub const fn slices(mut self, slices: u64) -> Self {
         self.slices = slices;
         self
     }
 
-    /// Returns the options with another budget of distance queries.
+    /// Sets the maximum number of pair queries.
     #[must_use]
     pub const fn queries(mut self, queries: u64) -> Self {
         self.queries = queries;
         self
     }
 
-    /// Returns the options with a clearance that is enough.
+    /// Sets the clearance at which an ascent ends.
     #[must_use]
     pub const fn clearance_cap(mut self, clearance_cap: f64) -> Self {
         self.clearance_cap = Some(clearance_cap);
@@ -78,47 +79,49 @@ impl PlanOptions {
     }
 }
 
-/// The work of a search.
+/// Counts of the work of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PlanWork {
-    /// Random slices.
+    /// Number of random slices.
     pub slices: u64,
-    /// Freeways traced, those in slices not counted.
+    /// Number of freeways traced, without bridges.
     pub freeways: u64,
-    /// Freeways traced within slices: bridges.
+    /// Number of bridges traced (freeways within slices).
     pub bridges: u64,
-    /// Straight segments tried between parts of the roadmap, and those proven free.
+    /// Number of straight segments tried between components, and number proven free.
     pub links: [u64; 2],
-    /// The work of the checker.
+    /// Counts of the checker.
     pub checks: CheckWork,
 }
 
-/// The answer of a search.
+/// Result of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// The path from start to goal, every segment proven free in the direction of travel; `None` if
-    /// the budget ended first, or if the segments of the space are not the same motions both ways.
-    /// No answer says that there is no path.
+    /// The path from start to goal, with every segment proven free in the direction of travel.
+    ///
+    /// `None` if the budget ended first, or if a segment of the space is another motion in the
+    /// opposite direction. `None` does not prove that there is no path.
     pub path: Option<Path>,
-    /// What was found.
+    /// The roadmap at the end of the search.
     pub roadmap: Roadmap,
-    /// The work done.
+    /// Counts of the work.
     pub work: PlanWork,
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
-    /// Searches a path from one configuration to another: see the [module](super).
+    /// Searches for a path from `start` to `goal`; the [crate](crate) explains the method.
     ///
     /// # Errors
-    /// A configuration that is not of the space or not clear of contact by the margin, or options
-    /// out of range.
+    /// Returns an error if a configuration is invalid or closer to contact than the margin, or if
+    /// an option is out of range.
     pub fn plan(&mut self, start: &[f64], goal: &[f64], options: &PlanOptions) -> Result<Plan, PlanError> {
         self.plan_with_progress(start, goal, options, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// Searches a path as [`plan`](Self::plan) does, and tells the caller between freeways how many
-    /// queries of distances it has made. A caller that stops the search, by a limit of time for
-    /// example, gets no path.
+    /// Searches for a path as [`plan`](Self::plan) does, with a progress callback.
+    ///
+    /// The callback receives the number of queries between two freeways. If it stops the search,
+    /// for example at a time limit, `path` is `None`.
     ///
     /// # Errors
     /// As [`plan`](Self::plan).
@@ -150,7 +153,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         search.run(start, goal, options.slices)?;
         let found = search.path();
         let (roadmap, mut work) = (search.roadmap, search.work);
-        // The roadmap has proven its segments in either direction.
+        // The roadmap has proven each segment in one of its two directions.
         let path = match found {
             Some(path) if self.certify_path(&path)?.1.is_free() => Some(path),
             _ => None,
@@ -159,7 +162,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(Plan { path, roadmap, work })
     }
 
-    /// Lengths of steps, from the extent of the bounds.
+    /// Returns the lengths of steps, from the extent of the bounds.
     fn lengths(&self, options: &PlanOptions) -> Result<Slice, PlanError> {
         let bounds = self.space.bounds().iter().zip(self.space.scales());
         let extents = bounds.map(|([low, high], scale)| (high - low) * scale);
@@ -170,7 +173,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         }
         let clearance_cap = options.clearance_cap.unwrap_or(0.125 * extent);
         if !(clearance_cap > 0.0) {
-            let what = "cap of the clearance";
+            let what = "option `clearance_cap`";
             return Err(PlanError::Value {
                 what,
                 value: clearance_cap,
@@ -199,13 +202,13 @@ impl CheckWork {
     }
 }
 
-/// A search in the making.
+/// State of a search.
 pub(crate) struct PathSearch<'a, C> {
     pub(crate) checker: &'a mut Checker<C>,
     pub(crate) roadmap: Roadmap,
     pub(crate) work: PlanWork,
     pub(crate) random: Random,
-    /// No component fixed.
+    /// A slice without fixed components.
     pub(crate) lengths: Slice,
     pub(crate) queries: u64,
     pub(crate) before: CheckWork,

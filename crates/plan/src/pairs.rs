@@ -1,4 +1,4 @@
-//! The pairs of a checker: a tracker each, and the boxes of the obstacles.
+//! The pairs of a checker, each with a tracker, and the boxes of the obstacles.
 
 use std::vec::Vec;
 
@@ -13,23 +13,23 @@ use lin_canny::motion::{MotionModel, Steady, Velocity};
 use lin_canny::polyhedron::BoxHint;
 use lin_canny::{Geometry, PairTracker};
 
-/// Part of the whole segment below which no swept box is cut shorter: so there are at most 128. Not
-/// measured.
+/// Least length of a swept box, as a fraction of the segment, so that there are at most 128 boxes.
+/// Not measured.
 const SWEPT: f64 = 1.0 / 64.0;
 
 /// A pair and its tracker.
 pub(crate) struct TrackedPair {
     pub(crate) pair: WorldPair,
     pub(crate) tracker: PairTracker,
-    /// The number of the configuration at which the pair was measured last.
+    /// Number of the configuration at which the pair was last measured.
     pub(crate) measured: u64,
-    /// The number of the last stretch of the pair; of another pair if there is none.
+    /// Index of the last stretch of the pair; belongs to another pair if there is none.
     stretch: usize,
-    /// How often the pairs had been forgotten when the tracker began.
+    /// Value of `Pairs::forgotten` when the tracker was last reset.
     begun: u64,
 }
 
-/// A pair and the times of a segment at which the swept boxes of both meet.
+/// A pair, and an interval of a segment in which the swept boxes of both overlap.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stretch {
     pub(crate) pair: usize,
@@ -39,23 +39,23 @@ pub(crate) struct Stretch {
 
 /// All pairs that are measured.
 pub(crate) struct Pairs {
-    /// By body of the robot and obstacle: the index of the pair, [`NONE`] for an excluded pair.
+    /// Index of the pair of a robot body and an obstacle; [`NONE`] for an excluded pair.
     table: Vec<u32>,
     pub(crate) all: Vec<TrackedPair>,
-    /// The index of the first pair of two bodies of the robot.
+    /// Index of the first pair of two robot bodies.
     pub(crate) own: usize,
     obstacles: usize,
     boxes: SweepAndPrune,
     /// Obstacles found by a query.
     found: Vec<BodyId>,
-    /// The obstacles as bodies that rest.
+    /// The motions of the obstacles, which are at rest.
     pub(crate) resting: Vec<Steady>,
-    /// A ball about each body of the robot and about each obstacle, in the frame of the shape.
+    /// A ball around each robot body and each obstacle, in the frame of the shape.
     pub(crate) robot_balls: Vec<(Point3<f64>, f64)>,
     pub(crate) obstacle_balls: Vec<(Point3<f64>, f64)>,
     /// The greatest radius of a ball of the robot.
     pub(crate) robot_radius: f64,
-    /// How often the pairs have been forgotten.
+    /// Number of calls of `forget`.
     forgotten: u64,
 }
 
@@ -120,12 +120,12 @@ impl Pairs {
         Ok(self.all.len() as u32 - 1)
     }
 
-    /// Forgets what the trackers know; each is reset when it is asked next.
+    /// Drops the cached state of all trackers; each is reset at its next query.
     pub(crate) fn forget(&mut self) {
         self.forgotten += 1;
     }
 
-    /// Returns a pair whose tracker knows nothing that has been forgotten, and the obstacles.
+    /// Returns a pair with its tracker, reset if needed, and the obstacles.
     pub(crate) fn tracked(&mut self, index: usize) -> (&mut TrackedPair, &[Steady]) {
         let tracked = &mut self.all[index];
         if core::mem::replace(&mut tracked.begun, self.forgotten) != self.forgotten {
@@ -134,13 +134,13 @@ impl Pairs {
         (tracked, &self.resting)
     }
 
-    /// Returns the pair of a body of the robot and an obstacle, unless excluded.
+    /// Returns the index of the pair of a robot body and an obstacle, unless excluded.
     pub(crate) fn of(&self, body: usize, obstacle: usize) -> Option<usize> {
         let entry = self.table[body * self.obstacles + obstacle];
         (entry != NONE).then_some(entry as usize)
     }
 
-    /// Appends the pairs of a body of the robot with the obstacles whose boxes a box overlaps.
+    /// Appends the pairs of a robot body and the obstacles whose boxes overlap a box.
     pub(crate) fn near(&mut self, body: usize, swept: &Aabb, pairs: &mut Vec<usize>) -> Result<(), PlanError> {
         self.found.clear();
         self.boxes.overlapping(swept, &mut self.found)?;
@@ -151,8 +151,8 @@ impl Pairs {
 }
 
 impl Pairs {
-    /// Appends the pairs of a body of the robot with the obstacles whose boxes a swept box
-    /// overlaps; a stretch that ends at the begin is continued.
+    /// Appends the pairs of a robot body and the obstacles whose boxes overlap a swept box. Extends
+    /// a stretch that ends at the start of the box.
     pub(crate) fn near_within(
         &mut self,
         body: usize,
@@ -188,8 +188,8 @@ impl WorldPair {
     }
 }
 
-/// Returns a span, at most `most`, over which the pivot of a body stays near the parabola of its
-/// course: within half the reach of the body.
+/// Returns a span of at most `most` in which the pivot of a body deviates from the parabola of its
+/// course by at most half the radius of the body.
 pub(crate) fn even_span((centre, radius): (Point3<f64>, f64), model: &MotionModel, most: f64) -> f64 {
     let near = 0.5 * (radius + (centre - model.pivot).norm());
     let mut span = most;
@@ -199,9 +199,10 @@ pub(crate) fn even_span((centre, radius): (Point3<f64>, f64), model: &MotionMode
     span
 }
 
-/// Returns a box that contains a body, grown by `margin`, at every instant of a motion over a span
-/// of time that begins at `pose`: the pivot stays within the hull of the control points of its
-/// parabola but for the drift, and no point is farther from the pivot than the ball reaches.
+/// Returns a box that contains a body, grown by `margin`, during a motion that starts at `pose`.
+///
+/// The pivot stays within the hull of the control points of its parabola, up to the drift. No point
+/// is farther from the pivot than the ball.
 pub(crate) fn swept_box(
     (centre, radius): (Point3<f64>, f64),
     pose: &Isometry3<f64>,

@@ -10,15 +10,17 @@ use crate::space::ConfigurationSpace;
 use crate::verdict::Verdict;
 use lin_canny::tolerance::EXTENT_MAX;
 
-/// Configurations joined by segments.
+/// A path: configurations that are joined by segments.
 pub type Path = Vec<Vec<f64>>;
 
 impl<C: ConfigurationSpace> Checker<C> {
-    /// Returns the verdict on a path: free, or the number of the first segment that is not, and its
-    /// verdict. A path of one configuration is judged as a segment without length.
+    /// Returns the index of the first segment that is not free, with its verdict.
+    ///
+    /// If all segments are free, the verdict is free. A path of one configuration counts as a
+    /// segment without length.
     ///
     /// # Errors
-    /// A path without a configuration, or a configuration that is not of the space.
+    /// Returns an error if the path is empty or a configuration is invalid.
     pub fn certify_path(&mut self, path: &[Vec<f64>]) -> Result<(usize, Verdict), PlanError> {
         let first = path.first().ok_or(PlanError::Empty)?;
         if path.len() == 1 {
@@ -34,17 +36,18 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok((0, Verdict::Free { clearance }))
     }
 
-    /// Returns the verdict on a tube about a segment: on all motions that keep every point of the
-    /// robot within `radius` of its place on the segment at the same time, such as a spline between
-    /// the ends, or the segment driven with an error of tracking. The margin of the checker holds
-    /// inside the tube.
+    /// Returns the verdict for a tube around a segment.
     ///
-    /// `Blocked` and `Unknown` say that a pair comes within the margin and the radius; a tube of
-    /// which this is true may hold a motion that is free. Pairs of two bodies of the robot count
-    /// the radius twice, and so do all pairs of a robot with such pairs.
+    /// The tube contains all motions that keep every point of the robot within `radius` of its
+    /// position on the segment at the same time. Examples are a spline between the ends, and the
+    /// segment with a tracking error. The margin of the checker holds inside the tube.
+    ///
+    /// `Blocked` and `Unknown` mean that a pair comes within the sum of margin and radius. A free
+    /// motion may still exist in such a tube. For a pair of two robot bodies the radius counts
+    /// twice, and so it does for all pairs of a robot with such pairs.
     ///
     /// # Errors
-    /// A configuration that is not of the space, or a radius that is negative or not finite.
+    /// Returns an error if a configuration is invalid or `radius` is negative or not finite.
     pub fn certify_tube(&mut self, from: &[f64], to: &[f64], radius: f64) -> Result<Verdict, PlanError> {
         if !(0.0..=EXTENT_MAX).contains(&radius) {
             return Err(PlanError::Value {
@@ -67,19 +70,20 @@ impl<C: ConfigurationSpace> Checker<C> {
         })
     }
 
-    /// Returns the length of a path.
+    /// Returns the length of a path, the sum of [`ConfigurationSpace::distance`].
     pub fn path_length(&self, path: &[Vec<f64>]) -> f64 {
         path.windows(2).map(|e| self.space.distance(&e[0], &e[1])).sum()
     }
 
-    /// Shortens a path: pairs of places on the path, chosen at random, are joined by a straight
-    /// segment if the segment is proven free and keeps the margin of the checker. Every segment of
-    /// the path returned is proven free if every segment of the path given is.
+    /// Shortens a path by `tries` random shortcuts.
     ///
-    /// Cuts inside a segment leave a part of the segment, which is proven anew.
+    /// A shortcut joins two random points of the path by a straight segment, if this segment is
+    /// proven free and keeps the margin. If every segment of the input is proven free, so is every
+    /// segment of the result. A shortcut that starts inside a segment leaves a part of it, which is
+    /// proven again.
     ///
     /// # Errors
-    /// A configuration that is not of the space.
+    /// Returns an error if a configuration is invalid.
     pub fn shorten(&mut self, path: &[Vec<f64>], tries: usize, seed: u64) -> Result<Path, PlanError> {
         let mut random = Random::new(seed);
         let mut path: Path = path.into();
@@ -94,8 +98,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(path)
     }
 
-    /// Leaves out corners whose neighbours are joined by a segment proven free, as long as there
-    /// are any.
+    /// Removes configurations whose neighbours can be joined by a segment that is proven free.
     fn thin(&mut self, path: &mut Path) -> Result<(), PlanError> {
         let mut before = path.len() + 1;
         while path.len() < before {
@@ -114,7 +117,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(())
     }
 
-    /// Tries one shortcut between two places of a path.
+    /// Tries one shortcut between two points of a path.
     fn cut(&mut self, path: &mut Path, random: &mut Random) -> Result<(), PlanError> {
         let lengths: Vec<f64> = path.windows(2).map(|e| self.space.distance(&e[0], &e[1])).collect();
         let whole: f64 = lengths.iter().sum();
@@ -127,7 +130,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let from = self.space.between(&path[i], &path[i + 1], x);
         let to = self.space.between(&path[j], &path[j + 1], y);
         let way: f64 = lengths[i] * (1.0 - x) + lengths[i + 1..j].iter().sum::<f64>() + lengths[j] * y;
-        // A cut that saves nothing to speak of leaves more corners than before.
+        // A shortcut that saves almost nothing only adds configurations.
         if self.space.distance(&from, &to) > way * (1.0 - SAVED) {
             return Ok(());
         }
@@ -138,13 +141,14 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(())
     }
 
-    /// Moves the inner corners of a path away from obstacles: each corner goes towards larger
-    /// clearance, up to `clearance`, if both segments beside it are proven free. Returns the path
-    /// after some rounds over all corners; each segment is first halved until no segment is longer
-    /// than `longest`.
+    /// Moves the inner configurations of a path away from obstacles.
+    ///
+    /// Each segment is first halved until none is longer than `longest`. In each of `rounds`
+    /// rounds, every inner configuration moves towards larger clearance, up to `clearance`, if both
+    /// adjacent segments are proven free.
     ///
     /// # Errors
-    /// A configuration that is not of the space, or a length that is not positive.
+    /// Returns an error if a configuration is invalid or `longest` is not positive.
     pub fn widen(&mut self, path: &[Vec<f64>], clearance: f64, longest: f64, rounds: usize) -> Result<Path, PlanError> {
         if !(longest > 0.0) {
             return Err(PlanError::Value {
@@ -161,7 +165,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(path)
     }
 
-    /// Moves one corner, half the way again after each refusal.
+    /// Moves one configuration, and halves the displacement after each failure.
     fn push(&mut self, path: &mut Path, k: usize, clearance: f64, longest: f64) -> Result<(), PlanError> {
         let Some(near) = self.clearance(&path[k])? else {
             return Ok(());
@@ -198,13 +202,13 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 }
 
-/// Part of the length that a shortcut must save.
+/// Fraction of the length that a shortcut must save.
 const SAVED: f64 = 1.0 / 1024.0;
 
-/// Parts of a divided segment, at most.
+/// Maximum number of parts of a divided segment.
 const PARTS: usize = 1024;
 
-/// Returns the segment in which a place on a path lies, and the part of the segment before it.
+/// Returns the segment that contains a point of a path, and the fraction of the segment before it.
 fn place(lengths: &[f64], mut at: f64) -> (usize, f64) {
     for (k, &length) in lengths.iter().enumerate() {
         if at < length || k + 1 == lengths.len() {

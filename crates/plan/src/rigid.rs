@@ -1,4 +1,4 @@
-//! Configuration spaces of one rigid body: in the plane, in space without turns, in space.
+//! Configuration spaces of one rigid body: in the plane, translations, in space.
 
 use core::f64::consts::{PI, TAU};
 use std::vec::Vec;
@@ -10,11 +10,11 @@ use crate::space::{ConfigurationSpace, SegmentMotion, check, check_bounds, withi
 use lin_canny::motion::{Motion, MotionModel, Steady, Velocity};
 use lin_canny::tolerance::{EXTENT_MAX, POSE_UNIT};
 
-/// Largest angle of a configuration in the plane: sums and remainders of angles err by UNIT of
-/// their size, and a thousand radians keep thirteen digits.
+/// Largest angle of a planar configuration, in radians. Sums and remainders of angles err by UNIT
+/// of their size, so a thousand radians keep thirteen digits.
 const ANGLE_MAX: f64 = 1024.0;
 
-/// One rigid motion of all bodies.
+/// All bodies share one rigid motion.
 impl SegmentMotion for Steady {
     fn pose(&self, _: usize, time: f64) -> Isometry3<f64> {
         Motion::pose(self, time)
@@ -25,7 +25,7 @@ impl SegmentMotion for Steady {
     }
 }
 
-/// Refuses a radius that is not positive and finite.
+/// Returns an error unless a radius is positive and finite.
 fn check_radius(value: f64) -> Result<(), PlanError> {
     if value > 0.0 && value <= EXTENT_MAX {
         Ok(())
@@ -35,11 +35,11 @@ fn check_radius(value: f64) -> Result<(), PlanError> {
     }
 }
 
-/// A rigid body in the plane z = 0: configurations are x, y and the angle about z in radians.
+/// A rigid body in the plane z = 0: a configuration is x, y and the angle about z in radians.
 ///
-/// Along a segment the body's own origin goes straight and the body turns the shorter way round at
-/// a constant rate. The angle may be anything up to 1024; angles that differ by a whole turn are
-/// one configuration.
+/// Along a segment the origin of the body moves along a straight line, and the body rotates by the
+/// smaller angle at a constant rate. The absolute angle is at most 1024. Angles that differ by a
+/// full turn are the same configuration.
 #[doc(alias = "SE2")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanarSpace {
@@ -49,12 +49,14 @@ pub struct PlanarSpace {
 }
 
 impl PlanarSpace {
-    /// Returns the space with least and greatest x and y; `radius` is the length that a radian
-    /// stands for, best the radius of the body about its own origin. All `bodies` of the robot
-    /// move as one.
+    /// Returns the space with the least and greatest x and y.
+    ///
+    /// `radius` is the length that corresponds to one radian; use the radius of the body around its
+    /// origin. All `bodies` of the robot move as one.
     ///
     /// # Errors
-    /// Bounds or a radius that are not finite, empty or not positive.
+    /// Returns an error if the bounds are not finite or empty, or `radius` is not finite and
+    /// positive.
     pub fn new(bounds: [[f64; 2]; 2], radius: f64, bodies: usize) -> Result<Self, PlanError> {
         check_bounds("bound of the plane", &bounds)?;
         check_radius(radius)?;
@@ -72,8 +74,10 @@ impl PlanarSpace {
     }
 }
 
-/// Returns the angle between two angles the shorter way round, in [-pi, pi]: with the ends
-/// exchanged the negative angle, half a turn included, as a roadmap drives segments both ways.
+/// Returns the smaller rotation between two angles, in [-pi, pi].
+///
+/// If the ends are exchanged, the result changes its sign, even for half a turn, because a roadmap
+/// uses segments in both directions.
 fn shorter(from: f64, to: f64) -> f64 {
     let turn = libm::fmod(to - from, TAU);
     if turn > PI {
@@ -149,8 +153,7 @@ impl ConfigurationSpace for PlanarSpace {
     }
 }
 
-/// A rigid body in space that does not turn: configurations are x, y and z of the body's own
-/// origin.
+/// A rigid body that does not rotate: a configuration is x, y and z of its origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TranslationSpace {
     bounds: [[f64; 2]; 3],
@@ -159,10 +162,11 @@ pub struct TranslationSpace {
 }
 
 impl TranslationSpace {
-    /// Returns the space with least and greatest x, y and z, for bodies that keep this rotation.
+    /// Returns the space with the least and greatest x, y and z, for bodies with this rotation.
     ///
     /// # Errors
-    /// Bounds that are not finite or empty, or a rotation that is not of unit length.
+    /// Returns an error if the bounds are not finite or empty, or `rotation` is not a unit
+    /// quaternion.
     pub fn new(bounds: [[f64; 2]; 3], rotation: UnitQuaternion<f64>, bodies: usize) -> Result<Self, PlanError> {
         check_bounds("bound of the space", &bounds)?;
         lin_canny::RelativePose::from_isometry(&Isometry3::from_parts(Translation3::identity(), rotation))?;
@@ -227,12 +231,12 @@ impl ConfigurationSpace for TranslationSpace {
     }
 }
 
-/// A rigid body in space: configurations are `x, y, z, qx, qy, qz, qw`, position of the body's own
-/// origin and unit quaternion.
+/// A rigid body in space: a configuration is `x, y, z, qx, qy, qz, qw`.
 ///
-/// Along a segment the origin goes straight and the body turns the shorter way round about one axis
-/// at a constant rate (slerp). A step is a displacement of the origin and a rotation vector, both
-/// along the axes of the world.
+/// These are the position of the body's origin and a unit quaternion. Along a segment the origin
+/// moves along a straight line, and the body rotates by the smaller angle about a fixed axis at a
+/// constant rate (slerp). A step is a displacement of the origin and a rotation vector, both in
+/// world axes.
 #[doc(alias = "SE3")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigidSpace {
@@ -242,12 +246,14 @@ pub struct RigidSpace {
 }
 
 impl RigidSpace {
-    /// Returns the space with least and greatest x, y and z; `radius` is the length that a radian
-    /// stands for, best the radius of the body about its own origin. All `bodies` of the robot
-    /// move as one.
+    /// Returns the space with the least and greatest x, y and z.
+    ///
+    /// `radius` is the length that corresponds to one radian; use the radius of the body around its
+    /// origin. All `bodies` of the robot move as one.
     ///
     /// # Errors
-    /// Bounds or a radius that are not finite, empty or not positive.
+    /// Returns an error if the bounds are not finite or empty, or `radius` is not finite and
+    /// positive.
     pub fn new(bounds: [[f64; 2]; 3], radius: f64, bodies: usize) -> Result<Self, PlanError> {
         check_bounds("bound of the space", &bounds)?;
         check_radius(radius)?;

@@ -15,16 +15,16 @@ pub enum EdgeKind {
     Ascent,
     /// A step along a freeway of a slice, with one dimension less: a bridge between freeways.
     Bridge,
-    /// A straight segment between two parts of the roadmap.
+    /// A straight segment between two components of the roadmap.
     Link,
 }
 
 /// A segment proven free between two configurations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
-    /// The numbers of the configurations.
+    /// Indices of the two configurations.
     pub ends: [usize; 2],
-    /// The kind.
+    /// How the edge was found.
     pub kind: EdgeKind,
 }
 
@@ -33,26 +33,26 @@ pub struct Edge {
 pub struct Freeway {
     /// The sweep coordinate.
     pub coordinate: usize,
-    /// How many coordinates were fixed besides: zero for a freeway, more for a bridge.
+    /// Number of other fixed coordinates: zero for a freeway, more for a bridge.
     pub depth: usize,
-    /// The numbers of the configurations, from the lower end to the upper end.
+    /// Indices of the configurations, from the lower end to the upper end.
     pub nodes: Vec<usize>,
-    /// Why the freeway ends at the lower and at the upper end.
+    /// Reasons for the lower and the upper end.
     pub ends: [FreewayEnd; 2],
 }
 
-/// Configurations, and segments proven free between them.
+/// Configurations, and segments between them that are proven free.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Roadmap {
-    /// The configurations; number 0 is the start, number 1 the goal.
+    /// The configurations. Index 0 is the start, index 1 the goal.
     pub nodes: Vec<Vec<f64>>,
     /// The segments.
     pub edges: Vec<Edge>,
     /// The freeways.
     pub freeways: Vec<Freeway>,
-    /// The number of the component of each node.
+    /// Component number of each node.
     numbers: Vec<usize>,
-    /// The nodes of each component by its number.
+    /// Nodes of each component, by component number.
     components: BTreeMap<usize, Vec<usize>>,
 }
 
@@ -65,7 +65,7 @@ impl Roadmap {
         node
     }
 
-    /// Joins two nodes; the smaller component goes into the larger.
+    /// Joins two nodes; merges the smaller component into the larger.
     pub(crate) fn join(&mut self, a: usize, b: usize, kind: EdgeKind) {
         self.edges.push(Edge { ends: [a, b], kind });
         let size = |number: usize| self.components.get(&number).map_or(0, Vec::len);
@@ -81,21 +81,23 @@ impl Roadmap {
         self.components.entry(large).or_default().extend(moved);
     }
 
-    /// Returns the number of the component of a node: configurations joined by segments share a
-    /// number, the number of one of them.
+    /// Returns the component number of a node.
+    ///
+    /// Configurations that are joined by segments share the number, which is the index of one of
+    /// them.
     #[must_use]
     pub fn component(&self, node: usize) -> usize {
         self.numbers[node]
     }
 
-    /// Returns the components, each with its number and nodes.
+    /// Returns the number and the nodes of each component.
     pub(crate) fn components(&self) -> impl Iterator<Item = (usize, &[usize])> {
         self.components
             .iter()
             .map(|(number, nodes)| (*number, nodes.as_slice()))
     }
 
-    /// Returns the nodes that segments join with each node.
+    /// Returns the neighbours of each node.
     fn neighbours(&self) -> Vec<Vec<usize>> {
         let mut beside: Vec<Vec<usize>> = std::vec![Vec::new(); self.nodes.len()];
         for Edge { ends: [a, b], .. } in &self.edges {
@@ -105,7 +107,7 @@ impl Roadmap {
         beside
     }
 
-    /// Returns the nodes of a shortest way between two nodes by the lengths of segments.
+    /// Returns the nodes of a shortest path between two nodes, by the lengths of segments.
     pub(crate) fn way(&self, from: usize, to: usize, length: impl Fn(&[f64], &[f64]) -> f64) -> Option<Vec<usize>> {
         let beside = self.neighbours();
         let mut best = std::vec![(f64::INFINITY, usize::MAX); self.nodes.len()];
@@ -140,7 +142,7 @@ impl Roadmap {
     }
 }
 
-/// A node on the front of the search.
+/// A node in the queue of the shortest-path search.
 #[derive(Clone, Copy, Debug)]
 struct Reached {
     far: f64,

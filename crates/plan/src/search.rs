@@ -15,16 +15,16 @@ use crate::path::Path;
 use crate::roadmap::{EdgeKind, Freeway};
 use crate::space::ConfigurationSpace;
 
-/// Cosine of gradients that count as opposite. Not measured.
+/// Cosine beyond which gradients count as opposite. Not measured.
 const OPPOSITE: f64 = 0.25;
 
-/// Part of the way to a contact that is left out. Not measured.
+/// Fraction of the path to a contact that a feeler leaves out. Not measured.
 const SHORT: f64 = 1.0 / 64.0;
 
-/// Clearances within which a place of a freeway counts as known. Not measured.
+/// Distance, in units of the clearance, within which a configuration counts as known. Not measured.
 const KNOWN: f64 = 1.0;
 
-/// Dimensions by which slices of slices may lose. Not measured.
+/// Maximum depth of slices within slices. Not measured.
 const DEPTH: usize = 1;
 
 const START: usize = 0;
@@ -73,8 +73,8 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         Some(way.into_iter().map(|k| self.roadmap.nodes[k].clone()).collect())
     }
 
-    /// Begins a slice between two obstacles if a feeler finds such a place, else at a random
-    /// configuration.
+    /// Starts a slice between two obstacles if a feeler finds such a configuration, otherwise at a
+    /// random configuration.
     fn random_slice(&mut self) -> Result<(), PlanError> {
         let outer = self.lengths.clone();
         if let Some((node, coordinate)) = self.feeler()? {
@@ -92,7 +92,7 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         }
     }
 
-    /// Ascends within a slice from a configuration that is uniform, in contact or not.
+    /// Ascends within a slice from a uniform random configuration, in contact or not.
     fn uniform(&mut self, slice: &Slice) -> Result<Option<usize>, PlanError> {
         let random = &mut self.random;
         let sample = self.checker.space.sample(&mut || random.uniform());
@@ -109,10 +109,12 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         Ok(Some(last))
     }
 
-    /// Goes from a near node straight towards a uniform configuration as far as the way is proven
-    /// free, adds the place reached, and tries to link the place to another component. Returns the
-    /// place, and the sweep coordinate along the channel, if the place lies between obstacles on
-    /// opposite sides: where channels split and join.
+    /// Moves from a close node straight towards a uniform random configuration, as far as the
+    /// motion is proven free.
+    ///
+    /// Adds the configuration reached and tries to link it to another component. If it is between
+    /// obstacles on opposite sides, where channels split and join, returns its node and the sweep
+    /// coordinate along the channel.
     fn feeler(&mut self) -> Result<Option<(usize, usize)>, PlanError> {
         let random = &mut self.random;
         let goal = self.checker.space.sample(&mut || random.uniform());
@@ -139,8 +141,10 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         Ok(self.channel(&near).map(|coordinate| (next, coordinate)))
     }
 
-    /// Returns the sweep coordinate that changes the distances of two opposite pairs least; `None`
-    /// if no two pairs are opposite: a step away from one is a step towards the other.
+    /// Returns the sweep coordinate that changes the distances of two opposite pairs least.
+    ///
+    /// Two pairs are opposite if a step away from one is a step towards the other. Returns `None`
+    /// if no two pairs are opposite.
     fn channel(&self, near: &[NearPair]) -> Option<usize> {
         let norm = |g: &[f64]| f64::sqrt(dot(g, g));
         let opposite = near.iter().enumerate().find_map(|(k, x)| {
@@ -153,8 +157,8 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         (0..self.checker.space.bounds().len()).min_by(|i, j| change(i).total_cmp(&change(j)))
     }
 
-    /// Climbs from a node to the freeway of its slice, follows it both ways, links what is new to
-    /// the rest, and does the same within the slices of its ends, with one dimension less.
+    /// Climbs from a node to the freeway of its slice, follows it in both directions, and links the
+    /// new nodes to the rest. Does the same within the slices of its ends, with one dimension less.
     fn explore(&mut self, node: usize, coordinate: usize, outer: &Slice, depth: usize) -> Result<(), PlanError> {
         let mut slice = outer.clone();
         slice.fixed[coordinate] = true;
@@ -171,7 +175,7 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         }
         let least = self.checker.margin() + CLOSED * slice.shortest;
         for (tip, end) in self.follow((foot, &top), coordinate, &slice, depth)? {
-            // Where a channel has closed altogether, its slice holds nothing about it.
+            // If a channel has closed, its slice contains nothing of it.
             let is_open = |near: NearPair| near.distance > least;
             let q = &self.roadmap.nodes[tip];
             if end != FreewayEnd::Bound && self.checker.clearance(q)?.is_some_and(is_open) {
@@ -181,8 +185,8 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         Ok(())
     }
 
-    /// Follows the freeway through a node both ways and links what is new to the rest. Returns the
-    /// nodes at which the freeway ends.
+    /// Follows the freeway through a node in both directions and links the new nodes to the rest.
+    /// Returns the nodes at its ends.
     fn follow(
         &mut self,
         (foot, top): (usize, &ClearConfiguration),
@@ -213,7 +217,7 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         Ok(tips)
     }
 
-    /// Explores the slice of an end of a freeway, swept along another coordinate.
+    /// Explores the slice at an end of a freeway, swept along another coordinate.
     fn bridge(&mut self, node: usize, slice: &Slice, depth: usize) -> Result<(), PlanError> {
         let bounds = self.checker.space.bounds().len();
         let open: Vec<usize> = (0..bounds).filter(|&k| !slice.fixed[k]).collect();
@@ -224,8 +228,8 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         self.explore(node, coordinate, slice, depth + 1)
     }
 
-    /// Returns whether a place lies so near a place of a freeway, or for a place in a slice of a
-    /// bridge, that the ball of its clearance holds nothing new.
+    /// Returns whether a configuration is within its clearance of a node of a freeway of this
+    /// depth, so that exploring it finds nothing new.
     fn is_known(&self, top: &ClearConfiguration, depth: usize) -> bool {
         let (roadmap, space) = (&self.roadmap, &self.checker.space);
         let near = KNOWN * top.distance;

@@ -1,4 +1,4 @@
-//! The seam of planning: where bodies are at a configuration, and how they move along a segment.
+//! The trait of configuration spaces: poses at a configuration, motions along a segment.
 
 use std::vec::Vec;
 
@@ -8,8 +8,7 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use lin_canny::motion::{Motion, MotionModel, Steady};
 
-/// A configuration space: configurations are lists of numbers, and each places all bodies of a
-/// robot.
+/// A configuration space: a configuration is a list of numbers that sets the poses of all bodies.
 ///
 /// A *configuration* has [`coordinates`](Self::coordinates) numbers. A *step* is a tangent vector
 /// with one component for each degree of freedom, [`degrees_of_freedom`](Self::degrees_of_freedom) in number. The first
@@ -20,26 +19,26 @@ pub trait ConfigurationSpace {
     /// The motion of all bodies along a segment.
     type Segment: SegmentMotion;
 
-    /// Returns the number of numbers of a configuration.
+    /// Returns the length of a configuration vector.
     fn coordinates(&self) -> usize;
 
-    /// Returns the number of degrees of freedom, the components of a step.
+    /// Returns the number of degrees of freedom, which is the number of components of a step.
     fn degrees_of_freedom(&self) -> usize;
 
-    /// Returns the number of bodies that a configuration places.
+    /// Returns the number of bodies.
     fn bodies(&self) -> usize;
 
     /// Returns the least and the greatest value of each sweep coordinate.
     fn bounds(&self) -> &[[f64; 2]];
 
-    /// Returns the length that a unit of each component of a step stands for: 1 for a length, the
-    /// radius of the robot for an angle.
+    /// Returns the length that corresponds to one unit of each component of a step: 1 for a length,
+    /// the radius of the robot for an angle.
     fn scales(&self) -> &[f64];
 
-    /// Refuses a configuration that is not of this space.
+    /// Checks that a configuration belongs to this space.
     ///
     /// # Errors
-    /// The coordinate that is wrong.
+    /// Returns an error that names the invalid coordinate.
     fn check(&self, configuration: &[f64]) -> Result<(), PlanError>;
 
     /// Writes the poses of all bodies at a configuration, in the order of the bodies.
@@ -47,24 +46,24 @@ pub trait ConfigurationSpace {
 
     /// Returns the motion along the segment between two configurations, over the times 0 to 1.
     ///
-    /// The segment with its ends exchanged must be the same motion backwards, half a turn
-    /// included: a roadmap drives its segments both ways.
+    /// If the ends are exchanged, the segment must be the same motion backwards, even for half a
+    /// turn, because a roadmap uses its segments in both directions.
     ///
     /// # Errors
-    /// Numbers that are out of range.
+    /// Returns an error if a number is out of range.
     fn segment(&self, from: &[f64], to: &[f64]) -> Result<Self::Segment, PlanError>;
 
     /// Returns the step along the segment from one configuration to another.
     fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64>;
 
-    /// Returns the configuration after a step; sweep coordinates end at their bounds.
+    /// Returns the configuration after a step; sweep coordinates are clamped to their bounds.
     fn moved(&self, from: &[f64], step: &[f64]) -> Vec<f64>;
 
-    /// Returns a random configuration within the bounds, from numbers uniform in `[0, 1)`.
+    /// Returns a random configuration within the bounds; `uniform` returns numbers in `[0, 1)`.
     fn sample(&self, uniform: &mut dyn FnMut() -> f64) -> Vec<f64>;
 
-    /// Writes the gradient of `direction . p` by a step, p being the point of a body that is at
-    /// `point` in the world at this configuration.
+    /// Writes the gradient of `direction . p` by a step, where p is the point of the body that is
+    /// at `point` in the world at this configuration.
     fn gradient(
         &self,
         configuration: &[f64],
@@ -74,21 +73,20 @@ pub trait ConfigurationSpace {
         gradient: &mut [f64],
     );
 
-    /// Returns whether two bodies keep their relative pose at all configurations: such pairs are
+    /// Returns whether two bodies keep their relative pose at all configurations. Such pairs are
     /// never measured.
     fn is_rigid(&self, a: usize, b: usize) -> bool {
         a == b
     }
 
-    /// Returns the configuration at `t` along the segment from one configuration to another.
+    /// Returns the configuration at the fraction `t` of the segment.
     fn between(&self, from: &[f64], to: &[f64], t: f64) -> Vec<f64> {
         let mut step = self.difference(from, to);
         step.iter_mut().for_each(|x| *x *= t);
         self.moved(from, &step)
     }
 
-    /// Returns the length of a segment: the norm of the step with the
-    /// [`scales`](Self::scales).
+    /// Returns the length of a segment: the norm of the step, scaled by [`scales`](Self::scales).
     fn distance(&self, from: &[f64], to: &[f64]) -> f64 {
         let step = self.difference(from, to);
         let squares = step.iter().zip(self.scales()).map(|(x, s)| (x * s) * (x * s));
@@ -140,35 +138,38 @@ impl<C: ConfigurationSpace + ?Sized> ConfigurationSpace for &C {
     }
 }
 
-/// The motion of all bodies along a segment, over the times 0 to 1. Each body keeps the contract of
-/// [`Motion`].
+/// The motion of all bodies along a segment, over the times 0 to 1.
+///
+/// The motion of each body must satisfy the contract of [`Motion`].
 pub trait SegmentMotion {
     /// Returns the pose of a body at a time.
     fn pose(&self, body: usize, time: f64) -> Isometry3<f64>;
 
-    /// Returns the velocities of a body at a time and bounds of the deviation within `span` from
-    /// then on.
+    /// Returns the velocities of a body at a time, and bounds of the deviation within the next
+    /// `span`.
     fn model(&self, body: usize, time: f64, span: f64) -> MotionModel;
 
-    /// Returns the *stem* of two bodies: a moving frame as seen from which both move less than in
-    /// the world, such as the last link that carries both. 0 is the world.
+    /// Returns the *stem* of two bodies: a moving frame in which both move less than in the world.
+    ///
+    /// An example is the last link that carries both. 0 is the world.
     fn stem(&self, _a: usize, _b: usize) -> usize {
         0
     }
 
-    /// Returns the pose of a body as seen from a stem, and the motion model from there on. The
-    /// bounds hold of the poses that [`pose`](Self::pose) places as well.
+    /// Returns the pose of a body relative to a stem, and its motion model from this time on.
+    ///
+    /// The bounds must also hold for the poses that [`pose`](Self::pose) returns.
     fn placed(&self, _stem: usize, body: usize, time: f64, span: f64) -> (Isometry3<f64>, MotionModel) {
         (self.pose(body, time), self.model(body, time, span))
     }
 }
 
-/// The motion of one body along a segment, as seen from a stem.
+/// The motion of one body along a segment, relative to a stem.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyMotion<'a, M: ?Sized> {
     /// The motion of all bodies.
     pub segment: &'a M,
-    /// The number of the body.
+    /// Index of the body.
     pub body: usize,
     /// The [`stem`](SegmentMotion::stem): 0 for the world.
     pub stem: usize,
@@ -191,7 +192,7 @@ impl<M: SegmentMotion + ?Sized> Motion for BodyMotion<'_, M> {
     }
 }
 
-/// The motion of the second part of a pair.
+/// The motion of the second body of a pair.
 pub(crate) enum PartMotion<'a, M> {
     Robot(BodyMotion<'a, M>),
     Obstacle(&'a Steady),
@@ -220,8 +221,7 @@ impl<M: SegmentMotion> Motion for PartMotion<'_, M> {
     }
 }
 
-/// Refuses a configuration of a wrong length, or with a sweep coordinate that is not within its
-/// bounds.
+/// Returns an error if a configuration has the wrong length or a sweep coordinate is out of bounds.
 pub(crate) fn check(configuration: &[f64], coordinates: usize, bounds: &[[f64; 2]]) -> Result<(), PlanError> {
     if configuration.len() != coordinates {
         return Err(PlanError::Length {
@@ -237,7 +237,7 @@ pub(crate) fn check(configuration: &[f64], coordinates: usize, bounds: &[[f64; 2
     Ok(())
 }
 
-/// Refuses bounds that are not finite or empty.
+/// Returns an error if bounds are empty or not finite.
 pub(crate) fn check_bounds(what: &'static str, bounds: &[[f64; 2]]) -> Result<(), PlanError> {
     use lin_canny::tolerance::EXTENT_MAX;
     for [low, high] in bounds {

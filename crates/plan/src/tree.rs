@@ -1,4 +1,4 @@
-//! Trees of joints: branches, joints that mimic another, joints that never move.
+//! Trees of joints with branches, mimic joints and fixed joints.
 
 use std::vec::Vec;
 
@@ -13,20 +13,21 @@ use lin_canny::motion::Velocity;
 use lin_canny::tolerance::{EXTENT_MAX, POSE_UNIT};
 use lin_canny::{RelativePose, normalize_rotation};
 
-/// What sets the value of a joint: `factor` times a coordinate of the configuration, plus `offset`.
+/// Sets the value of a joint: `factor` times a coordinate of the configuration, plus `offset`.
+///
 /// Joints with the same coordinate mimic each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
-    /// The index of the coordinate.
+    /// Index of the coordinate.
     pub coordinate: usize,
-    /// The change of the value for a unit of the coordinate.
+    /// Change of the joint value per unit of the coordinate.
     pub factor: f64,
-    /// The value at the coordinate 0.
+    /// Joint value at the coordinate 0.
     pub offset: f64,
 }
 
 impl Drive {
-    /// Returns the drive of a joint whose value is a coordinate.
+    /// Returns the drive of a joint whose value equals a coordinate.
     #[must_use]
     pub fn by(coordinate: usize) -> Self {
         Self {
@@ -40,15 +41,15 @@ impl Drive {
 /// A joint of a tree, and the link that the joint moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeJoint {
-    /// The link before: 0 for the base, k for the link that joint k - 1 moves.
+    /// Parent link: 0 for the base, k for the link that joint k - 1 moves.
     pub parent: usize,
-    /// The kind.
+    /// Revolute or prismatic.
     pub kind: JointKind,
-    /// The pose of the joint's frame in the frame of the link before.
+    /// Pose of the joint's frame in the frame of the parent link.
     pub origin: Isometry3<f64>,
-    /// The axis through the origin of the joint's frame, in that frame.
+    /// Axis through the origin of the joint's frame, in that frame.
     pub axis: Unit<Vector3<f64>>,
-    /// What moves the joint; a joint without a drive keeps the value 0: it is fixed.
+    /// The coordinate that moves the joint. A joint without a drive is fixed at the value 0.
     pub drive: Option<Drive>,
 }
 
@@ -65,13 +66,13 @@ impl TreeJoint {
         }
     }
 
-    /// Returns the value at a configuration.
+    /// Returns the joint value at a configuration.
     pub(crate) fn value(&self, configuration: &[f64]) -> f64 {
         self.drive
             .map_or(0.0, |d| d.factor * configuration[d.coordinate] + d.offset)
     }
 
-    /// Returns the pose that the value of the joint adds.
+    /// Returns the pose of the link relative to the joint's frame.
     pub(crate) fn moved(&self, value: f64) -> Isometry3<f64> {
         let way = self.axis.into_inner() * value;
         match self.kind {
@@ -80,7 +81,7 @@ impl TreeJoint {
         }
     }
 
-    /// Returns the pose of the link after the joint from the pose of the link before.
+    /// Returns the pose of the joint's link from the pose of the parent link.
     pub(crate) fn after(&self, parent: &Isometry3<f64>, value: f64) -> Isometry3<f64> {
         normalize_rotation(&(parent * self.origin * self.moved(value)))
     }
@@ -90,29 +91,31 @@ impl TreeJoint {
         let refused = |what, value| Err(PlanError::Value { what, value });
         let square = self.axis.norm_squared();
         if !((square - 1.0).abs() <= POSE_UNIT) {
-            return refused("length of an axis", square);
+            return refused("squared length of a joint axis", square);
         }
         if self.parent > index {
-            return refused("number of a parent link", self.parent as f64);
+            return refused("index of a parent link", self.parent as f64);
         }
         let Some(drive) = self.drive else {
             return Ok(());
         };
         let Some([low, high]) = limits.get(drive.coordinate) else {
-            return refused("coordinate of a drive", drive.coordinate as f64);
+            return refused("coordinate index of a drive", drive.coordinate as f64);
         };
         let most = drive.factor.abs() * low.abs().larger(high.abs()) + drive.offset.abs();
         if most <= EXTENT_MAX {
             Ok(())
         } else {
-            refused("value of a joint", most)
+            refused("joint value", most)
         }
     }
 }
 
-/// A robot of joints in a tree: each joint moves a link, and a link carries any number of bodies
-/// and of further joints. Coordinates drive joints; one coordinate may drive several. All joints
-/// move evenly along a segment.
+/// A robot whose joints form a tree.
+///
+/// Each joint moves a link. A link carries any number of bodies and further joints. Coordinates
+/// drive joints; one coordinate may drive several. Along a segment all joints move at constant
+/// rates.
 ///
 /// The frame of a link is the frame of its joint, moved by the value of the joint. Link 0 is the
 /// base, and link k is moved by joint k - 1.
@@ -160,21 +163,21 @@ pub struct JointTree {
     scales: Vec<f64>,
     /// The link of each body.
     links: Vec<usize>,
-    /// The first of the links that keep their relative pose to a link.
+    /// For each link, the first link that keeps its relative pose to it.
     rigid: Vec<usize>,
 }
 
 impl JointTree {
-    /// Returns the robot whose base stands at a pose of the world.
+    /// Returns the robot whose base has the pose `base` in the world.
     ///
-    /// `limits` are those of the coordinates. `links` names the link of each body, in the order of
-    /// the bodies. `radii` gives for each link, the base first, the distance from the link's
-    /// origin to the farthest point of its bodies: these and the lengths of the links set the
-    /// length that a radian of each coordinate stands for.
+    /// `limits` are the limits of the coordinates. `links` gives the link of each body, in the
+    /// order of the bodies. `radii` gives, for each link and the base first, the distance from the
+    /// link's origin to the farthest point of its bodies. Together with the lengths of the links
+    /// they set the length that corresponds to one radian of each coordinate.
     ///
     /// # Errors
-    /// Poses, limits or radii that are not finite or out of range; a parent that does not come
-    /// before its joint; a link or coordinate that does not exist.
+    /// Returns an error if a pose, a limit or a radius is not finite or out of range, if a parent
+    /// does not come before its joint, or if a link or coordinate does not exist.
     pub fn new(
         base: Isometry3<f64>,
         joints: Vec<TreeJoint>,
@@ -195,7 +198,7 @@ impl JointTree {
             return refused("reach", radius);
         }
         if let Some(&link) = links.iter().find(|l| **l > joints.len()) {
-            return refused("number of a link", link as f64);
+            return refused("index of a link", link as f64);
         }
         Ok(Self {
             scales: scales(&joints, &limits, radii),
@@ -206,15 +209,15 @@ impl JointTree {
         })
     }
 
-    /// Returns the pose of a link at a configuration: 0 for the base.
+    /// Returns the pose of a link in the world at a configuration. Link 0 is the base.
     ///
     /// # Errors
-    /// A configuration that is not of the space, or a link that does not exist.
+    /// Returns an error if the configuration is invalid or the link does not exist.
     pub fn link_pose(&self, configuration: &[f64], link: usize) -> Result<Isometry3<f64>, PlanError> {
         self.check(configuration)?;
         let poses = self.tree.poses(configuration);
         poses.get(link).copied().ok_or(PlanError::Value {
-            what: "number of a link",
+            what: "index of a link",
             value: link as f64,
         })
     }
@@ -226,9 +229,11 @@ impl JointTree {
     }
 }
 
-/// Returns the length of a unit of each coordinate: of the joints that it drives the greatest of
-/// the factor of a slide, and for a turn the factor times the distance to the farthest point
-/// beyond. 1 for a coordinate that moves nothing.
+/// Returns the length that corresponds to one unit of each coordinate.
+///
+/// It is the greatest value of the joints that the coordinate drives: the factor for a prismatic
+/// joint, and the factor times the distance to the farthest moved point for a revolute joint. It is
+/// 1 for a coordinate that moves nothing.
 fn scales(joints: &[TreeJoint], limits: &[[f64; 2]], mut beyond: Vec<f64>) -> Vec<f64> {
     let mut scales = std::vec![0.0f64; limits.len()];
     for (index, joint) in joints.iter().enumerate().rev() {
@@ -251,8 +256,7 @@ fn scales(joints: &[TreeJoint], limits: &[[f64; 2]], mut beyond: Vec<f64>) -> Ve
     scales.into_iter().map(known).collect()
 }
 
-/// Returns the first of the links that keep their relative pose to each link: links that fixed
-/// joints connect.
+/// Returns, for each link, the first link that fixed joints connect to it.
 fn rigid(joints: &[TreeJoint]) -> Vec<usize> {
     let mut first = std::vec![0];
     for (index, joint) in joints.iter().enumerate() {

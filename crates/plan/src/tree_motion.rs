@@ -1,21 +1,22 @@
-//! The motion of the links of a tree of joints that all move evenly.
+//! The motion of the links of a tree of joints that move at constant rates.
 //!
 //! # Bounds
 //!
-//! All sums run along the path from the base to a link, whatever branches off.
+//! All sums run along the path from the base to a link, without other branches.
 //!
-//! Link k turns at `w = sum q'_i z_i` over its revolute joints, `z_i` the axis of joint i in the
-//! world, and `z_i' = w_{i-1} x z_i`. So the angular velocity changes at most at the rate
-//! `sum |q'_i| W_{i-1}`, with `W_i` the sum of the rates of the revolute joints up to i.
+//! The angular velocity of link k is `w = sum q'_i z_i` over its revolute joints, where `z_i` is
+//! the axis of joint i in the world, and `z_i' = w_{i-1} x z_i`. So the angular velocity changes at
+//! most at the rate `sum |q'_i| W_{i-1}`, where `W_i` is the sum of the rates of the revolute
+//! joints up to i.
 //!
-//! The origin of the link is the sum of vectors `R_1 .. R_i u_i`, each turned by the joints before
-//! it. Each turn has a constant rate about a fixed axis of the frame before, so by Leibniz's rule
-//! the n-th derivative of a vector of constant length is at most `W_i^n |u_i|`, and of a vector
-//! along a prismatic joint of value d `W^3 |d| + 3 W^2 |d'|` for n = 3. Velocity and acceleration
-//! at an instant are those of the forward recursion of Newton and Euler (Luh, Walker and Paul
-//! 1980); the sum of the third derivatives bounds the deviation from there.
+//! The origin of the link is the sum of vectors `R_1 .. R_i u_i`, each rotated by the joints before
+//! it. Each rotation has a constant rate about a fixed axis of the frame before. So by Leibniz's
+//! rule the n-th derivative of a vector of constant length is at most `W_i^n |u_i|`. For a vector
+//! along a prismatic joint of value d, the third derivative is at most `W^3 |d| + 3 W^2 |d'|`.
+//! Velocity and acceleration come from the forward recursion of Newton and Euler (Luh, Walker and
+//! Paul 1980). The sum of the third derivatives bounds the deviation from them.
 //!
-//! Errors of rounding grow with the number of joints on the path: see `ARM_TURN`, `ARM_PLACE` and
+//! Rounding errors grow with the number of joints on the path: see `ARM_TURN`, `ARM_PLACE` and
 //! `ARM_VALUE`.
 
 use std::sync::Arc;
@@ -31,11 +32,11 @@ use crate::tree::TreeJoint;
 use lin_canny::motion::{MotionModel, Remainder};
 use lin_canny::normalize_rotation;
 
-/// Radians by which the joints that two links share turn, beyond which the pair is looked at from
-/// the last link that carries both. Not measured.
+/// Rotation of the joints that two links share, in radians, beyond which the pair is measured
+/// relative to the last link that carries both. Not measured.
 const TURNED: f64 = 1.0;
 
-/// Base, joints and paths, shared by a space and its segments.
+/// Base, joints and paths; a space and its segments share them.
 #[derive(Clone, Debug)]
 pub(crate) struct LinkTree(Arc<Paths>);
 
@@ -48,8 +49,8 @@ struct Paths {
 }
 
 impl LinkTree {
-    /// Normalises rotations and axes: bounds take them as unit to rounding. The parent of each
-    /// joint must come before the joint.
+    /// Normalises rotations and axes, because the bounds require unit length up to rounding. The
+    /// parent of each joint must come before the joint.
     pub(crate) fn new(base: &Isometry3<f64>, mut joints: Vec<TreeJoint>) -> Self {
         let mut paths: Vec<Vec<usize>> = std::vec![Vec::new()];
         for (index, joint) in joints.iter_mut().enumerate() {
@@ -76,7 +77,7 @@ impl LinkTree {
         self.0.paths[link].iter().map(|&k| (k, &self.0.joints[k]))
     }
 
-    /// Returns the last link that two links have on their paths: they move alike as far as this one.
+    /// Returns the last link on the paths of both links: up to this one they move alike.
     fn stem(&self, a: usize, b: usize) -> usize {
         let [of_a, of_b] = [a, b].map(|link| self.0.paths[link].iter());
         let shared = of_a.zip(of_b).take_while(|(x, y)| x == y);
@@ -98,9 +99,9 @@ impl LinkTree {
 struct JointCourse {
     from: f64,
     rate: f64,
-    /// The greater absolute value at the ends.
+    /// The greater absolute value of both ends.
     most: f64,
-    /// Upper bound of all that is added up to a value: what its rounding is in units of.
+    /// Upper bound of all terms of a value; its rounding error is in units of this bound.
     size: f64,
 }
 
@@ -130,7 +131,7 @@ pub struct TreeSegment {
     tree: LinkTree,
     links: Vec<usize>,
     joints: Vec<JointCourse>,
-    /// Pose and motion model of each link at the begin, where every pair is looked at first.
+    /// Pose and motion model of each link at the start, where the first query of every pair is.
     begin: Vec<(Isometry3<f64>, MotionModel)>,
 }
 
@@ -170,7 +171,7 @@ impl SegmentMotion for TreeSegment {
 
     fn stem(&self, a: usize, b: usize) -> usize {
         let stem = self.tree.stem(self.links[a], self.links[b]);
-        // The begin is at hand in the world, and even enough if the stem hardly turns.
+        // If the stem hardly rotates, use the world frame, whose start is cached.
         let turns = self
             .tree
             .path(stem)
@@ -197,7 +198,7 @@ impl SegmentMotion for TreeSegment {
     }
 }
 
-/// A link while the recursion runs outward.
+/// State of the recursion from the base outward: one link.
 #[derive(Clone)]
 struct LinkMotion {
     pose: Isometry3<f64>,
@@ -217,27 +218,27 @@ struct RateBounds {
     bend: f64,
     /// Sum of the lengths from the world's origin.
     length: f64,
-    /// First, second and third derivative of the place of the origin.
+    /// First, second and third derivative of the position of the origin.
     speed: f64,
     push: f64,
     jerk: f64,
-    /// Error of the angle and of the place, by rounding.
+    /// Rounding errors of the angle and of the position.
     turn: f64,
     place: f64,
 }
 
 impl RateBounds {
-    /// The rounding of a place that is a vector of some length farther out.
+    /// Adds the rounding of a position after a further vector of this length.
     fn reach_on(&mut self, length: f64) {
         self.length += length;
         self.place += (self.turn + ARM_PLACE) * length + ARM_PLACE * self.length;
     }
 
-    /// The rounding of the value of a joint, and of the turn by the joint.
+    /// Adds the rounding of the value of a joint and of the rotation by the joint.
     fn round(&mut self, kind: JointKind, model: &JointCourse) {
         self.turn += ARM_TURN + ARM_VALUE * model.size;
         if kind == JointKind::Prismatic {
-            // What the rounding of a value that mimics exceeds the part in `ARM_PLACE` by.
+            // The rounding of a mimic value exceeds the part in `ARM_PLACE` by this much.
             self.place += ARM_VALUE * (model.size - model.most).at_least(0.0);
         }
     }
@@ -261,8 +262,7 @@ impl LinkMotion {
         }
     }
 
-    /// Goes on to the link behind a joint that moves the partner as well: the motion that both
-    /// share is left out, the rounding is not.
+    /// Passes a joint that moves both links: skips the shared motion, but counts its rounding.
     fn share(&mut self, joint: &TreeJoint, model: &JointCourse) {
         self.bounds.reach_on(joint.origin.translation.vector.abs().sum());
         self.bounds.round(joint.kind, model);
@@ -271,7 +271,7 @@ impl LinkMotion {
         }
     }
 
-    /// Goes on to the link behind a joint at a time.
+    /// Passes a joint at a time, to the link that it moves.
     fn pass(&mut self, joint: &TreeJoint, model: &JointCourse, time: f64) {
         let (value, rate) = (model.at(time), model.rate);
         let offset = self.pose.rotation * joint.origin.translation.vector;
@@ -293,8 +293,10 @@ impl LinkMotion {
         }
     }
 
-    /// Goes along a vector, given in the world and in the link's own axes, which is up to `longer`
-    /// longer at other times, and slides along an axis of the world at a rate.
+    /// Moves the origin along a vector, and slides it along an axis of the world at a rate.
+    ///
+    /// The vector is given in world axes and in the axes of the link. At other times it may be
+    /// longer by up to `longer`.
     fn carry(&mut self, along: &Vector3<f64>, own: &Vector3<f64>, longer: f64, slide: Option<(Vector3<f64>, f64)>) {
         let w = self.angular;
         self.linear += w.cross(along);
@@ -322,7 +324,7 @@ impl LinkMotion {
         self.bounds.rate += rate.abs();
     }
 
-    /// Errors count twice: a bound begins at a pose that is placed, and ends at another.
+    /// Errors count twice, because a bound holds between two rounded poses.
     fn model(&self) -> MotionModel {
         let b = &self.bounds;
         let error = 2.0 * b.turn + ARM_PLACE;

@@ -1,33 +1,33 @@
-//! Answers about segments, and the work behind them.
+//! Verdicts about segments, and counts of the work.
 
 use nalgebra::Point3;
 
 use crate::world::WorldPair;
 
-/// The answer about a segment.
+/// The verdict about a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Verdict {
-    /// Every pair is proven farther apart than `clearance` at every instant, both ends included.
+    /// Every pair is proven farther apart than `clearance` at all times, including both ends.
     Free {
         /// The margin of the checker.
         clearance: f64,
     },
-    /// A pair is proven to meet, or to come within the margin.
+    /// A pair is proven to be in contact or within the margin.
     Blocked {
-        /// All pairs are proven apart, farther than the margin, up to here.
+        /// Up to this time all pairs are proven farther apart than the margin.
         safe: f64,
-        /// The pair is proven to meet here, or to be within the margin.
+        /// At this time the pair is proven to be in contact or within the margin.
         t: f64,
         /// The pair.
         pair: WorldPair,
-        /// The closest points of `pair.a` and `pair.b` at `safe`, in the world; at `t` if `safe`
-        /// is the begin.
+        /// Closest points of `pair.a` and `pair.b` in the world, at `safe`, or at `t` if `safe` is
+        /// 0.
         witnesses: [Point3<f64>; 2],
     },
-    /// Neither proven: rounding hides whether a pair meets.
+    /// Undecided: a pair is within rounding error of contact or of the margin.
     Undecided {
-        /// All pairs are proven apart up to here.
+        /// Up to this time all pairs are proven farther apart than the margin.
         t: f64,
     },
 }
@@ -50,27 +50,28 @@ impl Verdict {
     }
 }
 
-/// The work of a checker since it was made.
+/// Counts of the work of a checker since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CheckWork {
-    /// Segments checked.
+    /// Number of segments checked.
     pub segments: u64,
-    /// Segments proven free.
+    /// Number of segments proven free.
     pub free: u64,
-    /// Pairs whose boxes met on a segment, or might hold the least distance at a configuration.
+    /// Number of pairs whose boxes overlapped on a segment or that might be closest at a
+    /// configuration.
     pub pairs: u64,
-    /// Distance queries on segments, proofs of contact included.
+    /// Number of distance queries on segments, including proofs of contact.
     pub queries: u64,
-    /// Single configurations measured.
+    /// Number of single configurations measured.
     pub configurations: u64,
-    /// Distance queries at single configurations.
+    /// Number of distance queries at single configurations.
     pub measures: u64,
-    /// Pairs asked at single configurations whether they keep the margin.
+    /// Number of margin predicates at single configurations.
     pub decisions: u64,
 }
 
 impl std::ops::AddAssign for CheckWork {
-    /// Adds all counts. Sums saturate.
+    /// Adds all counts, with saturation.
     fn add_assign(&mut self, o: Self) {
         let counts = [
             (&mut self.segments, o.segments),

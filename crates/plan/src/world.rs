@@ -1,4 +1,4 @@
-//! The bodies of a robot, the obstacles, and the pairs that may touch.
+//! The world: robot bodies, obstacles, and the pairs that may touch.
 
 use std::string::{String, ToString};
 use std::vec::Vec;
@@ -8,10 +8,10 @@ use nalgebra::Isometry3;
 use crate::error::PlanError;
 use lin_canny::Geometry;
 
-/// The bodies of a robot and the obstacles about it, of every kind of shape.
+/// The bodies of a robot and its obstacles, of any kind of geometry.
 ///
-/// Bodies of the robot count in the order of the bodies of the configuration space. Shapes of a
-/// rigid robot are given in the frame of the robot, shapes of an arm in the frame of their link.
+/// Robot bodies must be added in the order of the bodies of the configuration space. The geometry
+/// of a rigid robot is in the frame of the robot, the geometry of an arm in the frame of its link.
 #[derive(Clone, Debug, Default)]
 pub struct World {
     pub(crate) robot: Vec<(String, Geometry)>,
@@ -19,22 +19,23 @@ pub struct World {
     pub(crate) excluded: Vec<(WorldId, WorldId)>,
 }
 
-/// A body of the robot or an obstacle, by its number in the order in which it was added;
+/// A robot body or an obstacle, by its index in the order of insertion.
+///
 /// [`World::name`] returns its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum WorldId {
-    /// A body of the robot, the first is 0.
+    /// A robot body; the first is 0.
     Robot(usize),
-    /// An obstacle, the first is 0.
+    /// An obstacle; the first is 0.
     Obstacle(usize),
 }
 
-/// Two parts: a body of the robot, and an obstacle or a later body of the robot.
+/// A pair: a robot body, and an obstacle or a later robot body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct WorldPair {
-    /// The body of the robot.
+    /// The robot body.
     pub a: WorldId,
-    /// The obstacle, or another body of the robot.
+    /// The obstacle, or another robot body.
     pub b: WorldId,
 }
 
@@ -45,23 +46,24 @@ impl World {
         Self::default()
     }
 
-    /// Adds a body of the robot.
+    /// Adds a robot body.
     pub fn robot_body(&mut self, name: impl ToString, shape: impl Into<Geometry>) -> WorldId {
         self.robot.push((name.to_string(), shape.into()));
         WorldId::Robot(self.robot.len() - 1)
     }
 
-    /// Adds an obstacle at a pose.
+    /// Adds an obstacle at a pose in the world.
     pub fn obstacle(&mut self, name: impl ToString, shape: impl Into<Geometry>, pose: Isometry3<f64>) -> WorldId {
         self.obstacles.push((name.to_string(), shape.into(), pose));
         WorldId::Obstacle(self.obstacles.len() - 1)
     }
 
-    /// Excludes all pairs of a body called `a` and a body called `b`: such pairs are never
-    /// measured and may touch, such as adjacent links of an arm.
+    /// Excludes all pairs of a body with the name `a` and a body with the name `b`.
+    ///
+    /// Excluded pairs are never measured and may touch, for example adjacent links of an arm.
     ///
     /// # Errors
-    /// A name that no body has.
+    /// Returns an error if no body has one of the names.
     pub fn exclude(&mut self, a: &str, b: &str) -> Result<(), PlanError> {
         let [first, second] = [a, b].map(|name| self.named(name));
         for (name, list) in [(a, &first), (b, &second)] {
@@ -75,12 +77,12 @@ impl World {
         Ok(())
     }
 
-    /// Returns the pairs that are excluded, the smaller part first.
+    /// Returns the excluded pairs, each with the smaller id first.
     pub fn excluded(&self) -> impl ExactSizeIterator<Item = [WorldId; 2]> {
         self.excluded.iter().map(|&(a, b)| [a, b])
     }
 
-    /// Returns the name of a part; empty for a part that does not exist.
+    /// Returns the name of a body; empty if the body does not exist.
     #[must_use]
     pub fn name(&self, part: WorldId) -> &str {
         match part {
@@ -89,19 +91,19 @@ impl World {
         }
     }
 
-    /// Returns name and shape of the bodies of the robot, in the order of the configuration space.
+    /// Returns name and geometry of the robot bodies, in the order of the configuration space.
     pub fn robot_bodies(&self) -> impl ExactSizeIterator<Item = (&str, &Geometry)> {
         self.robot.iter().map(|(name, shape)| (name.as_str(), shape))
     }
 
-    /// Returns name, shape and pose of the obstacles.
+    /// Returns name, geometry and pose of the obstacles.
     pub fn obstacles(&self) -> impl ExactSizeIterator<Item = (&str, &Geometry, &Isometry3<f64>)> {
         self.obstacles
             .iter()
             .map(|(name, shape, pose)| (name.as_str(), shape, pose))
     }
 
-    /// Returns the shapes of a pair.
+    /// Returns the geometries of a pair.
     pub(crate) fn shapes(&self, pair: WorldPair) -> [&Geometry; 2] {
         [self.shape(pair.a), self.shape(pair.b)]
     }
@@ -113,7 +115,7 @@ impl World {
         }
     }
 
-    /// Returns whether a body is not convex: distances then cost many times a predicate.
+    /// Returns whether a body is not convex, so that a distance costs many times a predicate.
     pub(crate) fn has_parts(&self) -> bool {
         let obstacles = self.obstacles.iter().map(|o| &o.1);
         let is_convex = |shape: &Geometry| matches!(shape, Geometry::Polyhedron(_) | Geometry::Convex(_));

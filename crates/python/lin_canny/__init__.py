@@ -1,7 +1,7 @@
 """Distances, depths, contacts and casts of moving bodies, with proven bounds.
 
-Lengths are in the caller's unit, angles in radians, quaternions are x, y, z, w, points and normals
-of answers are in the world. Input that is refused raises a subclass of LinCannyError, a ValueError.
+Lengths are in the caller's unit, angles in radians. Quaternions are x, y, z, w. Returned points and
+normals are in the world. Invalid input raises a subclass of LinCannyError, which is a ValueError.
 """
 
 from ._native import (

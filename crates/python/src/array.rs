@@ -44,7 +44,7 @@ pub(crate) fn contiguous<'py, T: Number>(
     let kind: String = dtype.getattr("kind")?.extract()?;
     let is_empty = any.getattr("size")?.extract::<usize>()? == 0;
     if !is_empty && !T::KINDS.contains(&kind) {
-        return Err(error(format!("{name}: numbers of dtype {dtype}, not {}", T::DTYPE)));
+        return Err(error(format!("{name}: dtype is {dtype} (expected {})", T::DTYPE)));
     }
     let options = PyDict::new(py);
     options.set_item("dtype", T::DTYPE)?;
@@ -61,7 +61,7 @@ pub(crate) fn rows<'a, T: Number, const N: usize>(
     if shape.len() != 2 || shape[1] != N {
         let Argument { name, error } = argument;
         return Err(error(format!(
-            "{name} have the shape (N, {N}), not {}",
+            "{name}: shape is {} (expected (N, {N}))",
             shape_text(shape)
         )));
     }
@@ -94,7 +94,7 @@ pub(crate) fn vector(obj: &Bound<'_, PyAny>, argument: Argument) -> PyResult<Vec
     match array.as_slice()? {
         [x, y, z] if array.shape() == [3] => Ok(Vector3::new(*x, *y, *z)),
         _ => Err((argument.error)(format!(
-            "{} has the shape (3,), not {}",
+            "{}: shape is {} (expected (3,))",
             argument.name,
             shape_text(array.shape())
         ))),

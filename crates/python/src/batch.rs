@@ -17,10 +17,10 @@ use crate::errors::refused;
 /// Queries that share a state.
 pub(crate) const BLOCK: usize = 1024;
 
-/// Queries between two looks at the clock, at most.
+/// Maximum number of queries between two readings of the clock.
 const LOOK: usize = 64;
 
-/// Time between two looks at signals and progress.
+/// Time between two checks for signals and progress.
 const BREATH: Duration = Duration::from_millis(50);
 
 /// How a batch is answered: the state that a block begins with, and the answers of a few queries
@@ -30,7 +30,7 @@ pub(crate) trait Batch: Sync {
     type State: Send;
     /// The answer of a query.
     type Row: Send + Copy;
-    /// Queries between two looks at the clock.
+    /// Number of queries between two readings of the clock.
     const LOOK: usize = LOOK;
 
     fn start(&self) -> PyResult<Self::State>;
@@ -53,7 +53,7 @@ impl<'py> Run<'py> {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
         if threads == 0 {
-            return Err(refused("threads is 0: a batch needs one"));
+            return Err(refused("threads is 0 (expected at least 1)"));
         }
         let reporter = |p| py.import("lin_canny._progress")?.call_method1("reporter", (p, count));
         Ok(Self {

@@ -1,4 +1,4 @@
-//! Robots among obstacles: clearances, motions proven free, paths.
+//! The class `Checker`: clearances, proven motions and paths of robots.
 
 mod answers;
 mod batches;
@@ -30,16 +30,18 @@ const CONFIGURATIONS: Argument = Argument {
     error: |why| plan_error(why),
 };
 
-/// Time between two looks at signals during a search.
+/// Time between two checks for signals during a search.
 const BREATH: Duration = Duration::from_millis(50);
 
-/// Robots among obstacles: clearances with bounds, motions proven free over their whole length,
-/// paths. A checker is used by one thread at a time; batches use several.
+/// Checks robots among obstacles: clearances with bounds, motions proven free over their whole
+/// length, and paths.
 ///
-/// robot: a Robot, or a dict from a prefix of names to a tuple (Robot, pose) for several robots.
-/// pose: of the root link of a single robot. cell: the path of a JSON file of obstacles. obstacles:
-/// tuples (name, Geometry, pose). ignore: pairs of names of links and obstacles that are not
-/// checked. margin: the distance that pairs must keep to be free.
+/// One thread at a time may use a checker; batches use several threads.
+///
+/// robot: a Robot, or for several robots a dict from a prefix of names to a tuple (Robot, pose).
+/// pose: the pose of the root link of a single robot. cell: the path of a JSON file of obstacles.
+/// obstacles: tuples (name, Geometry, pose). ignore: pairs of names of links and obstacles that are
+/// not checked. margin: the distance that all pairs must keep, a length.
 #[pyclass(module = "lin_canny")]
 pub(crate) struct Checker {
     setup: Setup,
@@ -115,8 +117,8 @@ impl Checker {
         PyArray1::from_vec(py, limits.into_flattened()).reshape([self.dof(), 2])
     }
 
-    /// The names of all bodies, those of the robots first, then the obstacles: a link with several
-    /// bodies is named once for each.
+    /// The names of all bodies, first those of the robots, then the obstacles. The name of a link
+    /// with several bodies is repeated.
     #[getter]
     fn bodies(&self) -> &[String] {
         &self.names
@@ -133,15 +135,17 @@ impl Checker {
         self.checker.set_margin(margin).map_err(plan_error)
     }
 
-    /// Returns the pair of least signed distance at a configuration, shape (dof,); None if there is
-    /// no pair to check.
+    /// Returns the pair of least signed distance at a configuration, shape (dof,).
+    ///
+    /// Returns None if there is no pair to check.
     fn clearance(&mut self, q: &Bound<'_, PyAny>) -> PyResult<Option<NearPair>> {
         let found = self.checker.clearance(&configuration(q)?).map_err(plan_error)?;
         Ok(found.map(|near| NearPair::new(near, &self.checker)))
     }
 
-    /// Returns all pairs whose signed distance exceeds the least by at most `slack`, a length, the
-    /// nearest first.
+    /// Returns all pairs whose signed distance exceeds the least by at most `slack`, a length.
+    ///
+    /// The closest pair comes first.
     fn nearest(&mut self, q: &Bound<'_, PyAny>, slack: f64) -> PyResult<Vec<NearPair>> {
         let found = self.checker.nearest(&configuration(q)?, slack).map_err(plan_error)?;
         Ok(found
@@ -150,9 +154,10 @@ impl Checker {
             .collect())
     }
 
-    /// Returns whether a configuration keeps the margin, by exact predicates; with a second
-    /// configuration, whether the straight segment between both is proven to, over its whole
-    /// length.
+    /// Returns whether a configuration keeps the margin, by exact predicates.
+    ///
+    /// With a second configuration, returns whether the straight segment between both is proven to
+    /// keep the margin over its whole length.
     #[pyo3(signature = (q, to=None))]
     fn is_free(&mut self, q: &Bound<'_, PyAny>, to: Option<&Bound<'_, PyAny>>) -> PyResult<bool> {
         let q = configuration(q)?;
@@ -163,16 +168,19 @@ impl Checker {
         .map_err(plan_error)
     }
 
-    /// Returns whether the straight segment between two configurations is free, blocked at a time
-    /// by a pair, or unknown: proven over its whole length.
+    /// Returns the verdict on the straight segment between two configurations, over its whole
+    /// length.
+    ///
+    /// The verdict is free, blocked by a pair at a time, or unknown.
     fn certify(&mut self, py: Python<'_>, start: &Bound<'_, PyAny>, goal: &Bound<'_, PyAny>) -> PyResult<Verdict> {
         let ends = [configuration(start)?, configuration(goal)?];
         let verdict = py.detach(|| self.checker.certify(&ends[0], &ends[1]));
         Ok(Verdict::new(0, verdict.map_err(plan_error)?, &self.checker))
     }
 
-    /// Returns the verdict on a path, shape (K, dof): free, or that on the first segment that is
-    /// not, whose number is `segment`.
+    /// Returns the verdict on a path, shape (K, dof).
+    ///
+    /// It is free, or the verdict on the first segment that is not free; `segment` is its index.
     fn certify_path(&mut self, py: Python<'_>, path: &Bound<'_, PyAny>) -> PyResult<Verdict> {
         let path = self.path(path)?;
         let found = py.detach(|| self.checker.certify_path(&path));
@@ -180,9 +188,11 @@ impl Checker {
         Ok(Verdict::new(segment, verdict, &self.checker))
     }
 
-    /// Returns the least clearance along the straight segment between two configurations: a proven
-    /// lower bound, a distance that is attained, the time at which it is, and the names of the pair
-    /// there. `relative`: how far the bounds may be apart, as a part of the upper bound.
+    /// Returns the least clearance along the straight segment between two configurations.
+    ///
+    /// The result has a proven lower bound, a distance that is attained, its time, and the names of
+    /// the pair. `relative`: the largest difference of the bounds, as a fraction of the upper
+    /// bound.
     #[pyo3(signature = (start, goal, *, relative=1e-3))]
     fn clearance_along(
         &mut self,
@@ -198,12 +208,14 @@ impl Checker {
         Ok((found.lower, found.upper, found.t, pair))
     }
 
-    /// Returns a path from one configuration to another, shape (K, dof), of which every segment is
-    /// proven to keep the margin; None if the limits ended the search, which proves nothing.
+    /// Returns a path from one configuration to another, shape (K, dof).
     ///
-    /// seed: of the random slices; the same seed gives the same path unless `seconds` end the
-    /// search. slices: random slices, at most. seconds: time of the search, at most. shorten: tries
-    /// to shorten the path. Ctrl-C ends the search.
+    /// Every segment of the path is proven to keep the margin. Returns None if a limit ended the
+    /// search, which proves nothing.
+    ///
+    /// seed: the random seed; the same seed gives the same path unless `seconds` ends the search.
+    /// slices: the maximum number of random slices. seconds: the time limit. shorten: the number of
+    /// attempts to shorten the path. Ctrl-C ends the search.
     #[pyo3(signature = (start, goal, *, seed=0, slices=10_000, seconds=None, shorten=300))]
     #[allow(clippy::too_many_arguments)] // the signature in Python
     fn plan<'py>(
@@ -252,7 +264,7 @@ impl Checker {
         })
     }
 
-    /// Returns the checker of the links of a robot alone.
+    /// Returns the checker of a robot without obstacles.
     pub(crate) fn alone(robot: &Bound<'_, Robot>) -> PyResult<Self> {
         let py = robot.py();
         let mut setup = setup::of_robots(&RobotArgument::One(robot.clone()), None)?;
@@ -308,7 +320,7 @@ fn configuration(obj: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     match array.shape() {
         [_] => Ok(array.as_slice()?.to_vec()),
         shape => Err(plan_error(format!(
-            "a configuration has the shape (dof,), not {}",
+            "configuration: shape is {} (expected (dof,))",
             shape_text(shape)
         ))),
     }
@@ -320,12 +332,12 @@ fn configurations<'a>(
     dof: usize,
 ) -> PyResult<std::slice::ChunksExact<'a, f64>> {
     if dof == 0 {
-        return Err(refused("the robots have no coordinates"));
+        return Err(refused("the robot has no coordinates"));
     }
     match array.shape() {
         [_, columns] if *columns == dof => Ok(array.as_slice()?.chunks_exact(dof)),
         shape => Err(plan_error(format!(
-            "configurations have the shape (N, {dof}), not {}",
+            "configurations: shape is {} (expected (N, {dof}))",
             shape_text(shape)
         ))),
     }

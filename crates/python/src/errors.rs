@@ -7,26 +7,26 @@ create_exception!(
     lin_canny,
     LinCannyError,
     PyValueError,
-    "Input that the library refuses: the base class of its exceptions."
+    "Base class of the exceptions of this package: an input is invalid."
 );
 create_exception!(
     lin_canny,
     GeometryError,
     LinCannyError,
-    "Points or parameters that make no geometry."
+    "Points or parameters from which no geometry can be built."
 );
-create_exception!(lin_canny, PoseError, LinCannyError, "A pose that is no rigid motion.");
+create_exception!(lin_canny, PoseError, LinCannyError, "A pose is not a rigid motion.");
 create_exception!(
     lin_canny,
     PairError,
     LinCannyError,
-    "A question that a pair of these kinds of geometry cannot answer."
+    "A query that is not available for these kinds of geometry."
 );
 create_exception!(
     lin_canny,
     UndecidedError,
     LinCannyError,
-    "A predicate that rounding or a budget leaves open."
+    "A predicate that is undecided because of rounding or a budget."
 );
 create_exception!(
     lin_canny,
@@ -34,18 +34,18 @@ create_exception!(
     LinCannyError,
     "A velocity, an interval or a tolerance that is out of range."
 );
-create_exception!(lin_canny, SceneError, LinCannyError, "A refused call of a scene.");
+create_exception!(lin_canny, SceneError, LinCannyError, "An invalid call of a scene.");
 create_exception!(
     lin_canny,
     FileError,
     LinCannyError,
-    "A refused file: the message names file, line and element."
+    "An invalid file: the message names the file, the line and the element."
 );
 create_exception!(
     lin_canny,
     PlanError,
     LinCannyError,
-    "A configuration, an option or a name that a checker refuses."
+    "A configuration, an option or a name that is invalid for a checker."
 );
 
 macro_rules! conversions {

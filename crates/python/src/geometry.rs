@@ -6,7 +6,7 @@ mod patches;
 use std::borrow::Cow;
 
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{Compound, Geometry as Body, Mesh, Piece, GeometryKind};
+use lin_canny::{Compound, Geometry as Body, GeometryKind, Mesh, Piece};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -36,7 +36,12 @@ fn piece(k: usize, argument: &PieceArgument) -> PyResult<Piece> {
         PieceArgument::Bare(geometry) => (geometry.get(), Isometry3::identity()),
     };
     let shape = geometry.0.as_convex();
-    let shape = shape.ok_or_else(|| geometry_error(format!("piece {k} is a {}, not convex", geometry.0.kind())))?;
+    let shape = shape.ok_or_else(|| {
+        geometry_error(format!(
+            "piece {k} is a {} (expected a convex geometry)",
+            geometry.0.kind()
+        ))
+    })?;
     let mut piece = Piece::new(shape.into_owned());
     piece.pose = pose;
     Ok(piece)
@@ -58,7 +63,12 @@ impl Geometry {
     /// Returns the geometry grown by a ball of radius `by` (Minkowski sum): convex geometries only.
     fn rounded(&self, by: f64) -> PyResult<Self> {
         let shape = self.0.as_convex();
-        let shape = shape.ok_or_else(|| geometry_error(format!("a {} cannot be rounded", self.0.kind())))?;
+        let shape = shape.ok_or_else(|| {
+            geometry_error(format!(
+                "a {} cannot be rounded (expected a convex geometry)",
+                self.0.kind()
+            ))
+        })?;
         let rounded = shape.into_owned().rounded(by).map_err(geometry_error)?;
         Ok(Self(rounded.into()))
     }
@@ -75,7 +85,8 @@ impl Geometry {
     ///
     /// The triangles stay, and so does whether the mesh is closed; its tree is fitted to the
     /// vertices, which takes a tenth of the time of a new mesh. A tracker goes on from the mesh
-    /// before: begin with the mesh of the last frame, not with the first. Fold it far, and queries take longer until `rebuilt` makes another tree.
+    /// before: begin with the mesh of the last frame, not with the first. Fold it far, and queries
+    /// take longer until `rebuilt` makes another tree.
     fn with_vertices(&self, py: Python<'_>, vertices: &Bound<'_, PyAny>) -> PyResult<Self> {
         let vertices = points(vertices, VERTICES)?;
         let mut mesh = self.own_mesh()?.clone();
@@ -184,7 +195,7 @@ impl Geometry {
     pub(crate) fn own_mesh(&self) -> PyResult<&Mesh> {
         match &self.0 {
             Body::Mesh(mesh) => Ok(mesh),
-            other => Err(geometry_error(format!("a {} is no mesh", other.kind()))),
+            other => Err(geometry_error(format!("a {} is not a mesh", other.kind()))),
         }
     }
 

@@ -1,5 +1,5 @@
-//! The extension module `lin_canny._native`. The package in Python re-exports all of it but names
-//! with an underscore.
+//! The extension module `lin_canny._native`. The Python package re-exports all names without an
+//! underscore.
 
 mod array;
 mod batch;

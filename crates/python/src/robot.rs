@@ -32,7 +32,7 @@ impl Files {
             "pieces" => MeshUse::Pieces,
             other => {
                 return Err(refused(format!(
-                    "meshes is \"hull\", \"mesh\" or \"pieces\", not {other:?}"
+                    "meshes is {other:?} (expected \"hull\", \"mesh\" or \"pieces\")"
                 )));
             }
         };
@@ -55,7 +55,7 @@ pub(crate) struct Robot {
 }
 
 impl Robot {
-    /// Returns where this robot looks for packages, and what meshes become: for cells too.
+    /// Returns the package folders and mesh options of this robot, which cells use as well.
     pub(crate) fn mesh_sources(&self) -> PyResult<(Packages, MeshOptions)> {
         Ok((self.files.packages(), self.files.mesh_options()?))
     }

@@ -22,11 +22,11 @@ const VELOCITY: Argument = Argument {
     error: |why| scene_error(why),
 };
 
-/// Many bodies: a step finds which are near each other, and computes what is enabled.
+/// A scene of many bodies: a step finds close pairs and runs the enabled queries.
 ///
-/// Bodies are in groups 0 to 31. `set_queries` says what is computed between two groups; without it
-/// nothing is. Ids of bodies are integers. Poses are those of `PairTracker`. Points and normals of
-/// answers are in the world.
+/// Bodies are in groups 0 to 31. `set_queries` enables queries between two groups; without it nothing
+/// is computed. Ids of bodies are integers. Poses have the forms of `PairTracker`. All returned
+/// points and normals are in the world.
 #[pyclass(module = "lin_canny")]
 pub(crate) struct Scene(Loaded);
 
@@ -44,7 +44,7 @@ fn body(number: u64) -> BodyId {
 }
 
 fn group(number: u8) -> PyResult<Group> {
-    Group::new(number).ok_or_else(|| scene_error(format!("groups are numbered 0 to 31, not {number}")))
+    Group::new(number).ok_or_else(|| scene_error(format!("group is out of range: {number} (expected 0..=31)")))
 }
 
 #[pymethods]
@@ -54,7 +54,7 @@ impl Scene {
         Self(Loaded::new())
     }
 
-    /// Inserts a body at a pose, and returns its id. Two fixed bodies are no pair.
+    /// Inserts a body at a pose, and returns its id. Two fixed bodies are never tested.
     #[pyo3(signature = (geometry, pose=None, *, group=0, fixed=false))]
     fn insert(&mut self, geometry: &Bound<'_, Geometry>, pose: Option<Pose>, group: u8, fixed: bool) -> PyResult<u64> {
         let geometry = geometry.get().0.clone();
@@ -78,12 +78,16 @@ impl Scene {
         self.0.set_pose(body(id), pose.0).map_err(scene_error)
     }
 
-    /// Moves many bodies: poses of shape (N, 4, 4) or (N, 7), one for each id.
+    /// Moves many bodies: poses of shape (N, 4, 4) or (N, 7), one per id.
     fn set_poses(&mut self, ids: Vec<u64>, poses: &Bound<'_, PyAny>) -> PyResult<()> {
         let poses = Poses::new(poses)?;
         let view = poses.view()?;
         if ids.len() != view.len() {
-            return Err(scene_error(format!("{} ids and {} poses", ids.len(), view.len())));
+            return Err(scene_error(format!(
+                "number of ids and poses differs: {} ids and {} poses",
+                ids.len(),
+                view.len()
+            )));
         }
         for (k, id) in ids.into_iter().enumerate() {
             let pose = view.isometry(k).ok_or_else(|| pose_error(view.fault(k)))?;
@@ -94,19 +98,20 @@ impl Scene {
 
     /// Returns the pose of a body, shape (4, 4).
     fn pose<'py>(&self, py: Python<'py>, id: u64) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let stale = || scene_error(format!("{} is not, or no longer, in this scene", body(id)));
+        let stale = || scene_error(format!("{} does not exist in this scene, or was removed", body(id)));
         let matrix = self.0.pose(body(id)).ok_or_else(stale)?.to_homogeneous();
         PyArray1::from_slice(py, matrix.transpose().as_slice()).reshape([4, 4])
     }
 
-    /// Sets the velocity of a body, in the world: lengths per time, and radians per time about the
-    /// origin of its geometry. `advance` moves it.
+    /// Sets the velocity of a body in the world, which `advance` uses.
+    ///
+    /// linear: lengths per time. angular: radians per time, about the origin of the geometry.
     fn set_velocity(&mut self, id: u64, linear: &Bound<'_, PyAny>, angular: &Bound<'_, PyAny>) -> PyResult<()> {
         let velocity = Velocity::new(vector(linear, VELOCITY)?, vector(angular, VELOCITY)?);
         self.0.set_velocity(body(id), velocity).map_err(scene_error)
     }
 
-    /// Moves all bodies by their velocities over a time; a step answers afterwards.
+    /// Moves all bodies by their velocities over a time. Call `step` afterwards for the results.
     fn advance(&mut self, time: f64) -> PyResult<()> {
         self.0.advance(time).map_err(scene_error)
     }
@@ -116,13 +121,12 @@ impl Scene {
         self.0.ignore_pair(body(a), body(b)).map_err(scene_error)
     }
 
-    /// Admits a pair that was excluded.
+    /// Enables a pair again that was excluded.
     fn allow_pair(&mut self, a: u64, b: u64) -> PyResult<()> {
         self.0.allow_pair(body(a), body(b)).map_err(scene_error)
     }
 
-    /// Applies all changes and computes what is enabled; the lock of the interpreter is free
-    /// meanwhile.
+    /// Applies all changes and runs the enabled queries, with the interpreter lock released.
     fn step(&mut self, py: Python<'_>) {
         py.detach(|| {
             self.0.step();

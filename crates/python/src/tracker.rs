@@ -93,7 +93,10 @@ impl PairTracker {
         pose_b: Option<Pose>,
     ) -> PyResult<bool> {
         let pose = relative(pose_a, pose_b)?;
-        decided(self.tracker.decide_within(&a.get().0, &b.get().0, &pose, 0.0, &QueryOptions::new()))
+        decided(
+            self.tracker
+                .decide_within(&a.get().0, &b.get().0, &pose, 0.0, &QueryOptions::new()),
+        )
     }
 
     /// Returns whether the geometries are at most `d` apart, `d` a length; no for a negative `d`.
@@ -109,7 +112,10 @@ impl PairTracker {
         pose_b: Option<Pose>,
     ) -> PyResult<bool> {
         let pose = relative(pose_a, pose_b)?;
-        decided(self.tracker.decide_within(&a.get().0, &b.get().0, &pose, d, &QueryOptions::new()))
+        decided(
+            self.tracker
+                .decide_within(&a.get().0, &b.get().0, &pose, d, &QueryOptions::new()),
+        )
     }
 
     /// Returns the closest two triangles of a mesh that share no vertex, in the frame of the mesh;

@@ -163,10 +163,10 @@ def test_a_robot_alone_has_no_pair_left(robot):
 @pytest.mark.parametrize(
     ("call", "error", "words"),
     [
-        (lambda c: c.clearances(np.zeros((2, 3))), lc.PlanError, r"shape \(N, 2\), not \(2, 3\)"),
+        (lambda c: c.clearances(np.zeros((2, 3))), lc.PlanError, r"shape is \(2, 3\) \(expected \(N, 2\)\)"),
         (lambda c: c.clearances([[0, 0], [0, 4]]), lc.PlanError, "configuration 1: coordinate 1"),
-        (lambda c: c.clearance([[0, 0]]), lc.PlanError, r"shape \(dof,\)"),
-        (lambda c: c.clearance([0, 0, 0]), lc.PlanError, "2 numbers, not 3"),
+        (lambda c: c.clearance([[0, 0]]), lc.PlanError, r"expected \(dof,\)"),
+        (lambda c: c.clearance([0, 0, 0]), lc.PlanError, r"3 numbers \(expected 2\)"),
         (lambda c: c.certify([0, 0], [0, math.nan]), lc.PlanError, "coordinate 1"),
         (lambda c: lc.Robot.load("missing.urdf"), lc.FileError, "missing.urdf: cannot be read"),
         (lambda c: lc.Robot.load("x", meshes="soup"), lc.LinCannyError, '"soup"'),

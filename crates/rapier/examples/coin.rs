@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release -p lin-canny-rapier --example coin -- [--csv FILE] [--out FILE.svg]`
 //!
-//! The ground is a half-space and a cuboid. Printed is the tilt of the coin at the end, how far its centre lies below its place,
-//! and whether it sleeps; the picture shows the coins on the half-space.
+//! The ground is a half-space or a cuboid. The program prints the tilt of the coin at the end, how
+//! far its centre sank, and whether it sleeps. The picture shows the coins on the half-space.
 
 mod common;
 
@@ -18,13 +18,14 @@ use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
 use truth::command::{file, write};
 
-/// A coin laid flat on a half-space and on a cuboid, of 4 to 128 sides: parry's hulls against ours
+/// Compare coins with 4 to 128 sides, laid flat on a half-space and a cuboid, with parry's hulls
+/// and ours
 #[derive(Parser)]
 struct Options {
-    /// Tilt, sinking and sleep of each coin
+    /// Output table with tilt, sinking and sleep of each coin
     #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/coin.svg", value_parser = file("svg"))]
     out: PathBuf,
 }

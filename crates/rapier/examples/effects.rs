@@ -1,8 +1,9 @@
-//! One scene, effects added one by one: what each costs.
+//! Cost of each effect: one scene, with effects added one by one.
 //!
 //! `cargo run --release -p lin-canny-rapier --example effects -- [--csv FILE] [--out FILE.svg] [--bodies N] [--steps N]`
 //!
-//! Hulls are thrown into a bin. Times are thread CPU time of a whole step, the least of three runs for each step.
+//! Hulls are thrown into a bin. Times are thread CPU time of a whole step, the least of three runs
+//! for each step.
 
 mod common;
 
@@ -25,19 +26,19 @@ use truth::rng::Rng;
 
 type Trouble = Box<dyn std::error::Error>;
 
-/// What the effects of a simulation cost, added one by one
+/// Measure the cost of the effects of a simulation, added one by one
 #[derive(Parser)]
 struct Options {
-    /// Time of a step and what it did, for each set of effects
+    /// Output table with time and counts per step, for each set of effects
     #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/effects.svg", value_parser = file("svg"))]
     out: PathBuf,
-    /// Hulls of 64 vertices
+    /// Number of hulls, of 64 vertices each
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = count(1))]
     bodies: usize,
-    /// Steps of a sixtieth of a second
+    /// Number of steps of 1/60 s
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = count(1))]
     steps: usize,
 }

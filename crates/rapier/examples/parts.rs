@@ -1,12 +1,19 @@
-//! A tray of 150 small steel parts: what the shape cures, what the dispatcher, and that it takes both.
+//! A tray of 150 small steel parts: how many are lost with our shape, with our dispatcher, with
+//! both.
 //!
 //! `cargo run --release -p lin-canny-rapier --example parts -- [--csv FILE] [--out FILE.svg] [--seeds N] [--unit M]`
 //!
-//! Nuts of 12 mm, pins of 3 cm and discs of 16 mm fall into a tray, a mesh of parry, for 8 s at 60 steps a second; rapier in `f32`. Rows:
-//! rapier as it comes; our dispatcher with parry's hulls; our hulls with parry's dispatcher; both; both, with the tray a `MeshShape`; our dispatcher
-//! with parry's hulls, to which the mass properties of ours are given.
-//! Printed are the parts that left the tray (mean of several seeds), the deepest overlap within the last second (worst of the seeds, by
-//! certified distances at the poses, and below the floor) and the thread time of all steps (mean). The picture shows the first seed.
+//! Nuts of 12 mm, pins of 3 cm and discs of 16 mm fall into a tray, a mesh of parry, for 8 s at 60
+//! steps per second, with rapier in `f32`. Each row is one combination:
+//!
+//! * parry's hulls and parry's dispatcher;
+//! * parry's hulls and our dispatcher, also with the mass properties of our hulls;
+//! * our hulls and parry's dispatcher;
+//! * our hulls and our dispatcher, also with a `MeshShape` as the tray.
+//!
+//! The program prints the parts that left the tray (mean of several seeds), the deepest overlap in
+//! the last second (worst of the seeds, by certified distances, and below the floor) and the thread
+//! time of all steps (mean). The picture shows the first seed.
 
 mod common;
 
@@ -29,19 +36,19 @@ use race::progress::Progress;
 use truth::command::{count, file, number, write};
 use truth::rng::Rng;
 
-/// 150 small steel parts in a tray: rapier with parry's hulls and contacts, and with ours
+/// Drop 150 small steel parts into a tray, with parry's hulls and contacts and with ours
 #[derive(Parser)]
 struct Options {
-    /// One row a way: way,lost,deepest_mm,seconds
+    /// Output table, one row per combination: way,lost,deepest_mm,seconds
     #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/parts.svg", value_parser = file("svg"))]
     out: PathBuf,
-    /// Seeds by which the parts are turned
+    /// Number of seeds for the rotations of the parts
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = count(1))]
     seeds: usize,
-    /// rapier's length unit, in metres; its default is 1
+    /// rapier's length unit in metres (rapier's default is 1)
     #[arg(long, value_name = "M", default_value_t = SIZE, value_parser = unit)]
     unit: f32,
 }
@@ -149,7 +156,8 @@ fn border(half: f32, height: f32) -> Vec<Vector> {
     all.map(|(x, z)| Vector::new(x, height, z)).collect()
 }
 
-/// Returns the points and triangles of the tray, as a CAD program writes a solid: facing outwards, and closed.
+/// Returns the points and triangles of the tray, as a CAD program writes a solid: facing outwards,
+/// and closed.
 fn tray() -> (Vec<Vector>, Vec<[u32; 3]>) {
     let ((w, h), t) = (TRAY, THICKNESS);
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
@@ -217,7 +225,7 @@ fn scene(way: Way, unit: f32, seed: u64) -> Scene {
     Scene { world, bodies, hulls }
 }
 
-/// How a way ended: sums over the seeds, the deepest overlap, the world of the first seed.
+/// Result of a combination: sums over the seeds, the deepest overlap, the world of the first seed.
 struct End {
     lost: usize,
     deepest: f64,
@@ -244,7 +252,8 @@ fn below(scene: &Scene) -> f64 {
     held.map(|k| -lowest(k)).fold(0.0, f64::max)
 }
 
-/// Steps a world of parts; returns the number lost, the deepest overlap of the last second, and the time of the steps.
+/// Steps a world of parts; returns the number lost, the deepest overlap of the last second, and the
+/// time of the steps.
 fn fall(scene: &mut Scene, progress: &Progress) -> (usize, f64, Duration) {
     let (mut deepest, mut spent) = (0.0f64, Duration::ZERO);
     for step in 0..STEPS {

@@ -1,11 +1,13 @@
-//! What a call of the contact dispatcher costs: the calls of the first steps of a pile, recorded and replayed.
+//! Cost per call of the contact dispatcher: replays the recorded calls of the first steps of a
+//! pile.
 //!
 //! `cargo run --release -p lin-canny-rapier --example rapier_calls -- [--csv FILE] [--bodies N] [--steps N] [--vertices N] [--quick]`
 //!
-//! Each engine runs the pile of `rapier_pile` with its own contacts. Every call is kept with the manifolds that the engine held
-//! before it, and asked again outside of rapier: parry with its warm manifold, ours with the contacts alone. Times are thread CPU
-//! time a call in nanoseconds, the least of the passes; `far` are calls whose shapes are beyond the prediction, `overlap` those
-//! with a contact below zero.
+//! Each engine runs the pile of `rapier_pile` with its own contacts. Every call is recorded with
+//! the manifolds that the engine had before it, and repeated outside rapier: parry with its warm
+//! manifold, ours with the contacts only. Times are thread CPU time per call in nanoseconds, the
+//! least of the passes. `far` are calls whose shapes are beyond the prediction, `overlap` are calls
+//! with a negative contact distance.
 
 mod common;
 
@@ -29,23 +31,24 @@ use race::progress::Progress;
 use truth::command::{count, file, write};
 use truth::rng::Rng;
 
-/// What a call of the contact dispatcher costs, replayed from a pile of hulls in rapier: parry's
-/// dispatcher against ours
+/// Measure the cost per call of parry's contact dispatcher and of ours
+///
+/// The calls are replayed from a pile of hulls in rapier.
 #[derive(Parser)]
 struct Options {
-    /// A line for each engine, number of vertices and kind of call
+    /// Output table, one row per engine, number of vertices and kind of call
     #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
-    /// Hulls in the pile
+    /// Number of hulls in the pile
     #[arg(long, value_name = "N", default_value_t = 500, default_value_if("quick", "true", "200"), value_parser = count(1))]
     bodies: usize,
-    /// Steps whose calls are kept
+    /// Number of steps whose calls are recorded
     #[arg(long, value_name = "N", default_value_t = 120, default_value_if("quick", "true", "60"), value_parser = count(1))]
     steps: usize,
-    /// Vertices of a hull; 8, 64 and 512 if not given
+    /// Vertices per hull [default: 8, 64 and 512]
     #[arg(long, value_name = "N", value_parser = count(4))]
     vertices: Option<usize>,
-    /// 200 hulls and 60 steps, unless these are given
+    /// Short run with 200 hulls and 60 steps
     #[arg(long)]
     quick: bool,
 }
@@ -62,7 +65,8 @@ const MOST: usize = 60_000;
 
 const PASSES: usize = 5;
 
-/// Calls whose manifolds are put back together: about as many as a step of the engine makes, whose manifolds stay in the cache.
+/// Calls whose manifolds are put back together: about as many as a step of the engine makes, whose
+/// manifolds stay in the cache.
 const AT_ONCE: usize = 512;
 
 type Dispatcher = dyn PersistentQueryDispatcher<ContactManifoldData, ContactData>;

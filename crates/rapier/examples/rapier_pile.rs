@@ -1,11 +1,11 @@
-//! Hulls fall into a bin: what a step costs, and how deep the bodies end up in each other, with parry's contacts and with ours.
+//! Hulls fall into a bin: cost per step and deepest overlap, with parry's contacts and with ours.
 //!
-//! `cargo run --release -p lin-canny-rapier --example rapier_pile -- [--csv FILE] [--out FILE.svg] [--bodies N] [--steps N]
-//! [--seeds N] [--vertices N] [--quick]`
+//! `cargo run --release -p lin-canny-rapier --example rapier_pile -- [--csv FILE] [--out FILE.svg] [--bodies N] [--steps N] [--seeds N] [--vertices N] [--quick]`
 //!
-//! Both engines run the same rapier: shape and dispatcher alone differ. Times are thread CPU time: the least of the runs for each
-//! step, summed, and the mean over the seeds. Depths are in metres, of bodies with radii of 0.3 to 0.5, measured in runs of their
-//! own at every fourth step by the certified distance.
+//! Both sides use the same rapier; only shape and dispatcher differ. Times are thread CPU time: the
+//! least of the runs for each step, summed, and averaged over the seeds. Depths are in metres, for
+//! bodies with radii of 0.3 to 0.5 m. Separate runs measure them at every fourth step by the
+//! certified distance.
 
 mod common;
 
@@ -23,28 +23,29 @@ use race::progress::Progress;
 use truth::command::{count, file, write};
 use truth::rng::Rng;
 
-/// A pile of hulls in rapier: cost of a step and depth of the overlaps, parry's contacts against ours
+/// Measure cost per step and deepest overlap of a pile of hulls, with parry's contacts and with
+/// ours
 #[derive(Parser)]
 struct Options {
-    /// A line for each engine, number of vertices and skin
+    /// Output table, one row per engine, number of vertices and skin
     #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
-    /// Where to draw the end states
+    /// Output picture of the end states
     #[arg(long, value_name = "FILE.svg", default_value = "target/rapier_pile.svg", value_parser = file("svg"))]
     out: PathBuf,
-    /// Hulls in the pile
+    /// Number of hulls in the pile
     #[arg(long, value_name = "N", default_value_t = 500, default_value_if("quick", "true", "200"), value_parser = count(1))]
     bodies: usize,
-    /// Steps of a sixtieth of a second
+    /// Number of steps of 1/60 s
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = count(1))]
     steps: usize,
-    /// Piles
+    /// Number of piles, with a seed each
     #[arg(long, value_name = "N", default_value_t = 8, default_value_if("quick", "true", "2"), value_parser = clap::value_parser!(u64).range(1..))]
     seeds: u64,
-    /// Vertices of a hull; 8, 64 and 512 if not given
+    /// Vertices per hull [default: 8, 64 and 512]
     #[arg(long, value_name = "N", value_parser = count(4))]
     vertices: Option<usize>,
-    /// Two piles of 200 hulls, timed once
+    /// Short run: two piles of 200 hulls, timed once
     #[arg(long)]
     quick: bool,
 }
@@ -63,7 +64,7 @@ impl Options {
 
 const HALF_WIDTH: f32 = 4.0;
 
-/// One way to run the pile.
+/// One variant of the pile.
 #[derive(Clone, Copy)]
 struct Way {
     engine: Engine,
@@ -86,7 +87,7 @@ impl Way {
     }
 }
 
-/// What was measured of one way, over all seeds.
+/// Measurements of one variant, over all seeds.
 #[derive(Default)]
 struct Row {
     step: f64,

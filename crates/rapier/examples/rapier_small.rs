@@ -2,8 +2,9 @@
 //!
 //! `cargo run --release -p lin-canny-rapier --example rapier_small -- [--csv FILE] [--out FILE.svg] [--bodies N]`
 //!
-//! Sizes, gravity and rapier's length unit are scaled together, so that every scene looks the same. All bodies have the same mass
-//! properties under either engine. The parts are of steel, 2 mm large, at 960 steps a second. Depths are over the size of a body.
+//! Sizes, gravity and rapier's length unit are scaled together, so that every scene should behave
+//! alike. All bodies have the same mass properties with both contacts. The parts are of steel and 2
+//! mm large, at 960 steps per second. Depths are divided by the size of a body.
 
 mod common;
 
@@ -19,16 +20,17 @@ use lin_canny_rapier::single::rapier::prelude::Vector;
 use truth::command::{count, file, write};
 use truth::rng::Rng;
 
-/// Piles in rapier scaled to 1/1000, and millimetre parts in metres: parry's contacts against ours
+/// Count lost bodies in piles scaled to 1/1000 and in piles of millimetre parts, with parry's
+/// contacts and ours
 #[derive(Parser)]
 struct Options {
-    /// Lost and sleeping bodies and the deepest overlap of each pile
+    /// Output table with lost bodies, sleeping bodies and the deepest overlap of each pile
     #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/rapier_small.svg", value_parser = file("svg"))]
     out: PathBuf,
-    /// Bodies of a pile
+    /// Number of bodies per pile
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = count(1))]
     bodies: usize,
 }

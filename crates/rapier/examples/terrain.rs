@@ -1,10 +1,10 @@
-//! Small bodies on a terrain of triangles: a mesh of parry under parry's contacts, and `MeshShape` under ours.
+//! Small bodies on a terrain: a mesh of parry with parry's contacts, and a `MeshShape` with ours.
 //!
 //! `cargo run --release -p lin-canny-rapier --example terrain -- [--csv FILE] [--bodies N] [--size M] [--steps N] [--upto N]`
 //!
-//! Hills a tenth of a metre a cell, bodies of two millimetres (hulls of 14 points, boxes, capsules, balls, cylinders, cones) that fall on
-//! them at 960 steps a second. Lost bodies are below the ground at the end; depths are over the size of a body. Times are processor time
-//! of a step, a run each.
+//! Bodies of 2 mm (hulls of 14 points, boxes, capsules, balls, cylinders, cones) fall onto hills
+//! with cells of 0.1 m, at 960 steps per second. A body below the ground at the end counts as lost.
+//! Depths are divided by the size of a body. Times are CPU time per step, from one run each.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -19,22 +19,22 @@ use race::progress::Progress;
 use truth::command::{count, file, write};
 use truth::rng::Rng;
 
-/// Small bodies on terrains of triangles in rapier: parry's contacts against ours
+/// Drop small bodies onto terrains of triangles, with parry's contacts and with ours
 #[derive(Parser)]
 struct Options {
-    /// Microseconds a step, lost bodies and the deepest overlap, by engine and triangles
+    /// Output table with µs per step, lost bodies and the deepest overlap, by engine and triangles
     #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
-    /// Bodies
+    /// Number of bodies
     #[arg(long, value_name = "N", default_value_t = 120, value_parser = count(1))]
     bodies: usize,
     /// Size of a body in metres
     #[arg(long, value_name = "METRES", default_value_t = 0.002, value_parser = size)]
     size: f32,
-    /// Steps
+    /// Number of steps
     #[arg(long, value_name = "N", default_value_t = 400, value_parser = count(1))]
     steps: usize,
-    /// Most triangles
+    /// Greatest number of triangles
     #[arg(long, value_name = "N", default_value_t = 1_100_000, value_parser = count(1))]
     upto: usize,
 }

@@ -2,9 +2,10 @@
 //!
 //! `cargo run --release -p lin-canny-rapier --example towers -- [--with FILE.csv]... [--csv FILE] [--out FILE.svg]`
 //!
-//! rapier with parry's contacts and with ours; `--with` adds the towers of another engine, one row a body, as `--csv` writes them
-//! (`crates/python/bench/towers.py` writes those of MuJoCo). Printed is how far any prism moved from where it was laid, over the size; the
-//! picture shows the towers of two centimetres.
+//! rapier runs with parry's contacts and with ours. `--with` adds the towers of another engine, one
+//! row per body, in the format of `--csv` (`crates/python/bench/towers.py` writes those of MuJoCo).
+//! The program prints the greatest displacement of a prism, divided by its size. The picture shows
+//! the 2 cm towers.
 
 mod common;
 
@@ -21,16 +22,16 @@ use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
 use truth::command::{file, read, write};
 
-/// Towers of ten prisms for 1,000 steps: rapier with parry's contacts and with ours
+/// Simulate towers of ten prisms for 1,000 steps, with parry's contacts and with ours
 #[derive(Parser)]
 struct Options {
-    /// Towers of another engine, as --csv writes them
+    /// Table with the towers of another engine, in the format of --csv
     #[arg(long, value_name = "FILE.csv")]
     with: Vec<PathBuf>,
-    /// Where each prism is at the end
+    /// Output table with the final position of each prism
     #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/towers.svg", value_parser = file("svg"))]
     out: PathBuf,
 }

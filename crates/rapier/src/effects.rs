@@ -1,12 +1,12 @@
-//! What a simulation is asked for, and what it did.
+//! Effects and settings of a simulation, bodies, and the report of a step.
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::{Velocity, scene};
 
 use crate::SimulationError;
 
-/// The numbers of which an engine of a precision has the squares and the squares of the inverses, with
-/// a factor of 100 to spare.
+/// The range of numbers whose squares and inverse squares an engine can represent, with a reserve
+/// of a factor of 100.
 #[derive(Clone, Copy)]
 pub(crate) struct Reals {
     least: f64,
@@ -14,7 +14,8 @@ pub(crate) struct Reals {
 }
 
 impl Reals {
-    /// Of the least positive normal number and the largest number of a precision.
+    /// Returns the range from the least positive normal number and the largest number of a
+    /// precision.
     pub(crate) fn new(least: f64, most: f64) -> Self {
         Self {
             least: 100.0 * least.sqrt(),
@@ -22,7 +23,7 @@ impl Reals {
         }
     }
 
-    /// Refuses a number that is not positive, or none of the engine's.
+    /// Returns an error unless a number is positive and in range.
     fn positive(self, what: &'static str, value: f64) -> Result<(), SimulationError> {
         match value >= self.least && value <= self.most {
             true => Ok(()),
@@ -30,9 +31,9 @@ impl Reals {
         }
     }
 
-    /// Refuses a vector with a coordinate that the engine does not have.
+    /// Returns an error if a coordinate of a vector is out of range.
     fn vector(self, what: &'static str, v: &Vector3<f64>) -> Result<(), SimulationError> {
-        // Written so that NaN is refused.
+        // Written so that NaN is an error.
         match v.iter().find(|x| !(x.abs() <= self.most)) {
             Some(&value) => Err(SimulationError::Number { what, value }),
             None => Ok(()),
@@ -40,14 +41,18 @@ impl Reals {
     }
 }
 
-/// The effects a simulation computes. An effect left out is not computed; see the table on the
-/// [page of the crate](crate) for what that saves.
+/// The effects that a simulation computes.
+///
+/// An effect that is not enabled is not computed. The table on the [page of the crate](crate) lists
+/// the cost of each effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effects {
-    /// Acceleration of all moving bodies, in lengths a square of time.
+    /// Acceleration of all dynamic bodies, in lengths per square of time.
     pub gravity: Option<Vector3<f64>>,
-    /// Whether bodies push each other. Without response no physics engine is built, and the effects
-    /// below except `rotation` are refused.
+    /// Whether bodies push each other.
+    ///
+    /// Without response no physics engine is created, and the effects below except `rotation` are
+    /// an error.
     pub response: bool,
     /// Coefficient of friction of all contacts.
     pub friction: Option<f64>,
@@ -57,11 +62,11 @@ pub struct Effects {
     pub rotation: bool,
     /// Whether bodies at rest are put to sleep.
     pub sleeping: bool,
-    /// Which fast bodies are swept, so that they do not pass through others between steps.
+    /// Which fast bodies are swept, so that they cannot pass through others between steps.
     pub continuous: Continuous,
     /// Model of friction.
     pub friction_model: FrictionModel,
-    /// Iterations of the solver a step; rapier's default is 4.
+    /// Number of solver iterations per step; rapier's default is 4.
     pub iterations: usize,
 }
 
@@ -71,16 +76,16 @@ pub enum Continuous {
     /// No body is swept.
     #[default]
     Off,
-    /// Fast bodies are swept against fixed bodies, as rapier does by default.
+    /// Fast bodies are swept against fixed bodies; this is rapier's default.
     AgainstFixed,
-    /// All bodies are swept against all.
+    /// All bodies are swept against all others.
     AgainstAll,
 }
 
 /// Model of friction in the solver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FrictionModel {
-    /// One friction block for each manifold, a third cheaper in the solver.
+    /// One friction block per manifold; the solver is a third cheaper than with `Coulomb`.
     #[default]
     Simplified,
     /// A friction cone at each contact.
@@ -88,7 +93,7 @@ pub enum FrictionModel {
 }
 
 impl Effects {
-    /// Returns no effects but the motion along straight lines.
+    /// Returns effects with motion along straight lines only.
     #[must_use]
     pub const fn none() -> Self {
         Self {
@@ -118,7 +123,7 @@ impl Effects {
         }
     }
 
-    /// Refuses numbers that are none, and effects that need response.
+    /// Returns an error if a number is out of range, or an effect needs response.
     pub(crate) fn check(&self, reals: Reals) -> Result<(), SimulationError> {
         coefficient("friction", self.friction)?;
         coefficient("restitution", self.restitution)?;
@@ -149,24 +154,29 @@ impl Effects {
     }
 }
 
-/// Settings of a simulation that are no effects.
+/// Settings of a simulation other than effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Time of a step. `None`, the default, is 1/60, and with response and gravity is refused for
-    /// bodies so small that one falls by more than an eighth of `length_unit` within it: on Earth, in
-    /// metres, below 2.2 cm. A step that is given is taken.
+    /// Duration of a step; 1/60 if `None` (the default).
+    ///
+    /// With response and gravity, the default is an error if a body of this size falls by more
+    /// than an eighth of its size in one step (2.2 cm on Earth, in metres). An explicit value is
+    /// always accepted.
     pub time_step: Option<f64>,
-    /// Diameter of an ordinary body: rapier's `length_unit`, to which its prediction, slop and
-    /// thresholds of sleep are relative. Default 1. Millimetre parts in metres need 0.001, and
-    /// short steps: no body should move by more than its size in a step. Sixty hulls of 6 mm that
-    /// fell into a bin at 1 m/s came to rest 61 % of their radius deep with steps of 1/60 s, 6 %
-    /// with 1/240 s, and 1 % with 1/1000 s. The [page of the crate](crate) lists what follows from it.
+    /// Diameter of an ordinary body (default 1): rapier's `length_unit`.
+    ///
+    /// rapier's prediction, slop and sleep thresholds are relative to it; the [page of the
+    /// crate](crate) lists all of them. Millimetre parts in metres need 0.001 and short steps: no
+    /// body should move by more than its size in a step. Sixty hulls of 6 mm that fell into a bin
+    /// at 1 m/s came to rest with overlaps of 61 % of their radius with steps of 1/60 s, 6 % with
+    /// 1/240 s and 1 % with 1/1000 s.
     pub length_unit: f64,
-    /// Greatest speed of a body with response, in lengths a time: a faster one is slowed down to it.
-    /// `None`, the default, is no limit. rapier's own limit, 400 sizes a second, would stop the fall
-    /// of a part of 2 mm after eight hundredths of a second.
+    /// Speed limit of a body with response, in lengths per time; `None` (the default) is no limit.
+    ///
+    /// rapier's default limit of 400 sizes per second would stop the acceleration of a falling 2 mm
+    /// part after 0.08 s.
     pub max_speed: Option<f64>,
-    /// What a scene without response answers about pairs of bodies; refused with response.
+    /// Pair queries of a scene without response; must be empty with response.
     pub queries: scene::PairQueries,
 }
 
@@ -182,10 +192,10 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Time of a step if none is given.
+    /// Default duration of a step.
     const STEP: f64 = 1.0 / 60.0;
 
-    /// How far a body may fall from rest in the default step, over its size.
+    /// Distance that a body may fall from rest in the default step, divided by its size.
     const FALL: f64 = 0.125;
 
     pub(crate) fn time_step(&self) -> f64 {
@@ -207,16 +217,16 @@ impl Settings {
     }
 }
 
-/// A body to be inserted: how it moves, from where.
+/// A body to insert: its pose, velocity, density and coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     /// Pose of the body's frame in the world.
     pub pose: Isometry3<f64>,
-    /// Mass a unit of volume; `None` for a body that nothing pushes.
+    /// Mass per unit of volume; `None` for a body that nothing pushes.
     pub density: Option<f64>,
     /// Velocity of the centre of mass, and angular velocity.
     pub velocity: Velocity,
-    /// Whether a body without density moves at its velocity, pushed by nothing.
+    /// Whether a body without density moves at its velocity.
     pub is_kinematic: bool,
     /// Coefficient of friction of this body; `None` for that of the effects.
     pub friction: Option<f64>,
@@ -246,8 +256,9 @@ impl Body {
         }
     }
 
-    /// Returns a body that moves at its velocity and pushes others, and that nothing pushes: a
-    /// conveyor, a gripper, a lift.
+    /// Returns a body that moves at its velocity and pushes others, but that nothing pushes.
+    ///
+    /// Examples are a conveyor, a gripper and a lift.
     #[must_use]
     pub fn kinematic(pose: Isometry3<f64>, velocity: Velocity) -> Self {
         Self {
@@ -257,7 +268,7 @@ impl Body {
         }
     }
 
-    /// Returns a body that moves, at rest.
+    /// Returns a dynamic body that is initially at rest.
     #[must_use]
     pub fn moving(pose: Isometry3<f64>, density: f64) -> Self {
         Self {
@@ -266,14 +277,13 @@ impl Body {
         }
     }
 
-    /// Returns the body with a velocity of its centre of mass and an angular velocity.
+    /// Sets the velocity of the centre of mass and the angular velocity.
     #[must_use]
     pub fn velocity(self, velocity: Velocity) -> Self {
         Self { velocity, ..self }
     }
 
-    /// Returns the body with a coefficient of friction of its own. Two bodies in contact have the mean
-    /// of theirs.
+    /// Sets the coefficient of friction of this body; a contact uses the mean of both bodies.
     #[must_use]
     pub fn friction(self, friction: f64) -> Self {
         Self {
@@ -282,8 +292,7 @@ impl Body {
         }
     }
 
-    /// Returns the body with a coefficient of restitution of its own, 0 to 1. Two bodies in contact
-    /// have the mean of theirs.
+    /// Sets the coefficient of restitution of this body, 0 to 1; a contact uses the mean of both.
     #[must_use]
     pub fn restitution(self, restitution: f64) -> Self {
         Self {
@@ -311,7 +320,7 @@ impl Body {
     }
 }
 
-/// Refuses a coefficient that is negative, NaN or beyond all use.
+/// Returns an error if a coefficient is negative, NaN or above 1e6.
 fn coefficient(what: &'static str, x: Option<f64>) -> Result<(), SimulationError> {
     match x {
         Some(value) if !(0.0..=1e6).contains(&value) => Err(SimulationError::Number { what, value }),
@@ -319,7 +328,7 @@ fn coefficient(what: &'static str, x: Option<f64>) -> Result<(), SimulationError
     }
 }
 
-/// Refuses a pose that is none of the engine's. A position may be as near to the origin as it likes.
+/// Returns an error if a pose is out of range. A position may be arbitrarily close to the origin.
 pub(crate) fn placed(pose: &Isometry3<f64>, reals: Reals) -> Result<(), SimulationError> {
     lin_canny::RelativePose::from_isometry(pose)?;
     let at = &pose.translation.vector;
@@ -332,13 +341,13 @@ pub(crate) fn placed(pose: &Isometry3<f64>, reals: Reals) -> Result<(), Simulati
     }
 }
 
-/// Refuses a velocity that the engine does not have.
+/// Returns an error if a velocity is out of range.
 pub(crate) fn moved(velocity: &Velocity, reals: Reals) -> Result<(), SimulationError> {
     reals.vector("velocity", &velocity.linear)?;
     reals.vector("velocity", &velocity.angular)
 }
 
-/// Id of a body of one simulation, never used again after the body is removed.
+/// Id of a body of a simulation. It is never reused after the body is removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct BodyId(pub(crate) u32);
 
@@ -350,17 +359,17 @@ impl BodyId {
     }
 }
 
-/// What the last step did. The counters of effects left out are zero.
+/// Counts of the last step. The counts of effects that are not enabled are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Report {
-    /// Moving bodies whose velocity was integrated.
+    /// Number of moving bodies whose velocity was integrated.
     pub moved: usize,
-    /// Moving bodies that sleep.
+    /// Number of moving bodies that are asleep.
     pub asleep: usize,
-    /// Pairs of bodies that share a contact point or are as near as the prediction.
+    /// Number of pairs that are in contact or within the prediction.
     pub touching: usize,
-    /// Iterations of the solver.
+    /// Number of solver iterations.
     pub iterations: usize,
-    /// Bodies fast enough to be swept.
+    /// Number of bodies fast enough to be swept.
     pub swept: usize,
 }

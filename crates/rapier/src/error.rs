@@ -1,59 +1,63 @@
-//! Why a call was refused.
+//! The error of a simulation.
 
 use lin_canny::{PoseError, scene::SceneError};
 
 use crate::BodyId;
 
-/// Reason for which a simulation refused a call; a refused call changes nothing.
+/// Error of a call of a simulation. The call changed nothing.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimulationError {
-    /// A number is not finite, or not in the range of its kind. With response the range is that of
-    /// rapier's precision: in `f32`, coordinates of positions, velocities and gravity are at most
-    /// 1.8e17, and time step and size lie between 1.1e-17 and that; in `f64`, and without response, the
-    /// range is 1.5e-152 to 1.3e152. The mass of a moving solid has an inverse, which to rapier is one
-    /// above 1e-20.
-    #[error("{what} is {value}")]
+    /// Returned if a number is not finite or out of range.
+    ///
+    /// | number | `f32` with response | `f64`, or without response |
+    /// |---|---|---|
+    /// | coordinates of positions, velocities and gravity | at most 1.8e17 | at most 1.3e152 |
+    /// | time step and size | 1.1e-17 to 1.8e17 | 1.5e-152 to 1.3e152 |
+    ///
+    /// The inverse of the mass of a moving body must be above 1e-20 with response.
+    #[error("{what} is out of range: {value}")]
     Number {
         /// Name of the number.
         what: &'static str,
         /// The number.
         value: f64,
     },
-    /// An effect was called for that only bodies which push each other can have.
-    #[error("{effect} is called for without response")]
+    /// Returned if an effect is enabled that needs response, but response is not.
+    #[error("the effect {effect} needs `response`")]
     NeedsResponse {
         /// Name of the effect.
         effect: &'static str,
     },
-    /// The default step, 1/60, is too long for bodies of the [`length_unit`](crate::Settings::length_unit) of the
-    /// settings: one that is let go falls by more than an eighth of its size within it, and stacks
-    /// of such bodies sink into each other or fall. Set [`time_step`](field@crate::Settings::time_step).
+    /// Returned if the default step of 1/60 is too long for bodies of this
+    /// [`length_unit`](crate::Settings::length_unit): a falling body would fall by more than an eighth of its
+    /// size within one step, and stacks of such bodies sink into each other or fall. Set
+    /// [`time_step`](field@crate::Settings::time_step).
     #[error(
-        "the default time step of 1/60 is too long for bodies of this size: set time_step, to at most {longest:.2e}"
+        "default time step 1/60 is too long for bodies of this size (expected at most {longest:.2e}); set `time_step`"
     )]
     LongStep {
-        /// The longest step in which such a body falls by no more than an eighth of its size.
+        /// Longest step in which such a body falls by at most an eighth of its size.
         longest: f64,
     },
-    /// [`Settings::queries`](crate::Settings::queries) together with response: with response,
-    /// rapier's narrow phase has the contacts.
-    #[error("a scene is observed without response only")]
+    /// Returned if [`Settings::queries`](crate::Settings::queries) is set together with response.
+    /// With response, rapier's narrow phase has the contacts.
+    #[error("`observe` cannot be combined with `response`")]
     ObservedResponse,
-    /// A shape without response that [`lin_canny`] does not have: a half-space, voxels, a custom
-    /// shape, or one of which it refuses a number.
-    #[error("the shape has no geometry in lin-canny")]
+    /// Returned without response if [`lin_canny`] has no equivalent of a shape: a half-space,
+    /// voxels, a custom shape, or a shape with a number out of range.
+    #[error("shape has no equivalent in lin-canny: a half-space, voxels, a custom shape or a size out of range")]
     Shape,
-    /// The pose is not a rigid motion.
+    /// Returned if a pose is not a rigid motion.
     #[error(transparent)]
     Pose(#[from] PoseError),
-    /// The scene refused a body, or a body left the reach of the scene.
+    /// Returned if the scene rejects a body, or if a body has left the range of the scene.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The body was removed, or belongs to another simulation.
-    #[error("there is no body {}", body.0)]
+    /// Returned if the body was removed or belongs to another simulation.
+    #[error("body {} does not exist", body.0)]
     NoBody {
-        /// The id.
+        /// Id of the body.
         body: BodyId,
     },
 }

@@ -1,4 +1,4 @@
-//! The engine without response: bodies that move and pass through each other.
+//! The engine without response: bodies move and pass through each other.
 
 use lin_canny::nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use lin_canny::scene::{self, Group, Scene};
@@ -11,7 +11,7 @@ use crate::{Body, BodyId, Effects, Report, Settings, SimulationError};
 const FIXED: Group = Group::new(0).unwrap();
 const MOVING: Group = Group::new(1).unwrap();
 
-/// Bodies, and the scene that answers about their pairs.
+/// Bodies, and the scene that runs their pair queries.
 #[derive(Debug)]
 pub(crate) struct Free {
     scene: Scene,
@@ -21,10 +21,10 @@ pub(crate) struct Free {
     moved: usize,
 }
 
-/// What a shape is without an engine.
+/// A shape in the engine without response.
 pub(crate) struct Solid {
     pub(crate) geometry: Geometry,
-    /// Place of the geometry's frame in the body's.
+    /// Pose of the geometry's frame in the body's frame.
     pub(crate) at: Isometry3<f64>,
     pub(crate) centroid: Point3<f64>,
     /// Inertia about the centroid at unit density.
@@ -35,12 +35,12 @@ pub(crate) struct Solid {
 struct FreeBody {
     id: scene::BodyId,
     pose: Isometry3<f64>,
-    /// Place of the geometry's frame in the body's.
+    /// Pose of the geometry's frame in the body's frame.
     at: Isometry3<f64>,
     movement: Movement,
     center: Point3<f64>,
     linear: Vector3<f64>,
-    /// Angular momentum over the mass density, which no torque changes.
+    /// Angular momentum divided by the density; no torque changes it.
     momentum: Vector3<f64>,
     /// Inertia at unit density, in the body's frame; identity for a body without.
     spun: Matrix3<f64>,
@@ -113,7 +113,7 @@ impl Free {
         Some(Velocity::new(body.linear, body.spin()))
     }
 
-    /// Moves a body without passing what lies between; its velocity stays.
+    /// Sets the pose of a body without a motion between; its velocity is unchanged.
     pub(crate) fn set_pose(&mut self, body: BodyId, pose: Isometry3<f64>) -> Result<(), SimulationError> {
         let of = found(&mut self.bodies, body)?;
         self.scene.set_pose(of.id, pose * of.at)?;
@@ -161,7 +161,7 @@ impl Free {
         &self.scene
     }
 
-    /// Returns the bodies where they are.
+    /// Returns the bodies at their current poses.
     pub(crate) fn members(&self) -> impl Iterator<Item = Member> + '_ {
         self.bodies.iter().enumerate().filter_map(|(k, body)| {
             let of = body.as_ref()?;
@@ -181,8 +181,9 @@ fn found(bodies: &mut [Option<FreeBody>], body: BodyId) -> Result<&mut FreeBody,
 }
 
 impl FreeBody {
-    /// What does not move has no velocity, as in the engine with response; a kinematic body turns
-    /// whether bodies rotate or not.
+    /// Sets the velocity; a fixed body has none, as in the engine with response.
+    ///
+    /// A kinematic body rotates even if `rotation` is not enabled.
     fn set_velocity(&mut self, velocity: &Velocity, rotation: bool) {
         let turns = match self.movement {
             Movement::Fixed => return,
@@ -200,8 +201,10 @@ impl FreeBody {
         };
     }
 
-    /// Returns the angular velocity of the conserved angular momentum; that of a kinematic body is
-    /// conserved itself.
+    /// Returns the angular velocity.
+    ///
+    /// It follows from the conserved angular momentum. For a kinematic body the angular velocity
+    /// itself is conserved.
     fn spin(&self) -> Vector3<f64> {
         match self.movement {
             Movement::Kinematic => self.momentum,
@@ -212,7 +215,7 @@ impl FreeBody {
         }
     }
 
-    /// Returns the pose after a time at which the centre of mass moves on a line.
+    /// Returns the pose after a time `dt`; the centre of mass moves along a straight line.
     fn advanced(&self, linear: &Vector3<f64>, dt: f64) -> Isometry3<f64> {
         let center = self.pose * self.center + linear * dt;
         let turned = Velocity::new(Vector3::zeros(), self.spin())

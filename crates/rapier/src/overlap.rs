@@ -1,4 +1,4 @@
-//! The deepest overlap of bodies at their poses, whichever engine moves them.
+//! The deepest overlap of bodies at their current poses, for both engines.
 
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{self, ClosestPair, Group, Scene};
@@ -9,25 +9,26 @@ use crate::{BodyId, SimulationError};
 const STILL: Group = Group::new(0).unwrap();
 const PUSHED: Group = Group::new(1).unwrap();
 
-/// Two solids that share a point, and how deep they are in each other.
+/// Two overlapping solids, with bounds of their penetration depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Overlap {
     /// The two bodies.
     pub bodies: [BodyId; 2],
-    /// No shorter translation of one body parts the two; zero if nothing is known.
+    /// Lower bound: no shorter translation separates the bodies; zero if nothing is known.
     pub lower: f64,
-    /// A translation of this length parts the two: they share no inner point then.
+    /// Upper bound: a translation of this length separates the bodies, so that they share no inner
+    /// point.
     pub upper: f64,
 }
 
-/// A body at its place.
+/// A body at its current pose.
 pub(crate) struct Member {
     pub(crate) body: BodyId,
     pub(crate) geometry: Geometry,
     /// Pose of the geometry in the world.
     pub(crate) pose: Isometry3<f64>,
-    /// Whether the body is dynamic. Two that are not are no pair.
+    /// Whether the body is dynamic. Two bodies that are not dynamic are not tested.
     pub(crate) is_pushed: bool,
 }
 

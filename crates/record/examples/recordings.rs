@@ -1,4 +1,4 @@
-//! Writes the recordings that stand in `crates/viewer/examples/`, or a large one.
+//! Writes the recordings of `crates/viewer/examples/`, or a large one.
 //!
 //! ```text
 //! cargo run --release -p lin-canny-record --example recordings -- crates/viewer/examples
@@ -21,12 +21,12 @@ use lin_canny_record::{Bracket, ColumnLine, Recorder};
 
 type Trouble = Box<dyn Error>;
 
-/// Writes the recordings of crates/viewer/examples, or a large one, into a folder
+/// Write the recordings of crates/viewer/examples, or a large one, to a folder
 #[derive(Parser)]
 struct Options {
-    /// Where to write
+    /// Output folder
     folder: PathBuf,
-    /// One recording of so many bodies and frames instead
+    /// Numbers of bodies and frames of one large recording, which replaces the others
     #[arg(long, num_args = 2, value_names = ["BODIES", "FRAMES"])]
     many: Vec<usize>,
 }
@@ -70,7 +70,7 @@ fn pair(file: &Path) -> Result<(), Trouble> {
     Ok(recorder.finish().map(|_| ())?)
 }
 
-/// A body of every kind about a ball that rises and sinks.
+/// A body of every kind around a ball that rises and sinks.
 fn kinds(file: &Path) -> Result<(), Trouble> {
     let mut recorder = Recorder::create(file, "A body of every kind about a ball")?;
     let ball = Geometry::from(Shape::ball(0.45)?);

@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{Geometry, Outcome};
 use serde::{Deserialize, Serialize};
 
-/// The word in the first line of each recording.
+/// Name of the format, in the first line of each recording.
 pub const FORMAT: &str = "lin-canny recording";
 
 /// The version that this crate writes, and the only one that it reads.
@@ -36,36 +36,36 @@ pub(crate) enum Line<'a> {
 /// A body, shown from the next frame on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BodyLine {
-    /// The name; names may repeat.
+    /// Name; several bodies may have the same name.
     pub name: String,
-    /// The number of the geometry.
+    /// Number of the geometry.
     pub geometry: u32,
-    /// The pose in the world until a frame sets another one.
+    /// Pose in the world until a frame sets another one.
     #[serde(with = "poses::one")]
     pub pose: Isometry3<f64>,
-    /// The number of the first frame that shows the body; set by the reader.
+    /// Index of the first frame that shows the body; the reader sets it.
     #[serde(skip)]
     pub since: usize,
 }
 
-/// An instant. Empty lists are not written.
+/// A frame. Empty lists are not written.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Frame {
-    /// Bodies whose poses changed since the frame before, with the new poses.
+    /// Bodies whose poses changed since the previous frame, with the new poses.
     #[serde(with = "poses::many", skip_serializing_if = "Vec::is_empty")]
     pub poses: Vec<(u32, Isometry3<f64>)>,
-    /// Meshes whose vertices changed since the frame before, with the new vertices in the order of
-    /// their numbers, in the body's frame.
+    /// Meshes whose vertices changed since the previous frame, with all new vertices in the order
+    /// of the mesh and in the body's frame.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub vertices: Vec<(u32, Vec<Point3<f64>>)>,
-    /// Bodies that are not shown from this frame on.
+    /// Bodies that are removed from this frame on.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub removed: Vec<u32>,
-    /// Pairs of bodies and what is known of them.
+    /// Pairs of bodies, with their outcomes and contacts.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pairs: Vec<PairLine>,
-    /// Boxes of the broad phase: least and greatest corner.
+    /// Boxes of the broad phase: lower and upper corner.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub boxes: Vec<[Point3<f64>; 2]>,
     /// Columns of the broad phase.
@@ -85,14 +85,15 @@ pub struct Frame {
 /// A pair of bodies in a frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PairLine {
-    /// The number of body A.
+    /// Number of body A.
     pub a: u32,
-    /// The number of body B.
+    /// Number of body B.
     pub b: u32,
     /// The closest points with their bounds, in the frames of the bodies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outcome: Option<Outcome>,
-    /// The piece, triangle or patch of A and of B that holds the features; zero for convex bodies.
+    /// Index of the piece, triangle or patch of A and of B that contains the features; zero for
+    /// convex bodies.
     #[serde(default, skip_serializing_if = "is_whole")]
     pub parts: [u32; 2],
     /// Contact points.
@@ -107,7 +108,7 @@ fn is_whole(parts: &[u32; 2]) -> bool {
 /// A contact point, in the world.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// The name that lasts as long as the contact.
+    /// Id that persists as long as the contact.
     pub name: String,
     /// The point on A.
     pub on_a: Point3<f64>,
@@ -115,7 +116,7 @@ pub struct Contact {
     pub on_b: Point3<f64>,
     /// Unit direction from A to B.
     pub normal: Vector3<f64>,
-    /// Signed distance along the normal.
+    /// Signed distance along the normal, negative for an overlap.
     pub separation: f64,
 }
 
@@ -128,18 +129,18 @@ pub struct ColumnLine {
     pub lo: [f64; 2],
     /// Upper corner on the two other axes.
     pub hi: [f64; 2],
-    /// Number of bodies listed.
+    /// Number of bodies in the column.
     pub listed: u32,
 }
 
 /// The bracket of a first contact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bracket {
-    /// The numbers of the two bodies.
+    /// Numbers of the two bodies.
     pub bodies: [u32; 2],
     /// The bodies are proven apart up to this time.
     pub safe: f64,
-    /// The bodies are proven to meet at this time.
+    /// The bodies are proven to be in contact at this time.
     pub hit: f64,
     /// The poses of the two bodies at `safe`.
     #[serde(with = "poses::both")]
@@ -160,8 +161,10 @@ pub mod poses {
         [t.x, t.y, t.z, q.x, q.y, q.z, q.w]
     }
 
-    /// Returns the pose of seven numbers, to the bit; `None` if a number is not finite or the
-    /// quaternion's norm differs from 1 by more than 1e-6.
+    /// Returns the pose of seven numbers, without rounding.
+    ///
+    /// Returns `None` if a number is not finite or the norm of the quaternion differs from 1 by
+    /// more than 1e-6.
     #[must_use]
     pub fn pose([x, y, z, i, j, k, w]: [f64; 7]) -> Option<Isometry3<f64>> {
         let turn = Quaternion::new(w, i, j, k);
@@ -170,7 +173,11 @@ pub mod poses {
     }
 
     fn checked<E: serde::de::Error>(numbers: [f64; 7]) -> Result<Isometry3<f64>, E> {
-        pose(numbers).ok_or_else(|| E::custom(format!("{numbers:?} is no translation and unit quaternion")))
+        pose(numbers).ok_or_else(|| {
+            E::custom(format!(
+                "invalid pose: {numbers:?} (expected a finite translation and a unit quaternion)"
+            ))
+        })
     }
 
     macro_rules! serialized {

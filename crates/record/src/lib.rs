@@ -1,6 +1,7 @@
-//! Recordings of moving bodies and of the answers about them: a file of JSON lines that a loop, a
-//! [`Scene`](lin_canny::scene::Scene), a robot or a planner writes in a line, and that the viewer
-//! of the repository plays.
+//! Writes and reads recordings of moving bodies and query results.
+//!
+//! A recording is a file of JSON lines. A loop, a [`Scene`](lin_canny::scene::Scene), a robot or a
+//! planner writes one line per frame. The viewer of the repository plays the file.
 //!
 //! ```
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -30,22 +31,22 @@
 //!
 //! # The format, version 1
 //!
-//! A file is UTF-8 text, one JSON value a line. The first line is the [`Header`]:
+//! A file is UTF-8 text with one JSON value per line. The first line is the [`Header`]:
 //! `{"format":"lin-canny recording","version":1,"title":"two cubes"}`. Each further line is an
 //! object with one key:
 //!
 //! | key | value |
 //! |---|---|
-//! | `geometry` | a [`Geometry`](lin_canny::Geometry) as the core writes it with its feature `serde`; geometries are numbered from 0 in the order of their lines |
-//! | `body` | a [`BodyLine`]: name, number of the geometry, pose; bodies are numbered from 0 in the order of their lines, and shown from the next frame on |
-//! | `frame` | a [`Frame`]: the poses that changed since the frame before, and everything to show |
+//! | `geometry` | a [`Geometry`](lin_canny::Geometry), serialised by the core library with its feature `serde`; geometries are numbered from 0 in the order of their lines |
+//! | `body` | a [`BodyLine`]: name, number of the geometry, and pose; bodies are numbered from 0 in the order of their lines, and shown from the next frame on |
+//! | `frame` | a [`Frame`]: the poses that changed since the previous frame, and everything to show |
 //!
 //! A pose is an array of seven numbers: the translation x, y, z and the unit quaternion x, y, z, w,
 //! from the body's frame to the world. Points are arrays of three numbers. Poses, boxes, paths and
-//! contacts are in the world; an answer is in the frames of the two bodies, as
-//! [`Outcome`](lin_canny::Outcome). Lengths are in the caller's unit, times in the caller's unit of
-//! time. Numbers have all the digits that read back to the same bits. A reader refuses another
-//! version, and ignores keys that it does not know.
+//! contacts are in the world frame. The outcome of a query is in the frames of the two bodies, as
+//! in [`Outcome`](lin_canny::Outcome). Lengths and times are in the units of the caller. Numbers
+//! are written with enough digits to read back the same bits. The reader returns an error for
+//! another version, and ignores unknown keys.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

@@ -1,4 +1,4 @@
-//! Geometries of every kind as triangles and sharp edges, in the body's own frame.
+//! Converts geometries to triangles and sharp edges, in the body's frame.
 
 use std::collections::BTreeMap;
 
@@ -8,31 +8,33 @@ use lin_canny::shape::Core;
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{ConvexPolyhedron, Geometry, Mesh, Shape};
 
-/// Edges between faces that differ by less than this cosine are not drawn on curved bodies.
+/// Cosine between face normals above which an edge of a curved body is not drawn.
 const SHARP: f64 = 0.87;
 
-/// Corners around a rim.
+/// Number of vertices around a rim.
 const AROUND: usize = 40;
 
-/// Steps along each parameter of a patch.
+/// Number of steps along each parameter of a patch.
 const PATCH_STEPS: usize = 14;
 
-/// Meshes of more triangles are drawn without edges.
+/// Number of triangles above which a mesh is drawn without edges.
 const MOST_EDGED: usize = 4000;
 
-/// What a viewer draws of a body: triangles, and the edges to be seen.
+/// Triangles and visible edges of a body, for drawing.
 #[derive(Clone, Debug, Default)]
 pub struct RenderMesh {
-    /// Corners of each triangle, counter-clockwise seen from outside, and the unit normal.
+    /// Vertices of each triangle, counter-clockwise seen from outside, and its unit normal.
     pub triangles: Vec<([Point3<f64>; 3], Vector3<f64>)>,
     /// Ends of each edge.
     pub edges: Vec<[Point3<f64>; 2]>,
-    /// A ball about the frame's origin that holds the body.
+    /// Radius of a ball around the frame's origin that contains the body.
     pub radius: f64,
 }
 
 impl RenderMesh {
-    /// Returns the picture of a geometry. Curved bodies are hulls of points on their surface.
+    /// Returns the triangles and edges of a geometry.
+    ///
+    /// A curved body is drawn as the hull of points on its surface.
     #[must_use]
     pub fn from_geometry(geometry: &Geometry) -> Self {
         let mut solid = Self::default();
@@ -115,7 +117,7 @@ impl RenderMesh {
         }
     }
 
-    /// Both sides of a patch, and its rim.
+    /// Adds both sides of a patch, and its boundary.
     fn patch(&mut self, patch: &BezierPatch) {
         let at = |i: usize, j: usize| {
             let [u, v] = [i, j].map(|k| k as f64 / PATCH_STEPS as f64);
@@ -175,7 +177,7 @@ fn samples(shape: &Shape) -> Vec<Point3<f64>> {
     core.iter().flat_map(|p| ball.iter().map(move |d| p + d)).collect()
 }
 
-/// Directions all over the sphere.
+/// Returns directions that cover the sphere.
 fn sphere(fine: u32) -> impl Iterator<Item = Vector3<f64>> {
     let ball = solids::geodesic_sphere(fine, 1.0);
     let points: Vec<_> = ball
@@ -193,7 +195,7 @@ fn circle(radius: f64) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-/// The point of the unit superquadric in the angles of a direction.
+/// Returns the point of the unit superquadric at the angles of a direction.
 fn super_point(d: Vector3<f64>, e1: f64, e2: f64) -> Vector3<f64> {
     let bent = |x: f64, e: f64| x.signum() * x.abs().powf(e);
     let flat = d.x.hypot(d.y);

@@ -1,4 +1,4 @@
-//! Recordings read back.
+//! The reader of recordings.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -10,11 +10,11 @@ use lin_canny::nalgebra::{Isometry3, Point3};
 use crate::format::{BodyLine, FORMAT, Frame, Header, Line, VERSION};
 use crate::write::vertices_of;
 
-/// What is wrong with a recording, and in which line, counted from 1.
+/// Error of a recording, with its line; lines count from 1.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
-    /// The file cannot be opened or read.
+    /// Returned if the file cannot be opened or read.
     #[error("line {line}: {source}")]
     File {
         /// The line; 0 if the file cannot be opened.
@@ -22,7 +22,7 @@ pub enum ReadError {
         /// The reason.
         source: std::io::Error,
     },
-    /// A line is no JSON, or not of this format.
+    /// Returned if a line is not valid JSON or does not have this format.
     #[error("line {line}: {source}")]
     Line {
         /// The line.
@@ -30,32 +30,32 @@ pub enum ReadError {
         /// The reason, with the column.
         source: serde_json::Error,
     },
-    /// The first line names another format.
-    #[error("line 1: the format is \"{found}\", expected \"{FORMAT}\"")]
+    /// Returned if the first line names another format.
+    #[error("line 1: unknown format: \"{found}\" (expected \"{FORMAT}\")")]
     Format {
-        /// The format found.
+        /// Format of the file.
         found: String,
     },
-    /// The first line names another version.
-    #[error("line 1: version {found}, this reader knows version {VERSION}")]
+    /// Returned if the first line names another version.
+    #[error("line 1: unsupported version: {found} (expected {VERSION})")]
     Version {
-        /// The version found.
+        /// Version of the file.
         found: u32,
     },
-    /// A line names a geometry or a body that no line before has.
-    #[error("line {line}: {what} {number} of {count}")]
+    /// Returned if a line uses a geometry or a body that no earlier line defines.
+    #[error("line {line}: {what} {number} does not exist: earlier lines define {count}")]
     Number {
         /// The line.
         line: usize,
-        /// What is numbered.
+        /// `geometry` or `body`.
         what: &'static str,
-        /// The number found.
+        /// The number that does not exist.
         number: u32,
-        /// How many there are.
+        /// How many earlier lines define.
         count: usize,
     },
-    /// A frame has vertices of a body that is no mesh, or another number of them.
-    #[error("line {line}: the vertices of body {body} are not those of its mesh")]
+    /// Returned if a frame has vertices of a body that is not a mesh or has another number of them.
+    #[error("line {line}: invalid vertices of body {body}: it is not a mesh, or has another number of vertices")]
     Vertices {
         /// The line.
         line: usize,
@@ -81,13 +81,13 @@ impl Recording {
     /// Reads a file.
     ///
     /// # Errors
-    /// Files that cannot be read, and lines that are not of this format, by number.
+    /// Returns an error if the file cannot be read or a line does not have this format.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, ReadError> {
         let file = File::open(path).map_err(|source| ReadError::File { line: 0, source })?;
         Self::read(BufReader::new(file))
     }
 
-    /// Reads lines. Empty lines are skipped.
+    /// Reads lines, and skips empty lines.
     ///
     /// # Errors
     /// As [`open`](Self::open).
@@ -161,20 +161,23 @@ fn known(line: usize, what: &'static str, number: u32, count: usize) -> Result<(
     })
 }
 
-/// The state of all bodies at one frame. Going forward costs the poses that change; going back
-/// starts again from the first frame.
+/// The state of all bodies at one frame.
+///
+/// A step forward costs only the poses that change. A step back starts again from the first frame.
 #[derive(Clone, Debug, Default)]
 pub struct Cursor {
     next: usize,
-    /// The pose of each body; `None` while the body is not shown.
+    /// Pose of each body; `None` while the body is not shown.
     pub poses: Vec<Option<Isometry3<f64>>>,
-    /// By body, the frame and the number there of its last vertices.
+    /// For each body, the frame that sets its last vertices and their index there.
     bent: Vec<Option<(usize, usize)>>,
 }
 
 impl Cursor {
-    /// Returns the vertices of a mesh that has bent until this frame, in the order of
-    /// [`Mesh::vertices`](lin_canny::Mesh::vertices); `None` for a body that is as its geometry.
+    /// Returns the vertices of a mesh that was deformed before or at this frame.
+    ///
+    /// The order is that of [`Mesh::vertices`](lin_canny::Mesh::vertices). Returns `None` if the
+    /// body equals its geometry.
     #[must_use]
     pub fn vertices<'r>(&self, recording: &'r Recording, body: u32) -> Option<&'r [Point3<f64>]> {
         let (frame, at) = (*self.bent.get(body as usize)?)?;
@@ -182,7 +185,7 @@ impl Cursor {
         Some(vertices)
     }
 
-    /// Goes to a frame; past the last one, to the last.
+    /// Goes to a frame, or to the last frame if `frame` is beyond it.
     pub fn seek(&mut self, recording: &Recording, frame: usize) {
         if frame + 1 < self.next {
             self.next = 0;

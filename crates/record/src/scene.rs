@@ -1,4 +1,4 @@
-//! A step of a scene as a frame.
+//! Records a step of a scene as a frame.
 
 use std::io::Write;
 
@@ -10,12 +10,13 @@ use crate::format::Contact;
 use crate::write::{Recorder, WriteError};
 
 impl<W: Write> Recorder<W> {
-    /// Writes the last step of a scene as a frame: bodies that are new or gone, poses, the boxes of
-    /// the bodies, and the answers and contacts of all pairs that have any. A body's name is its
-    /// user data, as a number.
+    /// Writes the last step of a scene as a frame.
+    ///
+    /// The frame holds new and removed bodies, poses, the boxes of the bodies, and the outcomes and
+    /// contacts of all pairs. The name of a body is its user data, as a number.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn scene(&mut self, scene: &Scene) -> Result<(), WriteError> {
         self.scene_bodies(scene)?;
         for pair in scene.pairs() {

@@ -1,4 +1,4 @@
-//! Recordings written line by line.
+//! The writer of recordings, line by line.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -12,44 +12,46 @@ use lin_canny::{ContactGroup, Geometry, PairOutcome};
 
 use crate::format::{BodyLine, Bracket, ColumnLine, Contact, FORMAT, Frame, Header, Line, PairLine, VERSION, poses};
 
-/// What stops a recorder.
+/// Error of a [`Recorder`].
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
-    /// The file cannot be written.
+    /// Returned if the file cannot be written.
     #[error(transparent)]
     File(#[from] std::io::Error),
-    /// A value cannot be written as JSON.
+    /// Returned if a value cannot be written as JSON.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
-    /// A body of this number was never recorded.
-    #[error("body {number} of {count}")]
+    /// Returned if no body with this number was recorded.
+    #[error("body {number} does not exist: {count} bodies were recorded")]
     Body {
-        /// The number given.
+        /// The number that does not exist.
         number: u32,
         /// How many bodies were recorded.
         count: usize,
     },
-    /// Vertices of a body that is no mesh.
-    #[error("body {body} is no mesh")]
+    /// Returned if vertices are recorded for a body that is not a mesh.
+    #[error("body {body} is not a mesh")]
     NotAMesh {
         /// The body.
         body: u32,
     },
-    /// Another number of vertices than the mesh has, or a vertex that is not finite.
-    #[error("body {body} takes {count} vertices, each finite")]
+    /// Returned if the number of vertices differs from that of the mesh, or a vertex is not finite.
+    #[error("invalid vertices of body {body} (expected {count} finite vertices)")]
     Vertices {
         /// The body.
         body: u32,
-        /// The vertices of the mesh.
+        /// Number of vertices of the mesh.
         count: usize,
     },
-    /// A pose that is not finite, or whose rotation is no unit quaternion.
-    #[error("the pose {0:?} is no translation and unit quaternion")]
+    /// Returned if a pose is not finite or its rotation is not a unit quaternion.
+    #[error("invalid pose: {0:?} (expected a finite translation and a unit quaternion)")]
     Pose([f64; 7]),
 }
 
-/// Writes a recording: bodies first, then what each frame holds, then
+/// Writes a recording.
+///
+/// Add bodies first. Then, for each frame, add its contents and call
 /// [`end_frame`](Self::end_frame). A geometry that several bodies share is written once.
 pub struct Recorder<W: Write> {
     to: W,
@@ -61,20 +63,20 @@ pub struct Recorder<W: Write> {
 }
 
 impl Recorder<BufWriter<File>> {
-    /// Begins a recording in a new file.
+    /// Starts a recording in a new file.
     ///
     /// # Errors
-    /// A file that cannot be created or written.
+    /// Returns an error if the file cannot be created or written.
     pub fn create(path: impl AsRef<Path>, title: &str) -> Result<Self, WriteError> {
         Self::new(BufWriter::new(File::create(path)?), title)
     }
 }
 
 impl<W: Write> Recorder<W> {
-    /// Begins a recording.
+    /// Starts a recording.
     ///
     /// # Errors
-    /// As `to` fails.
+    /// Returns an error if `to` cannot be written.
     pub fn new(to: W, title: &str) -> Result<Self, WriteError> {
         let mut recorder = Self {
             to,
@@ -95,7 +97,7 @@ impl<W: Write> Recorder<W> {
     /// Adds a body and returns its number.
     ///
     /// # Errors
-    /// A pose that is none, or a file that cannot be written.
+    /// Returns an error if the pose is invalid or the file cannot be written.
     pub fn body(&mut self, name: &str, geometry: &Geometry, pose: &Isometry3<f64>) -> Result<u32, WriteError> {
         checked(pose)?;
         let found = self.geometries.iter().position(|known| is_same(known, geometry));
@@ -121,7 +123,7 @@ impl<W: Write> Recorder<W> {
     /// Sets the pose of a body from this frame on. A pose that did not change is not written.
     ///
     /// # Errors
-    /// An unknown body, or a pose that is none.
+    /// Returns an error if the body does not exist or the pose is invalid.
     pub fn pose(&mut self, body: u32, pose: &Isometry3<f64>) -> Result<(), WriteError> {
         checked(pose)?;
         self.known(body)?;
@@ -137,7 +139,8 @@ impl<W: Write> Recorder<W> {
     /// [`Mesh::vertices`](lin_canny::Mesh::vertices).
     ///
     /// # Errors
-    /// An unknown body, another number of vertices than the mesh has, or a vertex that is not finite.
+    /// Returns an error if the body does not exist or is not a mesh, if the number of vertices
+    /// differs from that of the mesh, or if a vertex is not finite.
     pub fn vertices(&mut self, body: u32, vertices: &[Point3<f64>]) -> Result<(), WriteError> {
         self.known(body)?;
         let geometry = &self.geometries[self.geometry_of[body as usize] as usize];
@@ -151,10 +154,10 @@ impl<W: Write> Recorder<W> {
         Ok(())
     }
 
-    /// Shows a body no longer.
+    /// Removes a body from this frame on.
     ///
     /// # Errors
-    /// An unknown body.
+    /// Returns an error if the body does not exist.
     pub fn remove(&mut self, body: u32) -> Result<(), WriteError> {
         self.known(body)?;
         self.poses[body as usize] = None;
@@ -165,7 +168,7 @@ impl<W: Write> Recorder<W> {
     /// Adds the closest points of two bodies.
     ///
     /// # Errors
-    /// An unknown body.
+    /// Returns an error if a body does not exist.
     pub fn answer(&mut self, a: u32, b: u32, answer: &PairOutcome) -> Result<(), WriteError> {
         let line = self.pair(a, b)?;
         line.outcome = Some(answer.outcome);
@@ -173,10 +176,10 @@ impl<W: Write> Recorder<W> {
         Ok(())
     }
 
-    /// Adds contact points of two bodies, at the poses last set.
+    /// Adds contact points of two bodies, at their current poses.
     ///
     /// # Errors
-    /// An unknown body, or one that is not shown.
+    /// Returns an error if a body does not exist or is not shown.
     pub fn contacts(&mut self, a: u32, b: u32, groups: &[ContactGroup]) -> Result<(), WriteError> {
         let (pose_a, pose_b) = (self.pose_of(a)?, self.pose_of(b)?);
         let points = groups.iter().flat_map(|group| &group.contacts);
@@ -206,7 +209,7 @@ impl<W: Write> Recorder<W> {
     /// Adds the bracket of a first contact.
     ///
     /// # Errors
-    /// An unknown body.
+    /// Returns an error if a body does not exist.
     pub fn bracket(&mut self, bracket: Bracket) -> Result<(), WriteError> {
         bracket.bodies.iter().try_for_each(|&body| self.known(body))?;
         self.frame.brackets.push(bracket);
@@ -223,19 +226,19 @@ impl<W: Write> Recorder<W> {
         self.frame.note = text.into();
     }
 
-    /// Writes the frame and begins the next.
+    /// Writes the frame and starts the next one.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn end_frame(&mut self) -> Result<(), WriteError> {
         let frame = std::mem::take(&mut self.frame);
         self.line(&Line::Frame(Cow::Borrowed(&frame)))
     }
 
-    /// Writes what is still in memory, and returns the file.
+    /// Writes the data that is still in memory, and returns the file.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn finish(mut self) -> Result<W, WriteError> {
         self.to.flush()?;
         Ok(self.to)
@@ -245,7 +248,7 @@ impl<W: Write> Recorder<W> {
     pub(crate) fn pair(&mut self, a: u32, b: u32) -> Result<&mut PairLine, WriteError> {
         self.known(a)?;
         self.known(b)?;
-        // A caller adds answer and contacts of one pair one after the other.
+        // Callers add the outcome and the contacts of a pair one after the other.
         let pairs = &mut self.frame.pairs;
         if pairs.last().is_none_or(|p| (p.a, p.b) != (a, b)) {
             pairs.push(PairLine {

@@ -1,4 +1,4 @@
-//! Recordings of lin-canny as files of [rerun](https://rerun.io), for those who look at their robots there.
+//! Converts recordings of lin-canny to files of the viewer [rerun](https://rerun.io).
 //!
 //! ```no_run
 //! use lin_canny_record::Recording;
@@ -8,18 +8,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! | of a recording | in rerun |
+//! | in the recording | in rerun |
 //! |---|---|
-//! | a body | `bodies/NUMBER NAME`: `Mesh3D` (curved bodies by triangles), edges of bodies without triangles as `LineStrips3D`, its pose as `Transform3D` |
+//! | a body | `bodies/NUMBER NAME`: `Mesh3D` (curved bodies are triangulated); a body without triangles is drawn by its edges, as `LineStrips3D`; its pose as `Transform3D` |
 //! | the closest points of a pair | `pairs/A - B`: `LineStrips3D` and `Points3D`; `distances/A - B/distance`, `lower`, `upper` as `Scalars` |
-//! | contacts | `pairs/A - B/contacts`: `Points3D` with their names, `Arrows3D` along the normals |
+//! | contacts | `pairs/A - B/contacts`: `Points3D` with their ids as labels, `Arrows3D` along the normals |
 //! | boxes of the broad phase | `boxes`: `Boxes3D` |
 //! | paths | `paths`: `LineStrips3D` |
 //! | the bracket of a cast | `casts`: `TextLog` with both times |
 //! | the note of a frame | `notes`: `TextLog` |
 //!
-//! Frames are the timeline `frame`. Left out: columns of the broad phase, which are infinite, and the poses of a bracket. rerun counts in single
-//! precision: numbers that have to be exact are read from the recording.
+//! The timeline is called `frame`. The columns of the broad phase (`pencils`), which are infinite,
+//! and the poses of a bracket are not converted. rerun stores numbers in single precision. If a
+//! number must be exact, read it from the recording.
 
 mod shown;
 
@@ -34,14 +35,14 @@ use rerun::{EntityPath, RecordingStream, RecordingStreamBuilder, RecordingStream
 /// The timeline of the frames.
 pub const TIMELINE: &str = "frame";
 
-/// Why a file could not be written.
+/// Error of a file that cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SaveError {
-    /// rerun refused the file or a value.
+    /// Returned if rerun rejects the file or a value.
     #[error(transparent)]
     Stream(#[from] RecordingStreamError),
-    /// What was logged did not reach the file.
+    /// Returned if the logged data did not reach the file.
     #[error(transparent)]
     Flush(#[from] rerun::sink::SinkFlushError),
 }
@@ -49,7 +50,7 @@ pub enum SaveError {
 /// Writes a recording as a file of rerun.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// Returns an error if the file cannot be written.
 pub fn save(recording: &Recording, path: impl AsRef<Path>) -> Result<(), SaveError> {
     let stream = RecordingStreamBuilder::new("lin-canny")
         .recording_name(recording.title.clone())
@@ -106,7 +107,7 @@ fn bodies(
     Ok(())
 }
 
-/// What a frame shows beside bodies; returns the entities that last until they are cleared.
+/// Logs the contents of a frame other than bodies; returns the entities that persist until cleared.
 fn things(
     recording: &Recording,
     stream: &RecordingStream,

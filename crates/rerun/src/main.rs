@@ -1,4 +1,4 @@
-//! The tool `lin-canny-rerun`: a recording of lin-canny as a file of rerun.
+//! The command line tool `lin-canny-rerun`: converts a recording to a file of rerun.
 #![forbid(unsafe_code)]
 
 use std::path::PathBuf;
@@ -7,16 +7,16 @@ use std::process::ExitCode;
 use clap::Parser;
 use lin_canny_record::Recording;
 
-/// Writes a recording of lin-canny (JSON lines) as a file of rerun.
+/// Convert a recording of lin-canny (JSON lines) to a file of rerun
 ///
-/// Exit codes: 0 done, 2 wrong arguments, 3 a file was refused or cannot be written.
+/// Exit codes: 0 done, 2 wrong arguments, 3 a file is invalid or cannot be written.
 #[derive(Parser)]
 #[command(name = "lin-canny-rerun", version)]
 struct Arguments {
-    /// The recording
+    /// Recording to convert
     #[arg(value_name = "IN.jsonl")]
     recording: PathBuf,
-    /// The file to write
+    /// Output file
     #[arg(value_name = "OUT.rrd")]
     out: PathBuf,
 }

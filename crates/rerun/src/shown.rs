@@ -2,7 +2,7 @@
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny_record::{RenderMesh, Contact};
+use lin_canny_record::{Contact, RenderMesh};
 use rerun::external::re_log_types::EntityPath;
 use rerun::{
     Arrows3D, Boxes3D, Color, LineStrips3D, Mesh3D, Points3D, Quaternion, RecordingStream, RecordingStreamError,

@@ -1,4 +1,4 @@
-//! A path of a six-axis arm in its cell, from bin to bin: proven free, shortened, widened, drawn with its clearance.
+//! Plans a path of a six-axis arm from bin to bin: proven free, shortened, and widened.
 //!
 //! `cargo run --release -p lin-canny-robot --example arm -- [--cell X.obj ..] [--seed N] [--out FILE.svg]`
 
@@ -15,22 +15,22 @@ use std::time::{Duration, Instant};
 use truth::arm::{Trouble, cell, draw, motion};
 use truth::command::{file, seconds};
 
-/// A six-axis arm takes its gripper from the left bin to the right one
+/// Plan how a six-axis arm moves its gripper from the left bin to the right bin
 ///
-/// Searches a path with the opportunistic planner, shortens it and moves it away from the cell; draws
-/// the arm at both ends and where it is nearest, and the clearance along the path.
+/// Searches for a path with the opportunistic planner, shortens it and moves it away from the cell.
+/// Draws the arm at both ends and at the least clearance, and the clearance along the path.
 #[derive(Parser)]
 struct Options {
-    /// Seed of the random slices
+    /// Random seed
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Limit of the search
+    /// Time limit of the search in seconds
     #[arg(long, value_name = "S", default_value = "10", value_parser = seconds)]
     seconds: Duration,
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/arm.svg", value_parser = file("svg"))]
     out: PathBuf,
-    /// Meshes instead of the built-in cell, by their hulls, in the frame of the world
+    /// Mesh files that replace the built-in cell by their hulls, in the world frame
     #[arg(long, value_name = "FILE", num_args = 1..)]
     cell: Vec<String>,
 }
@@ -39,7 +39,8 @@ fn main() -> ExitCode {
     truth::command::main(run)
 }
 
-/// Times of the built-in motion of `clearance` at which the gripper is in the left and in the right bin.
+/// Times of the built-in motion of `clearance` at which the gripper is in the left and in the right
+/// bin.
 const BINS: [f64; 2] = [0.2, 0.6];
 
 /// Places measured for the chart.
@@ -55,7 +56,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
     for (name, shape, pose) in &things {
         setup.obstacle(name, shape.clone(), *pose);
     }
-    // The arm stands on the table, and its slender links reach over the next but one.
+    // The arm is mounted on the table, and its slender links extend over the next link but one.
     if things.iter().any(|thing| thing.0 == "table") {
         setup.ignore_pair("base", "table");
     }
@@ -136,7 +137,8 @@ fn clearances(checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<Vec
     Ok(curve)
 }
 
-/// The cell, the arm at both ends and at the place of least clearance, and the points that are closest there.
+/// The cell, the arm at both ends and at the place of least clearance, and the points that are
+/// closest there.
 fn picture(
     checker: &mut Checker<JointTree>,
     things: &[cell::Thing],

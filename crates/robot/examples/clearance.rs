@@ -1,5 +1,4 @@
-//! The clearance of a robot: an arm moves through a cell; for every frame the closest pair, of the arm with the cell and of the
-//! arm with itself.
+//! The clearance of an arm that moves through a cell: the closest pair of each frame.
 //!
 //! `cargo run --release -p lin-canny-robot --example clearance -- [--urdf FILE] [--cell X.obj ..] [--frames N] [--out FILE.svg]`
 
@@ -17,25 +16,27 @@ use race::progress::Progress;
 use truth::arm::{Trouble, cell, draw, motion};
 use truth::command::{count, file};
 
-/// An arm moves through a cell: the closest pair per frame, of the arm with the cell and of the arm with
-/// itself
+/// Find the closest pair per frame while an arm moves through a cell
 ///
-/// Draws the frame of least clearance in three dimensions, and the clearance over time. Links that one
-/// or two joints connect, and pairs that share a point in the first frame, are ignored.
+/// Pairs are a link and the cell, or two links. Draws the frame of least clearance in three
+/// dimensions, and the clearance over time. Ignores links that one or two joints connect, and pairs
+/// that share a point in the first frame.
 #[derive(Parser)]
 struct Options {
-    /// A robot instead of the built-in arm: its joints, and the convex hulls of its collision geometry
+    /// URDF of a robot that replaces the built-in arm, with the convex hulls of its collision
+    /// geometry
     ///
-    /// Every joint swings about the middle of its limits. `package://` is looked up in ROS_PACKAGE_PATH.
+    /// Every joint swings around the middle of its limits. `package://` paths are searched in
+    /// ROS_PACKAGE_PATH.
     #[arg(long, value_name = "FILE")]
     urdf: Option<PathBuf>,
-    /// Meshes instead of the built-in cell, by their hulls, in the frame of the world
+    /// Mesh files that replace the built-in cell by their hulls, in the world frame
     #[arg(long, value_name = "FILE", num_args = 1..)]
     cell: Vec<String>,
-    /// Frames of the motion
+    /// Number of frames of the motion
     #[arg(long, value_name = "N", default_value_t = 1200, value_parser = count(1))]
     frames: usize,
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/clearance.svg", value_parser = file("svg"))]
     out: PathBuf,
 }

@@ -1,4 +1,4 @@
-//! Cells: obstacles from a JSON file.
+//! Cells: obstacles that a JSON file defines.
 
 use std::path::Path;
 
@@ -15,11 +15,11 @@ use crate::turn::roll_pitch_yaw;
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Obstacle {
-    /// The name; several may have the same.
+    /// Name; several obstacles may have the same name.
     pub name: String,
-    /// The geometry in its own frame.
+    /// Geometry, in the frame of the obstacle.
     pub geometry: Geometry,
-    /// The pose in the world.
+    /// Pose in the world.
     pub pose: Isometry3<f64>,
 }
 
@@ -37,10 +37,10 @@ pub struct Obstacle {
 /// }
 /// ```
 ///
-/// A body is a `box`, `cylinder`, `capsule`, `sphere` or `mesh`; `xyz`, and `rpy` in radians or
-/// `xyzw`, a quaternion, place it in the world. The file of a mesh is looked for beside the JSON
-/// file, or is `package://` or `file://`; `as` is `hull`, `mesh` or `pieces`, if left out what the
-/// options say.
+/// A body is a `box`, `cylinder`, `capsule`, `sphere` or `mesh`. Its pose in the world is `xyz`,
+/// and either `rpy` in radians or the quaternion `xyzw`. The path of a mesh file is relative to the
+/// folder of the JSON file, or starts with `package://` or `file://`. `as` is `hull`, `mesh` or
+/// `pieces`; the default is that of the options.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Cell {
@@ -106,14 +106,15 @@ impl Cell {
     /// Returns the cell of a JSON file.
     ///
     /// # Errors
-    /// A file that cannot be read, or a body that is none: the line or the body, and the reason.
+    /// Returns an error if the file cannot be read or a body is invalid. The error names the line
+    /// or the body.
     pub fn load(path: impl AsRef<Path>, packages: &Packages, options: &MeshOptions) -> Result<Self, FileError> {
         let path = path.as_ref();
         Self::parse(&FileError::read(path)?, path, packages, options)
     }
 
-    /// Returns the cell of the text of a JSON file; `path` is the file that errors name, and
-    /// meshes are looked for beside it.
+    /// Returns the cell of a JSON text. Errors name the file `path`, and mesh paths are relative to
+    /// its folder.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -172,18 +173,24 @@ impl BodyText {
                 Ok(geometry::of_mesh(&file, &scale, usage, options)?.0)
             }
             ([], None) => Err(FileErrorKind::Missing("box, cylinder, capsule, sphere or mesh".into())),
-            _ => Err(FileErrorKind::Malformed("a body has one shape, not several".into())),
+            _ => Err(FileErrorKind::Malformed(
+                "body has several shapes (expected one)".into(),
+            )),
         }
     }
 
     fn pose(&self) -> Result<Isometry3<f64>, FileErrorKind> {
         let turn = match (self.rpy, self.xyzw) {
-            (Some(_), Some(_)) => return Err(FileErrorKind::Malformed("rpy and xyzw exclude each other".into())),
+            (Some(_), Some(_)) => {
+                return Err(FileErrorKind::Malformed(
+                    "both rpy and xyzw are given (expected at most one)".into(),
+                ));
+            }
             (Some(rpy), None) => roll_pitch_yaw(rpy),
             (None, Some(xyzw)) => {
                 let quaternion = lin_canny::nalgebra::Quaternion::from(xyzw);
                 UnitQuaternion::try_new(quaternion, 1e-3).ok_or(FileErrorKind::Range {
-                    field: "the norm of xyzw".into(),
+                    field: "norm of xyzw".into(),
                     value: quaternion.norm(),
                 })?
             }

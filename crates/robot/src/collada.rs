@@ -1,8 +1,8 @@
-//! Meshes from COLLADA files: the triangles and polygons of the visual scene, at the places of their
-//! nodes, in metres.
+//! Meshes from COLLADA files: the triangles and polygons of the visual scene, in metres.
 //!
-//! The axis that points up is left as it is, as ROS tools do: files of robots are drawn in the frame
-//! of their link. Source: COLLADA 1.4.1 specification, Khronos Group 2008.
+//! Each geometry is transformed by its nodes. The `<up_axis>` is ignored, as in ROS tools, because
+//! files of robots are in the frame of their link. Source: COLLADA 1.4.1 specification, Khronos
+//! Group 2008.
 
 use std::collections::HashMap;
 
@@ -12,10 +12,10 @@ use roxmltree::{Document, Node};
 use crate::mesh_file::Soup;
 use crate::turn::matrix_about;
 
-/// Places of nodes, at most: a node that is an instance of itself has no end.
+/// Maximum number of node instances: a node that is an instance of itself never ends.
 const PLACES: usize = 100_000;
 
-/// Returns the geometries of a file, one for each time that one is placed.
+/// Returns the geometries of a file, one for each instance.
 pub(crate) fn read(text: &str) -> Result<Vec<Soup>, String> {
     let document = Document::parse(text).map_err(|e| format!("malformed COLLADA: {e}"))?;
     let file = File::new(&document)?;
@@ -24,7 +24,7 @@ pub(crate) fn read(text: &str) -> Result<Vec<Soup>, String> {
     while let Some((node, place)) = waiting.pop() {
         places += 1;
         if places > PLACES {
-            return Err(file.told(node, "instances of nodes without end"));
+            return Err(file.told(node, "node instances form a cycle"));
         }
         let place = place * file.transform(node)?;
         for child in node.children().filter(Node::is_element) {
@@ -39,7 +39,7 @@ pub(crate) fn read(text: &str) -> Result<Vec<Soup>, String> {
     Ok(found)
 }
 
-/// A file and its elements by their ids.
+/// A file, and its elements by id.
 struct File<'a> {
     document: &'a Document<'a>,
     ids: HashMap<&'a str, Node<'a, 'a>>,
@@ -51,14 +51,14 @@ type Placed<'a> = (Node<'a, 'a>, Matrix4<f64>);
 impl<'a> File<'a> {
     fn new(document: &'a Document<'a>) -> Result<Self, String> {
         if !is(&document.root_element(), "COLLADA") {
-            return Err("malformed COLLADA: the first element is another".into());
+            return Err("malformed COLLADA: unknown root element (expected COLLADA)".into());
         }
         let elements = document.descendants();
         let ids = elements.filter_map(|n| Some((n.attribute("id")?, n))).collect();
         Ok(Self { document, ids })
     }
 
-    /// Says what is wrong with an element.
+    /// Returns the error of an element.
     fn told(&self, node: Node, what: &str) -> String {
         let line = self.document.text_pos_at(node.range().start).row;
         format!("malformed COLLADA: line {line}: {}: {what}", node.tag_name().name())
@@ -68,10 +68,10 @@ impl<'a> File<'a> {
     fn named(&self, node: Node, attribute: &str) -> Result<Node<'a, 'a>, String> {
         let name = node.attribute(attribute).unwrap_or_default();
         let found = self.ids.get(name.trim_start_matches('#')).copied();
-        found.ok_or_else(|| self.told(node, &format!("no element has the id {name:?}")))
+        found.ok_or_else(|| self.told(node, &format!("no element has this id: {name:?}")))
     }
 
-    /// Returns the nodes of the scene, or of all scenes if the file names none, in metres.
+    /// Returns the nodes of the scene in metres; of all scenes if the file selects none.
     fn roots(&self) -> Result<Vec<Placed<'a>>, String> {
         let element = |name: &'static str| self.document.descendants().filter(move |n| is(n, name));
         let unit = match element("unit").next() {
@@ -102,16 +102,16 @@ impl<'a> File<'a> {
                 ("scale", &[x, y, z]) => Matrix4::new_nonuniform_scaling(&Vector3::new(x, y, z)),
                 ("rotate", &[x, y, z, degrees]) => {
                     let axis = Unit::try_new(Vector3::new(x, y, z), 0.0);
-                    let axis = axis.ok_or_else(|| self.told(child, "the axis has no length"))?;
+                    let axis = axis.ok_or_else(|| self.told(child, "rotation axis has no length"))?;
                     matrix_about(&axis, degrees.to_radians()).to_homogeneous()
                 }
-                _ => return Err(self.told(child, "no transform that is read here")),
+                _ => return Err(self.told(child, "unsupported or incomplete transform")),
             };
         }
         Ok(all)
     }
 
-    /// Adds the primitives of a geometry, placed.
+    /// Adds the transformed primitives of a geometry.
     fn geometry(&self, node: Node<'a, 'a>, place: &Matrix4<f64>, found: &mut Vec<Soup>) -> Result<(), String> {
         for mesh in node.children().filter(|n| is(n, "mesh")) {
             for primitive in mesh.children().filter(Node::is_element) {
@@ -129,14 +129,14 @@ impl<'a> File<'a> {
         Ok(())
     }
 
-    /// Returns a primitive: polygons are cut into fans.
+    /// Returns a primitive, with polygons divided into fans of triangles.
     fn primitive(&self, node: Node<'a, 'a>) -> Result<Soup, String> {
         let children = |name: &'static str| node.children().filter(move |n| is(n, name));
         let offset = |n: Node| n.attribute("offset").and_then(|o| o.parse::<usize>().ok()).unwrap_or(0);
-        // As many numbers a corner as inputs have places; more than a file has are a fault.
+        // Indices per vertex: one more than the greatest offset of an input.
         let stride = children("input").map(offset).max().unwrap_or(0).min(255) + 1;
         let vertex = children("input").find(|n| n.attribute("semantic") == Some("VERTEX"));
-        let vertex = vertex.ok_or_else(|| self.told(node, "no input of vertices"))?;
+        let vertex = vertex.ok_or_else(|| self.told(node, "no input has the semantic VERTEX"))?;
         let points = self.points(self.named(vertex, "source")?)?;
         let mut triangles = Vec::new();
         let counts: Vec<usize> = match children("vcount").next() {
@@ -152,7 +152,10 @@ impl<'a> File<'a> {
                 .map(|k| k as u32)
                 .collect();
             if corners.iter().any(|k| *k as usize >= points.len()) {
-                return Err(self.told(list, &format!("a vertex of {} does not exist", points.len())));
+                return Err(self.told(
+                    list,
+                    &format!("a vertex index does not exist (expected less than {})", points.len()),
+                ));
             }
             let mut rest = &corners[..];
             let mut fan = |polygon: &[u32]| {
@@ -163,7 +166,7 @@ impl<'a> File<'a> {
                 "polylist" => {
                     for count in &counts {
                         let Some((polygon, after)) = rest.split_at_checked(*count) else {
-                            return Err(self.told(list, "fewer corners than polygons have"));
+                            return Err(self.told(list, "fewer corners than `vcount` requires"));
                         };
                         fan(polygon);
                         rest = after;
@@ -180,16 +183,16 @@ impl<'a> File<'a> {
         let input = vertices
             .children()
             .find(|n| n.attribute("semantic") == Some("POSITION"));
-        let input = input.ok_or_else(|| self.told(vertices, "no input of positions"))?;
+        let input = input.ok_or_else(|| self.told(vertices, "no input has the semantic POSITION"))?;
         let source = self.named(input, "source")?;
         let child = |name: &'static str| source.descendants().find(move |n| is(n, name));
-        let list = child("float_array").ok_or_else(|| self.told(source, "no array of numbers"))?;
+        let list = child("float_array").ok_or_else(|| self.told(source, "no element float_array"))?;
         let stride = child("accessor")
             .and_then(|a| a.attribute("stride")?.parse().ok())
             .unwrap_or(3);
         let numbers = self.numbers(list, list.text().unwrap_or_default())?;
         if stride < 3 {
-            return Err(self.told(source, "positions of fewer than three numbers"));
+            return Err(self.told(source, "stride of the positions is fewer than three"));
         }
         Ok(numbers
             .chunks_exact(stride)
@@ -200,18 +203,18 @@ impl<'a> File<'a> {
     fn indices(&self, node: Node) -> Result<Vec<usize>, String> {
         let words = node.text().unwrap_or_default().split_ascii_whitespace();
         let read: Result<Vec<u32>, _> = words.map(str::parse).collect();
-        let read = read.map_err(|e| self.told(node, &format!("no index: {e}")))?;
+        let read = read.map_err(|e| self.told(node, &format!("not an index: {e}")))?;
         Ok(read.into_iter().map(|k| k as usize).collect())
     }
 
     fn numbers(&self, node: Node, text: &str) -> Result<Vec<f64>, String> {
         let read: Result<Vec<f64>, _> = text.split_ascii_whitespace().map(str::parse).collect();
-        let read = read.map_err(|e| self.told(node, &format!("no number: {e}")))?;
+        let read = read.map_err(|e| self.told(node, &format!("not a number: {e}")))?;
         let is_sound = read.iter().all(|x| x.is_finite());
         if is_sound {
             Ok(read)
         } else {
-            Err(self.told(node, "a number that is not finite"))
+            Err(self.told(node, "a number is not finite"))
         }
     }
 }

@@ -1,43 +1,43 @@
-//! What is wrong with a file.
+//! The error of a file.
 
 use std::path::{Path, PathBuf};
 
-/// A file that was refused: where, and why.
+/// Error of a file: the file, the line, the element and the reason.
 #[derive(Debug, thiserror::Error)]
 #[error("{}{}: {}{reason}", file.display(), at_line(*line), of_element(element))]
 #[non_exhaustive]
 pub struct FileError {
     /// The file.
     pub file: PathBuf,
-    /// The line, from 1 on, where it is known.
+    /// The line, counted from 1, if known.
     pub line: Option<u32>,
-    /// The element, row or field, such as `joint "elbow"`; empty if the whole file is meant.
+    /// The element, row or field, such as `joint "elbow"`; empty for the whole file.
     pub element: String,
     /// The reason.
     pub reason: FileErrorKind,
 }
 
-/// Reason why a file was refused.
+/// Reason of a [`FileError`].
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileErrorKind {
-    /// The file cannot be read.
+    /// Returned if the file cannot be read.
     #[error("cannot be read: {0}")]
     Read(#[from] std::io::Error),
-    /// The text is not what the file's kind needs.
+    /// Returned if the text does not have the format of the file.
     #[error("{0}")]
     Malformed(String),
-    /// A number, or a list of numbers, that is not finite or not of the right length.
-    #[error("{field} needs {count} finite number(s), not {text:?}")]
+    /// Returned if a number is not finite, or a list of numbers has the wrong length.
+    #[error("invalid {field}: {text:?} (expected {})", finite_numbers(*count))]
     Number {
         /// The field: an attribute or a column.
         field: String,
-        /// How many numbers it has.
+        /// How many numbers the field must have.
         count: usize,
-        /// What stands there.
+        /// The text of the field.
         text: String,
     },
-    /// A number that is out of range.
+    /// Returned if a number is out of range.
     #[error("{field} is out of range: {value:?}")]
     Range {
         /// The field.
@@ -45,52 +45,52 @@ pub enum FileErrorKind {
         /// The number.
         value: f64,
     },
-    /// Something that has to be there is missing.
+    /// Returned if something required is missing.
     #[error("{0} is missing")]
     Missing(String),
-    /// Two of a kind have the same name.
-    #[error("this name is taken already")]
+    /// Returned if two elements of a kind have the same name.
+    #[error("name is already in use")]
     Repeated,
-    /// A name that nothing has.
-    #[error("there is no {kind} called {name:?}")]
+    /// Returned if nothing of the kind has this name.
+    #[error("{kind} {name:?} does not exist")]
     Unknown {
-        /// The kind of thing that is named.
+        /// The kind: link, joint or coordinate.
         kind: &'static str,
         /// The name.
         name: String,
     },
-    /// A limit that is upside down.
-    #[error("the lower limit {lower} is above the upper limit {upper}")]
+    /// Returned if the lower limit is above the upper limit.
+    #[error("lower limit {lower} is above upper limit {upper}")]
     Limits {
         /// The lower limit.
         lower: f64,
         /// The upper limit.
         upper: f64,
     },
-    /// A link that two joints move.
-    #[error("moves link {link:?}, which joint {other:?} moves already")]
+    /// Returned if two joints move the same link.
+    #[error("link {link:?} already has a parent joint: {other:?}")]
     SecondParent {
         /// The link.
         link: String,
-        /// The joint that moves the link already.
+        /// The other joint that moves the link.
         other: String,
     },
-    /// Joints in a loop: no link of them hangs on the root.
-    #[error("is part of a loop of joints: {}", .0.join(", "))]
+    /// Returned if joints form a loop, so that their links are not connected to the root.
+    #[error("joints form a loop: {}", .0.join(", "))]
     Loop(Vec<String>),
-    /// No link or several links that no joint moves.
-    #[error("a robot needs one root link, a link that no joint moves: there are {}", roots(.0))]
+    /// Returned if no link, or more than one, has no parent joint.
+    #[error("invalid root links: {} (expected exactly one link that no joint moves)", roots(.0))]
     Roots(Vec<String>),
-    /// A joint that mimics itself, over others or not.
+    /// Returned if a joint mimics itself, directly or through other joints.
     #[error("mimics itself: {}", .0.join(", "))]
     MimicLoop(Vec<String>),
-    /// A kind that is not read.
+    /// Returned if a kind of element or joint is not supported.
     #[error("{0} is not supported")]
     Unsupported(String),
-    /// A recording that cannot be written.
+    /// Returned if a recording cannot be written.
     #[error("cannot be written: {0}")]
     Record(#[from] lin_canny_record::WriteError),
-    /// Geometry that makes no body.
+    /// Returned if a geometry cannot form a body.
     #[error("{0}")]
     Geometry(String),
 }
@@ -107,6 +107,13 @@ fn of_element(element: &str) -> String {
     }
 }
 
+fn finite_numbers(count: usize) -> String {
+    match count {
+        1 => "a finite number".into(),
+        _ => format!("{count} finite numbers"),
+    }
+}
+
 fn roots(names: &[String]) -> String {
     match names {
         [] => "none".into(),
@@ -114,7 +121,7 @@ fn roots(names: &[String]) -> String {
     }
 }
 
-/// The mark that some programs write in front of UTF-8.
+/// The byte order mark that some programs write at the start of UTF-8.
 const BOM: &[u8] = "\u{feff}".as_bytes();
 
 impl FileError {

@@ -1,4 +1,4 @@
-//! A robot and its cell, from all their files.
+//! Loads a robot and its cell from all their files.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use crate::robot::{LoadOptions, Robot};
 use crate::space::Setup;
 use crate::srdf::Srdf;
 
-/// The files of a robot in its cell, and how they are read: what the tools take as arguments.
+/// The files of a robot and its cell, with the options of the command line tools.
 ///
 /// ```
 /// use lin_canny_robot::RobotFiles;
@@ -30,23 +30,25 @@ use crate::srdf::Srdf;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct RobotFiles {
-    /// The robot.
+    /// The robot, as URDF.
     pub urdf: PathBuf,
-    /// Pairs of links to ignore.
+    /// Link pairs to ignore, as SRDF.
     pub srdf: Option<PathBuf>,
     /// The obstacles, as JSON: see [`Cell`].
     pub cell: Option<PathBuf>,
-    /// Where the meshes of `package://` names are.
+    /// Folders of `package://` paths.
     pub packages: Packages,
-    /// What meshes become.
+    /// Bodies that are made from meshes.
     pub meshes: MeshOptions,
-    /// Whether adjacent links are checked too.
+    /// Whether adjacent links are checked as well.
     pub check_adjacent: bool,
 }
 
 impl RobotFiles {
-    /// Returns the files of a robot alone: meshes become hulls, adjacent links are ignored,
-    /// packages are looked for in `ROS_PACKAGE_PATH`.
+    /// Returns the files of a robot without a cell.
+    ///
+    /// Meshes are replaced by their hulls, adjacent links are ignored, and packages are searched in
+    /// `ROS_PACKAGE_PATH`.
     #[must_use]
     pub fn new(urdf: impl Into<PathBuf>) -> Self {
         Self {
@@ -56,10 +58,11 @@ impl RobotFiles {
         }
     }
 
-    /// Returns the robot, and robot and cell to make a checker of.
+    /// Returns the robot, and the setup of robot and cell for a checker.
     ///
     /// # Errors
-    /// A file that is refused, or a link of `meshes.of_links` that the robot does not have.
+    /// Returns an error if a file is invalid, or if the robot has no link of a name in
+    /// `meshes.of_links`.
     pub fn load(&self) -> Result<(Robot, Setup), FileError> {
         let options = LoadOptions {
             meshes: self.meshes.clone(),

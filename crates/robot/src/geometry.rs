@@ -1,4 +1,4 @@
-//! The geometry of a body: a solid of a URDF or of a cell, or a mesh taken one of three ways.
+//! The geometry of a body: a solid of a URDF or cell, or a mesh.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,34 +10,34 @@ use lin_canny::{Compound, ConvexPolyhedron, Geometry, HullFit, Mesh, Piece, Shap
 use crate::error::FileErrorKind;
 use crate::mesh_file::{self, Soup};
 
-/// What is made of a mesh.
+/// The body that is made from a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MeshUse {
-    /// The convex hull: the fastest, and larger than the mesh.
+    /// The convex hull: the fastest queries, but the hull is larger than the mesh.
     #[default]
     Hull,
-    /// The mesh as it is: its own triangles, and its inside if the mesh is closed.
+    /// The triangles of the mesh; a closed mesh is solid.
     Mesh,
-    /// Convex pieces from a file beside: the hull of each object of an OBJ.
+    /// Convex pieces from a separate file: the hull of each object of an OBJ.
     Pieces,
 }
 
-/// How the meshes of a robot or a cell become bodies.
+/// Options for the meshes of a robot or a cell.
 #[derive(Clone, Debug, Default)]
 pub struct MeshOptions {
-    /// What is made of a mesh.
+    /// The body that is made from a mesh.
     pub all: MeshUse,
-    /// What is made of the meshes of single links, by name.
+    /// The bodies that are made from the meshes of single links, by link name.
     pub of_links: BTreeMap<String, MeshUse>,
-    /// The folder with the pieces: those of `arm.stl` are the objects of `arm.obj` in this folder.
+    /// Folder of the pieces: the objects of `arm.obj` are the pieces of `arm.stl`.
     pub pieces: Option<PathBuf>,
-    /// Whether to measure what hulls add: takes time for large meshes.
+    /// Whether to measure how much each hull differs from its mesh; slow for large meshes.
     pub measure_hulls: bool,
 }
 
 impl MeshOptions {
-    /// Returns options by which all meshes are taken one way.
+    /// Returns options that make the same kind of body from all meshes.
     #[must_use]
     pub fn new(all: MeshUse) -> Self {
         Self { all, ..Self::default() }
@@ -48,7 +48,7 @@ impl MeshOptions {
     }
 }
 
-/// A solid about its origin, with its axis along z.
+/// A solid that is centred at its origin, with its axis along z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Solid {
     Box { size: [f64; 3] },
@@ -71,7 +71,7 @@ impl Solid {
                 check("length", &[length])?;
                 Shape::cylinder(0.5 * length, radius)
             }
-            // A capsule without a length is a ball, which URDF allows.
+            // URDF allows a capsule of length zero, which is a ball.
             Self::Capsule { radius, length } if length != 0.0 => {
                 check("radius", &[radius])?;
                 check("length", &[length])?;
@@ -96,7 +96,7 @@ fn check(field: &str, sizes: &[f64]) -> Result<(), FileErrorKind> {
     }
 }
 
-/// The body of a mesh file, and what its hull adds if this was asked for.
+/// Returns the body of a mesh file, and the fit of its hull if requested.
 pub(crate) fn of_mesh(
     file: &Path,
     scale: &Vector3<f64>,
@@ -125,12 +125,12 @@ pub(crate) fn of_mesh(
         }
         MeshUse::Pieces => {
             let Some(folder) = &options.pieces else {
-                return Err(FileErrorKind::Missing("the folder of the convex pieces".into()));
+                return Err(FileErrorKind::Missing("folder of the convex pieces".into()));
             };
             let beside = folder.join(file.file_stem().unwrap_or_default()).with_extension("obj");
             if !beside.is_file() {
                 return Err(FileErrorKind::Missing(format!(
-                    "the file {} of the convex pieces",
+                    "file {} of the convex pieces",
                     beside.display()
                 )));
             }
@@ -149,7 +149,7 @@ fn pieces(file: &Path, scale: &Vector3<f64>) -> Result<Compound, String> {
     Compound::new(pieces?).map_err(|e| e.to_string())
 }
 
-/// Returns the distance from the origin of a body's frame to its farthest point, or more.
+/// Returns an upper bound of the distance from the origin of a body's frame to its farthest point.
 pub(crate) fn radius(geometry: &Geometry) -> f64 {
     let (centre, radius): (Point3<f64>, f64) = geometry.bounding_ball();
     centre.coords.norm() + radius

@@ -1,4 +1,4 @@
-//! Pairs of links that need no check: found by random configurations.
+//! Finds link pairs that always or never collide, from random configurations.
 
 use std::ops::ControlFlow;
 
@@ -11,15 +11,14 @@ use rand_chacha::ChaCha8Rng;
 use crate::space::Setup;
 use crate::srdf::{IgnoredPair, Srdf};
 
-/// Why a pair of links may be ignored.
+/// Reason why a link pair may be ignored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum IgnoreReason {
     /// One joint connects the links.
     Adjacent,
     /// The links overlapped at every configuration.
     Always,
-    /// The links overlapped at no configuration. This is no proof: the counts say how much it is
-    /// worth.
+    /// The links overlapped at no configuration. This is not a proof.
     Never,
 }
 
@@ -33,19 +32,19 @@ impl std::fmt::Display for IgnoreReason {
     }
 }
 
-/// Two links and how often they overlapped.
+/// Two links, and how often they overlapped.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct LinkPairCount {
-    /// The names of both links.
+    /// Names of both links.
     pub links: [String; 2],
-    /// The configurations at which the links overlapped or touched.
+    /// Number of configurations at which the links overlapped or touched.
     pub overlaps: u64,
-    /// The configurations at which neither could be proven: rounding hides the answer.
+    /// Number of configurations at which the links were within rounding error of contact.
     pub undecided: u64,
-    /// All configurations.
+    /// Number of all configurations.
     pub samples: u64,
-    /// Why the pair may be ignored; `None` if it needs its check.
+    /// Reason why the pair may be ignored; `None` if it must be checked.
     pub reason: Option<IgnoreReason>,
 }
 
@@ -57,13 +56,14 @@ struct Counted {
     undecided: u64,
 }
 
-/// Counts at random configurations, uniform within the limits, how often each two links overlap.
-/// Pairs of links that keep their relative pose are left out, and so are obstacles: a link that always
-/// meets an obstacle is a fault of the cell. `progress` is called after each
-/// configuration, and may end the count early.
+/// Counts how often each two links overlap at random configurations, uniform within the limits.
+///
+/// Pairs of links that keep their relative pose are not counted. Obstacles are not counted either,
+/// because a link that always collides with an obstacle is an error of the cell. `progress` is
+/// called after each configuration and may end the count early.
 ///
 /// # Errors
-/// Numbers of a robot that are out of range.
+/// Returns an error if a number of a robot is out of range.
 pub fn find_ignorable(
     setup: &Setup,
     samples: u64,
@@ -153,7 +153,7 @@ impl Counted {
 }
 
 impl Srdf {
-    /// Returns the pairs that may be ignored by these counts.
+    /// Returns the pairs that these counts allow to ignore.
     #[must_use]
     pub fn from_counts(counts: &[LinkPairCount]) -> Self {
         let ignored = counts.iter().filter_map(|pair| {

@@ -1,4 +1,4 @@
-//! Robots from their files: URDF and SRDF, branches, mimic joints, meshes, trajectories.
+//! Reads robots from URDF and SRDF, with branches, mimic joints, meshes and trajectories.
 //!
 //! ```
 //! use lin_canny::nalgebra::Isometry3;
@@ -22,31 +22,36 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! | what | with |
+//! | task | type or function |
 //! |---|---|
-//! | a robot of a URDF: links, joints, coordinates | [`Robot`], [`LoadOptions`] |
-//! | its meshes as hulls, as they are, or as convex pieces | [`MeshOptions`], [`MeshUse`] |
-//! | where `package://` is | [`Packages`] |
-//! | pairs of links to ignore: of an SRDF, found by random configurations | [`Srdf`], [`find_ignorable`] |
-//! | obstacles of a JSON file | [`Cell`] |
-//! | all files of a robot in its cell in one call | [`RobotFiles`] |
-//! | robots and obstacles in one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
-//! | configurations of a CSV file | [`Trajectory`] |
-//! | a recording for the viewer | [`RobotRecorder`] |
+//! | load the links, joints and coordinates of a URDF | [`Robot`], [`LoadOptions`] |
+//! | use meshes as hulls, as triangles, or as convex pieces | [`MeshOptions`], [`MeshUse`] |
+//! | set the folders of `package://` paths | [`Packages`] |
+//! | ignore pairs of links, from an SRDF or from random configurations | [`Srdf`], [`find_ignorable`] |
+//! | load obstacles from JSON | [`Cell`] |
+//! | load all files of a robot and its cell in one call | [`RobotFiles`] |
+//! | put robots and obstacles into one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
+//! | read configurations from CSV | [`Trajectory`] |
+//! | write a recording for the viewer | [`RobotRecorder`] |
 //!
-//! The checker is that of [`lin_canny_plan`]: clearances with bounds, segments proven free over
-//! their whole length, paths. The tool `lin-canny-robot` does the same without a program.
+//! The checker of [`lin_canny_plan`] computes clearances with bounds, proves segments free over
+//! their whole length, and searches for paths. The command line tool `lin-canny-robot` does the
+//! same without a program.
 //!
-//! # What a URDF becomes
+//! # How a URDF is converted
 //!
-//! Boxes, cylinders, capsules and spheres are exact: a cylinder is no prism. A joint that turns
-//! without limits gets those of [`LoadOptions::continuous_limits`]; planar and floating joints have three and
-//! six coordinates, the angles of a floating joint those of `rpy`. A joint that mimics follows the
-//! joint at the end of its chain of mimics, whose limits alone hold. Visual elements, inertia,
-//! transmissions and sensors are passed over, and so is the axis that points up in a COLLADA file;
-//! xacro files have to be expanded.
+//! * Boxes, cylinders, capsules and spheres keep their exact shape. A cylinder is not approximated
+//!   by a prism.
+//! * A revolute joint without limits gets the limits [`LoadOptions::continuous_limits`].
+//! * A planar joint has three coordinates, a floating joint six. The angles of a floating joint are
+//!   those of `rpy`.
+//! * A mimic joint follows the joint at the end of its chain of mimics. Only the limits of that
+//!   joint are checked.
+//! * Visual elements, inertia, transmissions, sensors and the `<up_axis>` of a COLLADA file are
+//!   ignored.
+//! * Expand xacro files before you load them.
 //!
-//! A [`FileError`] names file, line and element. Nothing here panics on a file.
+//! A [`FileError`] names the file, the line and the element. No file content causes a panic.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 #![forbid(unsafe_code)]

@@ -1,4 +1,4 @@
-//! Clearances, proven motions and paths of a robot from its URDF: see `lin-canny-robot --help`.
+//! Computes clearances, proven motions and paths of a robot: see `lin-canny-robot --help`.
 #![forbid(unsafe_code)]
 
 mod tool;

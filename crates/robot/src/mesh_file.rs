@@ -8,13 +8,13 @@ use lin_canny::nalgebra::{Point3, Vector3};
 
 use crate::collada;
 
-/// Points and triangles; for an OBJ one of each object, for a COLLADA file one of each primitive.
+/// Points and triangles of one object of an OBJ, or of one primitive of a COLLADA file.
 pub(crate) struct Soup {
     pub(crate) points: Vec<Point3<f64>>,
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
-/// Returns the objects of a file, scaled: one of an STL, one or more of an OBJ or a COLLADA file.
+/// Returns the scaled objects of a file: one for an STL, one or more for an OBJ or a COLLADA file.
 pub(crate) fn objects(file: &Path, scale: &Vector3<f64>) -> Result<Vec<Soup>, String> {
     let ending = file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let mut objects = match ending.as_deref() {
@@ -24,7 +24,7 @@ pub(crate) fn objects(file: &Path, scale: &Vector3<f64>) -> Result<Vec<Soup>, St
             let text = std::fs::read_to_string(file).map_err(|e| format!("cannot be read: {e}"))?;
             collada::read(&text)?
         }
-        _ => return Err("only .stl, .obj and .dae files are read".into()),
+        _ => return Err("unknown file extension (expected .stl, .obj or .dae)".into()),
     };
     for soup in &mut objects {
         if let Some(k) = soup.points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
@@ -33,14 +33,14 @@ pub(crate) fn objects(file: &Path, scale: &Vector3<f64>) -> Result<Vec<Soup>, St
         for p in &mut soup.points {
             *p = Point3::from(p.coords.component_mul(scale));
         }
-        // A mirror turns the surface inside out.
+        // A mirror turns the mesh inside out.
         if scale.x * scale.y * scale.z < 0.0 {
             soup.triangles.iter_mut().for_each(|t| t.swap(1, 2));
         }
     }
     objects.retain(|soup| !soup.triangles.is_empty());
     if objects.is_empty() {
-        return Err("holds no triangle".into());
+        return Err("contains no triangle".into());
     }
     Ok(objects)
 }
@@ -59,7 +59,8 @@ pub(crate) fn whole(file: &Path, scale: &Vector3<f64>) -> Result<Soup, String> {
 
 fn stl(file: &Path) -> Result<Soup, String> {
     let mut bytes = std::fs::read(file).map_err(|e| format!("cannot be read: {e}"))?;
-    // The reader takes a header that begins with `solid` for text; a length that fits proves a binary file.
+    // The reader takes a header that starts with `solid` for text. If the length fits, the file is
+    // binary.
     let count = bytes.get(80..84).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     if count.is_some_and(|n| bytes.len() as u64 == 84 + 50 * u64::from(n)) {
         bytes[..80].fill(0);
@@ -78,7 +79,7 @@ fn obj(file: &Path) -> Result<Vec<Soup>, String> {
         triangulate: true,
         ..tobj::LoadOptions::default()
     };
-    // Materials are colours.
+    // Materials are only colours.
     let no_materials = |_: &Path| Ok(Default::default());
     let (models, _) = tobj::load_obj_buf(&mut BufReader::new(text), &options, no_materials)
         .map_err(|e| format!("malformed OBJ: {e}"))?;

@@ -1,27 +1,27 @@
-//! Where files that a URDF names are found.
+//! Finds the files that a URDF names.
 
 use std::path::{Path, PathBuf};
 
 use crate::error::FileErrorKind;
 
-/// Folders in which packages are looked for.
+/// Folders in which packages are searched.
 ///
-/// `package://NAME/REST` is `DIR/NAME/REST` for the first folder that has this file, or `DIR/REST`
-/// for a folder that is called NAME itself; then the same for the folders above the URDF.
+/// `package://NAME/REST` is `DIR/NAME/REST` for the first folder DIR that has this file, or
+/// `DIR/REST` if the folder itself has the name NAME. The folders above the URDF are searched last.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Packages {
     folders: Vec<PathBuf>,
 }
 
 impl Packages {
-    /// Returns packages in these folders alone.
+    /// Returns packages in these folders only.
     #[must_use]
     pub fn new(folders: impl IntoIterator<Item = impl Into<PathBuf>>) -> Self {
         let folders = folders.into_iter().map(Into::into).collect();
         Self { folders }
     }
 
-    /// Adds the folders of the variable `ROS_PACKAGE_PATH`, after those that are there.
+    /// Appends the folders of the environment variable `ROS_PACKAGE_PATH`.
     #[must_use]
     pub fn with_environment(mut self) -> Self {
         if let Some(path) = std::env::var_os("ROS_PACKAGE_PATH") {
@@ -31,7 +31,7 @@ impl Packages {
         self
     }
 
-    /// Returns the file of a name in a URDF of a folder.
+    /// Returns the file of a name in a URDF that is in `folder`.
     pub(crate) fn find(&self, name: &str, folder: &Path) -> Result<PathBuf, FileErrorKind> {
         let missing = |what: String| FileErrorKind::Missing(what);
         let Some(inside) = name.strip_prefix("package://") else {

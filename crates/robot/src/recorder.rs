@@ -1,4 +1,4 @@
-//! A recording of a robot in its cell, for the viewer.
+//! Recordings of a robot in its cell, for the viewer.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -11,7 +11,7 @@ use lin_canny_record::{Recorder, WriteError};
 
 use crate::error::{FileError, FileErrorKind};
 
-/// A recording of which every frame is a configuration and the closest pair there.
+/// A recording whose frames are configurations with their closest pairs.
 ///
 /// ```no_run
 /// # use lin_canny_robot::{RobotRecorder, RobotFiles};
@@ -28,16 +28,16 @@ use crate::error::{FileError, FileErrorKind};
 pub struct RobotRecorder {
     file: PathBuf,
     to: Recorder<BufWriter<File>>,
-    /// Shapes and poses of the bodies of the robot, then of the obstacles.
+    /// Geometries and poses of the robot bodies, then of the obstacles.
     bodies: Vec<(Geometry, Isometry3<f64>)>,
     links: usize,
 }
 
 impl RobotRecorder {
-    /// Begins a recording of the bodies of a checker, the robot at a configuration.
+    /// Starts a recording of the bodies of a checker, with the robot at the configuration `q`.
     ///
     /// # Errors
-    /// A file that cannot be written, or a shape that a recording does not have.
+    /// Returns an error if the file cannot be written, or if recordings do not support a shape.
     pub fn create(file: impl AsRef<Path>, checker: &Checker<JointTree>, q: &[f64]) -> Result<Self, FileError> {
         let mut poses = Vec::new();
         checker.space().place(q, &mut poses);
@@ -64,10 +64,10 @@ impl RobotRecorder {
         })
     }
 
-    /// Adds a frame: a configuration, its closest pair, and where it stands.
+    /// Adds a frame: a configuration, its closest pair, and a note such as the line of a file.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn frame(&mut self, space: &JointTree, q: &[f64], place: &str, near: &NearPair) -> Result<(), FileError> {
         let written = self.write_frame(space, q, place, near);
         written.map_err(|fault| refused(&self.file, fault))
@@ -99,7 +99,7 @@ impl RobotRecorder {
     /// Ends the recording.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn finish(self) -> Result<(), FileError> {
         let Self { file, to, .. } = self;
         to.finish().map(|_| ()).map_err(|fault| refused(&file, fault))

@@ -1,4 +1,4 @@
-//! A robot: links, joints, and the geometry of its links.
+//! Robots: links, joints, and the geometry of the links.
 
 use std::path::{Path, PathBuf};
 
@@ -14,21 +14,21 @@ use crate::urdf;
 /// The kind of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionKind {
-    /// Turns about its axis, between limits or without.
+    /// Rotates about its axis, with or without limits.
     Revolute,
     /// Slides along its axis.
     Prismatic,
     /// Never moves.
     Fixed,
-    /// Slides in a plane across its axis and turns about the axis: coordinates `x`, `y`, `theta`.
+    /// Slides in the plane perpendicular to its axis and rotates about the axis: coordinates `x`,
+    /// `y` and `theta`.
     Planar,
-    /// Moves freely: coordinates `x`, `y`, `z`, and the angles `roll`, `pitch`, `yaw` of a URDF's
-    /// `rpy`.
+    /// Moves freely: coordinates `x`, `y`, `z`, and the angles `roll`, `pitch`, `yaw` as in `rpy`.
     Floating,
 }
 
 impl MotionKind {
-    /// The names of the coordinates of a joint with several.
+    /// Returns the names of the coordinates of a joint with several coordinates.
     pub(crate) fn parts(self) -> &'static [&'static str] {
         match self {
             Self::Planar => &["x", "y", "theta"],
@@ -38,28 +38,29 @@ impl MotionKind {
     }
 }
 
-/// A joint, which moves one link against another.
+/// A joint, which moves one link relative to another.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct RobotJoint {
-    /// The name.
+    /// Name of the joint.
     pub name: String,
-    /// The kind.
+    /// Kind of motion.
     pub kind: MotionKind,
-    /// The index of the link before.
+    /// Index of the parent link.
     pub parent: usize,
-    /// The index of the link that the joint moves.
+    /// Index of the link that the joint moves.
     pub child: usize,
-    /// The pose of the joint's frame in the frame of the link before.
+    /// Pose of the joint's frame in the frame of the parent link.
     pub origin: Isometry3<f64>,
-    /// The axis in the joint's frame.
+    /// Axis in the joint's frame.
     pub axis: Unit<Vector3<f64>>,
-    /// What moves a revolute or prismatic joint; of a planar or floating joint the first of its
-    /// coordinates, which follow each other. `None` for a fixed joint.
+    /// Drive of a revolute or prismatic joint; `None` for a fixed joint.
+    ///
+    /// For a planar or floating joint, the drive of the first of its consecutive coordinates.
     pub drive: Option<Drive>,
     /// The joint that this one mimics.
     pub mimics: Option<String>,
-    /// Least and greatest value, of a revolute or prismatic joint.
+    /// Least and greatest value of a revolute or prismatic joint, in radians or lengths.
     pub limits: [f64; 2],
 }
 
@@ -67,13 +68,13 @@ pub struct RobotJoint {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct LinkBody {
-    /// The pose in the frame of the link.
+    /// Pose in the frame of the link.
     pub origin: Isometry3<f64>,
     /// The geometry.
     pub geometry: Geometry,
     /// The mesh file that the geometry comes from, if there is one.
     pub mesh: Option<PathBuf>,
-    /// What the hull of the mesh adds, if it was measured.
+    /// How much the hull differs from the mesh, if measured.
     pub hull_fit: Option<HullFit>,
 }
 
@@ -83,35 +84,34 @@ pub struct LinkBody {
 pub struct RobotLink {
     /// The name.
     pub name: String,
-    /// The bodies, none for a mere frame.
+    /// The bodies; empty for a link that is only a frame.
     pub bodies: Vec<LinkBody>,
 }
 
-/// A coordinate of a robot's configurations.
+/// A coordinate of the configurations of a robot.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Coordinate {
-    /// The name of the joint; of a planar or floating joint with the part, such as `base/x`.
+    /// Name of the joint; for a planar or floating joint with a suffix, such as `base/x`.
     pub name: String,
     /// Least and greatest value.
     pub limits: [f64; 2],
 }
 
-/// How a URDF is read.
+/// Options for loading a URDF.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct LoadOptions {
-    /// What meshes become.
+    /// Bodies that are made from meshes.
     pub meshes: MeshOptions,
-    /// The least and greatest value of a joint that turns without limits.
+    /// Least and greatest value of a revolute joint without limits, in radians.
     pub continuous_limits: [f64; 2],
-    /// The least and greatest value of the places of planar and floating joints, which URDF does
-    /// not limit.
+    /// Least and greatest position of planar and floating joints, which URDF does not limit.
     pub floating_limits: [f64; 2],
 }
 
 impl Default for LoadOptions {
-    /// Hulls, two turns either way, ten metres either way.
+    /// Hulls; two full turns and ten metres in both directions.
     fn default() -> Self {
         let turns = 4.0 * std::f64::consts::PI;
         Self {
@@ -122,7 +122,7 @@ impl Default for LoadOptions {
     }
 }
 
-/// A robot as its URDF says.
+/// A robot that is read from a URDF.
 ///
 /// ```
 /// use lin_canny_robot::{Packages, Robot};
@@ -145,15 +145,16 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Returns the robot of a URDF file; meshes become hulls.
+    /// Returns the robot of a URDF file; meshes are replaced by their hulls.
     ///
     /// # Errors
-    /// A file that cannot be read or says no robot: the file, the line, the element and the reason.
+    /// Returns an error if the file cannot be read or is not a valid robot. The error names the
+    /// file, the line and the element.
     pub fn load(path: impl AsRef<Path>, packages: &Packages) -> Result<Self, FileError> {
         Self::load_with(path, packages, &LoadOptions::default())
     }
 
-    /// Returns the robot of a URDF file.
+    /// Returns the robot of a URDF file, with options.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -162,8 +163,8 @@ impl Robot {
         urdf::parse(path, &FileError::read(path)?, packages, options)
     }
 
-    /// Returns the robot of the text of a URDF; `path` is the file that errors name, and meshes
-    /// with relative paths are looked for beside it.
+    /// Returns the robot of a URDF text. Errors name the file `path`, and relative mesh paths are
+    /// relative to its folder.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -182,7 +183,7 @@ impl Robot {
         &self.name
     }
 
-    /// Returns the links; each comes after the link that it hangs on, the root first.
+    /// Returns the links; the root comes first, and each link comes after its parent.
     #[must_use]
     pub fn links(&self) -> &[RobotLink] {
         &self.links
@@ -206,8 +207,10 @@ impl Robot {
         self.links.iter().position(|link| link.name == name)
     }
 
-    /// Returns the pairs of links that are adjacent: connected by one joint, or by several with
-    /// links without bodies between.
+    /// Returns the pairs of adjacent links.
+    ///
+    /// Two links are adjacent if one joint connects them, or several joints with links without
+    /// bodies between them.
     #[must_use]
     pub fn adjacent(&self) -> Vec<[usize; 2]> {
         let has_bodies = |link: usize| !self.links[link].bodies.is_empty();

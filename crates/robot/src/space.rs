@@ -1,4 +1,4 @@
-//! Robots in a cell: one configuration space, one world.
+//! Setups: robots in a cell as one configuration space and one world.
 
 use std::collections::BTreeSet;
 
@@ -11,10 +11,10 @@ use crate::robot::{Coordinate, MotionKind, Robot};
 use crate::srdf::Srdf;
 use crate::turn::from_z;
 
-/// Robots at their places and the obstacles about them, to make a [`Checker`] of.
+/// Robots at their poses and their obstacles, from which a [`Checker`] is made.
 ///
-/// Coordinates of a configuration are those of the robots one after the other; names of links and
-/// coordinates begin with the robot's prefix.
+/// A configuration holds the coordinates of the robots, one robot after another. Names of links and
+/// coordinates start with the prefix of the robot.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -39,12 +39,12 @@ use crate::turn::from_z;
 pub struct Setup {
     joints: Vec<TreeJoint>,
     coordinates: Vec<Coordinate>,
-    /// By link of the tree: the greatest distance of a point of its bodies from its origin.
+    /// For each link of the tree, the distance from its origin to the farthest point of its bodies.
     radii: Vec<f64>,
     bodies: Vec<SetupBody>,
     adjacent: Vec<[String; 2]>,
     ignored: BTreeSet<[String; 2]>,
-    /// Links without bodies: an SRDF may name them.
+    /// Links without bodies, because an SRDF may name them.
     frames: BTreeSet<String>,
     obstacles: Vec<(String, Geometry, Isometry3<f64>)>,
 }
@@ -68,8 +68,9 @@ impl Setup {
         }
     }
 
-    /// Adds a robot whose root link stands at a pose. The prefix tells robots apart; a single
-    /// robot needs none.
+    /// Adds a robot whose root link has this pose in the world.
+    ///
+    /// The prefix distinguishes robots; for a single robot it may be empty.
     pub fn robot(&mut self, prefix: &str, robot: &Robot, pose: Isometry3<f64>) {
         let first = self.coordinates.len();
         let named = |name: &str| format!("{prefix}{name}");
@@ -122,7 +123,7 @@ impl Setup {
         self.joints.len()
     }
 
-    /// Adds an obstacle at a pose.
+    /// Adds an obstacle at a pose in the world.
     pub fn obstacle(&mut self, name: impl Into<String>, geometry: impl Into<Geometry>, pose: Isometry3<f64>) {
         self.obstacles.push((name.into(), geometry.into(), pose));
     }
@@ -132,7 +133,7 @@ impl Setup {
         self.ignored.extend(self.adjacent.iter().cloned());
     }
 
-    /// Ignores the pairs of an SRDF of the robot with this prefix.
+    /// Ignores the pairs of an SRDF, for the robot with this prefix.
     pub fn ignore(&mut self, prefix: &str, srdf: &Srdf) {
         for pair in &srdf.ignored {
             let [a, b] = pair.links.each_ref().map(|name| format!("{prefix}{name}"));
@@ -140,8 +141,10 @@ impl Setup {
         }
     }
 
-    /// Ignores all pairs of two links, or of a link and an obstacle. A link without bodies has no
-    /// pair, so nothing changes; a name that nothing has is refused by [`checker`](Self::checker).
+    /// Ignores all pairs of two links, or of a link and an obstacle.
+    ///
+    /// A link without bodies has no pairs, so the call changes nothing. If a name does not exist,
+    /// [`checker`](Self::checker) returns an error.
     pub fn ignore_pair(&mut self, a: &str, b: &str) {
         self.ignored.insert([a.to_owned(), b.to_owned()]);
     }
@@ -160,12 +163,13 @@ impl Setup {
         &self.adjacent
     }
 
-    /// Returns the configuration space of all robots. Its
-    /// [`sample`](lin_canny_plan::ConfigurationSpace::sample) returns a random configuration within
-    /// the limits.
+    /// Returns the configuration space of all robots.
+    ///
+    /// Its [`sample`](lin_canny_plan::ConfigurationSpace::sample) returns a random configuration
+    /// within the limits.
     ///
     /// # Errors
-    /// Numbers of a robot that are out of range.
+    /// Returns an error if a number of a robot is out of range.
     pub fn space(&self) -> Result<JointTree, PlanError> {
         let limits = self.coordinates.iter().map(|c| c.limits).collect();
         let links = self.bodies.iter().map(|b| b.link).collect();
@@ -181,8 +185,8 @@ impl Setup {
     /// Returns the checker of all robots among the obstacles.
     ///
     /// # Errors
-    /// Numbers of a robot or an obstacle that are out of range, and names of pairs to ignore that
-    /// nothing has.
+    /// Returns an error if a number of a robot or an obstacle is out of range, or if a name of a
+    /// pair to ignore does not exist.
     pub fn checker(&self) -> Result<Checker<JointTree>, PlanError> {
         let mut world = World::new();
         for body in &self.bodies {
@@ -199,8 +203,7 @@ impl Setup {
     }
 }
 
-/// Returns the turns and slides that a joint is made of, one after the other; their parents are
-/// the caller's.
+/// Returns the consecutive revolute and prismatic joints of a joint; the caller sets their parents.
 fn parts(kind: MotionKind, axis: &Unit<Vector3<f64>>, origin: &Isometry3<f64>, drive: Option<Drive>) -> Vec<TreeJoint> {
     let joint = |kind: JointKind, axis: Unit<Vector3<f64>>, drive: Option<Drive>| TreeJoint {
         parent: 0,

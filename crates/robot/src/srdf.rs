@@ -1,4 +1,4 @@
-//! SRDF: pairs of links that are not checked.
+//! SRDF files: link pairs that are not checked.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -10,14 +10,16 @@ use crate::xml::Xml;
 /// Two links that are not checked against each other, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IgnoredPair {
-    /// The names of both links.
+    /// Names of both links.
     pub links: [String; 2],
     /// The reason as in the file, such as `Adjacent`, `Never` or `User`.
     pub reason: String,
 }
 
-/// The pairs of an SRDF that are not checked, each a `disable_collisions`. Groups, poses and end
-/// effectors are passed over; so is `disable_default_collisions`, whose pairs are checked.
+/// The link pairs of an SRDF that are not checked, one per `disable_collisions`.
+///
+/// Groups, poses and end effectors are ignored. `disable_default_collisions` is ignored as well, so
+/// its pairs are checked.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Srdf {
     /// The pairs, in the order of the file.
@@ -28,14 +30,14 @@ impl Srdf {
     /// Returns the pairs of an SRDF file of a robot.
     ///
     /// # Errors
-    /// A file that cannot be read, or a pair of links that the robot does not have: the line and
-    /// the name.
+    /// Returns an error if the file cannot be read or the robot does not have a link. The error
+    /// names the line and the link.
     pub fn load(path: impl AsRef<Path>, robot: &Robot) -> Result<Self, FileError> {
         let path = path.as_ref();
         Self::parse(&FileError::read(path)?, path, robot)
     }
 
-    /// Returns the pairs of the text of an SRDF; `path` is the file that errors name.
+    /// Returns the pairs of an SRDF text. Errors name the file `path`.
     ///
     /// # Errors
     /// As [`load`](Self::load).

@@ -1,38 +1,41 @@
-//! Trajectories: configurations from a CSV file, and their answers.
+//! Trajectories: configurations in CSV files.
 
 use std::path::Path;
 
 use crate::error::{FileError, FileErrorKind};
 use crate::robot::Coordinate;
 
-/// Configurations one after the other; each joint moves evenly from one to the next.
+/// A sequence of configurations; each joint moves at constant speed from one to the next.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Trajectory {
     /// The configurations, in the order of the coordinates.
     pub rows: Vec<Vec<f64>>,
-    /// The times of the column `time`, if there is one.
+    /// The column `time`, if there is one.
     pub times: Option<Vec<f64>>,
-    /// The line of each row in the file.
+    /// Line of each row in the file.
     pub lines: Vec<u32>,
 }
 
-/// The column of times.
+/// Name of the column of times.
 const TIME: &str = "time";
 
 impl Trajectory {
-    /// Returns the trajectory of a CSV file. The first row names the columns: each coordinate
-    /// once, in any order, and optionally `time`. A joint that mimics has no column.
+    /// Returns the trajectory of a CSV file.
+    ///
+    /// The first row names the columns: each coordinate once, in any order, and optionally `time`.
+    /// A mimic joint has no column.
     ///
     /// # Errors
-    /// A file that cannot be read, a column that is missing, unknown or there twice, a value that
-    /// is no number or not within its limits, times that do not increase: the line and the column.
+    /// Returns an error if the file cannot be read, a column is missing, unknown or repeated, a
+    /// value is not a number within its limits, or times do not increase. The error names the line
+    /// and the column.
     pub fn load(path: impl AsRef<Path>, coordinates: &[Coordinate]) -> Result<Self, FileError> {
         let path = path.as_ref();
         Self::parse(&FileError::read(path)?, path, coordinates)
     }
 
-    /// Returns the trajectory of the text of a CSV file; `path` is the file that errors name.
+    /// Returns the trajectory of a CSV text. Errors name the file `path`.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -60,7 +63,9 @@ impl Trajectory {
                 let value = number(text, name).map_err(|reason| wrong(name, reason))?;
                 let Some(k) = *column else {
                     if times.last().is_some_and(|before| !(value > *before)) {
-                        let reason = FileErrorKind::Malformed(format!("time {value} is not after the time before"));
+                        let reason = FileErrorKind::Malformed(format!(
+                            "time {value} is not greater than the time of the previous row"
+                        ));
                         return Err(wrong(name, reason));
                     }
                     times.push(value);
@@ -93,7 +98,7 @@ fn number(text: &str, name: &str) -> Result<f64, FileErrorKind> {
     })
 }
 
-/// Returns the coordinate of each column, `None` for the column of times.
+/// Returns the coordinate of each column; `None` for the column of times.
 fn columns(
     header: &csv::StringRecord,
     coordinates: &[Coordinate],
@@ -120,7 +125,7 @@ fn columns(
     }
 }
 
-/// Returns the text of a CSV file of configurations.
+/// Returns configurations as the text of a CSV file.
 #[must_use]
 pub fn csv_text(coordinates: &[Coordinate], rows: &[Vec<f64>]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());

@@ -1,5 +1,6 @@
-//! Rotations by angles, with sine and cosine of `libm`: those of the C library differ by target in
-//! the last bit.
+//! Rotations by angles, with sine and cosine of `libm`.
+//!
+//! The functions of the C library differ between targets in the last bit.
 
 use std::f64::consts::PI;
 
@@ -22,8 +23,9 @@ pub(crate) fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> UnitQuaternion<f64
     ))
 }
 
-/// Returns the matrix of the rotation about an axis by an angle in radians: of a quarter turn
-/// nearer to whole numbers than by a quaternion.
+/// Returns the matrix of the rotation about an axis by an angle in radians.
+///
+/// For a quarter turn its entries are closer to whole numbers than those of a quaternion.
 pub(crate) fn matrix_about(axis: &Unit<Vector3<f64>>, angle: f64) -> Rotation3<f64> {
     let (sine, cosine) = libm::sincos(angle);
     let (u, rest) = (axis.into_inner(), 1.0 - cosine);
@@ -85,8 +87,8 @@ mod tests {
         assert_eq!(from_z(&Vector3::z_axis()), UnitQuaternion::identity());
     }
 
-    /// The bits of these rotations are part of every answer about a robot. They are the same on
-    /// every target.
+    /// The bits of these rotations affect every result for a robot. They are the same on every
+    /// target.
     #[test]
     fn rotations_have_the_bits_written_here() {
         let bits = |q: UnitQuaternion<f64>| <[f64; 4]>::from(q.coords).map(f64::to_bits);

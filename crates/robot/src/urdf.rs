@@ -1,4 +1,4 @@
-//! From the text of a URDF to a robot.
+//! Converts the text of a URDF to a robot.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -18,7 +18,7 @@ use crate::xml::{Xml, children};
 /// The largest coordinate of a body, as in [`lin_canny`].
 const EXTENT_MAX: f64 = 1e100;
 
-/// What reading needs at hand.
+/// State of the reader.
 struct Reader<'a> {
     xml: Xml<'a>,
     model: urdf_rs::Robot,
@@ -106,8 +106,7 @@ impl Reader<'_> {
         Ok(order)
     }
 
-    /// The error of links that do not hang on a root: of a walk up from one of them, the part that
-    /// repeats.
+    /// Returns the error of links that are not connected to a root: the loop above one of them.
     fn loop_of_joints(&self, order: &[(&str, Option<usize>)]) -> FileError {
         let hangs = |link: &str| order.iter().any(|(l, _)| *l == link);
         let loose = self.model.links.iter().find(|l| !hangs(&l.name));
@@ -126,7 +125,7 @@ impl Reader<'_> {
         self.wrong_joint(&first, FileErrorKind::Loop(names))
     }
 
-    /// Returns all coordinates, and what moves each joint.
+    /// Returns all coordinates, and the drive of each joint.
     fn coordinates(&self) -> Result<(Vec<Coordinate>, Vec<Option<Drive>>), FileError> {
         let joints = &self.model.joints;
         let mut coordinates = Vec::new();
@@ -159,7 +158,7 @@ impl Reader<'_> {
         Ok((coordinates, drives))
     }
 
-    /// Follows the joints that a joint mimics to one with a coordinate of its own.
+    /// Follows a chain of mimics to the joint that has a coordinate.
     fn mimicked(&self, index: usize, drives: &[Option<Drive>]) -> Result<Drive, FileError> {
         let joints = &self.model.joints;
         let (mut factor, mut offset) = (1.0, 0.0);
@@ -192,7 +191,10 @@ impl Reader<'_> {
                 offset,
             }),
             None => {
-                let what = format!("to mimic joint {:?}, which has not one value", joints[at].name);
+                let what = format!(
+                    "mimic of joint {:?}, which does not have exactly one value,",
+                    joints[at].name
+                );
                 Err(self.wrong_joint(&joints[index].name, FileErrorKind::Unsupported(what)))
             }
         }
@@ -210,16 +212,17 @@ impl Reader<'_> {
                 return Err(self.wrong_joint(&joint.name, what));
             }
         };
-        // A fixed joint stays where it is, whatever it mimics: tools that fix joints leave the element.
+        // A fixed joint never moves, even if it has a mimic element: tools that fix joints leave
+        // the element.
         let takes_many = matches!(kind, MotionKind::Planar | MotionKind::Floating);
         if joint.mimic.is_some() && takes_many {
-            let what = FileErrorKind::Unsupported("to mimic by a joint that has not one value".into());
+            let what = FileErrorKind::Unsupported("mimic of a planar or floating joint".into());
             return Err(self.wrong_joint(&joint.name, what));
         }
         Ok(kind)
     }
 
-    /// Returns least and greatest value of a joint: a URDF 1.2 may leave them out.
+    /// Returns the least and greatest value of a joint, which URDF 1.2 may omit.
     fn ranges(&self, joint: &urdf_rs::Joint, kind: MotionKind) -> Result<[f64; 2], FileError> {
         let open = match kind {
             MotionKind::Prismatic => self.options.floating_limits,
@@ -294,7 +297,7 @@ impl Reader<'_> {
         })
     }
 
-    /// The error of the collision element of a number of a link.
+    /// Returns the error of a collision element of a link, by its number.
     fn wrong_collision(&self, link: &str, number: usize, reason: FileErrorKind) -> FileError {
         let node = self.xml.elements("link").find(|n| n.attribute("name") == Some(link));
         let collision = node.and_then(|n| children(n, "collision").nth(number));

@@ -1,8 +1,7 @@
-//! XML with the line of every element, and the check of all numbers and references to names that a
-//! URDF or SRDF needs.
+//! XML with the line of every element, and checks of the numbers and names of a URDF or SRDF.
 //!
-//! `urdf-rs` keeps no lines, and reads `"0 0 x 1"` as three numbers: so the numbers are checked
-//! here first, and errors found later ask here for the line of their element.
+//! `urdf-rs` keeps no lines and reads `"0 0 x 1"` as three numbers. So the numbers are checked here
+//! first, and later errors take the line of their element from here.
 
 use std::path::Path;
 
@@ -10,7 +9,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::error::{FileError, FileErrorKind};
 
-/// Elements within each other, at most.
+/// Maximum depth of nested elements.
 const DEPTH: usize = 64;
 
 /// A file and its elements.
@@ -21,7 +20,7 @@ pub(crate) struct Xml<'a> {
 
 impl<'a> Xml<'a> {
     pub(crate) fn parse(file: &'a Path, text: &'a str, root: &str) -> Result<Self, FileError> {
-        // No document types: their entities can grow without bound.
+        // No document types, because their entities can grow without bound.
         let options = ParsingOptions {
             allow_dtd: false,
             nodes_limit: 4_000_000,
@@ -32,15 +31,15 @@ impl<'a> Xml<'a> {
             FileError::new(file, Some(e.pos().row), "", reason)
         })?;
         let xml = Self { file, document };
-        // `urdf-rs` recurses.
+        // `urdf-rs` is recursive.
         let is_deep = |node: &Node| node.ancestors().nth(DEPTH).is_some();
         if let Some(node) = xml.document.descendants().find(is_deep) {
-            let reason = FileErrorKind::Malformed(format!("elements within more than {DEPTH} others"));
+            let reason = FileErrorKind::Malformed(format!("elements are nested more than {DEPTH} deep"));
             return Err(FileError::new(file, Some(xml.line(&node)), "", reason));
         }
         let found = xml.root().tag_name().name();
         if found != root {
-            let reason = FileErrorKind::Malformed(format!("the root element is {found:?}, not {root:?}"));
+            let reason = FileErrorKind::Malformed(format!("unknown root element: {found:?} (expected {root:?})"));
             return Err(xml.error(&xml.root(), reason));
         }
         Ok(xml)
@@ -50,7 +49,7 @@ impl<'a> Xml<'a> {
         self.document.root_element()
     }
 
-    /// Returns the elements of a kind right below the root.
+    /// Returns the elements of a kind directly below the root.
     pub(crate) fn elements(&self, kind: &str) -> impl Iterator<Item = Node<'_, 'a>> {
         children(self.root(), kind)
     }
@@ -60,8 +59,7 @@ impl<'a> Xml<'a> {
         FileError::new(self.file, Some(self.line(node)), title(node), reason)
     }
 
-    /// Returns the error of a part below the `link` or `joint` of a name; of the file if there is
-    /// none.
+    /// Returns the error of the `link` or `joint` with a name; of the file if there is none.
     pub(crate) fn error_of(&self, kind: &str, name: &str, reason: FileErrorKind) -> FileError {
         let node = self.elements(kind).find(|n| n.attribute("name") == Some(name));
         match node {
@@ -74,13 +72,13 @@ impl<'a> Xml<'a> {
         self.document.text_pos_at(node.range().start).row
     }
 
-    /// Returns an attribute that has to be there.
+    /// Returns a required attribute.
     pub(crate) fn needed<'n>(&self, node: &'n Node<'_, '_>, name: &str) -> Result<&'n str, FileError> {
         let missing = || self.error(node, FileErrorKind::Missing(format!("attribute {name}")));
         node.attribute(name).ok_or_else(missing)
     }
 
-    /// Refuses an attribute that is there and does not hold so many finite numbers.
+    /// Returns an error if an attribute does not hold exactly `count` finite numbers.
     fn check_numbers(&self, node: &Node, field: &str, count: usize) -> Result<(), FileError> {
         let Some(text) = node.attribute(field) else {
             return Ok(());
@@ -98,8 +96,10 @@ impl<'a> Xml<'a> {
         Err(self.error(node, reason))
     }
 
-    /// Returns the text with blanks in place of what is only drawn, of which `urdf-rs` asks more than
-    /// other readers: a texture without a file, say.
+    /// Returns the text with blanks in place of visual elements.
+    ///
+    /// `urdf-rs` is stricter about these than other readers, for example about a texture without a
+    /// file.
     pub(crate) fn undrawn(&self, text: &str) -> String {
         let visuals = self.elements("link").flat_map(|link| children(link, "visual"));
         let mut bytes = text.as_bytes().to_vec();
@@ -109,7 +109,7 @@ impl<'a> Xml<'a> {
         String::from_utf8_lossy(&bytes).into_owned()
     }
 
-    /// Refuses links and joints with numbers, names or kinds that cannot be read.
+    /// Returns an error if a number, name or kind of a link or joint is invalid.
     pub(crate) fn check_urdf(&self) -> Result<(), FileError> {
         for kind in ["link", "joint"] {
             let mut names = std::collections::HashSet::new();
@@ -188,12 +188,12 @@ impl<'a> Xml<'a> {
     }
 }
 
-/// Returns the elements of a kind right below a node.
+/// Returns the elements of a kind directly below a node.
 pub(crate) fn children<'n, 'a>(node: Node<'n, 'a>, kind: &str) -> impl Iterator<Item = Node<'n, 'a>> {
     node.children().filter(move |n| n.has_tag_name(kind))
 }
 
-/// Returns the path of named elements to a node, such as `link "hand" mesh`.
+/// Returns the path of the elements to a node, such as `link "hand" mesh`.
 fn title(node: &Node) -> String {
     let mut words: Vec<String> = node
         .ancestors()

@@ -1,4 +1,5 @@
-//! COLLADA files: primitives of every kind at the places of their nodes; whatever is wrong is an error that names its line.
+//! COLLADA files: primitives of every kind at the places of their nodes; whatever is wrong is an
+//! error that names its line.
 
 use std::path::Path;
 
@@ -8,7 +9,8 @@ use lin_canny_robot::{LoadOptions, MeshOptions, MeshUse, Packages, Robot};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A tetrahedron of triangles, and a cube of a polylist and single polygons, with an input that is passed over.
+/// A tetrahedron of triangles, and a cube of a polylist and single polygons, with an input that is
+/// passed over.
 const FILE: &str = r##"<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
   <asset><unit name="half" meter="0.5"/><up_axis>Y_UP</up_axis></asset>
@@ -83,9 +85,9 @@ fn what_is_wrong_is_named_with_its_line() {
         );
     };
     refused("0 2 1 0 1 3", "0 2 4 0 1 3", 9, "does not exist");
-    refused("0 2 1 0 1 3", "0 2 -1 0 1 3", 9, "no index");
+    refused("0 2 1 0 1 3", "0 2 -1 0 1 3", 9, "not an index");
     refused("4 4 4 4<", "4 4 4 5<", 16, "fewer corners");
-    refused("0 0 0 1 0 0 0 1 0", "0 0 0 1 x 0 0 1 0", 6, "no number");
+    refused("0 0 0 1 0 0 0 1 0", "0 0 0 1 x 0 0 1 0", 6, "not a number");
     refused("0 0 0 1 0 0 0 1 0", "0 0 0 1 NaN 0 0 1 0", 6, "not finite");
     refused("stride=\"3\"", "stride=\"0\"", 6, "fewer than three");
     refused("url=\"#tetra\"", "url=\"#tetrad\"", 23, "tetrad");
@@ -97,7 +99,7 @@ fn what_is_wrong_is_named_with_its_line() {
         "<instance_geometry url=\"#cube\"/></node></library",
         "<instance_node url=\"#two\"/><instance_node url=\"#two\"/></node></library",
         20,
-        "without end",
+        "form a cycle",
     );
     assert!(load(&FILE.replace("COLLADA", "collada")).is_err());
     assert!(load("<COLLADA").is_err_and(|e| e.contains("malformed")));

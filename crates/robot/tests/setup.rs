@@ -345,6 +345,6 @@ fn ignorable_pairs_are_counted_and_written() {
     let error = Srdf::parse(wrong, "r.srdf", &robot).expect_err("no link x");
     assert_eq!(
         error.to_string(),
-        "r.srdf:2: disable_collisions: there is no link called \"x\""
+        "r.srdf:2: disable_collisions: link \"x\" does not exist"
     );
 }

@@ -14,14 +14,16 @@ use datafusion::prelude::SessionConfig;
 use crate::error::StudyError;
 use crate::study::Study;
 
-/// Seconds between signs of life of an executor.
+/// Seconds between heartbeats of an executor.
 const HEARTBEAT: u64 = 5;
 
-/// Divides queries among executors until the process is stopped; an executor that has been silent
-/// for `lost_after` seconds counts as lost, and others repeat its rows.
+/// Divides queries among executors until the process is stopped.
+///
+/// An executor without a message for `lost_after` seconds counts as lost, and others repeat its
+/// rows.
 ///
 /// # Errors
-/// An address that cannot be listened at.
+/// Returns an error if the address is invalid or cannot be used.
 pub async fn schedule(study: &Arc<Study>, bind: &str, port: u16, lost_after: u64) -> Result<(), StudyError> {
     let study = Arc::clone(study);
     let mut config = SchedulerConfig::default()
@@ -37,34 +39,34 @@ pub async fn schedule(study: &Arc<Study>, bind: &str, port: u16, lost_after: u64
     start_server(cluster, listen, Arc::new(config)).await.map_err(failed)
 }
 
-/// A process that answers rows for a scheduler.
+/// A process that computes rows for a scheduler.
 #[derive(Clone, Debug)]
 pub struct Executor {
-    /// The scheduler, `host:port`.
+    /// Address of the scheduler, `host:port`.
     pub scheduler: String,
-    /// The address to listen at.
+    /// Address to listen on.
     pub bind: String,
-    /// The name by which others reach this machine.
+    /// Host name under which other machines reach this machine.
     pub external_host: Option<String>,
-    /// The port to listen at; the next one is used too.
+    /// Port to listen on; the next port is used as well.
     pub port: u16,
-    /// Partitions answered side by side; as many as the machine has cores if left out.
+    /// Number of partitions that run in parallel; the number of cores if `None`.
     pub cores: Option<usize>,
-    /// Where answers wait until they are fetched.
+    /// Folder for results until they are fetched; a new folder for temporary files if `None`.
     pub work: Option<PathBuf>,
 }
 
 impl Executor {
-    /// Answers rows until the process is stopped.
+    /// Computes rows until the process is stopped.
     ///
     /// # Errors
-    /// A scheduler that is not reached, an address that cannot be listened at.
+    /// Returns an error if the scheduler cannot be reached or the address cannot be used.
     pub async fn run(&self, study: &Arc<Study>) -> Result<(), StudyError> {
         let (host, port) = self
             .scheduler
             .rsplit_once(':')
             .and_then(|(host, port)| Some((host, port.parse().ok()?)))
-            .ok_or_else(|| StudyError::unfit(&self.scheduler, "HOST:PORT is needed"))?;
+            .ok_or_else(|| StudyError::unfit(&self.scheduler, "expected HOST:PORT"))?;
         let default = ExecutorProcessConfig::default();
         let own = std::env::temp_dir().join(format!("lin-canny-study-{}", default.executor_id));
         let work = self.work.clone().unwrap_or(own);

@@ -1,4 +1,4 @@
-//! What is wrong with a study or a row.
+//! Errors of a study and of a row.
 
 use std::path::PathBuf;
 
@@ -7,26 +7,26 @@ use datafusion::error::DataFusionError;
 use lin_canny_plan::PlanError;
 use lin_canny_robot::FileError;
 
-/// Why a study could not be made or run.
+/// Error of the construction or the run of a study.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
-    /// A file of the robot or the cell was refused.
+    /// Returned if a file of the robot or the cell is invalid.
     #[error(transparent)]
     File(#[from] FileError),
-    /// Robot and cell make no checker.
+    /// Returned if no checker can be made from robot and cell.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// The engine refused a query, or a file of rows.
+    /// Returned if the engine rejects a query or a file of rows.
     #[error("{}", .0.strip_backtrace())]
     Engine(#[from] DataFusionError),
-    /// Rows cannot be written or cut.
+    /// Returned if rows cannot be written or sliced.
     #[error(transparent)]
     Arrow(#[from] ArrowError),
-    /// A shape that cannot be written down.
+    /// Returned if a shape cannot be serialised.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
-    /// A file cannot be read or written.
+    /// Returned if a file cannot be read or written.
     #[error("{}: {reason}", file.display())]
     Io {
         /// The file or folder.
@@ -34,7 +34,7 @@ pub enum StudyError {
         /// The reason.
         reason: std::io::Error,
     },
-    /// A file, a folder or an argument that does not fit.
+    /// Returned if a file, a folder or an argument is invalid for this study.
     #[error("{what}: {reason}")]
     Unfit {
         /// The file, the folder or the argument.
@@ -42,22 +42,22 @@ pub enum StudyError {
         /// The reason.
         reason: String,
     },
-    /// A row that is no configuration.
-    #[error("a row is refused: {0}; `--lenient` answers such rows by NULL")]
+    /// Returned if a row is not a valid configuration.
+    #[error("invalid row: {0}; `--lenient` returns NULL for such rows")]
     Row(String),
-    /// A scheduler or an executor could not be reached, or failed.
+    /// Returned if a scheduler or an executor cannot be reached or fails.
     #[error("{0}")]
     Cluster(String),
 }
 
 impl StudyError {
-    /// Returns what makes an error of an input or output error about a file.
+    /// Returns a function that converts an I/O error to an error of this file.
     pub fn io(file: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
         let file = file.into();
         move |reason| Self::Io { file, reason }
     }
 
-    /// Returns the error of a file, a folder or an argument that does not fit.
+    /// Returns the error of a file, a folder or an argument that is invalid for this study.
     pub fn unfit(what: impl ToString, reason: impl ToString) -> Self {
         Self::Unfit {
             what: what.to_string(),
@@ -66,28 +66,28 @@ impl StudyError {
     }
 }
 
-/// Why a row has no answer.
+/// Reason why a row has no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RowError {
-    /// A value that is missing.
+    /// A value is missing.
     #[error("{name} is NULL")]
     Null {
         /// The argument.
         name: String,
     },
-    /// A list with another number of values.
-    #[error("{name} has {found} values instead of {needed}")]
+    /// A list has the wrong number of values.
+    #[error("{name} has {found} values (expected {needed})")]
     Length {
         /// The argument.
         name: String,
-        /// Values of the list.
+        /// Number of values of the list.
         found: usize,
-        /// Values that it needs.
+        /// Number of values that it must have.
         needed: usize,
     },
-    /// A value that is not within the limits of its joint.
-    #[error("{name} is {value:?}, not within {lower:?} and {upper:?}")]
+    /// A value is outside the limits of its joint.
+    #[error("{name} is {value:?} (expected {lower:?}..={upper:?})")]
     Limits {
         /// The joint.
         name: String,
@@ -98,15 +98,15 @@ pub enum RowError {
         /// The upper limit.
         upper: f64,
     },
-    /// A name that no body has, or more than one.
-    #[error("{count} bodies are called {name:?}")]
+    /// No body has this name, or more than one body has it.
+    #[error("{count} bodies have the name {name:?} (expected 1)")]
     Name {
         /// The name.
         name: String,
         /// How many bodies have it.
         count: usize,
     },
-    /// The checker refused the row.
+    /// The checker rejected the row.
     #[error("{0}")]
     Refused(String),
 }

@@ -1,4 +1,4 @@
-//! Files of rows: Parquet, CSV, Arrow IPC.
+//! Files of rows as Parquet, CSV or Arrow IPC.
 
 use std::fs::File;
 use std::io::Write;
@@ -21,7 +21,7 @@ use crate::error::StudyError;
 pub enum Format {
     /// Apache Parquet, `.parquet`.
     Parquet,
-    /// Text with a line of names, `.csv`.
+    /// CSV with a header line, `.csv`.
     Csv,
     /// Arrow IPC, `.arrow`.
     Arrow,
@@ -31,7 +31,7 @@ impl Format {
     /// All formats.
     pub const ALL: [Self; 3] = [Self::Parquet, Self::Csv, Self::Arrow];
 
-    /// Returns how files of the format end.
+    /// Returns the file extension of the format.
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {
@@ -41,7 +41,7 @@ impl Format {
         }
     }
 
-    /// Returns the format of a file by the end of its name.
+    /// Returns the format of a file, from its extension.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         let ends = |format: &Self| {
@@ -51,11 +51,12 @@ impl Format {
         Self::ALL.into_iter().find(ends)
     }
 
-    /// Writes rows to a file that is there whole or not at all. Fields of structs become columns,
-    /// see [`flat`].
+    /// Writes rows to a file atomically: the file is complete or does not exist.
+    ///
+    /// Fields of structs are written as columns, see [`flat`].
     ///
     /// # Errors
-    /// A file that cannot be written, or columns that the format does not have.
+    /// Returns an error if the file cannot be written or the format does not support a column.
     pub fn write(self, schema: &SchemaRef, batches: &[RecordBatch], path: &Path) -> Result<(), StudyError> {
         let batches: Vec<_> = batches.iter().map(flat).collect::<Result<_, _>>()?;
         let schema = match batches.first() {
@@ -74,12 +75,12 @@ impl Format {
             Self::Parquet => {
                 let level = ZstdLevel::try_new(1).unwrap_or_default();
                 let mut properties = WriterProperties::builder().set_compression(Compression::ZSTD(level));
-                // No two distances are the same: a dictionary of them is in vain.
+                // Distances are nearly all different, so a dictionary saves nothing.
                 for field in schema.fields().iter().filter(|f| f.data_type().is_floating()) {
                     let column = ColumnPath::from(field.name().as_str());
                     properties = properties.set_column_dictionary_enabled(column, false);
                 }
-                // Groups of rows are what readers divide a file by.
+                // Readers divide a file by its row groups.
                 let properties = properties.set_max_row_group_row_count(Some(ROW_GROUP)).build();
                 let mut writer = ArrowWriter::try_new(file, Arc::clone(schema), Some(properties)).map_err(parquet)?;
                 for batch in batches {
@@ -111,25 +112,27 @@ impl Format {
     }
 }
 
-/// Rows of a group of a Parquet file.
+/// Rows per row group of a Parquet file.
 const ROW_GROUP: usize = 16_384;
 
 fn parquet(error: datafusion::parquet::errors::ParquetError) -> StudyError {
     StudyError::Engine(error.into())
 }
 
-/// The name of a file while it is written.
+/// Returns the name of a file while it is written.
 fn unfinished(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".unfinished");
     path.with_file_name(name)
 }
 
-/// Returns rows whose columns are the fields of all structs: a field is called as in its struct, or
-/// `column_field` where that name is taken. A field of a row without a struct is NULL.
+/// Returns rows with the fields of all structs as columns.
+///
+/// A column has the name of its field, or `column_field` if that name is in use. If a row has no
+/// struct, its fields are NULL.
 ///
 /// # Errors
-/// None that rows of the engine give rise to.
+/// Returns no error for rows of the engine.
 pub fn flat(batch: &RecordBatch) -> Result<RecordBatch, StudyError> {
     let mut columns: Vec<(FieldRef, ArrayRef)> = Vec::new();
     let schema = batch.schema();
@@ -156,7 +159,7 @@ pub fn flat(batch: &RecordBatch) -> Result<RecordBatch, StudyError> {
     Ok(RecordBatch::try_new(Arc::new(Schema::new(fields)), columns)?)
 }
 
-/// The values of a field where the struct is not NULL.
+/// Returns the values of a field, with NULL where the struct is NULL.
 fn known(values: &ArrayRef, parts: &dyn Array) -> Result<ArrayRef, StudyError> {
     if parts.null_count() == parts.len() {
         return Ok(new_null_array(values.data_type(), parts.len()));

@@ -12,7 +12,7 @@ use crate::error::StudyError;
 use crate::format::Format;
 use crate::study::Study;
 
-/// The files of the rows of a study, in the order of their names.
+/// The input files of a study, in the order of their names.
 #[derive(Clone, Debug)]
 pub struct Input {
     files: Vec<PathBuf>,
@@ -22,20 +22,21 @@ pub struct Input {
 /// The name of the table of rows in a query.
 pub const TABLE: &str = "configs";
 
-/// The column by which rows are known, if there is one.
+/// Name of the optional column that identifies rows.
 pub const ID: &str = "id";
 
-/// The column of lists that may stand instead of a column for each coordinate.
+/// Name of the column of lists that may replace the columns of the coordinates.
 const LIST: &str = "q";
 
 impl Input {
     /// Returns the rows of a file, or of all files of one format in a folder.
     ///
     /// # Errors
-    /// A path that is not there, a folder without files of rows or with files of two formats.
+    /// Returns an error if the path does not exist, or if a folder has no files of rows or files of
+    /// two formats.
     pub fn new(path: impl AsRef<Path>) -> Result<Self, StudyError> {
         let path = path.as_ref();
-        // Executors look the files up from elsewhere.
+        // Executors have another working folder.
         let path = std::fs::canonicalize(path).map_err(StudyError::io(path))?;
         let mut files = vec![path.clone()];
         if path.is_dir() {
@@ -55,7 +56,10 @@ impl Input {
                 path.display(),
                 "no file that ends with .parquet, .csv or .arrow",
             )),
-            _ => Err(StudyError::unfit(path.display(), "files of several formats")),
+            _ => Err(StudyError::unfit(
+                path.display(),
+                "folder has files of several formats (expected one format)",
+            )),
         }
     }
 
@@ -74,10 +78,12 @@ impl Input {
         })
     }
 
-    /// Returns the rows. In a CSV file, all columns of numbers are read as such, however they begin.
+    /// Returns the rows.
+    ///
+    /// In a CSV file, a column that starts with integers is read as floating-point numbers, except `id`.
     ///
     /// # Errors
-    /// A file that the engine cannot read.
+    /// Returns an error if the engine cannot read a file.
     pub async fn read(&self, context: &SessionContext) -> Result<DataFrame, StudyError> {
         let paths: Vec<String> = self.files.iter().map(|f| f.to_string_lossy().into_owned()).collect();
         let frame = match self.format {
@@ -97,7 +103,7 @@ impl Input {
         Ok(frame?)
     }
 
-    /// Returns the table that queries name.
+    /// Registers the rows as the table [`TABLE`].
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -109,17 +115,18 @@ impl Input {
     }
 }
 
-/// A name as it stands in a query.
+/// Returns a column name, quoted for a query.
 #[must_use]
 pub fn quoted(name: &str) -> String {
     format!("\"{}\"", name.replace('"', "\"\""))
 }
 
-/// Returns the arguments of a function by which a table gives a configuration: a column for each
-/// coordinate, or the column `q` of lists.
+/// Returns the function arguments for the configuration of a row.
+///
+/// They are one column per coordinate, or the column `q` of lists.
 ///
 /// # Errors
-/// A table without them.
+/// Returns an error if the table has neither.
 pub fn configuration_of(study: &Study, names: &[&str]) -> Result<String, StudyError> {
     let coordinates = study.coordinates();
     let missing = coordinates.iter().find(|c| !names.contains(&c.name.as_str()));

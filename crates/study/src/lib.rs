@@ -1,5 +1,7 @@
-//! Clearances of millions of configurations of a robot as SQL functions of Apache DataFusion, in one process or on the executors of
-//! Apache Ballista. The tool of the same name needs no program.
+//! Computes clearances of millions of robot configurations with SQL functions of Apache DataFusion.
+//!
+//! The functions run in one process or on the executors of Apache Ballista. The command line tool
+//! of the same name needs no program.
 //!
 //! ```
 //! # let runtime = tokio::runtime::Runtime::new()?;
@@ -23,17 +25,18 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! | what | with |
+//! | task | type or module |
 //! |---|---|
-//! | robot, cell, options; the functions | [`Study`], [`StudyOptions`] |
-//! | contexts that know the functions, here and on a cluster | [`engine`] |
-//! | files of rows | [`Input`], [`Format`] |
-//! | a query part by part, that goes on after a stop | [`Run`] |
-//! | configurations to begin with | [`sampled`] |
-//! | the graph of a roadmap | [`roadmap`] |
-//! | scheduler and executors | [`cluster`] |
+//! | load robot, cell and options, and register the functions | [`Study`], [`StudyOptions`] |
+//! | make contexts with the functions, local or on a cluster | [`engine`] |
+//! | read and write files of rows | [`Input`], [`Format`] |
+//! | run a query part by part, and resume it after an interruption | [`Run`] |
+//! | make configurations | [`sampled`] |
+//! | make the graph of a roadmap | [`roadmap`] |
+//! | start scheduler and executors | [`cluster`] |
 //!
-//! A row's answer is a function of the row alone, bit for bit: each is asked of a checker that has forgotten the others.
+//! The result of a row depends on the row alone, bit for bit, because the checker drops all cached
+//! state before each row.
 #![forbid(unsafe_code)]
 
 pub mod cluster;

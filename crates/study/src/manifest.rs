@@ -1,4 +1,4 @@
-//! What a folder of parts holds: a run goes on only where the same run had stopped.
+//! The manifest of an output folder: only the same run may resume in it.
 
 use std::path::Path;
 
@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 use crate::error::StudyError;
 use crate::run::Run;
 
-/// The file beside the parts.
+/// Name of the manifest in the folder of the parts.
 const NAME: &str = "study.json";
 
-/// What the parts of a folder answer.
+/// The run that wrote the parts of a folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Manifest {
@@ -21,7 +21,7 @@ pub(crate) struct Manifest {
     query: String,
     /// Names and lengths of the files of the input.
     input: Vec<(String, u64)>,
-    /// Rows of a part; none if a file is a part.
+    /// Rows per part; `None` if each input file is a part.
     block: Option<usize>,
     format: String,
 }
@@ -41,7 +41,7 @@ impl Manifest {
         }
     }
 
-    /// Makes the folder, or goes on in it.
+    /// Makes the folder, or checks that this run may resume in it.
     pub(crate) fn claim(&self, folder: &Path) -> Result<(), StudyError> {
         std::fs::create_dir_all(folder).map_err(StudyError::io(folder))?;
         let path = folder.join(NAME);

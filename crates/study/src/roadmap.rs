@@ -1,4 +1,4 @@
-//! The graph of a roadmap: which nodes to connect, and what hangs together.
+//! The graph of a roadmap: candidate edges and connected components.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -12,11 +12,13 @@ use crate::error::StudyError;
 use crate::input::ID;
 use crate::rows::list_type;
 
-/// Returns the segments from each node to its nearest, each once: the ids of both ends, the length
-/// and both configurations. Lengths are counted in parts of the joints' ranges.
+/// Returns the segments from each node to its nearest nodes, each segment once.
+///
+/// A row has the ids of both ends, the length and both configurations. Lengths are fractions of the
+/// ranges of the joints.
 ///
 /// # Errors
-/// Nodes without a column that is needed.
+/// Returns an error if the nodes lack a required column.
 pub fn candidates(
     coordinates: &[Coordinate],
     nodes: &RecordBatch,
@@ -65,19 +67,19 @@ pub fn candidates(
     Ok(RecordBatch::try_new(Arc::new(Schema::new(fields.to_vec())), columns)?)
 }
 
-/// What hangs together.
+/// Counts of connected components.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Components {
-    /// How many components there are.
+    /// Number of components.
     pub count: usize,
-    /// Nodes of the largest.
+    /// Number of nodes of the largest component.
     pub largest: usize,
 }
 
 /// Returns the components of nodes (column `id`) and edges (columns `node_a` and `node_b`).
 ///
 /// # Errors
-/// Nodes or edges without these columns, or an edge of a node that is not there.
+/// Returns an error if nodes or edges lack these columns, or if a node of an edge does not exist.
 pub fn components(nodes: &RecordBatch, edges: &RecordBatch) -> Result<Components, StudyError> {
     let ids = ids(nodes, ID)?;
     let numbers: std::collections::HashMap<i64, usize> = ids.values().iter().copied().zip(0..).collect();
@@ -98,7 +100,7 @@ pub fn components(nodes: &RecordBatch, edges: &RecordBatch) -> Result<Components
     })
 }
 
-/// The node that stands for a component; halves the way there.
+/// Returns the node that represents a component, and halves the path to it.
 fn root(parents: &mut [usize], mut node: usize) -> usize {
     while parents[node] != node {
         parents[node] = parents[parents[node]];

@@ -1,4 +1,4 @@
-//! Runs: a query over many rows, part after part, that can be stopped and continued.
+//! Runs: a query over many rows, part by part, that can be interrupted and resumed.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,21 +20,21 @@ use crate::input::{ID, Input, TABLE};
 use crate::manifest::Manifest;
 use crate::study::Study;
 
-/// Where and how a run is carried out.
+/// Options of a run.
 #[derive(Clone, Debug)]
 pub struct RunOptions {
-    /// Partitions that are answered side by side.
+    /// Number of partitions that run in parallel.
     pub partitions: usize,
-    /// Rows of a part: what a run that was stopped repeats at most.
+    /// Rows per part: an interrupted run repeats at most this number.
     pub block: usize,
     /// The format of the parts.
     pub format: Format,
-    /// The scheduler of a cluster, `host:port`; this process answers if there is none.
+    /// Scheduler of a cluster, `host:port`; `None` runs in this process.
     pub scheduler: Option<String>,
 }
 
 impl Default for RunOptions {
-    /// As many partitions as the machine has cores, parts of 65,536 rows, Parquet, this process.
+    /// One partition per core, parts of 65,536 rows, Parquet, in this process.
     fn default() -> Self {
         Self {
             partitions: std::thread::available_parallelism().map_or(1, usize::from),
@@ -45,26 +45,25 @@ impl Default for RunOptions {
     }
 }
 
-/// How far a run has come, for another thread to look at.
+/// Progress of a run; another thread may read it.
 #[derive(Debug, Default)]
 pub struct RunProgress {
     /// Rows of the input.
     pub total: AtomicU64,
-    /// Rows that need no more work, but for those that [`Study::rows`] has counted since the run
-    /// began.
+    /// Rows that need no more work, without those that [`Study::rows`] has counted since the start.
     pub known: AtomicU64,
 }
 
-/// What a run has done.
+/// Summary of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RunSummary {
     /// Rows of the input.
     pub rows: u64,
-    /// Bad rows, answered by NULL.
+    /// Number of invalid rows, for which the result is NULL.
     pub faults: u64,
-    /// Parts of the answer.
+    /// Number of parts of the result.
     pub parts: usize,
-    /// Parts that an earlier run had left.
+    /// Number of parts that an earlier run had finished.
     pub kept: usize,
 }
 
@@ -74,22 +73,24 @@ pub struct Run<'a> {
     pub study: &'a Arc<Study>,
     /// The rows.
     pub input: &'a Input,
-    /// The query over the table `configs`; it answers row by row, without order or groups.
+    /// The query over the table `configs`. It must return one row per input row, without order or
+    /// groups.
     pub query: &'a str,
     /// The folder of the parts.
     pub folder: &'a Path,
-    /// Where and how.
+    /// The options.
     pub options: &'a RunOptions,
 }
 
 impl Run<'_> {
-    /// Answers all rows that no part in the folder holds yet.
+    /// Processes all rows that no part in the folder contains yet.
     ///
     /// In this process, parts have [`RunOptions::block`] rows in the order of the input. On a
     /// cluster, a file is a part, ordered by the column `id` if there is one.
     ///
     /// # Errors
-    /// A folder with parts of another study or query, a query that fails, files.
+    /// Returns an error if the folder has parts of another study or query, if the query fails, or
+    /// if a file cannot be read or written.
     pub async fn go(&self, progress: &RunProgress) -> Result<RunSummary, StudyError> {
         let manifest = Manifest::new(self);
         manifest.claim(self.folder)?;
@@ -136,7 +137,7 @@ impl Run<'_> {
         Ok(summary)
     }
 
-    /// Answers a block of rows, unless its part is there.
+    /// Processes a block of rows, unless its part exists.
     async fn block(
         &self,
         context: &SessionContext,
@@ -185,7 +186,8 @@ impl Run<'_> {
         Ok(summary)
     }
 
-    /// Asks the executors, again if one is lost with answers that were not fetched yet.
+    /// Runs the query on the executors, and repeats it if an executor with unfetched results is
+    /// lost.
     async fn asked(&self, context: &SessionContext) -> Result<(SchemaRef, Vec<RecordBatch>), StudyError> {
         let mut tries = 0;
         loop {
@@ -209,19 +211,19 @@ impl Run<'_> {
     }
 }
 
-/// How often a file is asked of a cluster.
+/// Maximum number of attempts per file on a cluster.
 const TRIES: u32 = 3;
 
-/// Whether asking again is in vain: a bad row, a function that is not there.
+/// Returns whether a repetition would fail again: an invalid row or an unknown function.
 fn is_in_vain(error: &DataFusionError) -> bool {
     let text = error.to_string();
     text.contains("of its batch") || text.contains(UNKNOWN)
 }
 
-/// What a scheduler says of a plan with a function that it does not have.
+/// Text in a scheduler's error for a plan with an unknown function.
 const UNKNOWN: &str = "not provided for scalar function";
 
-/// Returns the error of a query that a cluster has refused.
+/// Returns the error of a query that a cluster rejected.
 #[must_use]
 pub fn cluster_error(error: &DataFusionError) -> StudyError {
     let text = error.strip_backtrace();
@@ -234,7 +236,7 @@ pub fn cluster_error(error: &DataFusionError) -> StudyError {
     })
 }
 
-/// Rows in so many partitions, one after the other.
+/// Divides rows into consecutive partitions.
 fn divided(rows: &RecordBatch, partitions: usize) -> Vec<Vec<RecordBatch>> {
     let (count, partitions) = (rows.num_rows(), partitions.max(1));
     let cuts = (0..=partitions).map(|k| count * k / partitions).collect::<Vec<_>>();
@@ -245,10 +247,10 @@ fn divided(rows: &RecordBatch, partitions: usize) -> Vec<Vec<RecordBatch>> {
     cuts.windows(2).map(partition).collect()
 }
 
-/// Looks all rows of an input over before they are measured: returns the number of bad ones.
+/// Checks all rows of an input before they are measured, and returns the number of invalid rows.
 ///
 /// # Errors
-/// In a study that is not lenient, the first bad row.
+/// Returns an error for the first invalid row, unless the study is lenient.
 pub async fn look_over(
     study: &Arc<Study>,
     input: &Input,

@@ -1,4 +1,4 @@
-//! Configurations within the limits of the joints.
+//! Samples configurations within the limits of the joints.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -12,22 +12,22 @@ use rand_chacha::ChaCha8Rng;
 use crate::error::StudyError;
 use crate::input::ID;
 
-/// How configurations are drawn.
+/// Sampling method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
     /// The sequence of J. H. Halton, "On the efficiency of certain quasi-random sequences of points
-    /// in evaluating multi-dimensional integrals" (1960), section 2: joint k counts in the k-th
-    /// prime. It fills space more evenly than random numbers; beyond some ten joints neighbouring
-    /// primes go side by side for long, and random numbers are better.
+    /// in evaluating multi-dimensional integrals" (1960), section 2: joint k uses the k-th prime as
+    /// its base. It fills space more evenly than random numbers. With more than about ten joints,
+    /// neighbouring primes are correlated for long, and random numbers are better.
     Halton,
     /// Independent, uniform numbers.
     Random {
-        /// The same seed gives the same configurations on every machine.
+        /// Random seed. The same seed gives the same configurations on every machine.
         seed: u64,
     },
 }
 
-/// Configurations in the making.
+/// A generator of configurations.
 pub struct Sampler {
     coordinates: Vec<Coordinate>,
     primes: Vec<u64>,
@@ -35,7 +35,7 @@ pub struct Sampler {
 }
 
 impl Source {
-    /// Returns the configurations of joints, from the first on.
+    /// Returns the generator for joints, at its first configuration.
     #[must_use]
     pub fn begin(self, coordinates: &[Coordinate]) -> Sampler {
         Sampler {
@@ -50,11 +50,12 @@ impl Source {
 }
 
 impl Sampler {
-    /// Returns rows: a column `id`, and one for each joint. Random rows are the next, whatever
-    /// their numbers.
+    /// Returns rows with a column `id` and one column per joint.
+    ///
+    /// Random rows are always the next ones of the generator, for any ids.
     ///
     /// # Errors
-    /// None but by joints that have the same name.
+    /// Returns an error if two joints have the same name.
     pub fn rows(&mut self, ids: Range<u64>) -> Result<RecordBatch, StudyError> {
         let count = (ids.end - ids.start) as usize;
         let mut columns = vec![Vec::with_capacity(count); self.coordinates.len()];
@@ -62,7 +63,8 @@ impl Sampler {
             for (k, column) in columns.iter_mut().enumerate() {
                 let part = match &mut self.random {
                     Some(random) => random.random::<f64>(),
-                    // The first point of the sequence is 1: the point 0 is the corner of all limits.
+                    // The first point of the sequence is 1: the point 0 is the corner of all
+                    // limits.
                     None => radical_inverse(self.primes[k], id + 1),
                 };
                 let [lower, upper] = self.coordinates[k].limits;
@@ -79,7 +81,7 @@ impl Sampler {
     }
 }
 
-/// The digits of a number mirrored at the point.
+/// Returns the radical inverse: the digits of a number, mirrored at the radix point.
 fn radical_inverse(base: u64, mut number: u64) -> f64 {
     let (mut inverse, mut digit) = (0.0, 1.0 / base as f64);
     while number > 0 {

@@ -1,4 +1,4 @@
-//! The robot, its cell, and the checkers that wait for rows.
+//! The study: a robot, its cell, and a pool of checkers.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -8,21 +8,19 @@ use lin_canny_robot::{Coordinate, RobotFiles, Setup};
 
 use crate::error::StudyError;
 
-/// How the rows of a study are answered.
+/// Options of a study.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StudyOptions {
-    /// The distance that all pairs must keep, for `is_free` and `certify`, in the robot's unit of
-    /// length.
+    /// Minimum distance of all pairs for `is_free` and `certify`, in the robot's unit of length.
     pub margin: f64,
-    /// Whether a bad row is answered by NULL instead of an error.
+    /// Whether an invalid row gives NULL instead of an error.
     pub lenient: bool,
 }
 
-/// A robot in its cell, loaded once a process, and its answers about rows.
+/// A robot in its cell, loaded once per process, with a pool of checkers.
 ///
-/// Checkers wait in a pool: a batch of rows takes one and puts it back. Each row is asked of a
-/// checker that has forgotten the rows before ([`Checker::forget`]), so its answer is a function of
-/// the row alone, bit for bit.
+/// A batch of rows takes a checker from the pool and returns it. Before each row the checker drops
+/// all cached state ([`Checker::forget`]), so the result depends on the row alone, bit for bit.
 pub struct Study {
     setup: Setup,
     options: StudyOptions,
@@ -32,10 +30,10 @@ pub struct Study {
 }
 
 impl Study {
-    /// Returns the study of a robot and a cell in files.
+    /// Returns the study of the files of a robot and a cell.
     ///
     /// # Errors
-    /// A file that is refused, or a robot of which no checker can be made.
+    /// Returns an error if a file is invalid or no checker can be made.
     pub fn load(files: &RobotFiles, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
         Self::new(files.load()?.1, options)
     }
@@ -43,7 +41,7 @@ impl Study {
     /// Returns the study of a robot and a cell.
     ///
     /// # Errors
-    /// A robot of which no checker can be made, or a margin that is negative or not finite.
+    /// Returns an error if no checker can be made, or if the margin is negative or not finite.
     pub fn new(setup: Setup, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
         let mut study = Self {
             setup,
@@ -70,14 +68,15 @@ impl Study {
         &self.setup
     }
 
-    /// Returns how rows are answered.
+    /// Returns the options.
     #[must_use]
     pub fn options(&self) -> StudyOptions {
         self.options
     }
 
-    /// Returns sixteen hexadecimal digits that tell robots, cells and options apart: two studies
-    /// with the same fingerprint give every row the same answer.
+    /// Returns the fingerprint of robot, cell and options: sixteen hexadecimal digits.
+    ///
+    /// Two studies with the same fingerprint return the same result for every row.
     #[must_use]
     pub fn fingerprint(&self) -> &str {
         &self.fingerprint
@@ -89,10 +88,10 @@ impl Study {
         self.rows.load(Ordering::Relaxed)
     }
 
-    /// Asks a checker of the pool; a new one is made if none waits there.
+    /// Calls a function with a checker from the pool, which is made if the pool is empty.
     ///
     /// # Errors
-    /// A checker that cannot be made.
+    /// Returns an error if no checker can be made.
     pub fn with_checker<R>(&self, ask: impl FnOnce(&mut Checker<JointTree>) -> R) -> Result<R, StudyError> {
         let waiting = self.pool.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut checker = match waiting {
@@ -120,12 +119,12 @@ impl Study {
     }
 }
 
-/// The format of fingerprints, and of what enters them.
+/// Version of fingerprints and of their inputs.
 const FORMAT: &str = "lin-canny-study 1";
 
 fn fingerprint(setup: &Setup, checker: &Checker<JointTree>, options: StudyOptions) -> Result<String, StudyError> {
     let mut hasher = blake3::Hasher::new();
-    // Every field ends with a byte that no text has.
+    // Every field ends with a byte that no text contains.
     let mut text = |text: String| {
         hasher.update(text.as_bytes()).update(&[0xff]);
     };
@@ -149,7 +148,7 @@ fn fingerprint(setup: &Setup, checker: &Checker<JointTree>, options: StudyOption
     Ok(hasher.finalize().to_hex()[..16].to_owned())
 }
 
-/// The bodies that a name stands for.
+/// Returns the bodies with a name.
 pub(crate) fn bodies_called(checker: &Checker<JointTree>, name: &str) -> Vec<WorldId> {
     let world = checker.world();
     let robot = (0..world.robot_bodies().len()).map(WorldId::Robot);

@@ -15,20 +15,22 @@ const USAGE: &str = "\
 usage: lin-canny-viewer FILE | --demo N  [options]
        lin-canny-viewer --bits N
 
-FILE is a recording (lin-canny-record); --demo 0 to 3 opens a demonstration of the page. Opens a window, unless an option
-asks for a picture or for times, which need no display.
+FILE is a recording (lin-canny-record); --demo 0 to 3 opens a demonstration of the web page. Opens a window. With
+--screenshot or --time it needs no display and opens no window.
 
-  --screenshot OUT.png  draw a picture
-  --frame N             the frame to show (default: 0)
-  --size WxH            of the picture (default: 800x600)
-  --samples N           samples a pixel, 1 or 4 (default: 4)
-  --no-panel            the picture without the panel
-  --regions, --boxes, --columns, --no-names
-                        show Voronoi regions, boxes, columns; no names of contacts
-  --view YAW,PITCH,NEAR radians, and the distance of the camera as a part of the usual one
-  --drag X,Y,DX,DY      first drag the mouse from a pixel by so many pixels
-  --time N              play N frames and print their times
-  --bits N              ask N tracked queries and print the hash of all answers";
+  --screenshot OUT.png  picture to draw
+  --frame N             frame to show (default: 0)
+  --size WxH            size of the picture in pixels (default: 800x600)
+  --samples N           samples per pixel, 1 or 4 (default: 4)
+  --no-panel            hide the panel
+  --regions             show Voronoi regions
+  --boxes               show the boxes of the broad phase
+  --columns             show the columns of the broad phase
+  --no-names            hide the ids of contacts
+  --view YAW,PITCH,NEAR yaw and pitch in radians, camera distance as a fraction of the default
+  --drag X,Y,DX,DY      drag of the mouse before the picture: start and displacement in pixels
+  --time N              number of frames to play; prints their times
+  --bits N              number of tracked queries to run; prints the hash of all results";
 
 struct Arguments(Vec<String>);
 
@@ -49,7 +51,7 @@ impl Arguments {
         let word = self.0.remove(k);
         let parsed = word
             .parse()
-            .map_err(|_| format!("{name}: \"{word}\" is no value for it"))?;
+            .map_err(|_| format!("{name} has an invalid value: \"{word}\""))?;
         Ok(Some(parsed))
     }
 
@@ -60,7 +62,7 @@ impl Arguments {
         let parsed: Result<Vec<f64>, _> = text.split([',', 'x']).map(str::parse).collect();
         let list = parsed.ok().and_then(|list| <[f64; N]>::try_from(list).ok());
         list.map(Some)
-            .ok_or_else(|| format!("{name}: \"{text}\" is not {N} numbers").into())
+            .ok_or_else(|| format!("{name} has an invalid value: \"{text}\" (expected {N} numbers)").into())
     }
 }
 
@@ -82,12 +84,12 @@ impl Options {
         match (&self.file, self.demo) {
             (Some(file), _) => viewer.open(Recording::open(file).map_err(|e| format!("{file}: {e}"))?),
             (None, Some(demo)) => viewer.open_demo(demo)?,
-            (None, None) => return Err(format!("no file\n\n{USAGE}").into()),
+            (None, None) => return Err(format!("no FILE is given\n\n{USAGE}").into()),
         }
         if let Source::Recording(player) = &mut viewer.source {
             let count = player.recording.frames.len();
             if self.frame > 0 && self.frame >= count {
-                return Err(format!("--frame {}: the recording has {count} frames, from 0", self.frame).into());
+                return Err(format!("frame {} does not exist (expected 0..{count})", self.frame).into());
             }
             player.show(self.frame, &mut viewer.stage);
         }
@@ -138,7 +140,7 @@ pub fn run(words: Vec<String>) -> Result<(), Trouble> {
         options.file = Some(arguments.0.remove(k));
     }
     if let Some(word) = arguments.0.first() {
-        return Err(format!("unknown argument {word}\n\n{USAGE}").into());
+        return Err(format!("unknown argument: {word}\n\n{USAGE}").into());
     }
     if screenshot.is_none() && time.is_none() {
         return window(options);
@@ -200,7 +202,7 @@ fn window(options: Options) -> Result<(), Trouble> {
         ..Default::default()
     };
     let start = move |cc: &eframe::CreationContext<'_>| {
-        let state = cc.wgpu_render_state.as_ref().ok_or("no graphics")?;
+        let state = cc.wgpu_render_state.as_ref().ok_or("no graphics device")?;
         let mut viewer = Viewer::new(&cc.egui_ctx, state, None);
         options.open(&mut viewer).map_err(|e| e.to_string())?;
         Ok(Box::new(viewer) as Box<dyn eframe::App>)

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{Geometry, ManifoldOptions, Outcome, PairTracker, RelativePose};
-use lin_canny_record::{RenderMesh, Bracket, Contact, ColumnLine};
+use lin_canny_record::{Bracket, ColumnLine, Contact, RenderMesh};
 
 /// A body and where it stands.
 #[derive(Clone, Debug)]

@@ -1,13 +1,15 @@
-//! Small spinning bodies fly at a thin plate, one step of a game at a time: who notices, and who lets them through.
+//! Small spinning bodies fly at a thin plate, one step of a game at a time: who notices, and who
+//! lets them through.
 //!
 //! ```text
 //! cargo run --release -p race --example bullet -- [--out FILE.svg] [--throws N]
 //! ```
 //!
-//! Rods and discs of ten centimetres, spinning at up to 300 radians a second, fly past and into a plate of 2 mm, in steps of 1/60 s. Four
-//! ways to look at the step: both ends of it (discrete), parry's sweep between end poses (what rapier 0.36 uses for fast bodies),
-//! parry's nonlinear cast, and `impact::cast`. Each is judged on the motion that it follows; the cast itself by four hundred
-//! instants of every miss.
+//! Rods and discs of ten centimetres, spinning at up to 300 radians a second, fly past and into a
+//! plate of 2 mm, in steps of 1/60 s. Four ways to look at the step: both ends of it (discrete),
+//! parry's sweep between end poses (what rapier 0.36 uses for fast bodies), parry's nonlinear cast,
+//! and `impact::cast`. Each is judged on the motion that it follows; the cast itself by four
+//! hundred instants of every miss.
 
 use clap::Parser;
 use lin_canny::impact::{Impact, Tolerance, cast};
@@ -31,14 +33,16 @@ const STEP: f64 = 1.0 / 60.0;
 const SPEEDS: [f64; 7] = [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
 const WAYS: [&str; 4] = ["discrete", "parry sweep", "parry nonlinear", "impact::cast"];
 
-/// Small spinning bodies fly at a thin plate: which share of the hits each way to look at a step of
-/// 1/60 s misses, as a table and a picture
+/// Compare which methods detect the hits of small spinning bodies on a thin plate, and which miss
+/// them
+///
+/// A step is 1/60 s. Prints a table and draws a picture of the share of missed hits.
 #[derive(Parser)]
 struct Options {
-    /// The picture
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/bullet.svg", value_parser = file("svg"))]
     out: PathBuf,
-    /// Steps per speed
+    /// Number of throws per speed
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = count(1))]
     throws: usize,
 }
@@ -80,7 +84,8 @@ fn throw(rng: &mut Rng, speed: f64) -> (Isometry3<f64>, Velocity) {
     (Isometry3::from_parts(start.into(), turn), Velocity::new(velocity, spin))
 }
 
-/// What each way makes of the hits of one speed: how many were missed, of how many; and instants that contradict our misses.
+/// What each way makes of the hits of one speed: how many were missed, of how many; and instants
+/// that contradict our misses.
 fn judge(bodies: &[Body], plate: &Body, speed: f64, throws: usize) -> Result<([[u32; 2]; 4], u32), Trouble> {
     let mut rng = Rng::new(speed.to_bits());
     let (mut tally, mut wrong) = ([[0; 2]; 4], 0);

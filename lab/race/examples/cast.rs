@@ -15,18 +15,20 @@ use lin_canny::{ConvexPolyhedron, PoseError, Velocity};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Reads one cast a line and prints one answer a line: hit SAFE HIT, miss, near SAFE, start or
-/// unknown SAFE
+/// Run the casts of a file, one per line
+///
+/// Prints one result per line: hit SAFE HIT, miss, near SAFE, start or unknown SAFE. A line of the
+/// file is
 ///
 ///   A-points; B-points; A-start, A-linear, A-angular; B-start, B-linear, B-angular; t_end; tolerance
 ///
 /// Points are `x y z`, separated by commas. A start is `x y z qx qy qz qw`, the pose of the body at
-/// time zero; linear is the velocity of the body's origin, angular the angular velocity, both `x y z`.
-/// The tolerance is a distance.
+/// time zero; linear is the velocity of the body's origin, angular the angular velocity, both
+/// `x y z`. The tolerance is a distance.
 #[derive(Parser)]
 #[command(verbatim_doc_comment)]
 struct Options {
-    /// The cases
+    /// File with the cases
     file: PathBuf,
 }
 

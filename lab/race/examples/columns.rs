@@ -1,7 +1,9 @@
-//! Draws the columns, the sweep and the pairs of a small scene: `cargo run --release -p race --example columns`.
+//! Draws the columns, the sweep and the pairs of a small scene:
+//! `cargo run --release -p race --example columns`.
 //!
-//! Above: the columns seen from the side, shaded by how many bodies they list, and the pairs. Below: the busiest column,
-//! its boxes in sorted order, each from start to end; pairs are joined by lines.
+//! Above: the columns seen from the side, shaded by how many bodies they list, and the pairs.
+//! Below: the busiest column, its boxes in sorted order, each from start to end; pairs are joined
+//! by lines.
 
 use clap::Parser;
 use lin_canny::broad::{BodyId, BodyOptions, ColumnBounds, StoredBox, SweepAndPrune};
@@ -13,10 +15,11 @@ use truth::command::{file, write};
 
 const SCALE: f32 = 9.0;
 
-/// Draws the columns of the broad phase, the sweep of the busiest column and the pairs of a small scene
+/// Draw the columns of the broad phase, the sweep of the busiest column and the pairs of a small
+/// scene
 #[derive(Parser)]
 struct Options {
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/columns.svg", value_parser = file("svg"))]
     out: PathBuf,
 }
@@ -180,7 +183,8 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The busiest column: its boxes as intervals in sorted order, with a bar for each entry a window looks at. Where it ends.
+    /// The busiest column: its boxes as intervals in sorted order, with a bar for each entry a
+    /// window looks at. Where it ends.
     fn sweep(&self, top: f32, svg: &mut String) -> f32 {
         let Some(p) = self.columns.iter().max_by_key(|p| p.listed) else {
             return top;

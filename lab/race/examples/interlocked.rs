@@ -1,4 +1,5 @@
-//! Two interlocked rings tumble: the front of one frame with the closest points as a picture, and what a frame takes, beside parry.
+//! Two interlocked rings tumble: the front of one frame with the closest points as a picture, and
+//! what a frame takes, beside parry.
 //!
 //! `cargo run --release -p race --example interlocked`
 
@@ -29,11 +30,11 @@ const SPARSE: usize = 90;
 /// Towards the viewer, to the right and up.
 const VIEW: [Point; 3] = [[0.36, -0.80, 0.48], [0.91, 0.41, 0.0], [-0.20, 0.44, 0.88]];
 
-/// Two interlocked rings tumble: what a frame takes, beside parry, and the front of one frame as a
-/// picture
+/// Measure the time per frame of two interlocked rings, compared with parry, and draw the front of
+/// a frame
 #[derive(Parser)]
 struct Options {
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/interlocked.svg", value_parser = file("svg"))]
     out: PathBuf,
 }

@@ -1,7 +1,8 @@
-//! Answers a recorded query at every level: `replay [--trace] [FILE]`, from the standard input without a file.
+//! Answers a recorded query at every level: `replay [--trace] [FILE]`, from the standard input
+//! without a file.
 //!
-//! The text is what [`Tracker::replay`] writes and what a failed debug assertion prints; lines before its title are
-//! passed over, so the message of a panic can be given as it is.
+//! The text is what [`Tracker::replay`] writes and what a failed debug assertion prints; lines
+//! before its title are passed over, so the message of a panic can be given as it is.
 
 use std::io::{IsTerminal, Read};
 use std::path::{Path, PathBuf};
@@ -10,16 +11,15 @@ use std::process::ExitCode;
 use clap::Parser;
 use lin_canny::{RelativePose, Replay, ReplayError, Solver, Tracker};
 
-/// Answers a query recorded by Tracker::replay, or printed by a failed debug assertion, at every level
-/// of accuracy
+/// Repeat a query from Tracker::replay or from a failed debug assertion, at every level of accuracy
 ///
 /// Some recorded queries are in tests/replays.
 #[derive(Parser)]
 struct Options {
-    /// Print the feature pairs of the walk, one a line
+    /// Print the feature pairs of the walk, one per line
     #[arg(long)]
     trace: bool,
-    /// The text of the query; the standard input if no file is named
+    /// File with the text of the query [default: standard input]
     file: Option<PathBuf>,
 }
 

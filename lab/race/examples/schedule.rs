@@ -1,12 +1,14 @@
-//! Who is looked at when: a swarm of spinning hulls, each pair asleep until its certificate runs out.
+//! Who is looked at when: a swarm of spinning hulls, each pair asleep until its certificate runs
+//! out.
 //!
 //! ```text
 //! cargo run --release -p race --example schedule -- [--bodies N] [--ticks N] [--rate HZ] [--out FILE.svg]
 //! ```
 //!
-//! Bodies fly straight through each other and bounce off the walls of a cube. Every pair is looked at when it is due, and again by
-//! brute force at every tick: the overlaps that begin and end are the same. The picture has a dot for every look: how long the pair was
-//! let sleep, against how long it truly stayed apart. Dots above the diagonal would be overlaps slept through.
+//! Bodies fly straight through each other and bounce off the walls of a cube. Every pair is looked
+//! at when it is due, and again by brute force at every tick: the overlaps that begin and end are
+//! the same. The picture has a dot for every look: how long the pair was let sleep, against how
+//! long it truly stayed apart. Dots above the diagonal would be overlaps slept through.
 
 use clap::Parser;
 use lin_canny::impact::free_until;
@@ -27,23 +29,26 @@ type Trouble = Box<dyn std::error::Error>;
 /// Ticks that a look proves at most.
 const AHEAD: f64 = 64.0;
 
-/// What poses that are moved tick by tick may be off those of one motion, far more than 64 roundings.
+/// What poses that are moved tick by tick may be off those of one motion, far more than 64
+/// roundings.
 const DRIFT: f64 = 1e-10;
 
-/// A swarm of spinning hulls, each pair asleep until its certificate runs out: how many looks that
-/// takes, compared with brute force at every tick, and a picture of every look
+/// Count the queries of a swarm of spinning hulls, where each pair sleeps until its certificate
+/// expires
+///
+/// Compares the count with brute force at every tick, and draws each query.
 #[derive(Parser)]
 struct Options {
-    /// Hulls of 32 vertices
+    /// Number of hulls, of 32 vertices each
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = count(2))]
     bodies: usize,
-    /// Length of the run
+    /// Length of the run in ticks
     #[arg(long, value_name = "N", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
     ticks: u64,
     /// Ticks per second
     #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = number(1e-3))]
     rate: f64,
-    /// The picture
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/schedule.svg", value_parser = file("svg"))]
     out: PathBuf,
 }

@@ -1,7 +1,9 @@
-//! Parts below a centimetre: penetration depths of parry in `f32`, which is what rapier uses, against certified ones.
+//! Parts below a centimetre: penetration depths of parry in `f32`, which is what rapier uses,
+//! against certified ones.
 //!
-//! Hulls of 24 points in pairs, metres as the unit. Both engines get the same hull (the points that parry keeps, so that a
-//! vertex it drops is no error here) and the same `f32` poses; the certified depth is proven to 1e-13 of the size.
+//! Hulls of 24 points in pairs, metres as the unit. Both engines get the same hull (the points that
+//! parry keeps, so that a vertex it drops is no error here) and the same `f32` poses; the certified
+//! depth is proven to 1e-13 of the size.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -16,17 +18,19 @@ use race::plot::Chart;
 use truth::command::{count, file};
 use truth::rng::Rng;
 
-/// Depths of overlapping hulls from 1 m down to 1 mm: how many of parry's f32 answers are wrong by more
-/// than 1 % of the part's size, how many overlaps it misses, and a picture
+/// Measure the errors of parry's f32 depths for overlapping hulls from 1 m down to 1 mm
+///
+/// Prints how many depths are wrong by more than 1 % of the size and how many overlaps are missed,
+/// and draws a picture.
 #[derive(Parser)]
 struct Options {
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/small_parts.svg", value_parser = file("svg"))]
     out: PathBuf,
-    /// Poses per size
+    /// Number of poses per size
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = count(1))]
     poses: usize,
-    /// Another set of hulls and poses
+    /// Random seed of hulls and poses
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 }

@@ -1,4 +1,5 @@
-//! A probe flies through ten thousand fixed bodies, and only `within` is enabled: is anything nearer than 0.25?
+//! A probe flies through ten thousand fixed bodies, and only `within` is enabled: is anything
+//! nearer than 0.25?
 //!
 //! `cargo run --release -p race --example walkthrough -- [--out FILE.svg] [--bodies N] [--frames N]`
 
@@ -32,17 +33,18 @@ const EVERY: usize = 6;
 /// Height of the field of bodies.
 const HEIGHT: f64 = 12.0;
 
-/// A probe flies through a field of fixed bodies. Prints what it took to know when it is too near to
-/// one, and draws its way
+/// Fly a probe through a field of fixed bodies and report when it is too close to one
+///
+/// Prints the work that this takes, and draws the path.
 #[derive(Parser)]
 struct Options {
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/walkthrough.svg", value_parser = file("svg"))]
     out: PathBuf,
-    /// Bodies of the field
+    /// Number of bodies in the field
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = count(1))]
     bodies: usize,
-    /// Frames of the flight
+    /// Number of frames of the flight
     #[arg(long, value_name = "N", default_value_t = 6_000, value_parser = count(1))]
     frames: usize,
 }

@@ -1,4 +1,4 @@
-//! Casts: the instant at which two moving shapes first come within a distance of each other.
+//! Casts: the time at which two moving shapes first come within a distance of each other.
 
 use std::ops::Range;
 
@@ -14,32 +14,35 @@ use super::parry::query::{NonlinearRigidMotion, ShapeCastHit, ShapeCastStatus};
 use super::parry::shape;
 use super::part::Placed;
 
-/// Width of the bracket of a hit over the size of the pair, as a distance: a few units in the last
-/// place of the engine's numbers.
+/// Width of the bracket of a hit, as a distance divided by the size of the pair: a few units in the
+/// last place of the engine's numbers.
 const TOLERANCE: f64 = 4.0 * Real::EPSILON as f64;
 
-/// Radii of the cores of a shape over its thickness; the first is that of parry's sweeps against
-/// meshes, and one is cast if all before it touch at the start.
+/// Radii of the cores of a shape, divided by its thickness.
+///
+/// The first is that of parry's sweeps against meshes. A core is cast if all previous ones touch at
+/// the start.
 pub(super) const CORES: [f64; 3] = [0.5, 0.125, 0.03125];
 
-/// The answer of a cast.
+/// The result of a cast.
 pub(super) enum Flown {
     /// The shapes stay apart.
     Free,
     Hit(ShapeCastHit),
-    /// The shapes meet at the start already; without a hit if none was wanted.
+    /// The shapes are in contact at the start; without a hit if none was requested.
     Start(Option<ShapeCastHit>),
-    /// A motion, the interval or the distance is out of range: nothing is known.
+    /// A motion, the interval or the distance is out of range, so nothing is known.
     Refused,
 }
 
-/// Casts two shapes in the frame of the first, the second at a constant velocity without a turn.
+/// Casts two shapes in the frame of the first; the second moves at constant velocity without
+/// rotation.
 pub(super) fn linear((a, b): (&Placed, &Placed), pos12: &Pose, vel12: Vector, options: &ShapeCastOptions) -> Flown {
     let (velocity, target) = (wide(vel12), f64::from(options.target_distance));
     let start = isometry(pos12) * b.at;
     let speed = velocity.norm();
     let reach = start.translation.vector.norm() + reach(a) + reach(b) + target;
-    // Later than this the shapes are farther than `target` from each other.
+    // After this time the shapes are farther apart than `target`.
     let passed = if speed > 0.0 { 1.000_001 * reach / speed } else { 0.0 };
     let until = f64::from(options.max_time_of_impact).min(passed);
     let rest = Steady::new(&a.at, Velocity::default());
@@ -63,8 +66,10 @@ pub(super) fn linear((a, b): (&Placed, &Placed), pos12: &Pose, vel12: Vector, op
     }
 }
 
-/// Casts two shapes that move and turn at constant velocities. What meets at the start is measured
-/// if this is wanted: the depth of an overlap takes longer than the cast.
+/// Casts two shapes that move and rotate at constant velocities.
+///
+/// A contact at the start is measured only if requested, because a depth takes longer than the
+/// cast.
 pub(super) fn nonlinear(
     (a, b): (&Placed, &Placed),
     (motion1, motion2): (&NonlinearRigidMotion, &NonlinearRigidMotion),
@@ -78,8 +83,8 @@ pub(super) fn nonlinear(
     }
 }
 
-/// Returns a ball about the centre of mass of a convex shape, which must not pass a mesh that the
-/// shape itself touches at the start; `None` for shapes of no thickness.
+/// Returns a core of a convex shape, a ball around its centre of mass, to cast against a mesh that
+/// the shape touches at the start; `None` for shapes without thickness.
 pub(super) fn core(shape: &dyn shape::Shape, share: f64) -> Option<Placed> {
     let radius = share * f64::from(shape.ccd_thickness());
     let centre = wide(shape.mass_properties(1.0).local_com);
@@ -89,7 +94,7 @@ pub(super) fn core(shape: &dyn shape::Shape, share: f64) -> Option<Placed> {
     })
 }
 
-/// Returns the motion of the shape of [`lin_canny`] with the shape of the engine.
+/// Returns the motion of a shape of [`lin_canny`] from the motion of the engine's shape.
 fn steady(placed: &Placed, motion: &NonlinearRigidMotion) -> Option<Steady> {
     let pose = isometry(&motion.start) * placed.at;
     let pivot: Point3<f64> = placed.at.inverse_transform_point(&wide_point(motion.local_center));
@@ -128,7 +133,7 @@ fn fly(
             let start = hit(start).map(|found| Flown::Start(Some(ShapeCastHit { status, ..found })));
             return start.unwrap_or(Flown::Refused);
         }
-        // Proven apart up to `safe`, and nearer than the tolerance there.
+        // Proven apart up to `safe`, and closer than the tolerance there.
         Impact::Hit { safe, .. } | Impact::Undecided { safe, .. } => (hit(safe), Converged),
         Impact::Incomplete { safe } => (hit(safe), OutOfIterations),
         _ => (None, Converged),
@@ -136,7 +141,7 @@ fn fly(
     found.map_or(Flown::Refused, |found| Flown::Hit(ShapeCastHit { status, ..found }))
 }
 
-/// Returns time, witnesses and normals at a time, in the frames of the two shapes of the engine.
+/// Returns the hit at a time, with witness points and normals in the frames of the engine's shapes.
 fn hit(
     (a, b): (&Placed, &Placed),
     (pose_a, pose_b): (&Isometry3<f64>, &Isometry3<f64>),
@@ -147,7 +152,7 @@ fn hit(
     let outcome = tracker.closest(&a.shape, &b.shape, &pose);
     let in_world = pose_a.rotation * outcome.normal.into_inner();
     let on = |placed: &Placed, p: &Point3<f64>| narrow(&(placed.at * p).coords);
-    // Out of the shape whose own frame is placed at `at` in the frame of the engine's shape.
+    // The outward normal in the frame of the engine's shape.
     let out = |placed: &Placed, pose: &Isometry3<f64>, n: Vector3<f64>| {
         narrow(&(placed.at.rotation * pose.rotation.inverse_transform_vector(&n)))
     };

@@ -1,7 +1,7 @@
-//! Manifolds of cylinders and cones, rounded ones too, with every convex shape.
+//! Manifolds of cylinders and cones, rounded or not, with every convex shape.
 //!
-//! Most pairs of an engine are near and do not touch: of these the plane along the normal that the
-//! engine kept is tried first. The solver starts along that normal.
+//! Most pairs of an engine are close without touching. For these, the plane along the normal that
+//! the engine kept is tested first. The solver starts along that normal.
 
 use lin_canny::nalgebra::{Unit, Vector3};
 use lin_canny::{ContactPoint, Manifold, ManifoldOptions, PairTracker, RelativePose};
@@ -16,13 +16,15 @@ use super::parry::query::{ContactManifold, TrackedContact};
 use super::parry::shape::Shape;
 use super::part::{self, Placed};
 
-/// An overlap that is no deeper than this, over the radius of the smaller shape, may be a local one:
-/// the least depth is no deeper, so that a contact is off by no more.
+/// Depth, divided by the radius of the smaller shape, up to which an overlap may be a local
+/// minimum. The least depth is at most as large, so the error of a contact is at most this.
 const SHALLOW: f64 = 0.01;
 
-/// Writes the contacts within the prediction, or one beyond it: the points that are farthest along
-/// the normal, as far apart as a plane proves the shapes to be. Returns false, with nothing written,
-/// unless both shapes are convex, one is a cylinder or cone, and the pose is finite.
+/// Writes the contacts within the prediction, or one beyond it.
+///
+/// The contact beyond it has the support points along the normal and the distance that a plane
+/// proves. Returns false, with nothing written, unless both shapes are convex, one is a cylinder or
+/// cone, and the pose is finite.
 pub(super) fn write<M, C: Default + Copy>(
     known: &Known,
     pos12: &Pose,
@@ -93,7 +95,7 @@ pub(super) fn write<M, C: Default + Copy>(
     true
 }
 
-/// Returns the normal of the contacts that were kept, in the frame of the shape of [`lin_canny`].
+/// Returns the normal of the kept contacts, in the frame of the shape of [`lin_canny`].
 fn hint<M, C>(kept: &ContactManifold<M, C>, a: &Placed) -> Option<Unit<Vector3<f64>>> {
     kept.points.first()?;
     Unit::try_new(a.at.rotation.inverse_transform_vector(&wide(kept.local_n1)), 0.5)

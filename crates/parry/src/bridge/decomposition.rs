@@ -1,4 +1,4 @@
-//! V-HACD as a step that is asked for by name, with what it changes measured.
+//! Convex decomposition with parry's V-HACD, with measured gaps.
 
 use std::sync::Arc;
 
@@ -9,41 +9,40 @@ use super::number::{narrow, wide};
 use super::parry::math::Vector;
 use super::parry::transformation::vhacd::{VHACD, VHACDParameters};
 
-/// Cells along the longest side with which V-HACD is run: fewer make no body, more take gigabytes.
+/// Range of cells along the longest side: with fewer V-HACD makes no body, more take gigabytes.
 const RESOLUTIONS: std::ops::RangeInclusive<u32> = 4..=512;
 
-/// Reason for which a mesh has no decomposition.
+/// Error of [`decompose`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DecompositionError {
-    /// `VHACDParameters::resolution` lies outside 4..=512.
-    #[error("a resolution of {0} lies outside 4..=512")]
+    /// Returned if `VHACDParameters::resolution` is out of range.
+    #[error("resolution is out of range: {0} (expected 4..=512)")]
     Resolution(u32),
-    /// No piece of V-HACD has a volume.
-    #[error("none of {pieces} pieces has a volume")]
+    /// Returned if no piece of V-HACD has a volume.
+    #[error("none of the {pieces} pieces of V-HACD has a volume")]
     Empty {
-        /// Pieces that V-HACD made.
+        /// Number of pieces that V-HACD made.
         pieces: usize,
     },
-    /// The pieces make no body.
+    /// Returned if the pieces cannot form a compound.
     #[error(transparent)]
     Pieces(#[from] CompoundError),
-    /// The pieces cannot be measured.
+    /// Returned if the pieces cannot be measured.
     #[error(transparent)]
     Measure(#[from] MeshError),
 }
 
-/// Returns the convex pieces into which parry's V-HACD cuts a mesh, each the hull of the mesh's
-/// parts in the piece, with what they add to the mesh and leave out of it.
+/// Returns the convex pieces of a mesh by parry's V-HACD, with the measured gaps to the mesh.
 ///
-/// V-HACD works on a grid of cells and promises nothing. So the pieces are built by exact
-/// predicates, those without volume are left out, and the gaps to the mesh are measured: distances
-/// by [`Decomposition::distance`] are intervals that hold for the mesh, however good the pieces are.
-/// The mesh is brought to a size of one first, because parry's tolerances are absolute.
+/// Each piece is the hull of the part of the mesh within it. V-HACD works on a grid of cells and
+/// guarantees nothing. So the pieces are built with exact predicates, pieces without volume are
+/// removed, and the gaps are measured. Distances by [`Decomposition::distance`] are intervals that
+/// hold for the mesh, for any quality of the pieces. The mesh is first scaled to size one, because
+/// parry's tolerances are absolute.
 ///
 /// # Errors
-///
-/// A resolution that V-HACD cannot work with, or no piece with a volume.
+/// Returns an error if the resolution is out of range or no piece has a volume.
 ///
 /// ```
 /// use lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3};

@@ -33,18 +33,20 @@ use super::parry::shape::{CompositeShape, Shape, ShapeType};
 use super::part::{self, Placed};
 use super::surface;
 
-/// Which contacts a manifold holds.
+/// Options of contact manifolds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ContactOptions {
-    /// Sine of the largest angle between the normal and a face that bears the contact. Default 1/2;
-    /// at 1/64 piles of round hulls penetrate 1.3 times as deep.
+    /// Sine of the largest angle between the normal and a contact face (default 1/2).
+    ///
+    /// With 1/64, overlaps in piles of round hulls are 1.3 times as deep.
     pub max_face_sine: Real,
-    /// Prediction of a manifold over the prediction asked for. Default 4: an engine drops the
-    /// contacts that do not close within a step, and piles of hulls penetrate half as deep as with
-    /// 1.
+    /// Factor by which the prediction of the engine is multiplied (default 4).
+    ///
+    /// An engine drops contacts that do not close within a step. Overlaps in piles of hulls are
+    /// half as deep as with 1.
     pub prediction_factor: Real,
-    /// Largest number of points of a manifold, 1 to 8. Default 8; rapier reduces to 4 by itself.
+    /// Largest number of points of a manifold, 1 to 8 (default 8). rapier itself reduces them to 4.
     pub max_points: usize,
 }
 
@@ -58,12 +60,11 @@ impl Default for ContactOptions {
     }
 }
 
-/// Query dispatcher that answers convex shapes by [`lin_canny`] and all others by parry: see the
-/// table on the page of the crate `lin_canny_parry`.
+/// Query dispatcher that handles convex shapes with [`lin_canny`] and all others with parry.
 ///
-/// A manifold depends on the relative pose and on the contacts kept in it, and on nothing else.
-/// Cheap to clone; clones share the bodies that were made of cuboids, balls, capsules and plain
-/// polyhedra.
+/// The table on the page of the crate `lin_canny_parry` lists all pairs. A manifold depends only on
+/// the relative pose and on the contacts that it contains. The dispatcher is cheap to clone. Clones
+/// share the bodies that were made from cuboids, balls, capsules and plain polyhedra.
 ///
 /// ```
 /// use lin_canny_parry::single::{CertifiedDispatcher, parry};
@@ -80,7 +81,7 @@ impl Default for ContactOptions {
 pub struct CertifiedDispatcher {
     options: ContactOptions,
     known: Arc<Known>,
-    /// Whether triangles are parts of a surface.
+    /// Whether triangles are part of a mesh or height field.
     is_surface: bool,
 }
 
@@ -102,14 +103,14 @@ impl CertifiedDispatcher {
         }
     }
 
-    /// Returns the options of its manifolds.
+    /// Returns the options of the manifolds.
     #[must_use]
     pub fn options(&self) -> ContactOptions {
         self.options
     }
 
     /// Writes the contacts of two convex shapes. Returns false, with nothing written, for a pair
-    /// that is left to parry.
+    /// that parry handles.
     pub(super) fn write_convex<M, C: Default + Copy>(
         &self,
         pos12: &Pose,
@@ -136,8 +137,8 @@ impl CertifiedDispatcher {
             || curved::write(known, pos12, (a, b), prediction, options, out)
     }
 
-    /// Returns two shapes that [`lin_canny`] has at their pose; `None` for a pose that is not
-    /// finite and for pairs with a closed form.
+    /// Returns two shapes that [`lin_canny`] supports, at their pose; `None` if the pose is not
+    /// finite or parry has a closed form.
     fn posed(&self, pos12: &Pose, a: &dyn Shape, b: &dyn Shape) -> Option<PosedShapes> {
         let (a, b) = part::placed(&self.known, a, b)?;
         let isometry = isometry(pos12);
@@ -182,19 +183,19 @@ impl PosedShapes {
     }
 }
 
-/// Returns a shape made of convex parts, which are asked for one by one.
+/// Returns a shape that consists of convex pieces, which are queried one by one.
 fn compound(shape: &dyn Shape) -> Option<&(dyn CompositeShape + Sync)> {
     shape.as_compound().and_then(|_| shape.as_composite_shape())
 }
 
-/// Returns a shape whose parts are asked for one by one beside another shape: a compound, and
-/// beside a half-space a mesh, too.
+/// Returns a shape whose pieces are queried one by one against another shape: a compound, or
+/// against a half-space also a mesh.
 fn parts_beside<'a>(shape: &'a dyn Shape, other: &dyn Shape) -> Option<&'a (dyn CompositeShape + Sync)> {
     let is_on_space = other.as_halfspace().is_some();
     compound(shape).or_else(|| shape.as_composite_shape().filter(|_| is_on_space))
 }
 
-/// Returns whether a shape is no compound, mesh, height field or voxels.
+/// Returns whether a shape is not a compound, mesh, height field or voxels.
 fn is_single(shape: &dyn Shape) -> bool {
     shape.as_composite_shape().is_none() && !matches!(shape.shape_type(), ShapeType::Voxels | ShapeType::HeightField)
 }
@@ -375,7 +376,7 @@ impl QueryDispatcher for CertifiedDispatcher {
         stop_at_penetration: bool,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
         let asked = Turning::new((a, b), (motion1, motion2), (start, end), stop_at_penetration);
-        // What happens after a penetration at the start is asked of parry, if it can tell.
+        // parry computes what happens after a penetration at the start, if it can.
         let goes_on = asked.as_ref().is_ok_and(|asked| !asked.stop_at_penetration);
         if let Some((on_a, on_b)) = part::both(&self.known, a, b) {
             match cast::nonlinear((&on_a, &on_b), (motion1, motion2), (start, end), !goes_on) {

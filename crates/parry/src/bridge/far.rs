@@ -1,4 +1,4 @@
-//! Pairs that are proven far from each other without a solver, in the engine's own numbers.
+//! Proves that pairs are far apart without a solver, in the engine's numbers.
 
 use super::hull::Hull;
 use super::manifold::exchange;
@@ -7,24 +7,26 @@ use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::{ContactManifold, TrackedContact};
 use super::parry::shape::{PackedFeatureId, Shape, SupportMap};
 
-/// Rounding of the gap between two balls at a pose of the engine, over the lengths that are summed:
-/// a normalized rotation, a turned centre, two sums of vectors, a length and three sums take fewer
-/// roundings than this. So does the height of two support points along a normal, over what the
-/// shapes reach from their origins: some ten roundings of a turned normal, as many of a support
-/// point, and [`LONGER`].
+/// Rounding error of the gap between two balls at a pose, divided by the lengths that are summed.
+///
+/// A normalised rotation, a rotated centre, two sums of vectors, a length and three sums take fewer
+/// roundings than this. So does the height of two support points along a normal, divided by the
+/// extents of the shapes: about ten roundings of a rotated normal, as many of a support point, and
+/// [`LONGER`].
 const ROUNDING: Real = 64.0 * Real::EPSILON;
 
-/// How far from one the length of a normal may be.
+/// Largest deviation of the length of a normal from one.
 const LONGER: Real = 8.0 * Real::EPSILON;
 
-/// Returns a ball about a shape by a few operations, or one that is stored with the shape; `None` for
-/// a kind of which parry looks at every point.
+/// Returns a ball around a shape that costs a few operations or is stored with the shape.
+///
+/// Returns `None` for a kind for which parry reads every point.
 fn ball(shape: &dyn Shape) -> Option<BoundingSphere> {
     if let Some(hull) = shape.as_shape::<Hull>() {
         return Some(hull.ball);
     }
     let at = |radius: Real| Some(BoundingSphere::new(Vector::ZERO, radius));
-    // Not by a root: at most 9 % too far, and right for lengths whose squares are no numbers.
+    // Without a square root: at most 9 % too large, and valid if squares overflow.
     let tall = |half: Real, radius: Real| half.max(radius) + 0.41422 * half.min(radius);
     if let Some(s) = shape.as_ball() {
         at(s.radius)
@@ -54,8 +56,10 @@ fn ball(shape: &dyn Shape) -> Option<BoundingSphere> {
     }
 }
 
-/// Returns whether balls about two shapes are farther apart than a distance, by more than rounding.
-/// False for a pose that is no pose, and for kinds without a ball at hand.
+/// Returns whether balls around two shapes are farther apart than a distance, by more than
+/// rounding.
+///
+/// Returns false for an invalid pose, and for kinds without a cheap ball.
 pub(super) fn are_far(pos12: &Pose, (a, b): (&dyn Shape, &dyn Shape), distance: Real) -> bool {
     let balls = ball(a).zip(ball(b));
     balls.is_some_and(|(a, b)| are_balls_far(pos12, (&a, &b), distance))
@@ -71,12 +75,13 @@ pub(super) fn are_balls_far(pos12: &Pose, (a, b): (&BoundingSphere, &BoundingSph
     between - reach > ROUNDING * rounding
 }
 
-/// The planes between two shapes: any proves a distance.
+/// The planes between two shapes; each of them proves a distance.
 pub(super) struct Planes<'a> {
     pos12: &'a Pose,
     a: &'a dyn SupportMap,
     b: &'a dyn SupportMap,
-    /// What both shapes reach from their origins; infinite for kinds without a ball at hand.
+    /// Sum of the extents of both shapes from their origins; infinite for kinds without a cheap
+    /// ball.
     reach: Real,
 }
 
@@ -89,15 +94,15 @@ impl<'a> Planes<'a> {
         Some(Self { pos12, a, b, reach })
     }
 
-    /// Returns the contact of the points farthest along a normal of each shape.
+    /// Returns the contact of the support points along a normal of each shape.
     pub(super) fn contact<C: Default + Copy>(&self, n1: Vector, n2: Vector, dist: Real) -> TrackedContact<C> {
         let none = PackedFeatureId::UNKNOWN;
         let points = [self.a.local_support_point(n1), self.b.local_support_point(n2)];
         TrackedContact::new(points[0], points[1], none, none, dist)
     }
 
-    /// If the plane along the normal that was kept proves that the shapes are farther apart than a
-    /// distance, writes its contact. Returns whether it does.
+    /// Writes the contact of the plane along the kept normal, if this plane proves that the shapes
+    /// are farther apart than a distance. Returns whether it does.
     pub(super) fn write_beyond<M, C: Default + Copy>(&self, distance: Real, out: &mut ContactManifold<M, C>) -> bool {
         let (n1, turn) = (out.local_n1, self.pos12.rotation.normalize());
         let n2 = -(turn.inverse() * n1);
@@ -134,7 +139,7 @@ mod tests {
         Vector::from(rng.unit().map(|x| x as Real)) * length
     }
 
-    /// One shape of each kind with a ball at hand.
+    /// One shape of each kind with a cheap ball.
     fn kinds(rng: &mut Rng, size: Real) -> Vec<SharedShape> {
         let mut side = || size * rng.range(0.1, 0.6) as Real;
         let (x, y, z, border) = (side(), side(), side(), 0.1 * size);

@@ -1,4 +1,4 @@
-//! What parry's own code is asked: it asserts on some numbers, and never ends on others.
+//! Guards parry's code: for some numbers it would panic, for others it would never end.
 
 use super::number::{isometry, pose};
 use super::parry::math::{Pose, Real, Vector};
@@ -6,17 +6,17 @@ use super::parry::query::details::ShapeCastOptions;
 use super::parry::query::{DefaultQueryDispatcher, NonlinearRigidMotion, ShapeCastHit, Unsupported};
 use super::parry::shape::{Shape, TypedShape};
 
-/// Largest coordinate, length and velocity of which parry is asked: the fourth power, which is the
-/// square of an area, is a number by a factor of some hundreds.
+/// Largest coordinate, length and velocity that is passed to parry. Its fourth power, the square of
+/// an area, is still a finite number, with a reserve of a factor of some hundred.
 const LARGEST: Real = if Real::MAX_EXP > 128 { 1e76_f64 as Real } else { 1e9 };
 
-/// Most cells between two shapes of which one is a field of cells.
+/// Maximum number of cells that a cast against a field of cells may visit.
 const CELLS: Real = 65536.0;
 
-/// Most instants at which parry's search after a penetration at the start looks.
+/// Maximum number of steps of parry's search after a penetration at the start.
 const INSTANTS: Real = 1e4;
 
-/// Returns parry's dispatcher for a pair whose numbers it can answer.
+/// Returns parry's dispatcher for a pair with valid numbers.
 pub(super) fn parrys(pos12: &Pose, a: &dyn Shape, b: &dyn Shape) -> Result<DefaultQueryDispatcher, Unsupported> {
     if is_posed(pos12) && is_sound(a) && is_sound(b) {
         Ok(DefaultQueryDispatcher)
@@ -27,7 +27,7 @@ pub(super) fn parrys(pos12: &Pose, a: &dyn Shape, b: &dyn Shape) -> Result<Defau
 
 /// Returns parry's dispatcher for the manifolds of a pair.
 pub(super) fn touching(pos12: &Pose, a: &dyn Shape, b: &dyn Shape) -> Result<DefaultQueryDispatcher, Unsupported> {
-    // Manifolds of voxels ask for support points where the pair overlaps.
+    // Manifolds of voxels need support points if the pair overlaps.
     let is_told = |a: &dyn Shape, b: &dyn Shape| a.as_voxels().is_none() || has_support(b);
     if has_faces(a) && has_faces(b) && is_told(a, b) && is_told(b, a) {
         parrys(pos12, a, b)
@@ -36,8 +36,9 @@ pub(super) fn touching(pos12: &Pose, a: &dyn Shape, b: &dyn Shape) -> Result<Def
     }
 }
 
-/// Returns false for a polyhedron of parry without faces, which parry makes of small ones: its
-/// manifolds index the first.
+/// Returns false for a polyhedron of parry without faces.
+///
+/// parry makes such polyhedra from small ones, and its manifolds index the first face.
 fn has_faces(shape: &dyn Shape) -> bool {
     let core = shape.as_convex_polyhedron();
     core.or_else(|| shape.as_round_convex_polyhedron().map(|s| &s.inner_shape))
@@ -52,7 +53,7 @@ fn has_support(shape: &dyn Shape) -> bool {
     }
 }
 
-/// Returns parry's dispatcher for a cast without a turn, and the options of which it ends.
+/// Returns parry's dispatcher for a cast without rotation, with options for which the cast ends.
 pub(super) fn casting(
     pos12: &Pose,
     vel12: Vector,
@@ -70,16 +71,15 @@ pub(super) fn casting(
         return Err(Unsupported);
     }
     if cell(a).or(cell(b)).is_some() {
-        // Cells are walked until the longest time, however far from the field: later than this the
-        // shapes are farther than `target` from each other.
+        // parry visits cells until the longest time, at any distance from the field. After this
+        // time the shapes are farther apart than `target`.
         let passed = 1.001 * reach / vel12.abs().max_element();
         options.max_time_of_impact = options.max_time_of_impact.min(passed);
     }
     Ok((parry, options))
 }
 
-/// Returns whether a field of cells, if one of two shapes is one, has few enough of them along a way:
-/// casts walk them one by one.
+/// Returns whether a cast visits few enough cells, if one of two shapes is a field of cells.
 fn is_walked((a, b): (&dyn Shape, &dyn Shape), way: Real) -> bool {
     let least = cell(a).into_iter().chain(cell(b)).reduce(Real::min);
     least.is_none_or(|cell| way <= CELLS * cell)
@@ -91,7 +91,7 @@ fn cell(shape: &dyn Shape) -> Option<Real> {
     field.or_else(|| shape.as_voxels().map(|v| v.voxel_size().min_element()))
 }
 
-/// Returns a bound of the distance of the points of a shape from its origin.
+/// Returns an upper bound of the distance of the points of a shape from its origin.
 fn extent(shape: &dyn Shape) -> Real {
     let local = shape.compute_local_aabb();
     local.mins.abs().max(local.maxs.abs()).length()
@@ -110,13 +110,13 @@ fn is_bounded(v: Vector) -> bool {
     v.to_array().into_iter().all(|x| x.abs() <= LARGEST)
 }
 
-/// Returns whether a pose is one: bounded, with a rotation that can be normalized.
+/// Returns whether a pose is valid: bounded, with a rotation that can be normalised.
 fn is_posed(at: &Pose) -> bool {
     let turn = at.rotation.length();
     is_bounded(at.translation) && (0.5..=2.0).contains(&turn)
 }
 
-/// Returns whether the lengths of a shape are numbers that are not negative, and its box is bounded.
+/// Returns whether the lengths of a shape are finite and not negative, and its box is bounded.
 fn is_sound(shape: &dyn Shape) -> bool {
     let is_length = |x: Real| x.is_sign_positive() && x <= LARGEST;
     let are_lengths = match shape.as_typed_shape() {
@@ -130,7 +130,7 @@ fn is_sound(shape: &dyn Shape) -> bool {
         TypedShape::RoundCylinder(s) => is_length(s.border_radius) && is_sound(&s.inner_shape),
         TypedShape::RoundCone(s) => is_length(s.border_radius) && is_sound(&s.inner_shape),
         TypedShape::RoundConvexPolyhedron(s) => is_length(s.border_radius),
-        // Its box has no bounds.
+        // The box of a half-space is unbounded.
         TypedShape::HalfSpace(s) => return (0.5..=2.0).contains(&s.normal.length()),
         _ => true,
     };
@@ -141,18 +141,21 @@ fn is_sound(shape: &dyn Shape) -> bool {
     is_bounded(local.mins) && is_bounded(local.maxs)
 }
 
-/// Returns whether the ends of a capsule differ, which casts of parry assert; true for other shapes.
+/// Returns whether the ends of a capsule differ, which casts of parry assert; true for other
+/// shapes.
 fn has_length(shape: &dyn Shape) -> bool {
     let capsule = shape.as_capsule();
     capsule.is_none_or(|c| (c.segment.b - c.segment.a).length() > 0.0)
 }
 
-/// Two motions through a span of time, told in a time of which parry's bisection ends: it halves an
-/// interval to an absolute length, which numbers beyond some ten in `f32` do not have.
+/// Two motions over an interval of time, scaled so that parry's bisection ends.
+///
+/// parry halves an interval down to an absolute length, which times above about ten cannot reach in
+/// `f32`.
 pub(super) struct Turning {
     pub(super) motion1: NonlinearRigidMotion,
     pub(super) motion2: NonlinearRigidMotion,
-    /// End of the interval, whose start is 0 and which is no longer than 1.
+    /// End of the interval, at most 1; the start is 0.
     pub(super) end: Real,
     pub(super) stop_at_penetration: bool,
     from: Real,
@@ -160,7 +163,7 @@ pub(super) struct Turning {
 }
 
 impl Turning {
-    /// Returns the motions, unless a number is beyond what parry can be asked.
+    /// Returns the motions, unless a number is out of parry's range.
     pub(super) fn new(
         (a, b): (&dyn Shape, &dyn Shape),
         (x, y): (&NonlinearRigidMotion, &NonlinearRigidMotion),
@@ -194,7 +197,7 @@ impl Turning {
         })
     }
 
-    /// Returns a hit at the caller's time.
+    /// Converts a hit to the caller's time.
     pub(super) fn told(&self, hit: ShapeCastHit) -> ShapeCastHit {
         let time_of_impact = self.from + hit.time_of_impact * self.span;
         ShapeCastHit { time_of_impact, ..hit }
@@ -216,9 +219,10 @@ fn later(motion: &NonlinearRigidMotion, from: Real, span: Real) -> NonlinearRigi
     }
 }
 
-/// Returns whether parry's search for what follows a penetration at the start ends: it looks once in
-/// each time in which the shapes pass each other's thickness or turn by an angle of their edges, and
-/// once only without a turn or without a way.
+/// Returns whether parry's search after a penetration at the start ends.
+///
+/// parry takes one step for each time in which the shapes move by their thickness or rotate by an
+/// angle of their edges. Without rotation or without a displacement it takes a single step.
 fn is_searched(
     (a, b): (&dyn Shape, &dyn Shape),
     (x, y): (&NonlinearRigidMotion, &NonlinearRigidMotion),
@@ -233,6 +237,6 @@ fn is_searched(
     let by_angle = (std::f64::consts::PI as Real - edge) / spin;
     let by_way = (a.ccd_thickness() + b.ccd_thickness()) / speed;
     let step = by_angle.min(by_way);
-    // Without a step of time parry looks once.
+    // Without a time step parry takes a single step.
     step == 0.0 || step * INSTANTS >= end
 }

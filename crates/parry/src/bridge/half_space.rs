@@ -10,8 +10,10 @@ use super::parry::query::{ContactManifold, TrackedContact};
 use super::parry::shape::{PackedFeatureId, Shape};
 use super::part;
 
-/// Writes the contacts within the prediction, or the lowest vertex beyond it. Returns false, with
-/// nothing written, unless one shape is a half-space and the other a polyhedron, at a finite pose.
+/// Writes the contacts within the prediction, or the deepest vertex beyond it.
+///
+/// Returns false, with nothing written, unless one shape is a half-space and the other a
+/// polyhedron, at a finite pose.
 pub(super) fn write<M, C: Default + Copy>(
     known: &Known,
     pos12: &Pose,

@@ -1,4 +1,4 @@
-//! A convex polyhedron of [`lin_canny`], rounded or not, with what parry asks of a shape.
+//! The shape [`Hull`]: a convex polyhedron of [`lin_canny`], rounded or not, for parry.
 
 use std::sync::Arc;
 
@@ -12,10 +12,10 @@ use super::parry::mass_properties::MassProperties;
 use super::parry::math::{Real, Vector};
 use super::parry::shape::{self, SharedShape};
 
-/// A convex body for parry, with everything parry asks of it computed once.
+/// A convex body as a shape for parry, with all derived data computed once.
 ///
-/// Cheap to clone: the body is shared. `SharedShape::from(hull)` makes a shape of it for a
-/// collider.
+/// It is cheap to clone, because clones share the body. `SharedShape::from(hull)` makes a shape for
+/// a collider.
 ///
 /// ```
 /// use lin_canny_parry::single::{Hull, parry};
@@ -34,7 +34,7 @@ use super::parry::shape::{self, SharedShape};
 pub struct Hull {
     pub(super) core: Solid,
     pub(super) border_radius: Real,
-    /// The shape as parry stores it, for snapshots, exact sweeps and debug renderers.
+    /// The equivalent shape of parry, for snapshots, exact sweeps and debug renderers.
     pub(super) twin: Option<Arc<shape::RoundConvexPolyhedron>>,
     pub(super) aabb: Aabb,
     pub(super) ball: BoundingSphere,
@@ -42,7 +42,7 @@ pub struct Hull {
     conversion: Conversion,
 }
 
-/// A body that is not rounded, and a ball about it in the engine's numbers.
+/// A body without border, and a ball around it in the engine's numbers.
 #[derive(Clone)]
 pub(super) struct Solid {
     pub(super) body: Arc<ConvexPolyhedron>,
@@ -60,17 +60,19 @@ impl Solid {
     }
 }
 
-/// What became of a body on its way into parry.
+/// Report of the conversion of a body to the engine's precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Conversion {
-    /// Vertices with a coordinate that the engine's precision does not hold. Contacts are computed
-    /// of the unrounded body; support points and snapshots have the rounded vertices.
+    /// Number of vertices that the engine's precision cannot represent exactly.
+    ///
+    /// Contacts use the unrounded body. Support points and snapshots use the rounded vertices.
     pub rounded: usize,
     /// Largest distance, in the caller's unit, by which a vertex was rounded.
     pub shift: f64,
-    /// Whether parry has a convex polyhedron of the same vertices, rounded if this one is: if not, the shape is no part of
-    /// a snapshot, and sweeps of fast bodies take the slower nonlinear cast.
+    /// Whether parry has an equivalent convex polyhedron with the same vertices and border.
+    ///
+    /// If not, the shape is not part of a snapshot, and fast bodies use the slower nonlinear cast.
     pub has_parry_equivalent: bool,
 }
 
@@ -82,18 +84,19 @@ impl Conversion {
     }
 }
 
-/// Reason for which a shape of parry has no [`Hull`].
+/// Error of the conversion of a parry shape to a [`Hull`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HullError {
-    /// The points make no body; the error names the point.
+    /// Returned if the points cannot form a body. The error names the point.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// The shape is neither a convex polyhedron, a cuboid, a triangle nor a segment, rounded or not.
-    #[error("the shape has no vertices: not a convex polyhedron, cuboid, triangle or segment")]
+    /// Returned if the shape is not a convex polyhedron, cuboid, triangle or segment, rounded or
+    /// not.
+    #[error("shape has no vertices (expected a convex polyhedron, cuboid, triangle or segment)")]
     Kind,
-    /// The border radius, in the caller's unit, is negative or not finite.
-    #[error("the border radius {0} is negative or not finite")]
+    /// Returned if the border radius, in the caller's unit, is negative or not finite.
+    #[error("border radius is negative or not finite: {0}")]
     Radius(Real),
 }
 
@@ -101,13 +104,13 @@ impl Hull {
     /// Returns the convex hull of points, which must span a volume.
     ///
     /// # Errors
-    /// If a point is not finite or the points span no volume.
+    /// Returns an error if a point is not finite or the points span no volume.
     pub fn from_points(points: &[Vector]) -> Result<Self, BuildError> {
         let points: Vec<_> = points.iter().map(|&p| wide_point(p)).collect();
         Ok(Self::new(ConvexPolyhedron::from_points(&points)?))
     }
 
-    /// Returns the hull of a body that shares its memory with other users of the body.
+    /// Returns the hull of a body, which may be shared with other users.
     pub fn new(body: impl Into<Arc<ConvexPolyhedron>>) -> Self {
         let core = Solid::new(body.into());
         let twin = twin(&core.body).map(Arc::new);
@@ -123,12 +126,13 @@ impl Hull {
         }
     }
 
-    /// Returns the shape of all points within a border radius of this one, in the caller's unit: the
-    /// shape of `SharedShape::round_convex_hull`, but for its mass. That of parry is the mass of the
-    /// core, this one is the mass of the rounded body.
+    /// Returns the shape of all points within a border radius of this one, in the caller's unit.
+    ///
+    /// The shape is that of `SharedShape::round_convex_hull`, but the mass is that of the rounded
+    /// body, while parry's mass is that of the core.
     ///
     /// # Errors
-    /// If the radius is negative or not finite.
+    /// Returns an error if the radius is negative or not finite.
     ///
     /// ```
     /// use lin_canny_parry::single::{Hull, parry};
@@ -167,34 +171,38 @@ impl Hull {
         })
     }
 
-    /// Returns the body, without its border.
+    /// Returns the body without its border.
     #[must_use]
     pub fn body(&self) -> &Arc<ConvexPolyhedron> {
         &self.core.body
     }
 
-    /// Returns the radius by which the body is rounded, in the caller's unit.
+    /// Returns the border radius, in the caller's unit.
     #[must_use]
     pub fn border_radius(&self) -> Real {
         self.border_radius
     }
 
-    /// Returns the report on the way into parry. The report on the build of the body is
-    /// [`ConvexPolyhedron::report`].
+    /// Returns the report of the conversion to the engine's precision.
+    ///
+    /// [`ConvexPolyhedron::report`] is the report of the construction of the body.
     #[must_use]
     pub fn conversion(&self) -> Conversion {
         self.conversion
     }
 
-    /// Returns the same body, without its border, as a convex polyhedron of parry, vertices and
-    /// order kept; `None` for flat bodies and for faces that parry merges into nothing.
+    /// Returns the body without its border as a convex polyhedron of parry, with the same vertex
+    /// order.
+    ///
+    /// Returns `None` for flat bodies, and if parry's merging of faces leaves no face.
     #[must_use]
     pub fn to_parry(&self) -> Option<&shape::ConvexPolyhedron> {
         self.twin.as_deref().map(|twin| &twin.inner_shape)
     }
 
-    /// Returns the mass properties at a density, in mass a unit of volume. The principal axes come
-    /// from a decomposition in `f64` that knows no absolute tolerance.
+    /// Returns the mass properties at a density, in mass per unit of volume.
+    ///
+    /// The principal axes come from a decomposition in `f64` without an absolute tolerance.
     #[must_use]
     pub fn mass_properties_at(&self, density: Real) -> MassProperties {
         self.mass.at(density)
@@ -213,8 +221,8 @@ impl From<Hull> for SharedShape {
     }
 }
 
-/// The body of a shape's vertices: of a convex polyhedron, a cuboid, a triangle, a segment, or of a
-/// `Hull` itself. Rounded ones keep their border.
+/// Converts a convex polyhedron, cuboid, triangle, segment or `Hull`; rounded shapes keep their
+/// border.
 impl TryFrom<&dyn shape::Shape> for Hull {
     type Error = HullError;
 
@@ -253,8 +261,8 @@ fn outward(p: &Point3<f64>, round: impl Fn(f64) -> Real) -> Vector {
     Vector::new(round(p.x), round(p.y), round(p.z))
 }
 
-/// Returns the polyhedron of the vertices in the engine's precision, in the body's order, and of its
-/// faces as fans; without a border.
+/// Returns the polyhedron without border, with vertices in the engine's precision and the body's
+/// order and with faces as fans.
 fn twin(body: &ConvexPolyhedron) -> Option<shape::RoundConvexPolyhedron> {
     let points: Vec<Vector> = body.vertex_points().map(|p| narrow(&p.coords)).collect();
     let mut triangles = Vec::new();
@@ -262,7 +270,7 @@ fn twin(body: &ConvexPolyhedron) -> Option<shape::RoundConvexPolyhedron> {
         let rim: Vec<u32> = body.face_vertices(face).map(|v| v.index() as u32).collect();
         triangles.extend((2..rim.len()).map(|k| [rim[0], rim[k - 1], rim[k]]));
     }
-    // Two sides of a polygon are no polyhedron to parry.
+    // The two sides of a polygon are not a polyhedron for parry.
     if body.face_count() < 4 || !points.iter().all(|p| p.is_finite()) {
         return None;
     }

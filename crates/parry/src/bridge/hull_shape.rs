@@ -1,4 +1,4 @@
-//! What parry asks of a [`Hull`].
+//! Implements parry's traits for [`Hull`].
 
 use std::sync::Arc;
 
@@ -22,8 +22,8 @@ impl Solid {
         self.body.vertex(vertex).map_or(Vector::ZERO, |p| narrow(&p.coords))
     }
 
-    /// Returns the face at the extreme vertex along `dir` most nearly perpendicular to `dir`, and
-    /// the extreme vertex.
+    /// Returns the support vertex along `dir`, and its face that is most nearly perpendicular to
+    /// `dir`.
     fn support_face(&self, dir: &Vector3<f64>) -> (VertexId, Option<FaceId>) {
         let top = self.body.extreme_vertex(dir);
         let along = |f: &FaceId| self.body.face_plane(*f).map_or(f64::NEG_INFINITY, |(n, _)| n.dot(dir));
@@ -31,7 +31,7 @@ impl Solid {
         (top, faces.max_by(|f, g| along(f).total_cmp(&along(g))))
     }
 
-    /// Returns the face whose plane is nearest to a point inside the body, and the distance.
+    /// Returns the face whose plane is closest to a point inside the body, and the distance.
     fn nearest_face(&self, p: &Vector3<f64>) -> Option<(Vector3<f64>, f64, FaceId)> {
         let planes = self.body.faces().filter_map(|f| {
             let (n, offset) = self.body.face_plane(f)?;
@@ -57,7 +57,8 @@ impl SupportMap for Hull {
     }
 }
 
-/// Four vertices spread round the boundary of the support face, the extreme vertex among them.
+/// The support feature: four vertices around the boundary of the support face, including the
+/// support vertex.
 impl PolygonalFeatureMap for Solid {
     fn local_support_feature(&self, dir: Vector, out: &mut PolygonalFeature) {
         let (top, face) = self.support_face(&wide(dir));
@@ -67,7 +68,7 @@ impl PolygonalFeatureMap for Solid {
         let count = self.body.face_vertices(face).count();
         let first = self.body.face_vertices(face).position(|v| v == top).unwrap_or(0);
         let kept = count.min(4);
-        // Positions round the boundary, in its order from the extreme vertex on.
+        // Positions around the boundary, in its order from the support vertex on.
         let place = |k: usize| (first + k * count / kept) % count;
         for (k, (v, e)) in self
             .body
@@ -104,8 +105,10 @@ fn support_of_flat(hull: &Solid, top: VertexId, out: &mut PolygonalFeature) {
 }
 
 impl RayCast for Hull {
-    /// Clips the ray by the planes of all faces. A flat body without a border is hit by no ray. A
-    /// ray that starts inside a rounded hull hits at its start, filled or hollow.
+    /// Clips the ray by the planes of all faces.
+    ///
+    /// No ray hits a flat body without border. A ray that starts inside a rounded hull hits at its
+    /// start, filled or hollow.
     fn cast_local_ray_and_get_normal(&self, ray: &Ray, max: Real, solid: bool) -> Option<RayIntersection> {
         match self.rounded_geometry() {
             Some(rounded) => cast_ray(&rounded, ray, max),
@@ -160,7 +163,7 @@ impl Hull {
 }
 
 impl PointQuery for Hull {
-    /// Containment is exact for the stored body and the point given if the hull has no border.
+    /// If the hull has no border, containment is exact for the stored body and the given point.
     fn project_local_point(&self, pt: Vector, solid: bool) -> PointProjection {
         match self.rounded_geometry() {
             Some(rounded) => project(&rounded, pt, solid),
@@ -221,8 +224,7 @@ impl Shape for Hull {
         Box::new(self.clone())
     }
 
-    /// The scaled vertices make a new hull, whose border is as wide as before; `None` if they make no
-    /// body.
+    /// Returns the hull of the scaled vertices, with the same border; `None` if they form no body.
     fn scale_dyn(&self, scale: Vector, _: u32) -> Option<Box<dyn Shape>> {
         let scale = wide(scale);
         let points: Vec<_> = self
@@ -264,8 +266,8 @@ impl Shape for Hull {
         ShapeType::Custom
     }
 
-    /// A convex polyhedron of parry, rounded if the hull is, by which snapshots are written, fast bodies get the exact
-    /// sweep, and debug renderers draw.
+    /// A convex polyhedron of parry, rounded if the hull is, by which snapshots are written, fast
+    /// bodies get the exact sweep, and debug renderers draw.
     fn as_typed_shape(&self) -> TypedShape<'_> {
         match &self.twin {
             Some(twin) if self.border_radius > 0.0 => TypedShape::RoundConvexPolyhedron(twin),

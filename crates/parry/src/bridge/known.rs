@@ -1,4 +1,4 @@
-//! Bodies made of the points of parry's own shapes, each made once.
+//! Cache of the bodies that are made from parry's shapes.
 
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasherDefault, Hasher};
@@ -11,27 +11,27 @@ use super::hull::Solid;
 use super::number::wide_point;
 use super::parry::math::Vector;
 
-/// Number of tables: threads that ask for different bodies seldom ask the same one.
+/// Number of tables: threads that need different bodies seldom use the same table.
 const SHARDS: usize = 64;
 
-/// Shapes that a table remembers before any is forgotten.
+/// Number of shapes that a table keeps before it removes any.
 const LEAST: usize = 64;
 
-/// Most points that make a key.
+/// Maximum number of points that form a key.
 const MOST_HASHED: usize = 8;
 
-/// Most keys of forgotten shapes that a table keeps over a sweep.
+/// Maximum number of keys of removed shapes that a table keeps after a sweep.
 const MOST_FORGOTTEN: usize = 16 * LEAST;
 
-/// A table from points to the body they span, divided by the keys of the points. Only a memory: what
-/// it returns depends on the points alone.
+/// A cache from points to their hull, divided into tables by the keys of the points.
 ///
-/// A body that was asked for since the last sweep of its table survives the next one. A sweep comes when
-/// as many bodies as half of its survivors, or [`LEAST`], are new, and a forgotten body that is asked for
-/// again puts it off: tens of thousands of shapes in use are soon kept, and few others are.
+/// What it returns depends on the points alone. A body that was used since the last sweep of its
+/// table survives the next sweep. A sweep happens when the number of new bodies reaches half of the
+/// survivors, or [`LEAST`]. If a removed body is used again, the next sweep is later. So tens of
+/// thousands of shapes in use are soon kept, and few others.
 pub(super) struct Known(Box<[Shard]>);
 
-/// A table in cache lines of its own: the lock of a table is written by each thread that reads.
+/// A table in separate cache lines, because each reading thread writes the lock.
 #[derive(Default)]
 #[repr(align(128))]
 struct Shard(RwLock<Table>);
@@ -40,17 +40,17 @@ struct Shard(RwLock<Table>);
 struct Table {
     entries: HashMap<u64, Vec<Entry>, BuildHasherDefault<Keyed>>,
     count: usize,
-    /// Number of entries that survived the last sweep, or were asked for again after it.
+    /// Number of entries that survived the last sweep or were used again after it.
     survived: usize,
-    /// Keys of bodies that sweeps forgot.
+    /// Keys of bodies that sweeps removed.
     forgotten: HashSet<u64, BuildHasherDefault<Keyed>>,
 }
 
 struct Entry {
     points: Box<[Vector]>,
-    /// `None` if the points make no body.
+    /// `None` if the points form no body.
     solid: Option<Arc<Solid>>,
-    /// Whether the body was asked for since the last sweep.
+    /// Whether the body was used since the last sweep.
     is_asked: AtomicBool,
 }
 
@@ -61,7 +61,7 @@ impl Default for Known {
 }
 
 impl Known {
-    /// Returns the body of one point, of the segment of two points, or else the hull.
+    /// Returns the body of the points: a point, a segment, or the hull of three or more points.
     pub(super) fn solid(&self, points: &[Vector]) -> Option<Arc<Solid>> {
         let key = key(points);
         // Hash tables choose their slots by the low bits and the highest seven.
@@ -104,7 +104,7 @@ impl Table {
         self.count += 1;
     }
 
-    /// Forgets the bodies that were not asked for since the last sweep.
+    /// Removes the bodies that were not used since the last sweep.
     fn sweep(&mut self) {
         if self.forgotten.len() > MOST_FORGOTTEN {
             self.forgotten.clear();
@@ -143,7 +143,7 @@ impl Hasher for Keyed {
 
 /// Returns whether points are equal bit for bit.
 fn same(a: &[Vector], b: &[Vector]) -> bool {
-    // Without an early end: equal points are the rule, and lanes compare several at once.
+    // Without an early exit: points are usually equal, and SIMD lanes compare several at once.
     let differ = |p: &Vector, q: &Vector| {
         let ([a, b, c], [x, y, z]) = (p.to_array(), q.to_array());
         (a.to_bits() ^ x.to_bits()) | (b.to_bits() ^ y.to_bits()) | (c.to_bits() ^ z.to_bits())
@@ -169,10 +169,10 @@ fn folded(a: u64, b: u64) -> u64 {
     product as u64 ^ (product >> 64) as u64
 }
 
-/// Returns a key of some of the points, as all of them are compared in any case.
+/// Returns a key from some of the points; all points are compared in any case.
 fn key(points: &[Vector]) -> u64 {
     let step = points.len().div_ceil(MOST_HASHED).max(1);
-    // One product a point, none of which waits for another.
+    // One product per point; no product depends on another.
     let mixed = points.iter().step_by(step).zip(ODD).map(|(p, odd)| {
         let [x, y, z] = p.to_array().map(|x| u64::from(x.to_bits()));
         folded((x ^ z.rotate_left(32)) ^ odd, y ^ odd.rotate_left(29))
@@ -198,7 +198,7 @@ mod tests {
     use super::super::parry::math::Real;
     use super::*;
 
-    /// Bodies that all tables together remember at least.
+    /// Least number of bodies that all tables together keep.
     const MANY: usize = SHARDS * LEAST;
 
     /// Distinct bodies of one point.
@@ -207,7 +207,7 @@ mod tests {
         of.map(|k| known.solid(&point(k)).expect("a body")).collect()
     }
 
-    /// A scene with more shapes than are remembered at least: soon none of them is made again.
+    /// A scene with more shapes than the least number: soon none of them is made again.
     #[test]
     fn shapes_in_use_are_soon_kept() {
         for count in [MANY + 1, 5 * MANY] {
@@ -218,7 +218,7 @@ mod tests {
                 let again = asked(&known, 0..count);
                 let made = first.iter().zip(&again).filter(|(a, b)| !Arc::ptr_eq(a, b)).count();
                 assert_eq!(made, 0, "of {count}");
-                // Shapes that are asked for once, now and then.
+                // Shapes that are used once, now and then.
                 asked(&known, 10 * MANY..10 * MANY + 10);
             }
         }

@@ -10,10 +10,10 @@ use super::parry::query::{ContactManifold, TrackedContact};
 use super::parry::shape::{FeatureId, PackedFeatureId};
 use super::part::Part;
 
-/// Most points that are copied to be matched; other engines may have left more.
+/// Maximum number of points that are copied for matching; other engines may have more.
 const MOST_KEPT: usize = 8;
 
-/// Writes contacts over those of a manifold, and hands the data of equal features on.
+/// Replaces the contacts of a manifold, and keeps the data of contacts with equal features.
 pub(super) fn exchange<M, C: Default + Copy>(
     out: &mut ContactManifold<M, C>,
     write: impl FnOnce(&mut Vec<TrackedContact<C>>),
@@ -52,8 +52,10 @@ impl<'a> PosedPair<'a> {
         Some(Self { a, b, pose, turn })
     }
 
-    /// Writes the contacts within the prediction, or one true contact beyond it: the closest
-    /// points, by whose features the next query starts. Pairs that are [far](is_far) have none.
+    /// Writes the contacts within the prediction, or the closest points as one contact beyond it.
+    ///
+    /// The next query starts from the features of this contact. Pairs that are [far](is_far) have
+    /// none.
     pub(super) fn write<M, C: Default + Copy>(
         &self,
         prediction: Real,
@@ -81,8 +83,8 @@ impl<'a> PosedPair<'a> {
         });
     }
 
-    /// Returns the closest points of the cores, from the features of the deepest contact, and from
-    /// whether the cores overlapped.
+    /// Returns the closest points of the cores. The query starts from the features of the deepest
+    /// contact and from whether the cores overlapped.
     fn closest<C>(&self, points: &[TrackedContact<C>]) -> Outcome {
         let (a, b) = (self.a.body(), self.b.body());
         let deepest = points.iter().min_by(|p, q| p.dist.total_cmp(&q.dist));
@@ -94,7 +96,7 @@ impl<'a> PosedPair<'a> {
         };
         let start = deepest.and_then(|p| {
             let (a, b) = (feature(a, p.fid1)?, feature(b, p.fid2)?);
-            // Contacts are those of the rounded shapes, and the features those of the cores.
+            // Contacts belong to the rounded shapes, features to the cores.
             let is_overlap = f64::from(p.dist) + self.a.radius + self.b.radius < 0.0;
             let state = if is_overlap {
                 ContactState::Overlapping
@@ -124,7 +126,7 @@ impl<'a> PosedPair<'a> {
         TrackedContact::new(narrow(&on_a), narrow(&on_b), id_a, id_b, apart as Real)
     }
 
-    /// Returns the normals out of both shapes, each in the frame of its shape.
+    /// Returns the outward normals of both shapes, each in the frame of its shape.
     fn normals(&self, outcome: &Outcome) -> (Vector, Vector) {
         let n = outcome.normal.into_inner();
         (narrow(&n), narrow(&-self.turn.inverse_transform_vector(&n)))
@@ -134,7 +136,7 @@ impl<'a> PosedPair<'a> {
 pub(super) fn packed(feature: Feature) -> PackedFeatureId {
     let k = feature.index() as u32;
     match feature {
-        // Ids of parry have 30 bits; a start that is not remembered costs time only.
+        // Ids of parry have 30 bits; a lost start only costs time.
         _ if k >= 1 << 30 => PackedFeatureId::UNKNOWN,
         Feature::Vertex(_) => PackedFeatureId::vertex(k),
         Feature::Edge(_) => PackedFeatureId::edge(k),

@@ -17,7 +17,7 @@ pub(super) struct UnitMass {
 }
 
 impl UnitMass {
-    /// Returns the mass of a shape; none for a shape whose mass is not known.
+    /// Returns the mass of a shape; zero if the mass is unknown.
     pub(super) fn of(shape: &Shape) -> Self {
         match shape.mass() {
             Some(mass) => Self::new(mass.volume, &mass.centroid, &mass.inertia),
@@ -25,7 +25,7 @@ impl UnitMass {
         }
     }
 
-    /// Returns the mass of a body of a volume, with its centroid and its inertia about it.
+    /// Returns the mass of a body from its volume, centroid, and inertia about the centroid.
     pub(super) fn new(volume: f64, centroid: &Point3<f64>, inertia: &Matrix3<f64>) -> Self {
         let size = inertia.amax();
         let (principal, frame) = if size > 0.0 && size.is_finite() {
@@ -45,7 +45,7 @@ impl UnitMass {
     /// Returns the mass properties at a density.
     pub(super) fn at(&self, density: Real) -> MassProperties {
         let density = f64::from(density);
-        // Not by the constructors of parry, for which inertia below 1e-20 is none.
+        // The constructors of parry treat an inertia below 1e-20 as zero.
         let inverse = |x: f64| {
             let y = (1.0 / x) as Real;
             if x > 0.0 && y.is_finite() { y } else { 0.0 }

@@ -18,12 +18,12 @@ use super::parry::query::{Contact, ContactManifold, ContactManifoldsWorkspace, T
 use super::parry::shape::{PackedFeatureId, Shape, SharedShape, TriMesh};
 use super::part;
 
-/// A mesh as the caller brought it, as a shape for parry: floors, terrains, tools, other bodies.
+/// A mesh as a shape for parry: a floor, a terrain, a tool or another body.
 ///
-/// A closed mesh is a solid. All queries are those of [`lin_canny`], in `f64` and without an
-/// absolute tolerance, with convex shapes of parry, [`Hull`](super::Hull)s and other meshes.
-/// Contacts are borne by the convex patches of the surface, from outside alone: no edge between two
-/// triangles of a flat floor bears any. Cheap to clone: everything is shared.
+/// A closed mesh is solid. All queries with convex shapes of parry, [`Hull`](super::Hull)s and
+/// other meshes use [`lin_canny`], in `f64` and without an absolute tolerance. Contacts belong to
+/// the convex patches of the mesh, from outside only, so an edge between two triangles of a flat
+/// floor has no contact. The shape is cheap to clone, because clones share all data.
 ///
 /// ```
 /// use lin_canny_parry::single::{CertifiedDispatcher, Hull, MeshShape, parry};
@@ -52,14 +52,16 @@ pub struct MeshShape {
 }
 
 impl MeshShape {
-    /// Returns the shape of a mesh that shares its memory with other users of the mesh. Takes the
-    /// time of dividing the surface into convex patches: microseconds a triangle.
+    /// Returns the shape of a mesh, which may be shared with other users.
+    ///
+    /// Divides the mesh into convex patches, which takes microseconds per triangle.
     pub fn new(mesh: impl Into<Arc<Mesh>>) -> Self {
         Self::within(mesh, 0.0)
     }
 
-    /// Returns the shape of a mesh whose patches are convex within a tolerance in its unit: for
-    /// flat floors stored in single precision, some 1e-6 times their size.
+    /// Returns the shape of a mesh whose patches are convex within a tolerance, in its unit.
+    ///
+    /// For flat floors that are stored in single precision, use about 1e-6 of their size.
     pub fn within(mesh: impl Into<Arc<Mesh>>, tolerance: f64) -> Self {
         let mesh: Arc<Mesh> = mesh.into();
         Self {
@@ -73,7 +75,7 @@ impl MeshShape {
     /// Returns the shape of triangles, counter-clockwise seen from outside.
     ///
     /// # Errors
-    /// If the triangles make no [`Mesh`]; the error names the index.
+    /// Returns an error if the triangles cannot form a [`Mesh`]. The error names the index.
     pub fn from_triangles(points: &[Vector], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
         let points: Vec<Point3<f64>> = points.iter().map(|&p| wide_point(p)).collect();
         Ok(Self::new(Mesh::new(&points, triangles)?))
@@ -92,8 +94,10 @@ impl From<Mesh> for MeshShape {
     }
 }
 
-/// The triangles of a mesh of parry. Its flags are not asked: which side is outside, and whether
-/// the mesh is closed, follows from the triangles.
+/// Converts the triangles of a mesh of parry.
+///
+/// The flags of the mesh are ignored. The triangles decide which side is outside and whether the
+/// mesh is closed.
 impl TryFrom<&TriMesh> for MeshShape {
     type Error = MeshError;
 
@@ -108,8 +112,10 @@ impl From<MeshShape> for SharedShape {
     }
 }
 
-/// What an engine keeps for a pair of which one shape is a mesh, and by which rapier tells pairs whose
-/// manifolds come and go. The tracker knows its bodies again, so one of other shapes starts anew.
+/// The state that an engine keeps for a pair with a mesh.
+///
+/// rapier uses it to find the manifolds of the pair again. The tracker recognises its bodies: with
+/// other shapes it starts cold.
 #[derive(Clone, Default)]
 struct MeshPair(PairTracker);
 
@@ -123,7 +129,7 @@ impl WorkspaceData for MeshPair {
     }
 }
 
-/// Returns the mesh of a shape that is one.
+/// Returns the mesh if a shape is a `MeshShape`.
 pub(super) fn mesh(shape: &dyn Shape) -> Option<&MeshShape> {
     shape.as_shape::<MeshShape>()
 }
@@ -152,10 +158,11 @@ fn compound(known: &Known, shape: &dyn Shape) -> Option<Compound> {
     Compound::new(pieces?).ok()
 }
 
-/// Returns a shape of parry as a geometry of [`lin_canny`], and the place of its frame in the frame
-/// of the shape: for trackers and scenes about the shapes of an engine. `None` for half-spaces,
-/// voxels, custom shapes other than [`Hull`](super::Hull) and [`MeshShape`], and shapes that
-/// [`lin_canny`] refuses.
+/// Returns a shape of parry as a geometry of [`lin_canny`], and its pose in the frame of the shape.
+///
+/// Use it for trackers and scenes with the shapes of an engine. Returns `None` for half-spaces,
+/// voxels, custom shapes other than [`Hull`](super::Hull) and [`MeshShape`], and shapes with
+/// numbers that are out of range for [`lin_canny`].
 ///
 /// ```
 /// use lin_canny_parry::lin_canny::{PairTracker, RelativePose};
@@ -191,7 +198,7 @@ pub fn geometry(shape: &dyn Shape) -> Option<(Geometry, Isometry3<f64>)> {
     Some((placed.shape, placed.at))
 }
 
-/// Returns the deepest contact of two shapes of which one is a mesh.
+/// Returns the deepest contact of two shapes, one of which is a mesh.
 pub(super) fn deepest(
     known: &Known,
     pos12: &Pose,
@@ -206,9 +213,11 @@ pub(super) fn deepest(
     Some(Contact::new(p.local_p1, p.local_p2, m.local_n1, m.local_n2, p.dist))
 }
 
-/// Writes the manifolds of two shapes of which one is a mesh, one for each direction of contact.
-/// Contacts that were there before keep their data. Returns false, with nothing written, if one
-/// shape is not of [`lin_canny`], or the pose is not finite.
+/// Writes the manifolds of two shapes, one of which is a mesh: one manifold per direction of
+/// contact.
+///
+/// Contacts that existed before keep their data. Returns false, with nothing written, if
+/// [`lin_canny`] does not support a shape or the pose is not finite.
 pub(super) fn write<M: Default, C: Default + Copy>(
     known: &Known,
     pos12: &Pose,
@@ -260,7 +269,8 @@ fn manifold<M: Default, C: Default + Copy>(group: &ContactGroup) -> ContactManif
         } = contact.point;
         let name = |patch: u32, feature: Feature| {
             let word = (u64::from(patch) << 32 | feature.index() as u64) * 3 + feature.dimension() as u64;
-            // Ids of parry have 30 bits: one that two contacts share costs a start of the solver.
+            // Ids of parry have 30 bits. If two contacts share an id, the solver loses a warm
+            // start.
             PackedFeatureId::face((word.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 34) as u32)
         };
         TrackedContact::new(

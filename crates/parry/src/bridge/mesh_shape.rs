@@ -1,4 +1,4 @@
-//! What parry asks of a [`MeshShape`].
+//! Implements parry's traits for [`MeshShape`].
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{BoxHint, Mesh};
@@ -34,7 +34,7 @@ impl MeshShape {
     fn scaled(&self, scale: Vector3<f64>) -> Option<Self> {
         let corners = self.mesh.triangles().flat_map(|(_, t)| t);
         let points: Vec<Point3<f64>> = corners.map(|p| p.coords.component_mul(&scale).into()).collect();
-        // A mirror turns triangles round.
+        // A mirror inverts triangles.
         let order = if scale.product() < 0.0 { [0, 2, 1] } else { [0, 1, 2] };
         let triangles: Vec<_> = (0..points.len() as u32 / 3).map(|k| order.map(|c| 3 * k + c)).collect();
         Mesh::new(&points, &triangles).ok().map(Self::new)
@@ -64,7 +64,7 @@ impl Shape for MeshShape {
         outward(low, high)
     }
 
-    /// Zero of an open mesh.
+    /// Returns zero mass for an open mesh.
     fn mass_properties(&self, density: Real) -> MassProperties {
         self.mass.at(density)
     }

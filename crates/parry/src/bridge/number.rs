@@ -30,15 +30,16 @@ pub(super) fn up(x: f64) -> Real {
     -down(-x)
 }
 
-/// Returns a pose of the engine in `f64`, its rotation normalized in `f64`: [`lin_canny`] refuses
-/// rotations that are normalized in `f32` only.
+/// Returns a pose of the engine in `f64`, with its rotation normalised in `f64`.
+///
+/// [`lin_canny`] rejects a rotation that is normalised only in `f32`.
 pub fn isometry(pose: &Pose) -> Isometry3<f64> {
     let [i, j, k, w] = pose.rotation.to_array().map(f64::from);
     let rotation = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
     Isometry3::from_parts(Translation3::from(wide(pose.translation)), rotation)
 }
 
-/// Returns a pose rounded to the engine's precision, its rotation normalized there.
+/// Returns a pose rounded to the engine's precision, with its rotation normalised in it.
 pub fn pose(isometry: &Isometry3<f64>) -> Pose {
     let [i, j, k, w] = isometry.rotation.coords.data.0[0].map(|x| x as Real);
     let rotation = Rotation::from_xyzw(i, j, k, w).normalize();

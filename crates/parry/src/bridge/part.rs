@@ -1,4 +1,4 @@
-//! What the dispatcher reads in a shape of parry: a core and a radius.
+//! Shapes of parry as a core and a radius, for the dispatcher.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ pub(super) struct Part<'a> {
     pub(super) radius: f64,
 }
 
-/// A hull of the caller, or one made for a shape of parry.
+/// A hull of the caller, or one that is made from a shape of parry.
 pub(super) enum Core<'a> {
     Given(&'a Solid),
     Made(Arc<Solid>),
@@ -37,7 +37,7 @@ impl Deref for Core<'_> {
     }
 }
 
-/// The kinds that tell for which pairs parry's manifold is a closed form.
+/// The kinds that decide for which pairs parry's manifold is a closed form.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Ball,
@@ -46,8 +46,10 @@ enum Kind {
     Polyhedron,
 }
 
-/// Returns whether parry's manifold of a pair of kinds is a closed form that is right at every size.
-/// Its code for two cuboids, for two capsules and for a ball and a capsule compares lengths with
+/// Returns whether parry's manifold of a pair of kinds is a closed form that is right at every
+/// size.
+///
+/// parry's code for two cuboids, two capsules, and a ball and a capsule compares lengths with
 /// absolute numbers.
 fn is_closed_form(a: Kind, b: Kind) -> bool {
     use Kind::{Ball, Cuboid};
@@ -59,8 +61,8 @@ fn are_balls(a: &dyn shape::Shape, b: &dyn shape::Shape) -> bool {
     a.as_ball().is_some() && b.as_ball().is_some()
 }
 
-/// Returns whether parry's test of a pair is a closed form that is right at every size: the distance
-/// of a ball's centre from a cuboid.
+/// Returns whether parry's test of a pair is a closed form that is right at every size: the
+/// distance of a ball's centre from a cuboid.
 pub(super) fn has_closed_test(a: &dyn shape::Shape, b: &dyn shape::Shape) -> bool {
     let is_pair = |a: &dyn shape::Shape, b: &dyn shape::Shape| a.as_ball().is_some() && b.as_cuboid().is_some();
     is_pair(a, b) || is_pair(b, a)
@@ -82,7 +84,7 @@ fn kind(shape: &dyn shape::Shape) -> Option<Kind> {
     }
 }
 
-/// Returns the two shapes as rounded polyhedra; `None` if one is none or parry has a closed form.
+/// Returns two shapes as rounded polyhedra; `None` if one is not or parry has a closed form.
 pub(super) fn pair<'a>(
     known: &Known,
     a: &'a dyn shape::Shape,
@@ -130,7 +132,7 @@ fn part<'a>(known: &Known, shape: &'a dyn shape::Shape) -> Option<Part<'a>> {
     }
 }
 
-/// A shape of [`lin_canny`] at its place in the frame of the shape of parry.
+/// A shape of [`lin_canny`] at its pose in the frame of the shape of parry.
 pub(super) struct Placed {
     pub(super) shape: Geometry,
     pub(super) at: Isometry3<f64>,
@@ -141,7 +143,7 @@ impl Part<'_> {
         &self.core.body
     }
 
-    /// Returns whether balls about two parts are farther apart than a distance.
+    /// Returns whether balls around two shapes are farther apart than a distance.
     pub(super) fn is_far(&self, other: &Part, pos12: &Pose, distance: Real) -> bool {
         let ball = |part: &Part| {
             let BoundingSphere { center, radius } = part.core.ball;
@@ -168,7 +170,7 @@ impl Placed {
     }
 }
 
-/// Returns two shapes as shapes of [`lin_canny`], if that has both kinds; `None` too for two balls.
+/// Returns two shapes as shapes of [`lin_canny`]; `None` if it lacks a kind, and for two balls.
 pub(super) fn placed(known: &Known, a: &dyn shape::Shape, b: &dyn shape::Shape) -> Option<(Placed, Placed)> {
     if are_balls(a, b) {
         return None;
@@ -176,7 +178,7 @@ pub(super) fn placed(known: &Known, a: &dyn shape::Shape, b: &dyn shape::Shape) 
     both(known, a, b)
 }
 
-/// Returns two shapes as shapes of [`lin_canny`], if that has both kinds.
+/// Returns two shapes as shapes of [`lin_canny`]; `None` if it lacks a kind.
 pub(super) fn both(known: &Known, a: &dyn shape::Shape, b: &dyn shape::Shape) -> Option<(Placed, Placed)> {
     Some((one(known, a)?, one(known, b)?))
 }
@@ -220,7 +222,7 @@ fn curved(shape: &dyn shape::Shape) -> Option<Placed> {
     Some(Placed { shape, at })
 }
 
-/// Returns a hull, convex polyhedron or rounded one; `None` for other shapes.
+/// Returns a hull or convex polyhedron, rounded or not; `None` for other shapes.
 pub(super) fn polyhedron<'a>(known: &Known, shape: &'a dyn shape::Shape) -> Option<Part<'a>> {
     (kind(shape)? == Kind::Polyhedron).then(|| part(known, shape))?
 }

@@ -1,4 +1,4 @@
-//! Rays and points that are asked of a geometry of [`lin_canny`].
+//! Ray and point queries of a geometry of [`lin_canny`].
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{ConvexPolyhedron, Geometry, PairTracker, Ray as CoreRay, RayCast, RayCaster, RelativePose};
@@ -8,7 +8,7 @@ use super::parry::math::{Real, Vector};
 use super::parry::query::{PointProjection, Ray, RayIntersection};
 use super::parry::shape::FeatureId;
 
-/// Returns where a ray enters a geometry; its start if that lies inside.
+/// Returns where a ray enters a geometry; its start if the start is inside.
 pub(super) fn cast_ray(geometry: &Geometry, ray: &Ray, max: Real) -> Option<RayIntersection> {
     let (origin, speed) = (wide_point(ray.origin), wide(ray.dir).norm());
     let along = CoreRay::new(origin, wide(ray.dir)).ok()?;
@@ -25,8 +25,9 @@ pub(super) fn cast_ray(geometry: &Geometry, ray: &Ray, max: Real) -> Option<RayI
     }
 }
 
-/// Returns the point of a geometry, or of its surface, that is closest to a point: the surface is
-/// asked for by points inside unless the geometry is meant as filled.
+/// Returns the closest point of a geometry to a point.
+///
+/// For a point inside, returns the closest point of the boundary unless `is_filled`.
 pub(super) fn project(geometry: &Geometry, pt: Vector, is_filled: bool) -> PointProjection {
     let at = RelativePose::from_isometry(&Isometry3::from(wide(pt)));
     let (Ok(point), Ok(at)) = (ConvexPolyhedron::point(Point3::origin()), at) else {

@@ -1,4 +1,4 @@
-//! Contacts with a triangle that is part of a surface: its edges bear none where a neighbour goes on.
+//! Contacts with a triangle of a mesh: an edge has no contact if a neighbour continues the mesh.
 
 use super::dispatcher::CertifiedDispatcher;
 use super::manifold::exchange;
@@ -7,23 +7,26 @@ use super::parry::query::details::{NormalConstraints, NormalConstraintsPair};
 use super::parry::query::{ContactManifold, TrackedContact};
 use super::parry::shape::{Shape, Triangle};
 
-/// How many times as deep as before a contact along a corrected normal may be: the other shape
-/// may reach far along it, where the surface is another one.
+/// Factor by which a contact along a corrected normal may be deeper than before. The other shape
+/// may extend far along this normal, to another part of the mesh.
 const MOST_BEYOND: Real = 5.0;
 
-/// Least cosine between directions that count as one.
+/// Least cosine between directions that count as equal.
 const SAME: Real = 0.9999;
 
-/// How far outside a triangle a contact may lie, over the reach of the pair: points of the engine are
-/// rounded, and of two neighbours both may take a contact on their common edge.
+/// Distance outside a triangle at which a contact may be, divided by the extent of the pair.
+///
+/// Points of the engine are rounded, and two neighbours may both have a contact on their common
+/// edge.
 const ASIDE: Real = 1e-4;
 
-/// The normals that a surface allows, of the first shape and of the second.
+/// The normals that the meshes allow, for the first and the second shape.
 pub(super) type Constraints<'a> = [Option<&'a dyn NormalConstraints>; 2];
 
-/// Corrects contacts that were computed without regard to the surface. An overlap with a triangle is
-/// measured along the triangle's own normal, where this lies within the triangle; a normal that the
-/// constraints refuse leaves no contact.
+/// Corrects contacts that were computed without the rest of the mesh.
+///
+/// If the contact is within the triangle, the overlap is measured along the triangle's normal. If
+/// the constraints reject a normal, the contact is removed.
 pub(super) fn correct<M, C>(
     by: &CertifiedDispatcher,
     pos12: &Pose,
@@ -79,7 +82,8 @@ struct Face {
     /// Normal of the triangle in its own frame.
     own: Vector,
     normal: Vector,
-    /// Radius of a ball about the centre that holds what of the other shape may meet the triangle.
+    /// Radius of a ball around the centre that contains all of the other shape that may touch the
+    /// triangle.
     reach: Real,
 }
 
@@ -118,8 +122,8 @@ impl Face {
         self.normal.dot(n1) > SAME
     }
 
-    /// Returns the contacts of the other shape with the plane of the triangle, as far as they lie
-    /// within the triangle.
+    /// Returns the contacts of the other shape with the plane of the triangle that are within the
+    /// triangle.
     fn contacts(
         &self,
         by: &CertifiedDispatcher,
@@ -140,7 +144,7 @@ impl Face {
         found
     }
 
-    /// Returns a triangle of the same plane about all that may meet the triangle.
+    /// Returns a triangle in the same plane that surrounds all points that may touch the triangle.
     fn widened(&self) -> Triangle {
         let u = (self.triangle.b - self.triangle.a).normalize_or_zero();
         let (v, centre, far) = (self.own.cross(u), self.triangle.center(), 2.0 * self.reach);
@@ -149,7 +153,7 @@ impl Face {
         Triangle::new(corner(1.0, 0.0), corner(-0.5, half), corner(-0.5, -half))
     }
 
-    /// Returns whether a point of the plane lies within the triangle, or within rounding of it.
+    /// Returns whether a point of the plane is within the triangle, up to rounding.
     fn holds(&self, p: Vector) -> bool {
         let [a, b, c] = self.triangle.vertices();
         let inside = |from: &Vector, to: &Vector| {

@@ -19,8 +19,8 @@ struct Tally {
     queries: u64,
 }
 
-/// Judges random segments of a room: free ones by dense predicates and, now and then, by their certificates; blocked ones by
-/// the contact at `t` and by predicates up to `safe`.
+/// Judges random segments of a room: free ones by dense predicates and, now and then, by their
+/// certificates; blocked ones by the contact at `t` and by predicates up to `safe`.
 fn judge(n: usize, segments: u64, steps: usize) -> Tally {
     let room = Room::new(n, 1);
     let robot = [room.robot.clone()];
@@ -91,8 +91,8 @@ fn ten_thousand_segments_are_judged_right() {
     }
 }
 
-/// Splines that bulge from the chord by no more than the radius of a free tube meet no obstacle; a tube wider than the
-/// clearance is not free.
+/// Splines that bulge from the chord by no more than the radius of a free tube meet no obstacle; a
+/// tube wider than the clearance is not free.
 #[test]
 fn splines_within_a_tube_are_free() {
     let mut world = World::new();
@@ -137,7 +137,8 @@ fn splines_within_a_tube_are_free() {
     assert!(checker.certify_tube(&from, &to, -1.0).is_err() && checker.certify_tube(&from, &to, f64::NAN).is_err());
 }
 
-/// Steps of a length miss thin contacts that certificates find. The table of the issue is printed by `race plan`.
+/// Steps of a length miss thin contacts that certificates find. The table of the issue is printed
+/// by `race plan`.
 #[test]
 fn fixed_steps_miss_what_certificates_find() {
     let room = Room::new(150, 2);
@@ -202,8 +203,9 @@ fn margins_are_kept() {
     assert!(checker.set_margin(f64::NAN).is_err());
 }
 
-/// The clearance among few and many obstacles, the robot near some, far from all, in contact, by small steps and by jumps:
-/// that of the least pair of all, with all pairs within the slack. What is looked at does not grow with the obstacles.
+/// The clearance among few and many obstacles, the robot near some, far from all, in contact, by
+/// small steps and by jumps: that of the least pair of all, with all pairs within the slack. What
+/// is looked at does not grow with the obstacles.
 #[test]
 fn clearances_are_those_of_all_pairs() {
     for n in [0, 1, 8, 300] {
@@ -332,7 +334,7 @@ fn bad_input_is_named() {
         q
     };
     let mut refused = |q: &[f64]| checker.certify(&good, q).expect_err("a bad configuration").to_string();
-    assert!(refused(&good[..6]).contains("7 numbers, not 6"));
+    assert!(refused(&good[..6]).contains("6 numbers (expected 7)"));
     assert!(refused(&with(1, f64::NAN)).contains("coordinate 1"));
     assert!(refused(&with(2, 99.0)).contains("99"));
     assert!(refused(&with(3, 0.1)).contains("quaternion"));

@@ -72,9 +72,11 @@ impl NearPair {
         triple(py, self.near.witnesses[1].coords.into())
     }
 
-    /// The derivative of the signed distance by each coordinate, divided by the length that a unit
-    /// of the coordinate stands for (1 for a slide, the reach of the robot for a turn), shape
-    /// (dof,); zero for an overlap of unknown depth.
+    /// The derivative of the signed distance by each coordinate, shape (dof,).
+    ///
+    /// Each component is divided by the length that corresponds to one unit of the coordinate (1
+    /// for a prismatic joint, the radius of the moved part for a revolute joint). It is zero for an
+    /// overlap of unknown depth.
     #[getter]
     fn gradient<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.near.gradient)

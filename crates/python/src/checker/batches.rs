@@ -10,7 +10,7 @@ use crate::array::{contiguous, structured};
 use crate::batch::{Batch, Run};
 use crate::errors::plan_error;
 
-/// Queries between two looks at the clock.
+/// Number of queries between two readings of the clock.
 const LOOK: usize = 16;
 
 /// Distance, lower and upper bound, and the numbers of the two bodies.
@@ -108,12 +108,15 @@ impl Checker {
 
 #[pymethods]
 impl Checker {
-    /// Returns the clearance at many configurations, shape (N, dof): a structured array of shape
-    /// (N,) with the fields `distance`, `lower`, `upper`, `a` and `b`. The last two are the bodies
-    /// of the nearest pair, as indices of `bodies`; infinity and -1 without a pair.
+    /// Returns the clearance at many configurations, shape (N, dof).
     ///
-    /// progress: a callable that is told the configurations done and all of them, or True for a bar
-    /// of tqdm. The answers are the same bits for any number of threads. Ctrl-C ends the call.
+    /// The result is a structured array of shape (N,) with the fields `distance`, `lower`, `upper`,
+    /// `a` and `b`. The last two are the bodies of the closest pair, as indices of `bodies`.
+    /// Without a pair the distance is infinite and the indices are -1. The result has the same bits
+    /// for any number of threads. Ctrl-C ends the call.
+    ///
+    /// progress: a callable that receives the number of finished configurations and of all
+    /// configurations, or True for a tqdm bar.
     #[pyo3(signature = (q, *, threads=1, progress=None))]
     pub(crate) fn clearances<'py>(
         &self,
@@ -130,8 +133,9 @@ impl Checker {
         structured(py, rows, &[distance, lower, upper, ("a", "i4", 1), ("b", "i4", 1)])
     }
 
-    /// Returns whether each of many configurations, shape (N, dof), keeps the margin: a bool array
-    /// of shape (N,). Threads and progress as of `clearances`.
+    /// Returns whether each of many configurations, shape (N, dof), keeps the margin.
+    ///
+    /// The result is a bool array of shape (N,). For threads and progress see `clearances`.
     #[pyo3(signature = (q, *, threads=1, progress=None))]
     fn free<'py>(
         &self,

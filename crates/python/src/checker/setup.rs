@@ -61,7 +61,7 @@ pub(super) fn of_robots(robots: &RobotArgument<'_>, pose: Option<Bound<'_, PyAny
         RobotArgument::One(robot) => add(&mut setup, "", robot.get(), pose_of(pose.as_ref())?),
         RobotArgument::Several(_) if pose.is_some() => {
             return Err(refused(
-                "pose is that of a single robot: several have theirs beside them",
+                "pose is for a single robot; give several robots as a dict of (robot, pose)",
             ));
         }
         RobotArgument::Several(robots) => {

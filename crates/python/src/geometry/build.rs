@@ -38,7 +38,7 @@ fn triangles_of(obj: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
         let mut triangle = [0; 3];
         for (to, &corner) in triangle.iter_mut().zip(corners) {
             *to = u32::try_from(corner)
-                .map_err(|_| geometry_error(format!("triangle {k} names point {corner}, which does not exist")))?;
+                .map_err(|_| geometry_error(format!("triangle {k} uses a point that does not exist: {corner}")))?;
         }
         triangles.push(triangle);
     }
@@ -88,11 +88,12 @@ impl Geometry {
         Ok(Self(mesh.map_err(geometry_error)?.into()))
     }
 
-    /// Returns the solid of a mesh of which some triangles are turned over, and the indices of the
-    /// triangles that were turned.
+    /// Returns the solid of a mesh with inverted triangles, and the indices of the inverted
+    /// triangles.
     ///
-    /// Two triangles must meet at every edge. Fewest triangles of each part are turned to agree,
-    /// then whole parts to face outward; a cavity stays a cavity. A closed mesh is left as it is.
+    /// Two triangles must meet at every edge. The call inverts the fewest triangles of each
+    /// component that make it consistent, then whole components to face outward. A cavity stays a
+    /// cavity, and a closed mesh is not changed.
     #[staticmethod]
     fn oriented_mesh(
         py: Python<'_>,

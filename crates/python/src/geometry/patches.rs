@@ -1,7 +1,7 @@
 //! Surfaces of curved patches.
 
 use lin_canny::nalgebra::Point3;
-use lin_canny::surface::{Nurbs, BezierPatch, SurfaceError, BezierSurface};
+use lin_canny::surface::{BezierPatch, BezierSurface, Nurbs, SurfaceError};
 use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -27,7 +27,7 @@ fn net(obj: &Bound<'_, PyAny>) -> PyResult<Net> {
     let &[rows, columns, 3] = array.shape() else {
         let shape = shape_text(array.shape());
         return Err(geometry_error(format!(
-            "control points have the shape (M, N, 3), not {shape}"
+            "control points: shape is {shape} (expected (M, N, 3))"
         )));
     };
     let points = array.as_slice()?.as_chunks::<3>().0;

@@ -74,7 +74,7 @@ fn seven(v: &[f64; 7]) -> PyResult<Isometry3<f64>> {
 #[cold]
 fn wrong_shape(shape: &[usize]) -> PyErr {
     pose_error(format!(
-        "a pose has the shape (4, 4) or (7,), position and quaternion xyzw, not {}",
+        "shape of a pose is {} (expected (4, 4), or (7,) with position and quaternion xyzw)",
         shape_text(shape)
     ))
 }
@@ -84,17 +84,17 @@ fn wrong_shape(shape: &[usize]) -> PyErr {
 fn of_pair(pair: &Bound<'_, PyTuple>) -> PyResult<Isometry3<f64>> {
     if pair.len() != 2 {
         return Err(pose_error(format!(
-            "a pose as a tuple is (position, quaternion xyzw), not {} items",
+            "pose tuple has {} items (expected position and quaternion xyzw)",
             pair.len()
         )));
     }
-    let [x, y, z] = floats(&pair.get_item(0)?, "a position")?;
+    let [x, y, z] = floats(&pair.get_item(0)?, "position")?;
     let turn = pair.get_item(1)?;
     let is_plain =
         turn.is_instance_of::<PyTuple>() || turn.is_instance_of::<PyList>() || turn.cast::<PyArray1<f64>>().is_ok();
     let method = if is_plain { None } else { turn.getattr_opt("as_quat")? };
     let turn = method.map_or(Ok(turn), |method| method.call0())?;
-    let [qx, qy, qz, qw] = floats(&turn, "a quaternion (x, y, z, w)")?;
+    let [qx, qy, qz, qw] = floats(&turn, "quaternion (x, y, z, w)")?;
     seven(&[x, y, z, qx, qy, qz, qw])
 }
 
@@ -108,7 +108,7 @@ fn floats<const N: usize>(obj: &Bound<'_, PyAny>, what: &str) -> PyResult<[f64; 
         to.iter_mut().zip(view.as_array()).for_each(|(to, from)| *to = *from);
         return Ok(to);
     }
-    let wrong = |e: PyErr| pose_error(format!("{what} has {N} numbers: {e}"));
+    let wrong = |e: PyErr| pose_error(format!("invalid {what} (expected {N} numbers): {e}"));
     if let Ok(tuple) = obj.cast::<PyTuple>()
         && tuple.len() == N
     {
@@ -128,7 +128,7 @@ fn floats<const N: usize>(obj: &Bound<'_, PyAny>, what: &str) -> PyResult<[f64; 
     let list: PyResult<Vec<f64>> = obj.try_iter().and_then(|items| items.map(|x| x?.extract()).collect());
     let list = list.map_err(wrong)?;
     list.try_into()
-        .map_err(|v: Vec<f64>| pose_error(format!("{what} has {N} numbers, not {}", v.len())))
+        .map_err(|v: Vec<f64>| pose_error(format!("{what} has {} numbers (expected {N})", v.len())))
 }
 
 /// Returns the matrix of an object: `homogeneous` of `pinocchio.SE3`, `as_matrix()` of scipy's
@@ -149,7 +149,7 @@ fn of_object(obj: Borrowed<'_, '_, PyAny>) -> PyResult<Isometry3<f64>> {
     let py = obj.py();
     let refused = |e: &dyn std::fmt::Display| {
         pose_error(format!(
-            "a pose is an array of shape (4, 4) or (7,), or (position, quaternion xyzw): {e}"
+            "invalid pose: {e} (expected an array of shape (4, 4) or (7,), or (position, quaternion xyzw))"
         ))
     };
     let options = PyDict::new(py);
@@ -159,6 +159,6 @@ fn of_object(obj: Borrowed<'_, '_, PyAny>) -> PyResult<Isometry3<f64>> {
     let array = array.map_err(|e| refused(&e))?;
     match of_array(array.as_borrowed()) {
         Some(pose) => pose,
-        None => Err(refused(&format!("not {}", obj.get_type().name()?))),
+        None => Err(refused(&format!("type {}", obj.get_type().name()?))),
     }
 }

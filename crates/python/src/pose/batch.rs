@@ -27,7 +27,7 @@ impl<'py> Poses<'py> {
         match array.shape() {
             [_, 4, 4] | [_, 7] => Ok(Self(array)),
             shape => Err(pose_error(format!(
-                "poses have the shape (N, 4, 4), or (N, 7) with position and quaternion xyzw, not {}",
+                "poses: shape is {} (expected (N, 4, 4), or (N, 7) with position and quaternion xyzw)",
                 shape_text(shape)
             ))),
         }

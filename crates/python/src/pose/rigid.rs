@@ -61,11 +61,13 @@ fn skewness(m: &[f64; 16]) -> f64 {
 pub(crate) fn fault_of_matrix(m: &[f64; 16]) -> String {
     let worst = skewness(m);
     if m[12..] != [0.0, 0.0, 0.0, 1.0] {
-        format!("the last row of a 4x4 pose is [0, 0, 0, 1], not {:?}", &m[12..])
+        format!("last row of a 4x4 pose is {:?} (expected [0, 0, 0, 1])", &m[12..])
     } else if !(worst <= ORTHONORMAL) {
-        format!("the rotation of a pose is orthonormal to {ORTHONORMAL:.0e}: an entry of R^T R - 1 is {worst:.1e}")
+        format!(
+            "rotation of a pose is not orthonormal: an entry of R^T R - 1 is {worst:.1e} (expected {ORTHONORMAL:.0e})"
+        )
     } else {
-        "the rotation of a pose is a reflection: its determinant is negative".into()
+        "rotation of a pose is a reflection: its determinant is negative".into()
     }
 }
 
@@ -88,7 +90,7 @@ pub(crate) fn of_seven(v: &[f64; 7]) -> Option<Isometry3<f64>> {
 #[cold]
 pub(crate) fn fault_of_seven(v: &[f64; 7]) -> String {
     let n: f64 = v[3..].iter().map(|c| c * c).sum();
-    format!("a quaternion (x, y, z, w) has norm 1 to {ORTHONORMAL:.0e}: its squared norm is {n}")
+    format!("quaternion (x, y, z, w) is not of unit length: its squared norm is {n} (expected 1 to {ORTHONORMAL:.0e})")
 }
 
 #[inline]

@@ -1,4 +1,4 @@
-//! Answers of a scene.
+//! Results of a scene.
 
 use lin_canny::impact::Impact;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -111,9 +111,11 @@ fn number_of(pair: &PairResults, get: fn(&Distance) -> f64) -> f64 {
 
 #[pymethods]
 impl Scene {
-    /// Returns all pairs whose boxes overlap: a structured array with the fields `a`, `b` (ids),
-    /// `overlaps`, `within` (1 yes, 0 no, -1 not enabled), `distance`, `lower`, `upper` (NaN if
-    /// not enabled, or beyond the range of the query).
+    /// Returns all pairs whose boxes overlap.
+    ///
+    /// The result is a structured array with the fields `a`, `b` (ids), `overlaps`, `within` (1
+    /// yes, 0 no, -1 not enabled), `distance`, `lower` and `upper` (NaN if not enabled, or beyond
+    /// the enabled range).
     fn pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let pairs: Vec<PairResults> = self.0.pairs().collect();
         let ids = |id: fn(&PairResults) -> u64| PyArray1::from_iter(py, pairs.iter().map(id)).into_any();
@@ -135,16 +137,19 @@ impl Scene {
         columns(py, pairs.len(), &fields)
     }
 
-    /// Returns the changes of the last step: tuples of what changed, such as "overlap began", "came
-    /// within" or "boxes parted", and the ids of the two bodies.
+    /// Returns the events of the last step: tuples of the change and the ids of the two bodies.
+    ///
+    /// A change is a text such as "overlap began", "came within" or "boxes parted".
     fn events(&self) -> Vec<(String, u64, u64)> {
         let told = self.0.events().iter();
         told.map(|e| (e.change.to_string(), number(e.a), number(e.b))).collect()
     }
 
-    /// Returns the first contacts within the time of the last `advance`: tuples of the ids of two
-    /// bodies, the time up to which they are proven apart, and the time at which they are proven to
-    /// meet, None if rounding or a limit hides it.
+    /// Returns the first contacts within the time of the last `advance`.
+    ///
+    /// Each is a tuple of the ids of two bodies, the time up to which they are proven apart, and
+    /// the time at which they are proven to be in contact; None if rounding or a limit prevents a
+    /// proof.
     fn impacts(&self) -> Vec<(u64, u64, f64, Option<f64>)> {
         let hit = |impact: &Impact| match *impact {
             Impact::Hit { hit, .. } => Some(hit),
@@ -155,8 +160,9 @@ impl Scene {
             .collect()
     }
 
-    /// Returns the pair of least signed distance of two groups, however far apart, as of the last
-    /// step; None if there is no pair. A query must be enabled between the groups.
+    /// Returns the pair of least signed distance of two groups at the last step, at any distance.
+    ///
+    /// Returns None if there is no pair. At least one query must be enabled between the groups.
     fn closest_pair(&self, py: Python<'_>, group_a: u8, group_b: u8) -> PyResult<Option<ScenePair>> {
         let groups = (group(group_a)?, group(group_b)?);
         let found = py.detach(|| self.0.closest_pair(groups.0, groups.1));
@@ -164,15 +170,17 @@ impl Scene {
         Ok(found.map(|pair| ScenePair::new(&pair, &self.0)))
     }
 
-    /// Returns all pairs of two groups that are at most `d` apart, exactly, as of the last step.
+    /// Returns all pairs of two groups that are at most `d` apart at the last step, decided
+    /// exactly.
     fn pairs_within(&self, py: Python<'_>, group_a: u8, group_b: u8, d: f64) -> PyResult<Vec<ScenePair>> {
         let groups = (group(group_a)?, group(group_b)?);
         let found = py.detach(|| self.0.pairs_within(groups.0, groups.1, d));
         Ok(self.named(&found.map_err(scene_error)?))
     }
 
-    /// Returns the `count` bodies nearest to a body and no farther away than `farthest`, nearest
-    /// first, as of the last step.
+    /// Returns the `count` bodies closest to a body at the last step, the closest first.
+    ///
+    /// farthest: the largest distance of a returned body.
     #[pyo3(signature = (id, count, farthest=f64::INFINITY))]
     fn nearest(&self, id: u64, count: usize, farthest: f64) -> PyResult<Vec<ScenePair>> {
         let found = self.0.nearest(body(id), count, farthest).map_err(scene_error)?;

@@ -1,4 +1,4 @@
-//! What is computed between the groups of a scene.
+//! Effects between the groups of a scene.
 
 use lin_canny::impact::Tolerance;
 use lin_canny::scene::PairQueries;
@@ -9,13 +9,14 @@ use crate::errors::scene_error;
 
 #[pymethods]
 impl Scene {
-    /// Says what is computed between the pairs of two groups, or within one group twice named.
+    /// Enables queries between the pairs of two groups, or within one group if both are equal.
+    ///
+    /// A call replaces the previous call for these groups. Without any query nothing is computed.
     ///
     /// boxes: events of the boxes. overlap: whether bodies share a point. within: whether bodies
     /// are at most this far apart. distance: the signed distance up to this range. depth: the depth
     /// of overlaps of convex bodies. impact: the first contact between two steps of bodies that
-    /// `advance` moves, in a bracket in which bodies are at most this far apart. A call replaces
-    /// the one before for these groups; without any query nothing is computed.
+    /// `advance` moves, in a bracket in which bodies are at most this far apart.
     #[pyo3(signature = (
         group_a, group_b, *, boxes=false, overlap=false, within=None, distance=None, depth=false, impact=None
     ))]

@@ -19,14 +19,14 @@ struct Distances<'a> {
     poses: PoseView<'a>,
 }
 
-/// The tracker of a block, and its poses: read before the first of them is asked, so that their
-/// arithmetic overlaps.
+/// The tracker of a block, and its poses. All poses are converted before the first query, so that
+/// their arithmetic overlaps.
 struct Block {
     tracker: AnyTracker,
     poses: Vec<RelativePose>,
 }
 
-/// The tracker of polyhedra alone saves the choice of a tracker in every query.
+/// The tracker of polyhedra saves the choice of a tracker in every query.
 enum AnyTracker {
     Polyhedra(Box<Tracker>),
     Pair(Box<PairTracker>),
@@ -66,13 +66,14 @@ impl Batch for Distances<'_> {
     }
 }
 
-/// Returns the signed distances of two geometries at many poses of B in the frame of A: a
-/// structured array of shape (N,) with the fields `distance`, `lower` and `upper`.
+/// Returns the signed distances of two geometries at many poses of B in the frame of A.
 ///
-/// poses: shape (N, 4, 4), or (N, 7) with position and quaternion xyzw, or a tuple of positions
-/// (N, 3) and quaternions (N, 4) or a scipy Rotation. progress: a callable that is told the poses
-/// done and all poses, some twenty times a second, or True for a bar of tqdm. The answers are the
-/// same bits for any number of threads. Ctrl-C ends the call.
+/// The result is a structured array of shape (N,) with the fields `distance`, `lower` and `upper`.
+/// It has the same bits for any number of threads. Ctrl-C ends the call.
+///
+/// poses: shape (N, 4, 4), or (N, 7) with position and quaternion xyzw, or a tuple of positions (N,
+/// 3) and quaternions (N, 4) or a scipy Rotation. progress: a callable that receives the number of
+/// finished poses and of all poses about twenty times per second, or True for a tqdm bar.
 #[pyfunction]
 #[pyo3(signature = (a, b, poses, *, threads=1, progress=None))]
 pub(crate) fn distances<'py>(
@@ -98,8 +99,8 @@ pub(crate) fn distances<'py>(
     )
 }
 
-/// Returns the seconds of thread CPU time of the loop in Rust over poses already read, and the sum
-/// of all distances.
+/// Returns the seconds of thread CPU time of the Rust loop over converted poses, and the sum of all
+/// distances.
 #[cfg(feature = "bench")]
 #[pyfunction]
 #[pyo3(name = "_rust_loop")]
@@ -112,11 +113,11 @@ pub(crate) fn rust_loop(
     let poses = Poses::new(poses)?;
     let view = poses.view()?;
     let (Some(a), Some(b)) = (a.get().0.as_polyhedron(), b.get().0.as_polyhedron()) else {
-        return Err(pose_error("the loop is about polyhedra"));
+        return Err(pose_error("the loop takes polyhedra only"));
     };
     py.detach(|| {
         let isometries: Option<Vec<_>> = (0..view.len()).map(|k| view.isometry(k)).collect();
-        let isometries = isometries.ok_or_else(|| pose_error("a pose is no rigid motion"))?;
+        let isometries = isometries.ok_or_else(|| pose_error("a pose is not a rigid motion"))?;
         let mut rows = vec![[0.0; 3]; isometries.len()];
         let mut tracker = Tracker::new();
         let start = cpu_time::ThreadTime::now();

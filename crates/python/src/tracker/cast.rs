@@ -14,13 +14,16 @@ use crate::errors::motion_error;
 use crate::geometry::Geometry;
 use crate::pose::Pose;
 
-const VELOCITY: Argument = Argument { name: "a velocity", error: |why| motion_error(why) };
+const VELOCITY: Argument = Argument {
+    name: "a velocity",
+    error: |why| motion_error(why),
+};
 
-/// When two moving geometries first meet: a bracket of the time, or a proven miss.
+/// The first contact of two moving geometries: a bracket of the time, or a proven miss.
 #[pyclass(frozen, module = "lin_canny")]
 pub(crate) struct Cast {
     cast: impact::Cast,
-    /// Poses of both bodies at the time of the measure.
+    /// Poses of both bodies at the time of the measurement.
     poses: [Isometry3<f64>; 2],
 }
 
@@ -36,7 +39,7 @@ impl Cast {
 #[pymethods]
 impl Cast {
     /// "hit", "miss" (proven for the whole interval), "start" (in contact, or within the distance,
-    /// at time 0), "near" (rounding hides whether they meet) or "unknown" (a limit was reached).
+    /// at time 0), "near" (within rounding error of contact) or "unknown" (a limit was reached).
     #[getter]
     fn state(&self) -> &'static str {
         match self.cast.impact {
@@ -58,7 +61,7 @@ impl Cast {
         }
     }
 
-    /// A time at which the geometries are proven to meet; None unless there is a hit.
+    /// A time at which the geometries are proven to be in contact; None unless there is a hit.
     #[getter]
     fn hit(&self) -> Option<f64> {
         match self.cast.impact {
@@ -117,17 +120,30 @@ fn motion(pose: Option<Pose>, velocity: Option<(Bound<'_, PyAny>, Bound<'_, PyAn
 
 #[pymethods]
 impl PairTracker {
-    /// Returns when two moving geometries first meet, or first come within `distance`, between the
-    /// times 0 and `duration`.
+    /// Returns when two moving geometries first touch or come within `distance`.
+    ///
+    /// The cast covers the times from 0 to `duration`.
     ///
     /// velocity_a, velocity_b: tuples (linear, angular), each of three numbers in the world, about
-    /// the origin of the geometry; None rests. Lengths per time and radians per time. tolerance:
-    /// the geometries are nearer than this at `safe`, a length.
+    /// the origin of the geometry, in lengths per time and radians per time; None is at rest.
+    /// tolerance: the geometries are closer than this at `safe`, a length.
     #[pyo3(signature = (
         a, b, pose_a=None, pose_b=None, *, velocity_a=None, velocity_b=None, duration, tolerance, distance=0.0
     ))]
     #[allow(clippy::too_many_arguments)] // the signature in Python
-    fn cast<'py>(&mut self, py: Python<'py>, a: &Bound<'py, Geometry>, b: &Bound<'py, Geometry>, pose_a: Option<Pose>, pose_b: Option<Pose>, velocity_a: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>, velocity_b: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>, duration: f64, tolerance: f64, distance: f64) -> PyResult<Cast> {
+    fn cast<'py>(
+        &mut self,
+        py: Python<'py>,
+        a: &Bound<'py, Geometry>,
+        b: &Bound<'py, Geometry>,
+        pose_a: Option<Pose>,
+        pose_b: Option<Pose>,
+        velocity_a: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
+        velocity_b: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
+        duration: f64,
+        tolerance: f64,
+        distance: f64,
+    ) -> PyResult<Cast> {
         let motions = [motion(pose_a, velocity_a)?, motion(pose_b, velocity_b)?];
         let (a, b) = (&a.get().0, &b.get().0);
         let tolerance = Tolerance::Distance(tolerance);

@@ -1,6 +1,6 @@
-//! The answer about the closest points.
+//! The result of a closest-points query.
 
-use lin_canny::{PairOutcome, ContactState, RelativePose};
+use lin_canny::{ContactState, PairOutcome, RelativePose};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -20,9 +20,9 @@ pub(crate) fn state_name(state: ContactState) -> &'static str {
 
 /// The closest points of two geometries, with proven bounds of the signed distance.
 ///
-/// Points and normal are in the frame of the poses given, the world. For convex geometries, apart
-/// or overlapping, `point_b - point_a` is `distance * normal`: in length to rounding, in direction
-/// to some 1e-6.
+/// Points and normal are in the frame of the poses, the world. For convex geometries, separated or
+/// overlapping, `point_b - point_a` equals `distance * normal` (the length up to rounding, the
+/// direction to about 1e-6).
 #[pyclass(frozen, module = "lin_canny")]
 pub(crate) struct Closest {
     answer: PairOutcome,
@@ -38,8 +38,8 @@ impl Closest {
 
 #[pymethods]
 impl Closest {
-    /// The signed distance: negative by the penetration depth if two convex geometries overlap,
-    /// zero if others do.
+    /// The signed distance: the negative penetration depth if two convex geometries overlap, zero
+    /// if others overlap.
     #[getter]
     fn distance(&self) -> f64 {
         self.answer.distance

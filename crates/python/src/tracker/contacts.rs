@@ -37,8 +37,9 @@ fn row(contact: &PatchContact, group: usize, pose: &RelativePose) -> [f64; COLUM
     ]
 }
 
-/// Bounds of the penetration depth of two solids: the length of the shortest translation of B after
-/// which they share no inner point.
+/// Bounds of the penetration depth of two solids.
+///
+/// The depth is the length of the shortest translation of B after which they share no inner point.
 #[pyclass(frozen, module = "lin_canny")]
 pub(crate) struct Penetration {
     bounds: PenetrationBounds,
@@ -59,7 +60,7 @@ impl Penetration {
         self.bounds.upper
     }
 
-    /// A translation of B in the world that parts the solids, shape (3,).
+    /// A translation of B in the world that separates the solids, shape (3,).
     #[getter]
     fn shift<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         triple(py, (self.pose.poses().0.rotation * self.bounds.shift).into())
@@ -75,12 +76,14 @@ impl Penetration {
 
 #[pymethods]
 impl PairTracker {
-    /// Returns the contact points no farther apart than `prediction`, a length: a structured array
-    /// with the fields `point_a`, `point_b`, `normal` (each (3,), in the world), `separation`,
-    /// `group` (contacts of one direction, the deepest group first), `patch_a` and `patch_b`.
+    /// Returns the contact points that are at most `prediction` apart, a length.
     ///
-    /// max_points: the largest number of points of a group, 1 to 8. Raises PairError for surfaces
-    /// of patches.
+    /// The result is a structured array with the fields `point_a`, `point_b`, `normal` (each (3,),
+    /// in the world), `separation`, `group` (contacts of one direction, the deepest group first),
+    /// `patch_a` and `patch_b`.
+    ///
+    /// max_points: the largest number of points per group, 1 to 8. Raises PairError for Bézier
+    /// surfaces.
     #[pyo3(signature = (a, b, pose_a=None, pose_b=None, *, prediction=0.0, max_points=4))]
     #[allow(clippy::too_many_arguments)] // the signature in Python
     fn contacts<'py>(
@@ -95,7 +98,7 @@ impl PairTracker {
     ) -> PyResult<Bound<'py, PyAny>> {
         if !(prediction >= 0.0) || !(1..=8).contains(&max_points) {
             return Err(refused(format!(
-                "prediction is at least 0 and max_points 1 to 8, not {prediction} and {max_points}"
+                "prediction is {prediction} (expected at least 0), max_points is {max_points} (expected 1 to 8)"
             )));
         }
         let pose = relative(pose_a, pose_b)?;
@@ -115,9 +118,10 @@ impl PairTracker {
         structured(py, rows.collect(), &fields)
     }
 
-    /// Returns bounds of the penetration depth of two solids; None if one of both has no inside: a
-    /// mesh that is not closed, or a surface of patches. Of two convex geometries `closest` tells
-    /// the depth itself.
+    /// Returns bounds of the penetration depth of two solids.
+    ///
+    /// Returns None if one of them has no inside: an open mesh or a Bézier surface. For two convex
+    /// geometries, `closest` returns the depth itself.
     #[pyo3(signature = (a, b, pose_a=None, pose_b=None))]
     fn penetration(
         &mut self,

@@ -1,5 +1,5 @@
-//! Scenes of cuboids and balls in metres, of the kinds that rapier shows in its own examples, made anew. The tests of the crate build
-//! them in both precisions.
+//! Scenes of cuboids and balls in metres, similar to rapier's examples. The tests of the crate
+//! build them in both precisions.
 
 use super::engine::rapier::prelude::*;
 
@@ -20,7 +20,8 @@ fn dynamic(world: &mut PhysicsWorld, shape: SharedShape, at: Vector) -> RigidBod
     world.insert(body, ColliderBuilder::new(shape)).0
 }
 
-/// Towers of planks laid crosswise, three to a level and two towers to a row; returns the planks from below.
+/// Towers of planks laid crosswise, three to a level and two towers to a row; returns the planks
+/// from below.
 pub(crate) fn planks(world: &mut PhysicsWorld, levels: usize, towers: usize) -> Vec<RigidBodyHandle> {
     floor(world, 30.0);
     let half = Vector::new(0.1, 0.05, 0.6);
@@ -65,7 +66,8 @@ pub(crate) fn bullets(world: &mut PhysicsWorld, side: usize) -> Vec<RigidBodyHan
     (0..side * side).map(one).collect()
 }
 
-/// Balls that fall through sensors, cuboids and balls in turn, onto a floor; returns the balls and the sensors.
+/// Balls that fall through sensors, cuboids and balls in turn, onto a floor; returns the balls and
+/// the sensors.
 pub(crate) fn sensors(world: &mut PhysicsWorld, side: usize) -> (Vec<RigidBodyHandle>, Vec<ColliderHandle>) {
     floor(world, side as Real);
     let at = |k: usize, height: Real| {
@@ -88,7 +90,8 @@ pub(crate) fn sensors(world: &mut PhysicsWorld, side: usize) -> (Vec<RigidBodyHa
     (balls, seen)
 }
 
-/// Platforms that move sideways or rise at constant speeds, a cuboid or a ball on each; returns platforms and riders.
+/// Platforms that move sideways or rise at constant speeds, a cuboid or a ball on each; returns
+/// platforms and riders.
 pub(crate) fn platforms(world: &mut PhysicsWorld, count: usize, rider: &SharedShape) -> Vec<[RigidBodyHandle; 2]> {
     let one = |k: usize| {
         let at = Vector::new(0.0, 0.0, 4.0 * k as Real);
@@ -107,7 +110,8 @@ pub(crate) fn platforms(world: &mut PhysicsWorld, count: usize, rider: &SharedSh
     (0..count).map(one).collect()
 }
 
-/// Spinning balls of restitution 0 to 1 that are thrown on a floor; returns them in order of restitution.
+/// Spinning balls of restitution 0 to 1 that are thrown on a floor; returns them in order of
+/// restitution.
 pub(crate) fn bounces(world: &mut PhysicsWorld, count: usize) -> Vec<RigidBodyHandle> {
     let ground = floor(world, count as Real);
     if let Some(ground) = world.colliders.get_mut(ground) {

@@ -29,7 +29,8 @@ impl Broad {
         });
         let handles = handles.collect();
         let mut broad = BroadPhaseBvh::new();
-        // One step of the pipeline clears the flags of new colliders; otherwise every update inserts every leaf anew.
+        // One step of the pipeline clears the flags of new colliders; otherwise every update
+        // inserts every leaf again.
         let mut islands = IslandManager::new();
         let mut narrow = NarrowPhase::new();
         CollisionPipeline::new().step(

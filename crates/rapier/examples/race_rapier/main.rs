@@ -1,12 +1,13 @@
-//! The races of many bodies with rapier among the engines.
+//! Races of many bodies, with rapier as one of the engines.
 //!
 //! ```text
 //! cargo run --release -p lin-canny-rapier --example race_rapier -- boxes|scene|scenes [--csv FILE] [--quick] [--only SCENE] [--upto N]
 //! ```
 //!
-//! `boxes` and `scene` are those of the instrument `race`; `rapier` is the broad phase of rapier alone, `rapier-collision` its
-//! `CollisionPipeline`: events, contact manifolds within 0.02, approximate depth. `scenes` steps whole worlds of rapier under parry's
-//! narrow phase and ours.
+//! `boxes` and `scene` equal the races of the instrument `race`. The engine `rapier` is rapier's
+//! broad phase alone, `rapier-collision` its `CollisionPipeline`: events, contact manifolds within
+//! 0.02, approximate depth. `scenes` runs whole rapier worlds with parry's narrow phase and with
+//! ours.
 
 mod broad;
 #[path = "../common/mod.rs"]
@@ -25,10 +26,10 @@ use race::common::{Options, Rows, boxes, scene};
 use std::process::ExitCode;
 use truth::boxes::Kind;
 
-/// Boxes of many bodies, collision detection of whole scenes, and whole steps: ours against parry's and rapier's
+/// Compare broad phases, collision detection and whole steps with parry and rapier
 #[derive(Parser)]
 struct Command {
-    /// Which race
+    /// Race to run
     #[arg(value_enum)]
     race: Race,
     #[command(flatten)]
@@ -37,11 +38,11 @@ struct Command {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Race {
-    /// Broad phases
+    /// Broad phases of many bodies
     Boxes,
-    /// Collision detection without dynamics
+    /// Collision detection of whole scenes, without dynamics
     Scene,
-    /// Whole steps of rapier under parry's narrow phase and under ours
+    /// Whole steps of rapier, with parry's narrow phase and with ours
     Scenes,
 }
 

@@ -15,7 +15,7 @@ use crate::free::Solid;
 pub struct BodyShape(SharedShape);
 
 impl BodyShape {
-    /// Returns the shape as rapier has it.
+    /// Returns the shape as a shape of rapier.
     #[must_use]
     pub fn shared(&self) -> &SharedShape {
         &self.0
@@ -30,8 +30,8 @@ impl BodyShape {
         is_solid.then(|| self.0.mass_properties(density as Real).inv_mass)
     }
 
-    /// Returns what moves and is asked about without an engine; `None` for a shape that
-    /// [`lin_canny`] does not have.
+    /// Returns the shape for the engine without response; `None` if [`lin_canny`] has no
+    /// equivalent.
     pub(super) fn solid(&self) -> Option<Solid> {
         if let Some(hull) = self.0.as_shape::<Hull>() {
             let body = hull.body();

@@ -14,7 +14,7 @@ use crate::free::Free;
 use crate::overlap::{self, Overlap};
 use crate::{Body, BodyId, Effects, Report, Settings, SimulationError};
 
-/// Bodies that move by the effects called for. See the [page of the crate](crate).
+/// A simulation of bodies with the enabled effects. See the [page of the crate](crate).
 pub struct Simulation {
     engine: Engine,
 }
@@ -36,10 +36,13 @@ impl Simulation {
     /// Returns an empty simulation.
     ///
     /// # Errors
-    /// If a number of the effects or settings is out of range (with response, that of the engine's
-    /// precision: see [`SimulationError::Number`]), an effect needs response that is not
-    /// called for, pairs are observed with response, or the default step is too long for the size of
-    /// the bodies ([`SimulationError::LongStep`]).
+    /// Returns an error if:
+    ///
+    /// * a number of the effects or settings is out of range ([`SimulationError::Number`] has the
+    ///   ranges);
+    /// * an effect needs response, and response is not enabled;
+    /// * pairs are observed with response;
+    /// * the default step is too long for the size of the bodies ([`SimulationError::LongStep`]).
     pub fn new(effects: Effects, settings: Settings) -> Result<Self, SimulationError> {
         let reals = reals(effects.response);
         effects.check(reals)?;
@@ -55,12 +58,13 @@ impl Simulation {
         Ok(Self { engine })
     }
 
-    /// Puts a body into the simulation.
+    /// Inserts a body into the simulation.
     ///
     /// # Errors
-    /// If the pose is not a rigid motion, position, density, mass, velocity or a coefficient is not a
-    /// number of the engine; without response, if the shape is not one of [`lin_canny`] or too large
-    /// for a scene, or a coefficient is given.
+    /// Returns an error if the pose is not a rigid motion, or if a position, density, mass,
+    /// velocity or coefficient is out of range. Without response, also returns an error if
+    /// [`lin_canny`] has no equivalent of the shape, if the shape is too large for a scene, or if a
+    /// coefficient is given.
     pub fn insert(&mut self, shape: impl Into<BodyShape>, body: Body) -> Result<BodyId, SimulationError> {
         body.check(self.reals())?;
         let shape = shape.into();
@@ -76,11 +80,11 @@ impl Simulation {
         }
     }
 
-    /// Puts a body at a pose, whatever lies between. Its velocity stays, and it is awake.
+    /// Sets the pose of a body without a motion between. Keeps its velocity and wakes it.
     ///
     /// # Errors
-    /// If there is no such body, the pose is not a rigid motion, or the position is not a number of
-    /// the engine.
+    /// Returns an error if the body does not exist, the pose is not a rigid motion, or the position
+    /// is out of range.
     pub fn set_pose(&mut self, body: BodyId, pose: Isometry3<f64>) -> Result<(), SimulationError> {
         placed(&pose, self.reals())?;
         match &mut self.engine {
@@ -89,11 +93,11 @@ impl Simulation {
         }
     }
 
-    /// Sets the velocity of a body's centre of mass, and its angular velocity; a fixed body keeps
-    /// none.
+    /// Sets the velocity of a body's centre of mass and its angular velocity; no effect on fixed
+    /// bodies.
     ///
     /// # Errors
-    /// If there is no such body, or a coordinate is not a number of the engine.
+    /// Returns an error if the body does not exist or a coordinate is out of range.
     pub fn set_velocity(&mut self, body: BodyId, velocity: Velocity) -> Result<(), SimulationError> {
         moved(&velocity, self.reals())?;
         match &mut self.engine {
@@ -109,7 +113,7 @@ impl Simulation {
     /// Removes a body.
     ///
     /// # Errors
-    /// If there is no such body.
+    /// Returns an error if the body does not exist.
     pub fn remove(&mut self, body: BodyId) -> Result<(), SimulationError> {
         match &mut self.engine {
             Engine::Free(free) => free.remove(body),
@@ -120,8 +124,8 @@ impl Simulation {
     /// Advances the simulation by one time step.
     ///
     /// # Errors
-    /// If a body without response leaves the reach of the scene, 1e37: bodies after it in the order
-    /// of insertion have not moved then.
+    /// Returns an error without response if a body leaves the range of the scene, 1e37. Then the
+    /// bodies after it in the order of insertion have not moved.
     pub fn step(&mut self) -> Result<(), SimulationError> {
         match &mut self.engine {
             Engine::Free(free) => free.step(),
@@ -132,14 +136,15 @@ impl Simulation {
         }
     }
 
-    /// Advances a simulation with response by one time step under the caller's hooks, which may
-    /// refuse pairs and change contacts, and tells a handler of what begins and ends: rapier tells of
-    /// bodies whose colliders have `active_hooks` and `active_events` (through
-    /// [`world_mut`](Self::world_mut)). Without response the events of the scene are those of
-    /// [`scene`](Self::scene), and hooks and handler are not asked.
+    /// Advances a simulation with response by one time step, with rapier's hooks and event handler.
+    ///
+    /// Hooks may reject pairs and change contacts. The handler receives the start and end of
+    /// contacts. rapier calls both only for colliders with `active_hooks` and `active_events`,
+    /// which you set through [`world_mut`](Self::world_mut). Without response, hooks and handler
+    /// are not called; the events are those of [`scene`](Self::scene).
     ///
     /// # Errors
-    /// Those of [`step`](Self::step).
+    /// As [`step`](Self::step).
     pub fn step_with(&mut self, hooks: &dyn PhysicsHooks, events: &dyn EventHandler) -> Result<(), SimulationError> {
         match &mut self.engine {
             Engine::Free(free) => free.step(),
@@ -150,8 +155,9 @@ impl Simulation {
         }
     }
 
-    /// Returns the pose of a body's frame. The rotation is normalised in `f64`, as poses of
-    /// [`lin_canny`] need.
+    /// Returns the pose of a body's frame.
+    ///
+    /// The rotation is normalised in `f64`, because poses of [`lin_canny`] require it.
     #[must_use]
     pub fn pose(&self, body: BodyId) -> Option<Isometry3<f64>> {
         match &self.engine {
@@ -169,15 +175,16 @@ impl Simulation {
         }
     }
 
-    /// Returns the deepest overlap of two solids at their present poses, measured by [`lin_canny`]
-    /// whichever engine and dispatcher moved them; `None` if no two solids share a point. Pairs of
-    /// which neither is dynamic do not count.
+    /// Returns the deepest overlap of two solids at their current poses; `None` if none overlap.
     ///
-    /// The call is for judging a simulation, not for every step: a scene of all bodies is built, some
-    /// microseconds a body, and every overlap is measured in full. **Left out** are meshes that are
-    /// not closed, as they have no inside (a terrain, an open tray), shapes that [`lin_canny`] does
-    /// not have (half-spaces, voxels, custom shapes), and colliders added through
-    /// [`world_mut`](Self::world_mut).
+    /// [`lin_canny`] measures the overlap, for any engine and dispatcher. Pairs in which neither
+    /// body is dynamic do not count. Do not call it in every step: it builds a scene of all bodies,
+    /// which takes a few microseconds per body, and measures the full depth of every overlap. These
+    /// are not measured:
+    ///
+    /// * open meshes, which have no inside (a terrain, an open tray);
+    /// * shapes without an equivalent in [`lin_canny`] (half-spaces, voxels, custom shapes);
+    /// * colliders that were added through [`world_mut`](Self::world_mut).
     ///
     /// ```
     /// use lin_canny_rapier::single::Simulation;
@@ -197,7 +204,7 @@ impl Simulation {
     /// ```
     ///
     /// # Errors
-    /// If a body has left the reach of a scene, 1e37, or its pose is not finite.
+    /// Returns an error if a body has left the range of a scene, 1e37, or its pose is not finite.
     pub fn deepest_overlap(&self) -> Result<Option<Overlap>, SimulationError> {
         match &self.engine {
             Engine::Free(free) => overlap::deepest(free.members()),
@@ -205,7 +212,7 @@ impl Simulation {
         }
     }
 
-    /// Returns what the last step did.
+    /// Returns the counts of the last step.
     #[must_use]
     pub fn report(&self) -> Report {
         match &self.engine {
@@ -214,7 +221,7 @@ impl Simulation {
         }
     }
 
-    /// Returns the scene of a simulation without response: its pairs, events and costs.
+    /// Returns the scene of a simulation without response, with its pairs, events and costs.
     #[must_use]
     pub fn scene(&self) -> Option<&Scene> {
         match &self.engine {
@@ -232,8 +239,8 @@ impl Simulation {
         }
     }
 
-    /// Returns the rapier world of a simulation with response, for what effects do not cover:
-    /// joints, forces, sensors, events.
+    /// Returns the rapier world of a simulation with response, for joints, forces, sensors and
+    /// events.
     ///
     /// ```
     /// use lin_canny_rapier::single::rapier::prelude::RevoluteJointBuilder;
@@ -260,8 +267,8 @@ impl Simulation {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// `world.narrow_phase = NarrowPhase::new()` before the first step puts
-    /// parry's contacts in the place of the certified ones, for a comparison.
+    /// For a comparison, set `world.narrow_phase = NarrowPhase::new()` before the first step: the
+    /// world then uses parry's contacts.
     pub fn world_mut(&mut self) -> Option<&mut PhysicsWorld> {
         match &mut self.engine {
             Engine::Free(_) => None,
@@ -279,7 +286,7 @@ impl Simulation {
     }
 }
 
-/// Returns the numbers of the engine: rapier's, or without response those of [`lin_canny`].
+/// Returns the range of numbers of the engine: rapier's, or without response that of [`lin_canny`].
 fn reals(response: bool) -> Reals {
     if response {
         Reals::new(f64::from(Real::MIN_POSITIVE), f64::from(Real::MAX))

@@ -13,15 +13,15 @@ use crate::effects::Movement;
 use crate::overlap::Member;
 use crate::{Body, BodyId, Continuous, Effects, FrictionModel, Report, Settings, SimulationError};
 
-/// Inverse mass up to which rapier takes a body for one that no force moves.
+/// Inverse mass up to which rapier treats a body as immovable.
 const IMMOVABLE: Real = 1e-20;
 
-/// Returns an empty rapier world without gravity, under a dispatcher, with the length unit and the
-/// contact stiffness that bodies of about `size` and steps of `time_step` need, and without rapier's
-/// limit of the speed, which would be 400 sizes a second. The [page of the crate](crate) lists what
-/// follows from the size.
+/// Returns an empty rapier world with a dispatcher, for bodies of about `size`.
 ///
-/// For users of rapier itself; [`Simulation`](super::Simulation) is built on it.
+/// The world has no gravity. It has the length unit and the contact stiffness that bodies of this
+/// size and steps of `time_step` need, and no speed limit (rapier's limit is 400 sizes per second).
+/// The [page of the crate](crate) lists what follows from the size. Use it if you work with rapier
+/// directly; [`Simulation`](super::Simulation) uses it as well.
 #[must_use]
 pub fn certified_world(dispatcher: CertifiedDispatcher, size: Real, time_step: Real) -> PhysicsWorld {
     let mut world = PhysicsWorld::new();
@@ -31,7 +31,7 @@ pub fn certified_world(dispatcher: CertifiedDispatcher, size: Real, time_step: R
     parameters.dt = time_step;
     parameters.min_ccd_dt = time_step / 100.0;
     parameters.length_unit = size;
-    // rapier's default stops small bodies in free fall.
+    // rapier's default limits the speed of small bodies in free fall.
     parameters.normalized_max_linear_velocity = Real::MAX;
     let stiffer = 1.0 / (60.0 * time_step);
     parameters.contact_softness.natural_frequency *= stiffer;
@@ -147,7 +147,7 @@ impl World {
         Some(Velocity::new(wide(body.linvel()), wide(body.angvel())))
     }
 
-    /// Returns the bodies where they are, those left out whose shapes [`lin_canny`] does not have.
+    /// Returns the bodies at their current poses, without shapes that [`lin_canny`] does not have.
     pub(super) fn members(&self) -> impl Iterator<Item = Member> + '_ {
         self.bodies.iter().enumerate().filter_map(|(k, handle)| {
             let body = self.world.bodies.get((*handle)?)?;

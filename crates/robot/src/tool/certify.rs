@@ -1,4 +1,4 @@
-//! `certify`: every segment between rows proven free, or the time and the pair.
+//! The command `certify`: proves each segment between rows free, or reports time and pair.
 
 use std::path::PathBuf;
 
@@ -13,14 +13,14 @@ use super::{End, Table, ToolError, names, progress, write};
 pub(super) struct CertifyOptions {
     #[command(flatten)]
     robot: RobotOptions,
-    /// The motion: a column for each joint, in any order, and optionally `time`; joints move
-    /// evenly from row to row
+    /// Rows of the motion: one column per joint, in any order, and optionally `time`; joints move
+    /// at constant speed from row to row
     #[arg(long, value_name = "Q.csv")]
     joints: PathBuf,
-    /// The distance that all pairs must keep
+    /// Minimum distance of all pairs, in the unit of the robot
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
     margin: f64,
-    /// Where to write the verdict of each segment
+    /// Output file with the verdict of each segment
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
 }
@@ -31,7 +31,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     let (_, setup) = options.robot.load()?;
     let path = Trajectory::load(&options.joints, setup.coordinates())?;
     if path.rows.len() < 2 {
-        let (file, reason) = (options.joints.clone(), "a motion needs two rows".into());
+        let (file, reason) = (options.joints.clone(), "too few rows (expected at least 2)".into());
         return Err(ToolError::Rows { file, reason });
     }
     let mut checker = setup.checker()?;
@@ -44,7 +44,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
         bar.inc(1);
         let (from, to) = (path.lines[k], path.lines[k + 1]);
         let mut cells = vec![from.to_string(), to.to_string()];
-        // The time of the file at a part of the segment.
+        // The time in the file at a fraction of the segment.
         let time = |t: f64| {
             path.times
                 .as_ref()

@@ -1,4 +1,4 @@
-//! `clearance`: the closest pair at every row.
+//! The command `clearance`: finds the closest pair at each row.
 
 use std::path::PathBuf;
 
@@ -13,13 +13,13 @@ use super::{End, Table, ToolError, names, progress, write};
 pub(super) struct ClearanceOptions {
     #[command(flatten)]
     robot: RobotOptions,
-    /// Configurations: a column for each joint, in any order, and optionally `time`
+    /// Configurations: one column per joint, in any order, and optionally `time`
     #[arg(long, value_name = "Q.csv")]
     joints: PathBuf,
-    /// Where to write the answer of each row
+    /// Output file with the closest pair and its distance at each row
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
-    /// Where to record robot, cell and closest pair of each row, for the viewer
+    /// Output recording for the viewer: the robot, its cell and the closest pair at each row
     #[arg(long, value_name = "OUT.jsonl")]
     record: Option<PathBuf>,
 }

@@ -1,4 +1,4 @@
-//! `ignorable`: pairs of links that need no check.
+//! The command `ignorable`: finds link pairs that always or never collide.
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -13,13 +13,13 @@ use super::{End, ToolError, progress, write};
 pub(super) struct IgnorableOptions {
     #[command(flatten)]
     robot: RobotOptions,
-    /// Random configurations
+    /// Number of random configurations
     #[arg(long, default_value_t = 10_000)]
     samples: u64,
-    /// Seed of the configurations
+    /// Random seed
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Where to write the pairs as SRDF
+    /// Output file with the pairs as SRDF
     #[arg(long, value_name = "OUT.srdf")]
     out: Option<PathBuf>,
 }

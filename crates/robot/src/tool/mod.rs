@@ -1,4 +1,4 @@
-//! The tool: its commands, and how a run ends.
+//! The command line tool: its commands and exit codes.
 
 mod certify;
 mod clearance;
@@ -16,14 +16,14 @@ use lin_canny_robot::plan::{Checker, ConfigurationSpace, PlanError, WorldPair};
 
 const ENDS: &str = "\
 Exit codes:
-  0  free: every row is clear, every segment proven free, a path found
-  1  a row, a start or a goal in contact, or a segment blocked
+  0  every row is clear, every segment is proven free, or a path was found
+  1  a row, the start or the goal is in contact, or a segment is blocked
   2  wrong arguments
-  3  a file was refused, or cannot be written
-  4  neither proven: rounding hides whether a pair meets
-  5  no path found within the limits: there may be one nevertheless";
+  3  a file is invalid or cannot be written
+  4  undecided: a pair is within rounding error of contact
+  5  no path found within the limits; a path may exist";
 
-/// Clearances, proven motions and paths of a robot from its URDF.
+/// Compute clearances, proven motions and paths of a robot from its URDF
 #[derive(Parser)]
 #[command(name = "lin-canny-robot", version, about, after_help = ENDS)]
 struct Arguments {
@@ -33,17 +33,17 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// The closest pair at every row of a file of configurations.
+    /// Find the closest pair at each row of a file of configurations
     Clearance(clearance::ClearanceOptions),
-    /// Proves the motion from row to row free over its whole length, or names time and pair.
+    /// Prove that the motion from row to row is free, or report the time and the pair that collides
     Certify(certify::CertifyOptions),
-    /// Searches a path from the first to the last row, every segment proven free.
+    /// Search for a path from the first to the last row, with every segment proven free
     Plan(plan::PlanArguments),
-    /// Finds pairs of links that need no check, and writes them as SRDF.
+    /// Find link pairs that always or never collide, and write them as SRDF
     Ignorable(ignorable::IgnorableOptions),
 }
 
-/// How a run ended, worst last.
+/// Result of a run, worst last.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum End {
     Free,
@@ -52,7 +52,7 @@ enum End {
     NoPath,
 }
 
-/// Why a run could not be done.
+/// Error of a run.
 #[derive(Debug, thiserror::Error)]
 enum ToolError {
     #[error(transparent)]
@@ -92,7 +92,7 @@ fn write(file: &Path, text: &str) -> Result<(), ToolError> {
     })
 }
 
-/// A bar on stderr, if a terminal is there.
+/// Returns a progress bar on stderr, visible on a terminal only.
 fn progress(what: &'static str, length: u64) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
     match ProgressStyle::with_template("{prefix} {wide_bar} {pos}/{len} {eta}") {
@@ -105,7 +105,7 @@ fn names<C: ConfigurationSpace>(checker: &Checker<C>, pair: WorldPair) -> [Strin
     [pair.a, pair.b].map(|part| checker.name(part).to_owned())
 }
 
-/// A table as CSV.
+/// A CSV table in memory.
 struct Table(csv::Writer<Vec<u8>>);
 
 impl Table {

@@ -1,4 +1,4 @@
-//! What all commands take: the robot, its pairs, its cell.
+//! The options of all commands: the robot, its pairs, its cell.
 
 use std::path::PathBuf;
 
@@ -8,14 +8,14 @@ use lin_canny_robot::{MeshOptions, MeshUse, Packages, Robot, RobotFiles, Setup};
 
 use super::ToolError;
 
-/// What a mesh becomes.
+/// The body that is made from a mesh.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum MeshGeometry {
-    /// The convex hull.
+    /// The convex hull
     Hull,
-    /// The mesh as it is.
+    /// The triangles of the mesh
     Mesh,
-    /// Convex pieces from the folder of `--pieces`.
+    /// Convex pieces from the folder of `--pieces`
     Pieces,
 }
 
@@ -29,45 +29,46 @@ impl From<MeshGeometry> for MeshUse {
     }
 }
 
-/// The robot and what is about it.
+/// The robot and its cell.
 #[derive(Args)]
 pub(super) struct RobotOptions {
-    /// The robot
+    /// Robot as URDF
     #[arg(value_name = "ROBOT.urdf")]
     urdf: PathBuf,
-    /// Pairs of links to ignore
+    /// Link pairs to ignore, as SRDF
     #[arg(long, value_name = "FILE")]
     srdf: Option<PathBuf>,
-    /// Obstacles (`ignorable` counts links alone)
+    /// Obstacles as JSON (ignored by `ignorable`)
     #[arg(long, value_name = "CELL.json")]
     cell: Option<PathBuf>,
-    /// A folder with packages of `package://` names, before those of ROS_PACKAGE_PATH; may repeat
+    /// Folder with the packages of `package://` paths, searched before ROS_PACKAGE_PATH; may be
+    /// repeated
     #[arg(long, value_name = "DIR")]
     packages: Vec<PathBuf>,
-    /// What meshes become
+    /// Body that is made from each mesh
     #[arg(long, value_enum, default_value = "hull")]
     geometry: MeshGeometry,
-    /// What the meshes of one link become, such as `hand=mesh`; may repeat
+    /// Body that is made from the meshes of one link, such as `hand=mesh`; may be repeated
     #[arg(long, value_name = "LINK=KIND", value_parser = link_geometry)]
     link: Vec<(String, MeshGeometry)>,
-    /// The folder of the convex pieces: the objects of arm.obj for a mesh arm.stl
+    /// Folder of the convex pieces: the objects in arm.obj are the pieces of the mesh arm.stl
     #[arg(long, value_name = "DIR")]
     pieces: Option<PathBuf>,
-    /// Measure and print what hulls add to their meshes
+    /// Measure and print how much each hull differs from its mesh
     #[arg(long)]
     hull_fit: bool,
-    /// Check adjacent links too
+    /// Check adjacent links as well
     #[arg(long)]
     check_adjacent: bool,
 }
 
 fn link_geometry(text: &str) -> Result<(String, MeshGeometry), String> {
-    let (link, kind) = text.rsplit_once('=').ok_or("LINK=KIND is needed")?;
+    let (link, kind) = text.rsplit_once('=').ok_or("expected LINK=KIND")?;
     Ok((link.into(), MeshGeometry::from_str(kind, true)?))
 }
 
 impl RobotOptions {
-    /// Returns the robot, and robot and cell to make a checker of.
+    /// Returns the robot, and the setup of robot and cell for a checker.
     pub(super) fn load(&self) -> Result<(Robot, Setup), ToolError> {
         let of_links = self.link.iter().map(|(link, kind)| (link.clone(), (*kind).into()));
         let files = RobotFiles {
@@ -92,7 +93,7 @@ impl RobotOptions {
     }
 }
 
-/// Says which meshes are surfaces because triangles are turned over: nothing is inside them.
+/// Warns of meshes that are open surfaces because triangles are inverted: they have no inside.
 fn warn_of_turned_triangles(robot: &Robot) {
     for link in robot.links() {
         for body in &link.bodies {
@@ -102,7 +103,7 @@ fn warn_of_turned_triangles(robot: &Robot) {
             let edges = geometry.report().misoriented_edges.len();
             if edges > 0 {
                 eprintln!(
-                    "warning: mesh {} of link {} has no inside: triangles are turned over at {edges} edges",
+                    "warning: mesh {} of link {} has no inside: triangles are inverted at {edges} edges",
                     mesh.display(),
                     link.name
                 );

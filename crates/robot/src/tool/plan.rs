@@ -1,4 +1,4 @@
-//! `plan`: a path from the first to the last row of a file.
+//! The command `plan`: searches for a path from the first to the last row of a file.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -15,25 +15,25 @@ use super::{End, ToolError, write};
 pub(super) struct PlanArguments {
     #[command(flatten)]
     robot: RobotOptions,
-    /// Start and goal: the first and the last row
+    /// Configurations: the first row is the start, the last row the goal
     #[arg(long, value_name = "Q.csv")]
     joints: PathBuf,
-    /// Where to write the path, to stdout if left out
+    /// Output file with the path [default: stdout]
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
-    /// Where to record the motion along the path, for the viewer
+    /// Output recording of the motion along the path, for the viewer
     #[arg(long, value_name = "OUT.jsonl")]
     record: Option<PathBuf>,
-    /// The distance that all pairs must keep
+    /// Minimum distance of all pairs, in the unit of the robot
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
     margin: f64,
-    /// Seed of the random slices
+    /// Random seed
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Limit of the search in seconds
+    /// Time limit of the search in seconds
     #[arg(long, default_value = "10", value_parser = duration)]
     seconds: Duration,
-    /// Tries to shorten the path
+    /// Number of attempts to shorten the path
     #[arg(long, default_value_t = 300)]
     shorten: usize,
 }
@@ -47,7 +47,10 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
     let (_, setup) = options.robot.load()?;
     let rows = Trajectory::load(&options.joints, setup.coordinates())?.rows;
     let [start, .., goal] = &rows[..] else {
-        let (file, reason) = (options.joints.clone(), "a search needs two rows: start and goal".into());
+        let (file, reason) = (
+            options.joints.clone(),
+            "too few rows (expected a start and a goal)".into(),
+        );
         return Err(ToolError::Rows { file, reason });
     };
     let mut checker = setup.checker()?;
@@ -61,10 +64,7 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
         Progress::stop_if(began.elapsed() > options.seconds)
     })?;
     let Some(path) = found.path else {
-        eprintln!(
-            "no path found in {:.1?}: there may be one nevertheless",
-            began.elapsed()
-        );
+        eprintln!("no path found in {:.1?}; a path may exist", began.elapsed());
         return Ok(End::NoPath);
     };
     let short = checker.shorten(&path, options.shorten, options.seed)?;
@@ -85,7 +85,7 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
     Ok(End::Free)
 }
 
-/// Frames of each segment of a recorded path.
+/// Recorded frames per segment of the path.
 const FRAMES: u32 = 32;
 
 /// Records the motion along a path, with the closest pair of each frame.

@@ -1,4 +1,4 @@
-//! Structs of numbers and words, a row after the other.
+//! Builders for columns of structs.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use datafusion::arrow::buffer::NullBuffer;
 use datafusion::arrow::datatypes::{DataType, Field, Fields};
 use datafusion::error::Result;
 
-/// What a field holds.
+/// The type of a field.
 #[derive(Clone, Copy)]
 pub(super) enum Kind {
     Number,
@@ -37,7 +37,7 @@ pub(super) fn fields_of(list: &[(&str, Kind)]) -> Fields {
     list.iter().map(field).collect()
 }
 
-/// Answers in the making.
+/// A builder of results.
 pub(super) struct Answers {
     fields: Fields,
     columns: Vec<Column>,
@@ -57,7 +57,7 @@ impl Answers {
         }
     }
 
-    /// Adds a row: values of the first fields, NULL for the others; or no struct at all.
+    /// Adds a row: values of the first fields and NULL for the others, or a NULL struct.
     pub(super) fn push(&mut self, values: Option<&[Value<'_>]>) {
         self.known.push(values.is_some());
         for (k, column) in self.columns.iter_mut().enumerate() {

@@ -1,4 +1,4 @@
-//! `certify(from, to)`: a segment proven free over its whole length, or the time and the pair.
+//! `certify(from, to)`: proves a segment free, or returns the time and the pair that collides.
 
 use datafusion::arrow::array::ArrayRef;
 use datafusion::arrow::datatypes::{DataType, Fields};
@@ -24,10 +24,13 @@ pub(super) fn fields() -> Fields {
     fields_of(&FIELDS)
 }
 
-/// Two lists, or the numbers of both ends.
+/// Accepts two lists, or the numbers of both ends.
 pub(super) fn argument_types(types: &[DataType], count: usize) -> Result<Vec<DataType>> {
     if types.len() != 2 && types.len() != 2 * count {
-        return plan_err!("certify takes two lists of {count} numbers, or {} numbers", 2 * count);
+        return plan_err!(
+            "certify has invalid arguments (expected two lists of {count} numbers, or {} numbers)",
+            2 * count
+        );
     }
     let (from, to) = types.split_at(types.len() / 2);
     let mut all = vector_types(from, count, "the start of certify")?;

@@ -1,4 +1,4 @@
-//! `clearance(q..)`: the closest pair at a configuration.
+//! `clearance(q..)`: returns the closest pair at a configuration.
 
 use datafusion::arrow::array::ArrayRef;
 use datafusion::arrow::datatypes::Fields;

@@ -1,4 +1,4 @@
-//! The functions of a study, as the engine calls them.
+//! The SQL functions of a study.
 
 mod answers;
 mod certify;
@@ -22,7 +22,7 @@ use crate::error::RowError;
 use crate::rows::{Vectors, configuration, vector_types};
 use crate::study::Study;
 
-/// What a function answers.
+/// The kind of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Question {
     Clearance,
@@ -64,9 +64,9 @@ impl Question {
 
 /// A function of a study.
 ///
-/// Its name ends with the fingerprint of the study, and the plain name is an alias: a plan that
-/// reaches a process with another robot, cell or options names a function that is not there, and is
-/// refused instead of answered by the wrong cell.
+/// Its name ends with the fingerprint of the study, and the plain name is an alias. If a plan
+/// reaches a process with another robot, cell or options, its function does not exist there. So the
+/// process returns an error instead of a result for the wrong cell.
 #[derive(Clone)]
 struct StudyFunction {
     study: Arc<Study>,
@@ -87,7 +87,7 @@ impl StudyFunction {
         }
     }
 
-    /// Answers the rows of a batch.
+    /// Returns the results of the rows of a batch.
     fn answer(&self, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRef> {
         let study = &*self.study;
         if self.question != Question::Fault {
@@ -111,7 +111,7 @@ impl std::fmt::Debug for StudyFunction {
     }
 }
 
-// The name tells question, robot, cell and options.
+// The name identifies the kind, the robot, the cell and the options.
 impl PartialEq for StudyFunction {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name
@@ -188,10 +188,10 @@ impl Study {
         }
     }
 
-    /// Returns the state of a session that knows the functions, as schedulers and executors need.
+    /// Returns the state of a session with the functions, for schedulers and executors.
     ///
     /// # Errors
-    /// A function that the engine refuses.
+    /// Returns an error if the engine rejects a function.
     pub fn session_state(self: &Arc<Self>, config: SessionConfig) -> Result<SessionState> {
         let mut state = SessionStateBuilder::new()
             .with_config(config)
@@ -203,7 +203,7 @@ impl Study {
         Ok(state)
     }
 
-    /// Passes a row's answer on, or nothing for a bad row of a lenient study.
+    /// Returns the result of a row; `None` for an invalid row of a lenient study.
     fn settled<T>(&self, row: usize, values: &[f64], answer: Result<T, RowError>) -> Result<Option<T>> {
         match answer {
             Ok(answer) => Ok(Some(answer)),
@@ -241,7 +241,7 @@ fn faults(study: &Study, arguments: &[ArrayRef], rows: usize) -> ArrayRef {
     Arc::new(answers.finish())
 }
 
-/// An error of this library as one of the engine.
+/// Converts an error of this crate to an error of the engine.
 fn outside(error: crate::StudyError) -> datafusion::error::DataFusionError {
     datafusion::error::DataFusionError::External(Box::new(error))
 }

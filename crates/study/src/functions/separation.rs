@@ -1,4 +1,4 @@
-//! `separation(a, b, pose)`: two bodies by name, at a relative pose.
+//! `separation(a, b, pose)`: measures two bodies, by name, at a relative pose.
 
 use datafusion::arrow::array::{Array, ArrayRef, AsArray, StringArray};
 use datafusion::arrow::datatypes::{DataType, Fields};
@@ -30,7 +30,7 @@ const FIELDS: [(&str, Kind); 10] = [
 /// The numbers of a pose.
 const POSE: [&str; 7] = ["x", "y", "z", "qx", "qy", "qz", "qw"];
 
-/// Part by which the norm of a quaternion may differ from 1: as in files of cells.
+/// Largest deviation of the norm of a quaternion from 1, as in files of cells.
 const NORM: f64 = 1e-3;
 
 pub(super) fn fields() -> Fields {
@@ -87,7 +87,7 @@ fn separation(
     poses.read(row, POSE.len(), name, numbers)?;
     let pose = pose_of(numbers)?;
     let relative = RelativePose::from_isometry(&pose).map_err(|e| RowError::Refused(e.to_string()))?;
-    // A tracker of its own: the answer is a function of the row alone.
+    // A new tracker, so that the result depends on the row alone.
     let found = PairTracker::new().closest(a, b, &relative);
     let is_known = found.state != ContactState::Overlapping || found.lower > f64::NEG_INFINITY;
     let distance = if is_known { found.distance } else { 0.0 };
@@ -98,7 +98,7 @@ fn separation(
     ))
 }
 
-/// The one body that a row names.
+/// Returns the one body with the name in a row.
 fn body<'c>(
     checker: &'c Checker<JointTree>,
     names: &StringArray,
@@ -127,7 +127,7 @@ fn pose_of(numbers: &[f64]) -> Result<Isometry3<f64>, RowError> {
     let quaternion = Quaternion::new(w, i, j, k);
     let norm = quaternion.norm();
     if !((norm - 1.0).abs() <= NORM) {
-        let reason = format!("the quaternion has norm {norm:?} instead of 1");
+        let reason = format!("quaternion has norm {norm:?} (expected 1)");
         return Err(RowError::Refused(reason));
     }
     let turn = UnitQuaternion::new_normalize(quaternion);

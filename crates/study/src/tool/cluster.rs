@@ -1,4 +1,4 @@
-//! `scheduler` and `executor`: the processes of a cluster.
+//! The commands `scheduler` and `executor`: the processes of a cluster.
 
 use std::path::PathBuf;
 
@@ -11,13 +11,14 @@ use super::options::StudyArguments;
 pub(super) struct SchedulerOptions {
     #[command(flatten)]
     study: StudyArguments,
-    /// The address to listen at; 0.0.0.0 for other machines, in a network that you trust
+    /// Address to listen on; 0.0.0.0 admits other machines (no authentication: trusted networks
+    /// only)
     #[arg(long, value_name = "HOST", default_value = "127.0.0.1")]
     bind: String,
-    /// The port to listen at
+    /// Port to listen on
     #[arg(long, default_value_t = 50_050)]
     port: u16,
-    /// Seconds of silence after which an executor counts as lost, and others repeat its rows
+    /// Seconds without a message after which an executor counts as lost and others repeat its rows
     #[arg(long, value_name = "SECONDS", default_value_t = 30)]
     lost_after: u64,
 }
@@ -26,22 +27,23 @@ pub(super) struct SchedulerOptions {
 pub(super) struct ExecutorOptions {
     #[command(flatten)]
     study: StudyArguments,
-    /// The scheduler
+    /// Address of the scheduler
     #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:50050")]
     scheduler: String,
-    /// The address to listen at; 0.0.0.0 for other machines, in a network that you trust
+    /// Address to listen on; 0.0.0.0 admits other machines (no authentication: trusted networks
+    /// only)
     #[arg(long, value_name = "HOST", default_value = "127.0.0.1")]
     bind: String,
-    /// The name by which others reach this machine
+    /// Host name under which other machines reach this machine
     #[arg(long, value_name = "HOST")]
     external_host: Option<String>,
-    /// The port to listen at; the next one is used too
+    /// Port to listen on; the next port is used as well
     #[arg(long, default_value_t = 50_051)]
     port: u16,
-    /// Partitions answered side by side; as many as the machine has cores if left out
+    /// Number of partitions that run in parallel [default: number of cores]
     #[arg(long, value_name = "N")]
     cores: Option<usize>,
-    /// Where answers wait until they are fetched
+    /// Folder for results until they are fetched [default: a new folder for temporary files]
     #[arg(long, value_name = "DIR")]
     work: Option<PathBuf>,
 }

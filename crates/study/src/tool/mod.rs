@@ -1,4 +1,4 @@
-//! The tool: its commands, and how a run ends.
+//! The command line tool: its commands and exit codes.
 
 mod cluster;
 mod options;
@@ -17,11 +17,11 @@ const ENDS: &str = "\
 Exit codes:
   0  done
   2  wrong arguments
-  3  a file, a row or a query was refused, or a process of a cluster failed
+  3  a file, a row or a query is invalid, or a process of a cluster failed
 
-RUST_LOG=info shows what scheduler and executors do.";
+RUST_LOG=info prints the activity of scheduler and executors.";
 
-/// Clearances of millions of configurations of a robot, as SQL functions of Apache DataFusion.
+/// Compute clearances of millions of robot configurations with SQL functions of Apache DataFusion
 #[derive(Parser)]
 #[command(name = "lin-canny-study", version, about, after_help = ENDS)]
 struct Arguments {
@@ -31,17 +31,17 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Writes configurations to measure: a sequence of Halton, or random ones.
+    /// Write configurations to measure, from a Halton sequence or at random
     Sample(sample::SampleOptions),
-    /// Measures the clearance of every row, or answers a query of your own.
+    /// Compute the clearance of each row, or run your own query
     Run(run::RunArguments),
-    /// Draws what a run has found: clearances, worst rows, pairs, a map over two joints.
+    /// Write a report of a run: clearances, worst rows, pairs, a map over two joints
     Report(report::ReportOptions),
-    /// Nodes that are free and edges between them that are proven free.
+    /// Write a roadmap: free nodes, and edges between them that are proven free
     Roadmap(roadmap::RoadmapOptions),
-    /// Divides queries among executors, on one machine or on many.
+    /// Start a scheduler, which divides queries among executors
     Scheduler(cluster::SchedulerOptions),
-    /// Answers rows for a scheduler.
+    /// Start an executor, which processes rows for a scheduler
     Executor(cluster::ExecutorOptions),
 }
 

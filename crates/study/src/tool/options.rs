@@ -1,4 +1,4 @@
-//! What several commands take.
+//! The options that several commands share.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -7,40 +7,41 @@ use clap::{Args, ValueEnum};
 use lin_canny_study::robot::{MeshOptions, MeshUse, Packages, RobotFiles};
 use lin_canny_study::{Format, RunOptions, Study, StudyError, StudyOptions};
 
-/// What a mesh becomes.
+/// The body that is made from a mesh.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum MeshGeometry {
-    /// The convex hull.
+    /// The convex hull
     Hull,
-    /// The mesh as it is.
+    /// The triangles of the mesh
     Mesh,
 }
 
-/// The robot, its cell, and how rows are answered: the same for all processes of a cluster.
+/// The robot, its cell and the options of a row: they must be equal in all processes of a cluster.
 #[derive(Args)]
 pub(super) struct StudyArguments {
-    /// The robot
+    /// Robot as URDF
     #[arg(long, value_name = "ROBOT.urdf")]
     robot: PathBuf,
-    /// Obstacles
+    /// Obstacles as JSON
     #[arg(long, value_name = "CELL.json")]
     cell: Option<PathBuf>,
-    /// Pairs of links to ignore
+    /// Link pairs to ignore, as SRDF
     #[arg(long, value_name = "FILE")]
     srdf: Option<PathBuf>,
-    /// A folder with packages of `package://` names, before those of ROS_PACKAGE_PATH; may repeat
+    /// Folder with the packages of `package://` paths, searched before ROS_PACKAGE_PATH; may be
+    /// repeated
     #[arg(long, value_name = "DIR")]
     packages: Vec<PathBuf>,
-    /// What meshes become
+    /// Body that is made from each mesh
     #[arg(long, value_enum, default_value = "hull")]
     geometry: MeshGeometry,
-    /// Check adjacent links too
+    /// Check adjacent links as well
     #[arg(long)]
     check_adjacent: bool,
-    /// The distance that `is_free` and `certify` keep
+    /// Minimum distance for `is_free` and `certify`, in the unit of the robot
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
     margin: f64,
-    /// Answer bad rows (NULL, outside the limits) by NULL and count them, instead of ending
+    /// Return NULL for invalid rows and count them, instead of stopping with an error
     #[arg(long)]
     lenient: bool,
 }
@@ -69,13 +70,13 @@ impl StudyArguments {
     }
 }
 
-/// Where rows are answered, and what is written.
+/// Where rows are processed.
 #[derive(Args)]
 pub(super) struct WhereArguments {
-    /// Partitions answered side by side; as many as the machine has cores if left out
+    /// Number of partitions that run in parallel [default: number of cores]
     #[arg(long, value_name = "N")]
     partitions: Option<usize>,
-    /// The scheduler of a cluster; this process answers if left out
+    /// Scheduler of a cluster [default: run in this process]
     #[arg(long, value_name = "HOST:PORT")]
     scheduler: Option<String>,
 }
@@ -92,14 +93,14 @@ impl WhereArguments {
     }
 }
 
-/// A format of files, as an argument.
+/// A file format, as an argument.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum FormatArgument {
-    /// Apache Parquet.
+    /// Apache Parquet
     Parquet,
-    /// Text with a line of names.
+    /// CSV with a header line
     Csv,
-    /// Arrow IPC.
+    /// Arrow IPC
     Arrow,
 }
 

@@ -1,4 +1,4 @@
-//! Bars on stderr, if a terminal is there.
+//! Progress bars on stderr, visible on a terminal only.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -15,7 +15,7 @@ pub(super) fn bar(what: &'static str, length: u64) -> ProgressBar {
     }
 }
 
-/// A line for something whose length is not known.
+/// Returns a spinner for work of unknown length.
 pub(super) fn wait(what: &'static str) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
     bar.enable_steady_tick(TICK);
@@ -27,7 +27,7 @@ pub(super) fn wait(what: &'static str) -> ProgressBar {
 
 const TICK: Duration = Duration::from_millis(200);
 
-/// Shows how far a run has come until it has ended.
+/// Shows the progress of a run until it ends.
 pub(super) async fn shown<T>(
     what: &'static str,
     study: &Arc<Study>,

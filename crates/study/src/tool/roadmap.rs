@@ -1,4 +1,4 @@
-//! `roadmap`: free nodes, and edges proven free.
+//! The command `roadmap`: writes free nodes, and edges proven free.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,13 +17,13 @@ pub(super) struct RoadmapOptions {
     study: StudyArguments,
     #[command(flatten)]
     place: WhereArguments,
-    /// Configurations of the sequence of Halton to begin with; free ones become nodes
+    /// Number of configurations of the Halton sequence; the free ones become nodes
     #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..))]
     samples: u64,
-    /// Nearest nodes to which each node is connected, if the segment is proven free
+    /// Number of nearest nodes to which each node is connected, if the segment is proven free
     #[arg(long, default_value_t = 10)]
     neighbours: usize,
-    /// The folder of the roadmap. A command that was stopped goes on in it
+    /// Output folder. An interrupted command resumes in the same folder
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }

@@ -1,4 +1,4 @@
-//! `run`: the clearance of every row, or a query.
+//! The command `run`: the clearance of each row, or a query.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -18,21 +18,21 @@ pub(super) struct RunArguments {
     study: StudyArguments,
     #[command(flatten)]
     place: WhereArguments,
-    /// Configurations: a file or a folder of Parquet, CSV or Arrow IPC, with a column for each joint
-    /// (or a column `q` of lists), and any others, which are kept
+    /// Configurations: a file or a folder of Parquet, CSV or Arrow IPC files with one column per
+    /// joint (or a column `q` of lists); other columns are copied to the output
     #[arg(long = "in", value_name = "Q.parquet")]
     input: PathBuf,
-    /// The folder of the answers. A run that was stopped goes on in it
+    /// Output folder. An interrupted run resumes in the same folder
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// A query of your own over the table `configs`, with the functions clearance, is_free, certify,
-    /// separation and configuration_error; answered as a whole, to one file
+    /// Your own query over the table `configs`, with the functions clearance, is_free, certify,
+    /// separation and configuration_error; it writes one file
     #[arg(long, value_name = "QUERY")]
     sql: Option<String>,
-    /// Rows of a part: what a run that was stopped repeats at most
+    /// Rows per part: an interrupted run repeats at most this number
     #[arg(long, value_name = "N", default_value_t = 65_536, value_parser = clap::value_parser!(u32).range(1..))]
     block: u32,
-    /// The format of the answers
+    /// Output format
     #[arg(long, value_enum, default_value = "parquet")]
     format: FormatArgument,
 }
@@ -46,7 +46,7 @@ pub(super) async fn run(arguments: &RunArguments) -> Result<(), StudyError> {
     }
 }
 
-/// The clearance of every row, part after part.
+/// Computes the clearance of each row, part by part.
 async fn rows(study: &Arc<Study>, input: &Input, arguments: &RunArguments) -> Result<(), StudyError> {
     let mut options = arguments.place.options(arguments.format.into());
     options.block = arguments.block as usize;
@@ -75,14 +75,14 @@ async fn rows(study: &Arc<Study>, input: &Input, arguments: &RunArguments) -> Re
     Ok(())
 }
 
-/// The arguments of functions over the columns of an input.
+/// Returns the arguments of the functions, as columns of an input.
 pub(super) async fn configuration_in(study: &Arc<Study>, input: &Input) -> Result<String, StudyError> {
     let frame = input.read(&engine::local(study, 1)).await?;
     let names: Vec<_> = frame.schema().fields().iter().map(|f| f.name().as_str()).collect();
     configuration_of(study, &names)
 }
 
-/// A query, answered as a whole.
+/// Runs a query and writes one file.
 async fn whole(study: &Arc<Study>, input: &Input, query: &str, arguments: &RunArguments) -> Result<(), StudyError> {
     let format = Format::from(arguments.format);
     let options = arguments.place.options(format);

@@ -1,4 +1,4 @@
-//! `sample`: configurations to measure.
+//! The command `sample`: writes configurations to measure.
 
 use std::path::PathBuf;
 
@@ -10,9 +10,9 @@ use super::progress::bar;
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Method {
-    /// The sequence of Halton: even, for up to some ten joints.
+    /// Halton sequence: evenly spread, for up to about ten joints
     Halton,
-    /// Independent random numbers.
+    /// Independent random numbers
     Random,
 }
 
@@ -20,22 +20,22 @@ enum Method {
 pub(super) struct SampleOptions {
     #[command(flatten)]
     study: StudyArguments,
-    /// Configurations
+    /// Number of configurations
     #[arg(long, default_value_t = 100_000)]
     rows: u64,
-    /// How they are drawn, within the limits of the joints
+    /// Sampling method, within the limits of the joints
     #[arg(long, value_enum, default_value = "halton")]
     method: Method,
-    /// Seed of random configurations
+    /// Random seed of `--method random`
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Rows of a file: what a cluster keeps if a run is stopped
+    /// Rows per file: an interrupted run on a cluster keeps whole files
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
     rows_a_file: u64,
-    /// The format of the files
+    /// Output format
     #[arg(long, value_enum, default_value = "parquet")]
     format: FormatArgument,
-    /// The folder to write to; it must not be there yet
+    /// Output folder; it must not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }

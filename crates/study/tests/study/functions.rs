@@ -148,7 +148,7 @@ fn bad_rows_are_named() {
             &["row 2 ", "lift is NULL"],
         );
         let far = "turn, lift, elbow, CASE WHEN id = 3 THEN 2.95 ELSE roll END, bend, twist";
-        let parts = ["row 3 ", "roll is 2.95, not within -2.9 and 2.9"];
+        let parts = ["row 3 ", "roll is 2.95 (expected -2.9..=2.9)"];
         fails(&strict, &format!("SELECT {function}({far}) FROM configs"), &parts);
         let nan = "turn, lift, elbow, roll, 'NaN'::DOUBLE, twist";
         fails(
@@ -159,7 +159,7 @@ fn bad_rows_are_named() {
         fails(
             &strict,
             &format!("SELECT {function}([1, 2, 3]) FROM configs"),
-            &["3 values instead of 6"],
+            &["3 values (expected 6)"],
         );
         fails(
             &strict,

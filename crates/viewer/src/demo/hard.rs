@@ -45,7 +45,7 @@ impl Hard {
             for (points, numbers) in [(&case.a, case.pose_a), (&case.b, case.pose_b)] {
                 let points: Vec<Point3<f64>> = points.iter().copied().map(Point3::from).collect();
                 let geometry = stage.geometry(ConvexPolyhedron::from_points(&points)?);
-                let pose = poses::pose(numbers).ok_or_else(|| format!("{}: the pose is none", case.name))?;
+                let pose = poses::pose(numbers).ok_or_else(|| format!("{}: invalid pose: {numbers:?}", case.name))?;
                 stage.bodies.push(Body {
                     name: if geometry.is_multiple_of(2) { "A" } else { "B" }.into(),
                     geometry,

@@ -1,8 +1,8 @@
 //! What the page shows: what accuracy costs, hard cases, queries of a scene, a robot in its cell.
 
 mod accuracy;
-mod queries;
 mod hard;
+mod queries;
 mod robot;
 
 use eframe::egui;
@@ -45,7 +45,12 @@ pub fn open(number: usize, stage: &mut Stage) -> Result<Box<dyn Demo>, String> {
         1 => Box::new(hard::Hard::new(stage).map_err(say)?),
         2 => Box::new(queries::Pile::new(stage).map_err(say)?),
         3 => Box::new(robot::Robot::new(stage).map_err(say)?),
-        _ => return Err(format!("demonstration {number} of {}", NAMES.len())),
+        _ => {
+            return Err(format!(
+                "demonstration {number} does not exist (expected 0..{})",
+                NAMES.len()
+            ));
+        }
     })
 }
 

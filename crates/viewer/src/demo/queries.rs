@@ -6,7 +6,7 @@ use eframe::egui::{self, Color32};
 use lin_canny::ManifoldOptions;
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, StepWork, PairQueries, Group, Scene};
+use lin_canny::scene::{Body, BodyId, Group, PairQueries, Scene, StepWork};
 use lin_canny_record::Contact;
 use web_time::Instant;
 

@@ -1,12 +1,14 @@
-//! A sheet of cloth falls over a ball on a box. The motion is position-based dynamics in a few lines; the sheet is one mesh
-//! whose vertices are replaced in every substep, and the contacts are lin-canny's.
+//! A sheet of cloth falls over a ball on a box. The motion is position-based dynamics in a few
+//! lines; the sheet is one mesh whose vertices are replaced in every substep, and the contacts are
+//! lin-canny's.
 //!
-//! Each vertex is asked for its distance from the body, by a tracker of its own, and pushed out to the thickness of the
-//! cloth. An edge of the box may still reach through a triangle whose vertices are all outside: so the mesh is asked too, and
-//! its closest triangle is pushed off, until the proven distance says that no point of the cloth is nearer than half of the
-//! thickness.
+//! Each vertex is asked for its distance from the body, by a tracker of its own, and pushed out to
+//! the thickness of the cloth. An edge of the box may still reach through a triangle whose vertices
+//! are all outside: so the mesh is asked too, and its closest triangle is pushed off, until the
+//! proven distance says that no point of the cloth is nearer than half of the thickness.
 //!
-//! `cargo run --release -p race --example cloth` prints the frames and writes the picture `target/cloth.svg`.
+//! `cargo run --release -p race --example cloth` prints the frames and writes the picture
+//! `target/cloth.svg`.
 
 mod draw;
 
@@ -91,7 +93,8 @@ impl Cloth {
         let mut lengths = Vec::new();
         for i in 0..=SQUARES {
             for j in 0..=SQUARES {
-                // Along the threads, across the squares, and over two squares, which resists bending.
+                // Along the threads, across the squares, and over two squares, which resists
+                // bending.
                 for (k, l, part) in [(1, 0, 1.0), (0, 1, 1.0), (1, 1, 0.6), (2, 0, 0.1), (0, 2, 0.1)] {
                     if i + k <= SQUARES && j + l <= SQUARES {
                         let (a, b) = (number(i, j), number(i + k, j + l));
@@ -112,7 +115,8 @@ impl Cloth {
         })
     }
 
-    /// One substep of position-based dynamics (Mueller and others 2007; small steps: Macklin and others 2019).
+    /// One substep of position-based dynamics (Mueller and others 2007; small steps: Macklin and
+    /// others 2019).
     fn step(&mut self, body: &Geometry) -> Result<Seen, Box<dyn Error>> {
         self.before.clone_from(&self.places);
         for (v, p) in self.velocities.iter_mut().zip(&mut self.places) {
@@ -148,8 +152,8 @@ impl Cloth {
         })
     }
 
-    /// Pushes the cloth off the body. Returns the normals of vertices in contact, a lower bound of the distance, and the
-    /// number of triangles pushed.
+    /// Pushes the cloth off the body. Returns the normals of vertices in contact, a lower bound of
+    /// the distance, and the number of triangles pushed.
     #[allow(clippy::type_complexity)] // three answers of one example
     fn contacts(&mut self, body: &Geometry) -> Result<(Vec<Option<Vector3<f64>>>, f64, usize), Box<dyn Error>> {
         let point = Geometry::from(ConvexPolyhedron::point(Point3::origin())?);
@@ -208,10 +212,11 @@ fn body() -> Result<Compound, Box<dyn Error>> {
     Ok(Compound::new(vec![block, ball])?)
 }
 
-/// A sheet of cloth falls over a ball on a box: a mesh whose vertices are replaced in every substep
+/// Simulate a sheet of cloth that falls over a ball on a box, with new mesh vertices in every
+/// substep
 #[derive(Parser)]
 struct Options {
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/cloth.svg", value_parser = file("svg"))]
     out: PathBuf,
 }

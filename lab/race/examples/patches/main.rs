@@ -1,11 +1,12 @@
-//! Curved surfaces: a pot of rational patches and a twisted blade of a B-spline that swings about the pot.
+//! Curved surfaces: a pot of rational patches and a twisted blade of a B-spline that swings about
+//! the pot.
 //!
 //! ```text
 //! cargo run --release -p race --example patches -- [--frames N] [--width W] [--out FILE.svg]
 //! ```
 //!
-//! Prints what intervals of several widths cost and how far they miss the narrowest, then draws the front of one frame and the closest points
-//! of all frames: `target/patches.svg` unless named.
+//! Prints what intervals of several widths cost and how far they miss the narrowest, then draws the
+//! front of one frame and the closest points of all frames: `target/patches.svg` unless named.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -21,16 +22,16 @@ use truth::Point;
 use truth::command::{count, file, number};
 use truth::pose::dot;
 
-/// A blade swings about a pot: the front of a frame and the closest points as a picture
+/// Draw the front of a frame and the closest points while a blade swings around a pot
 #[derive(Parser)]
 struct Options {
-    /// Frames of half a degree
+    /// Number of frames of half a degree
     #[arg(long, value_name = "N", default_value_t = 240, value_parser = count(1))]
     frames: usize,
-    /// Width of the interval asked for in the picture
+    /// Width of the distance interval in the picture
     #[arg(long, value_name = "W", default_value_t = 1e-9, value_parser = number(0.0))]
     width: f64,
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/patches.svg", value_parser = file("svg"))]
     out: PathBuf,
 }
@@ -129,7 +130,8 @@ fn project(p: Point3<f64>) -> [f64; 2] {
     [385.0 + 165.0 * dot(p, VIEW[1]), 400.0 - 165.0 * dot(p, VIEW[2])]
 }
 
-/// Both surfaces as lines of equal parameters, the parts of the front, the closest points of all frames.
+/// Both surfaces as lines of equal parameters, the parts of the front, the closest points of all
+/// frames.
 fn picture(
     a: &BezierSurface,
     b: &BezierSurface,

@@ -1,4 +1,5 @@
-//! Shapes of every kind: `shapes` prints a table of pairs and draws them, `shapes FILE` answers the pairs of a file.
+//! Shapes of every kind: `shapes` prints a table of pairs and draws them, `shapes FILE` answers the
+//! pairs of a file.
 
 mod draw;
 
@@ -9,19 +10,19 @@ use clap::Parser;
 use lin_canny::PairTracker;
 use truth::curved::parse;
 
-/// Prints a table of pairs of curved shapes and draws them, or answers the pairs of a file
+/// Print and draw a table of pairs of curved shapes, or measure the pairs of a file
 ///
-/// A line of a file is `KIND params; KIND params; x y z qx qy qz qw`, the pose that of B in A's frame:
-/// `ball r`, `capsule half_length r` (along z), `box hx hy hz`, `hull x y z x y z ...`,
+/// A line of a file is `KIND params; KIND params; x y z qx qy qz qw`; the pose is that of B in A's
+/// frame: `ball r`, `capsule half_length r` (along z), `box hx hy hz`, `hull x y z x y z ...`,
 /// `cylinder half_height r`, `cone half_height r` (apex up z), `ellipsoid a b c`,
-/// `superquadric a b c e1 e2`, any with `+ r` for rounding. Empty lines and those that begin with `#`
-/// are skipped. The answer is `distance lower upper`, 17 digits each, line for line.
+/// `superquadric a b c e1 e2`, any with `+ r` for rounding. Empty lines and lines that start with
+/// `#` are skipped. Prints `distance lower upper` for each line, with 17 digits each.
 #[derive(Parser)]
 #[command(verbatim_doc_comment)]
 struct Options {
-    /// Pairs to answer, instead of the table
+    /// File with the pairs to measure, instead of the built-in table
     file: Option<PathBuf>,
-    /// Where to draw the table's pairs
+    /// Output picture of the pairs of the table
     #[arg(long, value_name = "FILE.svg", default_value = "target/shapes.svg", value_parser = truth::command::file("svg"))]
     out: PathBuf,
 }

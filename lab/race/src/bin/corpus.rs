@@ -1,5 +1,5 @@
-//! Who fails what: every named hard case of `tests/corpus/`, answered by the crate at each level and by parry, graded
-//! against the exact values in the files.
+//! Who fails what: every named hard case of `tests/corpus/`, answered by the crate at each level
+//! and by parry, graded against the exact values in the files.
 //!
 //! ```text
 //! cargo run --release -p race --bin corpus             # the table of the README
@@ -7,9 +7,9 @@
 //! cargo run --release -p race --bin corpus -- --truth  # what the exact oracle says of the small cases
 //! ```
 //!
-//! A case fails where an engine gives no answer, panics or says NaN; names the wrong side of contact although the bodies are
-//! more than `1e-12 L` from touching; errs by more than `1e-9` of the distance and `1e-13 L`; or answers B to A otherwise than
-//! A to B.
+//! A case fails where an engine gives no answer, panics or says NaN; names the wrong side of
+//! contact although the bodies are more than `1e-12 L` from touching; errs by more than `1e-9` of
+//! the distance and `1e-13 L`; or answers B to A otherwise than A to B.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -256,13 +256,13 @@ fn print(table: &Table) {
     line("all", &sum);
 }
 
-/// Grades every named hard case of tests/corpus, answered by the crate at each level and by parry
+/// Grade this crate, at each level of accuracy, and parry on every named hard case of tests/corpus
 #[derive(Parser)]
 struct Options {
-    /// Every failure by name as well
+    /// List every failure by name
     #[arg(long)]
     list: bool,
-    /// The exact values of the small cases instead
+    /// Print the exact values of the small cases instead
     #[arg(long)]
     truth: bool,
 }

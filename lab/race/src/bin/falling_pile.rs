@@ -1,10 +1,11 @@
-//! What queries cost: a thousand hulls fall into a pile, the same motion for growing sets of queries, and for the full set with one
-//! query removed.
+//! What queries cost: a thousand hulls fall into a pile, the same motion for growing sets of
+//! queries, and for the full set with one query removed.
 //!
 //! `cargo run --release -p race --bin falling_pile -- [--csv FILE] [--out FILE.svg] [--bodies N] [--quick]`
 //!
-//! The motion is scripted, so every set sees the same poses. Printed is the report of a step in the middle of the pile; the file
-//! has a line for each set with its counts and times, and the picture the time of a step over the fall.
+//! The motion is scripted, so every set sees the same poses. Printed is the report of a step in the
+//! middle of the pile; the file has a line for each set with its counts and times, and the picture
+//! the time of a step over the fall.
 
 use clap::Parser;
 use lin_canny::nalgebra::Isometry3;
@@ -21,19 +22,20 @@ use truth::crowd::{Crowd, Kind};
 
 type Trouble = Box<dyn std::error::Error>;
 
-/// What the queries of a scene cost: hulls fall into a pile, the same motion for growing sets of queries
+/// Measure the cost of the queries of a scene, with the same falling pile for growing sets of
+/// queries
 #[derive(Parser)]
 struct Options {
-    /// Counts and times of each set
+    /// Output table with counts and times of each set
     #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
-    /// Where to draw
+    /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/falling_pile.svg", value_parser = file("svg"))]
     out: PathBuf,
-    /// Hulls in the pile
+    /// Number of hulls in the pile
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = count(2))]
     bodies: usize,
-    /// One run of each set instead of five
+    /// Short run: each set once instead of five times
     #[arg(long)]
     quick: bool,
 }
@@ -61,7 +63,8 @@ const FULL: PairQueries = DEPTH.manifold(MANIFOLD);
 /// The queries that a manifold includes.
 const MEASURED: PairQueries = NONE.features(true).depth(true).manifold(MANIFOLD);
 
-/// Growing sets, then the full one less one query each. A manifold has features and depth, so it goes with either.
+/// Growing sets, then the full one less one query each. A manifold has features and depth, so it
+/// goes with either.
 const SETS: [(&str, PairQueries); 15] = [
     ("none", NONE),
     ("boxes", NONE.boxes(true)),
@@ -139,7 +142,8 @@ fn run(
     Ok(reports)
 }
 
-/// A run of every set, of each step the fastest of some; sets in turn, so that a busy machine spoils no single one.
+/// A run of every set, of each step the fastest of some; sets in turn, so that a busy machine
+/// spoils no single one.
 fn fastest(
     shapes: &[Arc<ConvexPolyhedron>],
     crowd: &Crowd,

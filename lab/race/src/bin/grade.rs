@@ -1,8 +1,10 @@
-//! Answers a file of cases: `grade [--level walk|certified|exact] [--shapes hull|mesh] [--cold] FILE PART START`.
+//! Answers a file of cases:
+//! `grade [--level walk|certified|exact] [--shapes hull|mesh] [--cold] FILE PART START`.
 //!
-//! The format of both files stands in `tests/CASES.md`. Each case of FILE from number START on gets a line in PART,
-//! flushed as it is written, so that whoever drives this can restart it behind a case that ends it. The tracker is kept
-//! along the frames of one motion (unless `--cold`); witnesses are in each body's own frame.
+//! The format of both files stands in `tests/CASES.md`. Each case of FILE from number START on gets
+//! a line in PART, flushed as it is written, so that whoever drives this can restart it behind a
+//! case that ends it. The tracker is kept along the frames of one motion (unless `--cold`);
+//! witnesses are in each body's own frame.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -30,17 +32,18 @@ enum Shapes {
     Mesh,
 }
 
-/// Answers the cases of FILE from number START on and appends a line for each to PART; both formats
-/// stand in tests/CASES.md
+/// Run the cases of FILE from number START and append one line per case to PART
+///
+/// tests/CASES.md defines both formats.
 #[derive(Parser)]
 struct Options {
-    /// Accuracy of the answers
+    /// Level of accuracy
     #[arg(long, value_enum, default_value_t = Accuracy::Certified)]
     level: Accuracy,
-    /// Bodies from the vertices alone, or with the faces given
+    /// Source of the bodies: hull of the vertices, or the faces of the file
     #[arg(long, value_enum, default_value_t = Shapes::Hull)]
     shapes: Shapes,
-    /// A new tracker for every case
+    /// Use a new tracker for every case
     #[arg(long)]
     cold: bool,
     file: String,
@@ -48,7 +51,8 @@ struct Options {
     start: usize,
 }
 
-/// A pose from the numbers of the file: taken as they are where they are a rotation, else divided by the norm.
+/// A pose from the numbers of the file: taken as they are where they are a rotation, else divided
+/// by the norm.
 fn pose(p: &truth::Pose) -> Isometry3<f64> {
     let [x, y, z, w] = p.q;
     let q = Quaternion::new(w, x, y, z);

@@ -1,4 +1,5 @@
-//! The hard cases that the viewer's page shows: small solids of `tests/corpus/`, each with the truth and what parry answered.
+//! The hard cases that the viewer's page shows: small solids of `tests/corpus/`, each with the
+//! truth and what parry answered.
 //!
 //! ```text
 //! cargo run --release -p race --bin hard_cases -- --out crates/viewer/cases.json
@@ -28,10 +29,10 @@ const NAMED: [&str; 4] = [
 /// Most points of a body.
 const MOST_POINTS: usize = 40;
 
-/// Writes the hard cases that the viewer's page shows
+/// Write the hard cases for the web page of the viewer
 #[derive(Parser)]
 struct Options {
-    /// Where to write them
+    /// Output file
     #[arg(long, value_name = "FILE.json", default_value = "target/cases.json", value_parser = file("json"))]
     out: PathBuf,
 }

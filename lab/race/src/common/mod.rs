@@ -1,5 +1,5 @@
-//! What the races share: options and results of the instrument `race`, and the races of many bodies, which take further
-//! engines.
+//! What the races share: options and results of the instrument `race`, and the races of many
+//! bodies, which take further engines.
 
 pub mod boxes;
 pub mod hulls;
@@ -21,16 +21,16 @@ const QUICK: usize = 1000;
 /// Options of a race.
 #[derive(Args, Debug)]
 pub struct Options {
-    /// One row a result: scene,shape,n,engine,ns
+    /// Output table, one row per result: scene,shape,n,engine,ns
     #[arg(long, value_name = "FILE.csv", value_parser = truth::command::file("csv"))]
     csv: Option<PathBuf>,
-    /// Fewer frames, passes and bodies
+    /// Short run with fewer frames, passes and bodies
     #[arg(long)]
     pub quick: bool,
-    /// One scene of the race
+    /// Single scene to run
     #[arg(long, value_name = "SCENE")]
     only: Option<String>,
-    /// No more bodies or triangles than these
+    /// Greatest number of bodies or triangles
     #[arg(long, value_name = "N")]
     upto: Option<usize>,
 }
@@ -69,7 +69,8 @@ impl Options {
     }
 }
 
-/// Results as CSV: scene, shape, number of vertices or bodies, engine, and nanoseconds or another unit.
+/// Results as CSV: scene, shape, number of vertices or bodies, engine, and nanoseconds or another
+/// unit.
 #[derive(Debug)]
 pub struct Rows {
     text: String,

@@ -1,4 +1,4 @@
-//! `report`: what a run has found, as one page.
+//! The command `report`: writes the results of a run as one page.
 
 mod charts;
 mod page;
@@ -19,19 +19,19 @@ use tables::Tables;
 pub(super) struct ReportOptions {
     #[command(flatten)]
     study: StudyArguments,
-    /// The folder of a run
+    /// Output folder of a run
     #[arg(long = "in", value_name = "DIR")]
     input: PathBuf,
-    /// The page to write
+    /// Output file
     #[arg(long, value_name = "REPORT.html", default_value = "report.html")]
     out: PathBuf,
-    /// Two joints of the map; the first two if left out
+    /// Two joints of the map [default: the first two]
     #[arg(long, num_args = 2, value_names = ["JOINT", "JOINT"])]
     map: Option<Vec<String>>,
-    /// Rows of the table of the worst
+    /// Number of worst rows to list
     #[arg(long, default_value_t = 10)]
     worst: usize,
-    /// Where to record the worst rows, for the viewer
+    /// Output recording of the worst rows, for the viewer
     #[arg(long, value_name = "WORST.jsonl")]
     record: Option<PathBuf>,
 }
@@ -66,7 +66,7 @@ fn joints(study: &Arc<Study>, named: Option<&[String]>) -> Result<Vec<String>, S
         None => Ok(named.to_vec()),
         Some(name) => Err(StudyError::unfit(
             "--map",
-            format!("there is no joint called {name:?}; there are {}", names.join(", ")),
+            format!("joint {name:?} does not exist (expected one of {})", names.join(", ")),
         )),
     }
 }

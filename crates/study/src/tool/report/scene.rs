@@ -39,7 +39,7 @@ pub(super) fn picture(study: &Arc<Study>, row: &WorstRow) -> Result<String, Stud
 /// A frame for each of the worst rows.
 pub(super) fn record(study: &Arc<Study>, tables: &Tables, file: &Path) -> Result<(), StudyError> {
     let Some(first) = tables.worst.first() else {
-        return Err(StudyError::unfit(file.display(), "there is no row to record"));
+        return Err(StudyError::unfit(file.display(), "no row to record"));
     };
     study.with_checker(|checker| {
         let mut film = RobotRecorder::create(file, checker, &first.configuration)?;

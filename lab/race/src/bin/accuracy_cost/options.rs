@@ -8,24 +8,27 @@ use truth::command::file;
 
 const PARTS: [&str; 7] = ["levels", "motion", "gap", "geometry", "curved", "nonconvex", "asking"];
 
-/// What each step of accuracy costs in time: every level of this crate and of parry on the same motions,
-/// errors against exact arithmetic. Prints tables and draws pictures
+/// Measure the time and the error of each level of accuracy, of this crate and of parry
+///
+/// All levels run on the same motions; errors are relative to exact arithmetic. Prints tables and
+/// draws pictures.
 #[derive(Parser)]
 pub(crate) struct Options {
-    /// One row a pass: engine,level,family,n,ns,err (err over the size of the pair)
+    /// Output table, one row per pass: engine,level,family,n,ns,err (err relative to the size of
+    /// the pair)
     #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     pub(crate) csv: Option<PathBuf>,
-    /// Where to draw
+    /// Output folder of the pictures
     #[arg(long, value_name = "FOLDER", default_value = "target/accuracy-cost")]
     pub(crate) out: PathBuf,
-    /// Fewer frames and passes: ten seconds
+    /// Short run of ten seconds, with fewer frames and passes
     #[arg(long)]
     pub(crate) quick: bool,
-    /// One part alone
+    /// Single part to run
     #[arg(long, value_name = "PART", value_parser = PossibleValuesParser::new(PARTS))]
     pub(crate) only: Option<String>,
-    /// A mesh of your own instead of ours, taken as a hull of radius 1; give two (parts levels, motion,
-    /// gap, asking)
+    /// Mesh file that replaces a built-in body, as a hull scaled to radius 1; give two (parts
+    /// levels, motion, gap, asking)
     #[arg(long, value_name = "FILE")]
     mesh: Vec<String>,
 }

@@ -1,5 +1,5 @@
-//! Draws every picture of the README and the documentation, from runs of the crate and from the records of its measurements:
-//! `cargo run --release -p race --bin figures -- [FOLDER]`.
+//! Draws every picture of the README and the documentation, from runs of the crate and from the
+//! records of its measurements: `cargo run --release -p race --bin figures -- [FOLDER]`.
 
 mod casts;
 mod contact;
@@ -15,10 +15,10 @@ use clap::Parser;
 
 type Trouble = Box<dyn std::error::Error>;
 
-/// Draws the pictures of the README and the documentation
+/// Draw the pictures of the README and the documentation
 #[derive(Parser)]
 struct Options {
-    /// Where to draw; `figures images` in a checkout replaces the pictures there
+    /// Output folder; `figures images` in a checkout replaces the pictures there
     #[arg(value_name = "FOLDER", default_value = "target/figures")]
     folder: PathBuf,
 }

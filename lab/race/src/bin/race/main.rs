@@ -23,17 +23,19 @@ use race::common::{Options, Rows, boxes, scene};
 use std::process::ExitCode;
 use truth::boxes::Kind;
 
-/// Ours against other libraries: closest points of two bodies, of two curved shapes, their contacts,
-/// boxes of many bodies, whole scenes, casts of moving bodies, meshes, segments of planners, curved
-/// surfaces, rays, hulls of points; instructions of queries
+/// Compare the speed of this crate with other libraries
+///
+/// Each race measures one kind of query: closest points of polyhedra or curved shapes, contacts,
+/// broad phases, whole scenes, casts, meshes, segments of planners, Bézier surfaces, rays and
+/// hulls. The race `instructions` counts the instructions of queries.
 #[derive(Parser)]
 struct Command {
-    /// Which race
+    /// Race to run
     #[arg(value_enum)]
     race: Race,
     #[command(flatten)]
     options: Options,
-    /// One cell of the instructions, to be asked by itself
+    /// One cell of the table of instructions, run in its own process
     #[arg(long, hide = true)]
     cell: Option<String>,
 }

@@ -1,12 +1,13 @@
-//! A long run against an independent judge: random bodies of every hard family and curved shapes, moved at random, one tracker along
-//! each motion, every frame judged.
+//! A long run against an independent judge: random bodies of every hard family and curved shapes,
+//! moved at random, one tracker along each motion, every frame judged.
 //!
 //! ```text
 //! cargo run --release -p race --bin soak -- --minutes 60 [--seed S] [--threads N] [--out DIR] [--trial K]
 //! ```
 //!
-//! What fails is written to DIR (`target/soak-failures`) as a text that `cargo run -p race --example replay` answers; the run goes on and
-//! ends with exit code 1. A trial is named by seed and number: `--trial K` runs that one alone.
+//! What fails is written to DIR (`target/soak-failures`) as a text that
+//! `cargo run -p race --example replay` answers; the run goes on and ends with exit code 1. A trial
+//! is named by seed and number: `--trial K` runs that one alone.
 
 mod curved;
 mod draw;
@@ -35,26 +36,26 @@ use truth::motion::Frame;
 use truth::rng::Rng;
 use truth::support;
 
-/// Random bodies of every hard family and curved shapes in random motions, meshes with the faults of
-/// real files, worlds of boxes, and scenes of bodies of every kind, every frame judged by arithmetic of
-/// its own
+/// Test random bodies in random motions and check every frame with independent arithmetic
 ///
-/// Failures are written to DIR as texts for the example replay, and end the program with status 1.
+/// Bodies are polyhedra of every hard family, curved shapes, meshes with the errors of real files,
+/// worlds of boxes, and scenes with bodies of every kind. A failure is written to DIR as a text for
+/// the example replay, and the program then ends with status 1.
 #[derive(Parser)]
 struct Options {
-    /// How long
+    /// Duration in minutes
     #[arg(long, value_name = "M", default_value_t = 1.0, value_parser = number(0.0))]
     minutes: f64,
-    /// Names the run
+    /// Random seed
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Threads
+    /// Number of threads
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = count(1))]
     threads: usize,
-    /// Where failures go
+    /// Output folder of failures
     #[arg(long, value_name = "DIR", default_value = "target/soak-failures")]
     out: PathBuf,
-    /// This trial alone
+    /// Number of the single trial to run
     #[arg(long, value_name = "K")]
     trial: Option<u64>,
 }
@@ -221,7 +222,8 @@ fn run(options: &Options, number: u64) -> Tally {
     run.tally
 }
 
-/// What a trial plays besides its motion: a sequence that is drawn from a seed and judged by arithmetic of its own.
+/// What a trial plays besides its motion: a sequence that is drawn from a seed and judged by
+/// arithmetic of its own.
 struct Driver {
     name: &'static str,
     /// Mixed into the seed, so that no two drivers draw the same numbers.
@@ -236,7 +238,8 @@ struct Driver {
 const CALLS: usize = 1500;
 
 const DRIVERS: [Driver; 8] = [
-    // Lattices, bricks and stacks: equal bounds, an index used again and slow motion together, each step against brute force.
+    // Lattices, bricks and stacks: equal bounds, an index used again and slow motion together, each
+    // step against brute force.
     Driver {
         name: "world of equal boxes",
         salt: 0x1a77,
@@ -250,7 +253,8 @@ const DRIVERS: [Driver; 8] = [
         count: 4,
         play: |seed, tally| curved::play(seed).map(|mix| tally.curves.add(&mix)),
     },
-    // Triangles without area, cut edges, repeats and slivers, compared with the same meshes without them.
+    // Triangles without area, cut edges, repeats and slivers, compared with the same meshes without
+    // them.
     Driver {
         name: "pair of meshes with faults",
         salt: 0xfa17,
