@@ -307,12 +307,12 @@ fn exact_edge_edge(a: &[VertexPath; 2], b: &[VertexPath; 2], width: f64, wide: &
 }
 
 #[cfg(not(feature = "exact"))]
-fn exact_vertex_face(_: &[Path; 1], _: &[Path; 3], _: f64, _: &mut WideWork) -> FirstContact {
+fn exact_vertex_face(_: &[VertexPath; 1], _: &[VertexPath; 3], _: f64, _: &mut WideWork) -> FirstContact {
     FirstContact::Open { safe: 0.0 }
 }
 
 #[cfg(not(feature = "exact"))]
-fn exact_edge_edge(_: &[Path; 2], _: &[Path; 2], _: f64, _: &mut WideWork) -> FirstContact {
+fn exact_edge_edge(_: &[VertexPath; 2], _: &[VertexPath; 2], _: f64, _: &mut WideWork) -> FirstContact {
     FirstContact::Open { safe: 0.0 }
 }
 
