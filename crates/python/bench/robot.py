@@ -72,7 +72,7 @@ def main():
     runs = {
         "Rust loop": (lambda: None, COUNT),
         "`clearances`": (lambda: checker.clearances(q), COUNT),
-        "`free`": (lambda: checker.free(q), COUNT),
+        "`are_free`": (lambda: checker.are_free(q), COUNT),
         "`clearance`, one by one": (lambda: [checker.clearance(each) for each in q], COUNT),
     }
     if pin:

@@ -171,7 +171,7 @@ impl Checker {
     /// Returns the verdict on the straight segment between two configurations, over its whole
     /// length.
     ///
-    /// The verdict is free, blocked by a pair at a time, or unknown.
+    /// The verdict is free, blocked by a pair at a time, or undecided.
     fn certify(&mut self, py: Python<'_>, start: &Bound<'_, PyAny>, goal: &Bound<'_, PyAny>) -> PyResult<Verdict> {
         let ends = [configuration(start)?, configuration(goal)?];
         let verdict = py.detach(|| self.checker.certify(&ends[0], &ends[1]));

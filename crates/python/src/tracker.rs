@@ -129,7 +129,7 @@ impl PairTracker {
     /// Returns whether two triangles of a mesh that share no vertex are at most `d` apart; for a
     /// `d` of zero, whether the mesh intersects itself. Exact.
     fn self_within(&mut self, mesh: &Bound<'_, Geometry>, d: f64) -> PyResult<bool> {
-        decided(self.tracker.self_within(mesh.get().own_mesh()?, d))
+        Ok(self.tracker.self_within(mesh.get().own_mesh()?, d))
     }
 
     /// Returns all pairs of triangles of a mesh that share no vertex and are at most `d` apart,

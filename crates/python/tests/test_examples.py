@@ -60,7 +60,7 @@ def test_an_arm_of_the_repository():
     robot = lc.Robot.load(ARM / "gripper.urdf", ARM / "gripper.srdf")
     checker = lc.Checker(robot, cell=ARM / "cell.json")
     q = np.random.default_rng(0).uniform(*robot.limits.T, (3000, robot.dof))
-    found, free = checker.clearances(q, threads=2), checker.free(q)
+    found, free = checker.clearances(q, threads=2), checker.are_free(q)
     assert robot.dof == 7 and np.array_equal(free, found["distance"] > 0)
     assert np.all(found["lower"] <= found["distance"]) and np.all(found["distance"] <= found["upper"])
     assert "left finger" in {checker.bodies[k] for k in found["a"]}

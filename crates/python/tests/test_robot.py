@@ -67,9 +67,9 @@ def test_clearances_by_hand(checker):
     assert np.all(found["lower"] <= by_hand + 1e-12) and np.all(by_hand - 1e-12 <= found["upper"])
     assert set(found["b"]) == {2} and set(found["a"]) == {0, 1}
     assert np.array_equal(found, checker.clearances(q, threads=3))
-    free = checker.free(q)
+    free = checker.are_free(q)
     assert free.dtype == bool and np.array_equal(free, by_hand > 0) and 0 < free.sum() < 3000
-    assert np.array_equal(free, checker.free(q, threads=2))
+    assert np.array_equal(free, checker.are_free(q, threads=2))
     single = checker.clearance(q[0])
     assert single.distance == pytest.approx(by_hand[0], abs=1e-9)
     assert (single.a, single.b) == tuple(checker.bodies[k] for k in found[0][["a", "b"]])
@@ -82,7 +82,7 @@ def test_a_margin(checker):
     q = [0.5, 0.7]
     near = checker.clearance(q).distance
     checker.margin = near + 1e-6
-    assert not checker.is_free(q) and not checker.free([q])[0]
+    assert not checker.is_free(q) and not checker.are_free([q])[0]
     checker.margin = near - 1e-6
     assert checker.is_free(q) and checker.margin == near - 1e-6
     with pytest.raises(lc.PlanError, match="margin"):

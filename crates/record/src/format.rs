@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub const FORMAT: &str = "lin-canny recording";
 
 /// The version that this crate writes, and the only one that it reads.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// The first line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -95,14 +95,14 @@ pub struct PairLine {
     /// Index of the piece, triangle or patch of A and of B that contains the features; zero for
     /// convex bodies.
     #[serde(default, skip_serializing_if = "is_whole")]
-    pub parts: [u32; 2],
+    pub subshapes: [u32; 2],
     /// Contact points.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<Contact>,
 }
 
-fn is_whole(parts: &[u32; 2]) -> bool {
-    *parts == [0; 2]
+fn is_whole(subshapes: &[u32; 2]) -> bool {
+    *subshapes == [0; 2]
 }
 
 /// A contact point, in the world.

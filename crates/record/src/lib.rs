@@ -32,7 +32,7 @@
 //! # The format, version 1
 //!
 //! A file is UTF-8 text with one JSON value per line. The first line is the [`Header`]:
-//! `{"format":"lin-canny recording","version":1,"title":"two cubes"}`. Each further line is an
+//! `{"format":"lin-canny recording","version":2,"title":"two cubes"}`. Each further line is an
 //! object with one key:
 //!
 //! | key | value |

@@ -31,7 +31,7 @@ impl<W: Write> Recorder<W> {
                 let pieces = pair.subshapes.unwrap_or_default();
                 let line = self.pair(a, b)?;
                 line.outcome = Some(*outcome);
-                line.parts = pieces;
+                line.subshapes = pieces;
                 line.contacts = contacts;
             } else if !contacts.is_empty() {
                 self.pair(a, b)?.contacts = contacts;

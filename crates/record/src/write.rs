@@ -172,7 +172,7 @@ impl<W: Write> Recorder<W> {
     pub fn answer(&mut self, a: u32, b: u32, answer: &PairOutcome) -> Result<(), WriteError> {
         let line = self.pair(a, b)?;
         line.outcome = Some(answer.outcome);
-        line.parts = [answer.locations[0].subshape, answer.locations[1].subshape];
+        line.subshapes = [answer.locations[0].subshape, answer.locations[1].subshape];
         Ok(())
     }
 
@@ -255,7 +255,7 @@ impl<W: Write> Recorder<W> {
                 a,
                 b,
                 outcome: None,
-                parts: [0; 2],
+                subshapes: [0; 2],
                 contacts: Vec::new(),
             });
         }

@@ -128,7 +128,7 @@ fn errors_name_the_line() {
     assert!(matches!(wrong, ReadError::Line { line: 9, .. }), "{wrong}");
     let wrong = with(1, "{\"format\":\"lin-canny recording\",\"version\":2}");
     assert!(matches!(wrong, ReadError::Version { found: 2 }), "{wrong}");
-    let wrong = with(1, "{\"format\":\"other\",\"version\":1}");
+    let wrong = with(1, "{\"format\":\"other\",\"version\":2}");
     assert!(matches!(wrong, ReadError::Format { .. }), "{wrong}");
     assert!(
         Recording::read(&b""[..])

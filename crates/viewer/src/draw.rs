@@ -127,7 +127,7 @@ impl DrawList {
         let Some(outcome) = &pair.outcome else { return };
         let bodies = pair.bodies.map(|k| &stage.bodies[k]);
         let features = [outcome.features.a, outcome.features.b];
-        for ((body, feature), part) in bodies.into_iter().zip(features).zip(pair.parts) {
+        for ((body, feature), part) in bodies.into_iter().zip(features).zip(pair.subshapes) {
             let geometry = &stage.geometries[body.geometry];
             let lift = 2e-3 * stage.solids[body.geometry].radius;
             match lit::feature(geometry, &body.pose, part, feature) {
@@ -169,7 +169,7 @@ impl DrawList {
     fn regions(&mut self, stage: &Stage, pair: &Pair) {
         let Some(outcome) = &pair.outcome else { return };
         let features = [outcome.features.a, outcome.features.b];
-        for ((k, feature), part) in pair.bodies.into_iter().zip(features).zip(pair.parts) {
+        for ((k, feature), part) in pair.bodies.into_iter().zip(features).zip(pair.subshapes) {
             let body = &stage.bodies[k];
             let height = 1.3 * stage.solids[body.geometry].radius;
             for wall in lit::region(&stage.geometries[body.geometry], &body.pose, part, feature, height) {

@@ -58,7 +58,7 @@ impl Player {
         stage.pairs.extend(frame.pairs.iter().map(|p| Pair {
             bodies: [p.a as usize, p.b as usize],
             outcome: p.outcome,
-            parts: p.parts,
+            subshapes: p.subshapes,
             contacts: p.contacts.clone(),
         }));
         stage.boxes.clone_from(&frame.boxes);

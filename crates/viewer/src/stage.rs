@@ -30,7 +30,7 @@ pub struct Pair {
     /// Closest points and bounds.
     pub outcome: Option<Outcome>,
     /// The piece, triangle or patch of each.
-    pub parts: [u32; 2],
+    pub subshapes: [u32; 2],
     /// Contact points in the world.
     pub contacts: Vec<Contact>,
 }
@@ -42,7 +42,7 @@ impl Pair {
         Self {
             bodies: [a, b],
             outcome: None,
-            parts: [0; 2],
+            subshapes: [0; 2],
             contacts: Vec::new(),
         }
     }
@@ -117,7 +117,7 @@ impl Stage {
         let tracker = self.trackers.entry(watched.bodies).or_default();
         let answer = tracker.closest(shape_a, shape_b, &poses);
         watched.outcome = Some(answer.outcome);
-        watched.parts = [answer.on[0].part, answer.on[1].part];
+        watched.subshapes = [answer.locations[0].subshape, answer.locations[1].subshape];
         if !watched.contacts.is_empty() {
             let options = ManifoldOptions::with_prediction(0.02 * self.solids[b.geometry].radius);
             let groups = tracker.contacts(shape_a, shape_b, &poses, &options).unwrap_or_default();

@@ -112,13 +112,13 @@ impl Verdict {
 #[pymethods]
 impl Verdict {
     /// "free" (every pair keeps the margin at every instant), "blocked" (a pair is proven not to)
-    /// or "unknown" (rounding hides it).
+    /// or "undecided" (rounding hides it).
     #[getter]
     fn state(&self) -> &'static str {
         match self.verdict {
             Judged::Free { .. } => "free",
             Judged::Blocked { .. } => "blocked",
-            _ => "unknown",
+            _ => "undecided",
         }
     }
 

@@ -137,7 +137,7 @@ impl Checker {
     ///
     /// The result is a bool array of shape (N,). For threads and progress see `clearances`.
     #[pyo3(signature = (q, *, threads=1, progress=None))]
-    fn free<'py>(
+    fn are_free<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,

@@ -39,15 +39,15 @@ impl Cast {
 #[pymethods]
 impl Cast {
     /// "hit", "miss" (proven for the whole interval), "start" (in contact, or within the distance,
-    /// at time 0), "near" (within rounding error of contact) or "unknown" (a limit was reached).
+    /// at time 0), "undecided" (within rounding error of contact) or "incomplete" (a limit was reached).
     #[getter]
     fn state(&self) -> &'static str {
         match self.cast.impact {
             Impact::AtStart { .. } => "start",
             Impact::Hit { .. } => "hit",
-            Impact::Undecided { .. } => "near",
+            Impact::Undecided { .. } => "undecided",
             Impact::Miss => "miss",
-            _ => "unknown",
+            _ => "incomplete",
         }
     }
 
@@ -148,7 +148,7 @@ impl PairTracker {
         let (a, b) = (&a.get().0, &b.get().0);
         let tolerance = Tolerance::Distance(tolerance);
         let cast = py.detach(|| {
-            let mut pair = self.tracker.over(a, b);
+            let mut pair = self.tracker.pair(a, b);
             cast_within(&mut pair, &motions[0], &motions[1], 0.0..duration, tolerance, distance)
         });
         let cast = cast.map_err(motion_error)?;

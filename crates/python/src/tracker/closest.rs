@@ -72,7 +72,7 @@ impl Closest {
     /// The piece, triangle or patch of each witness, by the caller's index; 0 if convex.
     #[getter]
     fn parts(&self) -> (u32, u32) {
-        (self.answer.on[0].part, self.answer.on[1].part)
+        (self.answer.locations[0].subshape, self.answer.locations[1].subshape)
     }
 
     /// The witness on A in the world, shape (3,).

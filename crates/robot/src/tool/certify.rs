@@ -73,7 +73,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
             _ => {
                 let safe = verdict.safe();
                 bar.suspend(|| println!("lines {from} to {to}: undecided from {safe} of the segment on"));
-                cells.extend(["unknown".into(), safe.to_string()]);
+                cells.extend(["undecided".into(), safe.to_string()]);
                 cells.extend(["", "", "", ""].map(String::from));
                 end = end.max(End::Unknown);
             }

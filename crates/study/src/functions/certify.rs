@@ -65,7 +65,7 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
                         let [a, b] = [pair.a, pair.b].map(|part| Value::Word(checker.name(part)));
                         answers.push(Some(&[Value::Word("blocked"), safe, Value::Number(t), a, b]));
                     }
-                    _ => answers.push(Some(&[Value::Word("unknown"), safe])),
+                    _ => answers.push(Some(&[Value::Word("undecided"), safe])),
                 }
             }
             answers.finish()

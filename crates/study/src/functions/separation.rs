@@ -5,7 +5,7 @@ use datafusion::arrow::datatypes::{DataType, Fields};
 use datafusion::common::plan_err;
 use datafusion::error::Result;
 use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
-use lin_canny::{ContactState, Geometry, PairTracker, RelativePose, normalize};
+use lin_canny::{ContactState, Geometry, PairTracker, RelativePose, normalize_rotation};
 use lin_canny_plan::{Checker, JointTree, WorldId};
 
 use super::answers::{Answers, Kind, Value, fields_of};
@@ -131,5 +131,8 @@ fn pose_of(numbers: &[f64]) -> Result<Isometry3<f64>, RowError> {
         return Err(RowError::Refused(reason));
     }
     let turn = UnitQuaternion::new_normalize(quaternion);
-    Ok(normalize(&Isometry3::from_parts(Translation3::new(x, y, z), turn)))
+    Ok(normalize_rotation(&Isometry3::from_parts(
+        Translation3::new(x, y, z),
+        turn,
+    )))
 }

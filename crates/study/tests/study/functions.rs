@@ -107,7 +107,7 @@ fn segments_are_certified_as_by_a_new_checker() {
                 assert_eq!((row[8].as_str(), bits(&row[10]).to_bits()), ("blocked", t.to_bits()));
                 assert_eq!(row[11..], [pair.a, pair.b].map(|part| checker.name(part).to_owned()));
             }
-            _ => assert_eq!(row[8], "unknown"),
+            _ => assert_eq!(row[8], "undecided"),
         }
         seen[usize::from(verdict.is_free())] += 1;
     }
