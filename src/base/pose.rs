@@ -28,7 +28,7 @@ pub enum PoseError {
     /// [`RelativePose::new_normalized`] accepts rotations from `f32`, from files and from many
     /// products.
     #[error(
-        "rotation of {body} is not a unit quaternion: its squared norm is {norm_squared} (`normalize` the pose, or use \
+        "rotation of {body} is not a unit quaternion: its squared norm is {norm_squared} (call `normalize_rotation`, or use \
          `RelativePose::new_normalized`)"
     )]
     Rotation {

@@ -31,20 +31,20 @@ pub enum BroadPhaseError {
         axis: usize,
     },
     /// A margin is NaN, infinite or negative.
-    #[error("the margin of a body must be finite and not negative")]
+    #[error("the margin of a body is out of range (expected a finite number that is not negative)")]
     Margin,
     /// The id is not of this structure, or its body was removed.
-    #[error("{body} is not, or no longer, in this broad phase")]
+    #[error("{body} does not exist in this broad phase, or was removed")]
     StaleId {
         /// The id as given.
         body: BodyId,
     },
     /// No more indices: a structure holds at most 2^31 - 1 bodies.
-    #[error("a broad phase holds at most 2147483647 bodies")]
+    #[error("too many bodies in the broad phase (expected at most 2147483647)")]
     TooManyBodies,
     /// No more slots: a structure holds at most 2^32 - 1 pairs at once. Reported by a step, see
     /// [`Events::refused`](super::Events::refused).
-    #[error("the pair of {a} and {b} and {} more found no place: a broad phase names at most 4294967295 pairs", .refused - 1)]
+    #[error("too many pairs: {a} and {b}, and {} more (expected at most 4294967295)", .refused - 1)]
     TooManyPairs {
         /// The lower member of the first refused pair.
         a: BodyId,
@@ -66,7 +66,7 @@ impl BroadPhaseError {
 
 /// Refused entries of a batch. Every valid entry of the batch was applied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("entry {index} of the batch and {} more were refused: {first}", .refused - 1)]
+#[error("entry {index} of the batch and {} more are invalid: {first}", .refused - 1)]
 #[non_exhaustive]
 pub struct BatchError {
     /// Index in the batch of the first refused entry.

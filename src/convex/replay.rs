@@ -96,7 +96,7 @@ pub enum ReplayError {
     #[error("the first line is not \"lin-canny replay 1\"")]
     Title,
     /// A line differs from the expected content; line 0 is the end of the text.
-    #[error("line {line}: {expected} expected")]
+    #[error("line {line} is invalid (expected {expected})")]
     Line {
         /// Line number.
         line: usize,
@@ -115,7 +115,7 @@ pub enum ReplayError {
     #[error(transparent)]
     Pose(#[from] PoseError),
     /// The start names features missing from the bodies.
-    #[error("the start {0} is no pair of features of these bodies")]
+    #[error("the start is not a pair of features of these bodies: {0}")]
     Start(FeaturePair),
 }
 

@@ -73,13 +73,13 @@ impl Piece {
 #[non_exhaustive]
 pub enum CompoundError {
     /// No piece, or more than 2^27.
-    #[error("{count} pieces make no body")]
+    #[error("number of pieces is out of range: {count} (expected 1..=134217728)")]
     Count {
         /// Pieces given.
         count: usize,
     },
     /// A pose that is not finite, or a piece farther than 1e116 from the body's origin.
-    #[error("piece {piece} stands at no finite place")]
+    #[error("the pose of piece {piece} is not finite or farther than 1e116 from the origin")]
     Pose {
         /// The piece.
         piece: usize,

@@ -68,7 +68,7 @@ pub struct PairOutcome {
     /// The places of the witnesses on A and on B.
     pub locations: [WitnessLocation; 2],
     /// Whether the bounds are no farther apart than was asked for: always true unless a geometry is
-    /// a surface of patches. If false, the budget of splits was used up or is too small by far (see
+    /// a Bézier surface. If false, the budget of splits was used up or is too small by far (see
     /// [`patch`](crate::surface)), or the width is below `2^-42` times the size of the pair; the
     /// bounds hold all the same.
     pub is_converged: bool,

@@ -128,7 +128,7 @@ impl PairTracker {
     /// ```
     ///
     /// # Errors
-    /// If one of both is a surface of patches, which bears no contacts.
+    /// If one of both is a Bézier surface, which bears no contacts.
     pub fn contacts<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,
@@ -161,12 +161,12 @@ impl PairTracker {
     /// [`contacts`](Self::contacts) does: for bodies of many pairs, which share their patches, and
     /// for patches with a tolerance of their own.
     ///
-    /// `options.max_face_sine` and `options.rebuild_motion` are those of the manifold of two patches. Contacts are
-    /// those of shallow overlap: a body that is wholly behind a face, or whose deepest point has
-    /// left the mesh on another side, has no contact with that face. If solids overlap whose hulls
-    /// of patches bear no contact at all, they have one along a translation that parts them, that
-    /// of [`penetration`](Self::penetration), at its price; a solid that is deep inside another
-    /// one, away from all patches, has none.
+    /// `options.max_face_sine` and `options.rebuild_motion` are those of the manifold of two
+    /// patches. Contacts are those of shallow overlap: a body that is wholly behind a face, or
+    /// whose deepest point has left the mesh on another side, has no contact with that face. If
+    /// solids overlap whose hulls of patches bear no contact at all, they have one along a
+    /// translation that parts them, that of [`penetration`](Self::penetration), at its price; a
+    /// solid that is deep inside another one, away from all patches, has none.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -199,7 +199,7 @@ impl PairTracker {
 
     /// Returns bounds of the penetration depth of two solids, the length of the shortest
     /// translation of B after which they share no inner point. `None` if one of both has no inside:
-    /// a mesh that is not closed, or a surface of patches.
+    /// a mesh that is not closed, or a Bézier surface.
     ///
     /// Below stands the depth of the deepest of some thousand vertices inside the other body, of
     /// the deepest pair of pieces, or of convex parts of both bodies where they overlap; above a

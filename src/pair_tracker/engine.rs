@@ -2,10 +2,10 @@
 //! are measured.
 //!
 //! ```text
-//!              polyhedron   shape    compound   mesh        surface
+//!              polyhedron   shape    compound    mesh        surface
 //! polyhedron   Polyhedra    Shapes   Pieces      Pieces      SurfaceAndShape
 //! shape                     Shapes   Pieces      Pieces      SurfaceAndShape
-//! compound                          Pieces      Meshes (1)  SurfaceAndPieces
+//! compound                           Pieces      Meshes (1)  SurfaceAndPieces
 //! mesh                                           Meshes      Surfaces
 //! surface                                                    Surfaces
 //! ```

@@ -84,8 +84,9 @@ impl PairTracker {
 
     /// Returns all pairs of triangles of a mesh that share no vertex and are at most `d` apart, in
     /// the caller's unit, each once and in no order: with the closest points, bounds, and the
-    /// triangles by the caller's indices ([`PairOutcome::locations`]). Which pairs are returned is exact
-    /// with the feature `exact`; without it ties count as within. None for a negative `d` and NaN.
+    /// triangles by the caller's indices ([`PairOutcome::locations`]). Which pairs are returned is
+    /// exact with the feature `exact`; without it ties count as within. None for a negative `d` and
+    /// NaN.
     ///
     /// Triangles are left out as told at [`self_closest`](Self::self_closest). If `d` exceeds the
     /// heights of the triangles, the pairs that have one triangle between them are among those
@@ -170,7 +171,7 @@ mod fronts {
             tracker.into_iter().flat_map(MeshTracker::front)
         }
 
-        /// Returns the front that is kept of two surfaces of patches: pairs of parts of A and of B
+        /// Returns the front that is kept of two Bézier surfaces: pairs of parts of A and of B
         /// that are proven apart. Empty for surfaces other than those of the last query.
         #[cfg(feature = "surfaces")]
         #[must_use]

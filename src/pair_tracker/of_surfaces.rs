@@ -1,4 +1,4 @@
-//! Engines of pairs with a surface of patches.
+//! Engines of pairs with a Bézier surface.
 
 use alloc::boxed::Box;
 use alloc::sync::Arc;

@@ -39,10 +39,10 @@ pub struct Ray {
 #[non_exhaustive]
 pub enum RayError {
     /// The direction has no length, or is not finite.
-    #[error("the direction of the ray has no length, or is not finite")]
+    #[error("ray direction is zero or not finite")]
     Direction,
     /// The length of the ray is negative or NaN.
-    #[error("the length of the ray is {length}: neither positive nor zero")]
+    #[error("ray length {length} is negative or NaN")]
     Length {
         /// The length.
         length: f64,
@@ -168,7 +168,7 @@ pub struct RayHit {
 ///   polyhedron, by however little, is never [`RayCast::Inside`] (feature `exact`).
 /// * Curved shape, compound: proven for a point that moves along the ray, placed up to rounding;
 ///   about `1e-12 L` head on.
-/// * Surface of patches: [`RayCast::Undecided`] where the ray meets it, because a point proves no
+/// * Bézier surface: [`RayCast::Undecided`] where the ray meets it, because a point proves no
 ///   crossing.
 ///
 /// L is the radius of the body and the distance of its middle from the origin of the ray. A ray

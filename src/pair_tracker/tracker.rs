@@ -42,7 +42,7 @@ use nalgebra::{Unit, Vector3};
 /// | superquadric | `2e-13 L`; depths `2^-19 L` | ties count as within |
 /// | meshes, compounds in place | `1e-13 L` | exact (feature `exact`) |
 /// | compounds with placed pieces | `1.5e-13 L` | ties count as within |
-/// | a surface of patches | as asked for, else `2^-30 L` | may be undecided |
+/// | a Bézier surface | as asked for, else `2^-30 L` | may be undecided |
 ///
 /// The contact state of curved shapes may be [`Undecided`](crate::ContactState::Undecided), with
 /// the feature `exact` too, if the bounds straddle zero and are farther apart than a contact leaves
@@ -54,7 +54,7 @@ use nalgebra::{Unit, Vector3};
 /// parallel axes; about a common centre, if many directions are nearly as deep, the interval may
 /// stay wider than `2^-19 L`. Both bounds hold in all cases.
 ///
-/// A mesh that is not closed and a surface of patches have no inside: a body within is apart from
+/// A mesh that is not closed and a Bézier surface have no inside: a body within is apart from
 /// them.
 ///
 /// Whether a point, or a body smaller than rounding, is inside a closed mesh is exact too (feature
@@ -345,7 +345,7 @@ impl PairTracker {
     /// Returns two geometries that can be measured over time, followed by this tracker: what
     /// [`impact::cast`](crate::impact::cast) takes.
     ///
-    /// A measure of a pair with a surface of patches has bounds that are at most a quarter of the
+    /// A measure of a pair with a Bézier surface has bounds that are at most a quarter of the
     /// distance apart. A hit of two surfaces is proven by a crossing, so a tolerance must leave
     /// room for one: from some `1e-8` of the size on; that of a surface and a solid by a point of
     /// the surface within the solid.
@@ -458,7 +458,7 @@ pub struct PairWork {
     /// Queries of compounds and meshes.
     #[cfg(feature = "meshes")]
     pub trees: TreeWork,
-    /// Queries with a surface of patches.
+    /// Queries with a Bézier surface.
     #[cfg(feature = "surfaces")]
     pub surfaces: SurfaceWork,
 }
@@ -505,7 +505,7 @@ impl core::ops::AddAssign for PairWork {
 
 /// Two geometries of these kinds do not have what was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("a {a} and a {b} have no {asked}")]
+#[error("{asked} cannot be computed for a {a} and a {b}")]
 pub struct PairError {
     /// The kind of A.
     pub a: GeometryKind,
@@ -523,8 +523,8 @@ impl PairTracker {
     ///
     /// Rounded polyhedra have the contacts of their cores, moved out by the radii along the normal.
     /// Curved shapes bear contacts by their flat round faces and straight generators within
-    /// `options.max_face_sine` of the normal; an ellipsoid, a superquadric, or a rim or apex without such a
-    /// face has one contact, the witnesses.
+    /// `options.max_face_sine` of the normal; an ellipsoid, a superquadric, or a rim or apex
+    /// without such a face has one contact, the witnesses.
     ///
     /// Contacts of a flat round face are eight points of its rim at multiples of 45 degrees, as far
     /// as they are over the other shape, and the crossings of the rim with the boundary of the

@@ -42,7 +42,7 @@ pub struct PairResults<'a> {
     /// numbers: a vertex that of the point, a face that of the triangle, an edge that of the point
     /// at which the edge of the triangle begins. Against a shape that is rounded or curved, and
     /// against a compound with such a piece, they are those of the triangle as a polygon of its
-    /// own, and so are those against points and segments. The feature of a surface of patches is
+    /// own, and so are those against points and segments. The feature of a Bézier surface is
     /// the face with the number of the patch.
     pub outcome: Option<&'a Outcome>,
     /// The piece of a compound, the triangle of a mesh, or the patch of a surface, to which the

@@ -13,13 +13,13 @@ use crate::pair_tracker::ray::RayError;
 #[non_exhaustive]
 pub enum SceneError {
     /// The id is not of this scene, or its body was removed.
-    #[error("{body} is not, or no longer, in this scene")]
+    #[error("{body} does not exist in this scene, or was removed")]
     StaleBody {
         /// The id as given.
         body: BodyId,
     },
     /// The pose is not a rigid motion. Poses of one body are reported as poses of A.
-    #[error("the pose of {} is refused: {}", BodyName(*.body), OfOne(.error))]
+    #[error("the pose of {} is invalid: {}", BodyName(*.body), OfOne(.error))]
     Pose {
         /// The body; `None` for a body to be inserted.
         body: Option<BodyId>,
@@ -27,7 +27,7 @@ pub enum SceneError {
         error: PoseError,
     },
     /// The pose would put the body farther from the world's origin than 1e37 on some axis.
-    #[error("the pose of {} puts it beyond 1e37: coordinate {axis} is {value:e}", BodyName(*.body))]
+    #[error("the pose of {} is out of range: coordinate {axis} is {value:e} (expected -1e37..=1e37)", BodyName(*.body))]
     TooFar {
         /// The body; `None` for a body to be inserted.
         body: Option<BodyId>,
@@ -37,20 +37,20 @@ pub enum SceneError {
         value: f64,
     },
     /// A vertex of the shape is farther than 1e37 from the shape's own origin.
-    #[error("the shape reaches {reach:e} from its origin, beyond 1e37")]
+    #[error("the radius of the geometry about its origin is out of range: {reach:e} (expected 0..=1e37)")]
     TooLarge {
         /// The distance of the farthest vertex.
         reach: f64,
     },
     /// The body is no mesh: only these have vertices that can be replaced.
-    #[error("{body} is no mesh")]
+    #[error("{body} is not a mesh")]
     NotAMesh {
         /// The body.
         body: BodyId,
     },
     /// The vertices of a mesh are refused.
     #[cfg(feature = "meshes")]
-    #[error("the vertices of {body} are refused: {error}")]
+    #[error("the vertices of {body} are invalid: {error}")]
     Vertices {
         /// The body.
         body: BodyId,
@@ -65,10 +65,10 @@ pub enum SceneError {
         value: f64,
     },
     /// `sine`, `drift` or `choice` of the manifold options is NaN.
-    #[error("sine, drift or choice of the manifold options is no number")]
+    #[error("a manifold option is NaN (`max_face_sine`, `rebuild_motion` or `reselect_motion`)")]
     ManifoldOptions,
     /// A query is enabled that two bodies of the scene cannot answer.
-    #[error("no {query} is computed between a {these} and a {those}")]
+    #[error("the query {query} does not exist between a {these} and a {those}")]
     Unanswered {
         /// The name of the query.
         query: &'static str,
@@ -81,14 +81,14 @@ pub enum SceneError {
     #[error("a velocity or a time is not finite")]
     Velocity,
     /// A fixed body has no velocity.
-    #[error("{body} is fixed and takes no velocity")]
+    #[error("cannot set the velocity of {body}: it is fixed")]
     Fixed {
         /// The body.
         body: BodyId,
     },
     /// The query is about the poses of the last step, and bodies were moved, inserted or removed
     /// since.
-    #[error("bodies or effects changed since the last step: step first")]
+    #[error("bodies or queries changed since the last step; call `Scene::step` first")]
     StepDue,
     /// The query is about two groups between which no query is enabled, so their boxes are not
     /// kept.
@@ -113,7 +113,7 @@ pub enum SceneError {
         axis: usize,
     },
     /// No more indices: a scene holds at most 2^31 - 1 bodies.
-    #[error("a scene holds at most 2147483647 bodies")]
+    #[error("too many bodies in the scene (expected at most 2147483647)")]
     TooManyBodies,
     /// A ray, or its length.
     #[error(transparent)]

@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum SurfaceError {
     /// A degree is not between 1 and 7.
-    #[error("degree {degree} in direction {direction} is not between 1 and 7")]
+    #[error("degree in direction {direction} is out of range: {degree} (expected 1..=7)")]
     Degree {
         /// The direction: 0 for u, 1 for v.
         direction: usize,
@@ -13,7 +13,7 @@ pub enum SurfaceError {
         degree: usize,
     },
     /// The number of control points does not fit the degrees or the knots.
-    #[error("{given} control points are given where {expected} are needed")]
+    #[error("number of control points is invalid: {given} (expected {expected})")]
     Count {
         /// Number of control points given.
         given: usize,
@@ -21,7 +21,7 @@ pub enum SurfaceError {
         expected: usize,
     },
     /// The number of weights is not the number of control points.
-    #[error("{given} weights are given for {expected} control points")]
+    #[error("number of weights is invalid: {given} (expected {expected}, one per control point)")]
     WeightCount {
         /// Number of weights given.
         given: usize,
@@ -29,7 +29,7 @@ pub enum SurfaceError {
         expected: usize,
     },
     /// A coordinate of a control point is not finite, or beyond `2^200`.
-    #[error("control point {index}: coordinate {axis} is {value}")]
+    #[error("control point {index} is out of range: coordinate {axis} is {value}")]
     Coordinate {
         /// Index of the control point.
         index: usize,
@@ -39,7 +39,7 @@ pub enum SurfaceError {
         value: f64,
     },
     /// A weight is not positive and finite, or below `2^-40` of the largest weight.
-    #[error("weight {index} is {value}: weights must be positive, and none below 2^-40 of the largest")]
+    #[error("weight {index} is out of range: {value} (expected a positive number, at least 2^-40 of the largest)")]
     Weight {
         /// Index of the weight.
         index: usize,
@@ -48,7 +48,7 @@ pub enum SurfaceError {
     },
     /// A knot is not finite, or less than the knot before, or repeated more often than the degree
     /// allows.
-    #[error("knot {index} in direction {direction} is {value}: not finite, out of order, or repeated too often")]
+    #[error("knot {index} in direction {direction} is invalid: {value} is not finite, out of order, or repeated too often")]
     Knot {
         /// The direction: 0 for u, 1 for v.
         direction: usize,
@@ -58,7 +58,7 @@ pub enum SurfaceError {
         value: f64,
     },
     /// The knots do not fit the control points: `points + degree + 1` are needed.
-    #[error("{given} knots are given in direction {direction} where {expected} are needed")]
+    #[error("number of knots in direction {direction} is invalid: {given} (expected {expected})")]
     KnotCount {
         /// The direction: 0 for u, 1 for v.
         direction: usize,
@@ -68,18 +68,18 @@ pub enum SurfaceError {
         expected: usize,
     },
     /// The surface is trimmed: only whole patches are supported.
-    #[error("the surface has {curves} trimming curves: trimmed surfaces are not supported")]
+    #[error("trimmed surfaces are not supported: {curves} trimming curves")]
     Trimmed {
         /// Number of trimming curves.
         curves: usize,
     },
     /// The reach of a patch read from a file is not finite, or less than that of its points.
-    #[error("the reach of a patch is {value}: not finite, or less than that of its points")]
+    #[error("radius of a patch is invalid: {value} is not finite, or less than that of its points")]
     Reach {
         /// The value.
         value: f64,
     },
     /// A surface without a patch.
-    #[error("a surface needs at least one patch")]
+    #[error("the surface has no patches")]
     Empty,
 }

@@ -178,7 +178,7 @@ fn lengths_insides_and_refusals() {
     }
 }
 
-/// A ray through a surface of patches proves no hit, and no miss either.
+/// A ray through a Bézier surface proves no hit, and no miss either.
 #[test]
 fn a_surface_of_patches_is_near() {
     let points: Vec<Point3<f64>> = (0..4)

@@ -433,7 +433,7 @@ fn queries_that_kinds_cannot_answer_are_refused_by_name() {
     assert_eq!(refused, refusal("depth", GeometryKind::Compound, GeometryKind::Mesh));
     assert_eq!(
         refused.to_string(),
-        "no depth is computed between a compound and a mesh"
+        "the query depth does not exist between a compound and a mesh"
     );
     assert_eq!(scene.body_count(), 1);
 

@@ -1,4 +1,4 @@
-//! Promise: surfaces of patches stand in scenes beside surfaces and convex shapes; what no tracker answers is refused by name.
+//! Promise: Bézier surfaces stand in scenes beside surfaces and convex shapes; what no tracker answers is refused by name.
 
 use crate::{ALL, NONE, read_back};
 use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -263,7 +263,7 @@ fn what_no_tracker_answers_is_refused() {
     assert_eq!(refused, refusal("depth", GeometryKind::BezierSurface));
     assert_eq!(
         refused.unwrap_err().to_string(),
-        "no depth is computed between a Bézier surface and a Bézier surface"
+        "the query depth does not exist between a Bézier surface and a Bézier surface"
     );
     let mut scene = call(NONE.local_depth(true));
     let bodies = [

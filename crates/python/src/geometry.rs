@@ -74,7 +74,7 @@ impl Geometry {
     }
 
     /// The kind: "polyhedron", "point or segment", "rounded polyhedron", "curved shape",
-    /// "compound", "mesh" or "surface of patches".
+    /// "compound", "mesh" or "Bézier surface".
     #[getter]
     fn kind(&self) -> String {
         self.0.kind().to_string()

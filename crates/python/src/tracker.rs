@@ -83,7 +83,7 @@ impl PairTracker {
     }
 
     /// Returns whether the geometries share a point; touching counts. Exact for polyhedra, rounded
-    /// or not. Raises UndecidedError if a surface of patches leaves the answer open.
+    /// or not. Raises UndecidedError if a Bézier surface leaves the answer open.
     #[pyo3(signature = (a, b, pose_a=None, pose_b=None))]
     fn intersects(
         &mut self,
@@ -100,7 +100,7 @@ impl PairTracker {
     }
 
     /// Returns whether the geometries are at most `d` apart, `d` a length; no for a negative `d`.
-    /// Exact for polyhedra, rounded or not. Raises UndecidedError if a surface of patches leaves
+    /// Exact for polyhedra, rounded or not. Raises UndecidedError if a Bézier surface leaves
     /// the answer open.
     #[pyo3(signature = (a, b, d, pose_a=None, pose_b=None))]
     fn within(

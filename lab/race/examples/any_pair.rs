@@ -1,4 +1,4 @@
-//! A hull, a cylinder, a mesh and a surface of patches: every pair in both orders by one type of tracker, the distance, the time of
+//! A hull, a cylinder, a mesh and a Bézier surface: every pair in both orders by one type of tracker, the distance, the time of
 //! impact, and the contacts then, if the two bear any.
 //!
 //! ```text

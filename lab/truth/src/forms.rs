@@ -21,7 +21,7 @@ pub enum Form {
     Pieces(Compound),
     /// A triangle mesh.
     Mesh(Mesh),
-    /// A surface of patches.
+    /// A Bézier surface.
     BezierSurface(BezierSurface),
 }
 

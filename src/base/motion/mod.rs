@@ -254,7 +254,7 @@ pub enum MotionError {
         value: f64,
     },
     /// A bound or a duration is negative, NaN or infinite; a duration is zero.
-    #[error("{what} must be positive and finite, and is {value}")]
+    #[error("{what} is out of range: {value} (expected a positive finite number)")]
     Size {
         /// The name of the size.
         what: &'static str,

@@ -261,7 +261,7 @@ impl From<Arc<ConvexPolyhedron>> for Shape {
 #[non_exhaustive]
 pub enum ShapeError {
     /// A parameter is not finite, or outside the range that the constructor names.
-    #[error("{value:e} is no {what} of a shape")]
+    #[error("{what} of the shape is out of range: {value:e}")]
     BadParameter {
         /// Name of the parameter.
         what: &'static str,
@@ -269,7 +269,7 @@ pub enum ShapeError {
         value: f64,
     },
     /// A capsule without a length.
-    #[error("a capsule of half length zero is a ball: Shape::ball makes it")]
+    #[error("half length of the capsule is zero; use `Shape::ball`")]
     NoLength,
     /// The points of a core make no body.
     #[error(transparent)]

@@ -61,10 +61,10 @@ pub struct HalfSpace {
 #[non_exhaustive]
 pub enum HalfSpaceError {
     /// The normal is zero or not finite.
-    #[error("the normal {0:?} has no direction")]
+    #[error("normal {0:?} has no direction")]
     Normal([f64; 3]),
     /// The plane is too far from the origin.
-    #[error("the plane lies {0} from the origin: no number, or farther than a body may lie")]
+    #[error("plane offset {0} is NaN or exceeds 1e116")]
     Offset(f64),
 }
 

@@ -38,7 +38,7 @@ pub enum MeshError {
         index: usize,
     },
     /// A triangle names a point that does not exist.
-    #[error("triangle {triangle} names point {index}, which does not exist")]
+    #[error("triangle {triangle} has a point that does not exist: {index}")]
     IndexOutOfRange {
         /// The triangle.
         triangle: usize,
@@ -46,20 +46,20 @@ pub enum MeshError {
         index: usize,
     },
     /// More points or triangles than ids of 27 bits can name.
-    #[error("{count} points or triangles are more than ids can name")]
+    #[error("too many points or triangles for 32-bit ids: {count}")]
     TooMany {
         /// Points or triangles given.
         count: usize,
     },
     /// No triangle is left: none was given, or all are degenerate.
-    #[error("no triangle is left of {given}")]
+    #[error("the mesh is empty: none of {given} triangles has an area")]
     Empty {
         /// Triangles given.
         given: usize,
     },
     /// The longest side of the bounding box is below 1e-100 or above 1e100, or a coordinate is
     /// above 1e116.
-    #[error("the extent {extent:e} lies outside 1e-100..1e100, or a coordinate is above 1e116")]
+    #[error("extent of the mesh is out of range: {extent:e} (expected 1e-100..=1e100, and coordinates up to 1e116)")]
     OutOfRange {
         /// The longest side of the bounding box.
         extent: f64,
@@ -72,7 +72,7 @@ pub enum MeshError {
     },
     /// Triangles cannot be turned to close a mesh: two must meet at every edge. Returned by
     /// [`Mesh::oriented`](super::Mesh::oriented).
-    #[error("{triangles} triangles meet at the edge of points {} and {}: only a mesh with two at every edge is oriented", edge[0], edge[1])]
+    #[error("cannot orient the mesh: {triangles} triangles share the edge of points {} and {} (expected 2)", edge[0], edge[1])]
     NotTwo {
         /// The points of the first such edge.
         edge: [u32; 2],
@@ -81,7 +81,7 @@ pub enum MeshError {
     },
     /// Triangles cannot be turned to agree: the surface has one side, as a Moebius strip. Returned
     /// by [`Mesh::oriented`](super::Mesh::oriented).
-    #[error("the surface has one side: its triangles cannot agree at the edge of points {} and {}", edge[0], edge[1])]
+    #[error("cannot orient the mesh: it has one side; its triangles disagree at the edge of points {} and {}", edge[0], edge[1])]
     OneSided {
         /// The points of an edge at which the triangles do not agree.
         edge: [u32; 2],
@@ -116,7 +116,7 @@ impl From<Stopped> for MeshError {
 #[non_exhaustive]
 pub enum VertexError {
     /// Another number of vertices than the mesh has.
-    #[error("{given} vertices were given for the {count} of the mesh")]
+    #[error("number of vertices differs from the mesh: {given} (expected {count})")]
     Count {
         /// Vertices given.
         given: usize,
@@ -124,7 +124,7 @@ pub enum VertexError {
         count: usize,
     },
     /// A vertex that does not exist.
-    #[error("vertex {index} does not exist: the mesh has {count}")]
+    #[error("vertex {index} does not exist (expected 0..{count})")]
     Missing {
         /// The first such vertex.
         index: usize,
@@ -139,19 +139,19 @@ pub enum VertexError {
     },
     /// The longest side of the bounding box would be below 1e-100 or above 1e100, or a coordinate
     /// above 1e116.
-    #[error("the extent {extent:e} lies outside 1e-100..1e100, or a coordinate is above 1e116")]
+    #[error("extent of the mesh is out of range: {extent:e} (expected 1e-100..=1e100, and coordinates up to 1e116)")]
     OutOfRange {
         /// The longest side of the bounding box, or the coordinate.
         extent: f64,
     },
     /// The build has dropped a triangle whose corners were on a line: it might have an area now.
-    #[error("triangle {triangle} was dropped when the mesh was built: its corners were on a line")]
+    #[error("triangle {triangle} is not in the mesh: its vertices were collinear when the mesh was built")]
     Dropped {
         /// The first such triangle, by the caller's index.
         triangle: u32,
     },
     /// Edges that lie on others along a line close the mesh: the surface might open there.
-    #[error("the mesh is closed only along lines, where an edge faces two shorter ones")]
+    #[error("vertices cannot be replaced: the mesh is closed only by T-junctions (one edge against two shorter ones)")]
     ClosedAlongLines,
 }
 

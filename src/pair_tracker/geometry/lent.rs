@@ -118,7 +118,7 @@ impl<'a> GeometryRef<'a> {
         }
     }
 
-    /// Returns the surface of a geometry that is a surface of patches.
+    /// Returns the surface of a geometry that is a Bézier surface.
     #[cfg(feature = "surfaces")]
     pub(crate) fn surface(self) -> Option<&'a BezierSurface> {
         match self.0 {

@@ -62,7 +62,7 @@ use match_kind;
 /// if it is closed. The pair makes those once, when the boxes meet. The patches for contacts are
 /// made once for each shape, in the step after they are enabled.
 ///
-/// Distances of surfaces of patches have bounds that are at most `2^-30` of the size of the pair
+/// Distances of Bézier surfaces have bounds that are at most `2^-30` of the size of the pair
 /// apart; two that the bounds cannot tell from a threshold count as within. A surface has no
 /// inside: a body within a closed one does not overlap it.
 ///

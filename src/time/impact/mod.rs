@@ -154,7 +154,7 @@ pub struct Cast {
 #[non_exhaustive]
 pub enum ImpactError {
     /// The interval ends before its begin, or is not finite.
-    #[error("no interval: from {from} until {until}")]
+    #[error("invalid time interval {from}..{until}: not finite, or the end is before the start")]
     Interval {
         /// The begin.
         from: f64,
@@ -162,7 +162,7 @@ pub enum ImpactError {
         until: f64,
     },
     /// A tolerance or a distance that is negative or not finite.
-    #[error("{what} must not be negative, and is {value}")]
+    #[error("{what} is out of range: {value} (expected a number that is not negative)")]
     Size {
         /// The name of the number.
         what: &'static str,
@@ -170,7 +170,7 @@ pub enum ImpactError {
         value: f64,
     },
     /// A vertex with a coordinate that is not finite or too large.
-    #[error("vertex {index} has a coordinate of {value}")]
+    #[error("vertex {index} has a coordinate that is out of range: {value}")]
     Vertex {
         /// The number of the vertex, in the order given.
         index: usize,
@@ -178,7 +178,7 @@ pub enum ImpactError {
         value: f64,
     },
     /// A mesh at the end of a frame that has other triangles, or another tree, than at the begin.
-    #[error("the mesh at the end of the frame is not the mesh at its begin with other vertices")]
+    #[error("the mesh at the end of the frame has other triangles than the mesh at the start")]
     Mesh,
     /// A motion left the range of poses.
     #[error(transparent)]

@@ -17,7 +17,7 @@ pub enum BuildError {
         index: usize,
     },
     /// Fewer points than the body needs.
-    #[error("the body needs at least {needed} points, got {count}")]
+    #[error("too few points: {count} (expected at least {needed})")]
     TooFewPoints {
         /// Points given.
         count: usize,
@@ -25,14 +25,14 @@ pub enum BuildError {
         needed: usize,
     },
     /// More points, faces or vertices of faces than 32-bit ids can name.
-    #[error("{count} points or vertices of faces are more than ids can name")]
+    #[error("too many points or face vertices for 32-bit ids: {count}")]
     TooMany {
         /// Number of points, faces or vertices of faces.
         count: usize,
     },
     /// The longest side of the bounding box is below 1e-100 or above 1e100, or a coordinate is
     /// above 1e116 (then `extent` is the coordinate).
-    #[error("the extent {extent:e}, reached at point {index}, lies outside 1e-100..1e100")]
+    #[error("extent of the points is out of range: {extent:e}, at point {index} (expected 1e-100..=1e100)")]
     OutOfRange {
         /// A point at an end of the longest side.
         index: usize,
@@ -48,7 +48,7 @@ pub enum BuildError {
         span: Vec<usize>,
     },
     /// The vertices of a polygon leave their plane by more than rounding explains.
-    #[error("point {index} lies {distance:.2e} off the plane of the polygon, more than {bound:.2e}")]
+    #[error("point {index} is not in the plane of the polygon: distance {distance:.2e} (expected at most {bound:.2e})")]
     PolygonNotPlanar {
         /// The point farthest off.
         index: usize,
@@ -58,7 +58,7 @@ pub enum BuildError {
         bound: f64,
     },
     /// A face names a point that does not exist.
-    #[error("face {face} names point {index}, which does not exist")]
+    #[error("face {face} has a point that does not exist: {index}")]
     IndexOutOfRange {
         /// The face.
         face: usize,
@@ -88,7 +88,7 @@ pub enum BuildError {
     /// A vertex leaves the plane of its face by more than the bound. For rounded coordinates, as in
     /// files in single precision, see
     /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within).
-    #[error("point {vertex} lies {distance:.2e} off the plane of face {face}, more than {bound:.2e}")]
+    #[error("point {vertex} is not in the plane of face {face}: distance {distance:.2e} (expected at most {bound:.2e})")]
     FaceNotPlanar {
         /// The face.
         face: usize,
@@ -106,7 +106,7 @@ pub enum BuildError {
         edge: [usize; 2],
     },
     /// An edge belongs to more than two faces, or twice to the same side.
-    #[error("the edge from point {} to point {} is used too often", edge[0], edge[1])]
+    #[error("the edge from point {} to point {} belongs to more than two faces, or twice to the same side", edge[0], edge[1])]
     EdgeUsedTwice {
         /// The ends of the edge.
         edge: [usize; 2],
@@ -120,7 +120,7 @@ pub enum BuildError {
     /// A point lies in front of a face. If by a little, because coordinates were rounded, see
     /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within). Else the mesh is not
     /// convex; [`from_points`](super::ConvexPolyhedron::from_points) takes its hull.
-    #[error("not convex: point {vertex} lies {by:.2e} in front of face {face}")]
+    #[error("the faces are not convex: point {vertex} is {by:.2e} outside the plane of face {face}")]
     NotConvex {
         /// The face.
         face: usize,
@@ -130,13 +130,13 @@ pub enum BuildError {
         by: f64,
     },
     /// A planarity bound that is negative or not finite.
-    #[error("the planarity bound {value} is negative or not finite")]
+    #[error("planarity bound is out of range: {value} (expected a finite number that is not negative)")]
     BadBound {
         /// The bound given.
         value: f64,
     },
     /// A size of a solid outside 1e-100..1e100.
-    #[error("the {what} must lie in 1e-100..=1e100, got {value:?}")]
+    #[error("{what} is out of range: {value:?} (expected 1e-100..=1e100)")]
     BadSize {
         /// The parameter.
         what: &'static str,
@@ -144,7 +144,7 @@ pub enum BuildError {
         value: f64,
     },
     /// A count that makes no solid, or too large a solid.
-    #[error("the number of {what} must lie in {least}..={most}, got {count}")]
+    #[error("number of {what} is out of range: {count} (expected {least}..={most})")]
     BadCount {
         /// The things counted.
         what: &'static str,
@@ -156,7 +156,7 @@ pub enum BuildError {
         most: usize,
     },
     /// A scale factor that is not a positive finite number.
-    #[error("the scale factor must be positive and finite, got {value:?}")]
+    #[error("scale factor is out of range: {value:?} (expected a positive finite number)")]
     BadFactor {
         /// The factor given.
         value: f64,

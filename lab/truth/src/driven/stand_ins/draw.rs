@@ -19,7 +19,7 @@ pub(super) struct Drawn {
     pub(super) is_in_place: bool,
     /// Whether all parts are polyhedra without a radius.
     pub(super) is_sharp: bool,
-    /// Whether the body has no inside: a surface of patches.
+    /// Whether the body has no inside: a Bézier surface.
     pub(super) is_shell: bool,
     /// The farthest point of the body, or of what its places are computed with, from the origin.
     pub(super) reach: f64,
