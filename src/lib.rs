@@ -155,8 +155,8 @@
 //! ## Poses from `f32`, files and integration
 //!
 //! [`RelativePose::new`] refuses a rotation whose squared norm differs from 1 by more than 1e-12.
-//! [`RelativePose::new_normalized`] normalises both rotations first, and [`normalize_rotation`] does so for
-//! the poses of a scene.
+//! [`RelativePose::new_normalized`] normalises both rotations first, and [`normalize_rotation`]
+//! does so for the poses of a scene.
 //!
 //! ## Another version of nalgebra
 //!

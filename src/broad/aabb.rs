@@ -8,8 +8,8 @@ use nalgebra::{Point3, Vector3};
 /// An axis-aligned box with `f64` corners, as given by a caller. Closed: the faces belong to the
 /// box.
 ///
-/// The fields are plain numbers, so a box may be invalid; [`Aabb::validate`] returns the first error,
-/// and every call of a broad phase refuses such a box by an error that names the body.
+/// The fields are plain numbers, so a box may be invalid; [`Aabb::validate`] returns the first
+/// error, and every call of a broad phase refuses such a box by an error that names the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aabb {

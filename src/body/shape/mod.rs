@@ -39,7 +39,8 @@ pub(crate) use crate::body::shape::support::{Disc, Flat, Support};
 use alloc::sync::Arc;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-/// A convex shape: every point at most [`rounding_radius`](Self::rounding_radius) from its [`core`](Self::core).
+/// A convex shape: every point at most [`rounding_radius`](Self::rounding_radius) from its
+/// [`core`](Self::core).
 ///
 /// Immutable, and cheap to clone: the polyhedron of a core is shared. Lengths are in the caller's
 /// unit, coordinates in the shape's own frame.

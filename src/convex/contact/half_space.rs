@@ -45,7 +45,8 @@ const SAMPLE: usize = 48;
 /// let part = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
 /// let resting = Isometry3::translation(3.0, 0.0, 0.49);
 /// let pose = RelativePose::from_isometry(&resting)?;
-/// let contacts = floor.contacts(&part, &pose, &ManifoldOptions::with_prediction(0.02));
+/// let options = ManifoldOptions::with_prediction(0.02);
+/// let contacts = floor.contacts(&part, &pose, &options);
 /// assert_eq!(contacts.points().len(), 4);
 /// assert!((contacts.distance().value + 0.01).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -156,7 +157,8 @@ impl HalfSpace {
 
     /// Returns the contacts of a body within `options.prediction`: corners of the face at the
     /// lowest vertex that is most nearly parallel to the plane, if its angle to the plane has a
-    /// sine of at most `options.max_face_sine`, and else those of an edge, or the lowest vertex alone.
+    /// sine of at most `options.max_face_sine`, and else those of an edge, or the lowest vertex
+    /// alone.
     #[must_use]
     pub fn contacts(
         &self,

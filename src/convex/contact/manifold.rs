@@ -18,7 +18,8 @@ use super::query::Query;
 use super::{Contacts, MOST_POINTS, ManifoldOptions, PosedOutcome, clip_curved};
 
 /// A point of each body, opposite each other along the normal: of two edges that are parallel but
-/// for the angle of [`ManifoldOptions::max_face_sine`], each end and the nearest point of the other edge.
+/// for the angle of [`ManifoldOptions::max_face_sine`], each end and the nearest point of the other
+/// edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -272,10 +272,10 @@ impl Tracker {
     /// keeps ids and order of the contacts of the previous query: one manifold for each pair,
     /// passed in every frame.
     ///
-    /// If the bodies have moved no more than `options.rebuild_motion` since the manifold was made, its
-    /// points stay fixed to the bodies and only their separations, the normal and the bounds are
-    /// measured again; otherwise the manifold is rebuilt from [`closest`](Self::closest), and its
-    /// deepest contact is the contact of the answer.
+    /// If the bodies have moved no more than `options.rebuild_motion` since the manifold was made,
+    /// its points stay fixed to the bodies and only their separations, the normal and the bounds
+    /// are measured again; otherwise the manifold is rebuilt from [`closest`](Self::closest), and
+    /// its deepest contact is the contact of the answer.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};

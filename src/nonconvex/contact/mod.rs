@@ -111,8 +111,8 @@ impl ContactTracker {
     }
 
     /// Returns the contacts within `options.prediction`, in groups of one direction, the group of
-    /// the deepest contact first. `options.max_face_sine` and `options.rebuild_motion` are those of the manifold of
-    /// two patches.
+    /// the deepest contact first. `options.max_face_sine` and `options.rebuild_motion` are those of
+    /// the manifold of two patches.
     pub(crate) fn contacts(
         &mut self,
         a: &ConvexPatches,

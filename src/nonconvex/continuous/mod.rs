@@ -16,7 +16,8 @@
 //! let face = [rest([0., 0., 0.]), rest([1., 0., 0.]), rest([0., 1., 0.])];
 //! let above = Point3::new(0.2, 0.2, 0.25);
 //! let falling = VertexPath::new(above, Point3::new(0.2, 0.2, -0.75));
-//! let cast = continuous::cast_vertex_face(&falling, &face, Tolerance::Time(1e-9))?;
+//! let width = Tolerance::Time(1e-9);
+//! let cast = continuous::cast_vertex_face(&falling, &face, width)?;
 //! let Impact::Hit { safe, hit, .. } = cast.impact else {
 //!     panic!("it falls through")
 //! };
