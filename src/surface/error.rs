@@ -48,7 +48,9 @@ pub enum SurfaceError {
     },
     /// A knot is not finite, or less than the knot before, or repeated more often than the degree
     /// allows.
-    #[error("knot {index} in direction {direction} is invalid: {value} is not finite, out of order, or repeated too often")]
+    #[error(
+        "knot {index} in direction {direction} is invalid: {value} is not finite, out of order, or repeated too often"
+    )]
     Knot {
         /// The direction: 0 for u, 1 for v.
         direction: usize,

@@ -144,5 +144,8 @@ fn what_no_turning_closes_is_refused_by_an_edge() {
     let mut rng = Rng::new(5);
     let points: Vec<_> = (0..6).map(|_| Point3::from(rng.in_ball())).collect();
     let one_sided = Mesh::oriented(&points, &plane).unwrap_err().to_string();
-    assert!(one_sided.starts_with("cannot orient the mesh: it has one side"), "{one_sided}");
+    assert!(
+        one_sided.starts_with("cannot orient the mesh: it has one side"),
+        "{one_sided}"
+    );
 }

@@ -36,7 +36,7 @@ const WORLD_SHARE: usize = 10;
 /// the swept axis, each with a sorted list.
 ///
 /// ```text
-///    v ^   +------+------+------+        a column (column) seen end on, along the swept axis
+///    v ^   +------+------+------+        a column seen end on, along the swept axis
 ///      |   |    +-|--+   |      |        a box is listed in every column it touches
 ///      |   |    | |  |   |      |        a pair belongs to the column that holds the lower corner
 ///      |   +----|-+--|---+------+        of its intersection, so that it is found exactly once

@@ -88,7 +88,9 @@ pub enum BuildError {
     /// A vertex leaves the plane of its face by more than the bound. For rounded coordinates, as in
     /// files in single precision, see
     /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within).
-    #[error("point {vertex} is not in the plane of face {face}: distance {distance:.2e} (expected at most {bound:.2e})")]
+    #[error(
+        "point {vertex} is not in the plane of face {face}: distance {distance:.2e} (expected at most {bound:.2e})"
+    )]
     FaceNotPlanar {
         /// The face.
         face: usize,
@@ -204,26 +206,26 @@ mod tests {
     use crate::body::polyhedron::{ConvexPolyhedron, solids};
 
     #[test]
-    fn refusals_are_sentences() {
+    fn errors_name_the_value_and_the_rule() {
         let line = [0.0, 1.0, 3.0, 2.0].map(|x| Point3::new(x, 0.0, 0.0));
         let square = [[0., 0.], [1., 0.], [1., 1.], [0., 1.]].map(|[x, y]| Point3::new(x, y, 0.0));
         let hull = |points: &[Point3<f64>]| ConvexPolyhedron::from_points(points).unwrap_err().to_string();
-        assert_eq!(hull(&line[..1]), "the body needs at least 4 points, got 1");
+        assert_eq!(hull(&line[..1]), "too few points: 1 (expected at least 4)");
         assert_eq!(hull(&[Point3::origin(); 4]), "all points are equal");
         assert_eq!(hull(&line), "all points lie on the line through points [0, 2]");
         assert_eq!(hull(&square), "all points lie in the plane through points [0, 2, 3]");
         assert_eq!(
             solids::cuboid(Vector3::new(1.0, 0.0, 1.0)).unwrap_err().to_string(),
-            "the half extent must lie in 1e-100..=1e100, got 0.0"
+            "half extent is out of range: 0.0 (expected 1e-100..=1e100)"
         );
         assert_eq!(
             solids::prism(2, 1.0, 1.0).unwrap_err().to_string(),
-            "the number of vertices around the axis must lie in 3..=16777216, got 2"
+            "number of vertices around the axis is out of range: 2 (expected 3..=16777216)"
         );
         let cube = solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).unwrap();
         assert_eq!(
             cube.scaled(-1.0).unwrap_err().to_string(),
-            "the scale factor must be positive and finite, got -1.0"
+            "scale factor is out of range: -1.0 (expected a positive finite number)"
         );
     }
 }
