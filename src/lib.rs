@@ -228,13 +228,13 @@
 //!
 //! | feature | default | adds |
 //! |---|---|---|
-//! | `std` | yes | square roots by the machine, `std::error::Error` everywhere; without it the crate is `no_std` with `alloc` |
-//! | `exact` | yes | exact integers behind the filters: every contact state and predicate decided, distances of separated bodies to the last bit |
-//! | `meshes` | yes | compounds and meshes, their contacts, bounds of penetration depths |
+//! | `std` | yes | square roots of the machine; without it the crate is `no_std` and needs `alloc` |
+//! | `exact` | yes | exact integer arithmetic if the floating-point filters fail: state and predicates of polyhedra are always decided, distances are right to the last bit |
+//! | `meshes` | yes | compounds and meshes: queries, contacts, bounds of penetration depths |
 //! | `surfaces` | yes | Bézier and NURBS surfaces; needs `meshes` |
-//! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and answers in files; bodies are checked again when read; `serde_json` keeps every bit with its feature `float_roundtrip` |
-//! | `parallel` | no | threads in the broad phase, and in scenes from 625 queries a step on; the same answers bit for bit for any number |
-//! | `tracing` | no | events for a subscriber of `tracing`: solvers that fall back, budgets spent, input refused |
+//! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and results in files; bodies are checked when read; `serde_json` needs its feature `float_roundtrip` to keep every bit |
+//! | `parallel` | no | multithreading in the broad phase, and in scenes with 625 or more queries per step; results are bit-identical for any number of threads |
+//! | `tracing` | no | an event if a solver falls back, a budget runs out or input is rejected |
 //!
 //! # Reading the source
 //!
