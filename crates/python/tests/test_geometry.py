@@ -126,7 +126,7 @@ def test_turned_triangles_are_turned_back():
     solid, turned = lc.Geometry.oriented_mesh(cube.vertices, triangles)
     assert solid.is_solid
     assert turned == [3, 7]
-    with pytest.raises(lc.GeometryError, match="1 triangles meet at the edge"):
+    with pytest.raises(lc.GeometryError, match="1 triangles share the edge"):
         lc.Geometry.oriented_mesh(cube.vertices, triangles[1:])
 
 

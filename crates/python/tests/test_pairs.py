@@ -149,7 +149,7 @@ def test_penetration_of_solids():
 
 def test_surfaces_have_no_contacts():
     net = [[[x, y, 0] for y in (0, 1)] for x in (0, 1)]
-    with pytest.raises(lc.PairError, match="surface of patches"):
+    with pytest.raises(lc.PairError, match="Bézier surface"):
         lc.PairTracker().contacts(lc.Geometry.surface([net]), BOX)
 
 

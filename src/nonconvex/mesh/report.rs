@@ -171,7 +171,7 @@ impl fmt::Display for MeshKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
             Self::Solid => "solid",
-            Self::Open => "surface",
+            Self::Open => "open",
         })
     }
 }
