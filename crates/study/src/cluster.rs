@@ -19,18 +19,18 @@ const HEARTBEAT: u64 = 5;
 
 /// Divides queries among executors until the process is stopped.
 ///
-/// An executor without a message for `lost_after` seconds counts as lost, and others repeat its
+/// An executor without a message for `executor_timeout` seconds counts as lost, and others repeat its
 /// rows.
 ///
 /// # Errors
 /// Returns an error if the address is invalid or cannot be used.
-pub async fn schedule(study: &Arc<Study>, bind: &str, port: u16, lost_after: u64) -> Result<(), StudyError> {
+pub async fn schedule(study: &Arc<Study>, bind: &str, port: u16, executor_timeout: u64) -> Result<(), StudyError> {
     let study = Arc::clone(study);
     let mut config = SchedulerConfig::default()
         .with_port(port)
         .with_override_session_builder(Arc::new(move |config| study.session_state(config)));
     config.bind_host = bind.into();
-    config.executor_timeout_seconds = lost_after.max(HEARTBEAT + 1);
+    config.executor_timeout_seconds = executor_timeout.max(HEARTBEAT + 1);
     config.expire_dead_executor_interval_seconds = HEARTBEAT.min(config.executor_timeout_seconds);
     let failed = |e: ballista_core::error::BallistaError| StudyError::Cluster(e.to_string());
     let address = format!("{bind}:{port}");

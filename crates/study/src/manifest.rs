@@ -36,7 +36,7 @@ impl Manifest {
             version: env!("CARGO_PKG_VERSION").into(),
             query: run.query.into(),
             input: files.map(|f| (f.display().to_string(), length(f))).collect(),
-            block: options.scheduler.is_none().then_some(options.block),
+            block: options.scheduler.is_none().then_some(options.rows_per_part),
             format: options.format.extension().into(),
         }
     }

@@ -26,7 +26,7 @@ pub struct RunOptions {
     /// Number of partitions that run in parallel.
     pub partitions: usize,
     /// Rows per part: an interrupted run repeats at most this number.
-    pub block: usize,
+    pub rows_per_part: usize,
     /// The format of the parts.
     pub format: Format,
     /// Scheduler of a cluster, `host:port`; `None` runs in this process.
@@ -38,7 +38,7 @@ impl Default for RunOptions {
     fn default() -> Self {
         Self {
             partitions: std::thread::available_parallelism().map_or(1, usize::from),
-            block: 65_536,
+            rows_per_part: 65_536,
             format: Format::Parquet,
             scheduler: None,
         }
@@ -85,7 +85,7 @@ pub struct Run<'a> {
 impl Run<'_> {
     /// Processes all rows that no part in the folder contains yet.
     ///
-    /// In this process, parts have [`RunOptions::block`] rows in the order of the input. On a
+    /// In this process, parts have [`RunOptions::rows_per_part`] rows in the order of the input. On a
     /// cluster, a file is a part, ordered by the column `id` if there is one.
     ///
     /// # Errors
@@ -119,8 +119,8 @@ impl Run<'_> {
             let (mut waiting, mut count) = (Vec::new(), 0);
             while let Some(batch) = stream.next().await {
                 let mut batch = batch?;
-                while count + batch.num_rows() >= self.options.block {
-                    let cut = self.options.block - count;
+                while count + batch.num_rows() >= self.options.rows_per_part {
+                    let cut = self.options.rows_per_part - count;
                     waiting.push(batch.slice(0, cut));
                     batch = batch.slice(cut, batch.num_rows() - cut);
                     self.block(&context, &schema, std::mem::take(&mut waiting), &mut summary, progress)

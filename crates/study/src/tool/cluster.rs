@@ -19,8 +19,8 @@ pub(super) struct SchedulerOptions {
     #[arg(long, default_value_t = 50_050)]
     port: u16,
     /// Seconds without a message after which an executor counts as lost and others repeat its rows
-    #[arg(long, value_name = "SECONDS", default_value_t = 30)]
-    lost_after: u64,
+    #[arg(long, alias = "lost-after", value_name = "SECONDS", default_value_t = 30)]
+    executor_timeout: u64,
 }
 
 #[derive(Args)]
@@ -51,7 +51,7 @@ pub(super) struct ExecutorOptions {
 pub(super) async fn schedule(options: &SchedulerOptions) -> Result<(), StudyError> {
     let study = options.study.load()?;
     println!("scheduler at {}:{}", options.bind, options.port);
-    cluster::schedule(&study, &options.bind, options.port, options.lost_after).await
+    cluster::schedule(&study, &options.bind, options.port, options.executor_timeout).await
 }
 
 pub(super) async fn execute(options: &ExecutorOptions) -> Result<(), StudyError> {

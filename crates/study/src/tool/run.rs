@@ -30,8 +30,14 @@ pub(super) struct RunArguments {
     #[arg(long, value_name = "QUERY")]
     sql: Option<String>,
     /// Rows per part: an interrupted run repeats at most this number
-    #[arg(long, value_name = "N", default_value_t = 65_536, value_parser = clap::value_parser!(u32).range(1..))]
-    block: u32,
+    #[arg(
+        long,
+        alias = "block",
+        value_name = "N",
+        default_value_t = 65_536,
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
+    rows_per_part: u32,
     /// Output format
     #[arg(long, value_enum, default_value = "parquet")]
     format: FormatArgument,
@@ -49,7 +55,7 @@ pub(super) async fn run(arguments: &RunArguments) -> Result<(), StudyError> {
 /// Computes the clearance of each row, part by part.
 async fn rows(study: &Arc<Study>, input: &Input, arguments: &RunArguments) -> Result<(), StudyError> {
     let mut options = arguments.place.options(arguments.format.into());
-    options.block = arguments.block as usize;
+    options.rows_per_part = arguments.rows_per_part as usize;
     let (partitions, began) = (options.partitions, Instant::now());
     let configuration = configuration_in(study, input).await?;
     let waiting = wait("looking all rows over");

@@ -30,8 +30,8 @@ pub(super) struct SampleOptions {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Rows per file: an interrupted run on a cluster keeps whole files
-    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
-    rows_a_file: u64,
+    #[arg(long, alias = "rows-a-file", value_name = "N", default_value_t = 1_000_000)]
+    rows_per_file: u64,
     /// Output format
     #[arg(long, value_enum, default_value = "parquet")]
     format: FormatArgument,
@@ -52,7 +52,7 @@ pub(super) fn run(options: &SampleOptions) -> Result<(), StudyError> {
     let bar = bar("rows", options.rows);
     let (mut first, mut files) = (0, 0);
     while first < options.rows {
-        let end = (first + options.rows_a_file.max(1)).min(options.rows);
+        let end = (first + options.rows_per_file.max(1)).min(options.rows);
         let rows = source.rows(first..end)?;
         let name = format!("configs-{files:05}.{}", format.extension());
         format.write(&rows.schema(), std::slice::from_ref(&rows), &options.out.join(name))?;

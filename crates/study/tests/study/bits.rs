@@ -24,7 +24,7 @@ fn run(folder: &Path, rows: &RecordBatch, partitions: usize, block: usize, forma
     let query = "SELECT *, clearance(turn, lift, elbow, roll, bend, twist) AS c FROM configs";
     let options = RunOptions {
         partitions,
-        block,
+        rows_per_part: block,
         format,
         scheduler: None,
     };

@@ -77,7 +77,7 @@ fn parts(folder: &Path) -> Vec<Vec<u8>> {
 fn a_cluster_answers_bit_for_bit_and_survives_a_kill() {
     let folder = scratch("cluster");
     let at = |name: &str| folder.join(name).to_string_lossy().into_owned();
-    let sample = ["--rows", "240000", "--rows-a-file", "120000", "--out", &at("q")];
+    let sample = ["--rows", "240000", "--rows-per-file", "120000", "--out", &at("q")];
     assert_eq!(said(tool("sample").args(sample)).0, 0);
     // One thread of one process: the same parts.
     let alone = [
@@ -87,7 +87,7 @@ fn a_cluster_answers_bit_for_bit_and_survives_a_kill() {
         &at("alone"),
         "--partitions",
         "1",
-        "--block",
+        "--rows-per-part",
         "120000",
     ];
     let (code, text) = said(tool("run").args(alone));
@@ -97,7 +97,7 @@ fn a_cluster_answers_bit_for_bit_and_survives_a_kill() {
     let port = port();
     let scheduler = format!("127.0.0.1:{port}");
     let mut command = tool("scheduler");
-    command.args(["--port", &port.to_string(), "--lost-after", "6"]);
+    command.args(["--port", &port.to_string(), "--executor-timeout", "6"]);
     let _scheduler = Process::start(&mut command, &folder.join("scheduler.log"));
     wait_for(port);
     let _first = executor(&folder, &scheduler, "first");

@@ -40,7 +40,7 @@ impl Place {
         let (study, input) = (study(options), Input::new(self.folder.join("in"))?);
         let options = RunOptions {
             partitions: 2,
-            block,
+            rows_per_part: block,
             ..RunOptions::default()
         };
         let run = Run {

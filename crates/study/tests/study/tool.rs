@@ -6,7 +6,7 @@ use crate::{said, scratch, tool};
 fn three_commands_make_a_report() {
     let folder = scratch("three");
     let at = |name: &str| folder.join(name).to_string_lossy().into_owned();
-    let (code, text) = said(tool("sample").args(["--rows", "3000", "--rows-a-file", "2000", "--out", &at("q")]));
+    let (code, text) = said(tool("sample").args(["--rows", "3000", "--rows-per-file", "2000", "--out", &at("q")]));
     assert!(
         code == 0 && text.contains("3000 configurations of 6 joints in 2 file(s)"),
         "{text}"
