@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 
-use crate::base::motion::turn;
+use crate::base::motion::rotation;
 use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::each::Each;
 use crate::base::num::packed::{PackedRotation, PackedVec3};
@@ -26,8 +26,8 @@ use crate::convex::solve::closed_form;
 use crate::convex::walk;
 use crate::nonconvex::continuous::paths;
 use crate::nonconvex::front;
-use crate::nonconvex::meet::box_gaps;
-use crate::nonconvex::meet::frame::Way;
+use crate::nonconvex::query::box_gaps;
+use crate::nonconvex::query::frame::Way;
 use crate::pair::certificate;
 use crate::pair::difference::{MinkowskiPoint, support};
 use crate::pair::posed::PosedPair;
@@ -205,7 +205,7 @@ pub fn flight_of_ball(from: Triple, velocity: Triple, radius: f64) -> [f64; 4] {
 /// Returns the quaternion of a turn, vector part first, and its product with another.
 pub fn half_turn(axis: Triple, sine: f64, cosine: f64, rest: f64, other: [f64; 4]) -> [[f64; 4]; 2] {
     let [x, y, z, w] = other;
-    let q = turn::half_turn(&axis.into(), sine, cosine, rest);
+    let q = rotation::half_turn(&axis.into(), sine, cosine, rest);
     [q, q * Quaternion::new(w, x, y, z)].each(|q| [q.i, q.j, q.k, q.w])
 }
 

@@ -305,8 +305,8 @@ pub mod scene;
 pub mod surface;
 mod time;
 
+pub use base::callbacks::Progress;
 pub use base::motion::Velocity;
-pub use base::notice::Progress;
 pub use base::pose::{Operand, PoseError, RelativePose, normalize_rotation};
 pub use base::{cost, motion, tolerance};
 pub use body::polyhedron::{
@@ -327,13 +327,13 @@ pub use nonconvex::continuous;
 #[cfg(feature = "meshes")]
 pub use nonconvex::decomposition::{Decomposition, DecompositionFit};
 #[cfg(feature = "meshes")]
-pub use nonconvex::meet::search::TreeWork;
-#[cfg(feature = "meshes")]
 pub use nonconvex::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport, VertexError};
 #[cfg(feature = "meshes")]
 pub use nonconvex::penetration::PenetrationBounds;
 #[cfg(feature = "meshes")]
 pub use nonconvex::pieces::{Compound, CompoundError, Piece};
+#[cfg(feature = "meshes")]
+pub use nonconvex::query::search::TreeWork;
 pub use pair::location::{PairOutcome, WitnessLocation};
 pub use pair::options::QueryOptions;
 pub use pair::outcome::WorldWitnesses;

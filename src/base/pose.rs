@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Quaternion, Vector3};
 use wide::f64x2;
 
-use crate::base::notice;
+use crate::base::callbacks;
 use crate::base::num::each::Each;
 use crate::base::num::packed::{self, PackedRotation, PackedVec3};
 use crate::base::tolerance::{POSE_UNIT, REACH};
@@ -317,7 +317,7 @@ impl RelativePose {
 #[inline(never)]
 fn refusal(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> (usize, f64) {
     let (which, value) = invalid_part(pose_a, pose_b);
-    notice::refused("a pose", &PoseError::of(which, value));
+    callbacks::refused("a pose", &PoseError::of(which, value));
     (which, value)
 }
 

@@ -21,7 +21,7 @@ use core::fmt;
 use core::ops::ControlFlow;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::base::notice::{Progress, Watch};
+use crate::base::callbacks::{Progress, Watch};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes, smallest};
 use crate::base::num::scalar::sqrt;
@@ -30,12 +30,12 @@ use crate::base::tolerance::{CERTIFICATE, UNIT};
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Core;
 use crate::convex::tracker::Tracker;
-use crate::nonconvex::meet::state::{Inside, PosedTrees};
-use crate::nonconvex::meet::triangle::Triangle;
 use crate::nonconvex::mesh::hull::{RESOLUTION, greatest};
 use crate::nonconvex::mesh::{Mesh, MeshError};
 use crate::nonconvex::parts::{Parted, PartsRef};
 use crate::nonconvex::pieces::{Compound, Piece};
+use crate::nonconvex::query::state::{Inside, PosedTrees};
+use crate::nonconvex::query::triangle::Triangle;
 use crate::pair::location::PairOutcome;
 use crate::pair::outcome::{ContactState, Distance};
 

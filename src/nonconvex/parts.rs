@@ -11,9 +11,9 @@ use crate::base::pose::RelativePose;
 use crate::body::shape::Shape;
 #[cfg(feature = "exact")]
 use crate::convex::exact::place::ExactVector;
-use crate::nonconvex::meet::frame::TreeSide;
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::pieces::Compound;
+use crate::nonconvex::query::frame::TreeSide;
 
 /// Triangles of a solid whose middles are asked on which side of another surface they are, if the
 /// vertices asked first all lie within rounding of it. Not measured.

@@ -9,7 +9,7 @@ use crate::base::pose::RelativePose;
 use crate::base::tolerance::{PLACED_BALL, RAY};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature};
 #[cfg(feature = "meshes")]
-use crate::nonconvex::meet::ray::Met;
+use crate::nonconvex::query::ray::Met;
 use crate::pair::options::QueryOptions;
 use crate::pair_tracker::PairTracker;
 use crate::pair_tracker::geometry::GeometryRef;

@@ -9,10 +9,10 @@ use crate::base::num::each::Each;
 use crate::base::num::sign;
 use crate::base::tolerance::RAY;
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
-#[cfg(feature = "exact")]
-use crate::nonconvex::meet::exact::{ExactRay, PointSide};
-use crate::nonconvex::meet::ray::{MeshRay, Met, RayBody};
 use crate::nonconvex::mesh::Mesh;
+#[cfg(feature = "exact")]
+use crate::nonconvex::query::exact::{ExactRay, PointSide};
+use crate::nonconvex::query::ray::{MeshRay, Met, RayBody};
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::pair_tracker::ray::{Ray, RayCast, RayHit, placed};
 use nalgebra::{Isometry3, Unit, Vector3};

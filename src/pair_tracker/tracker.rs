@@ -10,7 +10,7 @@ use crate::convex::tracker::TrackerWork;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::contact::ContactTracker;
 #[cfg(feature = "meshes")]
-use crate::nonconvex::meet::search::TreeWork;
+use crate::nonconvex::query::search::TreeWork;
 use crate::pair::location::PairOutcome;
 use crate::pair::options::QueryOptions;
 use crate::pair::outcome::{Decision, Distance};

@@ -14,7 +14,7 @@ use crate::base::motion::Velocity;
 use crate::base::tolerance::UNIT;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb, StoredBox, SweepAndPrune};
-use crate::scene::ahead::TICKS;
+use crate::scene::lookahead::TICKS;
 
 impl Scene {
     /// Returns the first contradiction among the tables of the scene: bodies and odometers, motions

@@ -143,13 +143,13 @@
 //!
 //! What a caller asks of a scene: queries, bodies and their poses.
 
-mod ahead;
 mod answers;
 mod body;
 pub mod budget;
 mod check;
 mod error;
 mod filter;
+mod lookahead;
 #[cfg(feature = "meshes")]
 mod meshes;
 mod motion;

@@ -127,7 +127,10 @@ fn what_no_turning_closes_is_refused_by_an_edge() {
     let open = Mesh::oriented(&points, &square.triangles[..11])
         .unwrap_err()
         .to_string();
-    assert!(open.starts_with("1 triangles meet at the edge of points"), "{open}");
+    assert!(
+        open.starts_with("cannot orient the mesh: 1 triangles share the edge of points"),
+        "{open}"
+    );
     // The projective plane of six vertices: closed, two triangles at each edge, one side.
     let plane = [
         [0, 1, 2],

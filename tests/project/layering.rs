@@ -77,7 +77,7 @@ fn below(folder: &str) -> Vec<Source> {
 
 /// The rooms of the ground floor, lowest first, and the layers of those that hold several.
 const ROOMS: &[(&str, &[&str])] = &[
-    ("base", &["cost", "tolerance", "notice", "num", "pose", "motion"]),
+    ("base", &["cost", "tolerance", "callbacks", "num", "pose", "motion"]),
     ("body", &["polyhedron", "shape"]),
     ("pair", &["soundness"]),
     (
@@ -171,13 +171,13 @@ fn lengths_are_listed() {
 const MAY_USE: &[(&str, &[&str])] = &[
     ("cost", &[]),
     ("tolerance", &[]),
-    ("notice", &["notice"]),
+    ("callbacks", &["callbacks"]),
     ("num", &["tolerance", "num"]),
-    ("pose", &["notice", "tolerance", "num"]),
+    ("pose", &["callbacks", "tolerance", "num"]),
     // Poses, velocities and displacements: no shape.
     ("motion", &["tolerance", "num", "pose", "motion"]),
     // The box of a posed polyhedron turns by the matrix of a pose.
-    ("polyhedron", &["notice", "tolerance", "num", "pose", "polyhedron"]),
+    ("polyhedron", &["callbacks", "tolerance", "num", "pose", "polyhedron"]),
     // Geometry alone: cores, radii, supports.
     ("shape", &["tolerance", "num", "pose", "polyhedron", "shape"]),
     // Two posed shapes, the outcome and the certificate: no solver.
@@ -231,7 +231,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     (
         "tracker",
         &[
-            "notice",
+            "callbacks",
             "tolerance",
             "num",
             "pose",
@@ -300,7 +300,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     (
         "impact",
         &[
-            "notice",
+            "callbacks",
             "tolerance",
             "num",
             "pose",
@@ -316,7 +316,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     (
         "nonconvex",
         &[
-            "notice",
+            "callbacks",
             "tolerance",
             "num",
             "pose",

@@ -24,15 +24,15 @@
 //! than `r k s^2 / 2`. A [`Remainder`] is a cubic bound of that form, of the pivot's place (a
 //! length) and of the turn (an angle).
 
+mod displacement;
 mod nlerp;
+pub(crate) mod rotation;
 mod steady;
-pub(crate) mod turn;
-mod way;
 
+pub(crate) use crate::base::motion::displacement::{BallAtPose, displacement};
 pub use crate::base::motion::nlerp::Nlerp;
 pub use crate::base::motion::steady::Steady;
 pub use crate::base::motion::steady::Velocity;
-pub(crate) use crate::base::motion::way::{BallAtPose, displacement};
 use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::pose::PoseError;

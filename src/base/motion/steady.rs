@@ -1,7 +1,7 @@
 //! Constant velocities: straight at a constant speed, or accelerated, and turning evenly about one
 //! axis.
 
-use crate::base::motion::turn::Spin;
+use crate::base::motion::rotation::Spin;
 use crate::base::motion::{Motion, MotionError, MotionModel, Remainder};
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;

@@ -4,7 +4,7 @@
 //! Sines and cosines come from `libm`, so that every target builds identical bits. The file also
 //! holds the constructors of bodies without volume: a point, a segment, a convex polygon.
 
-use crate::base::notice::Watch;
+use crate::base::callbacks::Watch;
 use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign::{projection, side, turn};

@@ -15,7 +15,7 @@ use crate::pair::difference::DifferenceFacet;
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::posed::PosedPair;
 
-use crate::convex::depth::surface::EnclosingSurface;
+use crate::convex::depth::polytope::EnclosingSurface;
 
 /// Triangles of a surface that is kept between queries, at most: their numbers fit a byte. Larger
 /// surfaces are built again, as their memory costs more than the time saved. Not measured.

@@ -35,10 +35,10 @@ mod exhaustive;
 mod facet;
 mod memory;
 mod nearest;
+mod polytope;
 pub(crate) mod pyramid;
 mod resume;
 mod search;
-mod surface;
 
 use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::each::Each;
@@ -54,8 +54,8 @@ use crate::pair::outcome::{ContactState, Solver};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use nalgebra::Vector3;
+use polytope::EnclosingSurface;
 use search::{SearchEnd, SearchResult, search};
-use surface::EnclosingSurface;
 
 pub(crate) use memory::{Memory, RawMemory, Workspace};
 pub(crate) use nearest::{NearestFeature, depth_from, local_depth, nearest_facet};

@@ -18,7 +18,7 @@
 //! point of P beyond the side replaces the side by three triangles.
 //!
 //! The sides are judged as the triangles of a surface are
-//! ([`verify_surface`](super::surface::verify_surface)).
+//! ([`verify_surface`](super::polytope::verify_surface)).
 
 use crate::base::num::each::Each;
 use crate::body::polyhedron::fans::LARGE;
@@ -29,8 +29,8 @@ use crate::base::num::packed::PackedVec3;
 use crate::base::num::scalar::{Vec3, cross, dot, neg, sqrt, sub};
 use crate::base::tolerance::{AGREE_DEPTH, ALMOST_FLAT, CERTIFICATE, ORIENTATION, UNIT};
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, HalfEdgeId};
+use crate::convex::depth::polytope::{Target, unit};
 use crate::convex::depth::search::Best;
-use crate::convex::depth::surface::{Target, unit};
 use crate::pair::difference::DifferenceFacet;
 use crate::pair::posed::PosedPair;
 use crate::pair::star::EdgeSpan;

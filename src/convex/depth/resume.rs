@@ -21,8 +21,8 @@ use crate::convex::depth::descent::{WitnessPoints, flush, foot};
 use crate::convex::depth::facet::{disc_radius, holds_disc, pierced_facet};
 use crate::convex::depth::memory::{MAX_POINTS, Memory, Scratch};
 use crate::convex::depth::nearest::{NearestFeature, nearest_facet};
+use crate::convex::depth::polytope::{SurfaceState, verify_surface};
 use crate::convex::depth::search::{Best, DepthSearch, SearchEnd, SearchResult, search, search_from};
-use crate::convex::depth::surface::{SurfaceState, verify_surface};
 use crate::convex::depth::write_overlap;
 use crate::pair::difference::DifferenceFacet;
 

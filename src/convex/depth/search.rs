@@ -13,7 +13,7 @@ use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, scaled, sub};
 use crate::base::tolerance::{AGREE_DEPTH, AGREE_WITNESS, ALMOST_FLAT, CERTIFICATE, PLATEAU, SHIFT_DIRECTION, UNIT};
 use crate::body::polyhedron::{FeaturePair, VertexId};
 use crate::convex::depth::descent::{WitnessPoints, foot, sample_rim};
-use crate::convex::depth::surface::{EnclosingSurface, Filter, unit};
+use crate::convex::depth::polytope::{EnclosingSurface, Filter, unit};
 use crate::convex::minimum::simplex::Simplex;
 use crate::convex::minimum::{Minimum, solve, vertex_of, witnesses};
 use crate::pair::difference::DifferenceFacet;

@@ -55,13 +55,13 @@ use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub}
 use crate::base::tolerance::{AGREE_CURVED, CERTIFICATE, DEPTH_GOAL, PARALLEL_AXES, UNIT};
 use crate::body::shape::Support;
 use crate::convex::minimum::simplex::{Indexed, Simplex};
-use crate::convex::smooth::bent::SolverRun;
-use crate::convex::smooth::best::{BranchSet, ProvenBounds};
+use crate::convex::smooth::best_bounds::{BranchSet, ProvenBounds};
 use crate::convex::smooth::cores::{Any, CoreKind};
-use crate::convex::smooth::frozen::{Around, Frozen, SolveGoal};
+use crate::convex::smooth::gjk::{Around, Frozen, SolveGoal};
 use crate::convex::smooth::ladder::search;
+use crate::convex::smooth::newton_gjk::SolverRun;
 use crate::convex::smooth::posed::{DifferencePoint, PosedCores, Toward, add, unit, values};
-use crate::convex::smooth::{frozen, surface};
+use crate::convex::smooth::{gjk, polytope};
 use crate::pair::outcome::{DepthMode, Solver};
 use crate::pair::transform::{ErrorScale, Transform};
 
@@ -114,7 +114,7 @@ pub(super) fn deepen<A: CoreKind, B: CoreKind>(
 fn grow(posed: &PosedCores<Any, Any, f64>, corners: &Around<f64>, deep: &mut Deep) {
     deep.grown = true;
     let best = &mut deep.best;
-    let Some(found) = surface::deepen(posed, corners.points(), best) else {
+    let Some(found) = polytope::deepen(posed, corners.points(), best) else {
         from_faces(posed, corners.points(), best);
         return;
     };
@@ -132,7 +132,7 @@ fn grow(posed: &PosedCores<Any, Any, f64>, corners: &Around<f64>, deep: &mut Dee
 #[inline(never)]
 fn prove_overlap(posed: &PosedCores<Any, Any, f64>, deep: &mut Deep) {
     let mut apart = ProvenBounds::new();
-    if let Frozen::Inside(corners) = frozen::solve(posed, deep.best.n, SolveGoal::Approach, &mut apart) {
+    if let Frozen::Inside(corners) = gjk::solve(posed, deep.best.n, SolveGoal::Approach, &mut apart) {
         deep.inside = corners.points().len() == 4;
     }
     deep.best.evaluations += apart.evaluations;

@@ -10,12 +10,12 @@ use crate::base::pose::RelativePose;
 use crate::base::tolerance::{AGREE_CURVED, CERTIFICATE, SMALL_PAIR, SPECK, UNIT, UNIT_DOUBLE_DOUBLE};
 use crate::body::polyhedron::{FeaturePair, exponent_of, power_of_two};
 use crate::body::shape::{Core, Curved, Support, match_core};
-use crate::convex::smooth::bent::{RunEnd, SolverRun};
-use crate::convex::smooth::best::{BranchSet, ProvenBounds};
+use crate::convex::smooth::best_bounds::{BranchSet, ProvenBounds};
 use crate::convex::smooth::cores::{Any, CoreKind, PolyhedralCore};
-use crate::convex::smooth::frozen::{Around, Frozen, SolveGoal};
+use crate::convex::smooth::gjk::{Around, Frozen, SolveGoal};
+use crate::convex::smooth::newton_gjk::{RunEnd, SolverRun};
 use crate::convex::smooth::posed::{DifferencePoint, PosedCores, add, askew, unit, values};
-use crate::convex::smooth::{depth, frozen, warm};
+use crate::convex::smooth::{depth, gjk, warm_start};
 use crate::pair::draft::round_outward;
 use crate::pair::outcome::{ContactState, DepthMode, Outcome, Solver};
 use crate::pair::transform::{StoredFrame, Transform};
@@ -473,7 +473,7 @@ pub(super) fn separate<A: Support, B: Support, T: Scalar>(
     let (mut start, mut closed) = (start, None);
     loop {
         if let Some((n, set)) = start {
-            let end = warm::track(posed, n, &set, best);
+            let end = warm_start::track(posed, n, &set, best);
             if end == Err(RunEnd::Closed) {
                 return Ended::Closed;
             }
@@ -514,7 +514,7 @@ pub(super) fn search<A: Support, B: Support, T: Scalar>(
     }
     let axis = [T::from(1.0), T::from(0.0), T::from(0.0)];
     let n = unit(&posed.frame.translation).unwrap_or(axis);
-    match frozen::solve(posed, n, SolveGoal::Approach, best) {
+    match gjk::solve(posed, n, SolveGoal::Approach, best) {
         Frozen::Closed => return Ended::Closed,
         Frozen::Inside(corners) if deep(best, Some(corners)) => return Ended::Deep,
         _ => {}
@@ -523,7 +523,7 @@ pub(super) fn search<A: Support, B: Support, T: Scalar>(
         return ended;
     }
     *solver = Solver::Gjk;
-    match frozen::solve(posed, toward_witness(posed, best), SolveGoal::Close, best) {
+    match gjk::solve(posed, toward_witness(posed, best), SolveGoal::Close, best) {
         Frozen::Closed => Ended::Closed,
         Frozen::Inside(corners) if deep(best, Some(corners)) => Ended::Deep,
         _ => Ended::Open,

@@ -19,22 +19,22 @@
 //!    face of a simplex.
 //! 3. Every answer carries both bounds, whatever the solver.
 
-mod bent;
-mod best;
+mod best_bounds;
 mod cores;
 mod depth;
-mod flush;
-mod frozen;
+mod flat_round_faces;
+mod gjk;
 mod ladder;
 mod model;
+mod newton_gjk;
+mod polytope;
 mod posed;
-mod surface;
-mod warm;
+mod warm_start;
 
 use alloc::sync::Arc;
 
 #[cfg(feature = "__proofs")]
-pub(crate) use best::bounds_along;
+pub(crate) use best_bounds::bounds_along;
 use cores::PolyhedralCore;
 pub(crate) use ladder::WarmStart;
 use ladder::{SolverSetting, closest_of};

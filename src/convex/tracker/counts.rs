@@ -1,6 +1,6 @@
 //! Counters of a tracker: costs of the two ways to start a walk, and totals for the caller.
 
-use crate::base::notice;
+use crate::base::callbacks;
 use crate::base::num::{Counter, sum_of_counters};
 use crate::pair::outcome::AnsweredBy;
 use crate::pair::outcome::{Solver, Work};
@@ -126,7 +126,7 @@ impl TrackerWork {
         self.steps.count(u64::from(work.steps));
         self.depths.count(u64::from(work.depths));
         if matches!(solver, Solver::Gjk | Solver::DoubleDouble | Solver::Exact) {
-            notice::fell_back(&solver, work.steps);
+            callbacks::fell_back(&solver, work.steps);
         }
     }
 }

@@ -18,11 +18,11 @@ use crate::body::polyhedron::{ConvexPolyhedron, FaceId};
 use crate::body::shape::{Core, Shape};
 use crate::convex::contact::tangents_of;
 use crate::convex::shape_tracker::ShapeTracker;
-use crate::nonconvex::meet::frame::TreeSide;
-use crate::nonconvex::meet::triangle;
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::parts::{Parted, PartsRef};
 use crate::nonconvex::pieces::{Compound, Piece};
+use crate::nonconvex::query::frame::TreeSide;
+use crate::nonconvex::query::triangle;
 
 /// A body as its contacts see it: convex patches of a mesh's surface, or the pieces of a
 /// [`Compound`].

@@ -19,7 +19,7 @@
 //! normals). Patches: see `patches`.
 
 mod body;
-mod near;
+mod patch_pair;
 mod patches;
 
 use alloc::collections::BTreeMap;
@@ -36,13 +36,13 @@ use crate::base::pose::RelativePose;
 use crate::base::tolerance::{ACROSS, CERTIFICATE, UNIT};
 use crate::convex::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};
 use crate::nonconvex::front::NodePair;
-use crate::nonconvex::meet::box_gaps::{BoundAim, WIDTH, bounds};
-use crate::nonconvex::meet::frame::{TreeFrame, split_pair};
 use crate::nonconvex::parts::Parted;
 use crate::nonconvex::parts::{Placed, relative};
 use crate::nonconvex::pieces::CompoundTracker;
+use crate::nonconvex::query::box_gaps::{BoundAim, WIDTH, bounds};
+use crate::nonconvex::query::frame::{TreeFrame, split_pair};
 use crate::pair::outcome::ContactState;
-use near::NearPatches;
+use patch_pair::NearPatches;
 
 /// Sine of the largest angle between the normals of contacts that are reduced together. Not
 /// measured.

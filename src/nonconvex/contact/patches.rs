@@ -19,16 +19,16 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
-use crate::base::notice::Watch;
+use crate::base::callbacks::Watch;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::ACROSS;
 use crate::body::polyhedron::{ConvexPolyhedron, bounding_box};
 use crate::body::shape::Shape;
-use crate::nonconvex::meet::frame::TreeSide;
-use crate::nonconvex::meet::overlap::unit_normal;
-use crate::nonconvex::meet::triangle;
 use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::query::frame::TreeSide;
+use crate::nonconvex::query::overlap::unit_normal;
+use crate::nonconvex::query::triangle;
 use crate::nonconvex::tree::Tree;
 
 /// The depth of the hull of a patch that does not go round a body, in its radius. Overlaps deeper

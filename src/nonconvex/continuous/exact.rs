@@ -25,7 +25,7 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::body::polyhedron::lowest_bit;
 use crate::convex::exact::integer::{self, Big3, integer, sign};
 use crate::nonconvex::continuous::search::WideWork;
-use crate::nonconvex::meet::triangle::Triangle;
+use crate::nonconvex::query::triangle::Triangle;
 
 /// A vector whose coordinates are polynomials in time.
 type Vector = [Polynomial; 3];

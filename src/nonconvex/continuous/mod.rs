@@ -103,7 +103,7 @@ use nalgebra::{Point3, Unit, Vector3};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{PATH_DIRECTION, PATH_GAP};
-use crate::nonconvex::meet::triangle;
+use crate::nonconvex::query::triangle;
 use crate::pair::outcome::ContactState;
 use crate::time::impact::{Cast, Impact, ImpactError, Tolerance};
 use crate::time::separation::{Measurement, Tangent};

@@ -8,7 +8,7 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::{PATH_AREA, PATH_DIRECTION, PATH_GAP, PATH_VOLUME, UNIT};
 use crate::body::polyhedron::{exponent_of, power_of_two};
-use crate::nonconvex::meet::triangle;
+use crate::nonconvex::query::triangle;
 
 /// A point that moves on a straight path at constant velocity, from time zero to time one.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use super::paths::{FourVertices, Parts, VertexPath, VertexPaths, VertexPlaces, volume_sign, volumes};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
-use crate::nonconvex::meet::triangle::Triangle;
+use crate::nonconvex::query::triangle::Triangle;
 
 /// Least width of an interval of time in which a first contact of vertices on straight paths is
 /// looked for before exact arithmetic decides. Not measured.

@@ -12,10 +12,10 @@ use crate::base::num::Counter;
 use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::nonconvex::front::{EntryId, Front, NodePair};
-use crate::nonconvex::meet::box_gaps::{WIDTH, along};
-use crate::nonconvex::meet::frame::{TreeFrame, TreeMoves};
-use crate::nonconvex::meet::search::TreeWork;
-use crate::nonconvex::meet::search::{GapProof, Judge, TreeSearch};
+use crate::nonconvex::query::box_gaps::{WIDTH, along};
+use crate::nonconvex::query::frame::{TreeFrame, TreeMoves};
+use crate::nonconvex::query::search::TreeWork;
+use crate::nonconvex::query::search::{GapProof, Judge, TreeSearch};
 
 /// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth a
 /// front: some 2.4 degrees. At 2 degrees a frame a front and a new search cost about the same.

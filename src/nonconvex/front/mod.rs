@@ -25,7 +25,7 @@
 //! front with all vertices below the entry's nodes, and looks whether the front covers all pairs.
 
 pub(super) mod memory;
-pub(super) mod own;
+pub(super) mod self_front;
 
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
@@ -36,10 +36,10 @@ use wide::f32x8;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
-use crate::nonconvex::meet::box_gaps::WIDTH;
-use crate::nonconvex::meet::frame::{Single, TreeFrame, TreeMoves, Way};
-use crate::nonconvex::meet::search::GapProof;
 use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::query::box_gaps::WIDTH;
+use crate::nonconvex::query::frame::{Single, TreeFrame, TreeMoves, Way};
+use crate::nonconvex::query::search::GapProof;
 use crate::nonconvex::tree::{OrientedBox, Paths, Tree};
 
 /// Most entries of a front, of 64 bytes each: 2 MB, twice that while vectors grow. A longer front

@@ -11,8 +11,8 @@ use nalgebra::{Point3, Vector3};
 use super::edges::{self, Edges};
 use super::vertices::Stiff;
 use super::{Mesh, MeshError, MeshKind, MeshReport};
-use crate::base::notice;
-use crate::base::notice::{Progress, Stopped, Watch};
+use crate::base::callbacks;
+use crate::base::callbacks::{Progress, Stopped, Watch};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Extremes, largest};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
@@ -54,7 +54,7 @@ impl Mesh {
     }
 
     fn built(points: &[Point3<f64>], triangles: &[[u32; 3]], watch: &mut Watch<'_>) -> Result<Self, MeshError> {
-        Self::build(points, triangles, watch).inspect_err(|why| notice::refused("a mesh", why))
+        Self::build(points, triangles, watch).inspect_err(|why| callbacks::refused("a mesh", why))
     }
 
     fn build(points: &[Point3<f64>], triangles: &[[u32; 3]], watch: &mut Watch<'_>) -> Result<Self, MeshError> {

@@ -12,13 +12,13 @@ use core::fmt;
 use nalgebra::{Point3, Vector3};
 
 use super::Mesh;
-use crate::base::notice::Watch;
+use crate::base::callbacks::Watch;
 use crate::base::num::Ranked;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
-use crate::nonconvex::meet::triangle::{self, Triangle};
+use crate::nonconvex::query::triangle::{self, Triangle};
 
 /// The gap is bracketed to this part of half the diagonal of the mesh's box: 0.4 %.
 pub(crate) const RESOLUTION: f64 = 1.0 / 256.0;

@@ -11,7 +11,7 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT_SINGLE;
-use crate::nonconvex::meet::triangle;
+use crate::nonconvex::query::triangle;
 use crate::nonconvex::tree::{Below, Tree};
 use crate::pair::location::WitnessLocation;
 

@@ -4,10 +4,10 @@ mod build;
 mod edges;
 pub(super) mod hull;
 pub(super) mod measure;
-mod own;
 #[cfg(feature = "serde")]
 mod persist;
 mod report;
+mod self_distance;
 pub(crate) mod tracker;
 mod vertices;
 

@@ -14,16 +14,16 @@ use core::ops::ControlFlow;
 use nalgebra::{Isometry3, Vector3};
 
 use super::Mesh;
-use crate::base::notice::{Progress, Stopped, Watch};
+use crate::base::callbacks::{Progress, Stopped, Watch};
 use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::ONE_PLANE;
-use crate::nonconvex::meet::box_gaps::{BoundAim, WIDTH, bounds};
-use crate::nonconvex::meet::frame::{TreeFrame, split_pair};
-use crate::nonconvex::meet::triangle::{self, Triangle};
 use crate::nonconvex::parts::Parted;
+use crate::nonconvex::query::box_gaps::{BoundAim, WIDTH, bounds};
+use crate::nonconvex::query::frame::{TreeFrame, split_pair};
+use crate::nonconvex::query::triangle::{self, Triangle};
 use crate::nonconvex::tree::Below;
 
 /// Reason why points and triangles make no mesh. Indices are the caller's, lengths in the caller's

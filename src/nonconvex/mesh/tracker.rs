@@ -13,15 +13,15 @@ use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexI
 use crate::convex::tracker::Tracker;
 use crate::nonconvex::front::memory::FrontMemory;
 use crate::nonconvex::front::{FrontFault, NodePair, audit};
-use crate::nonconvex::meet::frame::TreeFrame;
-use crate::nonconvex::meet::overlap::Touching;
-use crate::nonconvex::meet::search::TreeWork;
-use crate::nonconvex::meet::search::{Judge, Measured};
-use crate::nonconvex::meet::state::{PosedTrees, TreeAnswer, TreeState};
-use crate::nonconvex::meet::triangle::{self, Closest, Triangle, TriangleSpot, certainly_cross};
 use crate::nonconvex::mesh::Mesh;
-use crate::nonconvex::mesh::own::SelfState;
+use crate::nonconvex::mesh::self_distance::SelfState;
 use crate::nonconvex::parts::Parted;
+use crate::nonconvex::query::frame::TreeFrame;
+use crate::nonconvex::query::overlap::Touching;
+use crate::nonconvex::query::search::TreeWork;
+use crate::nonconvex::query::search::{Judge, Measured};
+use crate::nonconvex::query::state::{PosedTrees, TreeAnswer, TreeState};
+use crate::nonconvex::query::triangle::{self, Closest, Triangle, TriangleSpot, certainly_cross};
 use crate::pair::location::{PairOutcome, WitnessLocation};
 use crate::pair::outcome::Outcome;
 

@@ -12,7 +12,7 @@ use nalgebra::{Point3, Vector3};
 use super::build::InTreeOrder;
 use super::build::Units;
 use super::{Mesh, VertexError};
-use crate::base::notice::Watch;
+use crate::base::callbacks::Watch;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes, largest};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};

@@ -27,11 +27,11 @@ use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::CELL;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Shape;
-use crate::nonconvex::meet::triangle;
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::mesh::measure::From;
 use crate::nonconvex::parts::Parted;
 use crate::nonconvex::penetration::BEYOND;
+use crate::nonconvex::query::triangle;
 use crate::nonconvex::tree::Below;
 use crate::nonconvex::tree::height;
 

@@ -41,14 +41,14 @@ use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
 use crate::convex::shape_tracker::ShapeTracker;
 use crate::nonconvex::front::NodePair;
-use crate::nonconvex::meet::box_gaps::{BoundAim, WIDTH, bounds};
-use crate::nonconvex::meet::frame::split_pair;
-use crate::nonconvex::meet::state::PosedTrees;
-use crate::nonconvex::meet::triangle::{self, Triangle};
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::parts::Placed;
 use crate::nonconvex::parts::{Parted, PartsRef};
 use crate::nonconvex::pieces::{Compound, Piece};
+use crate::nonconvex::query::box_gaps::{BoundAim, WIDTH, bounds};
+use crate::nonconvex::query::frame::split_pair;
+use crate::nonconvex::query::state::PosedTrees;
+use crate::nonconvex::query::triangle::{self, Triangle};
 use crate::pair::outcome::{ContactState, Outcome};
 
 /// Vertices of a mesh that are looked at for a lower bound of the depth. Not measured.

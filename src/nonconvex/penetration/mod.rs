@@ -33,12 +33,12 @@ use crate::base::pose::RelativePose;
 use crate::base::tolerance::UNIT;
 use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
 use crate::convex::tracker::Tracker;
-use crate::nonconvex::meet::state::PosedTrees;
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::mesh::tracker::MeshTracker;
 use crate::nonconvex::parts::relative;
 use crate::nonconvex::parts::{Parted, PartsRef};
 use crate::nonconvex::pieces::CompoundTracker;
+use crate::nonconvex::query::state::PosedTrees;
 use crate::pair::outcome::ContactState;
 
 /// Bounds of a depth whose difference is below this part of the upper one are left as they are.

@@ -6,7 +6,7 @@ use core::ops::Range;
 use nalgebra::Vector3;
 
 use super::{Below, OrientedBox, Slab, Tree};
-use crate::base::notice::Watch;
+use crate::base::callbacks::Watch;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;

@@ -19,7 +19,7 @@ use nalgebra::Vector3;
 
 use super::split::Splitter;
 use super::{Below, COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
-use crate::base::notice::Watch;
+use crate::base::callbacks::Watch;
 use crate::base::num::each::Each;
 
 /// How far beyond a box a point is still held, in units of the tree, which is one or two in size.

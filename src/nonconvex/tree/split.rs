@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
 use super::{COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
-use crate::base::notice::Watch;
+use crate::base::callbacks::Watch;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;

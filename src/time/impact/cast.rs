@@ -3,8 +3,8 @@
 use alloc::vec::Vec;
 
 use super::{Certificate, Impact, Tolerance};
+use crate::base::callbacks;
 use crate::base::motion::Motion;
-use crate::base::notice;
 use crate::base::num::extremes::Extremes;
 use crate::base::pose::{PoseError, RelativePose};
 use crate::base::tolerance::ROOT;
@@ -89,7 +89,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
     pub(super) fn run(&mut self, from: f64) -> Result<Impact, PoseError> {
         let found = self.search(from);
         if let Ok(Impact::Incomplete { .. }) = found {
-            notice::spent("a cast", LOOKS);
+            callbacks::spent("a cast", LOOKS);
         }
         found
     }

@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Vector3};
 use super::cast::{flight, later};
 use super::{ImpactError, check};
 use crate::base::motion::Motion;
-use crate::base::motion::turn::turned;
+use crate::base::motion::rotation::turned;
 use crate::base::num::extremes::Bounded;
 use crate::base::pose::Operand;
 use crate::pair::outcome::ContactState;

@@ -17,10 +17,10 @@ pub(super) fn bounds() -> Vec<Bound> {
     let single = |part, kernel, error: RBig| Bound::single("BOXES", kernel, error).case(part);
     let worst = |of: fn(&Sizes) -> RBig| Sizes::all().iter().map(of).max().expect("sizes");
     vec![
-        single("line of centres", "meet::box_gaps::bound_eight", worst(centres)),
-        single("excess of A", "meet::box_gaps::excess", worst(excess_of_a)),
-        single("excess of B", "meet::box_gaps::excess", worst(excess_of_b)),
-        single("direction", "meet::box_gaps::offer", worst(direction)),
+        single("line of centres", "query::box_gaps::bound_eight", worst(centres)),
+        single("excess of A", "query::box_gaps::excess", worst(excess_of_a)),
+        single("excess of B", "query::box_gaps::excess", worst(excess_of_b)),
+        single("direction", "query::box_gaps::offer", worst(direction)),
         single("front", "front::FrontBlock::gaps", worst(front)),
         single("front, segments", "front::FrontBlock::gaps", worst(front_of_segments)),
         Bound::single("BOXES", "tree::OrientedBox::rod", around()).part("about a segment", 32.0),

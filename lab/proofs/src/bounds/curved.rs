@@ -19,10 +19,18 @@ pub(super) fn bounds() -> Vec<Bound> {
     let [fine_lower, fine_upper] = pair(&twice);
     let [low, high] = half_space(&a);
     vec![
-        a.row("curved, lower", "smooth::best::prove", lower),
-        a.row("curved, upper", "smooth::best::mixture", upper),
-        twice.row("curved in double-double, lower", "smooth::best::prove", fine_lower),
-        twice.row("curved in double-double, upper", "smooth::best::mixture", fine_upper),
+        a.row("curved, lower", "smooth::best_bounds::prove", lower),
+        a.row("curved, upper", "smooth::best_bounds::mixture", upper),
+        twice.row(
+            "curved in double-double, lower",
+            "smooth::best_bounds::prove",
+            fine_lower,
+        ),
+        twice.row(
+            "curved in double-double, upper",
+            "smooth::best_bounds::mixture",
+            fine_upper,
+        ),
         a.row("half-space, lower", "contact::half_space::distance", low),
         a.row("half-space, upper", "contact::half_space::distance", high),
         a.row("surfaces, gap of two nets", "patch::gap::Trees::gap", nets(&a)),

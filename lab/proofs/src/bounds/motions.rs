@@ -32,7 +32,7 @@ pub(super) fn bounds() -> Vec<Bound> {
             &[(2.0, "PARALLEL_AXES"), (1.0, "CERTIFICATE")],
         ),
         whole("INNER", "shape::ellipsoid::inner_ball", inner_ball()),
-        whole("WAY", "motion::way::displacement", way()),
+        whole("WAY", "motion::displacement::displacement", way()),
     ]
 }
 

@@ -26,7 +26,7 @@ pub struct Posed<V: Vectors> {
     pub products: V::Matrix,
 }
 
-/// `nonconvex::meet::box_gaps::bound_eight`, one lane, up to the gaps.
+/// `nonconvex::query::box_gaps::bound_eight`, one lane, up to the gaps.
 pub fn posed<V: Vectors>(rotation: V::Matrix, shift: V::Vector, [a, b]: [&Oriented<V>; 2]) -> Posed<V> {
     let axes_b = V::products(b.axes, rotation);
     let at = V::product(rotation, b.centre);

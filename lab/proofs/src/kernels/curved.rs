@@ -24,7 +24,7 @@ pub fn apex_and_rim<N: Number>([radius, half]: [N; 2], [across, along]: [N; 2]) 
     [half * along, radius * across - half * along]
 }
 
-/// `smooth::best::mixture`: a coordinate of points by their weights, and the sum of these, which divides it.
+/// `smooth::best_bounds::mixture`: a coordinate of points by their weights, and the sum of these, which divides it.
 pub fn mixed<N: Number>(points: &[N], weights: &[N]) -> [N; 2] {
     let none = [N::exact(0.0); 2];
     points

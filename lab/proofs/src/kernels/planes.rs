@@ -84,7 +84,7 @@ pub fn composed<N: Number>([ax, ay, az, aw]: [N; 4], [bx, by, bz, bw]: [N; 4]) -
     )
 }
 
-/// `motion::turn::half_turn`: the quaternion of a turn, of the axis, sine and cosine of half the angle, and what the
+/// `motion::rotation::half_turn`: the quaternion of a turn, of the axis, sine and cosine of half the angle, and what the
 /// rounding of this half leaves out.
 pub fn spun<N: Number>(axis: [N; 3], [sine, cosine]: [N; 2], rest: N) -> [N; 4] {
     let by = sine + cosine * rest;

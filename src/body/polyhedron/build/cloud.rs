@@ -20,7 +20,7 @@
 //! inside the cloud's hull. Equal points have equal verdicts, and no point on the surface is ever
 //! dropped.
 
-use crate::base::notice::Watch;
+use crate::base::callbacks::Watch;
 use crate::base::num::double_double::two_sum;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Extremes, largest};

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use core::fmt;
 
-use crate::base::notice::Stopped;
+use crate::base::callbacks::Stopped;
 
 /// The reason for which points or faces make no body. Indices are the caller's, lengths in the
 /// caller's unit.

@@ -6,8 +6,8 @@
 //! face planar only to the bound becomes several faces, and [`ConvexPolyhedron::source_face`] leads
 //! back.
 
-use crate::base::notice;
-use crate::base::notice::Watch;
+use crate::base::callbacks;
+use crate::base::callbacks::Watch;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::sign::side;
@@ -53,7 +53,7 @@ impl ConvexPolyhedron {
     /// the surface of a convex body; see [`BuildError`].
     #[doc(alias = "mesh")]
     pub fn from_faces(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<Self, BuildError> {
-        build(points, faces, None).inspect_err(|why| notice::refused("a body of faces", why))
+        build(points, faces, None).inspect_err(|why| callbacks::refused("a body of faces", why))
     }
 
     /// Returns a body from points and faces as [`from_faces`](Self::from_faces) does, if the faces
@@ -93,7 +93,7 @@ impl ConvexPolyhedron {
         if !(planarity_bound >= 0.0 && planarity_bound.is_finite()) {
             return Err(BuildError::BadBound { value: planarity_bound });
         }
-        build(points, faces, Some(planarity_bound)).inspect_err(|why| notice::refused("a body of faces", why))
+        build(points, faces, Some(planarity_bound)).inspect_err(|why| callbacks::refused("a body of faces", why))
     }
 }
 

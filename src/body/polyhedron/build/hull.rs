@@ -29,7 +29,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use crate::base::notice::Watch;
+use crate::base::callbacks::Watch;
 use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::each::Each;
 use crate::base::num::sign::{projection, side};

@@ -9,8 +9,8 @@ pub(crate) mod hull;
 #[cfg(feature = "serde")]
 mod persist;
 
-use crate::base::notice;
-use crate::base::notice::{Progress, Watch};
+use crate::base::callbacks;
+use crate::base::callbacks::{Progress, Watch};
 use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes, largest, smallest};
@@ -104,7 +104,7 @@ impl ConvexPolyhedron {
         let indices = (0..points.len().min(u32::MAX as usize) as u32).collect();
         let cloud = Cloud::sifted(points, indices, 4, MANY, EXTENT_MIN);
         let hull = cloud.and_then(|cloud| Self::hull_of(cloud, watch));
-        hull.inspect_err(|why| notice::refused("a hull", why))
+        hull.inspect_err(|why| callbacks::refused("a hull", why))
     }
 
     /// Returns the hull of a cloud that is not flat.

@@ -20,9 +20,9 @@ use crate::base::tolerance::{EXACT_PLACE, SIDE_ERROR, TURN_ERROR};
 use crate::body::polyhedron::lowest_bit;
 use crate::convex::exact::integer::{Big3, cross, dot, integer, sign, sub};
 use crate::convex::exact::place::{ExactVector, compare, quotient};
-use crate::nonconvex::meet::ray::{RayBody, RayTriangle};
-use crate::nonconvex::meet::triangle::Triangle;
 use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::query::ray::{RayBody, RayTriangle};
+use crate::nonconvex::query::triangle::Triangle;
 
 /// Where a point is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

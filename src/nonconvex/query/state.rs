@@ -9,14 +9,14 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::{Operand, RelativePose};
 use crate::nonconvex::front::NodePair;
 use crate::nonconvex::front::memory::FrontMemory;
-#[cfg(feature = "exact")]
-use crate::nonconvex::meet::exact::PointSide;
-use crate::nonconvex::meet::frame::{TreeFrame, TreeMoves, TreeSide};
-use crate::nonconvex::meet::overlap::Touching;
-use crate::nonconvex::meet::search::{Judge, Measured, MeshGoal, TreeSearch};
 use crate::nonconvex::parts::Parted;
 #[cfg(feature = "exact")]
 use crate::nonconvex::parts::PartsRef;
+#[cfg(feature = "exact")]
+use crate::nonconvex::query::exact::PointSide;
+use crate::nonconvex::query::frame::{TreeFrame, TreeMoves, TreeSide};
+use crate::nonconvex::query::overlap::Touching;
+use crate::nonconvex::query::search::{Judge, Measured, MeshGoal, TreeSearch};
 use crate::pair::location::{PairOutcome, WitnessLocation, features_on};
 use crate::pair::outcome::{ContactState, Outcome};
 
@@ -192,7 +192,7 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
     /// Bodies so far apart, or so small beside their distance, that only balls about their origins
     /// count.
     pub(crate) fn far<F>(a: &A, b: &B, pose: &RelativePose) -> TreeAnswer<F> {
-        let (distance, slack, normal) = crate::nonconvex::meet::frame::far(a.side(), b.side(), pose);
+        let (distance, slack, normal) = crate::nonconvex::query::frame::far(a.side(), b.side(), pose);
         let lower = (distance - slack).at_least(0.0);
         let middle = |side: TreeSide, unit: f64| Point3::from(side.tree.centre * unit);
         TreeAnswer {

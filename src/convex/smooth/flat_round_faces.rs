@@ -3,7 +3,7 @@
 //! The support point of a rim leaps around the circle as the direction crosses the axis. There the
 //! axis itself is tried: with the support point of the other core over the face the bounds close.
 
-use super::best::ProvenBounds;
+use super::best_bounds::ProvenBounds;
 use super::posed::{DifferencePoint, PlaneStep, PosedCores, Toward, tangent, values};
 use crate::base::num::scalar::{Scalar, Vec3, neg, sub};
 use crate::body::shape::{Disc, Support};

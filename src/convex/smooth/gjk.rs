@@ -5,8 +5,8 @@
 //! tries to finish from the simplex. GJK also proves overlaps: by four points of the difference
 //! around the origin.
 
-use super::bent::{RunEnd, SolverRun};
-use super::best::{BranchSet, ProvenBounds};
+use super::best_bounds::{BranchSet, ProvenBounds};
+use super::newton_gjk::{RunEnd, SolverRun};
 use super::posed::{DifferencePoint, PosedCores, askew, tangents, unit};
 use crate::base::num::each::Each;
 use crate::base::num::scalar::{Scalar, Vec3, neg};

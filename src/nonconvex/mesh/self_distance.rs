@@ -14,12 +14,12 @@ use crate::base::pose::RelativePose;
 use crate::convex::tracker::Tracker;
 use crate::nonconvex::front::FrontFault;
 use crate::nonconvex::front::NodePair;
-use crate::nonconvex::front::own::{ItemVertices, SelfFront};
-use crate::nonconvex::meet::frame::TreeFrame;
-use crate::nonconvex::meet::overlap::Touching;
-use crate::nonconvex::meet::search::{Judge, Measured, MeshGoal, TreeSearch};
-use crate::nonconvex::meet::state::{PosedTrees, TreeAnswer};
-use crate::nonconvex::meet::triangle::TriangleSpot;
+use crate::nonconvex::front::self_front::{ItemVertices, SelfFront};
+use crate::nonconvex::query::frame::TreeFrame;
+use crate::nonconvex::query::overlap::Touching;
+use crate::nonconvex::query::search::{Judge, Measured, MeshGoal, TreeSearch};
+use crate::nonconvex::query::state::{PosedTrees, TreeAnswer};
+use crate::nonconvex::query::triangle::TriangleSpot;
 use crate::pair::location::PairOutcome;
 
 /// The state of a mesh against itself.

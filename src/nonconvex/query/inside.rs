@@ -16,8 +16,8 @@ use crate::base::num::extremes::largest;
 use crate::base::num::sign;
 use crate::base::tolerance::{FLUSH_EXPONENT, UNIT_SINGLE};
 use crate::body::polyhedron::{exponent_of, power_of_two};
-use crate::nonconvex::meet::triangle;
 use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::query::triangle;
 use crate::nonconvex::tree::{Below, OrientedBox, Tree};
 
 /// Segments tried for a winding number. A first zero is rare already, and the ends are in general

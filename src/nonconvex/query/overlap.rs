@@ -20,13 +20,13 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::Operand;
 use crate::nonconvex::front::NodePair;
-use crate::nonconvex::meet::box_gaps::{BoundAim, WIDTH, bounds};
-use crate::nonconvex::meet::frame::split_pair;
-use crate::nonconvex::meet::search::Measured;
-use crate::nonconvex::meet::state::{Inside, PosedTrees};
-use crate::nonconvex::meet::triangle::{self, Triangle};
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::parts::{Parted, PartsRef};
+use crate::nonconvex::query::box_gaps::{BoundAim, WIDTH, bounds};
+use crate::nonconvex::query::frame::split_pair;
+use crate::nonconvex::query::search::Measured;
+use crate::nonconvex::query::state::{Inside, PosedTrees};
+use crate::nonconvex::query::triangle::{self, Triangle};
 use crate::nonconvex::tree::{Below, height};
 
 /// Pairs of triangles in contact that are looked at for inner points. Not measured.

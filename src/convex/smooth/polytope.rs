@@ -13,7 +13,7 @@
 
 use alloc::vec::Vec;
 
-use super::best::ProvenBounds;
+use super::best_bounds::ProvenBounds;
 use super::posed::{DifferencePoint, PosedCores, unit};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;

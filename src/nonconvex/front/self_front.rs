@@ -24,8 +24,8 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::nonconvex::front::FrontFault;
 use crate::nonconvex::front::NodePair;
-use crate::nonconvex::meet::search::AT_ONCE;
-use crate::nonconvex::meet::search::{GapProof, Judge, ProofKeeper, TreeSearch};
+use crate::nonconvex::query::search::AT_ONCE;
+use crate::nonconvex::query::search::{GapProof, Judge, ProofKeeper, TreeSearch};
 use crate::nonconvex::tree::{Below, Tree, up};
 
 /// Most claims of a front of a mesh against itself, for each of its triangles; a longer front is

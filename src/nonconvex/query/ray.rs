@@ -11,10 +11,10 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{RAY_PLANE, RAY_SIDE};
-#[cfg(feature = "exact")]
-use crate::nonconvex::meet::exact::ExactRay;
-use crate::nonconvex::meet::triangle::{self, Triangle};
 use crate::nonconvex::mesh::Mesh;
+#[cfg(feature = "exact")]
+use crate::nonconvex::query::exact::ExactRay;
+use crate::nonconvex::query::triangle::{self, Triangle};
 
 /// A part of a ray, in stored coordinates of a body of triangles. Distances from the origin of the
 /// ray are the caller's.

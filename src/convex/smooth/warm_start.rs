@@ -20,10 +20,10 @@
 
 use core::convert::Infallible;
 
-use super::bent::{RunEnd, far_behind};
-use super::best::{BranchSet, EqualBranches, ProvenBounds};
-use super::flush::{self, Flush};
+use super::best_bounds::{BranchSet, EqualBranches, ProvenBounds};
+use super::flat_round_faces::{self, Flush};
 use super::model::{ModelPlane, newton};
+use super::newton_gjk::{RunEnd, far_behind};
 use super::posed::{DifferencePoint, PosedCores, Toward, add, tangent, tangents, unit};
 use crate::base::num::each::Each;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
@@ -247,7 +247,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         if !(squared < TURN) {
             return Err(self.open(&at.n));
         }
-        if let Some(found) = flush::near(self.posed, self.best, &toward, &step, &mut self.flush, 0.0) {
+        if let Some(found) = flat_round_faces::near(self.posed, self.best, &toward, &step, &mut self.flush, 0.0) {
             return self.beyond(&found);
         }
         Ok(add(&toward.n, &tangent(&toward, &step)))
@@ -415,7 +415,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
     #[inline(never)]
     fn try_flat(&mut self, n: &Vec3<T>, side: usize) -> Result<Vec3<T>, RunEnd> {
         let toward = self.posed.toward(*n);
-        let found = flush::of_side(self.posed, self.best, &toward, side, &mut self.flush);
+        let found = flat_round_faces::of_side(self.posed, self.best, &toward, side, &mut self.flush);
         let found = found.ok_or_else(|| self.open(n))?;
         self.beyond(&found)
     }

@@ -14,9 +14,9 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::sum_of_counters;
 use crate::nonconvex::front::{Front, NodePair};
-use crate::nonconvex::meet::box_gaps::{BoundAim, BoxGaps, bounds};
-use crate::nonconvex::meet::frame::{TreeFrame, split_pair};
-use crate::nonconvex::meet::overlap::Touching;
+use crate::nonconvex::query::box_gaps::{BoundAim, BoxGaps, bounds};
+use crate::nonconvex::query::frame::{TreeFrame, split_pair};
+use crate::nonconvex::query::overlap::Touching;
 use crate::nonconvex::tree::{Below, LEAF, Tree, height, near_unit};
 
 /// Pairs taken off the stack at once: both halves of each make eight, the width of the kernel.

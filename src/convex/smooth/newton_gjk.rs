@@ -4,9 +4,9 @@
 //! of GJK, with one smooth branch on each core Newton's method on the normal. The supports at the
 //! next direction are both the next step and the certificate.
 
-use super::best::{BranchSet, ProvenBounds};
+use super::best_bounds::{BranchSet, ProvenBounds};
 use super::depth;
-use super::flush::{self, Flush};
+use super::flat_round_faces::{self, Flush};
 use super::model::{MOST, ModelPlane, top};
 use super::posed::{DifferencePoint, PlaneStep, PosedCores, Toward, add, tangent, unit};
 use crate::base::num::scalar::{Scalar, Vec3, dot, root};
@@ -125,7 +125,8 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
                 return RunEnd::Inside;
             }
             if !self.deep
-                && let Some(piece) = flush::near(self.posed, self.best, &centre.toward, &step, &mut flush, NEAR_AXIS)
+                && let Some(piece) =
+                    flat_round_faces::near(self.posed, self.best, &centre.toward, &step, &mut flush, NEAR_AXIS)
             {
                 if self.best.closes(self.posed) {
                     return RunEnd::Closed;

@@ -18,7 +18,7 @@ use wide::{f32x4, f32x8};
 
 use crate::base::tolerance::PARALLEL_SIDES;
 use crate::nonconvex::front::NodePair;
-use crate::nonconvex::meet::frame::Single;
+use crate::nonconvex::query::frame::Single;
 use crate::nonconvex::tree::{OrientedBox, Tree};
 
 /// Boxes so many times as long as wide are long: directions across their lengths are tried.
@@ -321,7 +321,7 @@ pub(crate) fn gap_of(
     boxes: [[[f32; 3]; 5]; 2],
     known: Option<[f32; 3]>,
 ) -> f32 {
-    use crate::nonconvex::meet::frame::Way;
+    use crate::nonconvex::query::frame::Way;
     let way = || Way { rotation, translation };
     let frame = Single {
         unit: 1.0,
