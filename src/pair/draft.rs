@@ -1,5 +1,7 @@
-//! The draft of an outcome, in stored units and frames, and what several solvers write into it:
-//! directions, rounded bounds, features of vertex lists, and the test of a finished draft.
+//! The draft of an outcome, in stored units and frames, and what several solvers write into it.
+//!
+//! Solvers write directions, rounded bounds and features of vertex lists. A test checks a finished
+//! draft.
 
 use core::ops::{Deref, DerefMut};
 
@@ -13,16 +15,16 @@ use crate::body::polyhedron::{ConvexPolyhedron, Feature, FeaturePair, VertexId};
 use crate::pair::outcome::{ContactState, Outcome};
 use crate::pair::posed::PosedPair;
 
-/// Answer that one solver passes to the next: the fields of an [`Outcome`], in stored units and
-/// frames, and not proven until a certificate accepts the bounds.
+/// Outcome that one solver passes to the next: the fields of an [`Outcome`], in stored units and
+/// frames. The bounds are proven only after a certificate accepts them.
 ///
-/// A draft is written in place and becomes an outcome at the end of the query alone
-/// ([`into_outcome`](Self::into_outcome)), so no solver can return an unproven answer to a caller.
+/// Solvers write the draft in place. It becomes an outcome only at the end of the query
+/// ([`into_outcome`](Self::into_outcome)), so no solver can return an unproven outcome to a caller.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Draft(Outcome);
 
 impl Draft {
-    /// Returns a draft that holds the start of a solver alone.
+    /// Returns a draft that holds only the start of a solver.
     #[inline(always)]
     pub(crate) fn starting_at(pair: FeaturePair) -> Self {
         Self(Outcome::starting_at(pair))
@@ -37,9 +39,10 @@ impl Draft {
         draft.normal = Unit::new_normalize(normal);
     }
 
-    /// Converts stored units and frames to the caller's: the only place at which bounds change
-    /// their unit. `unit` is a power of two, so only numbers that leave the normal range are
-    /// rounded; bounds are rounded outward.
+    /// Converts stored units and frames to the caller's. Bounds change their unit only here.
+    ///
+    /// `unit` is a power of two, so only numbers that leave the normal range are rounded. Bounds
+    /// are rounded outward.
     #[cold]
     pub(crate) fn scale(&mut self, unit: f64, a: &ConvexPolyhedron, b: &ConvexPolyhedron) {
         self.lower = scaled_down(self.lower, unit);
@@ -49,7 +52,7 @@ impl Draft {
         self.point_on_b = b.to_user(&self.point_on_b.coords);
     }
 
-    /// Returns the finished answer, in which no zero has a sign.
+    /// Returns the finished outcome, in which no zero has a sign.
     #[inline(always)]
     pub(crate) fn into_outcome(mut self) -> Outcome {
         self.0.unsign_zeros();
@@ -84,7 +87,7 @@ impl DerefMut for Draft {
 /// Returns the largest f64 that is no greater than `x` times a power of two.
 pub(crate) fn scaled_down(x: f64, unit: f64) -> f64 {
     let y = x * unit;
-    // The way back is exact, or overflows as the way there did.
+    // The conversion back is exact, or overflows if the conversion there did.
     if y / unit > x { y.next_down() } else { y }
 }
 
@@ -95,7 +98,7 @@ pub(crate) fn direction(v: &Vector3<f64>) -> Option<Unit<Vector3<f64>>> {
     if !(largest > 0.0 && largest < f64::INFINITY) {
         return None;
     }
-    // Twice, as a quotient of a subnormal number loses bits.
+    // Divided twice, because a quotient of a subnormal number loses bits.
     let scaled = v / largest;
     Some(Unit::new_unchecked(scaled / sqrt(scaled.norm_squared())))
 }

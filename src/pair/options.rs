@@ -1,4 +1,4 @@
-//! Options of a query of two geometries of any kinds.
+//! Options of a query of two geometries of any kind.
 
 use super::outcome::DepthMode;
 
@@ -19,8 +19,9 @@ pub struct QueryOptions {
     /// Which depth a query of two convex geometries that overlap returns. The query searches no
     /// depth of other geometries.
     pub depth: DepthMode,
-    /// How far the bounds of a pair with a Bézier surface may be apart, a length in the
-    /// caller's unit; `None` for `2^-30` of the pair size L (the radii of both geometries about
+    /// Which depth a query of two overlapping convex geometries returns.
+    ///
+    /// For other geometries the query computes no depth.
     /// their origins, and the distance of the origins). A width that is NaN or below `2^-42 L` is
     /// taken as `2^-42 L`.
     pub width: Option<f64>,
