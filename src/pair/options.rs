@@ -16,19 +16,23 @@ use super::outcome::DepthMode;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct QueryOptions {
-    /// Which depth a query of two convex geometries that overlap returns. The query searches no
-    /// depth of other geometries.
-    pub depth: DepthMode,
     /// Which depth a query of two overlapping convex geometries returns.
     ///
     /// For other geometries the query computes no depth.
-    /// their origins, and the distance of the origins). A width that is NaN or below `2^-42 L` is
-    /// taken as `2^-42 L`.
+    pub depth: DepthMode,
+    /// Largest distance between the bounds of a pair with a Bézier surface, a length in the
+    /// caller's unit.
+    ///
+    /// `None` means `2^-30` of the pair size L (the radii of both geometries about their origins,
+    /// plus the distance of the origins). A width that is NaN or below `2^-42 L` counts as `2^-42
+    /// L`.
     pub width: Option<f64>,
-    /// The number of pairs of nodes that a query of a Bézier surface may split, at most `2^22`;
-    /// `None` for 20,000. A query that uses up its budget returns wider bounds; so does one of two
-    /// surfaces that would need several times its budget by the speed at which its bounds approach
-    /// each other.
+    /// Budget of a query with a Bézier surface: how many pairs of nodes it may split, at most
+    /// `2^22`.
+    ///
+    /// `None` means 20,000. A query that uses up its budget returns wider bounds. A query of two
+    /// surfaces also returns wider bounds if it would need several times its budget at the speed at
+    /// which its bounds approach each other.
     pub splits: Option<usize>,
 }
 
