@@ -131,8 +131,9 @@ pub(crate) fn far(reach: [f64; 2], pose: &RelativePose) -> (f64, f64, Vector3<f6
     ((distance - slack).at_least(0.0), distance + slack, n)
 }
 
-/// Marks an outcome as overlapping. Depth and normal are unknown here (they are the work of
-/// `depth`); the normal has no meaning yet, but is a unit vector.
+/// Marks an outcome as overlapping, with unknown depth and normal.
+///
+/// `depth` computes both. The normal has no meaning yet, but is a unit vector.
 pub(crate) fn set_overlapping(draft: &mut Draft) {
     draft.state = ContactState::Overlapping;
     draft.distance = 0.0;
@@ -140,8 +141,9 @@ pub(crate) fn set_overlapping(draft: &mut Draft) {
     (draft.lower, draft.upper) = (f64::NEG_INFINITY, 0.0);
 }
 
-/// Leaves a pair undecided, out of the range of the finer arithmetic, with the upper bound that any
-/// two vertices prove.
+/// Leaves a pair undecided, with the upper bound that any two vertices prove.
+///
+/// The pair is out of the range of the finer arithmetic.
 pub(crate) fn set_undecided(posed: &PosedPair, draft: &mut Draft) {
     let (a, b) = draft.features.vertices_of(posed.a, posed.b);
     let (p, q) = (posed.a.points[a.index()], posed.b.points[b.index()]);
@@ -171,10 +173,11 @@ pub(crate) fn walk_state(posed: &PosedPair, a: &[VertexId], b: &[VertexId]) -> F
     }
 }
 
-/// Returns whether contact state and distance are settled: separated with bounds no wider than they
-/// should be, or overlapping with witnesses that coincide up to rounding (the weights of a flat
-/// tetrahedron around the origin may be wrong in every digit while the signs of the volumes are
-/// certain).
+/// Returns whether contact state and distance are proven.
+///
+/// A separated pair needs bounds no wider than they should be. An overlapping pair needs witnesses
+/// that coincide up to rounding, because the weights of a flat tetrahedron around the origin may be
+/// wrong in every digit while the signs of its volumes are certain.
 pub(crate) fn is_proven(posed: &PosedPair, draft: &Draft) -> bool {
     match draft.state {
         ContactState::Overlapping => {
@@ -186,7 +189,7 @@ pub(crate) fn is_proven(posed: &PosedPair, draft: &Draft) -> bool {
     }
 }
 
-/// Returns whether the bounds are as close as the bounds of a certified answer must be.
+/// Returns whether the bounds are as close as those of a certified outcome must be.
 pub(crate) fn is_narrow(posed: &PosedPair, draft: &Draft) -> bool {
     draft.upper - draft.lower <= (AGREE + 2.0 * CERTIFICATE * UNIT) * posed.size()
 }

@@ -37,7 +37,7 @@ pub struct QueryOptions {
 }
 
 impl QueryOptions {
-    /// Returns the default options: the depth of convex geometries, the usual width.
+    /// Returns the default options: full depths, default width and default budget.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -47,21 +47,21 @@ impl QueryOptions {
         }
     }
 
-    /// Returns the options with another depth of overlaps of convex geometries.
+    /// Returns the options with another depth mode for overlaps of convex geometries.
     #[must_use]
     pub const fn depth(mut self, depth: DepthMode) -> Self {
         self.depth = depth;
         self
     }
 
-    /// Returns the options with another width of the bounds of Bézier surfaces.
+    /// Returns the options with another width of the bounds of pairs with a Bézier surface.
     #[must_use]
     pub const fn width(mut self, width: f64) -> Self {
         self.width = Some(width);
         self
     }
 
-    /// Returns the options with another budget of a query of Bézier surfaces.
+    /// Returns the options with another budget of queries with a Bézier surface.
     #[must_use]
     pub const fn splits(mut self, splits: usize) -> Self {
         self.splits = Some(splits);
