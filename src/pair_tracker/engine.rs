@@ -170,7 +170,7 @@ impl Engine {
     }
 
     /// Starts the next query of two convex bodies, one of them curved, along a direction from A to
-    /// B, as after a contact.
+    /// B.
     pub(super) fn begin_along(&mut self, n: &Unit<Vector3<f64>>) {
         if let Self::Shapes(engine) = self {
             engine.tracker = ShapeTracker::along(n);
