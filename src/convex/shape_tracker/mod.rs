@@ -178,8 +178,8 @@ impl Shape {
 /// Returns the gap between the plane of a face of A and a core B, along the outward normal of the
 /// face, as an outcome.
 ///
-/// The gap is a lower bound of the signed distance, right up to rounding. `upper` holds the gap too,
-/// but is no bound. `None` for a face that A does not have.
+/// The gap is a lower bound of the signed distance, right up to rounding. `upper` holds the gap
+/// too, but is no bound. `None` for a face that A does not have.
 pub(crate) fn along_face(a: &ConvexPolyhedron, face: FaceId, b: &Core, a_from_b: &RelativePose) -> Option<Outcome> {
     let (normal, offset) = a.face_plane(face)?;
     let rotation = a_from_b.rotation();
