@@ -19,7 +19,7 @@ const LOOKS: u32 = 20_000;
 
 /// Number of steps between two checks of the pace of a cast.
 ///
-/// A cast ends if at its pace it would need this many times the limit of steps to reach the end:
+/// A cast ends if at its pace it would need `PACE` times the limit of steps to reach the end:
 /// bodies that rotate by 1e15 radians. Not measured.
 const PACE_LOOKS: u32 = 1024;
 const PACE: f64 = 50.0;
