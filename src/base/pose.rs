@@ -184,8 +184,9 @@ pub(crate) fn is_unit(pose: &Isometry3<f64>) -> bool {
     PoseBits::new(pose).is_unit()
 }
 
-/// Returns the pose with its quaternion divided by the norm, as [`RelativePose::new`] and a scene
-/// require.
+/// Returns the pose with its quaternion divided by the norm.
+///
+/// [`RelativePose::new`] and a scene require such poses.
 ///
 /// A quaternion that is zero or not finite is returned unchanged; `RelativePose::new` and a scene
 /// reject it.

@@ -32,7 +32,7 @@ pub struct WitnessLocation {
 }
 
 impl WitnessLocation {
-    /// Returns a point of a patch by its parameters u and v, each between 0 and 1.
+    /// Returns the location on a patch with parameters u and v, each in 0..=1.
     #[must_use]
     pub const fn on_patch(patch: u32, parameters: [f64; 2]) -> Self {
         Self {

@@ -20,8 +20,9 @@ pub struct QueryOptions {
     ///
     /// For other geometries the query computes no depth.
     pub depth: DepthMode,
-    /// Largest distance between the bounds of a pair with a Bézier surface, a length in the
-    /// caller's unit.
+    /// Largest distance between the bounds of a pair with a Bézier surface.
+    ///
+    /// A length in the caller's unit.
     ///
     /// `None` means `2^-30` of the pair size L (the radii of both geometries about their origins,
     /// plus the distance of the origins). A width that is NaN or below `2^-42 L` counts as `2^-42

@@ -450,7 +450,7 @@ impl From<&Outcome> for Distance {
     }
 }
 
-/// Witness points and normal of an [`Outcome`] in the common frame of the two poses (the world).
+/// Witness points and normal of an [`Outcome`] in the world, the poses' common frame.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -479,7 +479,7 @@ pub struct WorldWitnesses {
 }
 
 impl WorldWitnesses {
-    /// Returns the witnesses with A and B exchanged, for a caller whose own body is B.
+    /// Returns the witnesses with A and B exchanged: use it if your own body is B.
     #[must_use]
     pub fn swapped(&self) -> Self {
         Self {

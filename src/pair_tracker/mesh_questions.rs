@@ -72,7 +72,7 @@ impl PairTracker {
         self.self_tracker(mesh)?.self_closest(mesh)
     }
 
-    /// Returns whether two triangles of a mesh that share no vertex are at most `d` apart.
+    /// Returns whether two triangles without a common vertex are at most `d` apart.
     ///
     /// `d` is in the caller's unit; the answer is no for a negative `d` and for NaN. The search
     /// stops at the first such pair. Exact with the feature `exact`; without it ties count as
@@ -85,7 +85,7 @@ impl PairTracker {
             .is_some_and(|tracker| tracker.self_within(mesh, d))
     }
 
-    /// Returns all pairs of triangles of a mesh that share no vertex and are at most `d` apart.
+    /// Returns all pairs of triangles without a common vertex at most `d` apart.
     ///
     /// `d` is in the caller's unit; a negative `d` and NaN return no pair. Each pair is returned
     /// once, in no order, with the closest points, the bounds, and the triangles by the caller's
@@ -127,8 +127,7 @@ impl PairTracker {
 }
 
 impl Decomposition {
-    /// Returns bounds of the distance of the mesh from another geometry, by the distance of the
-    /// pieces.
+    /// Returns bounds of the mesh's distance from another geometry, measured by the pieces.
     ///
     /// If the bounds do not decide whether the bodies meet, the contact state is
     /// [`ContactState::Undecided`](crate::ContactState::Undecided). No depth is returned. A Bézier

@@ -152,7 +152,7 @@ pub struct RayHit {
     pub safe: f64,
     /// A point of the ray up to this distance lies in the body.
     pub hit: f64,
-    /// The point of the body closest to the end of the safe segment, in the world.
+    /// The body's point closest to the end of the safe segment, in the world.
     pub point: Point3<f64>,
     /// The outward normal of the body at this point, in the world.
     pub normal: Unit<Vector3<f64>>,

@@ -356,7 +356,7 @@ impl PairTracker {
         self.follow(bodies).engine.decide_within(bodies, a_from_b, d, options)
     }
 
-    /// Returns the two geometries as a pair that can be measured over time with this tracker.
+    /// Returns the two geometries as a pair for queries over time.
     ///
     /// [`impact::cast`](crate::impact::cast) takes such a pair.
     ///
@@ -397,7 +397,7 @@ impl PairTracker {
         *self = Self::new();
     }
 
-    /// Returns a query of two convex geometries as a text that rebuilds the query bit for bit.
+    /// Returns a query of two convex geometries as a text that rebuilds it exactly.
     ///
     /// Call this before the query, as [`Tracker::replay`](crate::Tracker::replay). `None` unless
     /// both geometries are polyhedra, rounded or not.

@@ -65,7 +65,7 @@ use crate::base::tolerance::TICK;
 /// entries. Not measured.
 const SPARE: usize = 64;
 
-/// Pairs of bodies, by the ids of the caller, and the tick at which each pair is due.
+/// Pairs of bodies by id, and the tick at which each pair is due.
 #[derive(Clone, Debug, Default)]
 pub struct Schedule {
     now: u64,
@@ -209,7 +209,7 @@ impl Schedule {
         }
     }
 
-    /// Returns the tick at which the next pair is due, if any pair is due at any tick.
+    /// Returns the next tick at which a pair is due, if any.
     #[must_use]
     pub fn next(&self) -> Option<u64> {
         let ticks = self.pairs.values().filter_map(|entry| entry.tick);

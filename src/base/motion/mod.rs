@@ -116,8 +116,9 @@ impl<M: Motion + ?Sized> Motion for &M {
     }
 }
 
-/// Velocities of a body at a time, in the world's axes, and bounds of the later deviation from
-/// them.
+/// Velocities of a body at a time, and bounds of the later deviation.
+///
+/// Velocities are in the world's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotionModel {
@@ -137,8 +138,9 @@ pub struct MotionModel {
 }
 
 impl MotionModel {
-    /// Returns an upper bound of the displacement of any point within `radius` of the pivot within
-    /// `span`.
+    /// Returns an upper bound of the displacement of any point within `span`.
+    ///
+    /// The bound holds for all points within `radius` of the pivot.
     #[must_use]
     pub fn displacement(&self, radius: f64, span: f64) -> f64 {
         // Products take the time first. So the displacements are lengths, and what they lose by
@@ -182,7 +184,7 @@ impl MotionModel {
         }
     }
 
-    /// Returns an upper bound of the distance of a point from its position in the model.
+    /// Returns an upper bound of a point's distance from its position in the model.
     ///
     /// The point is within `radius` of the pivot.
     #[must_use]

@@ -49,8 +49,9 @@ pub struct Steady {
 }
 
 impl Steady {
-    /// Returns the motion of a body that is at `pose` at time zero, with this velocity of its
-    /// origin.
+    /// Returns the motion that starts at `pose` with this velocity of the body's origin.
+    ///
+    /// The start is at time zero.
     ///
     /// # Errors
     /// Returns an error if the pose or the velocity is not finite or out of range.
@@ -59,8 +60,9 @@ impl Steady {
         Self::about(pose, Point3::origin(), velocity)
     }
 
-    /// Returns the motion of a body that is at `pose` at time zero, with this velocity of the point
-    /// `pivot` of its frame.
+    /// Returns the motion that starts at `pose` with this velocity of the pivot.
+    ///
+    /// The start is at time zero. The point `pivot` is in the body's frame.
     ///
     /// # Errors
     /// Returns an error if the pose, the pivot or the velocity is not finite or out of range.
@@ -81,8 +83,7 @@ impl Steady {
         })
     }
 
-    /// Returns the motion from one pose to another in the given time, at constant velocities
-    /// (slerp).
+    /// Returns the motion between two poses in the given time, at constant velocities (slerp).
     ///
     /// The point `pivot` of the body moves along a straight line. The body rotates by at most half
     /// a revolution about one axis.
@@ -146,8 +147,9 @@ impl Steady {
         Self::about(pose, pivot.into(), velocity)
     }
 
-    /// Returns this motion with a constant acceleration of the pivot, such as gravity, from time
-    /// zero on.
+    /// Returns this motion with a constant acceleration of the pivot, such as gravity.
+    ///
+    /// The acceleration counts from time zero on.
     ///
     /// # Errors
     /// Returns an error if the acceleration is not finite or out of range.
@@ -156,8 +158,7 @@ impl Steady {
         Ok(Self { acceleration, ..self })
     }
 
-    /// Returns the set of all motions that start like this one at time zero and have nearly its
-    /// accelerations.
+    /// Returns the set of motions that start like this one, with bounded other accelerations.
     ///
     /// The accelerations differ from those of this motion by at most `linear` (of the pivot) and
     /// `angular` (radians per unit of time squared). The poses are still those of this motion. What
@@ -293,7 +294,7 @@ pub(super) fn positive(what: &'static str, value: f64) -> Result<(), MotionError
     }
 }
 
-/// The velocity of a rigid body in the world's frame, of its origin and about its origin.
+/// The linear and angular velocity of a rigid body, in the world's frame.
 ///
 /// The linear velocity belongs to the body's origin. The angular velocity is in radians per unit of
 /// time about this origin. Physics engines mostly use the velocity of the centre of mass. Both

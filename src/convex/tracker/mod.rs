@@ -37,7 +37,7 @@ pub use crate::convex::tracker::counts::TrackerWork;
 /// features would gain nothing. Not measured.
 const STEADY: u32 = 3;
 
-/// The features of the last outcome of a pair, from which the next walk starts, and counters.
+/// Cached features of one pair, from which the next walk starts, and counters.
 ///
 /// A tracker owns no body. A tracker of another pair, or one that is out of date, costs time and
 /// never makes a result wrong. Contact states and predicates are equal for warm and cold trackers,
@@ -106,13 +106,14 @@ impl Tracker {
         self.checked(a, b, a_from_b, DepthMode::Full)
     }
 
-    /// Returns the closest features, with a distance that is right to one unit in the last place.
+    /// Returns the closest features and a distance right to the last place.
     ///
-    /// This holds for separated bodies. The query costs about ten times [`closest`](Self::closest).
-    /// Features that are certainly the closest have a distance in closed form, in double-double
-    /// arithmetic. Other pairs, such as parallel faces, are solved in that arithmetic or in exact
-    /// integers, in microseconds. The depth of an overlap keeps the bounds of `closest` unless its
-    /// facets are decided over integers ([`Solver::Exact`](crate::Solver)).
+    /// The distance of separated bodies is within one unit in the last place of the truth. The
+    /// query costs about ten times [`closest`](Self::closest). Features that are certainly the
+    /// closest have a distance in closed form, in double-double arithmetic. Other pairs, such as
+    /// parallel faces, are solved in that arithmetic or in exact integers, in microseconds. The
+    /// depth of an overlap keeps the bounds of `closest` unless its facets are decided over
+    /// integers ([`Solver::Exact`](crate::Solver)).
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
@@ -193,8 +194,7 @@ impl Tracker {
         }
     }
 
-    /// Returns a tracker that starts as after an outcome with this contact state and these
-    /// features.
+    /// Returns a tracker that starts as after an outcome with these features and this state.
     ///
     /// Use this if you keep features and contact state yourself and no tracker. After an overlap,
     /// the next query for a depth starts at the facet of the features. After any other contact
@@ -330,8 +330,9 @@ impl Tracker {
         }
     }
 
-    /// Returns the closest features, and a local depth of an overlap, at about three times the cost
-    /// of a walk.
+    /// Returns the closest features; an overlap gets a local depth.
+    ///
+    /// The query costs about three times as much as a walk.
     ///
     /// Separated bodies get the outcome of [`closest`](Self::closest). For an overlap, `normal` and
     /// `distance` belong to a facet of the Minkowski difference that is nearest in its
@@ -815,8 +816,9 @@ mod path {
 
     #[doc(hidden)]
     impl Tracker {
-        /// Returns the pairs of features that the walk of the next query would test, in order, and
-        /// whether it ends.
+        /// Returns the feature pairs that the next walk would test, and whether it ends.
+        ///
+        /// The pairs are in the order of the walk.
         ///
         /// The flag is true if the walk ends on the last pair, and false if it hands over there to
         /// another solver. Nothing is changed or counted. The path is empty for bodies on which no

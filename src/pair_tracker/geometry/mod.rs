@@ -129,7 +129,7 @@ impl Geometry {
         }
     }
 
-    /// Returns the body as a convex shape, or `None` for a compound, a mesh or a surface.
+    /// Returns the body as a convex shape; `None` for a compound, mesh or surface.
     #[must_use]
     pub fn as_convex(&self) -> Option<Cow<'_, Shape>> {
         match self {

@@ -29,7 +29,7 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// Returns the normal of the plane at a time, in the world, from A to B.
+    /// Returns the normal of the plane at a time: from A to B, in the world.
     ///
     /// `None` if no plane proves the certificate.
     ///
@@ -43,8 +43,9 @@ impl Certificate {
         Some(turned(&spin, time - self.from) * normal)
     }
 
-    /// Returns the gap of the shapes along the plane at a time, from the support points of the
-    /// pair.
+    /// Returns the gap of the shapes along the plane's normal at a time.
+    ///
+    /// The gap is computed from the support points of the pair.
     ///
     /// `None` if no plane proves the certificate.
     pub fn gap<S, A, B>(&self, pair: &mut S, motion_a: &A, motion_b: &B, time: f64) -> Option<f64>
@@ -68,7 +69,7 @@ impl Certificate {
     }
 }
 
-/// Returns how long two shapes are proven to stay more than `distance` apart, by one step.
+/// Returns a proof by one step that two shapes stay more than `distance` apart.
 ///
 /// The certificate ends at its start if the shapes are not more than `distance` apart there, or if
 /// a motion returns a model that is not finite.

@@ -227,7 +227,7 @@ where
     cast_within(pair, motion_a, motion_b, interval, tolerance, 0.0)
 }
 
-/// Returns the time at which two shapes first come within a distance of each other, as a bracket.
+/// Returns when two shapes first come within a distance of each other, as a bracket.
 ///
 /// # Errors
 /// Returns an error if the interval ends before its start, the tolerance or the distance is
@@ -248,8 +248,9 @@ where
     search(pair, motion_a, motion_b, interval, tolerance, distance, None)
 }
 
-/// Casts like [`cast_within`], and appends one certificate per step of the time that is proven
-/// free.
+/// Casts like [`cast_within`], and appends one certificate per step.
+///
+/// The certificates cover the time that is proven free, in order.
 ///
 /// # Errors
 /// Returns an error in the same cases as [`cast_within`].

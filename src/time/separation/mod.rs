@@ -132,8 +132,7 @@ pub enum Tangent {
 /// A support point and the proven support value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SupportPoint {
-    /// Upper bound of the support value of the whole shape along the direction, from the centre of
-    /// the ball.
+    /// Upper bound of the shape's support value along the direction, from the ball's centre.
     pub height: f64,
     /// A point with about this support value, minus the centre of the ball. A wrong point cannot
     /// make a proof wrong.
