@@ -76,7 +76,7 @@ pub struct PairOutcome {
     /// surface.
     ///
     /// Reasons for false: the query has used up its budget of splits; the budget is far too small
-    /// (see [`patch`](crate::surface)); or the width is below `2^-42` times the pair size. The
+    /// (see [`surface`](crate::surface)); or the width is below `2^-42` times the pair size. The
     /// bounds hold in these cases too.
     pub is_converged: bool,
 }

@@ -19,10 +19,9 @@ pub enum ContactState {
     /// Proven apart: the lower bound is positive. The lower bound is zero if exact arithmetic finds
     /// a distance too small for f64.
     Separated,
-    /// Proven to touch; or the bounds straddle zero, and the query had no finer arithmetic to
-    /// decide.
+    /// Proven to touch; or the bounds straddle zero, and no finer arithmetic decided.
     ///
-    /// The query has no finer arithmetic if the geometry or the requested accuracy excludes it.
+    /// Finer arithmetic does not decide if it cannot, or if the query did not request it.
     Touching,
     /// Proven to share an interior point.
     Overlapping,

@@ -327,7 +327,7 @@ impl PairTracker {
     /// Every pair of triangles whose distance is nearer to `d` than rounding takes an exact query,
     /// about 10 µs. Flush faces, and surfaces that lie on each other at a gap below `1e-13 L`, have
     /// three to twelve such pairs per triangle, and no budget limits them. Solids that certainly
-    /// share inner points are reported after 128 pairs.
+    /// share inner points are recognised after 128 pairs in contact.
     pub fn within<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,

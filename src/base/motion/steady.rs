@@ -158,10 +158,10 @@ impl Steady {
         Ok(Self { acceleration, ..self })
     }
 
-    /// Returns the set of motions that start like this one, with bounded other accelerations.
+    /// Returns the set of motions whose accelerations differ from this one's by bounded amounts.
     ///
-    /// The accelerations differ from those of this motion by at most `linear` (of the pivot) and
-    /// `angular` (radians per unit of time squared). The poses are still those of this motion. What
+    /// They start like this motion at time zero. Their accelerations differ from its by at most
+    /// `linear` (of the pivot) and `angular` (radians per unit of time squared). The poses are still those of this motion. What
     /// is proven free is free for the whole set.
     ///
     /// # Errors

@@ -44,10 +44,10 @@ use match_kind;
 /// A [`PairTracker`](crate::PairTracker) takes any two geometries. In a scene a pair answers all
 /// queries except these:
 ///
-/// | pair | refused |
+/// | pair | queries that it cannot answer |
 /// |---|---|
-/// | two convex shapes, polyhedra among them | none |
-/// | a compound or a mesh, with one or a convex shape | depths |
+/// | two convex shapes, polyhedra included | none |
+/// | a compound or a mesh, with a compound, a mesh or a convex shape | depths |
 /// | a surface, with any other geometry | depths, `manifold` |
 ///
 /// Depths are the queries `depth` and `local_depth`. For a pair with a compound or mesh, the query
