@@ -545,9 +545,9 @@ impl PairTracker {
     /// these are within `options.max_face_sine` of the normal. An ellipsoid, a superquadric, or a
     /// rim or apex without such a face has one contact: the witnesses.
     ///
-    /// Contacts of a flat round face are eight points of its rim at multiples of 45 degrees, if
-    /// they are over the other shape, and the crossings of the rim with the boundary of the other
-    /// face. They do not move on a shape that trembles. If the shapes are tilted by less than about
+    /// A flat round face has two kinds of contacts: eight points of its rim at multiples of 45
+    /// degrees, if they are over the other shape, and the crossings of the rim with the boundary
+    /// of the other face. They do not move on a shape that trembles. If the shapes are tilted by less than about
     /// 2e-4, the deepest contact may be shallower than [`closest`](Self::closest) by `2^-16` times
     /// the radius of the smaller shape.
     ///

@@ -161,8 +161,8 @@ impl Steady {
     /// Returns the set of motions whose accelerations differ from this one's by bounded amounts.
     ///
     /// They start like this motion at time zero. Their accelerations differ from its by at most
-    /// `linear` (of the pivot) and `angular` (radians per unit of time squared). The poses are still those of this motion. What
-    /// is proven free is free for the whole set.
+    /// `linear` (of the pivot) and `angular` (radians per unit of time squared). The poses are
+    /// still those of this motion. What is proven free is free for the whole set.
     ///
     /// # Errors
     /// Returns an error if a bound is negative or not finite.
