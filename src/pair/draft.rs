@@ -1,7 +1,7 @@
 //! The draft of an outcome, in stored units and frames, and what several solvers write into it.
 //!
-//! Solvers write directions, rounded bounds and features of vertex lists. A test checks a finished
-//! draft.
+//! Solvers write directions, rounded bounds and features of vertex lists. `is_proven` tests a
+//! finished draft.
 
 use core::ops::{Deref, DerefMut};
 

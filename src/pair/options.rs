@@ -25,8 +25,8 @@ pub struct QueryOptions {
     /// A length in the caller's unit.
     ///
     /// `None` means `2^-30` of the pair size L (the radii of both geometries about their origins,
-    /// plus the distance of the origins). A width that is NaN or below `2^-42 L` counts as `2^-42
-    /// L`.
+    /// plus the distance of the origins). A width that is NaN or below `2^-42 L` counts as
+    /// `2^-42 L`.
     pub width: Option<f64>,
     /// Budget of a query with a Bézier surface: how many pairs of nodes it may split, at most
     /// `2^22`.

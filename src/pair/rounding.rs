@@ -1,5 +1,6 @@
-//! From the signed distance of two cores to the signed distance of the rounded bodies: `s = s_core
-//! - rA - rB` on both sides of contact.
+//! From the signed distance of two cores to the signed distance of the rounded bodies.
+//!
+//! `s = s_core - rA - rB` on both sides of contact.
 
 use crate::base::num::double_double::two_sum;
 use crate::base::tolerance::UNIT;

@@ -107,8 +107,8 @@ impl ConvexPolyhedron {
     /// Upper bound of `n . x` over the body from the planes of two faces (or one plane twice), by
     /// linear programming duality. For any non-negative weights and `m = alpha nL + beta nR`,
     ///
-    /// `n . x = s m . x + (n - s m) . x <= s (alpha oL + beta oR) + |n - s m| r`  for every `s >=
-    /// 0`,
+    /// `n . x = s m . x + (n - s m) . x <= s (alpha oL + beta oR) + |n - s m| r`  for every
+    /// `s >= 0`,
     ///
     /// here with `s = n . n / m . n`, the least rest if `m` is parallel to `n`. The caller passes
     /// `squared = n . n`.

@@ -547,9 +547,9 @@ impl PairTracker {
     ///
     /// A flat round face has two kinds of contacts: eight points of its rim at multiples of 45
     /// degrees, if they are over the other shape, and the crossings of the rim with the boundary
-    /// of the other face. They do not move on a shape that trembles. If the shapes are tilted by less than about
-    /// 2e-4, the deepest contact may be shallower than [`closest`](Self::closest) by `2^-16` times
-    /// the radius of the smaller shape.
+    /// of the other face. They do not move on a shape that trembles. If the shapes are tilted by
+    /// less than about 2e-4, the deepest contact may be shallower than [`closest`](Self::closest)
+    /// by `2^-16` times the radius of the smaller shape.
     ///
     /// Names of features: points of the upper rim of a cylinder are vertices 0 to 7, of its lower
     /// rim 8 to 15, and of the rim of a cone 1 to 8. The second crossing of an edge with a rim has

@@ -40,9 +40,9 @@
 //! # When not to use a schedule
 //!
 //! If velocities are unknown or change at every tick, a displacement budget
-//! ([`scene`](crate::scene)) lets pairs sleep longer. Without a broad phase, n bodies have n (n -
-//! 1) / 2 pairs, and a heap of all pairs is about ten times slower than boxes. A scene applies
-//! these rules to the pairs of its boxes without a heap: see [`Scene::advance`].
+//! ([`scene`](crate::scene)) lets pairs sleep longer. Without a broad phase, n bodies have
+//! `n (n - 1) / 2` pairs, and a heap of all pairs is about ten times slower than boxes. A scene
+//! applies these rules to the pairs of its boxes without a heap: see [`Scene::advance`].
 //!
 //! [`Scene::advance`]: crate::scene::Scene::advance
 //!
