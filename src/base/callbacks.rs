@@ -1,10 +1,12 @@
-//! What a call tells its caller besides the answer: progress, and events for a subscriber of
-//! `tracing`. Without the feature `tracing` the functions of events are empty.
+//! What a call reports to its caller besides the result: progress, and events of `tracing`.
+//!
+//! Without the feature `tracing` the functions of events are empty.
 
 use core::fmt::Display;
 use core::ops::ControlFlow;
 
-/// How far a long call is. A callback that takes it stops the call by [`ControlFlow::Break`].
+/// The progress of a long call. The callback that receives it can stop the call by
+/// [`ControlFlow::Break`].
 ///
 /// ```
 /// use core::ops::ControlFlow;
@@ -31,9 +33,9 @@ use core::ops::ControlFlow;
 pub struct Progress {
     /// The stage of the call: `"hull"`, `"tree"`.
     pub stage: &'static str,
-    /// The work done in this stage.
+    /// The work done so far in this stage.
     pub done: usize,
-    /// The work of the whole stage, in the same unit; `None` if nobody knows before its end.
+    /// The work of the whole stage, in the same unit; `None` if it is unknown before the end.
     pub total: Option<usize>,
 }
 
@@ -44,7 +46,7 @@ impl Progress {
         Self { stage, done, total }
     }
 
-    /// Returns the answer of a callback that stops the call if `is_over`.
+    /// Returns the value by which a callback stops the call if `is_over`.
     pub const fn stop_if(is_over: bool) -> ControlFlow<()> {
         if is_over {
             ControlFlow::Break(())
@@ -54,37 +56,39 @@ impl Progress {
     }
 }
 
-/// The callback of a caller.
+/// The callback that the caller passed.
 pub(crate) type Callback<'a> = &'a mut dyn FnMut(Progress) -> ControlFlow<()>;
 
-/// The caller has stopped a call.
+/// The caller has stopped the call.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stopped;
 
-/// Tells a caller how far a call is, some hundred times a stage. Once the caller has stopped the
-/// call, loops end at their next word of progress, and what they made is dropped at the next stage.
+/// Reports the progress of a call to its caller, about a hundred times per stage.
+///
+/// After the caller has stopped the call, loops end at their next progress report, and their
+/// results are dropped at the next stage.
 pub(crate) struct Watch<'a> {
     callback: Option<Callback<'a>>,
     stage: &'static str,
     total: Option<usize>,
-    /// The work at which the caller is told next, and the work between two tellings.
+    /// The work at which the next report is due, and the work between two reports.
     next: usize,
     every: usize,
     is_stopped: bool,
 }
 
 impl<'a> Watch<'a> {
-    /// Parts of a stage between which the caller is told.
+    /// Number of reports per stage of known work.
     const PARTS: usize = 128;
 
-    /// Work between two tellings of a stage whose work is unknown.
+    /// Work between two reports of a stage whose work is unknown.
     const EVERY: usize = 1 << 14;
 
-    /// The same of a stage whose units are slow.
+    /// Work between two reports of a stage whose units are slow.
     #[cfg(feature = "meshes")]
     const EVERY_SLOW: usize = 1 << 8;
 
-    /// Returns a watch for a caller that does not ask.
+    /// Returns a watch for a caller without a callback.
     pub(crate) const fn none() -> Self {
         Self {
             callback: None,
@@ -104,7 +108,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Begins a stage.
+    /// Starts a stage.
     pub(crate) fn stage(&mut self, stage: &'static str, total: Option<usize>) -> Result<(), Stopped> {
         self.check()?;
         (self.stage, self.total) = (stage, total);
@@ -113,7 +117,7 @@ impl<'a> Watch<'a> {
         self.check()
     }
 
-    /// Begins a stage of unknown work whose units take tens of microseconds each.
+    /// Starts a stage of unknown work whose units take tens of microseconds each.
     #[cfg(feature = "meshes")]
     pub(crate) fn slow_stage(&mut self, stage: &'static str) -> Result<(), Stopped> {
         self.stage(stage, None)?;
@@ -122,7 +126,7 @@ impl<'a> Watch<'a> {
         Ok(())
     }
 
-    /// Says how much of the stage is done, and returns whether the call goes on.
+    /// Reports how much of the stage is done, and returns whether the call continues.
     pub(crate) fn done(&mut self, done: usize) -> bool {
         if done >= self.next {
             self.tell(done);
@@ -143,7 +147,7 @@ impl<'a> Watch<'a> {
     }
 }
 
-/// The walk did not answer a query: `solver` did.
+/// Reports that the walk did not solve a query and `solver` did.
 #[inline(always)]
 pub(crate) fn fell_back(solver: &dyn Display, steps: u32) {
     #[cfg(feature = "tracing")]
@@ -151,7 +155,7 @@ pub(crate) fn fell_back(solver: &dyn Display, steps: u32) {
     let _ = (solver, steps);
 }
 
-/// Input is refused.
+/// Reports that input was rejected.
 #[inline(always)]
 pub(crate) fn refused(what: &'static str, why: &dyn Display) {
     #[cfg(feature = "tracing")]
@@ -159,7 +163,7 @@ pub(crate) fn refused(what: &'static str, why: &dyn Display) {
     let _ = (what, why);
 }
 
-/// A search ends without an answer because its budget is spent.
+/// Reports that a search ends without a result because its budget is spent.
 #[inline(always)]
 pub(crate) fn spent(what: &'static str, looks: u32) {
     #[cfg(feature = "tracing")]

@@ -1,7 +1,7 @@
-//! The cost of accuracy: a page of measurements, no code.
+//! The cost of accuracy: a page of measurements without code.
 //!
-//! Every number here is measured by a single command, on your machine and, if you pass files, for
-//! your own meshes:
+//! One command measures every number here on your machine and, if you pass files, for your own
+//! meshes:
 //!
 //! ```text
 //! # half a minute: tables, pictures, --csv FILE
@@ -9,114 +9,116 @@
 //! cargo run --release -p race --bin accuracy_cost -- --mesh A.obj --mesh B.stl
 //! ```
 //!
-//! Errors are relative to exact arithmetic, in units of the size L of the pair ([front
-//! page](crate#guarantees)). Bodies of up to 16 vertices are solved over the integers; for larger
-//! bodies, exact arithmetic gives the bound proven by a direction and the distance of two points,
-//! and the error of an answer is its distance from the interval between the two (at most `1e-16 L`
-//! wide). Numbers and pictures of this page are from the newest records in `benches/record`
-//! (`*-accuracy.csv`, and `*-shapes.csv` for curved shapes): a core of a shared AMD EPYC (Zen 5),
-//! default flags.
+//! Errors are relative to exact arithmetic, in units of the pair size L ([front
+//! page](crate#guarantees)). Bodies of up to 16 vertices are solved over the integers. For larger
+//! bodies, exact arithmetic gives the bound that a direction proves and the distance of two points.
+//! The error is then the distance of the result from the interval between the two (at most
+//! `1e-16 L` wide). Numbers and pictures of this page are from the newest records in
+//! `benches/record` (`*-accuracy.csv`, and `*-shapes.csv` for curved shapes): one core of a shared
+//! AMD EPYC (Zen 5), default flags.
 //!
 //! # The levels
 //!
-//! Two random hulls in a sphere of radius 1, B orbiting A and spinning by half a degree a frame;
-//! nanoseconds a query, from two world poses to distance and both witness points:
+//! Two random hulls in a sphere of radius 1; B orbits A and spins by half a degree per frame. Times
+//! are in nanoseconds per query, from two world poses to the distance and both witness points:
 //!
 #![doc = include_str!("../../images/cost.md")]
 //!
-//! * **The walk has no accuracy to choose.** The walk ends on the closest features after a step or
-//!   two, exact up to rounding, and has no earlier state with bounds to stop at. An iterative
-//!   solver is often sold with a tolerance; on polytopes a tolerance buys nothing here.
+//! * **The walk has no accuracy to choose.** The walk ends on the closest features after one or two
+//!   steps, exact up to rounding. It has no earlier state with bounds at which it could stop.
+//!   Iterative solvers often offer a tolerance; for polytopes a tolerance saves nothing here.
 //! * **The proof is cheap.** [`Tracker::closest`](crate::Tracker::closest) takes one to three
 //!   nanoseconds more than the walk alone.
 //! * **The last bit is expensive.** The row of [`closest_exact`](crate::Tracker) in this table is
-//!   of an earlier version. Today it takes 0.6 to 1.7 microseconds, six times a certified answer in
-//!   the median (`BENCHMARKS.md`), and more if the closest features are in doubt.
+//!   from an earlier version. Today it takes 0.6 to 1.7 µs, in the median six times as much as a
+//!   certified query (`BENCHMARKS.md`). It takes more if the closest features are in doubt.
 //!
-//! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its
-//! spread (parry's `distance` caches nothing between frames):
+//! A slower motion, 0.05 degrees per frame, and 512 vertices. Each engine and level is a point with
+//! its spread (parry's `distance` caches nothing between frames):
 //!
 #![doc = include_str!("../../images/accuracy.svg")]
 //!
 //! # Motion
 //!
-//! The cost of a tracked query grows with the motion of a frame; from ten degrees per frame on, a
+//! The cost of a tracked query grows with the motion per frame. From ten degrees per frame on, a
 //! query starts from support vertices instead.
 //!
 #![doc = include_str!("../../images/motion.svg")]
 //!
 //! # Finer shapes
 //!
-//! Replacing a sphere by a hull of n vertices costs an error of some `1/n` of the pair's size. The
-//! walk hardly depends on n: 100,000 vertices take some five times as long as 12.
+//! If a hull of n vertices replaces a sphere, the error is about `1/n` of the pair size. The cost
+//! of the walk hardly depends on n: 100,000 vertices take about five times as long as 12.
 //!
 #![doc = include_str!("../../images/geometry.svg")]
 //!
 //! # Curved shapes
 //!
-//! A cylinder and an ellipsoid as themselves ([`Shape`](crate::Shape)), and replaced by hulls, half
-//! a degree a frame. A hull of a few hundred vertices is faster than the curved pair and wrong in
-//! the third digit; each further digit takes some ten times the vertices.
+//! A cylinder and an ellipsoid as curved shapes ([`Shape`](crate::Shape)), and replaced by hulls,
+//! at half a degree per frame. A hull of a few hundred vertices is faster than the curved pair but
+//! wrong in the third digit. Each further digit takes about ten times the vertices.
 //!
 #![doc = include_str!("../../images/curved.svg")]
 //!
 //! Coal 3.0.3 with its cached guess takes 770 to 1,130 ns on pairs of these kinds (tolerance 1e-6,
-//! errors up to `5e-7 L`; AMD EPYC, 2026-11-20), some three times as long as a curved pair here.
+//! errors up to `5e-7 L`; AMD EPYC, 2026-11-20). This is about three times as long as a curved pair
+//! here.
 //!
-//! # Asking less
+//! # Cheaper queries
 //!
-//! A slow motion of two flat bodies, with every query. An inner hull is the hull of a few vertices,
-//! farthest points first; with `a` and `b` the greatest distances of a vertex of either body from
-//! its inner hull and `d` the signed distance of the inner hulls, the signed distance of the bodies
-//! is between `d - (a + b)` and `d`. As a tracked query hardly depends on the number of vertices,
-//! coarser shapes save memory more than time.
+//! A slow motion of two flat bodies, with every kind of query. An inner hull is the hull of a few
+//! vertices, farthest points first. Let `a` and `b` be the greatest distances of a vertex of either
+//! body from its inner hull, and `d` the signed distance of the inner hulls. Then the signed
+//! distance of the bodies is between `d - (a + b)` and `d`. A tracked query hardly depends on the
+//! number of vertices, so coarser shapes save memory more than time.
 //!
 #![doc = include_str!("../../images/asking.svg")]
 //!
-//! Of an overlap, the depth may be asked for as an upper bound alone
-//! ([`Tracker::closest_with_local_depth`](crate::Tracker::closest_with_local_depth)): about three
-//! walks, without the slow frames of the search for the least depth, and deeper than the depth in
-//! every tenth to every second frame (`BENCHMARKS.md`).
+//! For an overlap, you may request only an upper bound of the depth
+//! ([`Tracker::closest_with_local_depth`](crate::Tracker::closest_with_local_depth)). It costs
+//! about three walks and avoids the slow frames of the search for the least depth. In 10 % to 50 %
+//! of the frames it is larger than the depth (`BENCHMARKS.md`).
 //!
 //! # Near contact
 //!
-//! Boxes face on face, from a tenth of their size apart to `1e-16` of their size:
+//! Boxes face on face, from a gap of a tenth of their size to a gap of `1e-16` of their size:
 //!
 #![doc = include_str!("../../images/contact-error.svg")]
 //!
 //! A line on the diagonal reports separated bodies as touching: an error of the whole gap. Here
-//! this crate is slow: below `1e-13 L` a certified answer comes from double-double arithmetic and
-//! takes some ten microseconds, an exact answer a hundred, while parry's GJK finishes, wrong, in
-//! less than one.
+//! this crate is slow. Below `1e-13 L` a certified outcome comes from double-double arithmetic and
+//! takes about ten microseconds, an exact outcome about a hundred. parry's GJK ends in less than
+//! one microsecond, with a wrong result.
 //!
 #![doc = include_str!("../../images/contact-time.svg")]
 //!
-//! And ulp by ulp, an edge of a box in the plane of another box's face:
+//! The same in steps of one ulp, for an edge of a box in the plane of another box's face:
 //!
 #![doc = include_str!("../../images/ulps.svg")]
 //!
-//! The result of the walk alone has no bounds, and at the rounding of coordinates the walk may
-//! report an overlap as a distance of `1e-16`; the certificate exists to exclude such errors.
+//! The result of the walk alone has no bounds. At the rounding of coordinates the walk may report
+//! an overlap as a distance of `1e-16`. The certificate exists to exclude such errors.
 //!
 //! # Time of impact
 //!
-//! A cast ([`impact`](crate::impact)) returns a bracket about the first contact, proven on both
-//! sides. Each query proves a separating plane that turns with the closest features, and the planes
-//! converge quadratically: a tolerance of `1e-12` takes one or two queries more than one of `0.1`.
-//! Conservative advancement, which steps by the distance over a bound of the speed, pays for every
-//! digit:
+//! A cast ([`impact`](crate::impact)) returns a bracket around the first contact, proven on both
+//! sides. Each query proves a separating plane that rotates with the closest features, and the
+//! planes converge quadratically: a tolerance of `1e-12` takes one or two queries more than a
+//! tolerance of `0.1`. Conservative advancement steps by the distance over a bound of the speed, so
+//! its cost grows with every digit:
 //!
 #![doc = include_str!("../../images/casts.svg")]
 //!
-//! # Beside other engines
+//! # Compared with other engines
 //!
-//! Fourteen engines on one workload in one run: two world poses in, distance and witnesses out,
-//! 2,000 frames replayed, pairs of hulls of n random points on a sphere, flat ones of 1:1:0.1;
-//! nanoseconds a query on an AMD EPYC (Zen 4), 2026-11-20. Licences forbid to ship V-Clip and
-//! PhysX, so this repository cannot reproduce their columns. This crate returns proven bounds;
-//! PhysX works in `f32` and takes at most 255 vertices.
+//! Fourteen engines ran one workload in one run. Input: two world poses. Output: distance and
+//! witnesses. The workload replays 2,000 frames, with pairs of hulls of n random points on a
+//! sphere; flat bodies have proportions of 1:1:0.1. Times are in nanoseconds per query on an AMD
+//! EPYC (Zen 4), 2026-11-20. The licences of V-Clip and PhysX forbid to ship them, so this
+//! repository cannot reproduce their columns. This crate returns proven bounds; PhysX works in
+//! `f32` and takes at most 255 vertices.
 //!
-//! | motion a frame | n | this crate | V-Clip 1.0 | SWIFT 1 | PhysX 5.6 | openGJK | MuJoCo 4 |
+//! | motion per frame | n | this crate | V-Clip 1.0 | SWIFT 1 | PhysX 5.6 | openGJK | MuJoCo 4 |
 //! |---|---:|---:|---:|---:|---:|---:|---:|
 //! | 0.5 degrees | 8 | 71 | 61 | 91 | 97 | 257 | 726 |
 //! | | 32 | 74 | 68 | 97 | 143 | 672 | 1049 |
@@ -164,22 +166,25 @@
 //! | | 2048 | 3384 | | | | | 5681 |
 //! | | 8192 | 5062 | | | | | 10589 |
 //!
-//! Where others win: V-Clip up to 512 vertices at 0.5 degrees, up to 128 at 5, at 8 at 25 degrees,
-//! and on boxes at random poses (replayed frames train the branch predictor, which favours its many
-//! small steps, and V-Clip is given rotation matrices, this crate quaternions; with frames that do
-//! not repeat, this crate takes 0.98 of V-Clip's time at n = 8 and 0.5 degrees, 0.97 at 25
-//! degrees); SWIFT at 5 degrees, on round bodies of 128 and 512 vertices and on flat ones from 32
-//! on, and on up to 32 at 25 degrees; four engines at random poses of flat bodies of eight
-//! vertices; PhysX on bodies of up to 32 vertices where each pair is met once in 256 queries, and
-//! on depths of eight and 128 vertices. One depth of PhysX in eighteen is wrong by more than `1e-4`
-//! of the depth.
+//! Where others win:
 //!
-//! This crate beside parry now: `BENCHMARKS.md`.
+//! - **V-Clip**: up to 512 vertices at 0.5 degrees, up to 128 at 5 degrees, 8 at 25 degrees, and
+//!   boxes at random poses. Replayed frames train the branch predictor, which favours V-Clip's many
+//!   small steps, and V-Clip gets rotation matrices where this crate gets quaternions. With frames
+//!   that do not repeat, this crate takes 0.98 of V-Clip's time at n = 8 and 0.5 degrees, and 0.97
+//!   at 25 degrees.
+//! - **SWIFT**: round bodies of 128 and 512 vertices at 5 degrees, flat bodies from 32 vertices on
+//!   at 5 degrees, and up to 32 vertices at 25 degrees.
+//! - **Four engines**: random poses of flat bodies of eight vertices.
+//! - **PhysX**: bodies of up to 32 vertices if each pair is met once in 256 queries, and depths of
+//!   eight and 128 vertices. One PhysX depth in eighteen is wrong by more than `1e-4` of the depth.
+//!
+//! `BENCHMARKS.md` compares the current version of this crate with parry.
 //!
 //! # Cases this crate loses
 //!
-//! * Exact distances: parry's f64 answer for bodies of eight vertices is right to `1e-15 L` and
+//! * Exact distances: for bodies of eight vertices, parry's f64 result is right to `1e-15 L` and
 //!   four times as fast.
-//! * Contact below `1e-13 L`, in time (above).
-//! * Random poses, for which no cached state helps: five times a tracked query on round bodies of
-//!   512 vertices, nine times on flat bodies.
+//! * The time of contacts below `1e-13 L` (see above).
+//! * Random poses, for which no cached state helps: five times the time of a tracked query on round
+//!   bodies of 512 vertices, nine times on flat bodies.

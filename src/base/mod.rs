@@ -1,5 +1,4 @@
-//! What everything stands on: numbers, poses, motions, bounds of rounding errors, and the page of
-//! costs.
+//! Foundations: arithmetic, poses, motions and bounds of rounding errors; also the page of costs.
 
 pub(crate) mod callbacks;
 pub mod cost;

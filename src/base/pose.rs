@@ -1,4 +1,4 @@
-//! The relative pose of two bodies: the only place a pose is refused.
+//! The relative pose of two bodies; the only place that rejects a pose.
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Vector3};
 use wide::f64x2;
@@ -8,16 +8,17 @@ use crate::base::num::each::Each;
 use crate::base::num::packed::{self, PackedRotation, PackedVec3};
 use crate::base::tolerance::{POSE_UNIT, REACH};
 
-/// Error returned if a pose is no rigid motion.
+/// Error of a pose that is no rigid motion.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PoseError {
-    /// A coordinate of the translation is NaN or infinite, or the bodies are so far apart that
-    /// their distance may overflow f64: then `body` is B and `value` a coordinate of the
-    /// translation from A to B.
+    /// A coordinate of the translation is NaN, infinite or too large.
+    ///
+    /// If the bodies are so far apart that their distance may overflow f64, `body` is B and `value`
+    /// is a coordinate of the translation from A to B.
     #[error("translation of {body} is out of range: coordinate {axis} is {value}")]
     Translation {
-        /// Body with the refused pose.
+        /// Body with the invalid pose.
         body: Operand,
         /// Index of the coordinate: 0, 1 or 2.
         axis: usize,
@@ -25,25 +26,26 @@ pub enum PoseError {
         value: f64,
     },
     /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12.
-    /// [`RelativePose::new_normalized`] accepts rotations from `f32`, from files and from many
-    /// products.
+    ///
+    /// [`RelativePose::new_normalized`] accepts rotations from `f32`, from files and from products
+    /// of many rotations.
     #[error(
         "rotation of {body} is not a unit quaternion: its squared norm is {norm_squared} (call `normalize_rotation`, or use \
          `RelativePose::new_normalized`)"
     )]
     Rotation {
-        /// Body with the refused pose.
+        /// Body with the invalid pose.
         body: Operand,
         /// Squared norm of the quaternion; NaN or infinite if a coordinate is.
         norm_squared: f64,
     },
 }
 
-/// Parts of a pose that can be refused: three coordinates and the rotation.
+/// Number of values of a pose that can be rejected: three coordinates and the rotation.
 const PARTS: usize = 4;
 
 impl PoseError {
-    /// Returns the error of a part: those of A first, then those of B.
+    /// Returns the error of a value: the values of A come first, then those of B.
     fn of(which: usize, value: f64) -> Self {
         let body = if which < PARTS { Operand::A } else { Operand::B };
         match which % PARTS {
@@ -74,15 +76,15 @@ impl core::fmt::Display for Operand {
 
 /// Pose of B relative to A.
 ///
-/// A vertex `v` of a body at pose `(q, t)` is at `R(q) v / |q|^2 + t` over the rationals, for the
-/// bits of `q` and `t` as given: all bounds of a certified outcome refer to the exact placement,
-/// not to its rounding. World offsets cancel first: the relative translation is formed from
-/// `t_b - t_a`, so a common shift that both translations absorb exactly changes no bit of any
-/// outcome.
+/// A vertex `v` of a body at pose `(q, t)` is at `R(q) v / |q|^2 + t` over the rationals, for
+/// exactly the given bits of `q` and `t`. All bounds of a certified outcome refer to this exact
+/// position, not to its rounding. World offsets cancel first, because the relative translation is
+/// computed from `t_b - t_a`. So a common shift that both translations absorb exactly changes no
+/// bit of any outcome.
 ///
-/// A rotation must be a unit quaternion in `f64`. A rotation from `f32`, from a file or from many
-/// products is farther off than [`new`](Self::new) accepts;
-/// [`new_normalized`](Self::new_normalized) divides by the norm first:
+/// A rotation must be a unit quaternion in `f64`. Rotations from `f32`, from files or from products
+/// of many rotations are less accurate than [`new`](Self::new) accepts.
+/// [`new_normalized`](Self::new_normalized) divides them by their norm first:
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -107,14 +109,14 @@ pub struct RelativePose {
     pub(crate) b: PoseBits,
 }
 
-/// A pose as given by the caller, packed for SIMD: a query reads the pose moments after it was
-/// stored.
+/// A pose as given by the caller, packed for SIMD, because a query reads the pose moments after it
+/// was stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(into = "RawPose"))]
 pub(crate) struct PoseBits {
     /// Quaternion: vector part, then scalar part.
     q: [f64x2; 2],
-    /// Translation; in the spare lane `|q|^2`, rounded.
+    /// Translation; the spare lane contains `|q|^2`, rounded.
     t: PackedVec3,
 }
 
@@ -157,8 +159,9 @@ impl PoseBits {
         (self.norm_squared() - 1.0).abs() <= POSE_UNIT
     }
 
-    /// Returns the part that is no part of a rigid motion, and the value: the axis of the
-    /// translation, or 3 and the squared norm of the rotation.
+    /// Returns the first invalid value of the pose and its index, or `None`.
+    ///
+    /// The index is the axis of the translation, or 3 for the squared norm of the rotation.
     fn refused(&self) -> Option<(usize, f64)> {
         let t = self.t();
         if let Some(axis) = (0..3).find(|&k| !t[k].is_finite()) {
@@ -181,8 +184,12 @@ pub(crate) fn is_unit(pose: &Isometry3<f64>) -> bool {
     PoseBits::new(pose).is_unit()
 }
 
-/// Returns the pose with its quaternion divided by the norm, as [`RelativePose::new`] and a scene
-/// require. A quaternion that is zero or not finite is returned unchanged, and refused there.
+/// Returns the pose with its quaternion divided by the norm.
+///
+/// [`RelativePose::new`] and a scene require such poses.
+///
+/// A quaternion that is zero or not finite is returned unchanged; `RelativePose::new` and a scene
+/// reject it.
 #[must_use]
 pub fn normalize_rotation(pose: &Isometry3<f64>) -> Isometry3<f64> {
     let q = pose.rotation.coords;
@@ -201,8 +208,8 @@ impl RelativePose {
     /// Returns the relative pose of two bodies from their poses in a common frame.
     ///
     /// # Errors
-    /// A translation that is not finite or out of range, or a rotation whose squared norm differs
-    /// from 1 by more than 1e-12.
+    /// Returns an error if a translation is not finite or out of range, or if the squared norm of a
+    /// rotation differs from 1 by more than 1e-12.
     #[inline]
     pub fn new(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
         let (a, b) = (PoseBits::new(pose_a), PoseBits::new(pose_b));
@@ -212,7 +219,7 @@ impl RelativePose {
         if near && a.is_unit() && b.is_unit() {
             Ok(Self { a, b })
         } else {
-            // Starts again from the arguments, and returns two registers: a pose whose address is
+            // Starts again from the arguments and returns two registers: a pose whose address is
             // taken, or a result that a cold path writes to, would be copied whole in every query.
             let (which, value) = refusal(pose_a, pose_b);
             Err(PoseError::of(which, value))
@@ -226,22 +233,24 @@ impl RelativePose {
         Self { a: here, b: here }
     }
 
-    /// Returns the relative pose from the pose of B in A's frame, `pose_a.inverse() * pose_b`, if
-    /// already known. For two world poses [`RelativePose::new`] is more accurate, as their offset
-    /// cancels first.
+    /// Returns the relative pose from the pose of B in A's frame, `pose_a.inverse() * pose_b`.
+    ///
+    /// For two world poses [`RelativePose::new`] is more accurate, because their offset cancels
+    /// first.
     ///
     /// # Errors
-    /// As [`RelativePose::new`].
+    /// Returns an error in the same cases as [`RelativePose::new`].
     pub fn from_isometry(a_from_b: &Isometry3<f64>) -> Result<Self, PoseError> {
         Self::new(&Isometry3::identity(), a_from_b)
     }
 
-    /// Returns the relative pose of two poses whose rotations are normalised first, see
-    /// [`normalize_rotation`]. Bounds then hold for the normalised poses.
+    /// Returns the relative pose of two poses, and normalises their rotations first.
+    ///
+    /// See [`normalize_rotation`]. The bounds of outcomes then hold for the normalised poses.
     ///
     /// # Errors
-    /// A translation that is not finite or out of range, or a quaternion that is zero or not
-    /// finite.
+    /// Returns an error if a translation is not finite or out of range, or if a quaternion is zero
+    /// or not finite.
     pub fn new_normalized(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
         Self::new(&normalize_rotation(pose_a), &normalize_rotation(pose_b))
     }
@@ -271,8 +280,8 @@ impl RelativePose {
         self.rotated_to_a(offset(&self.a, &self.b))
     }
 
-    /// Returns a sixteenth of the translation: its computation does not overflow unless the
-    /// translation itself does.
+    /// Returns a sixteenth of the translation: its computation overflows only if the translation
+    /// does.
     pub(crate) fn translation_sixteenth(&self) -> Vector3<f64> {
         self.rotated_to_a(offset(&self.a, &self.b) * (1.0 / 16.0)).vector()
     }
@@ -286,8 +295,9 @@ impl RelativePose {
         offset + (c * w + c.cross(axis)) * s
     }
 
-    /// Returns a vector of A's frame in B's frame, to some 40 UNIT: for one vector cheaper than a
-    /// matrix.
+    /// Returns a vector of A's frame in B's frame, to about 40 UNIT.
+    ///
+    /// For a single vector this costs less than a matrix.
     #[inline(always)]
     pub(crate) fn vector_in_b(&self, v: PackedVec3) -> PackedVec3 {
         let (axis, w) = packed::parts(&packed::quotient(&self.a.q, &self.b.q));
@@ -311,8 +321,10 @@ impl RelativePose {
     }
 }
 
-/// Returns the part of two poses that is refused, as [`PoseError::of`] reads it, and the value; at
-/// least one of the two, or their offset, must be invalid.
+/// Returns the index of the first invalid value of two poses, as [`PoseError::of`] reads it, and
+/// the value.
+///
+/// At least one of the two poses, or their offset, must be invalid.
 #[cold]
 #[inline(never)]
 fn refusal(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> (usize, f64) {
@@ -354,7 +366,7 @@ pub(crate) fn rotation_matrix(q: &[f64; 4], s: f64) -> Matrix3<f64> {
     Matrix3::new(xx, xy - wz, xz + wy, xy + wz, yy, yz - wx, xz - wy, yz + wx, zz)
 }
 
-/// Serialized form of a pose.
+/// The serialised form of a pose.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 struct RawPose {

@@ -8,26 +8,26 @@
 //!     \____|          |____/   the supporting planes, is a lower bound
 //! ```
 //!
-//! For any direction `n`, the distance is at least the lower bound; for any two points of the
-//! bodies, at most the upper bound. The walk offers both: the witnesses and their direction. The
-//! certificate is the agreement of the two bounds. How the pair was found plays no part, so no
-//! error of the walk survives: a cycle, a wrong end, a bad witness of nearly parallel edges all
-//! show as a gap between the bounds.
+//! For any direction `n`, the distance is at least the lower bound. For any two points of the
+//! bodies, the distance is at most the upper bound. The walk proposes both: the witnesses, and the
+//! direction between them. The certificate is the agreement of the two bounds. How the pair was
+//! found does not matter, so no error of the walk survives. A cycle, a wrong end, or a bad witness
+//! of nearly parallel edges appears as a gap between the bounds.
 //!
-//! The support value of a body along `n` (its greatest height) is proven in four ways:
-//! * **face**: the plane of a face of the body, whose offset was taken over the whole body when the
-//!   body was built;
+//! The support value of a body along `n` is proven in four ways:
+//! * **face**: the plane of a face of the body; its offset was computed over the whole body when
+//!   the body was built;
 //! * **edge**: `n` is perpendicular to the edge and certainly falls into both adjacent faces
 //!   ([`falls_into_both_faces`](super::star::falls_into_both_faces));
-//! * **two planes**, if the signs of an edge leave doubt: linear programming duality
+//! * **two planes**, if rounding leaves the signs of an edge in doubt: linear programming duality
 //!   ([`edge_bound`](crate::ConvexPolyhedron::edge_bound));
-//! * **vertex**: every edge of the fan certainly falls, so no adjacent vertex, and hence no vertex,
-//!   is higher.
+//! * **vertex**: every edge of the fan certainly falls, so no adjacent vertex is higher along `n`,
+//!   and hence no vertex is.
 //!
-//! If rounding leaves one support value open, both are searched for and proven
+//! If rounding leaves one support value unproven, both are searched and proven
 //! ([`support_distance`]). The error terms are in [`tolerance`](crate::tolerance).
 //!
-//! Source: the duality gap of Gilbert, Johnson and Keerthi 1988; the use as an acceptance test of a
+//! Source: the duality gap of Gilbert, Johnson and Keerthi 1988. Its use as an acceptance test of a
 //! feature walk is ours.
 
 use crate::body::polyhedron::VertexId;
@@ -35,8 +35,10 @@ use nalgebra::Vector3;
 
 use crate::pair::posed::PosedPair;
 
-/// Returns the distance of the supporting planes perpendicular to `normal` (in A's stored frame, of
-/// any length): a lower bound of the distance, before the error term.
+/// Returns the distance of the supporting planes perpendicular to `normal`: a lower bound of the
+/// distance, before the error term.
+///
+/// `normal` is in A's stored frame and of any length.
 #[cold]
 pub(crate) fn support_distance(posed: &PosedPair, normal: &Vector3<f64>, hint_a: VertexId, hint_b: VertexId) -> f64 {
     let norm = crate::base::num::scalar::sqrt(normal.norm_squared());

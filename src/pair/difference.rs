@@ -1,7 +1,7 @@
 //! The Minkowski difference A - B: its points, support points and facets.
 //!
 //! A point is a pair of vertices, a facet a pair of features. No other module computes points of
-//! the difference; exact arithmetic has its own, on integers.
+//! the difference, except exact arithmetic, which computes them on integers.
 
 use nalgebra::Vector3;
 
@@ -47,8 +47,9 @@ pub(crate) fn difference_point<T: Scalar>(
     MinkowskiPoint { a, b, w }
 }
 
-/// Returns the support vertex along `n` in the arithmetic of the solver; the lowest index among
-/// ties.
+/// Returns the support vertex along `n` in the arithmetic of the solver.
+///
+/// The lowest index among ties.
 pub(crate) fn support_vertex<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: VertexId) -> VertexId {
     let rounded = Vector3::new(n[0].value(), n[1].value(), n[2].value());
     if T::UNIT == UNIT {
@@ -74,7 +75,7 @@ pub(crate) fn support<T: Scalar>(
     difference_point(posed, frame, a, b)
 }
 
-/// A facet of A - B, by the features of the bodies that span it.
+/// A facet of A - B, given by the features of the bodies that span it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum DifferenceFacet {
     /// A face of A and a vertex of B.
@@ -122,7 +123,7 @@ impl DifferenceFacet {
         }
     }
 
-    /// Returns whether both facets are of the same face.
+    /// Returns whether both facets belong to the same face.
     pub(crate) fn is_on_face_of(self, other: Self) -> bool {
         match (self, other) {
             (Self::FaceVertex(f, _), Self::FaceVertex(g, _)) | (Self::VertexFace(_, f), Self::VertexFace(_, g)) => {

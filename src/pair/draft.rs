@@ -1,5 +1,7 @@
-//! The draft of an outcome, in stored units and frames, and what several solvers write into it:
-//! directions, rounded bounds, features of vertex lists, and the test of a finished draft.
+//! The draft of an outcome, in stored units and frames, and what several solvers write into it.
+//!
+//! Solvers write directions, rounded bounds and features of vertex lists. `is_proven` tests a
+//! finished draft.
 
 use core::ops::{Deref, DerefMut};
 
@@ -13,16 +15,16 @@ use crate::body::polyhedron::{ConvexPolyhedron, Feature, FeaturePair, VertexId};
 use crate::pair::outcome::{ContactState, Outcome};
 use crate::pair::posed::PosedPair;
 
-/// Answer that one solver passes to the next: the fields of an [`Outcome`], in stored units and
-/// frames, and not proven until a certificate accepts the bounds.
+/// Outcome that one solver passes to the next: the fields of an [`Outcome`], in stored units and
+/// frames. The bounds are proven only after a certificate accepts them.
 ///
-/// A draft is written in place and becomes an outcome at the end of the query alone
-/// ([`into_outcome`](Self::into_outcome)), so no solver can return an unproven answer to a caller.
+/// Solvers write the draft in place. It becomes an outcome only at the end of the query
+/// ([`into_outcome`](Self::into_outcome)), so no solver can return an unproven outcome to a caller.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Draft(Outcome);
 
 impl Draft {
-    /// Returns a draft that holds the start of a solver alone.
+    /// Returns a draft that holds only the start of a solver.
     #[inline(always)]
     pub(crate) fn starting_at(pair: FeaturePair) -> Self {
         Self(Outcome::starting_at(pair))
@@ -37,9 +39,10 @@ impl Draft {
         draft.normal = Unit::new_normalize(normal);
     }
 
-    /// Converts stored units and frames to the caller's: the only place at which bounds change
-    /// their unit. `unit` is a power of two, so only numbers that leave the normal range are
-    /// rounded; bounds are rounded outward.
+    /// Converts stored units and frames to the caller's. Bounds change their unit only here.
+    ///
+    /// `unit` is a power of two, so only numbers that leave the normal range are rounded. Bounds
+    /// are rounded outward.
     #[cold]
     pub(crate) fn scale(&mut self, unit: f64, a: &ConvexPolyhedron, b: &ConvexPolyhedron) {
         self.lower = scaled_down(self.lower, unit);
@@ -49,7 +52,7 @@ impl Draft {
         self.point_on_b = b.to_user(&self.point_on_b.coords);
     }
 
-    /// Returns the finished answer, in which no zero has a sign.
+    /// Returns the finished outcome, in which no zero has a sign.
     #[inline(always)]
     pub(crate) fn into_outcome(mut self) -> Outcome {
         self.0.unsign_zeros();
@@ -84,7 +87,7 @@ impl DerefMut for Draft {
 /// Returns the largest f64 that is no greater than `x` times a power of two.
 pub(crate) fn scaled_down(x: f64, unit: f64) -> f64 {
     let y = x * unit;
-    // The way back is exact, or overflows as the way there did.
+    // The conversion back is exact, or overflows if the conversion there did.
     if y / unit > x { y.next_down() } else { y }
 }
 
@@ -95,7 +98,7 @@ pub(crate) fn direction(v: &Vector3<f64>) -> Option<Unit<Vector3<f64>>> {
     if !(largest > 0.0 && largest < f64::INFINITY) {
         return None;
     }
-    // Twice, as a quotient of a subnormal number loses bits.
+    // Divided twice, because a quotient of a subnormal number loses bits.
     let scaled = v / largest;
     Some(Unit::new_unchecked(scaled / sqrt(scaled.norm_squared())))
 }
@@ -128,8 +131,9 @@ pub(crate) fn far(reach: [f64; 2], pose: &RelativePose) -> (f64, f64, Vector3<f6
     ((distance - slack).at_least(0.0), distance + slack, n)
 }
 
-/// Marks an outcome as overlapping. Depth and normal are unknown here (they are the work of
-/// `depth`); the normal has no meaning yet, but is a unit vector.
+/// Marks an outcome as overlapping, with unknown depth and normal.
+///
+/// `depth` computes both. The normal has no meaning yet, but is a unit vector.
 pub(crate) fn set_overlapping(draft: &mut Draft) {
     draft.state = ContactState::Overlapping;
     draft.distance = 0.0;
@@ -137,8 +141,9 @@ pub(crate) fn set_overlapping(draft: &mut Draft) {
     (draft.lower, draft.upper) = (f64::NEG_INFINITY, 0.0);
 }
 
-/// Leaves a pair undecided, out of the range of the finer arithmetic, with the upper bound that any
-/// two vertices prove.
+/// Leaves a pair undecided, with the upper bound that any two vertices prove.
+///
+/// The pair is out of the range of the finer arithmetic.
 pub(crate) fn set_undecided(posed: &PosedPair, draft: &mut Draft) {
     let (a, b) = draft.features.vertices_of(posed.a, posed.b);
     let (p, q) = (posed.a.points[a.index()], posed.b.points[b.index()]);
@@ -168,10 +173,11 @@ pub(crate) fn walk_state(posed: &PosedPair, a: &[VertexId], b: &[VertexId]) -> F
     }
 }
 
-/// Returns whether contact state and distance are settled: separated with bounds no wider than they
-/// should be, or overlapping with witnesses that coincide up to rounding (the weights of a flat
-/// tetrahedron around the origin may be wrong in every digit while the signs of the volumes are
-/// certain).
+/// Returns whether contact state and distance are proven.
+///
+/// A separated pair needs bounds no wider than they should be. An overlapping pair needs witnesses
+/// that coincide up to rounding, because the weights of a flat tetrahedron around the origin may be
+/// wrong in every digit while the signs of its volumes are certain.
 pub(crate) fn is_proven(posed: &PosedPair, draft: &Draft) -> bool {
     match draft.state {
         ContactState::Overlapping => {
@@ -183,7 +189,7 @@ pub(crate) fn is_proven(posed: &PosedPair, draft: &Draft) -> bool {
     }
 }
 
-/// Returns whether the bounds are as close as the bounds of a certified answer must be.
+/// Returns whether the bounds are as close as those of a certified outcome must be.
 pub(crate) fn is_narrow(posed: &PosedPair, draft: &Draft) -> bool {
     draft.upper - draft.lower <= (AGREE + 2.0 * CERTIFICATE * UNIT) * posed.size()
 }

@@ -1,9 +1,9 @@
-//! Queries on the boundary of a face: the location of a point relative to the side planes, and the
-//! edge by which a line exits.
+//! Queries on the boundary of a face: where a point is relative to the side planes, and by which
+//! edge a line exits.
 //!
-//! Small boundaries are scanned edge by edge. On large ones (see
-//! [`Topology::ring`](crate::polyhedron::topology::Topology)) bisection answers both questions, so
-//! that a face of 8192 edges costs a few times as much as a face of 32.
+//! Small boundaries are scanned edge by edge. Large boundaries (see
+//! [`Topology::ring`](crate::polyhedron::topology::Topology)) use bisection for both queries. So a
+//! face of 8192 edges costs only a few times as much as a face of 32.
 
 use nalgebra::Vector3;
 
@@ -15,11 +15,11 @@ use crate::pair::star::one_norm;
 
 /// Location of a point relative to the side planes of a face.
 pub(crate) enum FaceLocation {
-    /// Inside all side planes, beyond rounding.
+    /// Inside all side planes, by more than rounding.
     Inside,
-    /// Within rounding of the side plane of this edge.
+    /// Within rounding error of the side plane of this edge.
     Grazes(EdgeId),
-    /// Outside the side plane of this edge, beyond rounding.
+    /// Outside the side plane of this edge, by more than rounding.
     Outside(EdgeId),
 }
 
@@ -38,8 +38,9 @@ struct EdgeSide {
 }
 
 impl Face<'_> {
-    /// Locates `x`, with rounding relative to the pair's `size`. Also returns a vertex of the
-    /// boundary.
+    /// Locates `x`, with rounding relative to the pair's `size`.
+    ///
+    /// Also returns a vertex of the boundary.
     #[inline(always)]
     pub(crate) fn locate(&self, x: &Vector3<f64>, size: f64) -> (FaceLocation, Vector3<f64>) {
         match self.body.topology.ring(self.face) {
@@ -48,8 +49,9 @@ impl Face<'_> {
         }
     }
 
-    /// Locates `x` by a scan: returns the edge furthest outside, or the closest edge that `x`
-    /// grazes.
+    /// Locates `x` by a scan.
+    ///
+    /// Returns the edge farthest outside, or the closest edge that `x` grazes.
     #[inline(always)]
     fn locate_small(&self, x: &Vector3<f64>, size: f64) -> (FaceLocation, Vector3<f64>) {
         let body = self.body;
@@ -88,8 +90,8 @@ impl Face<'_> {
     /// ```
     ///
     /// The bisection narrows the wedge that contains `x` until `x` lies on the near side of the
-    /// chord between the two outer vertices: the three vertices then prove `x` inside the face,
-    /// except for the edges next to them, which are tested.
+    /// chord between the two outer vertices. The three vertices then prove `x` inside the face,
+    /// except for the edges adjacent to them. These edges are tested.
     #[inline(never)]
     pub(crate) fn locate_large(&self, ring: &[HalfEdgeId], x: &Vector3<f64>, size: f64) -> FaceLocation {
         let m = ring.len();
@@ -126,8 +128,10 @@ impl Face<'_> {
     }
 
     /// Finds the edge closest to `x` by a gallop from the edge `at` along the edges visible from
-    /// `x` (`x` is outside their side planes): along them the distance falls up to the closest edge
-    /// and rises after.
+    /// `x`.
+    ///
+    /// `x` is outside the side planes of the visible edges. Along them the distance falls up to the
+    /// closest edge and rises after it.
     fn nearest_visible(&self, ring: &[HalfEdgeId], at: usize, x: &Vector3<f64>) -> usize {
         let m = ring.len();
         let ends = |k: usize| (self.tail(ring[k % m]), self.head(ring[k % m]));
@@ -151,9 +155,11 @@ impl Face<'_> {
         }
     }
 
-    /// Returns the exit of a line that begins over the face at `start`, if the line exits before
-    /// `start + displacement`: the fraction of `displacement`, and the edge. The line may enter
-    /// over the edge `entry` and never exits there.
+    /// Returns where a line that starts over the face exits: the fraction of `displacement`, and
+    /// the edge.
+    ///
+    /// `None` if the line does not exit between `start` and `start + displacement`. The line may
+    /// enter over the edge `entry` and never exits there.
     #[inline(always)]
     pub(crate) fn exit(
         &self,
@@ -192,8 +198,9 @@ impl Face<'_> {
         }
     }
 
-    /// Finds the exit by bisection. Most lines are short compared with a large face: the end of the
-    /// line is located first.
+    /// Finds the exit by bisection.
+    ///
+    /// Most lines are short compared with a large face, so the end of the line is located first.
     #[inline(never)]
     fn exit_large(
         &self,
@@ -230,8 +237,9 @@ impl Face<'_> {
     }
 
     /// Returns the index of the edge by which the line from `start` along `displacement` exits a
-    /// large boundary: the edge from the vertices right of the line to the vertices left of the
-    /// line.
+    /// large boundary.
+    ///
+    /// This edge leads from the vertices right of the line to the vertices left of the line.
     #[inline(never)]
     fn exit_edge(&self, ring: &[HalfEdgeId], start: &Vector3<f64>, displacement: &Vector3<f64>) -> usize {
         let m = ring.len();
@@ -290,14 +298,15 @@ fn classify(edge: EdgeId, side: f64, u: &Vector3<f64>, size: f64) -> EdgeSide {
     }
 }
 
-/// Returns for how many steps in a row, from the first, a condition holds, if true for a run and
-/// false ever after.
+/// Returns for how many steps in a row, from the first, a condition holds.
+///
+/// The condition must be true for a run of steps and false ever after.
 fn gallop(most: usize, holds: impl Fn(usize) -> bool) -> usize {
     let mut reach = 1;
     while reach < most && holds(reach - 1) {
         reach *= 2;
     }
-    // True below `low` and false at `high`, or the ring ends there.
+    // True below `low` and false at `high`, or the boundary ends there.
     let (mut low, mut high) = (reach / 2, reach.min(most) - 1);
     while low < high {
         let middle = (low + high) / 2;

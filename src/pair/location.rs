@@ -1,4 +1,4 @@
-//! The answer of a query of two geometries of any kinds.
+//! The outcome of a query of two geometries of any kind.
 
 use core::ops::Deref;
 
@@ -9,25 +9,30 @@ use crate::base::num::each::Each;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::{FaceId, Feature, FeaturePair};
 
-/// The place of a witness on a geometry.
+/// The location of a witness on a geometry: subshape, feature and parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WitnessLocation {
-    /// The piece of a compound, the triangle of a mesh or the patch of a surface, by the caller's
-    /// index; zero for a convex geometry. Beside a mesh a compound of polyhedra is the mesh of its
-    /// surface ([`Compound::to_mesh`](crate::Compound::to_mesh)).
+    /// Index of the piece, triangle or patch, as the caller numbered it; zero for a convex
+    /// geometry.
+    ///
+    /// In a pair with a mesh, a compound of polyhedra is measured as the mesh of its surface
+    /// ([`Compound::to_mesh`](crate::Compound::to_mesh)).
     pub subshape: u32,
-    /// The feature that holds the witness: of a polyhedron, of the core of a convex shape, or of
-    /// the piece. Of two meshes, a vertex has the number of its point, an edge that of the point at
-    /// which the edge of the triangle begins, a face that of its triangle; beside another geometry
-    /// a triangle is a polygon of three vertices. A patch is a face, with the number of the patch.
+    /// The feature that contains the witness: of a polyhedron, of the core of a convex shape, or of
+    /// the piece.
+    ///
+    /// - **Two meshes**: a vertex has the index of its point. An edge has the index of the point at
+    ///   which the edge of the triangle starts. A face has the index of its triangle.
+    /// - **A mesh and another geometry**: a triangle is a polygon of three vertices.
+    /// - **A patch**: a face, with the index of the patch.
     pub feature: Feature,
     /// The parameters u and v of the patch; zero for other geometries.
     pub parameters: [f64; 2],
 }
 
 impl WitnessLocation {
-    /// Returns a point of a patch by its parameters u and v, each between 0 and 1.
+    /// Returns the location on a patch with parameters u and v, each in 0..=1.
     #[must_use]
     pub const fn on_patch(patch: u32, parameters: [f64; 2]) -> Self {
         Self {
@@ -37,7 +42,7 @@ impl WitnessLocation {
         }
     }
 
-    /// Returns a place on a part without parameters.
+    /// Returns a location on a subshape without parameters.
     #[inline]
     pub(crate) const fn new(subshape: u32, feature: Feature) -> Self {
         Self {
@@ -48,33 +53,35 @@ impl WitnessLocation {
     }
 }
 
-/// The closest points of two geometries of any kinds, with proof: an [`Outcome`], to which the
-/// answer dereferences, and the places of the witnesses.
+/// The closest points of two geometries of any kind, with proven bounds.
 ///
-/// The distance is that of the geometries as sets of points: positive if they are apart, negative
-/// by the penetration depth if two convex geometries overlap, zero if other geometries do. The
-/// depth of those is bounded by [`PairTracker::penetration`](crate::PairTracker::penetration); here
-/// the lower bound of their overlap is minus infinity.
+/// A `PairOutcome` dereferences to its [`Outcome`] and adds the locations of the witnesses. The
+/// distance is positive if the geometries are separated. If they overlap, the distance of two
+/// convex geometries is minus the penetration depth. The distance of other overlapping geometries
+/// is zero, with the lower bound minus infinity;
+/// [`PairTracker::penetration`](crate::PairTracker::penetration) bounds their depth.
 ///
-/// [`Outcome::features`] are those of the two spots. [`Outcome::solver`] and [`Outcome::work`] tell
-/// of two convex geometries; the work for others is counted by
-/// [`PairTracker::work`](crate::PairTracker::work).
+/// [`Outcome::features`] are the features of the two locations. [`Outcome::solver`] and
+/// [`Outcome::work`] describe queries of two convex geometries only.
+/// [`PairTracker::work`](crate::PairTracker::work) counts the work for all others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct PairOutcome {
-    /// Class, bounds, witnesses and normal.
+    /// State, bounds, witnesses and normal.
     pub outcome: Outcome,
-    /// The places of the witnesses on A and on B.
+    /// The locations of the witnesses on A and on B.
     pub locations: [WitnessLocation; 2],
-    /// Whether the bounds are no farther apart than was asked for: always true unless a geometry is
-    /// a Bézier surface. If false, the budget of splits was used up or is too small by far (see
-    /// [`patch`](crate::surface)), or the width is below `2^-42` times the size of the pair; the
-    /// bounds hold all the same.
+    /// Whether the bounds are at most as far apart as requested; always true without a Bézier
+    /// surface.
+    ///
+    /// Reasons for false: the query has used up its budget of splits; the budget is far too small
+    /// (see [`surface`](crate::surface)); or the width is below `2^-42` times the pair size. The
+    /// bounds hold in these cases too.
     pub is_converged: bool,
 }
 
-/// Returns the features of the places on A and B.
+/// Returns the features of the locations on A and B.
 pub(crate) fn features_on(on: &[WitnessLocation; 2]) -> FeaturePair {
     FeaturePair {
         a: on[0].feature,
@@ -83,7 +90,7 @@ pub(crate) fn features_on(on: &[WitnessLocation; 2]) -> FeaturePair {
 }
 
 impl PairOutcome {
-    /// Returns the answer of two geometries of one part each.
+    /// Returns the outcome of two convex geometries.
     #[inline]
     pub(crate) fn of_convex(outcome: Outcome) -> Self {
         let locations = [outcome.features.a, outcome.features.b].each(|feature| WitnessLocation::new(0, feature));
@@ -94,7 +101,7 @@ impl PairOutcome {
         }
     }
 
-    /// Returns the answer of B and A as that of A and B, at the pose of A and B.
+    /// Returns an outcome of B and A as an outcome of A and B, at the pose of A and B.
     pub(crate) fn swapped(self, a_from_b: &RelativePose) -> Self {
         let o = self.outcome;
         Self {
@@ -110,7 +117,7 @@ impl PairOutcome {
         }
     }
 
-    /// Returns the answer with an overlap of unknown depth: of geometries whose depth is not
+    /// Returns the outcome with an overlap of unknown depth, for geometries whose depth is not
     /// searched.
     #[cfg(feature = "meshes")]
     pub(crate) fn without_depth(self) -> Self {
@@ -120,7 +127,7 @@ impl PairOutcome {
         }
     }
 
-    /// Returns the numbers of the closest parts.
+    /// Returns the indices of the closest subshapes.
     pub(crate) fn parts(&self) -> [u32; 2] {
         self.locations.each(|spot| spot.subshape)
     }

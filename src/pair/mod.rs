@@ -1,7 +1,7 @@
 //! Two posed shapes: their relative transform, their Minkowski difference, and the outcome of a
 //! query with its certificate.
 //!
-//! Every solver builds on this module; the module knows no solver.
+//! All solvers use this module; this module uses no solver.
 
 pub(crate) mod certificate;
 pub(crate) mod difference;

@@ -1,4 +1,4 @@
-//! Options of a query of two geometries of any kinds.
+//! Options of a query of two geometries of any kind.
 
 use super::outcome::DepthMode;
 
@@ -16,23 +16,29 @@ use super::outcome::DepthMode;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct QueryOptions {
-    /// Which depth a query of two convex geometries that overlap returns. The query searches no
-    /// depth of other geometries.
+    /// Which depth a query of two overlapping convex geometries returns.
+    ///
+    /// For other geometries the query computes no depth.
     pub depth: DepthMode,
-    /// How far the bounds of a pair with a Bézier surface may be apart, a length in the
-    /// caller's unit; `None` for `2^-30` of the pair size L (the radii of both geometries about
-    /// their origins, and the distance of the origins). A width that is NaN or below `2^-42 L` is
-    /// taken as `2^-42 L`.
+    /// Largest distance between the bounds of a pair with a Bézier surface.
+    ///
+    /// A length in the caller's unit.
+    ///
+    /// `None` means `2^-30` of the pair size L (the radii of both geometries about their origins,
+    /// plus the distance of the origins). A width that is NaN or below `2^-42 L` counts as
+    /// `2^-42 L`.
     pub width: Option<f64>,
-    /// The number of pairs of nodes that a query of a Bézier surface may split, at most `2^22`;
-    /// `None` for 20,000. A query that uses up its budget returns wider bounds; so does one of two
-    /// surfaces that would need several times its budget by the speed at which its bounds approach
-    /// each other.
+    /// Budget of a query with a Bézier surface: how many pairs of nodes it may split, at most
+    /// `2^22`.
+    ///
+    /// `None` means 20,000. A query that uses up its budget returns wider bounds. A query of two
+    /// surfaces also returns wider bounds if it would need several times its budget at the speed at
+    /// which its bounds approach each other.
     pub splits: Option<usize>,
 }
 
 impl QueryOptions {
-    /// Returns the default options: the depth of convex geometries, the usual width.
+    /// Returns the default options: full depths, default width and default budget.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -42,21 +48,21 @@ impl QueryOptions {
         }
     }
 
-    /// Returns the options with another depth of overlaps of convex geometries.
+    /// Returns the options with another depth mode for overlaps of convex geometries.
     #[must_use]
     pub const fn depth(mut self, depth: DepthMode) -> Self {
         self.depth = depth;
         self
     }
 
-    /// Returns the options with another width of the bounds of Bézier surfaces.
+    /// Returns the options with another width of the bounds of pairs with a Bézier surface.
     #[must_use]
     pub const fn width(mut self, width: f64) -> Self {
         self.width = Some(width);
         self
     }
 
-    /// Returns the options with another budget of a query of Bézier surfaces.
+    /// Returns the options with another budget of queries with a Bézier surface.
     #[must_use]
     pub const fn splits(mut self, splits: usize) -> Self {
         self.splits = Some(splits);

@@ -1,6 +1,6 @@
-//! The outcome of a query: contact state, bounds, features and witness points, and the work done.
+//! The outcome of a query: contact state, bounds, features, witness points and work.
 //!
-//! An outcome is in the frame of A; [`Outcome::in_world`] gives its points in the common frame of
+//! An outcome is in the frame of A. [`Outcome::in_world`] returns its points in the common frame of
 //! both poses.
 
 use core::fmt;
@@ -11,22 +11,24 @@ use crate::base::num::sum_of_counters;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::FeaturePair;
 
-/// Whether two bodies are apart, touch or overlap.
+/// Contact state of two bodies: separated, touching, overlapping or undecided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum ContactState {
-    /// Proven apart: the lower bound is positive (or zero if exact arithmetic finds a distance too
-    /// small for f64).
+    /// Proven apart: the lower bound is positive. The lower bound is zero if exact arithmetic finds
+    /// a distance too small for f64.
     Separated,
-    /// Proven to touch; or the bounds straddle zero, and no finer arithmetic was able, or was
-    /// asked, to decide.
+    /// Proven to touch; or the bounds straddle zero, and no finer arithmetic decided.
+    ///
+    /// Finer arithmetic does not decide if it cannot, or if the query did not request it.
     Touching,
     /// Proven to share an interior point.
     Overlapping,
     /// The bounds are wider than the requested accuracy, whether they straddle zero or not.
-    /// Of polyhedra possible only without the feature `exact`; of curved shapes also with it, as
-    /// no arithmetic here decides their contact.
+    ///
+    /// For polyhedra this is possible only without the feature `exact`. For curved shapes it is
+    /// possible with the feature as well, because no exact arithmetic decides their contact.
     Undecided,
 }
 
@@ -41,23 +43,24 @@ impl core::fmt::Display for ContactState {
     }
 }
 
-/// Accuracy requested of an answer.
+/// Accuracy that a query must reach.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Accuracy {
-    /// The proposal of the walk, or of the f64 solver if the walk does not end, without bounds:
-    /// [`Tracker::propose`](crate::Tracker::propose).
+    /// Without bounds: the proposal of the walk, or of the f64 solver if the walk does not end.
+    ///
+    /// See [`Tracker::propose`](crate::Tracker::propose).
     Walk,
     /// Proven bounds: [`Tracker::closest`](crate::Tracker::closest).
     #[default]
     Certified,
-    /// Within one unit in the last place if the bodies are apart: `Tracker::closest_exact` (feature
-    /// `exact`).
+    /// Within one unit in the last place if the bodies are separated: `Tracker::closest_exact`
+    /// (feature `exact`).
     Exact,
 }
 
-/// Request of a query: the accuracy of the answer, and whether an overlap needs a depth.
+/// Request of a query: the accuracy, and which depth an overlap gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Ask {
     pub(crate) accuracy: Accuracy,
@@ -74,25 +77,26 @@ impl Ask {
     }
 }
 
-/// Which penetration depth a query of two convex geometries that overlap returns.
+/// Penetration depth that a query of two overlapping convex geometries returns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum DepthMode {
-    /// No depth: the query proves the overlap alone.
+    /// No depth: the query proves only the overlap.
     None,
-    /// The penetration depth of an overlap of two polyhedra, rounded or not, is bounded from above,
-    /// by the height of a facet that is nearest in its neighbourhood, at about three times the
-    /// price of a walk
+    /// An upper bound of the depth of two polyhedra, rounded or not, at about three times the cost
+    /// of a walk.
+    ///
+    /// The bound is the distance of a facet that is nearest in its neighbourhood
     /// ([`Tracker::closest_with_local_depth`](crate::Tracker::closest_with_local_depth)). Other
-    /// shapes get the depth.
+    /// shapes get the depth with both bounds.
     Local,
-    /// The penetration depth is bounded from both sides.
+    /// The penetration depth with a lower and an upper bound.
     #[default]
     Full,
 }
 
 impl DepthMode {
-    /// Returns the mode that serves two requests: for a depth at all, and for a local one.
+    /// Returns the mode for two requests: for a depth at all, and for a local depth.
     pub(crate) fn of_depth(depth: bool, local: bool) -> Self {
         match (depth, local) {
             (false, _) => Self::None,
@@ -108,7 +112,9 @@ impl DepthMode {
     }
 }
 
-/// Solver that gave an answer. Each is tried if the certificate refuses the one before.
+/// Solver that computed an outcome.
+///
+/// A query tries the next solver if the certificate rejects the result of the solver before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -122,18 +128,24 @@ pub enum Solver {
     Gjk,
     /// The minimum-norm solver in double-double.
     DoubleDouble,
-    /// Exact integers (feature `exact`). The contact state is exact, and the distance is right to
-    /// one unit in the last place. So is the depth of an overlap if at most 65,536 pairs of
-    /// features may be the deepest; if more, the depth keeps the bounds of double-double, which may
-    /// be farther apart than `1e-13 L`, as of two prisms of 100 sides thinner than rounding.
+    /// Exact integers (feature `exact`).
+    ///
+    /// The contact state is exact, and the distance of separated bodies is right to one unit in the
+    /// last place. The depth of an overlap is as accurate if at most 65,536 feature pairs may be
+    /// the deepest. If there are more, the depth keeps the bounds of double-double. These may be
+    /// farther apart than `1e-13 L` (for example, for two prisms of 100 sides thinner than
+    /// rounding).
     Exact,
-    /// Bodies so far apart that only their separation counts.
+    /// No solver: the bodies are so far apart that only their separation matters.
     Far,
-    /// A surface around the origin of the Minkowski difference: overlap and depth at once. For most
-    /// shallow overlaps a pyramid over the nearest facet, found from the last features by a walk
-    /// over facets; else a surface kept from the last answer, or begun at the nearest facet. If no
-    /// depth is requested, four points kept from the last answer; if a local depth is, a pyramid or
-    /// four points.
+    /// A polytope around the origin of the Minkowski difference, which gives overlap and depth at
+    /// once.
+    ///
+    /// - **Most shallow overlaps**: one facet and an apex. A walk over facets, started at the last
+    ///   features, finds the nearest facet.
+    /// - **Other overlaps**: a polytope cached by the last query, or started at the nearest facet.
+    /// - **No depth requested**: four points cached by the last query.
+    /// - **Local depth requested**: a facet and apex, or four points.
     Polytope,
 }
 
@@ -149,7 +161,7 @@ impl Solver {
         Self::Polytope,
     ];
 
-    /// Number of solvers: the length of a table with one entry for each.
+    /// Number of solvers: the length of a table with one entry per solver.
     pub(crate) const COUNT: usize = Self::ALL.len();
 }
 
@@ -167,12 +179,12 @@ impl core::fmt::Display for Solver {
     }
 }
 
-/// Work done by one query, or summed over many.
+/// Work of one query, or the sum over many queries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Work {
-    /// Feature pairs evaluated by the walk.
+    /// Feature pairs that the walk evaluated.
     pub steps: u32,
     /// Certificates evaluated.
     pub certificates: u32,
@@ -189,9 +201,9 @@ pub struct Work {
     pub exacts: u32,
     /// Searches for the depth of an overlap.
     pub depths: u32,
-    /// Points added to the surfaces of depth searches.
+    /// Points added to the polytopes of depth searches.
     pub points_added: u32,
-    /// Facets of the Minkowski difference visited on the way to the nearest.
+    /// Facets of the Minkowski difference visited on the path to the nearest facet.
     #[cfg_attr(feature = "serde", serde(default))]
     pub facets: u32,
 }
@@ -209,13 +221,13 @@ sum_of_counters!(Work {
     facets,
 });
 
-/// Closest features of two bodies, with proven bounds of the distance.
+/// Closest features of two bodies, with proven bounds of the signed distance.
 ///
-/// The signed distance is positive for separated bodies, and minus the penetration depth for
-/// overlapping bodies: the length of the shortest translation that separates them. `lower` and
-/// `upper` bound the signed distance for the given pose, rounding included.
+/// The signed distance of separated bodies is their distance. The signed distance of overlapping
+/// bodies is minus the penetration depth: the length of the shortest translation that separates
+/// them. `lower` and `upper` bound the signed distance for the given pose, rounding included.
 ///
-/// Points are in the frames of their bodies. The poses given to
+/// Points are in the frames of their bodies. The poses passed to
 /// [`RelativePose::new`](crate::RelativePose::new) map them to the world:
 ///
 /// ```
@@ -239,7 +251,7 @@ sum_of_counters!(Work {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Outcome {
-    /// Whether the bodies are apart, touch or overlap.
+    /// Contact state of the two bodies.
     pub state: ContactState,
     /// Best estimate of the signed distance, between the bounds; for an overlap, minus the depth.
     pub distance: f64,
@@ -248,33 +260,37 @@ pub struct Outcome {
     pub lower: f64,
     /// Upper bound of the signed distance.
     pub upper: f64,
-    /// Closest features. Of separated bodies each witness lies on its feature, up to the bounds. If
-    /// an edge or a face lies parallel to a face and another solver than the walk answered, a
-    /// vertex is named with the face, and the witnesses may lie beside the vertex: on an edge or a
-    /// face of which the vertex is a part.
+    /// Closest features.
     ///
-    /// For an overlap, the features of the deepest facet of the Minkowski difference: a face and a
-    /// vertex, or two edges. The witnesses of an overlap lie on the supporting planes of the two
-    /// features, but if several facets are equally deep, as between boxes with parallel faces, a
-    /// witness may lie beside the feature: on a face of which the vertex named is a part.
+    /// If the bodies are separated, each witness lies on its feature, up to the bounds. Exception:
+    /// if an edge or face is parallel to a face, a solver other than the walk may report a vertex
+    /// of it instead of the edge or face. The witness then lies on an edge or face that contains
+    /// this vertex.
+    ///
+    /// If the bodies overlap, these are the features of the deepest facet of the Minkowski
+    /// difference: a face and a vertex, or two edges. The witnesses lie on the supporting planes of
+    /// the two features. Exception: if several facets are equally deep (boxes with parallel faces),
+    /// a witness may lie outside the reported vertex, on a face that contains the vertex.
     pub features: FeaturePair,
     /// Witness on A, in A's frame; for an overlap, A's deepest point in B along the normal.
     pub point_on_a: Point3<f64>,
-    /// Witness on B, in B's frame; for an overlap, B's deepest point in A, at the depth behind the
-    /// witness on A.
+    /// Witness on B, in B's frame; for an overlap, B's deepest point in A.
+    ///
+    /// The witness of an overlap on B lies behind the witness on A by the depth.
     pub point_on_b: Point3<f64>,
     /// Unit direction from A to B, in A's frame: the direction of the witnesses and of the proof.
+    ///
     /// Moving B along the normal by the depth ends an overlap.
     pub normal: Unit<Vector3<f64>>,
-    /// Solver that gave the answer.
+    /// Solver that computed the outcome.
     pub solver: Solver,
-    /// Work done for the answer.
+    /// Work of the query.
     pub work: Work,
 }
 
 impl Outcome {
-    /// Makes each zero of the distance and the bounds a positive zero: ranks by `total_cmp` tell
-    /// `-0.0` from `0.0`.
+    /// Makes each zero of the distance and the bounds a positive zero, because `total_cmp`
+    /// distinguishes `-0.0` from `0.0`.
     #[inline(always)]
     pub(crate) fn unsign_zeros(&mut self) {
         // The sum is exact, and zero of either sign plus zero is a positive zero.
@@ -316,8 +332,9 @@ impl Outcome {
     }
 }
 
-/// Closest features proposed by the walk, without bounds: for callers who verify the answer
-/// elsewhere.
+/// Closest features proposed by the walk, without bounds.
+///
+/// For callers who verify the result elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -332,18 +349,18 @@ pub struct Proposal {
     pub point_on_b: Point3<f64>,
     /// Unit direction from A to B, in A's frame.
     pub normal: Unit<Vector3<f64>>,
-    /// [`Solver::Walk`], or the solver that stood in if the walk did not end.
+    /// [`Solver::Walk`], or the solver that replaced the walk if the walk did not end.
     pub solver: Solver,
-    /// Work done for the answer.
+    /// Work of the query.
     pub work: Work,
 }
 
-/// Distance alone, with proven bounds.
+/// Signed distance of two bodies with proven bounds, without features or points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Distance {
-    /// Whether the bodies are apart, touch or overlap.
+    /// Contact state of the two bodies.
     pub state: ContactState,
     /// Best estimate of the signed distance; for an overlap, minus the depth.
     pub value: f64,
@@ -354,16 +371,17 @@ pub struct Distance {
     pub upper: f64,
 }
 
-/// The answer to a question of yes or no by bounds: no exact arithmetic decides what they leave
-/// open.
+/// Three-valued result of a predicate that is decided by bounds.
+///
+/// No exact arithmetic decides what the bounds leave open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Decision {
-    /// Proven.
+    /// The predicate is proven true.
     Yes,
-    /// Proven not to be so.
+    /// The predicate is proven false.
     No,
-    /// The bounds of the distance leave both possible.
+    /// The bounds of the distance allow both answers.
     Undecided {
         /// Lower bound of the distance.
         lower: f64,
@@ -373,7 +391,7 @@ pub enum Decision {
 }
 
 impl Decision {
-    /// Returns whether a distance is at most `d`, by its bounds.
+    /// Returns whether a distance with these bounds is at most `d`.
     pub(crate) fn by(lower: f64, upper: f64, d: f64) -> Self {
         if upper <= d {
             Self::Yes
@@ -384,24 +402,24 @@ impl Decision {
         }
     }
 
-    /// Returns whether yes is proven.
+    /// Returns whether the predicate is proven true.
     #[must_use]
     pub fn is_yes(self) -> bool {
         self == Self::Yes
     }
 
-    /// Returns whether no is proven.
+    /// Returns whether the predicate is proven false.
     #[must_use]
     pub fn is_no(self) -> bool {
         self == Self::No
     }
 
-    /// Returns the answer of a pair that is always decided.
+    /// Returns the decision of a predicate that is always decided.
     pub(crate) fn of(is_so: bool) -> Self {
         if is_so { Self::Yes } else { Self::No }
     }
 
-    /// Returns the answer, `None` if undecided.
+    /// Returns the predicate's value, or `None` if undecided.
     #[must_use]
     pub fn as_bool(self) -> Option<bool> {
         match self {
@@ -413,8 +431,7 @@ impl Decision {
 }
 
 impl Outcome {
-    /// Returns whether the distance is within one unit in the last place of the truth, as the
-    /// bounds prove.
+    /// Returns whether the bounds prove the distance right to one unit in the last place.
     #[cfg(feature = "exact")]
     pub(crate) fn is_tight(&self) -> bool {
         self.lower > 0.0 && self.lower >= self.distance.next_down() && self.upper <= self.distance.next_up()
@@ -432,7 +449,7 @@ impl From<&Outcome> for Distance {
     }
 }
 
-/// Witness points and normal of an [`Outcome`] in the common frame of the two poses (the world).
+/// Witness points and normal of an [`Outcome`] in the world, the poses' common frame.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -461,7 +478,7 @@ pub struct WorldWitnesses {
 }
 
 impl WorldWitnesses {
-    /// Returns the witnesses with A and B exchanged, for a caller whose own body is B.
+    /// Returns the witnesses with A and B exchanged: use it if your own body is B.
     #[must_use]
     pub fn swapped(&self) -> Self {
         Self {
@@ -473,9 +490,10 @@ impl WorldWitnesses {
 }
 
 impl Outcome {
-    /// Returns the witness points and the normal in the frame of the two poses that
-    /// [`RelativePose::new`] was given. Points in the world carry the rounding of the world's
-    /// coordinates; distance and bounds do not.
+    /// Returns the witness points and the normal in the common frame of the two poses.
+    ///
+    /// The poses are those passed to [`RelativePose::new`]. Points in the world carry the rounding
+    /// error of the world's coordinates; the distance and its bounds do not.
     #[inline]
     #[must_use]
     pub fn in_world(&self, poses: &RelativePose) -> WorldWitnesses {
@@ -488,14 +506,14 @@ impl Outcome {
     }
 }
 
-/// Class, distance and bounds: `separated, 1.5 in [1.4999999999999993, 1.5000000000000007]`.
+/// State, distance and bounds: `separated, 1.5 in [1.4999999999999993, 1.5000000000000007]`.
 impl fmt::Display for Distance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}, {} in [{}, {}]", self.state, self.value, self.lower, self.upper)
     }
 }
 
-/// Class, distance, bounds, features and solver on one line.
+/// State, distance, bounds, features and solver on one line.
 impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
@@ -508,8 +526,9 @@ impl fmt::Display for Outcome {
     }
 }
 
-/// Query counts by solver as text: `answered by walk 12, exact 3`; solvers without a query are left
-/// out.
+/// Number of queries by solver as text: `answered by walk 12, exact 3`.
+///
+/// Solvers without a query are left out.
 pub(crate) struct AnsweredBy<'a>(pub(crate) &'a [u64; Solver::COUNT]);
 
 impl fmt::Display for AnsweredBy<'_> {

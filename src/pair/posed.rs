@@ -21,22 +21,22 @@ pub(crate) struct PosedPair<'a> {
     /// `a_from_b` between stored frames: a rotation times `unit`, and a translation.
     pub(crate) rotation: PackedRotation,
     pub(crate) translation: PackedVec3,
-    /// One unit of B's stored frame, in units of A's stored frame.
+    /// The stored unit of B, in stored units of A.
     unit: f64,
     /// The size L of the pair, in A's stored units.
     size: f64,
-    /// Distances of the stored origins from the bodies' own origins, in A's stored units: zero for
+    /// Distances of the stored origins from the bodies' origins, in A's stored units; zero for
     /// ordinary bodies.
     offsets: f64,
     pub(crate) pose: &'a RelativePose,
 }
 
-/// A pair that f64 cannot pose: so far apart, or points so close together, that only the separation
-/// counts.
+/// A pair that f64 cannot pose: so far apart, or with points so close together, that only the
+/// separation matters.
 pub(crate) struct OutOfRange;
 
 impl<'a> PosedPair<'a> {
-    /// Poses B relative to A. The stored unit of A must not be smaller than the stored unit of B.
+    /// Poses B relative to A. The stored unit of A must be at least the stored unit of B.
     #[inline(always)]
     pub(crate) fn new(
         a: &'a ConvexPolyhedron,
@@ -48,8 +48,8 @@ impl<'a> PosedPair<'a> {
         } else {
             shifted_and_scaled(a, b, pose)?
         };
-        // The translation by the origins is made in double-double, with an error relative to the
-        // origins: as a part of L, the origins are covered by every term in UNIT L.
+        // The translation by the origins is computed in double-double, with an error relative to
+        // the origins. L contains the origins, so every term in UNIT L covers them.
         let extra = UNIT_DOUBLE_DOUBLE / UNIT * offsets;
         let size = a.radius + unit * b.radius + sqrt(translation.norm_squared()) + extra;
         // Written so that NaN is out of range.
@@ -74,17 +74,19 @@ impl<'a> PosedPair<'a> {
         self.size
     }
 
-    /// Returns whether both bodies are stored in the same unit, so that directions and vectors turn
-    /// alike: the walk requires this. If not, the radius of a body is at least 2^105 units, or less
-    /// than 2^-105.
+    /// Returns whether both bodies are stored in the same unit; the walk requires this.
+    ///
+    /// Directions and vectors then rotate alike. If the units differ, the radius of a body is at
+    /// least 2^105 units, or less than 2^-105.
     #[inline(always)]
     pub(crate) fn same_scale(&self) -> bool {
         self.unit == 1.0
     }
 
-    /// Returns the lengths that scale the rounding errors of a solver: L, and the full origins of
-    /// the bodies if the pose rounds as coarsely as the solver (in double-double; in f64 the
-    /// origins are a part of L).
+    /// Returns the lengths that scale the rounding errors of a solver.
+    ///
+    /// These are L, and in double-double also the full origins of the bodies, because there the
+    /// pose rounds as coarsely as the solver. In f64 the origins are included in L.
     pub(crate) fn error_scale<T: Scalar>(&self) -> ErrorScale {
         ErrorScale {
             size: self.size,
@@ -104,7 +106,7 @@ impl<'a> PosedPair<'a> {
         self.rotation.times(PackedVec3::new(v)).vector()
     }
 
-    /// Maps a point from A's frame to B's. The bodies must have one stored unit.
+    /// Maps a point from A's frame to B's. Both bodies must have the same stored unit.
     #[inline(always)]
     pub(crate) fn point_in_b(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.rotation
@@ -112,7 +114,7 @@ impl<'a> PosedPair<'a> {
             .vector()
     }
 
-    /// Maps a vector from A's frame to B's. The bodies must have one stored unit.
+    /// Maps a vector from A's frame to B's. Both bodies must have the same stored unit.
     #[inline(always)]
     pub(crate) fn vector_in_b(&self, v: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.transposed_times(PackedVec3::new(v)).vector()
@@ -138,14 +140,16 @@ impl<'a> PosedPair<'a> {
     }
 }
 
-/// The bodies in the order of a feature test: `first` has the vertex or edge that moves, `second`
-/// the feature opposite, and the test runs in the frame of `second`.
+/// The bodies in the order of a feature test.
+///
+/// `first` has the vertex or edge that moves, `second` has the opposite feature. The test runs in
+/// the frame of `second`.
 pub(crate) trait OrderedPair {
     /// The operand in the role of `first`.
     const FIRST: Operand;
     /// Returns the body with the vertex or edge that moves.
     fn first(&self) -> &ConvexPolyhedron;
-    /// Returns the body with the feature opposite.
+    /// Returns the body with the opposite feature.
     fn second(&self) -> &ConvexPolyhedron;
     /// Returns the size L.
     fn size(&self) -> f64;
@@ -232,9 +236,11 @@ impl OrderedPair for BFirst<'_, '_> {
 }
 
 /// Returns matrix, translation, scale and offsets of `a_from_b` between stored frames that differ
-/// from the user's frames. Scaling alone is exact, so powers of two change no bit of an answer but
-/// the exponent. Translations are made in double-double, because the offsets of the bodies may be
-/// far larger than the bodies and cancel.
+/// from the user's frames.
+///
+/// Scaling alone is exact, so powers of two change only the exponents of an outcome. Translations
+/// are computed in double-double, because the offsets of the bodies may be far larger than the
+/// bodies and cancel.
 #[cold]
 fn shifted_and_scaled(
     a: &ConvexPolyhedron,

@@ -1,20 +1,21 @@
-//! From the signed distance of two cores to that of the rounded bodies: `s = s_core - rA - rB` on
-//! both sides of contact.
+//! From the signed distance of two cores to the signed distance of the rounded bodies.
+//!
+//! `s = s_core - rA - rB` on both sides of contact.
 
 use crate::base::num::double_double::two_sum;
 use crate::base::tolerance::UNIT;
 
-/// Returns a signed distance less both radii, rounded twice to nearest.
+/// Returns a signed distance minus both radii, rounded twice to nearest.
 #[inline]
 pub(crate) fn less(s: f64, radii: [f64; 2]) -> f64 {
     let (high, low) = two_sum(radii[0], radii[1]);
     (s - high) - low
 }
 
-/// Returns bounds less both radii, rounded outward; bounds of bodies that are not rounded stay.
+/// Returns bounds minus both radii, rounded outward; bounds of bodies that are not rounded stay.
 ///
-/// Each of the two differences errs by at most `UNIT` times its own magnitude, and so does each
-/// operation here; a difference that is subnormal is exact, and so is zero.
+/// Each of the two differences has an error of at most `UNIT` times its magnitude, and so has each
+/// operation here. A difference that is subnormal is exact, and so is zero.
 #[inline]
 pub(crate) fn bounds([lower, upper]: [f64; 2], radii: [f64; 2]) -> [f64; 2] {
     if radii == [0.0; 2] {

@@ -7,8 +7,9 @@ use crate::base::tolerance::{UNIT_LENGTH, WITNESS_CHECK};
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::pair::outcome::{ContactState, Outcome, Solver};
 
-/// Returns a description of the first violated invariant: bounds, normal, or witnesses; `None` if
-/// the outcome is sound.
+/// Returns a description of the first violated invariant, or `None` if the outcome is sound.
+///
+/// The invariants concern the bounds, the normal and the witnesses.
 pub(crate) fn fault(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
@@ -43,9 +44,11 @@ pub(crate) fn fault(
     }
 }
 
-/// Returns whether the witnesses, placed in f64, are as far apart as the bounds require, and along
-/// the normal. The slack covers witnesses rounded in the caller's coordinates, possibly far from
-/// the body.
+/// Returns whether the witnesses, put in f64, are as far apart as the bounds require, and along the
+/// normal.
+///
+/// The slack covers the rounding of witnesses in the caller's coordinates, possibly far from the
+/// body.
 fn witnesses_agree(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, o: &Outcome) -> bool {
     let (p, q) = (o.point_on_a.coords, o.point_on_b.coords);
     let between = pose.rotation() * q + pose.translation() - p;

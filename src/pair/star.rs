@@ -1,4 +1,4 @@
-//! The star of a feature: the edges around a vertex, the two faces adjacent to an edge.
+//! The star of a feature: the edges around a vertex, and the two faces adjacent to an edge.
 //!
 //! The tests here prove that a vertex or an edge of a polyhedron is extreme along a direction.
 
@@ -16,16 +16,17 @@ pub(crate) fn one_norm(v: &Vector3<f64>) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
 }
 
-/// Returns whether a direction perpendicular to an edge certainly falls into both adjacent faces,
-/// which proves the edge extreme along the direction.
+/// Returns whether a direction perpendicular to an edge certainly falls into both adjacent faces.
 ///
-/// The first argument holds the weights of the direction over the planes of the faces
+/// This proves the edge extreme along the direction.
+///
+/// The first argument contains the weights of the direction over the planes of the faces
 /// ([`Edge::weights`](super::star::EdgeSpan::weights)). The weights are as long as the opposite
 /// edge, whose squared length is `squared`.
 ///
 /// From a point of the edge, every point of the body is reached along the edge, then along the
 /// inward directions of the two faces by non-negative lengths, because the faces are exactly plane.
-/// Signs are enough: nothing divides by the sine between the faces.
+/// The signs suffice: nothing is divided by the sine of the angle between the faces.
 #[inline(always)]
 pub(crate) fn falls_into_both_faces([alpha, beta]: [f64; 2], squared: f64) -> bool {
     let least = FLANK * FLANK * squared;
@@ -62,8 +63,10 @@ impl ConvexPolyhedron {
         fan
     }
 
-    /// Approximates the minimum of a large fan by a search over the slopes `n . e / m . e`. Not
-    /// every edge is examined, so the result is clamped to at most zero and never certifies.
+    /// Approximates the minimum of a large fan by a search over the slopes `n . e / m . e`.
+    ///
+    /// The search does not examine every edge, so the result is clamped to at most zero and never
+    /// certifies.
     #[cold]
     #[inline(never)]
     fn large_fan_minimum(&self, v: VertexId, m: &Axis, n: &Vector3<f64>) -> FanMinimum {
@@ -87,8 +90,10 @@ impl ConvexPolyhedron {
         fan.value > 2.0 * EDGE_SIGN * self.radius * one_norm(n)
     }
 
-    /// Returns the edge on which to leave the vertex: the edge that falls most, if the fall exceeds
-    /// the uncertainty `noise` of the direction.
+    /// Returns the edge along which the walk leaves the vertex.
+    ///
+    /// This is the edge that falls most, if the fall exceeds the uncertainty `noise` of the
+    /// direction.
     #[inline(always)]
     pub(crate) fn descending_edge(&self, v: VertexId, fan: &FanMinimum, noise: f64) -> Option<HalfEdgeId> {
         if fan.value >= 0.0 {
@@ -102,8 +107,8 @@ impl ConvexPolyhedron {
     /// Upper bound of `n . x` over the body from the planes of two faces (or one plane twice), by
     /// linear programming duality. For any non-negative weights and `m = alpha nL + beta nR`,
     ///
-    /// `n . x = s m . x + (n - s m) . x <= s (alpha oL + beta oR) + |n - s m| r`  for every `s >=
-    /// 0`,
+    /// `n . x = s m . x + (n - s m) . x <= s (alpha oL + beta oR) + |n - s m| r`  for every
+    /// `s >= 0`,
     ///
     /// here with `s = n . n / m . n`, the least rest if `m` is parallel to `n`. The caller passes
     /// `squared = n . n`.

@@ -13,7 +13,7 @@ use crate::pair::posed::PosedPair;
 /// Lengths that scale the rounding errors of Minkowski points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ErrorScale {
-    /// Length of Minkowski points; scales the error of each point on its own.
+    /// Length of Minkowski points; scales the error of each single point.
     pub(crate) size: f64,
     /// Scales the additional error that all points share: an error of the translation between the
     /// bodies.
@@ -48,8 +48,9 @@ impl Transform<f64> {
     }
 }
 
-/// The frame in which a body is stored: its origin in the body, and the exponent of its unit, a
-/// power of two.
+/// The frame in which a body is stored.
+///
+/// Its origin in the body, and the exponent of its unit, a power of two.
 pub(crate) struct StoredFrame {
     pub(crate) origin: Vector3<f64>,
     pub(crate) exponent: i32,
@@ -65,8 +66,9 @@ impl StoredFrame {
 }
 
 impl Transform<DoubleDouble> {
-    /// Returns the transform from the unrounded poses. `None` if the translation is out of range
-    /// for the products below.
+    /// Returns the transform from the unrounded poses.
+    ///
+    /// `None` if the translation is out of range for the products below.
     pub(crate) fn new(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Option<Self> {
         Self::between(&StoredFrame::of(a), &StoredFrame::of(b), pose)
     }
@@ -88,20 +90,20 @@ impl Transform<DoubleDouble> {
         })
     }
 
-    /// Returns the place of B's origin in A's stored frame. `None` as for [`new`](Self::new).
+    /// Returns the position of B's origin in A's stored frame. `None` as for [`new`](Self::new).
     pub(crate) fn shift(a: &StoredFrame, b: &Vector3<f64>, pose: &RelativePose) -> Option<[DoubleDouble; 3]> {
         let rotations = [&transposed(&rotation(&pose.a.q())), &rotation(&pose.b.q())];
         Self::shift_by(rotations, a, b, pose)
     }
 
-    /// Returns [`shift`](Self::shift), given the rotations of the pose.
+    /// Returns [`shift`](Self::shift) for the given rotations of the pose.
     fn shift_by(
         rotations: [&Rotation; 2],
         a: &StoredFrame,
         b: &Vector3<f64>,
         pose: &RelativePose,
     ) -> Option<[DoubleDouble; 3]> {
-        // The bodies' own offsets are at most 1e116 and cannot leave the range alone.
+        // The offsets of the bodies are at most 1e116 and cannot leave the range alone.
         if pose.translation().amax() > FAR * power_of_two(a.exponent) {
             return None;
         }
@@ -111,8 +113,10 @@ impl Transform<DoubleDouble> {
     }
 }
 
-/// The rotations of a pose in double-double, for a point or two, where a whole [`Transform`] does
-/// not pay. Both bodies are stored in one unit, about their own origins.
+/// The rotations of a pose in double-double, for one or two points, for which a whole [`Transform`]
+/// costs too much.
+///
+/// Both bodies are stored in the same unit, about their own origins.
 #[cfg(feature = "exact")]
 pub(crate) struct Turned {
     pose: RelativePose,
@@ -188,8 +192,7 @@ fn placed(
     core::array::from_fn(|k| in_a[k] - DoubleDouble::from(p[k]))
 }
 
-/// Returns a vector turned by the rotation of a quaternion: the vector itself if the quaternion is
-/// real.
+/// Returns a vector rotated by a quaternion, or the vector itself if the quaternion is real.
 fn turned(q: &[f64; 4], rotation: &Rotation, v: &[DoubleDouble; 3]) -> [DoubleDouble; 3] {
     if q[..3] == [0.0; 3] {
         return *v;

@@ -1,4 +1,4 @@
-//! Contacts of two geometries of any kinds, and bounds of the depth of two solids.
+//! Contacts of two geometries of any kind, and bounds of the depth of two solids.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -28,13 +28,14 @@ pub(super) enum PairContacts {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PatchwiseContacts {
     tracker: ContactTracker,
-    /// The patches of bodies for which the caller has none.
+    /// The patches of bodies for which the caller has made none.
     stand_ins: [Option<ConvexPatches>; 2],
 }
 
 impl PatchwiseContacts {
-    /// Returns the contacts of two bodies at a pose; `None` if one of both can have none. The
-    /// patches of bodies without are made here, once, and again for a mesh that has bent.
+    /// Returns the contacts of two bodies at a pose; `None` if one of them can have no contacts.
+    ///
+    /// Bodies without patches get them here once. A mesh gets new patches after it has bent.
     pub(crate) fn find(
         &mut self,
         bodies: [GeometryRef<'_>; 2],
@@ -58,7 +59,7 @@ impl PatchwiseContacts {
     }
 }
 
-/// Returns the patches of a body; `None` for a surface, which bears no contacts.
+/// Returns the patches of a body; `None` for a Bézier surface, which has no contacts.
 pub(crate) fn patches_of(own: GeometryRef) -> Option<ConvexPatches> {
     match own.0 {
         Lent::Mesh(mesh) => Some(ConvexPatches::from_mesh(mesh.to_arc())),
@@ -69,8 +70,8 @@ pub(crate) fn patches_of(own: GeometryRef) -> Option<ConvexPatches> {
     }
 }
 
-/// The contacts of two convex bodies: their manifold, and the same points as those of one patch
-/// each.
+/// The contacts of two convex bodies: their manifold, and its points as the contacts of one patch
+/// per body.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ConvexContacts {
     manifold: Manifold,
@@ -100,13 +101,14 @@ impl ConvexContacts {
 }
 
 impl PairTracker {
-    /// Returns the contact points within `options.prediction`, in groups of one direction, the
-    /// group of the deepest contact first.
+    /// Returns the contact points within `options.prediction`, in groups of one direction each.
     ///
-    /// Two convex geometries have one group, the points of their [`manifold`](Self::manifold); else
-    /// the groups are those of the patches of meshes and the pieces of compounds, as of
+    /// The group of the deepest contact comes first.
+    ///
+    /// Two convex geometries have one group: the points of their [`manifold`](Self::manifold).
+    /// Otherwise the groups belong to the patches of meshes and the pieces of compounds, as in
     /// [`contacts_between`](Self::contacts_between). The tracker makes the patches of a body at the
-    /// first call: of a body that is lent without being shared, from a copy.
+    /// first call; if the body is borrowed without being shared, it makes them from a copy.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -128,7 +130,8 @@ impl PairTracker {
     /// ```
     ///
     /// # Errors
-    /// If one of both is a Bézier surface, which bears no contacts.
+    /// Returns an error if one of the geometries is a Bézier surface, because a surface has no
+    /// contacts.
     pub fn contacts<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,
@@ -157,16 +160,19 @@ impl PairTracker {
         }
     }
 
-    /// Returns the contact points of two bodies whose patches the caller has made, as
-    /// [`contacts`](Self::contacts) does: for bodies of many pairs, which share their patches, and
-    /// for patches with a tolerance of their own.
+    /// Returns the contact points of two bodies whose patches the caller has made.
     ///
-    /// `options.max_face_sine` and `options.rebuild_motion` are those of the manifold of two
-    /// patches. Contacts are those of shallow overlap: a body that is wholly behind a face, or
-    /// whose deepest point has left the mesh on another side, has no contact with that face. If
-    /// solids overlap whose hulls of patches bear no contact at all, they have one along a
-    /// translation that parts them, that of [`penetration`](Self::penetration), at its price; a
-    /// solid that is deep inside another one, away from all patches, has none.
+    /// Works like [`contacts`](Self::contacts). Use it for bodies of many pairs, which can then
+    /// share their patches, and for patches with a tolerance that you choose.
+    ///
+    /// `options.max_face_sine` and `options.rebuild_motion` apply to the manifold of two patches.
+    /// Contacts exist for shallow overlap only: a body that is wholly behind a face, or whose
+    /// deepest point has left the mesh on another side, has no contact with that face.
+    ///
+    /// If solids overlap but the hulls of their patches have no contact at all, the pair gets one
+    /// contact. It lies along a translation that separates the bodies, the one of
+    /// [`penetration`](Self::penetration), at the cost of that query. A solid deep inside another
+    /// solid, far from all patches, has no contact.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -197,19 +203,23 @@ impl PairTracker {
         self.between.get_or_insert_default().contacts(a, b, a_from_b, options)
     }
 
-    /// Returns bounds of the penetration depth of two solids, the length of the shortest
-    /// translation of B after which they share no inner point. `None` if one of both has no inside:
-    /// a mesh that is not closed, or a Bézier surface.
+    /// Returns bounds of the penetration depth of two solids; `None` if one of them has no inside.
     ///
-    /// Below stands the depth of the deepest of some thousand vertices inside the other body, of
-    /// the deepest pair of pieces, or of convex parts of both bodies where they overlap; above a
-    /// translation that parts the bodies. The interval may be wide: bodies that hold each other at
-    /// several places are deeper than at any one of them, and slots lead the search astray. Of two
-    /// convex geometries [`closest`](Self::closest) tells the depth itself.
+    /// The depth is the length of the shortest translation of B after which the solids share no
+    /// inner point. A mesh that is not closed and a Bézier surface have no inside.
     ///
-    /// Two meshes take at most 35 queries and 13 looks at up to 2,048 vertices of each body:
-    /// milliseconds to tens of them for meshes of thousands of triangles. Of compounds every pair
-    /// of pieces is measured, or every piece against the points of a mesh, then dozens of queries.
+    /// Lower bound: the greatest depth of a sampled vertex inside the other body (some thousand
+    /// vertices), of a pair of pieces, or of convex parts of both bodies around the overlap. Upper
+    /// bound: a translation that is proven to separate the bodies.
+    ///
+    /// The interval may be wide. Bodies that interlock at several positions are deeper than at any
+    /// one of them, and slots mislead the search. For two convex geometries,
+    /// [`closest`](Self::closest) returns the depth itself.
+    ///
+    /// Two meshes take at most 35 queries and 13 passes over up to 2,048 vertices of each body.
+    /// This takes milliseconds to tens of milliseconds for meshes of thousands of triangles. For
+    /// compounds, every pair of pieces is measured, or every piece against the points of a mesh,
+    /// followed by dozens of queries.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};

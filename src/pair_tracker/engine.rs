@@ -1,5 +1,5 @@
-//! The state of a pair between queries: one variant for each way in which two kinds of geometries
-//! are measured.
+//! The state of a pair between queries: one variant per combination of kinds that is measured in
+//! the same manner.
 //!
 //! ```text
 //!              polyhedron   shape    compound    mesh        surface
@@ -12,10 +12,11 @@
 //!
 //! (1) `Pieces` unless a mesh is equal to the compound.
 //!
-//! A tracker takes both bodies in one form. A body of another form has a *stand-in*, made with the
-//! engine and kept there. [`Engine::lend`] puts the two geometries, or what stands in for them,
-//! beside the tracker; the [`LentPair`] answers every question. Each engine says how it lends its
-//! tracker (`lend`), what it has done and keeps (`report`), and what of it is written (`stored`).
+//! A tracker takes both bodies in one form. A body of another form has a *stand-in*: a converted
+//! copy, made with the engine and cached there. [`Engine::lend`] combines the two geometries, or
+//! their stand-ins, with the tracker; the [`LentPair`] answers every query. Each engine implements
+//! three methods: `lend` borrows its tracker, `report` returns its work and memory, `stored`
+//! returns what is serialised.
 
 #[cfg(any(feature = "meshes", feature = "serde"))]
 use alloc::boxed::Box;
@@ -41,7 +42,7 @@ use crate::pair::outcome::Decision;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::time::separation::{PolyhedronPair, ShapePair};
 
-/// The tracker of a pair of geometries, and what stands in for them.
+/// The tracker of a pair of geometries, and their stand-ins.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "convex pairs, the usual ones, stay in place")]
 pub(crate) enum Engine {
@@ -49,10 +50,10 @@ pub(crate) enum Engine {
     Polyhedra(WithStandIns<Tracker, ConvexPolyhedron>),
     /// Two convex shapes, one of which is rounded or curved.
     Shapes(WithStandIns<ShapeTracker, Shape>),
-    /// Two bodies of parts, of which one is a compound or a mesh.
+    /// Two bodies made of subshapes, of which one is a compound or a mesh.
     #[cfg(feature = "meshes")]
     Pieces(Box<PieceEngine>),
-    /// Two meshes, or a mesh and a compound to which a mesh is equal.
+    /// Two meshes, or a mesh and a compound whose surface is a mesh.
     #[cfg(feature = "meshes")]
     Meshes(Box<MeshEngine>),
     /// Two surfaces, or a surface and a mesh.
@@ -66,7 +67,7 @@ pub(crate) enum Engine {
     SurfaceAndPieces(Box<SurfacePieceEngine>),
 }
 
-/// Asks the engine of any pair.
+/// Calls a method of the engine of any pair.
 macro_rules! each {
     ($all:expr, $engine:ident => $asked:expr) => {
         match $all {
@@ -86,8 +87,9 @@ macro_rules! each {
     };
 }
 
-/// Asks a convex pair at once, and any other pair after it is lent: a convex one would take some 8
-/// ns longer, a tenth of two balls.
+/// Queries a convex pair directly, and any other pair after borrowing it.
+///
+/// Borrowing would cost a convex pair about 8 ns, a tenth of a query of two balls.
 macro_rules! at_once {
     ($all:ident, $bodies:ident, $pair:ident => $asked:expr) => {{
         match $all {
@@ -110,7 +112,7 @@ macro_rules! at_once {
 }
 
 impl Engine {
-    /// Returns the engine of two geometries, without a start.
+    /// Returns the engine of two geometries, without cached state.
     pub(crate) fn new(bodies: [GeometryRef<'_>; 2]) -> Self {
         #[cfg(feature = "surfaces")]
         if let Some(engine) = of_surfaces::engine(bodies) {
@@ -127,7 +129,7 @@ impl Engine {
         }
     }
 
-    /// Returns the engine of two polyhedra that begins with the state of a tracker.
+    /// Returns the engine of two polyhedra that starts with the state of a tracker.
     pub(crate) fn of_polyhedra(tracker: Tracker) -> Self {
         let stand_ins = [None, None];
         Self::Polyhedra(WithStandIns { tracker, stand_ins })
@@ -156,8 +158,10 @@ impl Engine {
         at_once!(self, bodies, pair => pair.decide_within(pose, d, question))
     }
 
-    /// Lends the tracker to the two geometries for which the engine was made. Others are known by
-    /// their balls, and so are a surface and a mesh with coordinates beyond those of surfaces.
+    /// Combines the tracker with the two geometries for which the engine was made.
+    ///
+    /// Only balls are known of other geometries, and of a surface and a mesh with coordinates
+    /// beyond those of surfaces.
     pub(crate) fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> LentPair<'p> {
         match each!(self, engine => engine.lend(bodies)) {
             Some(pair) => pair,
@@ -166,14 +170,14 @@ impl Engine {
     }
 
     /// Starts the next query of two convex bodies, one of them curved, along a direction from A to
-    /// B, as after an answer of a contact state.
+    /// B.
     pub(super) fn begin_along(&mut self, n: &Unit<Vector3<f64>>) {
         if let Self::Shapes(engine) = self {
             engine.tracker = ShapeTracker::along(n);
         }
     }
 
-    /// Takes the recorded start of a query of two convex bodies.
+    /// Takes over the recorded start of a query of two convex bodies.
     pub(super) fn begin_as(&mut self, replay: &Replay) {
         match self {
             Self::Polyhedra(engine) => engine.tracker = replay.tracker(),
@@ -183,7 +187,7 @@ impl Engine {
         }
     }
 
-    /// Returns what the engine has done and keeps.
+    /// Returns the work and the memory of the engine.
     pub(super) fn report(&self) -> EngineReport {
         each!(self, engine => engine.report())
     }
@@ -193,14 +197,14 @@ impl Engine {
         self.report().memory_usage
     }
 
-    /// Returns the part of the engine that is written, with the parts of the last answer.
+    /// Returns what is serialised of the engine, with the subshapes of the last outcome.
     #[cfg(feature = "serde")]
     pub(crate) fn stored(&self, parts: [u32; 2]) -> StoredEngine {
         each!(self, engine => engine.stored(parts))
     }
 }
 
-/// What an engine has done and keeps.
+/// The work and the memory of an engine.
 pub(super) struct EngineReport {
     pub(super) work: PairWork,
     /// Entries of the front; convex pairs have none.
@@ -219,8 +223,10 @@ impl EngineReport {
     }
 }
 
-/// The serialized form of an engine. Fronts of compounds, meshes and surfaces are not written:
-/// their engines start again without one.
+/// The serialised form of an engine.
+///
+/// Fronts of compounds, meshes and surfaces are not serialised: their engines start without a
+/// front.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 pub(crate) enum StoredEngine {
@@ -231,7 +237,7 @@ pub(crate) enum StoredEngine {
     Polyhedra(Box<Tracker>),
 }
 
-/// A tracker, and the bodies that stand in for those of another form.
+/// A tracker, and the stand-ins of bodies of another form.
 #[derive(Clone, Debug)]
 pub(crate) struct WithStandIns<T, S> {
     pub(crate) tracker: T,
@@ -244,7 +250,7 @@ impl<T: Default, S> WithStandIns<T, S> {
         Self { tracker, stand_ins }
     }
 
-    /// Returns the tracker and both bodies, their own or the stand-ins.
+    /// Returns the tracker and both bodies, the originals or the stand-ins.
     #[inline]
     pub(super) fn sides<'p>(&'p mut self, own: [Option<&'p S>; 2]) -> Option<(&'p mut T, [&'p S; 2])> {
         let [x, y] = &self.stand_ins;

@@ -1,5 +1,5 @@
-//! Two geometries beside a borrowed tracker: the questions that every pair answers, at one pose
-//! and over time.
+//! Two geometries with a borrowed tracker: the queries that every pair answers, at one pose and
+//! over time.
 
 use alloc::string::String;
 
@@ -25,8 +25,8 @@ use crate::time::separation::{
     FreeSpan, Measurement, PairMotion, PolyhedronPair, Proof, Separation, ShapePair, SupportPoint,
 };
 
-/// Two geometries, or what stands in for them, and the tracker of their
-/// [`Engine`](super::engine::Engine), whose variants these are.
+/// Two geometries, or their stand-ins, and the tracker of their [`Engine`](super::engine::Engine),
+/// which has the same variants.
 #[derive(Debug)]
 pub(crate) enum LentPair<'p> {
     Polyhedra(PolyhedronPair<'p>),
@@ -45,7 +45,7 @@ pub(crate) enum LentPair<'p> {
     Balls(BallPair),
 }
 
-/// Asks the pair of any kind.
+/// Calls a method of the pair of any kind.
 macro_rules! each {
     ($lent:expr, $pair:ident => $asked:expr) => {
         match $lent {
@@ -79,8 +79,9 @@ impl<'p> LentPair<'p> {
         each!(self, pair => pair.decide_within(pose, d, question))
     }
 
-    /// Returns whether the geometries are at most `d` apart, from the outcome of the last question;
-    /// true if that is undecided.
+    /// Returns whether the geometries are at most `d` apart, from the outcome of the last query.
+    ///
+    /// True if this is undecided.
     pub(crate) fn decides_within(&mut self, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool {
         if outcome.state == ContactState::Overlapping || outcome.upper <= d {
             true
@@ -94,7 +95,7 @@ impl<'p> LentPair<'p> {
         }
     }
 
-    /// Returns a lower bound of the distance, the cheapest to be had.
+    /// Returns the cheapest available lower bound of the distance.
     pub(super) fn lower_bound(&mut self, pose: &RelativePose) -> f64 {
         match self {
             #[cfg(feature = "meshes")]
@@ -105,7 +106,7 @@ impl<'p> LentPair<'p> {
         }
     }
 
-    /// Computes the manifold of two convex bodies; returns whether both are.
+    /// Computes the manifold of two convex bodies; returns whether both are convex.
     pub(super) fn manifold(&mut self, pose: &RelativePose, options: &ManifoldOptions, manifold: &mut Manifold) -> bool {
         match self {
             Self::Polyhedra(pair) => {
@@ -136,9 +137,9 @@ impl<'p> LentPair<'p> {
         }
     }
 
-    /// Returns the first broken invariant of what is kept.
+    /// Returns the first broken invariant of the cached state.
     pub(super) fn check(&mut self, pose: &RelativePose) -> Result<(), String> {
-        // The pose is that of a front of meshes.
+        // Only a front of meshes uses the pose.
         let _ = pose;
         match self {
             Self::Polyhedra(pair) => pair.sides().2.check(),
@@ -151,7 +152,7 @@ impl<'p> LentPair<'p> {
         }
     }
 
-    /// Returns the pair for questions over time.
+    /// Returns the pair for queries over time.
     pub(crate) fn over_time(self) -> MovingPair<'p> {
         MovingPair(match self {
             Self::Shapes(pair) => Self::Shapes(pair.with_balls()),
@@ -160,8 +161,8 @@ impl<'p> LentPair<'p> {
     }
 }
 
-/// Two geometries that can be measured over time, followed by a borrowed tracker: what
-/// [`impact`](crate::impact) asks.
+/// Two geometries that can be measured over time, with a borrowed tracker: what
+/// [`impact`](crate::impact) takes.
 #[derive(Debug)]
 pub struct MovingPair<'p>(LentPair<'p>);
 
@@ -190,7 +191,7 @@ impl Separation for MovingPair<'_> {
 }
 
 impl Tracker {
-    /// Returns two polyhedra that can be measured over time, followed by this tracker.
+    /// Returns two polyhedra that can be measured over time with this tracker.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -212,7 +213,7 @@ impl Tracker {
     }
 }
 
-/// Two geometries that no tracker measures: only balls about them are known.
+/// Two geometries that no tracker measures: only balls around them are known.
 #[derive(Debug)]
 pub(crate) struct BallPair {
     balls: [(Point3<f64>, f64); 2],

@@ -1,5 +1,5 @@
-//! Questions that only meshes and surfaces answer: a mesh against itself, a mesh by the pieces that
-//! stand for it.
+//! Queries that only meshes and surfaces answer: a mesh against itself, and a mesh by the pieces
+//! that replace it.
 
 use alloc::vec::Vec;
 
@@ -20,20 +20,22 @@ use crate::pair::outcome::Distance;
 use crate::pair_tracker::geometry::{GeometryKind, GeometryRef};
 
 impl PairTracker {
-    /// Returns the closest two triangles of a mesh that share no vertex: how far the mesh is from a
-    /// self-collision. `None` if any two of its triangles share a vertex.
+    /// Returns the closest two triangles of a mesh that share no vertex.
     ///
-    /// Triangles that share a vertex always touch there, and are left out. Vertices are those of
-    /// the mesh: welded points are one, and vertices that
-    /// [`set_vertices`](Mesh::set_vertices) moves to one place remain two, so that triangles about
-    /// them touch. A mesh in contact with itself is [`Touching`](crate::ContactState::Touching),
-    /// whether or not its triangles cross. The points and the normal are in the frame of the mesh,
-    /// and the bounds are as close as those of two meshes.
+    /// Their distance is the distance of the mesh from a self-collision. `None` if any two of its
+    /// triangles share a vertex.
     ///
-    /// The tracker keeps what the search has proven while the vertices move; the claims of a mesh
-    /// of 20,000 triangles take some megabytes. A mesh whose triangles are of one size has many
-    /// pairs that are nearly as near as the closest: those with one triangle between them. A fold
-    /// that is nearer than these takes less time.
+    /// Triangles that share a vertex always touch there and are left out. Vertices are those of the
+    /// mesh. Welded points are one vertex. Vertices that [`set_vertices`](Mesh::set_vertices) moves
+    /// to the same position remain two, so triangles around them touch. A mesh in contact with
+    /// itself is [`Touching`](crate::ContactState::Touching), whether or not its triangles cross.
+    /// The points and the normal are in the frame of the mesh, and the bounds are as close as those
+    /// of two meshes.
+    ///
+    /// The tracker keeps what the search has proven while the vertices move. For a mesh of 20,000
+    /// triangles, this cache takes some megabytes. If all triangles are about the same size, many
+    /// pairs with one triangle between them are nearly as close as the closest pair, and the query
+    /// is slow. A fold closer than these makes it faster.
     ///
     /// ```
     /// use lin_canny::nalgebra::Point3;
@@ -70,27 +72,29 @@ impl PairTracker {
         self.self_tracker(mesh)?.self_closest(mesh)
     }
 
-    /// Returns whether two triangles of a mesh that share no vertex are at most `d` apart, in the
-    /// caller's unit, and stops at the first; no for a negative `d` and NaN. Exact with the feature
-    /// `exact`; without it ties count as within. For a `d` of zero: whether the mesh intersects
-    /// itself.
+    /// Returns whether two triangles without a common vertex are at most `d` apart.
     ///
-    /// Triangles are left out as told at [`self_closest`](Self::self_closest).
+    /// `d` is in the caller's unit; the answer is no for a negative `d` and for NaN. The search
+    /// stops at the first such pair. Exact with the feature `exact`; without it ties count as
+    /// within. With a `d` of zero this is whether the mesh intersects itself.
+    ///
+    /// Leaves out the same triangles as [`self_closest`](Self::self_closest).
     #[doc(alias = "self-intersection")]
     pub fn self_within(&mut self, mesh: &Mesh, d: f64) -> bool {
         self.self_tracker(mesh)
             .is_some_and(|tracker| tracker.self_within(mesh, d))
     }
 
-    /// Returns all pairs of triangles of a mesh that share no vertex and are at most `d` apart, in
-    /// the caller's unit, each once and in no order: with the closest points, bounds, and the
-    /// triangles by the caller's indices ([`PairOutcome::locations`]). Which pairs are returned is
-    /// exact with the feature `exact`; without it ties count as within. None for a negative `d` and
-    /// NaN.
+    /// Returns all pairs of triangles without a common vertex at most `d` apart.
     ///
-    /// Triangles are left out as told at [`self_closest`](Self::self_closest). If `d` exceeds the
-    /// heights of the triangles, the pairs that have one triangle between them are among those
-    /// returned: some ten for each triangle.
+    /// `d` is in the caller's unit; a negative `d` and NaN return no pair. Each pair is returned
+    /// once, in no order, with the closest points, the bounds, and the triangles by the caller's
+    /// indices ([`PairOutcome::locations`]). Which pairs are returned is exact with the feature
+    /// `exact`; without it ties count as within.
+    ///
+    /// Leaves out the same triangles as [`self_closest`](Self::self_closest). If `d` exceeds the
+    /// heights of the triangles, the result contains the pairs that have one triangle between them:
+    /// about ten per triangle.
     #[doc(alias = "self-collision")]
     pub fn self_pairs(&mut self, mesh: &Mesh, d: f64) -> Vec<PairOutcome> {
         self.self_tracker(mesh)
@@ -105,7 +109,7 @@ impl PairTracker {
         }
     }
 
-    /// Measures two bodies of parts, the first of which is a compound that stays one beside a
+    /// Measures two bodies of subshapes; the first is a compound that stays a compound against a
     /// mesh.
     fn distance_by_pieces(
         &mut self,
@@ -123,12 +127,11 @@ impl PairTracker {
 }
 
 impl Decomposition {
-    /// Returns bounds of the distance of the mesh from another geometry, by the distance of the
-    /// pieces.
+    /// Returns bounds of the mesh's distance from another geometry, measured by the pieces.
     ///
-    /// If the bounds leave open whether the bodies meet, the contact state is
-    /// [`ContactState::Undecided`](crate::ContactState::Undecided); no depth is told. A surface of
-    /// patches is measured against the mesh.
+    /// If the bounds do not decide whether the bodies meet, the contact state is
+    /// [`ContactState::Undecided`](crate::ContactState::Undecided). No depth is returned. A Bézier
+    /// surface is measured against the mesh.
     pub fn distance<'g>(
         &'g self,
         tracker: &mut PairTracker,
@@ -146,7 +149,7 @@ impl Decomposition {
     }
 }
 
-/// The fronts that are kept, to be drawn.
+/// The cached fronts, for drawing.
 #[cfg(feature = "__internals")]
 mod fronts {
     use alloc::vec::Vec;
@@ -159,10 +162,10 @@ mod fronts {
 
     #[doc(hidden)]
     impl PairTracker {
-        /// Returns the front that is kept of two meshes: pairs of nodes of the trees of A and of B
-        /// that are proven farther apart than the distance.
-        /// [`Mesh::node_box`](crate::Mesh::node_box) returns their boxes. Empty for other
-        /// geometries.
+        /// Returns the cached front of two meshes; empty for other geometries.
+        ///
+        /// An entry is a pair of nodes of the trees of A and B that are proven farther apart than
+        /// the distance. [`Mesh::node_box`](crate::Mesh::node_box) returns their boxes.
         pub fn mesh_front(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
             let tracker = match self.followed.as_ref().map(|followed| &followed.engine) {
                 Some(Engine::Meshes(engine)) => Some(&engine.tracker),
@@ -171,8 +174,10 @@ mod fronts {
             tracker.into_iter().flat_map(MeshTracker::front)
         }
 
-        /// Returns the front that is kept of two Bézier surfaces: pairs of parts of A and of B
-        /// that are proven apart. Empty for surfaces other than those of the last query.
+        /// Returns the cached front of two Bézier surfaces: pairs of nodes of A and B that are
+        /// proven apart.
+        ///
+        /// Empty for surfaces other than those of the last query.
         #[cfg(feature = "surfaces")]
         #[must_use]
         pub fn surface_front(&self, a: &BezierSurface, b: &BezierSurface) -> Vec<[SurfacePart; 2]> {

@@ -17,11 +17,11 @@ use crate::nonconvex::pieces::{Compound, CompoundTracker};
 use crate::nonconvex::separation::{CompoundPair, MeshPair};
 use crate::pair_tracker::geometry::{GeometryRef, Lent};
 
-/// Two bodies of parts. A convex body is a compound of one piece, a single leaf with its own
-/// support points.
+/// Two bodies of subshapes. A convex body is a compound of one piece, a single leaf with support
+/// points.
 pub(super) type PieceEngine = WithStandIns<CompoundTracker, Compound>;
 
-/// Two meshes, or a mesh and the one that stands in for a compound.
+/// Two meshes, or a mesh and the mesh of a compound.
 pub(super) type MeshEngine = WithStandIns<MeshTracker, Mesh>;
 
 /// Returns the engine of a pair without a surface; `None` if both bodies are convex.
@@ -37,15 +37,17 @@ pub(super) fn engine([a, b]: [GeometryRef<'_>; 2]) -> Option<Engine> {
     Some(of_pieces([a, b]))
 }
 
-/// Returns the engine of two bodies of parts, of which a compound stays one beside a mesh.
+/// Returns the engine of two bodies of subshapes, in which a compound stays a compound against a
+/// mesh.
 pub(super) fn of_pieces(bodies: [GeometryRef<'_>; 2]) -> Engine {
     let piece = |shape: Arc<Shape>| Arc::new(Compound::from(Arc::unwrap_or_clone(shape)));
     let stand_ins = bodies.each(|body| body.to_shape().map(piece));
     Engine::Pieces(Box::new(WithStandIns::new(stand_ins)))
 }
 
-/// Returns the mesh that is equal to a body that is not convex: `Some(None)` for a mesh itself.
-/// Pieces that a mesh does not hold, as points, segments and needles, stay pieces.
+/// Returns the mesh that equals a body that is not convex; `Some(None)` for a mesh itself.
+///
+/// Pieces that a mesh cannot represent (points, segments and needles) stay pieces.
 fn as_mesh(body: GeometryRef<'_>) -> Option<Option<Arc<Mesh>>> {
     match body.0 {
         Lent::Mesh(_) => Some(None),
@@ -54,7 +56,7 @@ fn as_mesh(body: GeometryRef<'_>) -> Option<Option<Arc<Mesh>>> {
     }
 }
 
-/// What engines with a front count and write.
+/// What engines with a front count and serialise.
 macro_rules! report_front {
     ($work:ident, $stored:ident) => {
         pub(super) fn report(&self) -> EngineReport {

@@ -19,7 +19,7 @@ use crate::surface::{
     BezierSurface, SurfaceCompoundTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair, SurfaceTracker,
 };
 
-/// Two surfaces, or a surface and a mesh, for which one of flat patches stands in.
+/// Two surfaces, or a surface and a mesh, which is converted to a surface of flat patches.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SurfaceEngine {
     pub(super) tracker: SurfaceTracker,
@@ -30,7 +30,7 @@ pub(crate) struct SurfaceEngine {
 /// A surface and a convex shape.
 pub(super) type SurfaceShapeEngine = WithStandIns<SurfaceShapeTracker, Shape>;
 
-/// A surface and a compound, for which nothing stands in.
+/// A surface and a compound, which is not converted.
 pub(super) type SurfacePieceEngine = WithStandIns<SurfaceCompoundTracker, Compound>;
 
 /// Returns the engine of a pair with a surface; `None` for any other pair.
@@ -46,7 +46,7 @@ pub(super) fn engine([a, b]: [GeometryRef<'_>; 2]) -> Option<Engine> {
     })
 }
 
-/// Returns the surface of a pair with one, the other geometry, and which of both is the surface.
+/// Returns the surface of a pair, the other geometry, and which of the two is the surface.
 fn surface_first<'p>([a, b]: [GeometryRef<'p>; 2]) -> Option<(&'p BezierSurface, GeometryRef<'p>, Operand)> {
     match (a.surface(), b.surface()) {
         (Some(surface), _) => Some((surface, b, Operand::A)),
@@ -56,7 +56,7 @@ fn surface_first<'p>([a, b]: [GeometryRef<'p>; 2]) -> Option<(&'p BezierSurface,
 }
 
 impl SurfaceEngine {
-    /// `None` for a mesh of coordinates that are too large for surfaces.
+    /// `None` for a mesh with coordinates too large for surfaces.
     pub(super) fn lend<'p>(&'p mut self, [a, b]: [GeometryRef<'p>; 2]) -> Option<LentPair<'p>> {
         self.follow([a, b]);
         let [x, y] = self

@@ -1,4 +1,4 @@
-//! Ray casts: the first point of a ray that lies in a body, as a bracket.
+//! Ray casts: the first point of a ray that lies in a body, between two proven bounds.
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
@@ -16,25 +16,27 @@ use crate::pair_tracker::geometry::GeometryRef;
 use crate::time::impact::{Impact, ImpactError, Tolerance, cast};
 use crate::time::separation::{Measurement, Separation};
 
-/// Width of the bracket of a ray cast, over the size of the pair: above the rounding of a place, so
-/// that a short piece of the ray proves a crossing. Not measured.
+/// Width of the bracket of a ray cast, as a multiple of the pair size.
+///
+/// It exceeds the rounding of a position, so that a short segment of the ray proves a crossing. Not
+/// measured.
 const RAY_WIDTH: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// Pieces of a ray that are tried for a crossing, each twice as long as the one before. Not
+/// Segments of a ray that are tried for a crossing, each twice as long as the one before. Not
 /// measured.
 const RAY_CROSSINGS: u32 = 8;
 
-/// A ray: the points `origin + s direction` with `s` from zero on.
+/// A ray: the points `origin + s direction` for `s` from zero on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ray {
-    /// Where the ray begins, in the world.
+    /// The start of the ray, in the world.
     pub origin: Point3<f64>,
     /// The direction, in the world.
     pub direction: Unit<Vector3<f64>>,
 }
 
-/// A ray or a pose that a cast refuses.
+/// Error of a ray or a ray cast.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RayError {
@@ -47,10 +49,10 @@ pub enum RayError {
         /// The length.
         length: f64,
     },
-    /// The pose of the body or the origin of the ray.
+    /// The pose of the body or the origin of the ray is invalid.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// The cast of the point that moves along the ray.
+    /// The cast of the point that moves along the ray failed.
     #[error(transparent)]
     Impact(#[from] ImpactError),
 }
@@ -59,7 +61,7 @@ impl Ray {
     /// Returns the ray from a point along a direction of any length.
     ///
     /// # Errors
-    /// A direction without length, or not finite.
+    /// Returns an error if the direction has no length or is not finite.
     pub fn new(origin: Point3<f64>, direction: Vector3<f64>) -> Result<Self, RayError> {
         let largest = direction.amax();
         if !(largest > 0.0 && largest < f64::INFINITY) {
@@ -72,13 +74,13 @@ impl Ray {
         })
     }
 
-    /// Returns the point at a distance from the origin.
+    /// Returns the point at this distance from the origin.
     #[must_use]
     pub fn at(&self, distance: f64) -> Point3<f64> {
         self.origin + self.direction.into_inner() * distance
     }
 
-    /// Returns the motion of a point along the ray, a unit of length in a unit of time.
+    /// Returns the motion of a point along the ray, one unit of length per unit of time.
     pub(crate) fn flight(&self, length: f64) -> Result<Steady, RayError> {
         if !(length >= 0.0) {
             return Err(RayError::Length { length });
@@ -88,8 +90,10 @@ impl Ray {
         Ok(Steady::new(&start, velocity)?)
     }
 
-    /// Returns the part of the ray, up to a length, that may lie in a ball, rounded outward; `None`
-    /// if no part does.
+    /// Returns the segment of the ray, up to a length, that may lie in a ball; `None` if no segment
+    /// does.
+    ///
+    /// The segment is rounded outward.
     pub(crate) fn within_ball(&self, centre: &Point3<f64>, radius: f64, length: f64) -> Option<[f64; 2]> {
         let way = centre - self.origin;
         let along = way.dot(&self.direction);
@@ -105,19 +109,20 @@ impl Ray {
     }
 }
 
-/// The first point of a ray in a body. Distances are those from the origin of the ray.
+/// The first point of a ray in a body. Distances are measured from the origin of the ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum RayCast {
-    /// No point of the ray up to its length lies in the body.
+    /// No point of the ray, up to its length, lies in the body.
     Miss,
     /// The origin lies in the body, or on its surface.
     Inside,
-    /// The ray enters the body after `safe`, and not after `hit`.
+    /// The ray enters the body after `safe` and at the latest at `hit`.
     Hit(RayHit),
-    /// The ray comes so near the body that rounding hides whether it meets: nothing is known beyond
-    /// `safe`.
+    /// The ray comes so near the body that rounding hides whether they meet.
+    ///
+    /// Nothing is known beyond `safe`.
     Undecided {
         /// All points up to here lie outside the body.
         safe: f64,
@@ -125,8 +130,9 @@ pub enum RayCast {
 }
 
 impl RayCast {
-    /// Returns the distance up to which all points lie outside the body: zero for an origin inside,
-    /// `None` for a miss.
+    /// Returns the distance up to which all points lie outside the body.
+    ///
+    /// Zero if the origin is inside; `None` for a miss.
     #[must_use]
     pub fn safe(&self) -> Option<f64> {
         match *self {
@@ -137,7 +143,7 @@ impl RayCast {
     }
 }
 
-/// Where a ray enters a body.
+/// The point at which a ray enters a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -146,41 +152,41 @@ pub struct RayHit {
     pub safe: f64,
     /// A point of the ray up to this distance lies in the body.
     pub hit: f64,
-    /// The point of the body nearest to the end of the safe part, in the world.
+    /// The body's point closest to the end of the safe segment, in the world.
     pub point: Point3<f64>,
-    /// The normal there, out of the body, in the world.
+    /// The outward normal of the body at this point, in the world.
     pub normal: Unit<Vector3<f64>>,
-    /// The feature that is hit, for bodies with named features.
+    /// The feature that the ray hits, for bodies with named features.
     pub feature: Option<Feature>,
     /// The triangle or piece of the feature; zero for bodies of one piece.
     pub subshape: u32,
 }
 
-/// Casts rays at geometries; keeps the state of the body that was asked last.
+/// Casts rays at geometries and caches the state of the last body.
 ///
 /// The bracket is proven at any scale, for grazing rays and for sheets without thickness. A cast
-/// takes microseconds; an engine that draws pictures by rays wants one that does nothing else.
+/// takes microseconds. To draw images with rays, use a library that does nothing else.
 ///
-/// * Mesh, closed or open: the answer is proven for the ray to the bit (feature `exact`), so it is
-///   never [`RayCast::Undecided`]; the bracket is at most `2e-12 L` wide.
-/// * Polyhedron: the same (features `exact` and `meshes`) if its faces are flat to the last bit, as
-///   those of hulls are; the bracket is about `1e-12 L` wide. An origin outside a
-///   polyhedron, by however little, is never [`RayCast::Inside`] (feature `exact`).
-/// * Curved shape, compound: proven for a point that moves along the ray, placed up to rounding;
-///   about `1e-12 L` head on.
-/// * Bézier surface: [`RayCast::Undecided`] where the ray meets it, because a point proves no
-///   crossing.
+/// * Mesh, closed or open: the result is exact for the ray as given (feature `exact`), so it is
+///   never [`RayCast::Undecided`]. The bracket is at most `2e-12 L` wide.
+/// * Polyhedron: the result is exact too (features `exact` and `meshes`) if its faces are flat to
+///   the last bit, like those of hulls. The bracket is about `1e-12 L` wide. An origin outside a
+///   polyhedron, at any distance, is never [`RayCast::Inside`] (feature `exact`).
+/// * Curved shape, compound: the result is proven for a point that moves along the ray, up to the
+///   rounding of its position. The bracket of a head-on hit is about `1e-12 L` wide.
+/// * Bézier surface: the result is [`RayCast::Undecided`] if the ray meets the surface, because a
+///   point proves no crossing.
 ///
-/// L is the radius of the body and the distance of its middle from the origin of the ray. A ray
-/// that touches a closed mesh or a polyhedron at an edge, or runs in a face, hits it. A ray that
-/// grazes a curved shape or a compound may have a bracket as wide as the part of the ray that is
-/// within rounding, `1e-15 L`, of the surface: `3e-8 L` along a ball, all of a face along a face.
+/// L is the radius of the body plus the distance of its middle from the origin of the ray. A ray
+/// that touches a closed mesh or a polyhedron at an edge, or runs in a face, hits it. If a ray
+/// grazes a curved shape or a compound, the bracket may be as wide as the segment of the ray that
+/// is within rounding, `1e-15 L`, of the surface: `3e-8 L` along a ball, a whole face along a face.
 ///
-/// Without the feature `exact` a ray that passes an edge or a vertex of a mesh within rounding,
-/// `1e-14 L`, is answered by the point that moves along it: such a hit may be a miss.
+/// Without the feature `exact`, a ray that passes an edge or a vertex of a mesh within rounding,
+/// `1e-14 L`, gets the result of the moving point. Such a hit may be a miss.
 ///
-/// The point that moves along a ray is a body of its own, and its first contact is that of
-/// [`impact::cast`](crate::impact::cast).
+/// The point that moves along a ray is a body like any other, and
+/// [`impact::cast`](crate::impact::cast) finds its first contact.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -216,16 +222,17 @@ impl Default for RayCaster {
 }
 
 impl RayCaster {
-    /// Returns a caster without a start.
+    /// Returns a caster that starts cold.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Returns where a ray of a length, which may be infinite, enters a body at a pose.
+    /// Returns where a ray enters a body at a pose; the length of the ray may be infinite.
     ///
     /// # Errors
-    /// If the length is negative or NaN, or the pose or the ray is not finite or out of range.
+    /// Returns an error if the length is negative or NaN, or if the pose or the ray is not finite
+    /// or out of range.
     pub fn cast<'g>(
         &mut self,
         body: impl Into<GeometryRef<'g>>,
@@ -284,9 +291,11 @@ impl RayCaster {
         Ok(found)
     }
 
-    /// Returns the result of a cast, after the exact predicate has decided whether the origin is in
-    /// the body, if that is a polyhedron. A cast cannot decide this: it normalises the rotation of
-    /// the body, and its bounds of a point next to the body may contain zero.
+    /// Returns the result of a cast after the exact predicate has decided whether the origin is in
+    /// the body, if the body is a polyhedron.
+    ///
+    /// A cast cannot decide this, because it normalises the rotation of the body, and its bounds of
+    /// a point next to the body may contain zero.
     fn with_origin(&mut self, found: RayCast, body: GeometryRef, pose: &Isometry3<f64>, ray: &Ray) -> RayCast {
         let is_near = found.safe().is_some_and(|safe| safe <= 0.0) && body.polyhedron().is_some();
         let (Some(at), true) = (placed(pose, &ray.origin), is_near) else {
@@ -305,7 +314,7 @@ impl RayCaster {
     }
 }
 
-/// Returns the ball about a body at a pose, larger by what the pose may put its middle off.
+/// Returns the ball about a body at a pose, enlarged by the rounding of its centre at this pose.
 pub(crate) fn placed_ball(centre: &Point3<f64>, radius: f64, pose: &Isometry3<f64>) -> (Point3<f64>, f64) {
     (pose * centre, radius + PLACED_BALL * centre.coords.abs().sum())
 }
@@ -315,7 +324,7 @@ pub(super) fn placed(pose: &Isometry3<f64>, at: &Point3<f64>) -> Option<Relative
     RelativePose::new(pose, &Isometry3::translation(at.x, at.y, at.z)).ok()
 }
 
-/// Returns the hit of a body at a pose, of which the point at the end of the safe part sees this.
+/// Returns the hit of a body at a pose, from the measurement at the end of the safe segment.
 fn entered(pose: &Isometry3<f64>, safe: f64, hit: f64, seen: &Measurement) -> RayCast {
     RayCast::Hit(RayHit {
         safe,
@@ -327,9 +336,10 @@ fn entered(pose: &Isometry3<f64>, safe: f64, hit: f64, seen: &Measurement) -> Ra
     })
 }
 
-/// Returns the end of a short piece of the ray that meets the body: of a sheet without thickness,
-/// which no single point of f64 may meet. The ends of the piece are placed up to rounding, some
-/// hundredth of `width`.
+/// Returns the end of a short segment of the ray that meets the body.
+///
+/// This proves a hit of a sheet without thickness, which no single f64 point may meet. The ends of
+/// the segment are rounded by about a hundredth of `width`.
 fn crossing(body: GeometryRef, pose: &Isometry3<f64>, ray: &Ray, [safe, until]: [f64; 2], width: f64) -> Option<f64> {
     let place = |at: f64| pose.inverse_transform_point(&ray.at(at));
     let rest = RelativePose::from_isometry(&Isometry3::identity()).ok()?;

@@ -1,9 +1,11 @@
-//! Ray casts by exact predicates: what a ray first meets of a mesh, and what the cast of a point
-//! found of a polyhedron, proven for the ray as the caller gave it.
+//! Ray casts by exact predicates, proven for the ray as the caller passed it.
 //!
-//! The places of that point are rounded, so a hit that is as near the boundary of the hull as
-//! rounding may be a miss. Mostly a triangle of the face that was found proves the hit; else all
-//! triangles are asked over the integers.
+//! A mesh gets the triangle that the ray meets first. For a polyhedron, the predicates check what
+//! the cast of a point found.
+//!
+//! The positions of this point are rounded, so a hit within rounding of the boundary of the hull
+//! may be a miss. Usually a triangle of the face that was found proves the hit. Otherwise all
+//! triangles are tested over the integers.
 
 use crate::base::num::each::Each;
 use crate::base::num::sign;
@@ -17,8 +19,9 @@ use crate::pair_tracker::geometry::GeometryRef;
 use crate::pair_tracker::ray::{Ray, RayCast, RayHit, placed};
 use nalgebra::{Isometry3, Unit, Vector3};
 
-/// Returns the answer of a mesh by the triangle that a part of the ray first meets. `None` if
-/// rounding hides the answer: never with the feature `exact`, but for places out of range.
+/// Returns the result of a mesh by the triangle that a segment of the ray meets first.
+///
+/// `None` if rounding hides the result: with the feature `exact`, only for positions out of range.
 pub(super) fn pierce(
     mesh: &Mesh,
     pose: &Isometry3<f64>,
@@ -37,8 +40,9 @@ pub(super) fn pierce(
     })
 }
 
-/// Returns a part of a ray in the frame of a body at a pose, in a unit of length; `None` if the
-/// body is out of range.
+/// Returns a segment of a ray in the frame of a body at a pose, in a unit of length.
+///
+/// `None` if the body is out of range.
 pub(super) fn in_body(
     body: GeometryRef,
     unit: f64,
@@ -64,7 +68,7 @@ pub(super) fn in_body(
     })
 }
 
-/// Returns whether a ray begins in a solid or on the surface; `None` if rounding hides it.
+/// Returns whether a ray starts in a solid or on its surface; `None` if rounding hides it.
 fn begins_in(mesh: &Mesh, ray: &MeshRay) -> Option<bool> {
     let held = mesh.held_by_rounding(&ray.ends[0], ray.error);
     #[cfg(feature = "exact")]
@@ -72,7 +76,7 @@ fn begins_in(mesh: &Mesh, ray: &MeshRay) -> Option<bool> {
     held
 }
 
-/// Returns the hit of a mesh at a pose: what the end of the safe part sees.
+/// Returns the hit of a mesh at a pose, measured from the end of the safe segment.
 pub(super) fn entered(mesh: &Mesh, pose: &Isometry3<f64>, ray: &Ray, safe: f64, hit: f64) -> RayCast {
     let at = pose.inverse_transform_point(&ray.at(safe)).coords;
     let (point, normal, spot) = mesh.seen_from(&at);
@@ -87,8 +91,10 @@ pub(super) fn entered(mesh: &Mesh, pose: &Isometry3<f64>, ray: &Ray, safe: f64, 
     })
 }
 
-/// Returns what the ray meets, if what a cast found is not proven: `None` if the cast is right as
-/// it is, and for bodies without faces or with faces that are flat only up to rounding.
+/// Returns what the ray meets, if the result of a cast is not proven.
+///
+/// `None` if the cast is right as it is, for bodies without faces, and for bodies whose faces are
+/// flat only up to rounding.
 pub(super) fn proven(
     hull: &ConvexPolyhedron,
     pose: &Isometry3<f64>,

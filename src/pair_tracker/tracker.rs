@@ -1,5 +1,5 @@
-//! One tracker for any two geometries: the engine of the pair that was asked last, the questions,
-//! the manifold of two convex geometries, and the work of queries.
+//! One tracker for any two geometries: the engine of the last pair, the queries, the manifold of
+//! two convex geometries, and the work of queries.
 
 use crate::base::num::each::Each;
 use crate::base::num::fingerprint::Fingerprint;
@@ -26,41 +26,44 @@ use alloc::boxed::Box;
 use alloc::string::String;
 use nalgebra::{Unit, Vector3};
 
-/// Follows a pair of geometries of any two kinds, in either order.
+/// Tracks a pair of geometries of any two kinds, in either order.
 ///
-/// A geometry is given as a reference to a [`Geometry`](crate::Geometry) or to a body of any kind.
-/// The tracker keeps the state of the pair that was asked last, by its fingerprints. Other
-/// geometries, or the same in the other order, start again: keep a tracker for each pair. What the
-/// state may change stands on the [front page](crate), as for every tracker. For two geometries
-/// that are known to be polyhedra [`Tracker`](crate::Tracker) is the faster one: it compares no
-/// geometries and chooses no kind.
+/// Pass a geometry as a reference to a [`Geometry`](crate::Geometry) or to a body of any kind. The
+/// tracker caches the state of the last pair, which it recognises by fingerprints. If the
+/// geometries or their order change, the tracker starts cold: keep one tracker per pair. The [front
+/// page](crate) says what the cached state may change in a result, for every tracker. If both
+/// geometries are known to be polyhedra, [`Tracker`](crate::Tracker) is faster, because it compares
+/// no geometries and chooses no kind.
 ///
 /// | geometries | width of the bounds | `intersects`, `within` |
 /// |---|---|---|
 /// | polyhedra, rounded or not | `1e-13 L` | exact (feature `exact`) |
 /// | cylinder, cone, ellipsoid | `1e-13 L`; depths `2^-19 L` | ties count as within |
 /// | superquadric | `2e-13 L`; depths `2^-19 L` | ties count as within |
-/// | meshes, compounds in place | `1e-13 L` | exact (feature `exact`) |
-/// | compounds with placed pieces | `1.5e-13 L` | ties count as within |
-/// | a Bézier surface | as asked for, else `2^-30 L` | may be undecided |
+/// | meshes, compounds whose pieces have no pose | `1e-13 L` | exact (feature `exact`) |
+/// | compounds whose pieces have poses | `1.5e-13 L` | ties count as within |
+/// | a Bézier surface | as requested, else `2^-30 L` | may be undecided |
 ///
-/// The contact state of curved shapes may be [`Undecided`](crate::ContactState::Undecided), with
-/// the feature `exact` too, if the bounds straddle zero and are farther apart than a contact leaves
-/// them: a few in a hundred poses of superquadrics close to contact. Superquadrics with exponents
-/// near 0 or 2 may also take some hundred times as long as usual, in about one pose of a hundred at
-/// any distance: they are answered in double-double arithmetic, by up to some 450 directions, and
-/// within `1e-10 L` of contact by up to some 1,300; the median is 14. Depths of curved shapes are
-/// as close as distances if balls inside the cores prove them, and for cylinders and cones about
-/// parallel axes; about a common centre, if many directions are nearly as deep, the interval may
-/// stay wider than `2^-19 L`. Both bounds hold in all cases.
+/// The contact state of curved shapes may be [`Undecided`](crate::ContactState::Undecided), even
+/// with the feature `exact`. This happens if the bounds straddle zero and are farther apart than a
+/// contact leaves them: in a few of a hundred poses of superquadrics close to contact.
 ///
-/// A mesh that is not closed and a Bézier surface have no inside: a body within is apart from
-/// them.
+/// Superquadrics with exponents near 0 or 2 may take several hundred times as long as usual, in
+/// about one pose of a hundred, at any distance. The query then uses double-double arithmetic and
+/// up to about 450 directions, or up to about 1,300 within `1e-10 L` of contact; the median is 14.
 ///
-/// Whether a point, or a body smaller than rounding, is inside a closed mesh is exact too (feature
-/// `exact`), however near the surface is. Without the feature, within `1e-13 L` of the surface the
-/// contact state is [`Undecided`](crate::ContactState::Undecided), and `intersects` and `within`
-/// count the body as met.
+/// The bounds of a depth of curved shapes are as close as those of a distance if balls inside the
+/// cores prove them, and for cylinders and cones with parallel axes. If the shapes have a common
+/// centre and many directions are nearly as deep, the interval may stay wider than `2^-19 L`. Both
+/// bounds hold in all cases.
+///
+/// A mesh that is not closed and a Bézier surface have no inside, so a body inside one is separated
+/// from it.
+///
+/// The test of whether a point, or a body smaller than rounding, is inside a closed mesh is exact
+/// too, at any distance from the surface (feature `exact`). Without the feature and within
+/// `1e-13 L` of the surface, the contact state is [`Undecided`](crate::ContactState::Undecided),
+/// and `intersects` and `within` return true.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -86,14 +89,14 @@ use nalgebra::{Unit, Vector3};
 #[cfg_attr(feature = "serde", serde(from = "PairWork", into = "PairWork"))]
 pub struct PairTracker {
     pub(super) followed: Option<Followed>,
-    /// The contacts between patches given by the caller.
+    /// The contacts between patches that the caller has made.
     #[cfg(feature = "meshes")]
     pub(super) between: Option<Box<ContactTracker>>,
-    /// The work for pairs that are followed no more.
+    /// The work of earlier pairs.
     pub(super) work: PairWork,
 }
 
-/// The serialized form: a tracker that was saved starts again, with its counters.
+/// The serialised form: a restored tracker starts cold, with its counters.
 #[cfg(feature = "serde")]
 impl From<PairTracker> for PairWork {
     fn from(tracker: PairTracker) -> Self {
@@ -121,17 +124,18 @@ pub(super) struct Followed {
 }
 
 impl PairTracker {
-    /// Returns a tracker without a start.
+    /// Returns a tracker that starts cold.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Returns a tracker whose first query of two convex geometries, of which one is a cylinder,
-    /// cone, ellipsoid or superquadric, starts along a direction from A to B in the frame of A: for
-    /// callers who keep the normal of the last answer in state of their own, and no tracker. Other
-    /// pairs begin without a start. What the start may change is what the state of a tracker may
-    /// change: a wrong direction costs time and never a bound.
+    /// Returns a tracker whose first query of a curved convex pair starts along a direction.
+    ///
+    /// The direction leads from A to B, in the frame of A. It applies to two convex geometries of
+    /// which one is a cylinder, cone, ellipsoid or superquadric; other pairs start cold. Use this
+    /// if you keep the normal of the last result yourself and no tracker. A wrong direction costs
+    /// time and never makes a bound wrong; it may change what the state of any tracker may change.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -163,14 +167,14 @@ impl PairTracker {
         tracker
     }
 
-    /// Returns the state of a pair, kept if the pair was asked last.
+    /// Returns the state of a pair, cached if the last query was of the same pair.
     #[inline]
     pub(super) fn follow(&mut self, bodies: [GeometryRef<'_>; 2]) -> &mut Followed {
         let pair = bodies.each(GeometryRef::fingerprint);
         self.follow_by(pair, || Engine::new(bodies))
     }
 
-    /// Returns the state of a pair by its fingerprints; that of another pair is dropped.
+    /// Returns the state of a pair by its fingerprints, and drops the state of another pair.
     #[inline]
     pub(super) fn follow_by(&mut self, pair: [Fingerprint; 2], new: impl FnOnce() -> Engine) -> &mut Followed {
         if let Some(other) = self.followed.take_if(|f| f.pair != pair) {
@@ -184,37 +188,40 @@ impl PairTracker {
         })
     }
 
-    /// Lends the engine of a pair.
+    /// Borrows the engine of a pair.
     #[inline]
     pub(super) fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> LentPair<'p> {
         self.follow(bodies).engine.lend(bodies)
     }
 
-    /// Returns the closest points with bounds of the signed distance. Two convex geometries that
-    /// overlap have their penetration depth as a negative distance.
+    /// Returns the closest points with bounds of the signed distance.
     ///
-    /// Witnesses of convex shapes lie on the rounded surfaces, opposite each other along the normal
-    /// at the distance returned, whether the shapes are apart, touch or overlap. If one of them is
-    /// a cylinder, cone or ellipsoid, to 1e-9 times the size of the pair, and at flush faces or
-    /// common axes now and then only to 3e-8; if one is a superquadric, to 1e-7; if only an
-    /// interval of the depth is known, to 1e-6. Those of meshes are as far apart as the upper
-    /// bound, up to rounding of their places, `1e-12 L`. If one body is inside the other, the
-    /// witness is a point of the inner one; if several parts overlap, the witnesses need not
-    /// coincide.
+    /// If two convex geometries overlap, their distance is minus the penetration depth.
     ///
-    /// Two solid meshes whose surfaces touch and do not certainly cross overlap if a point inside
-    /// both is found. The search looks at all pairs of triangles in contact and at points of each
-    /// connected part, up to 16,384 pairs of boxes and about 1,024 points. If more are needed, an
-    /// overlap may be missed; the contact state is
-    /// [`ContactState::Touching`](crate::ContactState::Touching) then. The bounds of meshes are
-    /// those of the distance without a sign, which is zero for bodies that touch and for bodies
-    /// that overlap: they hold in both cases, and bound no depth. Within `1e-13 L` of contact the
-    /// contact state of such a pair may differ between warm and cold trackers, and between A to B
-    /// and B to A.
+    /// **Witnesses of convex shapes** lie on the rounded surfaces, opposite each other along the
+    /// normal at the returned distance, in every contact state. Exceptions:
     ///
-    /// A query of meshes takes time in proportion to the pairs of triangles that are as close as
-    /// the closest ones, up to rounding: a few for most bodies, six for each triangle of a dome
-    /// 1e-9 above a copy of itself.
+    /// - one shape is a cylinder, cone or ellipsoid: to 1e-9 times the pair size, and at flush
+    ///   faces or common axes sometimes only to 3e-8;
+    /// - one shape is a superquadric: to 1e-7;
+    /// - only an interval of the depth is known: to 1e-6.
+    ///
+    /// **Witnesses of meshes** are as far apart as the upper bound, up to the rounding of their
+    /// positions, `1e-12 L`. If one body is inside the other, the witness is a point of the inner
+    /// body. If several subshapes overlap, the witnesses need not coincide.
+    ///
+    /// **Solid meshes in contact**: if their surfaces touch and do not certainly cross, they
+    /// overlap if the search finds a point inside both. The search tests all pairs of triangles in
+    /// contact and points of each component, up to 16,384 pairs of boxes and about 1,024 points. If
+    /// more are needed, an overlap may be missed; the contact state is then
+    /// [`ContactState::Touching`](crate::ContactState::Touching). The bounds of meshes bound the
+    /// distance without a sign. It is zero for bodies that touch or overlap, so the bounds hold in
+    /// both cases and bound no depth. Within `1e-13 L` of contact the contact state of such a pair
+    /// may differ between warm and cold trackers, and between A to B and B to A.
+    ///
+    /// **Cost of meshes**: time in proportion to the pairs of triangles that are as close as the
+    /// closest pair, up to rounding. Most bodies have a few such pairs; a dome 1e-9 above a copy of
+    /// itself has six per triangle.
     #[doc(alias = "EPA")]
     #[doc(alias = "penetration depth")]
     pub fn closest<'g>(
@@ -226,8 +233,7 @@ impl PairTracker {
         self.closest_with(a, b, a_from_b, &QueryOptions::new())
     }
 
-    /// Returns the closest points as [`closest`](Self::closest) does, with the options of a
-    /// question.
+    /// Returns the closest points as [`closest`](Self::closest) does, with the options of a query.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Point3};
@@ -276,8 +282,10 @@ impl PairTracker {
         Distance::from(&self.closest(a, b, a_from_b))
     }
 
-    /// Returns a lower bound of the distance: for compounds and meshes in one pass over what the
-    /// tracker keeps, without looking for the closest pair; zero if nothing better is known.
+    /// Returns a lower bound of the distance, or zero if nothing better is known.
+    ///
+    /// For compounds and meshes this takes one pass over the cached state, without a search for the
+    /// closest pair.
     pub fn lower_bound<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,
@@ -290,7 +298,8 @@ impl PairTracker {
     /// Returns whether the geometries share a point; touching counts.
     ///
     /// If the bounds of a pair with a curved shape or a Bézier surface allow both answers, the
-    /// answer is yes; [`decide_within`](Self::decide_within) with zero tells the two apart.
+    /// answer is yes. [`decide_within`](Self::decide_within) with a distance of zero reports this
+    /// case as undecided for a Bézier surface.
     pub fn intersects<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,
@@ -300,20 +309,25 @@ impl PairTracker {
         self.within(a, b, a_from_b, 0.0)
     }
 
-    /// Returns whether the geometries are at most `d` apart, `d` in the caller's unit; no for a
-    /// negative `d` and NaN.
+    /// Returns whether the geometries are at most `d` apart, in the caller's unit.
+    ///
+    /// The answer is no for a negative `d` and for NaN.
     ///
     /// If the bounds of a pair with a curved shape or a Bézier surface allow both answers, the
-    /// answer is yes. For such a `d` the answer may depend on the last query.
+    /// answer is yes. For such a `d` the answer may depend on the previous query.
     ///
-    /// Of two meshes or compounds, two kinds of ties count as within: a connected part of one
-    /// solid of which four vertices, the farthest from each other, are all nearer than `1e-13 L` to
-    /// the surface of the other (and, of a solid of one part, the middles of up to 256 triangles
-    /// all over it), and bodies 1e58 times as far apart as they are large or more. Every pair of
-    /// triangles that is nearer to `d` than rounding takes an exact query of its own, some 10 us:
-    /// flush faces, and surfaces that lie on each other at a gap below `1e-13 L`, have three to
-    /// twelve such pairs for each triangle, and no budget cuts them short. Solids that certainly
-    /// share inner points are told after 128.
+    /// For two meshes or compounds, two kinds of ties count as within:
+    ///
+    /// - A component of one solid is close to the surface of the other. Close means: its four
+    ///   vertices farthest from each other are all nearer than `1e-13 L` to this surface. For a
+    ///   solid of one component the middles of up to 256 triangles all over it must be near as
+    ///   well.
+    /// - The bodies are at least 1e58 times as far apart as they are large.
+    ///
+    /// Every pair of triangles whose distance is nearer to `d` than rounding takes an exact query,
+    /// about 10 µs. Flush faces, and surfaces that lie on each other at a gap below `1e-13 L`, have
+    /// three to twelve such pairs per triangle, and no budget limits them. Solids that certainly
+    /// share inner points are recognised after 128 pairs in contact.
     pub fn within<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,
@@ -324,12 +338,12 @@ impl PairTracker {
         !self.decide_within(a, b, a_from_b, d, &QueryOptions::new()).is_no()
     }
 
-    /// Decides whether the geometries are at most `d` apart, with three answers.
+    /// Decides whether the geometries are at most `d` apart, with three possible results.
     ///
     /// Only a pair with a Bézier surface may be undecided: if `d` is within rounding of the
-    /// distance, if the query uses up its budget, or for a `d` of zero if two surfaces touch. For
-    /// curved shapes a distance that the bounds cannot tell from `d` counts as within. All other
-    /// pairs are always decided, with the ties of [`within`](Self::within).
+    /// distance, if the query uses up its budget, or if `d` is zero and two surfaces touch. For
+    /// curved shapes, a distance that the bounds cannot distinguish from `d` counts as within. All
+    /// other pairs are always decided, with the ties of [`within`](Self::within).
     pub fn decide_within<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,
@@ -342,13 +356,14 @@ impl PairTracker {
         self.follow(bodies).engine.decide_within(bodies, a_from_b, d, options)
     }
 
-    /// Returns two geometries that can be measured over time, followed by this tracker: what
-    /// [`impact::cast`](crate::impact::cast) takes.
+    /// Returns the two geometries as a pair for queries over time.
     ///
-    /// A measure of a pair with a Bézier surface has bounds that are at most a quarter of the
-    /// distance apart. A hit of two surfaces is proven by a crossing, so a tolerance must leave
-    /// room for one: from some `1e-8` of the size on; that of a surface and a solid by a point of
-    /// the surface within the solid.
+    /// [`impact::cast`](crate::impact::cast) takes such a pair.
+    ///
+    /// A measurement of a pair with a Bézier surface has bounds that are at most a quarter of the
+    /// distance apart. A hit of two surfaces is proven by a crossing, so the tolerance must leave
+    /// room for a crossing: at least about `1e-8` of the size. A hit of a surface and a solid is
+    /// proven by a point of the surface inside the solid.
     ///
     /// ```
     /// use lin_canny::impact::{Impact, Tolerance, cast};
@@ -377,13 +392,15 @@ impl PairTracker {
         self.lend([a.into(), b.into()]).over_time()
     }
 
-    /// Forgets everything that is kept, counters too.
+    /// Drops all cached state and resets the counters.
     pub fn reset(&mut self) {
         *self = Self::new();
     }
 
-    /// Returns a query of two convex geometries as a text that rebuilds the query bit for bit, as
-    /// [`Tracker::replay`](crate::Tracker::replay): call this before the query. `None` unless both
+    /// Returns a query of two convex geometries as a text that rebuilds it exactly.
+    ///
+    /// Call this before the query, as [`Tracker::replay`](crate::Tracker::replay). `None` unless
+    /// both geometries are polyhedra, rounded or not.
     /// are polyhedra, rounded or not.
     #[must_use]
     pub fn replay<'g>(
@@ -405,27 +422,29 @@ impl PairTracker {
         work
     }
 
-    /// Returns the number of entries of the front that is kept: pairs of parts of both geometries
-    /// that are proven farther apart than the distance, under which every pair of triangles, pieces
-    /// or patches lies. Zero for convex geometries, which have none.
+    /// Returns the number of entries of the cached front; zero for convex geometries, which have no
+    /// front.
+    ///
+    /// An entry is a pair of nodes, one of each geometry, that is proven farther apart than the
+    /// distance. Every pair of triangles, pieces or patches lies under an entry.
     #[must_use]
     pub fn front_len(&self) -> usize {
         self.followed.as_ref().map_or(0, |f| f.engine.report().front_len)
     }
 
-    /// Returns the bytes that the tracker keeps on the heap, without those of stand-ins and
-    /// contacts.
+    /// Returns the bytes of the cached state on the heap, without converted bodies and contacts.
     #[must_use]
     pub fn memory_usage(&self) -> usize {
         self.followed.as_ref().map_or(0, |f| f.engine.memory_usage())
     }
 
-    /// Returns the first broken invariant of what is kept: a tool of tests and fuzzing. The front
-    /// of two meshes is compared with all vertices, at the pose of the last
-    /// [`closest`](Self::closest), in time that is entries times triangles.
+    /// Returns the first broken invariant of the cached state: a tool for tests and fuzzing.
+    ///
+    /// The check compares the front of two meshes with all vertices, at the pose of the last
+    /// [`closest`](Self::closest). Its time is proportional to entries times triangles.
     ///
     /// # Errors
-    /// A text that names the broken invariant.
+    /// Returns an error that names the broken invariant.
     pub fn check<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,
@@ -447,8 +466,7 @@ impl Replay {
     }
 }
 
-/// The work of the queries of a [`PairTracker`](crate::PairTracker), by what the geometries are
-/// searched by.
+/// The work of the queries of a [`PairTracker`](crate::PairTracker), by the kind of search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -503,7 +521,7 @@ impl core::ops::AddAssign for PairWork {
     }
 }
 
-/// Two geometries of these kinds do not have what was asked for.
+/// Error of a query that two geometries of these kinds do not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{asked} cannot be computed for a {a} and a {b}")]
 pub struct PairError {
@@ -511,28 +529,31 @@ pub struct PairError {
     pub a: GeometryKind,
     /// The kind of B.
     pub b: GeometryKind,
-    /// What was asked for.
+    /// The requested query.
     pub asked: &'static str,
 }
 
 impl PairTracker {
-    /// Computes the contact points of two convex geometries within `options.prediction`, in
-    /// `manifold`, which keeps ids and order of the contacts of the previous query: one manifold
-    /// for each pair, passed in every frame. [`contacts`](Self::contacts) returns them for all
-    /// kinds.
+    /// Computes the contact points of two convex geometries within `options.prediction`.
     ///
-    /// Rounded polyhedra have the contacts of their cores, moved out by the radii along the normal.
-    /// Curved shapes bear contacts by their flat round faces and straight generators within
-    /// `options.max_face_sine` of the normal; an ellipsoid, a superquadric, or a rim or apex
-    /// without such a face has one contact, the witnesses.
+    /// `manifold` keeps the ids and the order of the contacts of the previous query. Keep one
+    /// manifold per pair and pass it in every frame. [`contacts`](Self::contacts) returns contacts
+    /// for all kinds of geometry.
     ///
-    /// Contacts of a flat round face are eight points of its rim at multiples of 45 degrees, as far
-    /// as they are over the other shape, and the crossings of the rim with the boundary of the
-    /// other face. They stand still on a shape that trembles: if the shapes are tilted by less than
-    /// some 2e-4, the deepest contact may be shallower than [`closest`](Self::closest) by `2^-16`
-    /// times the radius of the smaller shape. As features, the points of the upper rim of a
-    /// cylinder are vertices 0 to 7, of the lower rim 8 to 15, and of the rim of a cone 1 to 8; the
-    /// second crossing of an edge with a rim is named by the face instead of the rim.
+    /// Rounded polyhedra have the contacts of their cores, moved outward by the radii along the
+    /// normal. Curved shapes have contacts on their flat round faces and straight generators if
+    /// these are within `options.max_face_sine` of the normal. An ellipsoid, a superquadric, or a
+    /// rim or apex without such a face has one contact: the witnesses.
+    ///
+    /// A flat round face has two kinds of contacts: eight points of its rim at multiples of 45
+    /// degrees, if they are over the other shape, and the crossings of the rim with the boundary
+    /// of the other face. They do not move on a shape that trembles. If the shapes are tilted by
+    /// less than about 2e-4, the deepest contact may be shallower than [`closest`](Self::closest)
+    /// by `2^-16` times the radius of the smaller shape.
+    ///
+    /// Names of features: points of the upper rim of a cylinder are vertices 0 to 7, of its lower
+    /// rim 8 to 15, and of the rim of a cone 1 to 8. The second crossing of an edge with a rim has
+    /// the face as its feature instead of the rim.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -550,7 +571,7 @@ impl PairTracker {
     /// ```
     ///
     /// # Errors
-    /// If one of both is not convex.
+    /// Returns an error if one of the geometries is not convex.
     pub fn manifold<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,

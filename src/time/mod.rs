@@ -1,4 +1,4 @@
-//! Pairs over time: how long a pair stays apart, times of impact, and when a pair is due.
+//! Pairs over time: how long a pair stays separated, times of impact, and when a pair is due.
 
 pub mod impact;
 pub mod schedule;

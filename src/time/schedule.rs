@@ -1,9 +1,10 @@
 //! Due pairs by ids, ticks and bounds: each pair sleeps until the proof of its separation ends.
 //!
-//! A [`Schedule`] knows ids, integer ticks and bounds, and no shape. A pair that is proven free of
-//! contact, or proven to stay in contact, sleeps for the whole ticks of the time proven ([`ticks`],
-//! rounded down); a body whose velocity changes, or that is put elsewhere, wakes all pairs of the
-//! body. Due pairs come in the order of ticks and ids, whatever the order of the calls was.
+//! A [`Schedule`] knows ids, integer ticks and bounds, but no shapes. A pair that is proven
+//! separated, or proven to stay in contact, sleeps for the whole ticks of the proven time
+//! ([`ticks`], rounded down). If the velocity or the pose of a body changes from outside, all pairs
+//! of this body wake. Due pairs are returned in the order of ticks and ids, independent of the
+//! order of calls.
 //!
 //! ```
 //! use lin_canny::schedule::{Schedule, ticks};
@@ -27,21 +28,21 @@
 //!
 //! # Rules
 //!
-//! 1. A look at tick k that proves a pair free until the time of tick k + m, tick k + m included,
-//!    lets the pair sleep until tick k + m + 1.
-//! 2. A pair that is due and not put to sleep is due again at the next tick: pairs in contact stay
-//!    due.
-//! 3. An answer counts only if neither body was disturbed, nor the pair removed, since the pair was
-//!    due: [`Due`] carries how many disturbances and arrivals of pairs came before.
-//! 4. Ticks are integers: no wake-up is lost to the rounding of a clock. No tick follows the tick
-//!    `u64::MAX`: a pair that would be due after that tick sleeps until a body is disturbed.
+//! 1. If a query at tick k proves a pair separated until the time of tick k + m, tick k + m
+//!    included, the pair sleeps until tick k + m + 1.
+//! 2. A pair that is due and not put to sleep is due again at the next tick. So pairs in contact
+//!    stay due.
+//! 3. A result counts only if neither body was disturbed, and the pair was not removed, since the
+//!    pair was due. For this, [`Due`] carries the number of disturbances and insertions before it.
+//! 4. Ticks are integers, so no wake-up is lost to the rounding of a clock. No tick follows the
+//!    tick `u64::MAX`: a pair that would be due after it sleeps until a body is disturbed.
 //!
 //! # When not to use a schedule
 //!
 //! If velocities are unknown or change at every tick, a displacement budget
-//! ([`scene`](crate::scene)) sleeps longer. Without a broad phase, n bodies have n (n - 1) / 2
-//! pairs, and a heap of all pairs is slower than boxes by an order of magnitude. A scene applies
-//! these rules to the pairs of its boxes without a heap: see [`Scene::advance`].
+//! ([`scene`](crate::scene)) lets pairs sleep longer. Without a broad phase, n bodies have
+//! `n (n - 1) / 2` pairs, and a heap of all pairs is about ten times slower than boxes. A scene
+//! applies these rules to the pairs of its boxes without a heap: see [`Scene::advance`].
 //!
 //! [`Scene::advance`]: crate::scene::Scene::advance
 //!
@@ -49,67 +50,69 @@
 //!
 //! Lin 1993, section 5.1 (the heap of wake-up times). Departures:
 //!
-//! 1. Bounds come from the caller and are proven over all points; the thesis takes the speed of the
-//!    closest points alone, and a spinning rod outruns this speed by any factor.
-//! 2. No least time between looks: a pair in contact is looked at in every tick, a pair apart by
-//!    the bound.
-//! 3. Disturbances are numbered, so that no stale wake-up or answer counts.
+//! 1. Bounds come from the caller and are proven over all points. The thesis uses only the speed of
+//!    the closest points, and a spinning rod can exceed this speed by any factor.
+//! 2. There is no minimum time between queries: a pair in contact is queried in every tick, a
+//!    separated pair according to its bound.
+//! 3. Disturbances are numbered, so that no outdated wake-up or result counts.
 
 use alloc::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use core::cmp::Reverse;
 
 use crate::base::tolerance::TICK;
 
-/// Entries of the heap above four a pair at which the heap is rebuilt without stale entries. Not
-/// measured.
+/// Number of heap entries, above four per pair, at which the heap is rebuilt without outdated
+/// entries. Not measured.
 const SPARE: usize = 64;
 
-/// Pairs of bodies, by the ids of the caller, and the tick at which each pair is due.
+/// Pairs of bodies by id, and the tick at which each pair is due.
 #[derive(Clone, Debug, Default)]
 pub struct Schedule {
     now: u64,
-    /// The number of disturbances and arrivals of pairs so far: an epoch is one of these numbers.
+    /// The number of disturbances and insertions so far: an epoch is one of these numbers.
     epoch: u64,
     pairs: BTreeMap<(u32, u32), DuePair>,
-    /// All pairs again, the higher id first.
+    /// All pairs once more, the higher id first.
     turned: BTreeSet<(u32, u32)>,
-    /// The epoch of the last disturbance of each body. The pairs of a body that was removed and
-    /// comes again are younger than any answer about the body before, so that this epoch may be
-    /// forgotten.
+    /// The epoch of the last disturbance of each body.
+    ///
+    /// If a body is removed and inserted again, its pairs are younger than any result about the
+    /// body before, so the epoch of a removed body may be dropped.
     disturbed: BTreeMap<u32, u64>,
-    /// Entries that agree with `pairs`, and stale ones.
+    /// Entries that agree with `pairs`, and outdated ones.
     heap: BinaryHeap<Reverse<(u64, u32, u32)>>,
 }
 
 /// A pair of the schedule.
 #[derive(Clone, Copy, Debug)]
 struct DuePair {
-    /// The tick at which the pair is due; `None` after the last tick of all.
+    /// The tick at which the pair is due; `None` if it would be due after the last tick.
     tick: Option<u64>,
-    /// The epoch in which the pair arrived.
+    /// The epoch in which the pair was inserted.
     arrived: u64,
 }
 
-/// A pair to be looked at now.
+/// A pair to query now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Due {
     /// The ids, the lower id first.
     pub pair: (u32, u32),
-    /// The tick at which the pair became due: now, or before if ticks were left out.
+    /// The tick at which the pair became due: now, or earlier if ticks were skipped.
     pub since: u64,
     /// The epoch in which the pair was found due.
     epoch: u64,
 }
 
 impl Schedule {
-    /// Returns a schedule of no pairs at tick zero.
+    /// Returns a schedule without pairs at tick zero.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds a pair, due now. Returns false, and changes nothing, if the pair is there already or
-    /// both ids are equal.
+    /// Adds a pair, due now.
+    ///
+    /// Returns false, and changes nothing, if the pair exists already or both ids are equal.
     pub fn insert(&mut self, a: u32, b: u32) -> bool {
         let pair = ordered(a, b);
         if a == b || self.pairs.contains_key(&pair) {
@@ -123,14 +126,14 @@ impl Schedule {
         true
     }
 
-    /// Removes a pair. Returns false if the pair was not there.
+    /// Removes a pair. Returns false if the pair did not exist.
     pub fn remove(&mut self, a: u32, b: u32) -> bool {
         let pair = ordered(a, b);
         self.turned.remove(&(pair.1, pair.0));
         self.pairs.remove(&pair).is_some()
     }
 
-    /// Removes a body and all pairs of the body.
+    /// Removes a body and all its pairs.
     pub fn remove_body(&mut self, body: u32) {
         for (a, b) in self.of(body) {
             self.remove(a, b);
@@ -150,19 +153,19 @@ impl Schedule {
         self.pairs.is_empty()
     }
 
-    /// Returns the present tick.
+    /// Returns the current tick.
     #[must_use]
     pub fn now(&self) -> u64 {
         self.now
     }
 
-    /// Goes on to a later tick. A tick before the present tick changes nothing.
+    /// Advances to a later tick. A tick before the current tick changes nothing.
     pub fn advance(&mut self, tick: u64) {
         self.now = self.now.max(tick);
     }
 
-    /// Notes that the velocity of a body changed, or that the body was put elsewhere: all pairs of
-    /// the body are due now.
+    /// Reports that the velocity or the pose of a body was changed from outside: all its pairs are
+    /// due now.
     pub fn disturb(&mut self, body: u32) {
         self.epoch += 1;
         self.disturbed.insert(body, self.epoch);
@@ -174,8 +177,9 @@ impl Schedule {
         }
     }
 
-    /// Returns the next pair that is due, if any. The pair is due again at the next tick, unless
-    /// put to [`sleep`](Self::sleep).
+    /// Returns the next due pair, if any.
+    ///
+    /// The pair is due again at the next tick, unless you put it to [`sleep`](Self::sleep).
     pub fn due(&mut self) -> Option<Due> {
         while let Some(&Reverse((since, a, b))) = self.heap.peek() {
             if since > self.now {
@@ -194,9 +198,10 @@ impl Schedule {
         None
     }
 
-    /// Lets a pair sleep for a number of whole ticks after the present tick: the pair is due at the
-    /// tick after these. Changes nothing if a body of the pair was disturbed since the pair was
-    /// due, or the pair was removed, be it there again or not.
+    /// Lets a pair sleep for a number of whole ticks after the current tick.
+    ///
+    /// The pair is due at the tick after these. Changes nothing if a body of the pair was disturbed
+    /// since the pair was due, or if the pair was removed, even if it was inserted again.
     pub fn sleep(&mut self, due: &Due, ticks: u64) {
         if ticks > 0 && self.is_valid(due) {
             let next = self.now.checked_add(ticks).and_then(|last| last.checked_add(1));
@@ -204,7 +209,7 @@ impl Schedule {
         }
     }
 
-    /// Returns the tick at which the next pair is due, if any pair is due at any tick.
+    /// Returns the next tick at which a pair is due, if any.
     #[must_use]
     pub fn next(&self) -> Option<u64> {
         let ticks = self.pairs.values().filter_map(|entry| entry.tick);
@@ -225,7 +230,7 @@ impl Schedule {
         }
     }
 
-    /// Returns whether an answer to a pair that was due is one about the pair as it is now.
+    /// Returns whether a result for a pair that was due is about the pair as it is now.
     fn is_valid(&self, due: &Due) -> bool {
         let (a, b) = due.pair;
         let is_old = |body: u32| self.disturbed.get(&body).is_none_or(|epoch| *epoch <= due.epoch);
@@ -244,8 +249,10 @@ impl Schedule {
     }
 }
 
-/// Returns the number of whole ticks in a span of time, rounded down by more than the rounding of
-/// the quotient; 0 if the span or the tick is not a positive number.
+/// Returns the number of whole ticks in a span of time; 0 if the span or the tick is not a positive
+/// number.
+///
+/// The result is rounded down by more than the rounding of the quotient.
 #[must_use]
 pub fn ticks(span: f64, tick: f64) -> u64 {
     let whole = span / tick * (1.0 - TICK);
@@ -265,7 +272,7 @@ mod tests {
     use std::collections::BTreeMap;
     use std::vec::Vec;
 
-    /// A list of pairs without a heap: who is due, by looking at all.
+    /// A list of pairs without a heap, which finds due pairs by testing all.
     #[derive(Default)]
     struct Plain {
         wake: BTreeMap<(u32, u32), u64>,
@@ -324,7 +331,7 @@ mod tests {
                     plain.wake.insert(due.pair, now + 1);
                     if rng.chance(0.7) {
                         let ticks = rng.below(20) as u64;
-                        // An answer that comes too late does not count.
+                        // A result that comes too late does not count.
                         if rng.chance(0.1) {
                             schedule.disturb(due.pair.0);
                             for (p, w) in &mut plain.wake {

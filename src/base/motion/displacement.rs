@@ -2,10 +2,10 @@
 //!
 //! A point x relative to a centre moves by `shift + (R1 - R0) x` while the centre moves by `shift`,
 //! and `R1 - R0` stretches by at most `2 sin(angle / 2)`. So no point within `radius` of the centre
-//! moves farther than `|shift| + 2 radius sin(angle / 2)`, whatever path the body takes. Poses in
-//! the world are quaternions and bodies many, so [`displacement`] takes the angle from the
-//! quaternions, a little too large; a [`BallAtPose`] has the matrix of a relative pose at hand, and
-//! is exact up to rounding.
+//! moves farther than `|shift| + 2 radius sin(angle / 2)`, on any path of the body. Poses in the
+//! world are quaternions, and there are many bodies. So [`displacement`] computes the angle from
+//! the quaternions, slightly too large. A [`BallAtPose`] has the matrix of a relative pose
+//! available and is exact up to rounding.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
@@ -14,16 +14,17 @@ use crate::base::num::scalar::sqrt;
 use crate::base::pose::Operand;
 use crate::base::tolerance::{DISPLACEMENT, FAR, LEAST_SQUARE, NEAR, WAY};
 
-/// Upper bound of the displacement of any point within `radius` of a centre, while the centre moves
-/// by `shift` and the body turns from one rotation to another. Rounded up.
+/// Upper bound of the displacement of any point within `radius` of a centre, rounded up.
+///
+/// The centre moves by `shift`, and the body rotates from one rotation to another.
 ///
 /// ```text
 ///    q0, q1: unit quaternions, -q the rotation of q       |q1 - q0| = c = 2 sin(angle / 4)
 ///    a point at distance r from the centre turns by a chord of 2 r sin(angle / 2) <= 2 r c
 /// ```
 ///
-/// Two unit quaternions of opposite sign are one rotation; the nearer of the two is `c = 2
-/// sin(angle / 4)` away, and `2 sin(angle / 2) <= 2 c`.
+/// Two unit quaternions of opposite sign are the same rotation. The nearer of the two is at a
+/// distance of `c = 2 sin(angle / 4)`, and `2 sin(angle / 2) <= 2 c`.
 #[inline]
 pub(crate) fn displacement(
     shift: &Vector3<f64>,
@@ -37,11 +38,11 @@ pub(crate) fn displacement(
     gone * (1.0 + WAY)
 }
 
-/// A ball fixed to one of two bodies, in the frame of the partner.
+/// A ball fixed to one of two bodies, in the frame of the other body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct BallAtPose {
-    /// Rotation from B to A, whichever body the ball belongs to.
+    /// Rotation from B to A, for a ball of either body.
     rotation: Matrix3<f64>,
     centre: Vector3<f64>,
     radius: f64,
@@ -72,8 +73,9 @@ impl BallAtPose {
         }
     }
 
-    /// Upper bound of the displacement of any point of the ball since `then`: rounded up, and
-    /// infinite if squares of lengths leave the range.
+    /// Upper bound of the displacement of any point of the ball since `then`, rounded up.
+    ///
+    /// Infinite if squares of lengths leave the range.
     #[inline(always)]
     pub(crate) fn displacement(&self, then: &Self) -> f64 {
         let size = self.size + then.size;
@@ -120,7 +122,7 @@ mod tests {
         assert!(tight > 1000, "{tight}");
     }
 
-    /// Samples points of a ball of either body, seen from the partner at two relative poses.
+    /// Samples points of a ball of either body, seen from the other body at two relative poses.
     #[test]
     fn no_point_of_a_ball_goes_farther_than_its_places_are_apart() {
         let mut rng = Rng::new(93);
@@ -128,7 +130,7 @@ mod tests {
         for k in 0..2000 {
             let small = 0.5_f64.powi(k % 40);
             let turn = UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * rng.range(0.0, 3.0));
-            // Without a turn all points go equally far, and rounding decides.
+            // Without a rotation all points move equally far, and rounding decides.
             let angle = if k % 4 == 0 { 0.0 } else { small };
             let more = UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * angle);
             let at = Vector3::from(rng.unit()) * rng.range(0.0, 3.0);

@@ -1,28 +1,30 @@
-//! Motions of a rigid body: where it is at a time, and how it may go on from there.
+//! Motions of a rigid body: its pose at a time, and how it may move from there.
 //!
-//! A [`Motion`] places its body at any time and gives a [`MotionModel`]: velocities at that time
-//! and a proven bound of how far the body can leave the motion at those velocities. Bounds hold for
-//! the motion meant, and for the poses that [`Motion::pose`] places, rounding included (`PLACED_*`
-//! and `TURN` in [`tolerance`](crate::tolerance)).
+//! A [`Motion`] returns the pose of its body at any time, and a [`MotionModel`]: the velocities at
+//! that time, and a proven bound of how far the body can deviate from them. The bounds hold for the
+//! mathematical motion and for the poses that [`Motion::pose`] returns, rounding included
+//! (`PLACED_*` and `TURN` in [`tolerance`](crate::tolerance)).
 //!
 //! | motion | kind |
 //! |---|---|
 //! | constant velocities of a body's origin, or of any point | [`Steady::new`], [`Steady::about`] |
 //! | with a known or bounded acceleration | [`Steady::with_acceleration`], [`Steady::with_acceleration_bounds`] |
 //! | from one pose to another at a constant rate about one axis (slerp) | [`Steady::between`] |
-//! | a screw: a turn about a line of the world and a shift along the line | [`Steady::screw`] |
+//! | a screw: a rotation about a line of the world and a shift along the line | [`Steady::screw`] |
 //! | from one pose to another by nlerp, as Box2D, parry and rapier sweep | [`Nlerp`] |
 //! | any other | the trait [`Motion`] |
 //!
 //! # Bounds
 //!
-//! Let the pivot of a body go at `v` with acceleration `a`, and the body turn at `w`, at a time
-//! `t`. The *model* of the motion is `c + v s + a s^2 / 2` for the pivot and `exp(w s)` for the
-//! turn, from the pose that is placed at `t`. Of a motion whose angular velocity changes at most at
-//! a rate `k`, the turn that parts motion and model has a rate of at most `k s`, hence an angle of
-//! at most `k s^2 / 2`, and no point within `r` of the pivot is farther from where the model has it
-//! than `r k s^2 / 2`. A [`Remainder`] is a cubic bound of that form, of the pivot's place (a
-//! length) and of the turn (an angle).
+//! At a time `t`, let the pivot of a body move at `v` with acceleration `a`, and let the body
+//! rotate at `w`. The *model* of the motion starts from the pose at `t`. Its pivot is at
+//! `c + v s + a s^2 / 2` and its rotation is `exp(w s)`.
+//!
+//! Suppose that the angular velocity changes at most at a rate `k`. Then the rotation between
+//! motion and model has a rate of at most `k s`, and hence an angle of at most `k s^2 / 2`. So no
+//! point within `r` of the pivot is farther than `r k s^2 / 2` from its position in the model. A
+//! [`Remainder`] is a cubic bound of this form, for the position of the pivot (a length) and for
+//! the rotation (an angle).
 
 mod displacement;
 mod nlerp;
@@ -43,16 +45,18 @@ use nalgebra::{Isometry3, Point3, Vector3};
 ///
 /// # Contract
 ///
-/// For every `s` in `0..=span` the model at `time` bounds two things: the motion itself at `time +
-/// s` and, if `time + s` is an f64, the pose that [`pose`](Self::pose) returns for `time + s`. For
-/// every point within `r` of the pivot both are within `shift(s) + r turn(s)` of the position in
-/// the model, if the model starts from the pose returned for `time`. Rounding of the
-/// poses is part of the bound: remainders start above zero. A model with a number that is NaN or
-/// infinite, or with a negative bound, is one of which nothing is known: no query proves anything
-/// by it.
+/// For every `s` in `0..=span`, the model at `time` bounds two things:
 ///
-/// A turntable whose rate swings, so that the rate changes by at most 0.6 a unit of time each unit
-/// of time:
+/// - the motion itself at `time + s`;
+/// - the pose that [`pose`](Self::pose) returns for `time + s`, if `time + s` is an f64.
+///
+/// For every point within `r` of the pivot, both are within `shift(s) + r turn(s)` of the position
+/// in the model, if the model starts from the pose returned for `time`. The rounding of the poses
+/// is part of the bound, so remainders start above zero. If a number of the model is NaN or
+/// infinite, or a bound is negative, queries treat the motion as unknown and prove nothing.
+///
+/// Example: a turntable whose rate oscillates, with an angular acceleration of at most 0.6 radians
+/// per unit of time squared:
 ///
 /// ```
 /// use lin_canny::motion::{MotionModel, Remainder, Motion};
@@ -82,15 +86,15 @@ use nalgebra::{Isometry3, Point3, Vector3};
 /// assert!(far(0.25) <= most && far(0.5) <= most);
 /// ```
 pub trait Motion {
-    /// Returns the pose of the body's own frame in the world at a time.
+    /// Returns the pose of the body's frame in the world at a time.
     fn pose(&self, time: f64) -> Isometry3<f64>;
 
-    /// Returns the velocities at a time, and bounds of the deviation from these velocities within
-    /// `span` from then on.
+    /// Returns the velocities at a time, and bounds of the deviation from them within `span`.
     fn model(&self, time: f64, span: f64) -> MotionModel;
 
-    /// Returns the pose and the model at a time: for motions that compute one while they compute
-    /// the other.
+    /// Returns the pose and the model at a time.
+    ///
+    /// Override this if a motion computes one of them together with the other.
     #[inline(always)]
     fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, MotionModel) {
         (self.pose(time), self.model(time, span))
@@ -112,45 +116,47 @@ impl<M: Motion + ?Sized> Motion for &M {
     }
 }
 
-/// Velocities of a body at a time, in the world's axes, and bounds of the deviation of the motion
-/// from then on.
+/// Velocities of a body at a time, and bounds of the later deviation.
+///
+/// Velocities are in the world's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotionModel {
-    /// The point of the body, in the body's own frame, about which the body turns and whose
-    /// velocity is `linear`.
+    /// The point of the body, in the body's frame, about which the body rotates; its velocity is
+    /// `linear`.
     pub pivot: Point3<f64>,
     /// Velocity of the pivot.
     pub linear: Vector3<f64>,
-    /// Axis of rotation times radians a unit of time.
+    /// Axis of rotation times radians per unit of time.
     pub angular: Vector3<f64>,
     /// Acceleration of the pivot, constant in the model.
     pub acceleration: Vector3<f64>,
     /// Upper bound of the distance of the pivot from the model: a length.
     pub shift: Remainder,
-    /// Upper bound of the angle of the body against the model: radians.
+    /// Upper bound of the angle between the body and the model: radians.
     pub turn: Remainder,
 }
 
 impl MotionModel {
-    /// Returns an upper bound of the displacement of any point within `radius` of the pivot within
-    /// `span`.
+    /// Returns an upper bound of the displacement of any point within `span`.
+    ///
+    /// The bound holds for all points within `radius` of the pivot.
     #[must_use]
     pub fn displacement(&self, radius: f64, span: f64) -> f64 {
-        // Products with the time first: the ways are lengths, and what they lose by underflow is
-        // less than the least normal number.
+        // Products take the time first. So the displacements are lengths, and what they lose by
+        // underflow is less than the least normal number.
         let straight = length(&(self.linear * span)) + 0.5 * length(&(self.acceleration * span * span));
         let turned = length(&(self.angular * span)).at_most(2.0);
         let most = straight + self.shift.at(span) + radius * (turned + self.turn.at(span));
         most * (1.0 + 16.0 * UNIT) + f64::MIN_POSITIVE
     }
 
-    /// Returns whether all numbers are finite, and no bound is negative: else nothing is known of
-    /// the motion.
+    /// Returns whether all numbers are finite and no bound is negative; otherwise nothing is known
+    /// about the motion.
     #[inline]
     pub(crate) fn is_known(&self) -> bool {
-        // Zero times a finite number is zero, and NaN times any other: no branch a number. Two sums
-        // side by side take one instruction a step.
+        // Zero times a finite number is zero, and NaN otherwise, so no number needs a branch. Two
+        // independent sums take one instruction per step.
         let (p, v, w, a) = (&self.pivot.coords, &self.linear, &self.angular, &self.acceleration);
         let (Remainder(s), Remainder(t)) = (self.shift, self.turn);
         let mut sums = [0.0; 2];
@@ -178,8 +184,9 @@ impl MotionModel {
         }
     }
 
-    /// Returns an upper bound of the distance of a point within `radius` of the pivot from the
-    /// model.
+    /// Returns an upper bound of a point's distance from its position in the model.
+    ///
+    /// The point is within `radius` of the pivot.
     #[must_use]
     #[inline]
     pub fn drift(&self, radius: f64) -> Remainder {
@@ -188,8 +195,9 @@ impl MotionModel {
     }
 }
 
-/// A bound that grows with time: `[d0, d1, d2, d3]` stands for `d0 + d1 s + d2 s^2 / 2 + d3 s^3 /
-/// 6` at `s` after the start. No coefficient is negative.
+/// A bound that grows with time: `[d0, d1, d2, d3]` means `d0 + d1 s + d2 s^2 / 2 + d3 s^3 / 6`.
+///
+/// `s` is the time after the start. No coefficient is negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Remainder(pub [f64; 4]);
@@ -198,7 +206,7 @@ impl Remainder {
     /// Returns the bound at `s` after the start.
     #[must_use]
     pub fn at(&self, s: f64) -> f64 {
-        // Products with the time first, as of a displacement.
+        // Products take the time first, as in a displacement.
         let [d0, d1, d2, d3] = self.on_clock(s).0;
         d0 + (d1 + (0.5 * d2 + d3 / 6.0))
     }
@@ -210,7 +218,7 @@ impl Remainder {
     }
 }
 
-/// Returns the length of a vector of any size, also of a vector whose square leaves f64.
+/// Returns the length of a vector of any size, even if its square leaves the range of f64.
 #[inline(always)]
 pub(crate) fn length(v: &Vector3<f64>) -> f64 {
     let square = v.norm_squared();
@@ -236,24 +244,25 @@ impl core::ops::Add for Remainder {
     }
 }
 
-/// Fault of the numbers of a motion.
+/// Error in the numbers of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MotionError {
-    /// A pose is no rigid placement. The body named is A for the first pose given, B for the
-    /// second.
+    /// A pose is not a rigid pose.
+    ///
+    /// The error names body A for the first pose passed, body B for the second.
     #[error(transparent)]
     Pose(#[from] PoseError),
-    /// A velocity, an acceleration, an axis or a point is NaN or infinite, or its square leaves
-    /// f64.
+    /// A velocity, an acceleration, an axis or a point is NaN or infinite, or its square leaves the
+    /// range of f64.
     #[error("{what} is out of range: {value}")]
     Value {
         /// The name of the value.
         what: &'static str,
-        /// The coordinate that is largest, or NaN.
+        /// The largest coordinate, or NaN.
         value: f64,
     },
-    /// A bound or a duration is negative, NaN or infinite; a duration is zero.
+    /// A bound or a duration is negative, NaN or infinite, or a duration is zero.
     #[error("{what} is out of range: {value} (expected a positive finite number)")]
     Size {
         /// The name of the size.

@@ -1,4 +1,4 @@
-//! Motion between two poses by normalised quaternions.
+//! Motion between two poses by normalised quaternions (nlerp).
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -9,12 +9,14 @@ use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
 
-/// A motion from one pose to another in a given time: a point of the body goes straight, and the
-/// rotation is the normalised sum of both quaternions, `(1 - x) q0 + x q1`, the shorter way round.
+/// A motion from one pose to another in a given time, by nlerp.
 ///
-/// That is how Box2D v3, Box3D, parry's `sweep_toi` and rapier move a body in a step. The axis is
-/// fixed and the rate is not: with `b` half the angle between the poses and
-/// `p = 1 - 2 x (1 - x) (1 - cos b)`, the rate is `2 sin b / p` radians for the whole way: from
+/// A point of the body moves along a straight line. The rotation is the normalised sum of both
+/// quaternions, `(1 - x) q0 + x q1`, along the shorter of both paths.
+///
+/// Box2D v3, Box3D, parry's `sweep_toi` and rapier move a body like this in a step. The axis is
+/// fixed, but the rate is not. Let `b` be half the angle between the poses and
+/// `p = 1 - 2 x (1 - x) (1 - cos b)`. Then the rate is `2 sin b / p` radians per duration: from
 /// `2 sin b` at the ends to `4 tan (b / 2)` in the middle. Before and after the given time the
 /// motion continues by the same formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,17 +36,18 @@ pub struct Nlerp {
     /// The axis times the sine of `b`.
     #[cfg_attr(feature = "serde", serde(skip_serializing))]
     axis: Vector3<f64>,
-    /// One less the cosine of `b`.
+    /// One minus the cosine of `b`.
     #[cfg_attr(feature = "serde", serde(skip_serializing))]
     versine: f64,
 }
 
 impl Nlerp {
-    /// Returns the motion from one pose at time zero to another at `duration`; the point `pivot` of
-    /// the body goes straight.
+    /// Returns the motion from one pose at time zero to another at `duration`.
+    ///
+    /// The point `pivot` of the body moves along a straight line.
     ///
     /// # Errors
-    /// A pose, a pivot or a duration that is not finite or out of range.
+    /// Returns an error if a pose, the pivot or the duration is not finite or out of range.
     pub fn new(
         from: &Isometry3<f64>,
         to: &Isometry3<f64>,
@@ -66,7 +69,8 @@ impl Nlerp {
         Ok(Self::of([first, last], [centre, way], pivot, duration))
     }
 
-    /// Returns the motion from one rotation to another, the pivot from a place by a way.
+    /// Returns the motion from one rotation to another, with the pivot's start position and
+    /// displacement.
     fn of(
         [from, to]: [Quaternion<f64>; 2],
         [centre, way]: [Vector3<f64>; 2],
@@ -86,14 +90,15 @@ impl Nlerp {
         }
     }
 
-    /// Returns the squared norm of the sum of the quaternions, `from_middle` of the whole way
-    /// before or after the middle.
+    /// Returns the squared norm of the sum of the quaternions.
+    ///
+    /// `from_middle` is the time before or after the middle, as a fraction of the whole time.
     fn square(&self, from_middle: f64) -> f64 {
         1.0 - 2.0 * (0.25 - from_middle * from_middle) * self.versine
     }
 }
 
-/// A [`Nlerp`] as stored: what follows from the rest is not read.
+/// The stored form of a [`Nlerp`]: values that follow from the others are not read.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 struct StoredNlerp {

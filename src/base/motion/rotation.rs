@@ -7,14 +7,16 @@ use crate::base::num::each::Each;
 use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::tolerance::SQUARE_MIN;
 
-/// An angular velocity as axis and rate. The rate and its product with a time are kept in
-/// double-double, so that a body that has turned thousands of times is placed as accurately as a
-/// body that has not (`TURN` in [`crate::tolerance`]).
+/// An angular velocity as axis and rate.
+///
+/// The rate and its product with a time are kept in double-double. So a body that has rotated
+/// thousands of times gets a pose as accurate as a body that has not (`TURN` in
+/// [`crate::tolerance`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spin {
-    /// Unit up to rounding; zero for a rate of zero.
+    /// Unit vector up to rounding; zero for a rate of zero.
     axis: Vector3<f64>,
-    /// Radians a unit of time: the rounded number and the remainder.
+    /// Radians per unit of time: the rounded number and the remainder.
     rate: [f64; 2],
 }
 
@@ -63,8 +65,9 @@ pub(crate) fn turned(angular: &Vector3<f64>, time: f64) -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(Spin::new(angular).after(time))
 }
 
-/// Returns the quaternion of a turn about an axis, of sine and cosine of half its angle but for a
-/// small rest.
+/// Returns the quaternion of a rotation about an axis.
+///
+/// Sine and cosine belong to half the angle, except for a small `rest`.
 #[inline(always)]
 pub(crate) fn half_turn(axis: &Vector3<f64>, sine: f64, cosine: f64, rest: f64) -> Quaternion<f64> {
     Quaternion::from_parts(cosine - sine * rest, axis * (sine + cosine * rest))
@@ -87,7 +90,7 @@ mod tests {
         assert_eq!(Spin::new(&Vector3::zeros()).after(3.0), Quaternion::identity());
     }
 
-    /// A rate beyond the range of squares turns as any other.
+    /// A rate beyond the range of squares rotates like any other.
     #[test]
     fn rates_of_any_size_turn() {
         for scale in [1e-150, 1e-120, 1e120, 1e150] {
@@ -98,8 +101,8 @@ mod tests {
         }
     }
 
-    /// Rate times time without rounding: sums of angles are angles of sums, to a few units of
-    /// rounding at ten thousand radians.
+    /// Rate times time without rounding: sums of angles agree with angles of sums, to a few units
+    /// of rounding at ten thousand radians.
     #[test]
     fn many_turns_lose_nothing() {
         let spin = Spin::new(&Vector3::new(1.1, -0.7, 2.3));

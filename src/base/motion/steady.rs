@@ -1,5 +1,5 @@
-//! Constant velocities: straight at a constant speed, or accelerated, and turning evenly about one
-//! axis.
+//! Constant velocities: a straight path at constant speed or acceleration, and a constant rotation
+//! about one axis.
 
 use crate::base::motion::rotation::Spin;
 use crate::base::motion::{Motion, MotionError, MotionModel, Remainder};
@@ -9,8 +9,10 @@ use crate::base::pose::RelativePose;
 use crate::base::tolerance::{EXTENT_MAX, PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-/// A motion whose pivot, a point of the body, goes straight at a constant velocity (or
-/// acceleration) while the body turns about the pivot at a constant rate about a fixed axis of the
+/// A motion with constant linear and angular velocity.
+///
+/// The pivot, a point of the body, moves along a straight line at a constant velocity (or
+/// acceleration). The body rotates about the pivot at a constant rate about a fixed axis of the
 /// world.
 ///
 /// ```
@@ -34,7 +36,7 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vect
     serde(try_from = "StoredSteady")
 )]
 pub struct Steady {
-    /// At time zero: the rotation, and the pivot in the world.
+    /// The rotation at time zero, and the pivot in the world at time zero.
     rotation: Quaternion<f64>,
     centre: Vector3<f64>,
     pivot: Point3<f64>,
@@ -42,25 +44,28 @@ pub struct Steady {
     #[cfg_attr(feature = "serde", serde(skip_serializing))]
     spin: Spin,
     acceleration: Vector3<f64>,
-    /// Bounds of the unknown part: acceleration of the pivot, and angular acceleration.
+    /// Bounds of the unknown accelerations: of the pivot, and angular.
     open: [f64; 2],
 }
 
 impl Steady {
-    /// Returns the motion of a body that is at `pose` at time zero, its own origin going at the
-    /// velocity.
+    /// Returns the motion that starts at `pose` with this velocity of the body's origin.
+    ///
+    /// The start is at time zero.
     ///
     /// # Errors
+    /// Returns an error if the pose or the velocity is not finite or out of range.
     /// A pose or a velocity that is not finite or out of range.
     pub fn new(pose: &Isometry3<f64>, velocity: Velocity) -> Result<Self, MotionError> {
         Self::about(pose, Point3::origin(), velocity)
     }
 
-    /// Returns the motion of a body that is at `pose` at time zero, the point `pivot` of its own
-    /// frame going at the velocity.
+    /// Returns the motion that starts at `pose` with this velocity of the pivot.
+    ///
+    /// The start is at time zero. The point `pivot` is in the body's frame.
     ///
     /// # Errors
-    /// A pose, a pivot or a velocity that is not finite or out of range.
+    /// Returns an error if the pose, the pivot or the velocity is not finite or out of range.
     pub fn about(pose: &Isometry3<f64>, pivot: Point3<f64>, velocity: Velocity) -> Result<Self, MotionError> {
         RelativePose::new(pose, &Isometry3::identity())?;
         in_range("pivot", &pivot.coords)?;
@@ -78,12 +83,13 @@ impl Steady {
         })
     }
 
-    /// Returns the motion from one pose to another in the given time, at constant velocities: the
-    /// point `pivot` of the body goes straight, and the body turns by at most half a turn about one
-    /// axis (slerp).
+    /// Returns the motion between two poses in the given time, at constant velocities (slerp).
+    ///
+    /// The point `pivot` of the body moves along a straight line. The body rotates by at most half
+    /// a revolution about one axis.
     ///
     /// # Errors
-    /// A pose, a pivot or a duration that is not finite or out of range.
+    /// Returns an error if a pose, the pivot or the duration is not finite or out of range.
     pub fn between(
         from: &Isometry3<f64>,
         to: &Isometry3<f64>,
@@ -100,7 +106,7 @@ impl Steady {
         let turn = last * first.conjugate();
         let turn = if turn.w < 0.0 { -turn } else { turn };
         let sine = sqrt(turn.imag().norm_squared());
-        // Of small angles the vector part is the half angle itself.
+        // For small angles the vector part is the half angle itself.
         let per_sine = if sine > 0.0 {
             2.0 * libm::atan2(sine, turn.w) / sine
         } else {
@@ -114,12 +120,14 @@ impl Steady {
         Self::about(from, pivot, velocity)
     }
 
-    /// Returns the screw of a body that is at `pose` at time zero: a turn about the line through
-    /// `point` along `axis`, both in the world, of `rate` radians a unit of time, and a shift along
-    /// the line of `advance` a unit of time.
+    /// Returns the screw motion of a body that is at `pose` at time zero.
+    ///
+    /// The body rotates about the line through `point` along `axis`, both in the world, by `rate`
+    /// radians per unit of time. It moves along the line by `advance` per unit of time.
     ///
     /// # Errors
-    /// A pose, a point or an axis that is not finite or out of range, or an axis of no direction.
+    /// Returns an error if the pose, the point or the axis is not finite or out of range, or if the
+    /// axis has no direction.
     pub fn screw(
         pose: &Isometry3<f64>,
         point: &Point3<f64>,
@@ -139,23 +147,25 @@ impl Steady {
         Self::about(pose, pivot.into(), velocity)
     }
 
-    /// Returns this motion with a constant acceleration of the pivot, such as gravity, that counts
-    /// from time zero.
+    /// Returns this motion with a constant acceleration of the pivot, such as gravity.
+    ///
+    /// The acceleration counts from time zero on.
     ///
     /// # Errors
-    /// An acceleration that is not finite or out of range.
+    /// Returns an error if the acceleration is not finite or out of range.
     pub fn with_acceleration(self, acceleration: Vector3<f64>) -> Result<Self, MotionError> {
         in_range("acceleration", &acceleration)?;
         Ok(Self { acceleration, ..self })
     }
 
-    /// Returns the set of all motions that begin like this one at time zero and whose accelerations
-    /// differ from its own by at most `linear` (of the pivot) and `angular` (radians a unit of time
-    /// squared). Poses are still those of this motion; what is proven free is free for all of the
-    /// set.
+    /// Returns the set of motions whose accelerations differ from this one's by bounded amounts.
+    ///
+    /// They start like this motion at time zero. Their accelerations differ from its by at most
+    /// `linear` (of the pivot) and `angular` (radians per unit of time squared). The poses are
+    /// still those of this motion. What is proven free is free for the whole set.
     ///
     /// # Errors
-    /// A bound that is negative or not finite.
+    /// Returns an error if a bound is negative or not finite.
     pub fn with_acceleration_bounds(self, linear: f64, angular: f64) -> Result<Self, MotionError> {
         for (what, value) in [
             ("bound of acceleration", linear),
@@ -178,7 +188,7 @@ impl Steady {
     }
 }
 
-/// A [`Steady`] as stored: what follows from the rest is not read.
+/// The stored form of a [`Steady`]: values that follow from the others are not read.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 struct StoredSteady {
@@ -209,7 +219,8 @@ impl TryFrom<StoredSteady> for Steady {
     }
 }
 
-/// Returns a stored quaternion unchanged if its norm is one up to rounding, else over its norm.
+/// Returns a stored quaternion unchanged if its norm is one up to rounding, otherwise divided by
+/// its norm.
 #[cfg(feature = "serde")]
 pub(super) fn restored(q: &Quaternion<f64>) -> Quaternion<f64> {
     if (q.norm_squared() - 1.0).abs() <= crate::base::tolerance::NORMALISED {
@@ -257,8 +268,8 @@ impl Motion for Steady {
     }
 }
 
-/// Returns the quaternion over its norm. The squared norm of the quaternion of a pose is 1 to
-/// 1e-12.
+/// Returns the quaternion divided by its norm. The squared norm of the quaternion of a pose is 1 to
+/// within 1e-12.
 pub(super) fn normalised(q: &Quaternion<f64>) -> Quaternion<f64> {
     q / sqrt(q.norm_squared())
 }
@@ -267,7 +278,7 @@ pub(super) fn turned(q: &Quaternion<f64>, v: &Vector3<f64>) -> Vector3<f64> {
     UnitQuaternion::new_unchecked(*q) * v
 }
 
-/// Refuses a vector that is not finite or beyond the extents of bodies.
+/// Rejects a vector that is not finite or larger than bodies may be.
 pub(super) fn in_range(what: &'static str, v: &Vector3<f64>) -> Result<(), MotionError> {
     match v.iter().find(|x| !(x.abs() <= EXTENT_MAX)) {
         Some(&value) => Err(MotionError::Value { what, value }),
@@ -283,9 +294,11 @@ pub(super) fn positive(what: &'static str, value: f64) -> Result<(), MotionError
     }
 }
 
-/// The velocity of a rigid body in the world's frame: linear velocity of the body's own origin, and
-/// angular velocity about this origin in radians. Physics engines mostly mean the velocity of the
-/// centre of mass: the two agree if this is the origin, or if the body does not rotate.
+/// The linear and angular velocity of a rigid body, in the world's frame.
+///
+/// The linear velocity belongs to the body's origin. The angular velocity is in radians per unit of
+/// time about this origin. Physics engines mostly use the velocity of the centre of mass. Both
+/// agree if the centre of mass is the origin, or if the body does not rotate.
 ///
 /// For the time of impact of two bodies with constant velocities see
 /// [`impact::cast`](crate::impact::cast) of two [`Steady`](crate::motion::Steady) motions.
@@ -293,9 +306,9 @@ pub(super) fn positive(what: &'static str, value: f64) -> Result<(), MotionError
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Velocity {
-    /// Linear velocity of the body's own origin: length a unit of time.
+    /// Linear velocity of the body's origin: length per unit of time.
     pub linear: Vector3<f64>,
-    /// Angular velocity: axis of rotation, through the body's own origin, times radians a unit of
+    /// Angular velocity: the axis of rotation, through the body's origin, times radians per unit of
     /// time.
     pub angular: Vector3<f64>,
 }
@@ -307,14 +320,15 @@ impl Default for Velocity {
 }
 
 impl Velocity {
-    /// Returns the velocity with these two parts.
+    /// Returns the velocity with these linear and angular components.
     #[must_use]
     pub const fn new(linear: Vector3<f64>, angular: Vector3<f64>) -> Self {
         Self { linear, angular }
     }
 
-    /// Returns the pose of a body at `pose` after `time` at this velocity: the body turns by
-    /// exactly `angular * time`, up to rounding.
+    /// Returns the pose of a body after `time` at this velocity.
+    ///
+    /// The body starts at `pose` and rotates by exactly `angular * time`, up to rounding.
     ///
     /// ```
     /// use lin_canny::Velocity;
@@ -337,7 +351,7 @@ impl Velocity {
 impl core::ops::Neg for Velocity {
     type Output = Self;
 
-    /// Returns the velocity of the motion back.
+    /// Returns the velocity of the reverse motion.
     fn neg(self) -> Self {
         Self::new(-self.linear, -self.angular)
     }

@@ -1,10 +1,10 @@
 //! Numbers of twice the precision of f64, as an unevaluated sum of two.
 //!
-//! Algorithms: Dekker 1971, Knuth TAOCP 2 section 4.2.2; sum and product in the accurate variants
+//! Algorithms: Dekker 1971, Knuth TAOCP 2 section 4.2.2. Sum and product are the accurate variants
 //! whose error bounds Joldes, Muller and Popescu proved (2017, algorithm 6, and 12 without fused
-//! multiply-add); the quotient by long division with three partial quotients (Hida, Li and Bailey
-//! 2001), bounded at `div`. Only + - * /, so results agree on every target. Valid while no product
-//! overflows or loses bits to underflow: magnitudes between 2^-400 and 2^400.
+//! multiply-add). The quotient is a long division with three partial quotients (Hida, Li and Bailey
+//! 2001), bounded at `div`. Only + - * / are used, so results agree on every target. Valid while no
+//! product overflows or loses bits to underflow: magnitudes between 2^-400 and 2^400.
 //!
 //! For more precision, [`Expansion`] is a sum without rounding.
 
@@ -65,7 +65,8 @@ impl DoubleDouble {
         Self { hi, lo }
     }
 
-    /// Returns the number times a power of two: exact, as long as no part leaves the range.
+    /// Returns the number times a power of two: exact, if neither of its two numbers leaves the
+    /// range.
     #[inline]
     pub(crate) fn scaled(self, power: f64) -> Self {
         Self {
@@ -127,14 +128,19 @@ impl Div for DoubleDouble {
     type Output = Self;
     /// Returns the quotient with a relative error below `5 u^2`, `u = UNIT`.
     ///
-    /// A partial quotient of leading parts errs by `3 u` of itself: both leading parts and the
-    /// division. A product `o q` with a single number errs by `3 u^2`: `lo q` is rounded once, the
-    /// sum with the error of `hi q` once, both numbers at most `u |o q|`. A difference errs by
-    /// `3 u^2` of itself. So the first remainder is correct to `3 u^2` of the dividend, and is
-    /// itself at most `3 u` of the dividend; the second remainder is at most `9 u^2` of the
-    /// dividend, and the rounding of the second remainder and of the third quotient is of order
-    /// `u^3`. The last sum rounds a number of size `u |q|`: `u^2` more. Together `4 u^2` and terms
-    /// of order `u^3`.
+    /// The error of each step:
+    ///
+    /// - A partial quotient of leading numbers has a relative error of `3 u`: both leading numbers
+    ///   and the division.
+    /// - A product `o q` with a single number has an error of `3 u^2`: `lo q` is rounded once, the
+    ///   sum with the error of `hi q` once, and both numbers are at most `u |o q|`.
+    /// - A difference has a relative error of `3 u^2`.
+    /// - So the first remainder is correct to `3 u^2` of the dividend, and is at most `3 u` of the
+    ///   dividend. The second remainder is at most `9 u^2` of the dividend. The rounding of the
+    ///   second remainder and of the third quotient is of order `u^3`.
+    /// - The last sum rounds a number of size `u |q|`: `u^2` more.
+    ///
+    /// Together these are `4 u^2` and terms of order `u^3`.
     #[inline]
     fn div(self, o: Self) -> Self {
         let q = self.hi / o.hi;
@@ -168,7 +174,7 @@ impl Scalar for DoubleDouble {
     }
 }
 
-/// An exact sum of up to `N` numbers: nonzero parts of rising magnitude that do not overlap
+/// An exact sum of up to `N` numbers: nonzero components of rising magnitude that do not overlap
 /// (Shewchuk 1997, grow-expansion with zero elimination).
 pub(crate) struct Expansion<const N: usize> {
     parts: [f64; N],
@@ -209,13 +215,14 @@ impl<const N: usize> Expansion<N> {
         self.add(high);
     }
 
-    /// Returns the parts in order of rising magnitude.
+    /// Returns the components in order of rising magnitude.
     pub(crate) fn parts(&self) -> &[f64] {
         &self.parts[..self.len]
     }
 
-    /// Returns the sum as `K` numbers of falling magnitude, each the rounded remainder; the final
-    /// remainder is dropped. Fewer than `N - K` numbers must have been added.
+    /// Returns the sum as `K` numbers of falling magnitude, each the rounded remainder.
+    ///
+    /// The final remainder is dropped. Fewer than `N - K` numbers must have been added.
     pub(crate) fn leading<const K: usize>(mut self) -> [f64; K] {
         core::array::from_fn(|_| {
             let part = self.parts().iter().sum::<f64>();
@@ -224,8 +231,8 @@ impl<const N: usize> Expansion<N> {
         })
     }
 
-    /// Returns -1, 0 or 1, the sign of the last part: greater in magnitude than the sum of the
-    /// rest.
+    /// Returns -1, 0 or 1: the sign of the last component, which is greater in magnitude than the
+    /// sum of the rest.
     pub(crate) fn sign(&self) -> i32 {
         let last = self.parts().last().copied().unwrap_or(0.0);
         i32::from(last > 0.0) - i32::from(last < 0.0)

@@ -1,5 +1,7 @@
-//! [`Each`] stands in for `array::map` on short arrays: the version of the standard library goes
-//! through five generic functions for each closure, a tenth of the library's time to compile.
+//! [`Each`] replaces `array::map` on short arrays, to save compile time.
+//!
+//! The version of the standard library goes through five generic functions for each closure: a
+//! tenth of the library's compile time.
 
 /// Arrays of 2, 3, 4, 6 and 8 items.
 pub(crate) trait Each<T> {

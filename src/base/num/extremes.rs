@@ -1,37 +1,40 @@
 //! The larger and the smaller of two numbers, with the same bits on every target.
 //!
-//! `f64::max` and `f64::min` may return either zero of `-0.0` and `0.0`: which one depends on the
-//! target. `f64::clamp` panics if its bounds cross. The functions here are comparisons and
-//! selections, so one result is right, and they never panic.
+//! `f64::max` and `f64::min` may return either zero of `-0.0` and `0.0`, depending on the target.
+//! `f64::clamp` panics if its bounds cross. The functions here are comparisons and selections, so
+//! they have one result on every target and never panic.
 
 use nalgebra::{Point3, Vector3};
 
 /// Choices between two numbers.
 pub(crate) trait Extremes: Copy {
-    /// Returns the larger number; the other one if one is NaN, the first of two zeros.
+    /// Returns the larger number; the other one if one is NaN; the first of two zeros.
     #[must_use]
     fn larger(self, other: Self) -> Self;
 
-    /// Returns the smaller number; the other one if one is NaN, the first of two zeros.
+    /// Returns the smaller number; the other one if one is NaN; the first of two zeros.
     #[must_use]
     fn smaller(self, other: Self) -> Self;
 }
 
 /// Choices between a number and its bounds.
 pub(crate) trait Bounded: Extremes {
-    /// Returns the number if it is above the bound, else the bound: of NaN, and of a zero of either
-    /// sign with a bound of zero, the bound. A single instruction, so also the maximum of hot loops
-    /// that get no NaN.
+    /// Returns the number if it is above the bound, otherwise the bound.
+    ///
+    /// NaN returns the bound. A zero of either sign with a bound of zero returns the bound. This is
+    /// a single instruction, so hot loops without NaN also use it as their maximum.
     #[must_use]
     fn at_least(self, bound: Self) -> Self;
 
-    /// Returns the number if it is below the bound, else the bound, as
+    /// Returns the number if it is below the bound, otherwise the bound, like
     /// [`at_least`](Self::at_least).
     #[must_use]
     fn at_most(self, bound: Self) -> Self;
 
-    /// Returns the nearest number between two bounds: the upper bound if they cross, NaN of NaN. A
-    /// bound that is NaN bounds nothing.
+    /// Returns the nearest number between two bounds.
+    ///
+    /// If the bounds cross, the upper bound is returned; NaN returns NaN. A bound that is NaN has
+    /// no effect.
     #[must_use]
     fn clamped(self, low: Self, high: Self) -> Self;
 }
@@ -151,7 +154,7 @@ mod tests {
         assert_eq!((largest(&p), smallest(&q)), (3.0, -4.0));
     }
 
-    /// `f64::clamp` panics of bounds that cross or are NaN.
+    /// `f64::clamp` panics if the bounds cross or are NaN.
     #[test]
     fn bounds_that_cross_or_are_nan_clamp_without_a_panic() {
         for x in ODD {

@@ -1,20 +1,21 @@
-//! Fingerprints: 128-bit hashes by which kept state recognises the bodies that it was made of.
+//! Fingerprints: 128-bit hashes by which cached state recognises the bodies from which it was made.
 //!
-//! State of one body that is taken for that of another proves falsely, and bodies come from files
-//! that anybody may have written. So fingerprints must not collide by choice either: a hash whose
-//! steps can be undone one by one does not do, nor one of 64 bits, of which `2^32` tries find two
-//! alike. The function is SipHash-2-4 (Aumasson and Bernstein 2012) with its result of 128 bits,
-//! of which `2^64` tries find two alike. It is made for secret keys; here the key is zero, so that
-//! saved state is recognised by another process. What is hashed is a sequence of words from which
-//! the body can be read back: no two bodies have the same.
+//! State applied to the wrong body would prove something false, and bodies may come from untrusted
+//! files. So the hash must resist deliberate collisions. A hash whose steps can be inverted one by
+//! one does not, and neither does one of 64 bits, because `2^32` tries find a collision. The
+//! function is SipHash-2-4 (Aumasson and Bernstein 2012) with a result of 128 bits, for which a
+//! collision takes `2^64` tries. SipHash is made for secret keys. Here the key is zero, so that
+//! another process recognises saved state. The hashed sequence of words determines the body, so no
+//! two bodies have the same sequence.
 //!
-//! Words need no buffer, as bytes do in the crate `siphasher`: these few lines are the whole
-//! function. A digest of cryptography such as BLAKE2b takes several times as long, a considerable
-//! part of what it takes to build a mesh.
+//! The input consists of words and needs no buffer, unlike the bytes in the crate `siphasher`, so
+//! these few lines are the whole function. A cryptographic digest such as BLAKE2b takes several
+//! times as long, a considerable fraction of the time to build a mesh.
 
 use nalgebra::Vector3;
 
-/// A 128-bit hash of a body: bodies of equal fingerprint are identical for all practical purposes.
+/// A 128-bit hash of a body: bodies with equal fingerprints are identical for all practical
+/// purposes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Fingerprint([u64; 2]);
@@ -27,7 +28,7 @@ impl Fingerprint {
         all.end()
     }
 
-    /// Returns the fingerprint of a body and a number that changes it in a way named by `kind`.
+    /// Returns the fingerprint of a body and a number that changes it as `kind` names.
     pub(crate) fn with(self, kind: [u8; 8], number: f64) -> Self {
         let mut all = Fingerprinter::new(kind);
         all.fingerprint(self);
@@ -42,14 +43,14 @@ pub(crate) struct Fingerprinter {
     words: u64,
 }
 
-/// Rounds for each word.
+/// Rounds per word.
 const ROUNDS: usize = 2;
 
-/// Rounds for each half of the result.
+/// Rounds per half of the result.
 const LAST_ROUNDS: usize = 4;
 
 impl Fingerprinter {
-    /// Begins the fingerprint of a kind of body.
+    /// Starts the fingerprint of a kind of body.
     pub(crate) fn new(kind: [u8; 8]) -> Self {
         // "somepseudorandomlygeneratedbytes", and the mark of a result of 128 bits.
         let state = [
@@ -84,7 +85,8 @@ impl Fingerprinter {
         self.word(high);
     }
 
-    /// Adds numbers of 32 bits, two a word. How many there are must be told by the words before.
+    /// Adds 32-bit numbers, two per word. The words before must determine how many numbers there
+    /// are.
     pub(crate) fn indices(&mut self, indices: impl Iterator<Item = u32>) {
         let mut half = None;
         for index in indices.map(u64::from) {
@@ -101,7 +103,7 @@ impl Fingerprinter {
 
     /// Returns the fingerprint of all words.
     pub(crate) fn end(mut self) -> Fingerprint {
-        // The last word holds the number of bytes modulo 256.
+        // The last word contains the number of bytes modulo 256.
         self.word((self.words * 8) << 56);
         self.state[2] ^= 0xee;
         let low = self.result();
@@ -136,7 +138,7 @@ impl Fingerprinter {
 mod tests {
     use super::*;
 
-    /// Values of another implementation, in another language, for bytes.
+    /// Values from another implementation, in another language, for bytes.
     #[test]
     fn fingerprints_are_those_of_siphash_2_4() {
         let mut words = Fingerprinter::new(*b"ellipsoi");

@@ -1,6 +1,8 @@
-//! The arithmetic: scalars of the solvers, double-double, packed vectors, exact signs, and the
-//! fingerprints of numbers. This file holds counters, which saturate because a file may hold the
-//! largest number, and items by rank, for searches that take the best first.
+//! The arithmetic: scalars of the solvers, double-double, packed vectors, exact signs, and
+//! fingerprints of numbers.
+//!
+//! This file holds counters and ranked items. Counters saturate, because a file may contain the
+//! largest number. Ranked items serve searches that take the best item first.
 
 pub(crate) mod double_double;
 pub(crate) mod each;
@@ -12,9 +14,9 @@ pub(crate) mod sign;
 
 use core::cmp::Ordering;
 
-/// A counter that lives longer than one query.
+/// A counter that outlives one query.
 pub(crate) trait Counter {
-    /// Adds to the counter; the largest number stays what it is.
+    /// Adds to the counter; the sum saturates at the largest number.
     fn count(&mut self, by: Self);
 }
 
@@ -41,8 +43,8 @@ impl<const N: usize> Counter for [u64; N] {
     }
 }
 
-/// Implements the sum of a type whose fields are all counters: a list that lacks a field does not
-/// compile.
+/// Implements the sum of a type whose fields are all counters; a list without one of the fields
+/// does not compile.
 macro_rules! sum_of_counters {
     ($counts:ident { $($field:ident),+ $(,)? }) => {
         impl core::ops::AddAssign for $counts {
@@ -57,8 +59,8 @@ macro_rules! sum_of_counters {
 }
 pub(crate) use sum_of_counters;
 
-/// An item in a `BinaryHeap`: the item of least rank leaves first, among equal ranks that of least
-/// key.
+/// An item in a `BinaryHeap`: the item of least rank leaves first; among equal ranks, the item of
+/// least key.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ranked<K, T = ()> {
     pub(crate) rank: f64,

@@ -1,10 +1,10 @@
 //! Vectors and rotations packed into SIMD lanes of two f64.
 //!
-//! A load that splits or joins recently stored values differently from the stores waits until the
-//! values have left the processor's store queue, which takes longer than computing a whole relative
-//! pose. For plain vectors of three the compiler loads and stores whatever two adjacent coordinates
-//! it finds; for packed vectors always the first two together and the third alone. Results are
-//! rounded as by the plain formulas.
+//! If a load splits or joins recently stored values differently from the stores, it waits until the
+//! values have left the processor's store queue. This takes longer than computing a whole relative
+//! pose. For plain vectors of three, the compiler loads and stores any two adjacent coordinates.
+//! For packed vectors, it always takes the first two together and the third alone. Results are
+//! rounded like those of the plain formulas.
 
 use crate::base::num::each::Each;
 use core::ops::{Add, Mul, Neg, Sub};
@@ -12,8 +12,9 @@ use core::ops::{Add, Mul, Neg, Sub};
 use nalgebra::{Matrix3, Vector3};
 use wide::f64x2;
 
-/// A vector: the first two coordinates, and the third in the first lane of a second pair. The spare
-/// lane may hold anything.
+/// A vector: the first two coordinates, and the third in the first lane of a second pair.
+///
+/// The spare lane may contain anything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PackedVec3 {
     xy: f64x2,
@@ -46,7 +47,7 @@ fn mirrored(p: f64x2) -> f64x2 {
     p ^ f64x2::new([-0.0, 0.0])
 }
 
-/// Returns `(-y, x)`: a quarter turn.
+/// Returns `(-y, x)`: a rotation by 90 degrees.
 #[inline(always)]
 fn quarter_turn(p: f64x2) -> f64x2 {
     mirrored(swapped(p))
@@ -190,8 +191,9 @@ impl Mul<f64> for PackedVec3 {
     }
 }
 
-/// A rotation matrix, possibly scaled: nine numbers, of which all but the last lie in the first two
-/// of a column or of a row.
+/// A rotation matrix, possibly scaled: nine numbers.
+///
+/// All but the last are among the first two of a column or of a row.
 #[derive(Clone, Copy)]
 pub(crate) struct PackedRotation {
     /// First two numbers of each column.
@@ -203,8 +205,9 @@ pub(crate) struct PackedRotation {
 }
 
 impl PackedRotation {
-    /// Returns the matrix of `conj(a) b`, each quaternion a vector part of three and a scalar part,
-    /// for `s` equal to two over the squares of both norms.
+    /// Returns the matrix of `conj(a) b`, for `s` equal to two over the squares of both norms.
+    ///
+    /// Each quaternion has a vector part of three numbers and a scalar part.
     #[inline(always)]
     pub(crate) fn between(a: &[f64x2; 2], b: &[f64x2; 2], s: f64) -> Self {
         let [xy, zw] = quotient(a, b);

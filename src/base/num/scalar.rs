@@ -13,9 +13,10 @@ pub(crate) fn sqrt(x: f64) -> f64 {
     return libm::sqrt(x);
 }
 
-/// Returns the largest power of two that is no greater than a positive normal number: products and
-/// quotients with it are exact, but for what leaves the range. Of a subnormal number the least
-/// normal number, 1 of a number that is not positive and finite.
+/// Returns the largest power of two that is at most a positive normal number.
+///
+/// Products and quotients with it are exact, except if they leave the range. A subnormal number
+/// returns the least normal number; a number that is not positive and finite returns 1.
 #[inline]
 pub(crate) fn magnitude(x: f64) -> f64 {
     if x > 0.0 && x < f64::INFINITY {
@@ -51,8 +52,9 @@ impl Scalar for f64 {
     }
 }
 
-/// Returns the square root to the precision of the arithmetic (one Newton step past f64); 0 if `x`
-/// is not positive.
+/// Returns the square root to the precision of the arithmetic (one Newton step past f64).
+///
+/// Zero if `x` is not positive.
 pub(crate) fn root<T: Scalar>(x: T) -> T {
     let r = sqrt(x.value());
     if !(r > 0.0) {
@@ -102,8 +104,9 @@ pub(crate) fn cross<T: Ring>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
     ]
 }
 
-/// Serialization of possibly infinite numbers, for formats without infinity: as the largest finite
-/// number of equal sign.
+/// Serialises numbers that may be infinite, for formats without infinity.
+///
+/// An infinite number becomes the largest finite number of equal sign.
 #[cfg(feature = "serde")]
 pub(crate) mod infinite {
     use serde::{Deserialize, Deserializer, Serializer};

@@ -1,7 +1,9 @@
-//! Signs of dot products (if rounding leaves no doubt, or exactly) and exact orientation signs of
-//! points, by the adaptive predicates of Shewchuk (1997) in the crate `robust`.
+//! Signs of dot products (if rounding leaves no doubt, or exactly), and exact orientation signs of
+//! points.
 //!
-//! Exact as long as no product of three coordinate differences leaves the range of f64, which the
+//! The orientation signs use the adaptive predicates of Shewchuk (1997) in the crate `robust`.
+//!
+//! They are exact if no product of three coordinate differences leaves the range of f64, which the
 //! stored coordinates of a body guarantee (see `cloud`).
 
 use nalgebra::Vector3;
@@ -16,14 +18,15 @@ fn coord(p: &Vector3<f64>) -> Coord3D<f64> {
     Coord3D { x: p.x, y: p.y, z: p.z }
 }
 
-/// Returns a positive number if `p` lies above the plane of `a, b, c`, which turn counter-clockwise
-/// seen from above; 0 on the plane.
+/// Returns a positive number if `p` lies above the plane of `a, b, c`, and 0 on the plane.
+///
+/// Above is the side from which `a, b, c` are counter-clockwise.
 #[inline]
 pub(crate) fn side(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, p: &Vector3<f64>) -> f64 {
     -robust::orient3d(coord(a), coord(b), coord(c), coord(p))
 }
 
-/// Returns a positive number if `a, b, c` turn counter-clockwise in the projection along `axis`,
+/// Returns a positive number if `a, b, c` are counter-clockwise in the projection along `axis`,
 /// seen from its positive end.
 #[inline]
 pub(crate) fn turn(axis: usize, a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -> f64 {
@@ -37,8 +40,9 @@ pub(crate) fn projection(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -
     (0..3).find(|&axis| turn(axis, a, b, c) != 0.0)
 }
 
-/// Returns the sign of `n . e` if rounding leaves no doubt, else 0. `e` must be a rounded
-/// difference of two stored points.
+/// Returns the sign of `n . e` if rounding leaves no doubt, else 0.
+///
+/// `e` must be a rounded difference of two stored points.
 #[inline]
 pub(crate) fn edge_sign(n: &Vector3<f64>, e: &Vector3<f64>) -> i32 {
     let (value, bound) = rise(n, e);
@@ -71,8 +75,9 @@ pub(crate) fn dot_and_size<T: Scalar>(n: &[T; 3], e: &[T; 3]) -> (T, f64) {
     (terms[0] + terms[1] + terms[2], size)
 }
 
-/// Returns `n . (q - p)` without rounding, for a direction of `K` parts a coordinate; `N` must be
-/// `12 K`.
+/// Returns `n . (q - p)` without rounding, for a direction of `K` numbers per coordinate.
+///
+/// `N` must be `12 K`.
 pub(crate) fn exact_dot<const K: usize, const N: usize>(
     n: &[[f64; K]; 3],
     p: &Vector3<f64>,

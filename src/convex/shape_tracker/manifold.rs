@@ -14,8 +14,9 @@ use crate::convex::smooth;
 use crate::pair::outcome::{DepthMode, Outcome};
 
 impl ShapeTracker {
-    /// Computes the contact points of two shapes within `options.prediction`, in `manifold`, as
-    /// told at `PairTracker::manifold`.
+    /// Computes the contact points of two shapes within `options.prediction`, in `manifold`.
+    ///
+    /// `PairTracker::manifold` describes them.
     pub(crate) fn manifold(
         &mut self,
         a: &Shape,
@@ -30,7 +31,9 @@ impl ShapeTracker {
     }
 
     /// Computes the contact points as [`manifold`](Self::manifold) does, from an outcome of the
-    /// cores that is asked for only if the old points do not stand any more.
+    /// cores.
+    ///
+    /// The outcome is queried only if the old points are no longer valid.
     pub(crate) fn manifold_by(
         &mut self,
         [a, b]: [&Shape; 2],
@@ -40,7 +43,7 @@ impl ShapeTracker {
         outcome: impl FnOnce(&mut Self) -> Outcome,
     ) {
         let radii = [a.rounding_radius(), b.rounding_radius()];
-        // The cores are farther apart by the radii.
+        // The distance of the cores is larger by the radii.
         let of_cores = ManifoldOptions {
             prediction: options.prediction + radii[0] + radii[1],
             ..*options
@@ -71,7 +74,7 @@ impl ShapeTracker {
         }
     }
 
-    /// Computes the witnesses of an outcome of the cores as the only contact, new in `manifold`.
+    /// Makes the witnesses of an outcome of the cores the only contact, new in `manifold`.
     pub(crate) fn manifold_of_witnesses(
         [a, b]: [&Shape; 2],
         a_from_b: &RelativePose,
@@ -90,7 +93,7 @@ impl ShapeTracker {
         manifold
     }
 
-    /// Returns the closest points of the cores of two shapes, with a local depth if that will do.
+    /// Returns the closest points of the cores of two shapes, with a local depth if that is enough.
     pub(crate) fn closest_cores(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, until: DepthMode) -> Outcome {
         if let (Core::Polyhedron(x), Core::Polyhedron(y)) = (a.core(), b.core()) {
             return self.polyhedral.checked(x, y, a_from_b, until);
@@ -123,7 +126,7 @@ fn extent(shape: &Shape) -> Extent {
 struct Bearing {
     /// Sine of the largest angle.
     sine: f64,
-    /// The feature that bore the contact before: it may be a quarter further off.
+    /// The feature that carried the contact before: its angle may be larger by a factor `STAY`.
     previous: Option<Feature>,
 }
 
@@ -133,7 +136,7 @@ impl Bearing {
         sine.abs() <= stay * self.sine
     }
 
-    /// Returns the facet of a core which bears a contact with an outward normal.
+    /// Returns the facet of a core that carries a contact with an outward normal.
     fn facet<'a>(&self, core: &'a Core, n: &Vector3<f64>) -> Facet<'a> {
         match core {
             Core::Polyhedron(body) => Facet::Body(body),

@@ -1,7 +1,8 @@
-//! The state that a caller keeps per pair of shapes, and what an answer of two cores becomes: the
-//! outcome of the rounded shapes ([`grow`]), or the outcome along the normal of a face,
-//! whatever the closest features are ([`along_face`]); points in a shape. `manifold` makes contacts
-//! of the outcomes.
+//! The state that a caller keeps per pair of shapes, and the conversion of an outcome of two cores.
+//!
+//! The outcome of the cores becomes the outcome of the rounded shapes ([`grow`]), or the outcome
+//! along the normal of a face, independent of the closest features ([`along_face`]). This file also
+//! tests points in a shape. `manifold` makes contacts of the outcomes.
 
 mod manifold;
 
@@ -17,10 +18,10 @@ use crate::pair::outcome::{Accuracy, ContactState, DepthMode, Outcome};
 use crate::pair::rounding;
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
-/// Closest features of the last answer of one pair of shapes, from which the next query starts.
+/// Closest features of the last outcome of one pair of shapes, from which the next query starts.
 ///
-/// The counterpart of [`Tracker`] for every kind of [`Shape`]. Owns no shape. A tracker that comes
-/// from another pair, or is out of date, costs time and never an answer.
+/// The counterpart of [`Tracker`] for every kind of [`Shape`]. It owns no shape. A tracker of
+/// another pair, or one that is out of date, costs time and never makes a result wrong.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ShapeTracker {
@@ -30,14 +31,16 @@ pub(crate) struct ShapeTracker {
 }
 
 impl ShapeTracker {
-    /// Returns a tracker without a start.
+    /// Returns a tracker that starts cold.
     #[must_use]
     pub(crate) fn new() -> Self {
         Self::default()
     }
 
-    /// Returns a tracker whose first query of two shapes of which one is curved starts along a
-    /// direction from A to B, in the frame of A.
+    /// Returns a tracker whose first query of two shapes, one of them curved, starts along a
+    /// direction from A to B.
+    ///
+    /// The direction is in the frame of A.
     pub(crate) fn along(n: &Vector3<f64>) -> Self {
         Self {
             curved: smooth::WarmStart::along(n),
@@ -45,17 +48,17 @@ impl ShapeTracker {
         }
     }
 
-    /// Returns the closest points of two shapes, their signed distance and its bounds, as told at
-    /// `PairTracker::closest`. Features are those of the cores.
+    /// Returns the closest points of two shapes, their signed distance and its bounds.
     ///
-    /// Depths are searched to an interval of `2^-19 L` by a limited number of support points,
-    /// unless balls inside the cores prove them, or cylinders and cones have parallel axes: about a
-    /// common centre, if many directions are nearly as deep, the interval may stay wider.
+    /// `PairTracker::closest` describes them. Features belong to the cores. Depths are searched to
+    /// an interval of `2^-19 L` by a limited number of support points, unless balls inside the
+    /// cores prove them, or cylinders and cones have parallel axes. If the shapes have a common
+    /// centre and many directions are nearly as deep, the interval may stay wider.
     pub(crate) fn closest(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
         self.measure(a, b, a_from_b, DepthMode::Full)
     }
 
-    /// Returns the closest points, of an overlap with the depth or a local one.
+    /// Returns the closest points; for an overlap, with the depth or a local depth.
     pub(crate) fn measure(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, until: DepthMode) -> Outcome {
         match (a.core(), b.core()) {
             (Core::Polyhedron(x), Core::Polyhedron(y)) => {
@@ -78,7 +81,7 @@ impl ShapeTracker {
         }
     }
 
-    /// Returns the closest points, of overlapping polyhedra the contact state without the depth.
+    /// Returns the closest points; for overlapping polyhedra, the contact state without the depth.
     pub(crate) fn closest_or_class(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
         match (a.core(), b.core()) {
             (Core::Polyhedron(x), Core::Polyhedron(y)) if a.rounding_radius() == 0.0 && b.rounding_radius() == 0.0 => {
@@ -88,12 +91,13 @@ impl ShapeTracker {
         }
     }
 
-    /// Returns whether the closed shapes are at most `d` apart, `d` in the caller's unit; false if
-    /// `d` is negative or NaN.
+    /// Returns whether the closed shapes are at most `d` apart, in the caller's unit.
     ///
-    /// For polyhedra, rounded or not, the answer is that of exact arithmetic on the poses, the
-    /// radii and the `d` given (with the feature `exact`). For other shapes, a distance that the
-    /// bounds cannot tell from `d` counts as within; for such a `d`, the answer may depend on the
+    /// False if `d` is negative or NaN.
+    ///
+    /// For polyhedra, rounded or not, the result equals exact arithmetic on the poses, the radii
+    /// and the `d` given (with the feature `exact`). For other shapes, a distance that the bounds
+    /// cannot distinguish from `d` counts as within. For such a `d` the result may depend on the
     /// last query, which moves the bounds by less than their width.
     pub(crate) fn within(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, d: f64) -> bool {
         match (a.core(), b.core()) {
@@ -105,7 +109,8 @@ impl ShapeTracker {
         }
     }
 
-    /// Returns the query as a text that rebuilds the query bit for bit, as [`Tracker::replay`];
+    /// Returns the query as a text that rebuilds the query bit for bit, like [`Tracker::replay`].
+    ///
     /// `None` unless both cores are polyhedra.
     #[must_use]
     pub(crate) fn replay(&self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Option<Replay> {
@@ -118,7 +123,7 @@ impl ShapeTracker {
         })
     }
 
-    /// Returns what has been done so far.
+    /// Returns the work of all queries so far.
     #[must_use]
     pub(crate) fn work(&self) -> TrackerWork {
         let mut totals = self.totals;
@@ -143,9 +148,10 @@ impl Replay {
 }
 
 impl Shape {
-    /// Returns whether the closed shape contains a point, up to rounding of `1e-14` times the size
-    /// of the shape; exact for polyhedra that are not rounded. `false` for a point that is not
-    /// finite.
+    /// Returns whether the closed shape contains a point; `false` for a point that is not finite.
+    ///
+    /// The result is right up to rounding of `1e-14` times the size of the shape, and exact for
+    /// polyhedra that are not rounded.
     #[must_use]
     pub fn contains(&self, point: &Point3<f64>) -> bool {
         if let Core::Polyhedron(body) = self.core() {
@@ -161,7 +167,7 @@ impl Shape {
         match_core!(self.core(), _ => false, core => core.contains(&point.coords))
     }
 
-    /// Returns whether a rounded shape contains a point, by the distance of the point.
+    /// Returns whether a rounded shape contains a point, from the distance of the point.
     fn is_near(&self, point: &Point3<f64>) -> Option<bool> {
         let point = Self::from(ConvexPolyhedron::point(*point).ok()?);
         let pose = RelativePose::from_isometry(&Isometry3::identity()).ok()?;
@@ -169,9 +175,11 @@ impl Shape {
     }
 }
 
-/// Returns the gap of the plane of a face of A and a core B along the outward normal of the face,
-/// as an outcome: a lower bound of the signed distance, right up to rounding, that says nothing
-/// about an upper one. `None` for a face that A does not have.
+/// Returns the gap between the plane of a face of A and a core B, along the outward normal of the
+/// face, as an outcome.
+///
+/// The gap is a lower bound of the signed distance, right up to rounding. `upper` holds the gap
+/// too, but is no bound. `None` for a face that A does not have.
 pub(crate) fn along_face(a: &ConvexPolyhedron, face: FaceId, b: &Core, a_from_b: &RelativePose) -> Option<Outcome> {
     let (normal, offset) = a.face_plane(face)?;
     let rotation = a_from_b.rotation();
@@ -198,7 +206,7 @@ pub(crate) fn along_face(a: &ConvexPolyhedron, face: FaceId, b: &Core, a_from_b:
     })
 }
 
-/// Returns the outcome of the bodies in the other order.
+/// Returns the outcome with the bodies in the other order.
 pub(crate) fn swapped(outcome: &Outcome, b_from_a: &RelativePose) -> Outcome {
     let normal = -b_from_a.rotation().tr_mul(&outcome.normal);
     Outcome {
@@ -210,7 +218,7 @@ pub(crate) fn swapped(outcome: &Outcome, b_from_a: &RelativePose) -> Outcome {
     }
 }
 
-/// Returns a point of a core that is highest along a unit direction, and its feature.
+/// Returns the support point of a core along a unit direction, and its feature.
 fn support(core: &Core, n: &Vector3<f64>) -> Option<(Feature, Vector3<f64>)> {
     fn of<S: Support>(core: &S, n: &Vector3<f64>) -> (Feature, Vector3<f64>) {
         let (branch, point) = core.support::<f64>(&[n.x, n.y, n.z], 0);
@@ -223,8 +231,9 @@ fn support(core: &Core, n: &Vector3<f64>) -> Option<(Feature, Vector3<f64>)> {
     }, core => of(core, n)))
 }
 
-/// Moves distance, bounds and witnesses of cores out by both radii; returns whether the bounds
-/// leave the contact state open.
+/// Moves distance, bounds and witnesses of the cores outward by both radii.
+///
+/// Returns whether the bounds leave the contact state undecided.
 #[inline]
 pub(super) fn shift(pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome) -> bool {
     outcome.distance = rounding::less(outcome.distance, radii);
@@ -243,8 +252,9 @@ pub(super) fn shift(pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome)
     outcome.lower <= 0.0 && 0.0 <= outcome.upper
 }
 
-/// Moves the outcome of two polyhedra out by both radii. If the bounds leave the contact state
-/// open, exact arithmetic decides the contact state.
+/// Moves the outcome of two polyhedra outward by both radii.
+///
+/// If the bounds leave the contact state undecided, exact arithmetic decides it.
 #[inline]
 pub(super) fn grow(cores: [&ConvexPolyhedron; 2], pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome) {
     if shift(pose, radii, outcome) {

@@ -1,40 +1,47 @@
-//! Counters of a tracker: costs of the two ways to start a walk, and totals for the caller.
+//! Counters of a tracker: the costs of warm and cold starts of a walk, and totals for the caller.
 
 use crate::base::callbacks;
 use crate::base::num::{Counter, sum_of_counters};
 use crate::pair::outcome::AnsweredBy;
 use crate::pair::outcome::{Solver, Work};
 
-/// Cost of a cold start, two cube-map look-ups and climbs, in steps of the walk. Measured of the
-/// walks: some five steps from the support vertices of round bodies, and from the last features
-/// `1 + 0.085 sqrt(n)` steps a degree turned. Measured of 4, 2 and 1 over five motions and thirteen
-/// shapes: 2 takes 5 to 16 % less time than 4 at random poses of small bodies, and at most 3 %
-/// more elsewhere (flat bodies at 5 degrees, more with 1).
+/// Cost of a cold start (two cube-map look-ups and climbs), in steps of the walk.
+///
+/// Measured on the walks: about five steps from the support vertices of round bodies, and
+/// `1 + 0.085 sqrt(n)` steps per degree of rotation from the last features. Measured for the values
+/// 4, 2 and 1 over five motions and thirteen shapes: 2 takes 5 to 16 % less time than 4 at random
+/// poses of small bodies, and at most 3 % more elsewhere (flat bodies at 5 degrees, more with 1).
 const CLIMBS: u32 = 2;
 
-/// Costs of a start of which the running mean is taken. Measured of 4, 8, 12, 16 and 24 over round
-/// and flat bodies of 8 to 512 vertices that turn by 0.5, 5 and 25 degrees or stand at random
-/// poses, with [`TRIALS`] and [`FADING`], in instructions: every family takes at most 2.5 % more
-/// than with the better of the two starts alone (4, without trials, 7.7 %).
+/// Number of costs over which the running mean of a start is taken.
+///
+/// Measured for 4, 8, 12, 16 and 24, over round and flat bodies of 8 to 512 vertices that rotate by
+/// 0.5, 5 and 25 degrees or have random poses, with [`TRIALS`] and [`FADING`], in instructions:
+/// every family takes at most 2.5 % more than with the better of the two starts alone (4, without
+/// trials, 7.7 %).
 const SAMPLES: u16 = 12;
 
-/// The same of the first start after the other way. Measured with [`SAMPLES`]: 2 and 3 alike.
+/// The same number for the first start after a change between warm and cold.
+///
+/// Measured with [`SAMPLES`]: 2 and 3 alike.
 const TRIALS: u16 = 2;
 
-/// Queries in which the mean of the way not taken fades to some third, so that this way is tried
-/// again. Means of less than this many thirty-seconds of a step, 8 steps, fade no further: ways as
-/// cheap differ little. Measured with [`SAMPLES`] of 128 and 256.
+/// Queries after which the mean of the unused start fades to about a third, so that this start is
+/// tried again.
+///
+/// Means of less than this many thirty-seconds of a step (8 steps) fade no further, because starts
+/// as cheap as this differ little. Measured for [`SAMPLES`] of 128 and 256.
 const FADING: u16 = 256;
 
 /// Cost of the direction of two ellipsoids, in steps of the walk. Not measured.
 const ELLIPSOIDS: u32 = 2;
 
-/// Mean costs of the two ways to start, in steps of the walk: the cheaper way is the start of the
-/// next query.
+/// Mean costs of a warm and of a cold start, in steps of the walk.
 ///
-/// From the features of the last answer a walk takes `1 + 0.085 sqrt(n)` steps a degree turned;
-/// from the support vertices some five on round bodies, whatever happened in between. Counting the
-/// steps actually taken needs neither n nor the motion.
+/// The cheaper start is the start of the next query. From the features of the last outcome a walk
+/// takes `1 + 0.085 sqrt(n)` steps per degree of rotation. From the support vertices it takes about
+/// five on round bodies, independent of the motion. The counter needs neither n nor the motion,
+/// because it counts the steps taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Starts {
@@ -52,8 +59,9 @@ impl Starts {
         self.warm <= self.cold
     }
 
-    /// Includes the cost of the way taken in its mean; the mean of the other way fades, so that
-    /// this way is tried again.
+    /// Includes the cost of the start just used in its mean.
+    ///
+    /// The mean of the other start fades, so that this start is tried again.
     #[inline(always)]
     pub(super) fn learn(&mut self, warm: bool, work: &Work) {
         let steps = work.steps + ELLIPSOIDS * work.ellipsoids;
@@ -63,8 +71,9 @@ impl Starts {
         } else {
             (&mut self.cold, &mut self.warm)
         };
-        // The first cost is the mean. That of a trial of the other way weighs more than later ones,
-        // as the mean is of long ago and has faded: or a trial that fails would be repeated soon.
+        // The first cost is the mean. The cost of a trial of the other start weighs more than later
+        // costs, because its mean is old and has faded; otherwise a failed trial would soon be
+        // repeated.
         let samples = if warm == self.was_warm { SAMPLES } else { TRIALS };
         *taken = if *taken == 0 {
             cost
@@ -76,18 +85,18 @@ impl Starts {
     }
 }
 
-/// Work of a tracker since the tracker was made or reset.
+/// Work of a tracker since it was made or reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct TrackerWork {
     /// Queries that reached a walk.
     pub queries: u64,
-    /// Queries whose walk started from the features of the previous answer.
+    /// Queries whose walk started from the features of the previous outcome.
     pub warm: u64,
-    /// Queries by the solver that answered, in the order of [`Solver`].
+    /// Queries by the solver that computed the outcome, in the order of [`Solver`].
     pub(crate) answered: [u64; Solver::COUNT],
-    /// Feature pairs tested.
+    /// Feature pairs that the walk tested.
     pub steps: u64,
     /// Overlaps whose depth was searched.
     pub depths: u64,
@@ -117,7 +126,7 @@ impl core::fmt::Display for TrackerWork {
 }
 
 impl TrackerWork {
-    /// Counts a query and its work.
+    /// Adds a query and its work to the counters.
     #[inline(always)]
     pub(crate) fn note(&mut self, warm: bool, solver: Solver, work: &Work) {
         self.queries.count(1);

@@ -1,10 +1,10 @@
-//! The state a user keeps per pair: the features of the last answer, from which the next query
-//! starts.
+//! The state that a caller keeps per pair: the features of the last outcome, from which the next
+//! query starts.
 //!
-//! This file holds the [`Tracker`] and all its queries: closest points, distances and proposals,
-//! contacts, the local depth of an overlap, predicates, whether bodies are within a sum of numbers
-//! of each other (what rounded bodies ask), the record of a walk for diagnosis, and the tracker as
-//! a text. [`mod@resume`] starts from the overlap of the last answer, [`counts`] chooses the start
+//! This file holds the [`Tracker`] and all its queries: closest points, distances, proposals,
+//! contacts, local depths and predicates. It also holds the comparison of a distance with an exact
+//! sum of numbers (for rounded bodies), the trace of a walk for diagnosis, and the tracker as a
+//! text. [`mod@resume`] starts from the overlap of the last outcome, [`counts`] chooses the start
 //! of a walk.
 
 mod counts;
@@ -33,15 +33,16 @@ use crate::pair::posed::PosedPair;
 pub(crate) use crate::convex::depth::Workspace;
 pub use crate::convex::tracker::counts::TrackerWork;
 
-/// Walks of so many steps were near their end at the start, and extrapolation of the features would
-/// gain nothing. Not measured.
+/// Walks of at most this many steps were near their end at the start, so extrapolation of the
+/// features would gain nothing. Not measured.
 const STEADY: u32 = 3;
 
-/// The features of the last answer of a pair, from which the next walk starts, and counters.
+/// Cached features of one pair, from which the next walk starts, and counters.
 ///
-/// Owns no body. A tracker that comes from another pair, or is out of date, costs time and never an
-/// answer: classification and predicates are equal warm and cold, and distances agree within their
-/// bounds. Only among exact ties may features, witnesses and normal depend on the history.
+/// A tracker owns no body. A tracker of another pair, or one that is out of date, costs time and
+/// never makes a result wrong. Contact states and predicates are equal for warm and cold trackers,
+/// and distances agree within their bounds. If several feature pairs are exactly equally close,
+/// features, witnesses and normal may depend on earlier queries.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -64,50 +65,55 @@ const STEADY: u32 = 3;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tracker {
     last: Option<FeaturePair>,
-    /// Start of the next walk: the last features, or features extrapolated by the motion of a step.
+    /// Start of the next walk: the last features, or features extrapolated by the motion of one
+    /// step.
     #[cfg_attr(feature = "serde", serde(default))]
     next: Option<FeaturePair>,
     starts: Starts,
     totals: TrackerWork,
-    /// The surface of the last answer, if the last answer was an overlap.
+    /// The polytope of the last outcome, if it was an overlap.
     #[cfg_attr(feature = "serde", serde(default))]
     memory: Memory,
-    /// The proof of the last answer, if the last answer was an overlap without depth.
+    /// The proof of the last outcome, if it was an overlap without depth.
     #[cfg_attr(feature = "serde", serde(default))]
     overlap_proof: Option<OverlapProof>,
 }
 
 impl Tracker {
-    /// Returns a tracker without a start: the first query begins at the support vertices along the
-    /// line of centres.
+    /// Returns a tracker that starts cold.
+    ///
+    /// The first query starts at the support vertices along the line of centres.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Returns the closest features, their witnesses and bounds of the distance, certified:
-    /// separated bodies get bounds no wider than `1e-13 L`, with `L` the size of the pair ([front
-    /// page](crate#guarantees)). Overlapping bodies get their depth as a negative distance, bounded
-    /// as well. Queries of separated bodies allocate nothing, unless exact arithmetic is needed;
-    /// the depth of an overlap takes memory that the tracker keeps, or has allocated before
+    /// Returns the closest features, their witnesses and proven bounds of the distance.
+    ///
+    /// Separated bodies get bounds at most `1e-13 L` apart, where `L` is the pair size ([front
+    /// page](crate#guarantees)). Overlapping bodies get their depth as a negative distance, with
+    /// bounds as well. Queries of separated bodies allocate only if they need exact arithmetic. The
+    /// depth of an overlap needs memory that the tracker keeps, or has allocated before
+    /// ([`reserve`](Self::reserve)).
     /// ([`reserve`](Self::reserve)).
     ///
-    /// A query tests a few vertices, even if faces or fans of thousands of edges lie flush. Only
-    /// one query takes time in proportion to the number of such edges: the depth of an overlap
-    /// whose centre is equally deep under all of them, as of two cones with coaxial apexes. Each
-    /// may be the deepest, and is tested, in some 3 to 7 us.
+    /// A query tests a few vertices, even if faces or fans of thousands of edges lie flush. One
+    /// query is an exception: the depth of an overlap whose centre is equally deep under all these
+    /// edges (two cones with coaxial apexes). Each edge may be the deepest and is tested, in about
+    /// 3 to 7 µs.
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         self.checked(a, b, a_from_b, DepthMode::Full)
     }
 
-    /// Returns the closest features as [`closest`](Self::closest) does, with the distance of
-    /// separated bodies within one unit in the last place of the truth. Costs some ten times
-    /// `closest`: features that are the closest beyond doubt have a distance in closed form, in
-    /// double-double arithmetic; other pairs, as of parallel faces, are solved in that arithmetic
-    /// or in exact integers, in microseconds. The depth of an overlap keeps the bounds of
-    /// [`closest`](Self::closest) unless its facets are decided over integers
-    /// ([`Solver::Exact`](crate::Solver)).
+    /// Returns the closest features and a distance right to the last place.
+    ///
+    /// The distance of separated bodies is within one unit in the last place of the truth. The
+    /// query costs about ten times [`closest`](Self::closest). Features that are certainly the
+    /// closest have a distance in closed form, in double-double arithmetic. Other pairs, such as
+    /// parallel faces, are solved in that arithmetic or in exact integers, in microseconds. The
+    /// depth of an overlap keeps the bounds of `closest` unless its facets are decided over
+    /// integers ([`Solver::Exact`](crate::Solver)).
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
@@ -120,8 +126,8 @@ impl Tracker {
                 until: DepthMode::Full,
             },
         );
-        // Second case: a distance that f64 holds in the caller's unit only, below the normal
-        // numbers in the stored unit.
+        // Second case: a distance that f64 can represent only in the caller's unit, because it is
+        // below the normal numbers in the stored unit.
         if outcome.solver == crate::pair::outcome::Solver::Far
             || outcome.state == ContactState::Separated && !outcome.is_tight()
         {
@@ -131,8 +137,8 @@ impl Tracker {
         outcome
     }
 
-    /// Returns the closest points of bodies apart, and of an overlap the contact state without its
-    /// depth.
+    /// Returns the closest points of separated bodies, and the contact state of an overlap without
+    /// its depth.
     pub(crate) fn closest_or_class(
         &mut self,
         a: &ConvexPolyhedron,
@@ -142,13 +148,14 @@ impl Tracker {
         self.measure(a, b, a_from_b, DepthMode::None)
     }
 
-    /// Returns the distance and its bounds without the witnesses.
+    /// Returns the signed distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
         self.bounds(a, b, a_from_b, DepthMode::Full)
     }
 
-    /// Returns the closest features as the walk proposes, without bounds. If the walk does not end,
-    /// the minimum-norm solver in f64 is used.
+    /// Returns the closest features that the walk proposes, without bounds.
+    ///
+    /// If the walk does not end, the minimum-norm solver in f64 replaces it.
     #[inline]
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
         let o = self.answer(
@@ -171,8 +178,9 @@ impl Tracker {
         }
     }
 
-    /// Returns a tracker that starts from the given features; features that the bodies do not have
-    /// are ignored.
+    /// Returns a tracker that starts from the given features.
+    ///
+    /// It ignores features that the bodies do not have.
     #[must_use]
     pub fn with_features(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
         let features = features.is_of(a, b).then(|| features.walkable(a, b));
@@ -186,11 +194,12 @@ impl Tracker {
         }
     }
 
-    /// Returns a tracker that starts as after an answer of this contact state at these features:
-    /// for callers who keep features and contact state in state of their own, and no tracker. After
-    /// an overlap, the next query for a depth begins at the facet of the features; after any other
-    /// contact state the tracker is that of [`with_features`](Self::with_features). A wrong hint
-    /// costs time and never an answer.
+    /// Returns a tracker that starts as after an outcome with these features and this state.
+    ///
+    /// Use this if you keep features and contact state yourself and no tracker. After an overlap,
+    /// the next query for a depth starts at the facet of the features. After any other contact
+    /// state the tracker equals that of [`with_features`](Self::with_features). A wrong hint costs
+    /// time and never makes a result wrong.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -223,21 +232,24 @@ impl Tracker {
         tracker
     }
 
-    /// Allocates all the memory that overlaps may need later (some 50 kB): afterwards no query
-    /// allocates if the walk or its solvers in f64 suffice, as long as surfaces have no more than
-    /// 256 triangles. Only round bodies deep in each other need more.
+    /// Allocates all the memory that overlaps may need later (about 50 kB).
+    ///
+    /// Afterwards no query allocates if the walk or its solvers in f64 suffice and polytopes have
+    /// at most 256 triangles. Only round bodies deep in each other need more.
     pub fn reserve(&mut self) {
         self.memory.reserve();
     }
 
-    /// Returns the features of the last answer.
+    /// Returns the features of the last outcome.
     #[must_use]
     pub fn features(&self) -> Option<FeaturePair> {
         self.last
     }
 
-    /// Returns the query as a text that rebuilds the query bit for bit: call this before the query,
-    /// or the recorded start is the start of the next query.
+    /// Returns the query as a text that rebuilds the query bit for bit.
+    ///
+    /// Call this before the query; after the query the recorded start is the start of the next
+    /// query.
     #[must_use]
     pub fn replay(
         &self,
@@ -249,10 +261,10 @@ impl Tracker {
         replay(a, b, a_from_b, self.start(a, b), self.memory.clone(), accuracy)
     }
 
-    /// Returns the first broken invariant of the cached state: a tool of tests and fuzzing.
+    /// Returns the first broken invariant of the cached state: a tool for tests and fuzzing.
     ///
     /// # Errors
-    /// A text that names the broken invariant.
+    /// Returns an error that names the broken invariant.
     pub fn check(&self) -> Result<(), String> {
         self.memory.check()
     }
@@ -263,19 +275,20 @@ impl Tracker {
         self.totals
     }
 
-    /// Forgets features and counters.
+    /// Drops the cached features and resets the counters.
     pub fn reset(&mut self) {
         *self = Self::default();
     }
 
-    /// Computes the contact points of two bodies within `options.prediction`, in `manifold`, which
-    /// keeps ids and order of the contacts of the previous query: one manifold for each pair,
-    /// passed in every frame.
+    /// Computes the contact points of two bodies within `options.prediction`.
     ///
-    /// If the bodies have moved no more than `options.rebuild_motion` since the manifold was made,
-    /// its points stay fixed to the bodies and only their separations, the normal and the bounds
-    /// are measured again; otherwise the manifold is rebuilt from [`closest`](Self::closest), and
-    /// its deepest contact is the contact of the answer.
+    /// `manifold` keeps the ids and the order of the contacts of the previous query. Keep one
+    /// manifold per pair and pass it in every frame.
+    ///
+    /// If the bodies have moved at most `options.rebuild_motion` since the manifold was made, its
+    /// points stay fixed to the bodies, and only their separations, the normal and the bounds are
+    /// measured again. Otherwise the manifold is rebuilt from [`closest`](Self::closest), and its
+    /// deepest contact is the contact of this outcome.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -317,29 +330,34 @@ impl Tracker {
         }
     }
 
-    /// Returns the closest features as [`closest`](Self::closest) does, and of an overlap a local
-    /// depth, at about three times the price of a walk: `normal` and `distance` are those of a
-    /// facet of the Minkowski difference that is nearest in its neighbourhood, found by a walk from
-    /// the facet of the last answer. A translation of B by `-lower` along the normal is proven to
-    /// part the bodies, so `-lower` bounds the depth from above; a shorter translation may do.
+    /// Returns the closest features; an overlap gets a local depth.
     ///
-    /// `upper` is what the search happens to prove: equal to the distance (within `1e-13 L`) if the
-    /// depth is proven to be the least, else a bound, and zero if only the overlap is proven.
+    /// The query costs about three times as much as a walk.
     ///
-    /// Use this for bodies of 32 vertices or more in shallow contact; do not use it for bodies of
-    /// few vertices, nor for deep overlaps. Measured on round and flat bodies 1 % deep that turn by
-    /// half a degree a frame:
+    /// Separated bodies get the outcome of [`closest`](Self::closest). For an overlap, `normal` and
+    /// `distance` belong to a facet of the Minkowski difference that is nearest in its
+    /// neighbourhood; a walk finds it from the facet of the last outcome. A translation of B by
+    /// `-lower` along the normal is proven to separate the bodies, so `-lower` is an upper bound of
+    /// the depth. A shorter translation may suffice.
+    ///
+    /// `upper` is what the search proves on the way: it equals the distance (within `1e-13 L`) if
+    /// the depth is proven to be the least; otherwise it is a bound, and zero if only the overlap
+    /// is proven.
+    ///
+    /// Use this for bodies of 32 vertices or more in shallow contact. Do not use it for bodies of
+    /// few vertices or for deep overlaps. Measured on round and flat bodies 1 % deep that rotate by
+    /// half a degree per frame:
     ///
     /// * From 32 vertices on, [`closest`](Self::closest) takes 2.5 to 16 times as long, and one
     ///   query in a hundred 16 to 87 times. (Prisms that slide flush on each other: 1.0 to 1.7
     ///   times as long.)
-    /// * If `upper` is zero, a quarter (flat bodies) to four fifths of the answers are deeper than
-    ///   the depth; if `upper` is a bound below zero, 2 % to 40 % are.
-    /// * From 128 vertices on, such an answer is at most 1.2 times the depth. At eight vertices it
-    ///   is up to 5 times (round bodies) or 33 times (flat bodies) the depth: the facet is nearest
-    ///   only in its neighbourhood, and the next queries start from it.
+    /// * If `upper` is zero, 25 % (flat bodies) to 80 % of the returned depths exceed the least
+    ///   depth; if `upper` is a bound below zero, 2 % to 40 % do.
+    /// * From 128 vertices on, such a depth is at most 1.2 times the least depth. At eight vertices
+    ///   it is up to 5 times (round bodies) or 33 times (flat bodies) the least depth: the facet is
+    ///   nearest only in its neighbourhood, and the next queries start from it.
     ///
-    /// [`closest`](Self::closest) of the same tracker leads back to the deepest facet:
+    /// A query by [`closest`](Self::closest) of the same tracker returns to the deepest facet:
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -369,18 +387,19 @@ impl Tracker {
         self.checked(a, b, a_from_b, DepthMode::Local)
     }
 
-    /// Returns whether the closed bodies share a point: touching is intersecting.
+    /// Returns whether the closed bodies share a point; touching counts.
     ///
-    /// With the feature `exact` the answer equals exact arithmetic on the poses given. Without
+    /// With the feature `exact` the result equals exact arithmetic on the poses given. Without
     /// `exact`, bodies within `1e-27 L` of touching count as intersecting.
     pub fn intersects(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> bool {
         self.within(a, b, a_from_b, 0.0)
     }
 
-    /// Returns whether the closed bodies are at most `d` apart, `d` in the caller's units. Always
-    /// false for a negative or NaN `d`.
+    /// Returns whether the closed bodies are at most `d` apart, in the caller's unit.
     ///
-    /// With the feature `exact` the answer equals exact arithmetic on the poses and the `d` given.
+    /// Always false for a negative or NaN `d`.
+    ///
+    /// With the feature `exact` the result equals exact arithmetic on the poses and the `d` given.
     /// Without `exact`, a distance that the bounds cannot distinguish from `d` counts as within.
     pub fn within(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
@@ -390,7 +409,7 @@ impl Tracker {
         self.decides_within(a, b, a_from_b, &outcome, d)
     }
 
-    /// Returns the signed distance and its bounds; the depth of an overlap stays open if `until` is
+    /// Returns the signed distance and its bounds; without a depth if `until` is
     /// [`DepthMode::None`].
     #[inline]
     pub(crate) fn bounds(
@@ -403,7 +422,7 @@ impl Tracker {
         Distance::from(&self.measure(a, b, a_from_b, until))
     }
 
-    /// Returns the certified outcome; of an overlap as much as `until` calls for.
+    /// Returns the certified outcome; for an overlap, with the depth that `until` requests.
     #[inline]
     pub(crate) fn measure(
         &mut self,
@@ -430,7 +449,7 @@ impl Tracker {
         outcome
     }
 
-    /// Returns the answer of [`within`](Self::within) for a `d` that is not negative, from the
+    /// Returns the result of [`within`](Self::within) for a `d` that is not negative, from the
     /// outcome of the last query.
     #[inline]
     pub(crate) fn decides_within(
@@ -450,13 +469,12 @@ impl Tracker {
         }
     }
 
-    /// Makes the next query without depth begin with the expectation of an overlap, from this
-    /// proof.
+    /// Makes the next query without depth start from this proof, in expectation of an overlap.
     pub(crate) fn expect(&mut self, proof: OverlapProof) {
         self.overlap_proof = Some(proof);
     }
 
-    /// Returns the number of triangles of the cached surface of an overlap.
+    /// Returns the number of triangles of the cached polytope of an overlap.
     pub(crate) fn facets(&self) -> usize {
         if self.overlap_proof.is_some() {
             4
@@ -465,13 +483,15 @@ impl Tracker {
         }
     }
 
-    /// Drops the cached surface of an overlap, and its memory.
+    /// Drops the cached polytope of an overlap, and its memory.
     pub(crate) fn shed(&mut self) {
         self.memory = Memory::default();
     }
 
-    /// Exchanges the working memory of searches for a depth for another: a scene lends one to all
-    /// its trackers, since one for each would not stay in the cache.
+    /// Exchanges the working memory of depth searches.
+    ///
+    /// A scene lends one such memory to all its trackers, because one per tracker would not stay in
+    /// the cache.
     #[inline]
     pub(crate) fn exchange(&mut self, workspace: &mut Workspace) {
         self.memory.exchange(workspace);
@@ -482,7 +502,7 @@ impl Tracker {
         self.memory.memory_usage()
     }
 
-    /// Computes the contact state alone from the proof of the last answer, or by the solver of this
+    /// Computes only the contact state, from the proof of the last outcome or by the solver of this
     /// proof.
     #[inline(never)]
     pub(super) fn still_overlaps(&mut self, posed: &PosedPair, draft: &mut Draft) -> bool {
@@ -521,8 +541,9 @@ impl Tracker {
         true
     }
 
-    /// Returns whether the closed bodies are at most the exact sum of three numbers apart, like
-    /// [`within`](Self::within); false unless all three numbers are zero or positive.
+    /// Returns whether the closed bodies are at most the exact sum of three numbers apart.
+    ///
+    /// Works like [`within`](Self::within); false unless all three numbers are zero or positive.
     pub(crate) fn within_reach(
         &mut self,
         a: &ConvexPolyhedron,
@@ -568,8 +589,10 @@ impl Tracker {
         true
     }
 
-    /// Answers at one accuracy, an overlap with its depth if `deep`. The draft is written in
-    /// place: copied whole, the draft would wait for its parts to leave the store queue.
+    /// Answers a query at one accuracy; an overlap gets the depth that `ask` requests.
+    ///
+    /// The draft is written in place: a copy of the whole draft would wait until its fields have
+    /// left the store queue.
     #[inline(always)]
     fn answer(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, ask: Ask) -> Outcome {
         let mut draft = Draft::starting_at(FeaturePair::FIRST);
@@ -622,7 +645,7 @@ impl Tracker {
         }
     }
 
-    /// Computes the depth of an overlap, if requested; if not, the next query begins with the
+    /// Computes the depth of an overlap, if requested; otherwise the next query starts in
     /// expectation of another overlap.
     #[inline(always)]
     fn deepen(&mut self, ask: Ask, posed: &PosedPair, draft: &mut Draft) {
@@ -653,7 +676,7 @@ impl Tracker {
         draft.features = warm.unwrap_or_else(|| seed::cold(&posed, &mut draft.work));
         solve::solve(ask.accuracy, &posed, warm.is_some(), draft, |_| false);
         self.deepen(ask, &posed, draft);
-        // The names of the surface are the names of the bodies exchanged.
+        // In the polytope the names of the bodies are exchanged.
         self.memory.clear();
         self.overlap_proof = None;
         draft.swap(&b_from_a);
@@ -667,15 +690,17 @@ impl Tracker {
         self.count(false, a, b, draft);
     }
 
-    /// Returns the start of the next query: the cached pair, if its features belong to these bodies
-    /// and the cached pair has been the cheaper start of late. The start is the only influence of a
-    /// tracker on an answer, and hence all that a replay records.
+    /// Returns the start of the next query: the cached pair, if it is usable and has been the
+    /// cheaper start of late.
+    ///
+    /// The cached pair is usable if its features belong to these bodies. A tracker influences a
+    /// result only by this start and by its cached overlap, so a replay records these.
     #[inline(always)]
     fn start(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<FeaturePair> {
         self.next.filter(|pair| self.starts.prefer_warm() && pair.is_of(a, b))
     }
 
-    /// Captures the data a fault is reported with, in builds that check for faults.
+    /// Captures the data with which a fault is reported, in builds that check for faults.
     #[inline(always)]
     fn before(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<(Option<FeaturePair>, Memory)> {
         cfg!(debug_assertions).then(|| (self.start(a, b), self.memory.clone()))
@@ -685,8 +710,8 @@ impl Tracker {
     fn count(&mut self, warm: bool, a: &ConvexPolyhedron, b: &ConvexPolyhedron, draft: &Draft) {
         self.starts.learn(warm, &draft.work);
         self.totals.note(warm, draft.solver, &draft.work);
-        // Longer walks, and walks that began at extrapolated features: on long face boundaries and
-        // around large fans.
+        // Longer walks, and walks that started at extrapolated features: on long face boundaries
+        // and around large fans.
         if (a.has_large_rings | b.has_large_rings) && (draft.work.steps > STEADY || self.next != self.last) {
             let now = draft.features;
             let next = self.last.map_or(now, |before| predict(a, b, before, now));
@@ -722,7 +747,7 @@ fn replay(
     }
 }
 
-/// In debug builds: an answer that contradicts itself ends the program with the text that replays
+/// In debug builds, ends the program if an outcome contradicts itself, with the text that replays
 /// the query.
 #[inline(always)]
 fn debug_check(
@@ -760,13 +785,14 @@ pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relati
         return false;
     }
     let reach = a.radius + b.radius + d;
-    // One part in 2^20 is far more than the rounding of both sides, and LEAST_SQUARE more than the
-    // loss of squares below the normal numbers.
+    // The factor 1 + 2^-20 covers far more than the rounding of both sides. LEAST_SQUARE covers
+    // more than the loss of squares below the normal numbers.
     pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0) + LEAST_SQUARE
 }
 
-/// Returns whether a pair of different units is computed in the unit of `x`: true if `x` has the
-/// larger unit, or `y` is a point, which has no size of its own.
+/// Returns whether a pair with two stored units is computed in the unit of `x`.
+///
+/// True if `x` has the larger unit, or `y` is a point, which has no size.
 #[cold]
 fn has_the_unit(x: &ConvexPolyhedron, y: &ConvexPolyhedron) -> bool {
     y.radius == 0.0 || x.exponent > y.exponent && x.radius > 0.0
@@ -779,7 +805,7 @@ fn to_user_units(a: &ConvexPolyhedron, b: &ConvexPolyhedron, draft: &mut Draft) 
     draft.scale(unit, a, b);
 }
 
-/// The path of a walk, to be shown.
+/// The path of a walk, for display.
 #[cfg(feature = "__internals")]
 mod path {
     use alloc::vec::Vec;
@@ -790,10 +816,13 @@ mod path {
 
     #[doc(hidden)]
     impl Tracker {
-        /// Returns the pairs of features that the walk of the next query would test, in order, and
-        /// whether the walk ends on the last pair rather than handing over there. Nothing is
-        /// changed or counted. Empty for bodies on which no walk is tried: too far apart, or of
-        /// sizes too different.
+        /// Returns the feature pairs that the next walk would test, and whether it ends.
+        ///
+        /// The pairs are in the order of the walk.
+        ///
+        /// The flag is true if the walk ends on the last pair, and false if it hands over there to
+        /// another solver. Nothing is changed or counted. The path is empty for bodies on which no
+        /// walk is tried: too far apart, or of sizes too different.
         #[must_use]
         pub fn trace(
             &self,

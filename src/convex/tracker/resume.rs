@@ -1,4 +1,4 @@
-//! Depths from the last answer: the deepest facet, and the surface, of the query before.
+//! Depths from the last outcome: its deepest facet and its polytope.
 
 use super::{Tracker, to_user_units};
 use crate::body::polyhedron::FeaturePair;
@@ -7,20 +7,21 @@ use crate::pair::draft::Draft;
 use crate::pair::outcome::DepthMode;
 use crate::pair::posed::PosedPair;
 
-/// What became of the last overlap.
+/// The result of resuming the last overlap.
 pub(super) enum Resumed {
     /// The draft holds the proven depth.
     Proven,
-    /// The bodies seem apart: these features are near the closest ones.
+    /// The bodies seem separated: these features are near the closest ones.
     Apart(FeaturePair),
     /// Nothing is known.
     Open,
 }
 
 impl Tracker {
-    /// Answers from the deepest facet or the surface of the last answer. State of no further use is
-    /// dropped. Bodies that came apart since get the start of a walk, whatever the costs of starts
-    /// were: these costs are no part of a replay.
+    /// Computes the outcome from the deepest facet or the polytope of the last outcome.
+    ///
+    /// State of no further use is dropped. Bodies that have separated since get the start of a
+    /// walk, independent of the costs of starts, because a replay does not record these costs.
     #[inline(never)]
     pub(super) fn resume(&mut self, posed: &PosedPair, until: DepthMode, draft: &mut Draft) -> Resumed {
         let first = *draft;
@@ -52,8 +53,10 @@ impl Tracker {
     }
 }
 
-/// Answers an overlap from the features at which a walk was refused. The depth is the least even if
-/// a local one will do: the next queries start from its facet.
+/// Computes an overlap from the features at which the certificate of a walk failed.
+///
+/// The depth is the least depth, even if a local depth is enough: the next queries start from its
+/// facet.
 #[cold]
 #[inline(never)]
 pub(super) fn enters_overlap(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) -> bool {

@@ -1,4 +1,4 @@
-//! A geometry that is lent to a query.
+//! A geometry that a query borrows.
 
 use alloc::sync::Arc;
 
@@ -13,10 +13,10 @@ use crate::nonconvex::{mesh::Mesh, pieces::Compound};
 #[cfg(feature = "surfaces")]
 use crate::surface::BezierSurface;
 
-/// A geometry of any kind, lent to a query: what a query of two geometries takes.
+/// A borrowed geometry of any kind: what a query of two geometries takes.
 ///
-/// References to a [`Geometry`] and to a body of each kind become one, so that a body need not be
-/// shared to be asked. A [`Shape`] that is a polyhedron and not rounded is a polyhedron.
+/// References to a [`Geometry`] and to a body of each kind convert to this type, so a body need not
+/// be shared to be queried. A [`Shape`] that is a polyhedron and not rounded becomes a polyhedron.
 #[derive(Clone, Copy, Debug)]
 pub struct GeometryRef<'a>(pub(crate) Lent<'a>);
 
@@ -33,7 +33,7 @@ pub(crate) enum Lent<'a> {
     BezierSurface(LentBody<'a, BezierSurface>),
 }
 
-/// A body that is lent, and its owner if the body is shared.
+/// A body that is borrowed, and its owner if the body is shared.
 #[derive(Debug)]
 pub(crate) struct LentBody<'a, T> {
     body: &'a T,
@@ -49,13 +49,13 @@ impl<T> Clone for LentBody<'_, T> {
 impl<T> Copy for LentBody<'_, T> {}
 
 impl<'a, T> LentBody<'a, T> {
-    /// Returns the body for as long as it is lent.
+    /// Returns the body for the lifetime of the loan.
     #[inline]
     pub(crate) fn get(self) -> &'a T {
         self.body
     }
 
-    /// Returns the body to keep: shared if it was shared, else a copy.
+    /// Returns the body to keep: the shared body if it is shared, else a copy.
     pub(crate) fn to_arc(self) -> Arc<T>
     where
         T: Clone,
@@ -143,8 +143,8 @@ impl<'a> GeometryRef<'a> {
         }
     }
 
-    /// Returns the hash by which kept state recognises the geometry: one for all places of the
-    /// vertices of a mesh.
+    /// Returns the hash by which cached state recognises the geometry: one hash for all positions
+    /// of the vertices of a mesh.
     #[inline]
     pub(crate) fn fingerprint(self) -> Fingerprint {
         match_kind!(Lent, self.0, body => OfKind::fingerprint(body.get()))
@@ -194,7 +194,7 @@ impl<'a> From<LentBody<'a, Shape>> for GeometryRef<'a> {
     }
 }
 
-/// Lends bodies of a kind whose every body is of the same variant.
+/// Borrows bodies of a kind whose every body is of the same variant.
 macro_rules! lend {
     ($kind:ident, $body:ty) => {
         impl<'a> From<LentBody<'a, $body>> for GeometryRef<'a> {

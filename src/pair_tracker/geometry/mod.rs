@@ -1,4 +1,4 @@
-//! A geometry of any kind, its kind, and the methods that a body of every kind has.
+//! A geometry of any kind, its kind, and the methods that bodies of every kind have.
 
 mod lent;
 #[cfg(feature = "meshes")]
@@ -21,7 +21,7 @@ use alloc::borrow::Cow;
 use alloc::sync::Arc;
 use nalgebra::{Isometry3, Point3};
 
-/// Matches a geometry, owned or lent, by an expression for a body of any kind.
+/// Matches a geometry, owned or borrowed, by an expression for a body of any kind.
 macro_rules! match_kind {
     ($all:ident, $geometry:expr, $body:ident => $result:expr) => {
         match $geometry {
@@ -39,32 +39,38 @@ macro_rules! match_kind {
 
 use match_kind;
 
-/// The shape of a body, shared by all bodies of this shape.
+/// The shape of a body, shared by all bodies with this shape.
 ///
-/// A [`PairTracker`](crate::PairTracker) follows any two. In a scene a pair answers all queries but
-/// these:
+/// A [`PairTracker`](crate::PairTracker) takes any two geometries. In a scene a pair answers all
+/// queries except these:
 ///
-/// | pair | refused |
+/// | pair | queries that it cannot answer |
 /// |---|---|
-/// | two convex shapes, polyhedra among them | none |
-/// | a compound or a mesh, with one or a convex shape | depths |
+/// | two convex shapes, polyhedra included | none |
+/// | a compound or a mesh, with a compound, a mesh or a convex shape | depths |
 /// | a surface, with any other geometry | depths, `manifold` |
 ///
-/// Depths are the queries `depth` and `local_depth`. The query `manifold` of a pair with a
-/// compound or mesh is answered by [`PairResults::contacts`](crate::scene::PairResults::contacts);
-/// overlaps of such a pair have the distance 0.
+/// Depths are the queries `depth` and `local_depth`. For a pair with a compound or mesh, the query
+/// `manifold` fills [`PairResults::contacts`](crate::scene::PairResults::contacts). Overlaps of
+/// such a pair have the distance 0.
 ///
-/// A call that would make a pair with a query that the pair cannot answer is refused with
-/// [`SceneError::Unanswered`](crate::scene::SceneError::Unanswered): insertion of a body, change of
-/// a group, enable a query. Against a compound or a mesh a convex shape is a compound of one
-/// piece, a single leaf with its own support points; against a mesh a compound of polyhedra is the
-/// mesh of its surface; against a surface a mesh is its triangles as flat patches, and its inside
-/// if it is closed. The pair makes those once, when the boxes meet. The patches for contacts are
-/// made once for each shape, in the step after they are enabled.
+/// A scene rejects a call that would make a pair with a query that the pair cannot answer, with
+/// [`SceneError::Unanswered`](crate::scene::SceneError::Unanswered). Such calls are: insert a body,
+/// change a group, enable a query.
 ///
-/// Distances of Bézier surfaces have bounds that are at most `2^-30` of the size of the pair
-/// apart; two that the bounds cannot tell from a threshold count as within. A surface has no
-/// inside: a body within a closed one does not overlap it.
+/// Pairs of two kinds convert one of the bodies, once, when the boxes meet:
+///
+/// - a convex shape against a compound or mesh becomes a compound of one piece, a single leaf with
+///   support points;
+/// - a compound of polyhedra against a mesh becomes the mesh of its surface;
+/// - a mesh against a surface becomes its triangles as flat patches, and its inside if it is
+///   closed.
+///
+/// The patches for contacts are made once per shape, in the step after contacts are enabled.
+///
+/// Distances of Bézier surfaces have bounds that are at most `2^-30` of the pair size apart. Two
+/// surfaces that the bounds cannot distinguish from a threshold count as within. A surface has no
+/// inside: a body inside a closed surface does not overlap it.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -102,19 +108,19 @@ pub enum Geometry {
     Polyhedron(Arc<ConvexPolyhedron>),
     /// A convex shape that is rounded or curved.
     Convex(Arc<Shape>),
-    /// A union of placed convex pieces.
+    /// A union of convex pieces, each with a pose.
     #[cfg(feature = "meshes")]
     Compound(Arc<Compound>),
     /// A mesh of triangles.
     #[cfg(feature = "meshes")]
     Mesh(Arc<Mesh>),
-    /// A surface of curved patches, without an inside.
+    /// A surface of Bézier patches, without an inside.
     #[cfg(feature = "surfaces")]
     BezierSurface(Arc<BezierSurface>),
 }
 
 impl Geometry {
-    /// Returns the polyhedron of a body that is a polyhedron.
+    /// Returns the polyhedron if the body is one.
     #[must_use]
     pub fn as_polyhedron(&self) -> Option<&ConvexPolyhedron> {
         match self {
@@ -123,8 +129,7 @@ impl Geometry {
         }
     }
 
-    /// Returns the body as a convex shape, unless the body is a compound, a mesh or a
-    /// surface.
+    /// Returns the body as a convex shape; `None` for a compound, mesh or surface.
     #[must_use]
     pub fn as_convex(&self) -> Option<Cow<'_, Shape>> {
         match self {
@@ -147,15 +152,17 @@ impl Geometry {
         GeometryRef::from(self).bounding_ball()
     }
 
-    /// Returns the axis-aligned box of the shape at a pose, rounded outward: least and greatest
-    /// corner. The box of a compound or a mesh is that of its turned bounding box.
+    /// Returns the axis-aligned box of the shape at a pose, rounded outward: minimum and maximum
+    /// corner.
+    ///
+    /// The box of a compound or a mesh is the box of its rotated bounding box.
     #[inline]
     #[must_use]
     pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
         match_kind!(Self, self, body => OfKind::aabb_at(&**body, pose, hint))
     }
 
-    /// Returns the address of the shared shape, equal for bodies that share the shape.
+    /// Returns the address of the shared shape, equal for bodies that share it.
     pub(crate) fn address(&self) -> usize {
         match_kind!(Self, self, body => Arc::as_ptr(body) as usize)
     }
@@ -207,14 +214,14 @@ pub(super) trait OfKind {
     /// Returns the kind of the geometry.
     fn kind(&self) -> GeometryKind;
 
-    /// Returns the hash by which kept state recognises the geometry: one for all places of the
-    /// vertices of a mesh.
+    /// Returns the hash by which cached state recognises the geometry: one hash for all positions
+    /// of the vertices of a mesh.
     fn fingerprint(&self) -> Fingerprint;
 
     /// Returns a ball that contains the geometry, in its frame: centre and radius.
     fn bounding_ball(&self) -> (Point3<f64>, f64);
 
-    /// Returns the axis-aligned box at a pose, rounded outward: least and greatest corner.
+    /// Returns the axis-aligned box at a pose, rounded outward: minimum and maximum corner.
     fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>);
 }
 
@@ -235,7 +242,7 @@ pub enum GeometryKind {
     Compound,
     /// A mesh of triangles.
     Mesh,
-    /// A surface of curved patches.
+    /// A surface of Bézier patches.
     BezierSurface,
 }
 

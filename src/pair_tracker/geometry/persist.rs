@@ -1,4 +1,4 @@
-//! Serialized form of a geometry (feature `serde`): the body, not shared.
+//! The serialised form of a geometry (feature `serde`): the body, not shared.
 
 use alloc::boxed::Box;
 use alloc::sync::Arc;
@@ -11,7 +11,7 @@ use crate::nonconvex::{mesh::Mesh, pieces::Compound};
 #[cfg(feature = "surfaces")]
 use crate::surface::BezierSurface;
 
-/// The serialized form of a geometry.
+/// The serialised form of a geometry.
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(rename = "Geometry")]
 pub(super) enum StoredGeometry {

@@ -1,4 +1,4 @@
-//! The search of a cast: look, step, prove.
+//! The search of a cast: measure, step, prove.
 
 use alloc::vec::Vec;
 
@@ -11,34 +11,41 @@ use crate::base::tolerance::ROOT;
 use crate::pair::outcome::ContactState;
 use crate::time::separation::{Measurement, PairMotion, Proof, Separation};
 
-/// Looks of a cast, at most. Measured: 21 at most up to a turn, thousands if gears turn a hundred
-/// times a hair apart.
+/// Largest number of steps of a cast.
+///
+/// Measured: at most 21 if bodies rotate by up to one revolution; thousands if gears rotate a
+/// hundred times at a tiny gap.
 const LOOKS: u32 = 20_000;
 
-/// Every so many looks a cast ends if its looks would have to be this times as many as the limit to
-/// come to the end at their pace: bodies that turn by 1e15 radians. Not measured.
+/// Number of steps between two checks of the pace of a cast.
+///
+/// A cast ends if at its pace it would need `PACE` times the limit of steps to reach the end:
+/// bodies that rotate by 1e15 radians. Not measured.
 const PACE_LOOKS: u32 = 1024;
 const PACE: f64 = 50.0;
 
-/// Part of the tolerance at which looks aim as a gap, and the proof behind contact as a depth: a
-/// larger part makes the bracket wider, a smaller part the queries slower. Measured: brackets of
-/// 0.2 tolerances.
+/// Fraction of the tolerance that steps aim at as a gap, and the proof behind contact as a depth.
+///
+/// A larger fraction makes the bracket wider, a smaller one the queries slower. Measured: brackets
+/// of 0.2 tolerances.
 const AIM: f64 = 0.3;
 
-/// Distance of the balls, over the sum of both radii, from which on a cast jumps by balls without a
-/// query. Not measured.
+/// Distance of the balls, as a multiple of the sum of both radii, from which on a cast jumps by
+/// balls without a query. Not measured.
 const CLEAR: f64 = 0.1;
 
-/// A tolerance is at least this times the rounding of a distance: below, proofs fail. Not measured.
+/// Smallest tolerance, as a multiple of the rounding of a distance: below it proofs fail. Not
+/// measured.
 const LEAST: f64 = 8.0;
 
-/// Factor of a tolerance whose overlap was not proven. Not measured.
+/// Factor by which a tolerance shrinks if its overlap was not proven. Not measured.
 const SHRINK: f64 = 1.0 / 16.0;
 
-/// Doublings of the step behind contact if the tolerance cannot shrink. Not measured.
+/// Largest number of doublings of the step behind contact if the tolerance cannot shrink. Not
+/// measured.
 const DOUBLINGS: u32 = 6;
 
-/// A cast in the making.
+/// The state of a cast.
 pub(super) struct CastSearch<'a, S: ?Sized, A: ?Sized, B: ?Sized> {
     pub(super) pair: &'a mut S,
     pub(super) motion_a: &'a A,
@@ -46,23 +53,23 @@ pub(super) struct CastSearch<'a, S: ?Sized, A: ?Sized, B: ?Sized> {
     pub(super) until: f64,
     pub(super) tolerance: Tolerance,
     pub(super) distance: f64,
-    /// What is known of the begin of the interval.
+    /// What is known at the start of the interval.
     pub(super) seen: Option<Measurement>,
     pub(super) queries: u32,
     pub(super) proofs: u32,
-    /// Takes the proof of each step, one after the other from the begin of the interval.
+    /// Receives the proof of each step, in order from the start of the interval.
     pub(super) trail: Option<&'a mut Vec<Certificate>>,
 }
 
-/// What a search keeps from look to look.
+/// What a search keeps from step to step.
 struct LookBudget {
-    /// Looks that are left; further rounds of a look are counted, too.
+    /// Remaining steps; repetitions of a step count too.
     left: u32,
     /// Factor by which the tolerance has shrunk while the pair is nearer than the tolerance.
     shrunk: f64,
 }
 
-/// The continuation of a search after a look.
+/// How a search continues after a step.
 enum Next {
     /// Free up to this time.
     Go(f64),
@@ -70,14 +77,15 @@ enum Next {
 }
 
 impl LookBudget {
-    /// Returns whether the looks so far have come so little ahead that looks at their pace would
-    /// not come to the end, by far. Tried now and then.
+    /// Returns whether the steps so far are much too slow to reach the end.
+    ///
+    /// Checked every so many steps.
     fn is_hopeless(&self, gone: f64, whole: f64) -> bool {
         let used = LOOKS - self.left;
         used > 0 && used.is_multiple_of(PACE_LOOKS) && gone * (PACE * f64::from(LOOKS)) < whole * f64::from(used)
     }
 
-    /// Shrinks the tolerance for another round; false if no round is left.
+    /// Shrinks the tolerance for a repetition; false if no step is left.
     fn again(&mut self) -> bool {
         self.shrunk *= SHRINK;
         self.left = self.left.saturating_sub(1);
@@ -124,8 +132,8 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
                 self.pair.measure(&relative)
             });
             if self.is_met(&seen) {
-                // Steps are proven, so a pair can meet only at the begin of the interval, or on a
-                // motion that breaks its contract.
+                // Steps are proven, so a pair can meet only at the start of the interval, or if a
+                // motion breaks its contract.
                 return Ok(if time == from {
                     Impact::AtStart { seen }
                 } else {
@@ -168,7 +176,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         }
     }
 
-    /// Returns the answer of an interval without length, for a pair that is not seen to meet.
+    /// Returns the result for an interval without length, if the pair is not seen to meet.
     fn at_once(&mut self, time: f64, seen: Measurement, noise: f64, relative: &RelativePose) -> Impact {
         if seen.state == ContactState::Separated && seen.lower - noise > self.distance {
             self.note(time, time, self.distance, Proof::Own);
@@ -184,8 +192,8 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         }
     }
 
-    /// One look: a hit if the pair is near enough for a proof, else a step as far as a plane
-    /// proves.
+    /// Makes one step: a hit if the pair is near enough for a proof, otherwise a step as far as a
+    /// plane proves.
     fn step(
         &mut self,
         time: f64,
@@ -244,7 +252,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         match self.tolerance {
             Tolerance::Distance(length) => length,
             // The displacement of the witnesses towards each other in half that time, at the pace
-            // of the displacement left.
+            // of the remaining displacement.
             Tolerance::Time(width) => {
                 let gap = seen.upper - self.distance;
                 flight
@@ -254,7 +262,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         }
     }
 
-    /// Returns a time at which the pair is proven to meet, `way` nearer than now.
+    /// Returns a time at which the pair is proven to meet, nearer than now by `way`.
     fn hit(
         &mut self,
         time: f64,
@@ -285,8 +293,9 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
     }
 }
 
-/// Both motions from a time on, to the end of an interval. Inlined, since a flight is sixty numbers
-/// that would be copied from hand to hand.
+/// Returns both motions from a time until the end of an interval.
+///
+/// Inlined, because a `PairMotion` has sixty numbers that would be copied from call to call.
 #[inline(always)]
 pub(super) fn flight<A: Motion + ?Sized, B: Motion + ?Sized>(
     motion_a: &A,

@@ -1,4 +1,4 @@
-//! One look as a certificate that the caller can check.
+//! One step of a cast as a certificate that the caller can check.
 
 use core::ops::Range;
 
@@ -13,14 +13,14 @@ use crate::base::pose::Operand;
 use crate::pair::outcome::ContactState;
 use crate::time::separation::{Proof, Separation};
 
-/// A proof that two shapes stay apart from one time until another.
+/// A proof that two shapes stay separated from one time until another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Certificate {
-    /// The begin of the interval proven.
+    /// The start of the proven interval.
     pub from: f64,
-    /// The end of the interval proven: `from` if nothing is proven.
+    /// The end of the proven interval: equal to `from` if nothing is proven.
     pub until: f64,
     /// Lower bound of the distance of the shapes from `from` until `until`.
     pub distance: f64,
@@ -29,12 +29,12 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// Returns the normal of the plane at a time, in the world, from A to B; `None` if no plane
-    /// proves the certificate.
+    /// Returns the normal of the plane at a time: from A to B, in the world.
     ///
-    /// Along the normal all points of A are below all points of B by more than
-    /// [`distance`](Self::distance), from `from` until `until`: a test of every vertex checks the
-    /// certificate.
+    /// `None` if no plane proves the certificate.
+    ///
+    /// From `from` until `until`, all points of A are below all points of B along the normal, by
+    /// more than [`distance`](Self::distance). To check the certificate, test every vertex.
     #[must_use]
     pub fn normal(&self, time: f64) -> Option<Vector3<f64>> {
         let Proof::Plane { normal, spin } = self.proof else {
@@ -43,7 +43,10 @@ impl Certificate {
         Some(turned(&spin, time - self.from) * normal)
     }
 
-    /// Returns the gap of the shapes along the plane at a time, by the support points of the pair;
+    /// Returns the gap of the shapes along the plane's normal at a time.
+    ///
+    /// The gap is computed from the support points of the pair.
+    ///
     /// `None` if no plane proves the certificate.
     pub fn gap<S, A, B>(&self, pair: &mut S, motion_a: &A, motion_b: &B, time: f64) -> Option<f64>
     where
@@ -66,15 +69,14 @@ impl Certificate {
     }
 }
 
-/// Returns the time for which two shapes are proven to stay more than `distance` apart, by one
-/// look.
+/// Returns a proof by one step that two shapes stay more than `distance` apart.
 ///
-/// The certificate ends at its begin if the shapes are not more than `distance` apart there, or if
+/// The certificate ends at its start if the shapes are not more than `distance` apart there, or if
 /// a motion returns a model that is not finite.
 ///
 /// # Errors
-/// If the interval ends before its begin, the distance is negative or not finite, or a motion
-/// leaves the range of poses.
+/// Returns an error if the interval ends before its start, the distance is negative or not finite,
+/// or a motion leaves the range of poses.
 pub fn free_until<S, A, B>(
     pair: &mut S,
     motion_a: &A,
@@ -127,16 +129,16 @@ where
     })
 }
 
-/// Returns the instant until which shapes that overlap at least `depth` deep at the begin of the
-/// interval are proven to overlap: the begin if nothing is proven, as of a motion that returns a
-/// model that is not finite.
+/// Returns the time until which overlapping shapes are proven to overlap.
 ///
-/// A motion that moves no point of A, seen from B, by more than `m` changes the depth by at most
-/// `m`.
+/// The shapes must overlap by at least `depth` at the start of the interval. Returns the start if
+/// nothing is proven, for example if a motion returns a model that is not finite.
+///
+/// If no point of A, seen from B, moves by more than `m`, the depth changes by at most `m`.
 ///
 /// # Errors
-/// If the interval ends before its begin, the depth is negative or not finite, or a motion leaves
-/// the range of poses.
+/// Returns an error if the interval ends before its start, the depth is negative or not finite, or
+/// a motion leaves the range of poses.
 #[cfg(feature = "__internals")]
 #[doc(hidden)]
 pub fn overlapping_until<S, A, B>(

@@ -1,8 +1,8 @@
-//! Time of impact: the instant at which two moving shapes first meet, bounded from both sides.
+//! Time of impact: when two moving shapes first meet, between two proven bounds.
 //!
-//! A cast returns a bracket, never an estimate: the shapes are apart at every instant up to `safe`,
-//! and meet at `hit`. A miss is proven for every instant of the interval, and an undecided case has
-//! a name ([`Impact::Incomplete`], [`Impact::Undecided`]).
+//! A cast returns a bracket, never an estimate. The shapes are separated at every time up to
+//! `safe`, and they meet at `hit`. A miss is proven for every time of the interval. An undecided
+//! result says why: [`Impact::Incomplete`] or [`Impact::Undecided`].
 //!
 //! ```
 //! use lin_canny::impact::{self, Impact, Tolerance};
@@ -27,44 +27,45 @@
 //!
 //! # Method
 //!
-//! 1. **Balls**: no shape is measured while the balls about the pivots are apart. Most misses end
-//!    here.
-//! 2. **Planes**: a look measures the pair and bounds the time for which a separating plane that
-//!    turns with the closest features stays between the shapes
-//!    ([`separation`](crate::separation)); the next look is at the end of this time. Looks converge
-//!    quadratically: two to six for a hit, whatever the tolerance. While contact is far and the
-//!    shapes approach each other faster than they turn, the plane keeps its normal instead, which
-//!    proves most of the same without support points.
-//! 3. **Proof**: looks aim at a gap of a part of the tolerance, never at contact itself, since a
-//!    query at contact is ten times as slow. From there the cast steps over contact to an equal
-//!    depth, and proves the overlap by one predicate.
-//! 4. A grazing pair is measured with ever smaller tolerances, until a hit or a miss is proven, or
-//!    rounding ends the cast as `Near`.
+//! 1. **Balls**: the cast measures no shape while the balls around the pivots are separated. Most
+//!    misses end here.
+//! 2. **Planes**: each step measures the pair and bounds how long a plane that rotates with the
+//!    closest features separates the shapes ([`separation`](crate::separation)). The next step
+//!    starts at the end of this time. Steps converge quadratically: two to six for a hit, at any
+//!    tolerance. While contact is far and the shapes approach each other faster than they rotate,
+//!    the plane keeps its normal instead. This proves most of the same time without support points.
+//! 3. **Proof**: steps aim at a gap of a fraction of the tolerance, never at contact itself,
+//!    because a query at contact takes ten times as long. From the gap, the cast steps over contact
+//!    to an equal depth and proves the overlap by one predicate.
+//! 4. **Grazing**: a grazing pair is measured with ever smaller tolerances until a hit or a miss is
+//!    proven, or rounding ends the cast as [`Impact::Undecided`].
 //!
 //! # Guarantees
 //!
-//! *Apart* is proven of the motions themselves, over the reals, and of the poses that
-//! [`Motion::pose`] places at any f64 of the interval up to `safe`. *Meets* is proven of the poses
-//! placed at `hit`.
+//! *Separated* is proven for the motions themselves, over the reals, and for the poses that
+//! [`Motion::pose`] returns at any f64 of the interval up to `safe`. *Meet* is proven for the poses
+//! returned at `hit`.
 //!
 //! # When not to cast
 //!
-//! A pair whose velocities change at every step for reasons unknown (contact solvers, input) is
-//! better served by a distance and a displacement budget ([`scene`](crate::scene)). A resting
-//! contact is a hit at once, at every step: leave resting contacts to the solver. Bodies that turn
-//! hundreds of times in the interval need a look every part of a turn: swept balls, or shorter
-//! intervals, do as well.
+//! - **Velocities that change at every step for unknown reasons** (contact solvers, input): use a
+//!   distance and a displacement budget ([`scene`](crate::scene)).
+//! - **Resting contacts**: a resting contact is a hit at once, at every step. Leave it to the
+//!   solver.
+//! - **Hundreds of revolutions in one interval**: such bodies need a step for every fraction of a
+//!   revolution. Use swept balls or shorter intervals.
 //!
 //! # Sources
 //!
 //! Mirtich 1996 (conservative advancement); Catto's and Gregorius's planes attached to features
 //! (GDC 2013); Schwarzer, Saha and Latombe 2005 (proofs over an interval). Departures:
 //!
-//! 1. Bounds are those of a turning plane over all points at once, not of a speed: convergence is
+//! 1. Bounds hold for a rotating plane over all points at once, not for a speed: convergence is
 //!    quadratic instead of linear.
-//! 2. The upper end of the bracket is proven, too.
-//! 3. Limits end as `Unknown` or `Near` with the part proven, never as a miss.
-//! 4. Rounding of motions, poses and planes is part of every bound.
+//! 2. The upper end of the bracket is proven as well.
+//! 3. If a limit is reached, the cast ends as `Incomplete` or `Undecided` with the proven time,
+//!    never as a miss.
+//! 4. The rounding of motions, poses and planes is included in every bound.
 
 mod cast;
 mod certificate;
@@ -83,85 +84,92 @@ use cast::CastSearch;
 pub use certificate::overlapping_until;
 pub use certificate::{Certificate, free_until};
 
-/// Greatest width of the bracket of a hit.
+/// Largest width of the bracket of a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Tolerance {
-    /// The shapes are nearer than this at `safe`, and about a third as deep in each other at `hit`,
-    /// in the caller's unit of length.
+    /// The shapes are nearer than this at `safe`, and overlap by about a third of this at `hit`, in
+    /// the caller's unit of length.
     Distance(f64),
     /// `hit - safe` is at most this, unless rounding or a grazing motion makes the bracket wider.
     Time(f64),
 }
 
-/// The answer of a cast.
+/// The result of a cast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Impact {
-    /// The shapes touch, overlap, or are within the distance asked for, at the begin of the
+    /// The shapes touch, overlap, or are within the requested distance at the start of the
     /// interval.
     AtStart {
-        /// The measure at the begin, without the depth of an overlap.
+        /// The measurement at the start, without the depth of an overlap.
         seen: Measurement,
     },
-    /// The first contact lies after `safe`, and not after `hit`.
+    /// The first contact is after `safe` and at the latest at `hit`.
     Hit {
-        /// The shapes are proven apart up to here.
+        /// The shapes are proven separated up to this time.
         safe: f64,
-        /// The shapes are proven to meet here.
+        /// The shapes are proven to meet at this time.
         hit: f64,
-        /// Features, witnesses and normal at `safe`: the features that meet.
+        /// Features, witnesses and normal at `safe`: the features that will meet.
         seen: Measurement,
     },
-    /// The shapes come so near that rounding hides whether they meet, and nothing is known of later
-    /// instants. Also the answer if the shapes are seen to meet at `safe`, which happens only to a
-    /// [`Motion`] that breaks its contract.
+    /// The shapes come so near that rounding hides whether they meet; nothing is known about later
+    /// times.
+    ///
+    /// Also returned if the shapes are seen to meet at `safe`, which happens only if a [`Motion`]
+    /// breaks its contract.
     Undecided {
-        /// The shapes are proven apart up to here.
+        /// The shapes are proven separated up to this time.
         safe: f64,
         /// Upper bound of the distance at `safe`.
         distance: f64,
     },
-    /// The shapes are proven apart over the whole interval, both ends included.
+    /// The shapes are proven separated over the whole interval, both ends included.
     Miss,
-    /// The limit of 20,000 looks was reached, further rounds of a look with a smaller tolerance
-    /// counted, as of some motions that graze; or after 1,024 looks or more the pace was less than
-    /// a fiftieth of the one that the limit needs, as of bodies that turn by 1e15 radians; or a
-    /// motion returned a [`MotionModel`](crate::motion::MotionModel) that is not finite or has a
-    /// negative bound: nothing is known of later instants.
+    /// The cast ended early; nothing is known about later times.
+    ///
+    /// Returned in three cases:
+    ///
+    /// - The cast reached the limit of 20,000 steps, repetitions with a smaller tolerance included
+    ///   (for example, for some grazing motions).
+    /// - After 1,024 steps or more, the pace was less than a fiftieth of the pace that the limit
+    ///   needs (for example, for bodies that rotate by 1e15 radians).
+    /// - A motion returned a [`MotionModel`](crate::motion::MotionModel) that is not finite or has
+    ///   a negative bound.
     Incomplete {
-        /// The shapes are proven apart up to here.
+        /// The shapes are proven separated up to this time.
         safe: f64,
     },
 }
 
-/// The answer of a cast, and the work done.
+/// The result of a cast, and its work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Cast {
-    /// The answer.
+    /// The result.
     pub impact: Impact,
-    /// Distance queries.
+    /// Number of distance queries.
     pub queries: u32,
-    /// Predicates that proved, or failed to prove, that the shapes meet.
+    /// Number of predicates that proved, or failed to prove, that the shapes meet.
     pub proofs: u32,
 }
 
-/// Reason why a cast was refused.
+/// Error of a cast.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImpactError {
-    /// The interval ends before its begin, or is not finite.
+    /// The interval ends before its start, or is not finite.
     #[error("invalid time interval {from}..{until}: not finite, or the end is before the start")]
     Interval {
-        /// The begin.
+        /// The start.
         from: f64,
         /// The end.
         until: f64,
     },
-    /// A tolerance or a distance that is negative or not finite.
+    /// A tolerance or a distance is negative or not finite.
     #[error("{what} is out of range: {value} (expected a number that is not negative)")]
     Size {
         /// The name of the number.
@@ -169,15 +177,15 @@ pub enum ImpactError {
         /// The number.
         value: f64,
     },
-    /// A vertex with a coordinate that is not finite or too large.
+    /// A vertex has a coordinate that is not finite or too large.
     #[error("vertex {index} has a coordinate that is out of range: {value}")]
     Vertex {
-        /// The number of the vertex, in the order given.
+        /// The index of the vertex, in the given order.
         index: usize,
         /// The coordinate.
         value: f64,
     },
-    /// A mesh at the end of a frame that has other triangles, or another tree, than at the begin.
+    /// The mesh at the end of a frame has other triangles, or another tree, than at the start.
     #[error("the mesh at the end of the frame has other triangles than the mesh at the start")]
     Mesh,
     /// A motion left the range of poses.
@@ -185,20 +193,20 @@ pub enum ImpactError {
     Pose(#[from] PoseError),
 }
 
-/// Returns the instant at which two shapes first meet in an interval of time, as a bracket.
+/// Returns the time at which two shapes first meet in an interval, as a bracket.
 ///
-/// The interval holds both of its ends; one whose ends are equal asks for an instant.
+/// The interval contains both ends. If the ends are equal, it is a single instant.
 ///
-/// The bracket of a hit is as wide as the tolerance asks for. The cost hardly depends on the
-/// tolerance: down to some 1e-13 of the size of the pair each decade is a fraction of a look.
+/// The bracket of a hit is at most as wide as the tolerance. The cost hardly depends on the
+/// tolerance: down to about 1e-13 of the pair size, each decade costs a fraction of a step.
 ///
-/// A cast takes at most 20,000 looks, then it ends as [`Impact::Incomplete`] with the part that is
-/// proven. Most take fewer than 21; bodies that graze take hundreds or thousands, the more the
-/// closer they pass.
+/// A cast takes at most 20,000 steps. If it needs more, it ends as [`Impact::Incomplete`] with the
+/// proven time. Most casts take fewer than 21 steps. Grazing bodies take hundreds or thousands, and
+/// more the closer they pass.
 ///
 /// # Errors
-/// If the interval ends before its begin, the tolerance is negative or not finite, or a motion
-/// leaves the range of poses.
+/// Returns an error if the interval ends before its start, the tolerance is negative or not finite,
+/// or a motion leaves the range of poses.
 #[doc(alias = "toi")]
 #[doc(alias = "ccd")]
 #[doc(alias = "time of impact")]
@@ -219,12 +227,11 @@ where
     cast_within(pair, motion_a, motion_b, interval, tolerance, 0.0)
 }
 
-/// Returns the instant at which two shapes first come within a distance of each other in an
-/// interval of time, as a bracket.
+/// Returns when two shapes first come within a distance of each other, as a bracket.
 ///
 /// # Errors
-/// If the interval ends before its begin, the tolerance or the distance is negative or not finite,
-/// or a motion leaves the range of poses.
+/// Returns an error if the interval ends before its start, the tolerance or the distance is
+/// negative or not finite, or a motion leaves the range of poses.
 pub fn cast_within<S, A, B>(
     pair: &mut S,
     motion_a: &A,
@@ -241,11 +248,12 @@ where
     search(pair, motion_a, motion_b, interval, tolerance, distance, None)
 }
 
-/// Casts as [`cast_within`], and appends the certificates of the time proven free, one step after
-/// the other.
+/// Casts like [`cast_within`], and appends one certificate per step.
+///
+/// The certificates cover the time that is proven free, in order.
 ///
 /// # Errors
-/// As [`cast_within`].
+/// Returns an error in the same cases as [`cast_within`].
 pub fn cast_with_certificates<S, A, B>(
     pair: &mut S,
     motion_a: &A,
@@ -313,21 +321,22 @@ where
     })
 }
 
-/// The answer of a look ahead.
+/// The result of a look-ahead.
 pub(crate) struct Ahead {
-    /// The time until which the shapes are proven to stay beyond the distance asked for.
+    /// The time until which the shapes are proven to stay beyond the requested distance.
     pub(crate) until: f64,
-    /// The first contact before the end of the tick, if the look proves less than the tick.
+    /// The first contact before the end of the tick, if the look-ahead proves less than the tick.
     pub(crate) cast: Option<Impact>,
     /// Distance queries and predicates.
     pub(crate) queries: u32,
 }
 
-/// Looks ahead from time zero over a `span`; if the look does not prove the shapes to stay more
-/// than `distance` apart for a `tick`, casts the tick from the measure of the look.
+/// Bounds from time zero over a `span` how long the shapes stay more than `distance` apart.
+///
+/// If this time is shorter than a `tick`, casts the tick from the same measurement.
 ///
 /// # Errors
-/// A motion that leaves the range of poses.
+/// Returns an error if a motion leaves the range of poses.
 pub(crate) fn ahead<S, M>(
     pair: &mut S,
     [motion_a, motion_b]: [&M; 2],
@@ -385,7 +394,7 @@ where
     })
 }
 
-/// Refuses an interval that ends before its begin or is not finite.
+/// Rejects an interval that ends before its start or is not finite.
 fn check(interval: &Range<f64>) -> Result<(), ImpactError> {
     let (from, until) = (interval.start, interval.end);
     if from <= until && (until - from) < f64::INFINITY {

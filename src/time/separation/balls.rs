@@ -1,4 +1,4 @@
-//! Balls about the pivots, which contain the shapes at every turn.
+//! Balls around the pivots, which contain the shapes at every rotation.
 
 use crate::time::separation::bernstein::ROUNDS;
 use nalgebra::{Isometry3, Vector3};
@@ -11,11 +11,11 @@ use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::{BALLS, PLANE, ROOT};
 
-/// The time for which balls stay apart on a flight.
+/// The time for which balls stay separated during a motion.
 pub(crate) struct Apart {
-    /// Time for which the balls are apart; infinite if for ever.
+    /// Duration for which the balls are separated; infinite if for ever.
     pub(crate) span: f64,
-    /// The radii about the pivots, and their sum.
+    /// The radii around the pivots, and their sum.
     pub(crate) radii: [f64; 2],
     pub(crate) reach: f64,
     /// The distance of the balls.
@@ -25,7 +25,7 @@ pub(crate) struct Apart {
     pub(crate) noise: f64,
 }
 
-/// Returns the radius about the pivot, and the pivot in the world less the pose's translation.
+/// Returns the radius around the pivot, and the pivot in the world minus the pose's translation.
 #[inline(always)]
 fn about<S: Separation + ?Sized>(
     pair: &S,
@@ -51,7 +51,7 @@ fn about<S: Separation + ?Sized>(
 
 pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &PairMotion) -> Apart {
     let (a, b) = (&flight.model_a, &flight.model_b);
-    // On the flight's own clock, see [`PairMotion::on_own_clock`].
+    // On the motion's own clock, see [`PairMotion::on_own_clock`].
     let tick = magnitude(flight.span);
     let span = flight.span / tick;
     let (radius_a, lever_a) = about(pair, Operand::A, &flight.pose_a, a);
@@ -73,7 +73,7 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &PairMotion) -> Ap
             noise,
         };
     }
-    // What grows faster than evenly may take half of the gap: as far ahead as that.
+    // Terms that grow faster than linearly may use half of the gap; this limits the time.
     let Remainder([_, d1, d2, d3]) = drift;
     let growth = Remainder([0.0, d1, d2 + length(&flight.acceleration()) * tick * tick, d3]);
     let ahead = if growth == Remainder::default() {
@@ -92,10 +92,12 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &PairMotion) -> Ap
     }
 }
 
-/// Returns the time before which a point at an even velocity is farther than `radius` from the
-/// origin; infinite if for ever.
+/// Returns the time before which a point with a constant velocity is farther than `radius` from the
+/// origin.
+///
+/// Infinite if for ever.
 fn until_as_near(from: &Vector3<f64>, velocity: &Vector3<f64>, radius: f64) -> f64 {
-    // Products are of degree four, so lengths and velocities are scaled to about one.
+    // Products have degree four, so lengths and velocities are scaled to about one.
     let most = |v: &Vector3<f64>| v.x.abs().at_least(v.y.abs()).at_least(v.z.abs());
     let (unit, pace) = (magnitude(most(from).at_least(radius)), magnitude(most(velocity)));
     let (from, velocity, radius) = (from / unit, velocity / pace, radius / unit);
@@ -109,9 +111,11 @@ fn until_as_near(from: &Vector3<f64>, velocity: &Vector3<f64>, radius: f64) -> f
     }
 }
 
-/// Returns what the radius leaves of the square of the distance, the approach, the square of the
-/// velocity, and what stands under the root. Both sides are a little to the worse: more than what
-/// rounding takes of any term.
+/// Returns the squared distance minus the squared radius, the approach, the squared velocity, and
+/// the discriminant.
+///
+/// The squared distance is rounded down and the squared radius up, by more than rounding changes
+/// any term.
 #[inline(always)]
 pub(crate) fn flight_of_ball(from: &Vector3<f64>, velocity: &Vector3<f64>, radius: f64) -> [f64; 4] {
     let square = from.norm_squared();
@@ -121,7 +125,7 @@ pub(crate) fn flight_of_ball(from: &Vector3<f64>, velocity: &Vector3<f64>, radiu
     [above, approach, speed, approach * approach - speed * above]
 }
 
-/// Returns the time in which no point of A, seen from B, moves by as much as `way`.
+/// Returns the time during which no point of A, seen from B, moves by as much as `way`.
 pub(super) fn held<S: Separation + ?Sized>(pair: &S, flight: &PairMotion, way: f64) -> f64 {
     let (timed, tick) = flight.on_own_clock();
     let (a, b) = (&timed.model_a, &timed.model_b);
@@ -134,8 +138,8 @@ pub(super) fn held<S: Separation + ?Sized>(pair: &S, flight: &PairMotion, way: f
     until_as_far(&Remainder([0.0, pace + d1, push + d2, d3]), way, timed.span) * tick
 }
 
-/// Returns a time up to which a displacement that grows from zero is less than `way`: at most
-/// `span`.
+/// Returns a time, at most `span`, up to which a displacement that grows from zero is less than
+/// `way`.
 fn until_as_far(growth: &Remainder, way: f64, span: f64) -> f64 {
     // Comparisons are written so that NaN ends at zero.
     if !(way > 0.0) {
@@ -144,15 +148,15 @@ fn until_as_far(growth: &Remainder, way: f64, span: f64) -> f64 {
     if growth.at(span) < way {
         return span;
     }
-    // The first and the second term reach the way by themselves no earlier, and the cubic term is
-    // at most the way after some cuts: all three are at most three ways.
+    // The first and the second term each reach `way` no earlier than this, and the cubic term is at
+    // most `way` after some cuts. So all three together are at most three times `way`.
     let [_, first, second, _] = growth.0;
     let mut late = span.smaller(way / first).smaller(sqrt(2.0 * way / second));
     // Cuts by a quarter do not end at zero.
     while growth.at(late) > 3.0 * way && late > f64::MIN_POSITIVE {
         late *= cut(growth.at(late) / (3.0 * way));
     }
-    // The displacement is convex, so below its chords: a chord reaches the way first.
+    // The displacement is convex, so it lies below its chords: a chord reaches `way` first.
     let most = growth.at(late);
     let mut early = 0.0;
     for _ in 0..ROUNDS {

@@ -8,17 +8,19 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{BERNSTEIN, ROOT};
 
-/// Rounds in which the rest beyond the bound of a root is cut off and bounded again. The bound
-/// converges quadratically, so few rounds reach rounding. Not measured.
+/// Rounds in which the remainder beyond the bound of a root is cut off and bounded again.
+///
+/// The bound converges quadratically, so a few rounds reach rounding. Not measured.
 pub(super) const ROUNDS: u32 = 4;
 
-/// Returns a number in 0..=1 such that the cubic is positive before it, rounding included; 1 if the
-/// whole of the cubic is.
+/// Returns a number in 0..=1 such that the cubic is positive before it, rounding included.
+///
+/// Returns 1 if the whole cubic is positive.
 #[inline]
 pub(super) fn positive_until(coefficients: [f64; 4]) -> f64 {
     let largest = coefficients.iter().fold(0.0f64, |m, c| m.larger(c.abs()));
     let mut c = coefficients.each(|c| c - BERNSTEIN * largest);
-    // Written so that NaN ends at zero, of any of the coefficients.
+    // Written so that a NaN in any coefficient returns zero.
     if !(coefficients.iter().all(|c| c.is_finite()) && c[0] > 0.0) {
         return 0.0;
     }
@@ -37,12 +39,12 @@ pub(super) fn positive_until(coefficients: [f64; 4]) -> f64 {
     from * (1.0 - ROOT)
 }
 
-/// Returns what [`positive_until`] does, of a straight line from its values at 0 and at 1.
+/// Returns what [`positive_until`] does, for a straight line with these values at 0 and at 1.
 #[inline]
 pub(super) fn line_positive_until(first: f64, last: f64) -> f64 {
     let margin = BERNSTEIN * first.abs().at_least(last.abs());
     let (first, last) = (first - margin, last - margin);
-    // Written so that NaN ends at zero.
+    // Written so that NaN returns zero.
     if !(first > 0.0 && last.is_finite()) {
         0.0
     } else if last >= 0.0 {
@@ -52,8 +54,10 @@ pub(super) fn line_positive_until(first: f64, last: f64) -> f64 {
     }
 }
 
-/// Returns the place at which the hull of the points reaches zero: the least crossing over all
-/// pairs, not only over the pairs with the first point.
+/// Returns the position at which the hull of the points reaches zero.
+///
+/// This is the least crossing over all pairs of points, not only over the pairs with the first
+/// point.
 #[inline]
 fn hull_until(c: &[f64; 4]) -> f64 {
     let mut least: f64 = 1.0;

@@ -1,8 +1,9 @@
 //! A plane that keeps its normal: the gap along the normal is at least a parabola.
 //!
-//! Shapes that do not turn need no other plane. In a cast far from contact it proves most of what a
-//! plane that turns with the features does, without supports; a step of it leaves the part of the
-//! gap by which the shapes may turn into each other, so that planes that turn do the last ones.
+//! Shapes that do not rotate need no other plane. In a cast far from contact, this plane proves
+//! most of what a plane that rotates with the features proves, without support points. A step of it
+//! leaves the part of the gap by which the shapes may rotate into each other, so planes that rotate
+//! make the last steps.
 
 use crate::time::separation::plane::AHEAD;
 use nalgebra::Vector3;
@@ -16,36 +17,40 @@ use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::PLANE;
 
-/// Cut of an interval whose bound is a little too large. Not measured.
+/// Factor by which an interval is cut if its bound is slightly too large. Not measured.
 const CUT: f64 = 0.75;
 
-/// Excess of a bound, `2^24`, from which on an interval is cut deeper. Not measured.
+/// Excess of a bound, `2^24`, from which on an interval is cut more. Not measured.
 const CUT_FAR: f64 = (1u64 << 24) as f64;
 
-/// The deepest cut at a time, `2^-60`: 18 reach zero from an interval of one. Not measured.
+/// The largest cut in one round, `2^-60`: 18 such cuts reduce an interval of one to zero. Not
+/// measured.
 const CUT_MOST: f64 = 1.0 / (1u64 << 60) as f64;
 
-/// In a cast a plane keeps its normal if turns give no point more than this part of the velocity at
-/// which the pivots approach each other: the plane then proves three quarters of the way to contact
-/// and more, without support points.
+/// In a cast a plane keeps its normal if rotations give no point more than this fraction of the
+/// velocity at which the pivots approach each other.
+///
+/// The plane then proves three quarters or more of the time to contact, without support points.
 const FIXED_SHARE: f64 = 0.3;
 
-/// In a cast a plane turns with the features if the gap is less than this part of the sum of both
-/// radii, as its steps converge quadratically. Measured from 1e-4 to 0.4 on casts of hulls of 8 to
-/// 512 vertices: .001 to .005 take 9 to 18 % less time than planes that always turn.
+/// In a cast a plane rotates with the features if the gap is less than this fraction of the sum of
+/// both radii, because its steps converge quadratically.
+///
+/// Measured from 1e-4 to 0.4 on casts of hulls of 8 to 512 vertices: .001 to .005 take 9 to 18 %
+/// less time than planes that always rotate.
 const FIXED_GAP: f64 = 0.002;
 
-/// Returns whether neither shape turns: then the gap along a normal is a parabola, exactly.
+/// Returns whether neither shape rotates: then the gap along a normal is exactly a parabola.
 pub(super) fn turns_neither(flight: &PairMotion) -> bool {
     flight.model_a.angular == Vector3::zeros() && flight.model_b.angular == Vector3::zeros()
 }
 
-/// A plane that keeps its normal while the shapes move, on the flight's own clock (see
+/// A plane that keeps its normal while the shapes move, on the motion's own clock (see
 /// [`PairMotion::on_own_clock`]).
 ///
-/// A point `x` of a shape that turns at `w` has the velocity `w x x` about the pivot, along the
-/// normal `(n x w) . x`: at most `|n x w|` times the reach of the shape. So the gap along the
-/// normal is at least a parabola.
+/// A point `x` of a shape that rotates at `w` has the velocity `w x x` about the pivot, and
+/// `(n x w) . x` of it along the normal. This is at most `|n x w|` times the radius of the shape.
+/// So the gap along the normal is at least a parabola.
 pub(super) struct FixedNormal<'a> {
     flight: &'a PairMotion,
     n: &'a Vector3<f64>,
@@ -54,9 +59,9 @@ pub(super) struct FixedNormal<'a> {
     tick: f64,
     reach: [f64; 2],
     velocity: Vector3<f64>,
-    /// The velocity of the pivots along the normal, B's less A's.
+    /// The velocity of the pivots along the normal: B's minus A's.
     slope: f64,
-    /// No point of A or B approaches the other shape by more than this, beside its pivot.
+    /// No point of A or B approaches the other shape faster than this, relative to its pivot.
     turning: f64,
 }
 
@@ -94,21 +99,23 @@ impl<'a> FixedNormal<'a> {
         }
     }
 
-    /// Returns whether the plane is expected to prove most of what a plane that turns can: of
-    /// shapes that do not turn, and most of the way to a contact that is not near.
+    /// Returns whether the plane is expected to prove most of what a plane that rotates can.
+    ///
+    /// This holds for shapes that do not rotate, and for most of the time to a contact that is not
+    /// near.
     fn lasts(&self) -> bool {
         let gap = self.gap - self.flight.keep;
         let is_far = gap > FIXED_GAP * (self.reach[0] + self.reach[1]);
         self.turning == 0.0 || is_far && self.turning <= -FIXED_SHARE * self.slope
     }
 
-    /// Returns whether the plane may prove all of the flight: without the drifts of motions.
+    /// Returns whether the plane may prove the whole motion, without the drifts of motions.
     fn may_prove_all(&self) -> bool {
         let way = (self.turning - self.slope) * (self.flight.span / self.tick);
         self.gap - self.flight.keep > way
     }
 
-    /// Returns the time for which the plane parts the shapes, and the plane.
+    /// Returns how long the plane separates the shapes, and the plane.
     pub(super) fn proof(&self) -> FreeSpan {
         let proof = Proof::Plane {
             normal: *self.n,
@@ -156,8 +163,10 @@ impl<'a> FixedNormal<'a> {
 }
 
 impl PairMotion {
-    /// Returns a proof by a plane that keeps its normal, if it proves the whole flight or is
-    /// expected to prove most of what a plane that turns can, which takes support points.
+    /// Returns a proof by a plane that keeps its normal, if this is worth it.
+    ///
+    /// It is if the plane proves the whole motion, or is expected to prove most of what a plane
+    /// that rotates can. A plane that rotates takes support points.
     pub(crate) fn by_fixed_normal<S: Separation + ?Sized>(&self, pair: &S, seen: &Measurement) -> Option<FreeSpan> {
         if !seen.by_plane {
             return None;
@@ -171,7 +180,7 @@ impl PairMotion {
         Some(plane.proof()).filter(|free| lasts || free.span >= self.span)
     }
 
-    /// Returns the velocity of B's pivot less that of A's.
+    /// Returns the velocity of B's pivot minus that of A's.
     pub(super) fn velocity(&self) -> Vector3<f64> {
         self.model_b.linear - self.model_a.linear
     }
@@ -180,8 +189,9 @@ impl PairMotion {
         self.model_b.acceleration - self.model_a.acceleration
     }
 
-    /// Returns lengths to which rounding is relative, without the displacements of the pivots;
-    /// `reach` is the sum of those of both shapes.
+    /// Returns the lengths to which rounding is relative, without the displacements of the pivots.
+    ///
+    /// `reach` is the sum of the radii of both shapes.
     pub(super) fn size(&self, reach: f64) -> f64 {
         let offset = self.pose_b.translation.vector - self.pose_a.translation.vector;
         let pivots = one_norm(&self.model_a.pivot.coords) + one_norm(&self.model_b.pivot.coords);
@@ -200,10 +210,13 @@ pub(super) fn time_to(way: f64, slope: f64, bend: f64) -> f64 {
     }
 }
 
-/// Returns the factor by which an interval is cut if a bound over the interval is `excess` times
-/// what is allowed: a quarter off while the bound is near, so that no cut is much too deep; far
-/// off, as much as a bound of degree eight needs at least, so that some hundred cuts end at any
-/// bound. An infinite bound is cut as deep as may be.
+/// Returns the factor by which an interval is cut if a bound over it is `excess` times what is
+/// allowed.
+///
+/// - **Near the bound**: by a quarter, so that no cut is much too deep.
+/// - **Far from the bound**: by what a bound of degree eight needs at least, so that about a
+///   hundred cuts suffice for any bound.
+/// - **An infinite bound**: by the largest cut.
 pub(super) fn cut(excess: f64) -> f64 {
     if excess < CUT_FAR {
         CUT
@@ -212,7 +225,7 @@ pub(super) fn cut(excess: f64) -> f64 {
     }
 }
 
-/// Returns the sum of the absolute coordinates: no less than the length.
+/// Returns the sum of the absolute coordinates, which is at least the length.
 pub(super) fn one_norm(v: &Vector3<f64>) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
 }
@@ -223,8 +236,8 @@ mod tests {
     use super::*;
     use crate::rng::Rng;
 
-    /// Bounds of every degree and size, and infinite ones: a hundred cuts or so, and none much too
-    /// deep.
+    /// Bounds of every degree and size, and infinite ones: about a hundred cuts suffice, and none
+    /// is much too deep.
     #[test]
     fn cuts_end_soon_and_none_is_much_too_deep() {
         let mut rng = Rng::new(29);
@@ -253,7 +266,7 @@ mod tests {
                 cuts += 1;
             }
             assert!(cuts < 150, "{case}: {terms:?} {allowed} {cuts}");
-            // Powers of such intervals are no longer normal.
+            // Powers of such intervals are not normal numbers.
             let is_known = bound(last) < f64::INFINITY && interval > 1e-37;
             assert!(
                 !is_known || cuts == 0 || bound(1.34 * interval) > allowed,

@@ -1,14 +1,15 @@
-//! Pairs of shapes that can be measured at a pose and bounded over time.
+//! Pairs of shapes that can be measured at a pose, and bounded over time.
 //!
-//! [`Separation`] is a pair of shapes, of any two kinds, that can be measured at a relative pose.
-//! [`impact`](crate::impact) needs nothing more. A pair of convex shapes implements
+//! [`Separation`] is a pair of shapes of any two kinds that can be measured at a relative pose;
+//! [`impact`](crate::impact) needs nothing else. A pair of convex shapes implements
 //! [`ball`](Separation::ball), [`measure`](Separation::measure), [`meets`](Separation::meets) and
-//! [`support`](Separation::support), and gets [`free_for`](Separation::free_for), one look ahead,
-//! from a plane that turns (`separation/plane.rs`). A pair of shapes that no plane need separate
-//! (meshes, compounds) implements `free_for` by another bound, and needs no `support`.
+//! [`support`](Separation::support). The default of [`free_for`](Separation::free_for) then makes
+//! one step by a plane that rotates (`separation/plane.rs`). Meshes and compounds need not be
+//! separated by a plane, so their pairs implement `free_for` by another bound and need no
+//! `support`.
 //!
-//! Trackers make such pairs: [`PairTracker::pair`](crate::PairTracker::pair) of any two geometries,
-//! [`Tracker::pair`](crate::Tracker::pair) of two polyhedra.
+//! Trackers make such pairs: [`PairTracker::pair`](crate::PairTracker::pair) for any two
+//! geometries, [`Tracker::pair`](crate::Tracker::pair) for two polyhedra.
 
 pub(crate) mod balls;
 pub(crate) mod bernstein;
@@ -30,24 +31,30 @@ pub(crate) use pairs::ShapePair;
 
 /// Two shapes that can be measured against each other, and bounded over time.
 ///
-/// Lengths are in the caller's units, points and directions in the frames of their shapes. Every
-/// bound includes the rounding of the computation. A cache changes the time of an answer, never the
-/// truth.
+/// Lengths are in the caller's unit, points and directions in the frames of their shapes. Every
+/// bound includes the rounding of the computation. A cache changes the time of a query, never the
+/// truth of its result.
 pub trait Separation {
-    /// Returns a ball that contains a shape: centre, in the frame of the shape, and radius.
+    /// Returns a ball that contains a shape: the centre, in the frame of the shape, and the radius.
     fn ball(&self, of: Operand) -> (Point3<f64>, f64);
 
-    /// Returns the closest points at a pose. Of an overlap only the contact state counts; the depth
-    /// need not be found.
+    /// Returns the closest points at a pose.
+    ///
+    /// For an overlap only the contact state matters; the depth need not be computed.
     fn measure(&mut self, a_from_b: &RelativePose) -> Measurement;
 
     /// Returns whether the shapes are proven to be at most `distance` apart at a pose; false
-    /// without a proof. `seen` is the last measure, taken nearby.
+    /// without a proof.
+    ///
+    /// `seen` is the last measurement, from a nearby pose.
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measurement) -> bool;
 
-    /// Returns the height of a shape along a direction of any length, in the frame of the shape: an
-    /// upper bound of `direction . (x - c)` over all points `x`, with `c` the centre of the
-    /// [`ball`](Self::ball). The default is the height of the ball: sound, and loose.
+    /// Returns an upper bound of a shape's support value along a direction, in the frame of the
+    /// shape.
+    ///
+    /// The direction may have any length. The bound holds for `direction . (x - c)` over all points
+    /// `x`, where `c` is the centre of the [`ball`](Self::ball). The default is the support value
+    /// of the ball: valid, but not tight.
     fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> SupportPoint {
         let (_, radius) = self.ball(of);
         let length = direction.norm();
@@ -62,9 +69,10 @@ pub trait Separation {
         }
     }
 
-    /// Returns the time for which the shapes are proven to stay more than `flight.keep` apart: one
-    /// look ahead from the pose at which `seen` was measured. The default is a separating plane
-    /// that turns with the closest features, bounded over both shapes by
+    /// Returns how long the shapes are proven to stay more than `flight.keep` apart: one step.
+    ///
+    /// The time counts from the pose at which `seen` was measured. The default is a separating
+    /// plane that rotates with the closest features, bounded over both shapes by
     /// [`support`](Self::support).
     fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
         plane::free_for(self, seen, flight)
@@ -75,9 +83,9 @@ pub trait Separation {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Measurement {
-    /// Whether the shapes are apart, touch or overlap.
+    /// Contact state of the two shapes.
     pub state: ContactState,
-    /// The best estimate of the distance; zero or less if the shapes touch or overlap.
+    /// The best estimate of the distance; zero or negative if the shapes touch or overlap.
     pub distance: f64,
     /// Lower bound of the distance.
     #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
@@ -86,7 +94,7 @@ pub struct Measurement {
     pub upper: f64,
     /// The closest features, for shapes with named features.
     pub features: Option<FeaturePair>,
-    /// The piece or triangle of A and of B to which the features belong; zero for shapes of one
+    /// The piece or triangle of A and of B to which the features belong; zero for a shape of one
     /// piece.
     pub subshapes: [u32; 2],
     /// The witness on A, in A's frame.
@@ -95,95 +103,100 @@ pub struct Measurement {
     pub point_on_b: Point3<f64>,
     /// Unit direction from A to B, in A's frame.
     pub normal: Unit<Vector3<f64>>,
-    /// The turn of the direction as the shapes move.
+    /// The rotation of the closest direction as the shapes move.
     pub tangent: Tangent,
-    /// Whether the supporting planes perpendicular to this very `normal` prove the shapes `lower`
-    /// apart.
+    /// Whether the supporting planes perpendicular to exactly this `normal` prove the shapes
+    /// `lower` apart.
     pub by_plane: bool,
 }
 
-/// The turn of the closest direction of a pair as the shapes turn, to first order. Not a matter of
-/// soundness: the right tangent makes a look reach farther.
+/// First-order rotation of the closest direction as the shapes rotate.
+///
+/// A wrong value cannot make a proof wrong; a good one makes each step longer.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Tangent {
-    /// Depends on the points more than on the turns of the shapes: two vertices, or curved shapes.
+    /// Depends on the points more than on the rotation of the shapes: two vertices, or curved
+    /// shapes.
     #[default]
     FreeSpan,
-    /// With A: a face of A, or an edge of A and a vertex of B.
+    /// Rotates with A: a face of A, or an edge of A and a vertex of B.
     WithA,
-    /// With B: a face of B, or a vertex of A and an edge of B.
+    /// Rotates with B: a face of B, or a vertex of A and an edge of B.
     WithB,
     /// Perpendicular to an edge of A and an edge of B: the directions of the edges, each in the
     /// frame of the shape.
     Edges(Vector3<f64>, Vector3<f64>),
 }
 
-/// A support point and the proven height.
+/// A support point and the proven support value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SupportPoint {
-    /// Upper bound of the height of the whole shape along the direction, from the centre of the
-    /// ball.
+    /// Upper bound of the shape's support value along the direction, from the ball's centre.
     pub height: f64,
-    /// A point of about this height, less the centre of the ball. Not a matter of soundness.
+    /// A point with about this support value, minus the centre of the ball. A wrong point cannot
+    /// make a proof wrong.
     pub point: Vector3<f64>,
 }
 
-/// Both motions from one instant on.
+/// The motions of both bodies from one time on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairMotion {
-    /// Poses at the instant.
+    /// Pose of A at this time.
     pub pose_a: Isometry3<f64>,
-    /// Pose of B at the instant.
+    /// Pose of B at this time.
     pub pose_b: Isometry3<f64>,
-    /// Velocities and bounds of A from the instant on, for at least `span`.
+    /// Velocities and bounds of A from this time on, for at least `span`.
     pub model_a: MotionModel,
-    /// Velocities and bounds of B from the instant on, for at least `span`.
+    /// Velocities and bounds of B from this time on, for at least `span`.
     pub model_b: MotionModel,
-    /// How far ahead is of interest.
+    /// Duration that the query needs.
     pub span: f64,
-    /// The distance to stay beyond: zero or more.
+    /// Distance that the shapes must exceed: zero or more.
     pub keep: f64,
 }
 
-/// The time for which a pair is proven free, and the proof.
+/// The time for which a pair is proven separated, and the proof.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeSpan {
-    /// Time from the instant of the look on: at most the span of the flight.
+    /// Duration from the time of the measurement: at most the span of the motion.
     pub span: f64,
     /// The proof.
     pub proof: Proof,
 }
 
-/// Proof that a pair is free of contact over an interval.
+/// Proof that a pair has no contact over an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Proof {
-    /// The balls about the pivots, which contain the shapes at every turn, stay apart.
+    /// The balls around the pivots stay separated; they contain the shapes at every rotation.
     Balls,
-    /// A plane stays between the shapes: at `s` after the instant the normal of the plane is
-    /// `normal`, turned by `spin * s` (a rotation vector), both in the world.
+    /// A plane stays between the shapes.
+    ///
+    /// At `s` after the start the normal of the plane is `normal`, rotated by `spin * s` (a
+    /// rotation vector), both in the world.
     Plane {
-        /// Direction from A to B at the instant.
+        /// Direction from A to B at the start.
         normal: Vector3<f64>,
-        /// Axis times radians a unit of time.
+        /// Axis times radians per unit of time.
         spin: Vector3<f64>,
     },
-    /// Another bound, known to the pair.
+    /// Another bound, which the pair computes itself.
     Own,
 }
 
 impl PairMotion {
-    /// Returns whether both models are those of motions: else nothing is proven of them.
+    /// Returns whether both models are known; otherwise nothing is proven about them.
     #[inline]
     pub(crate) fn is_known(&self) -> bool {
         self.model_a.is_known() && self.model_b.is_known()
     }
 
-    /// Returns the flight on a clock on which the span is at least one and less than two, and the
-    /// unit of the clock, a power of two. On that clock rates are ways and angles of the whole
-    /// flight: what squares and cubes of rates lose by underflow is nothing beside the rounding of
-    /// the size of the pair.
+    /// Returns the motion on a clock on which the span is at least one and less than two, and the
+    /// unit of this clock, a power of two.
+    ///
+    /// On this clock, rates are displacements and angles of the whole motion. So the underflow of
+    /// squares and cubes of rates is negligible compared with the rounding of the pair size.
     #[inline(always)]
     pub(crate) fn on_own_clock(&self) -> (Self, f64) {
         let unit = magnitude(self.span);
@@ -196,27 +209,31 @@ impl PairMotion {
         (timed, unit)
     }
 
-    /// Returns the time in which the witnesses come nearer by `way`, to second order: an
-    /// expectation, no bound. `None` if never.
+    /// Returns the time after which the witnesses are nearer by `way`, to second order; `None` if
+    /// never.
+    ///
+    /// This is an expectation, not a bound.
     #[must_use]
     pub fn forecast<S: Separation + ?Sized>(&self, pair: &S, seen: &Measurement, way: f64) -> Option<f64> {
         plane::forecast(pair, seen, self, way)
     }
 
-    /// Returns the time for which the balls of a pair stay more than `keep` apart at every turn of
-    /// the shapes, and the effect of rounding on a distance.
+    /// Returns how long the balls of a pair stay more than `keep` apart, at every rotation of the
+    /// shapes.
+    ///
+    /// Also returns the effect of rounding on a distance.
     pub(crate) fn apart<S: Separation + ?Sized>(&self, pair: &S) -> balls::Apart {
         balls::apart(pair, self)
     }
 
-    /// Returns the time in which no point of A, seen from B, moves by as much as `way`.
+    /// Returns the time during which no point of A, seen from B, moves by as much as `way`.
     pub(crate) fn held<S: Separation + ?Sized>(&self, pair: &S, way: f64) -> f64 {
         balls::held(pair, self, way)
     }
 }
 
 impl Measurement {
-    /// Returns the measure of an outcome of two polyhedra.
+    /// Returns the measurement of an outcome of two polyhedra.
     pub(crate) fn new(outcome: &Outcome, tangent: Tangent) -> Self {
         Self {
             state: outcome.state,
@@ -236,7 +253,7 @@ impl Measurement {
 }
 
 impl From<&PairOutcome> for Measurement {
-    /// Returns the measure of geometries that no plane keeps apart.
+    /// Returns the measurement of geometries that no plane separates.
     fn from(answer: &PairOutcome) -> Self {
         Self {
             subshapes: answer.parts(),

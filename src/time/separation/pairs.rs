@@ -17,21 +17,24 @@ use crate::pair::outcome::{Decision, DepthMode, Outcome};
 use crate::time::separation::{Measurement, Separation, SupportPoint, Tangent};
 use nalgebra::{Point3, Vector3};
 
-/// Faces with longer boundaries are not divided into triangles for the guess of an overlap: the
+/// Faces with longer boundaries are not triangulated for the guess of an overlap, because the
 /// search takes linear time. Not measured.
 const RIM: usize = 64;
 
-/// The ball about the middle of the box replaces the ball about the origin if smaller by this
-/// factor: tighter, for an arm in every bound. Not measured.
+/// The ball around the middle of the box replaces the ball around the origin if it is smaller by
+/// this factor.
+///
+/// It is tighter, but adds a lever arm to every bound. Not measured.
 const SMALLER: f64 = 0.8;
 
-/// Support heights of bodies of up to this many vertices come from a scan: no proof of a climb, for
-/// linear time. Not measured.
+/// Support values of bodies with at most this many vertices come from a scan: linear time, but no
+/// climb to prove. Not measured.
 const FEW: usize = 24;
 
-/// A direction nearer than this to the normal of a face, as a 1-norm, takes the height of the plane
-/// of the face and a bound of the difference: no climb along a face, for a height a little too
-/// large. Not measured.
+/// A direction nearer than this to the normal of a face, as a 1-norm, takes the support value from
+/// the plane of the face and a bound of the difference.
+///
+/// This saves a climb along the face; the value is slightly too large. Not measured.
 const FLUSH: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// Two convex polyhedra that can be measured over time.
@@ -42,7 +45,7 @@ pub(crate) struct PolyhedronPair<'a> {
     tracker: &'a mut Tracker,
 }
 
-/// A body, a ball about it, and the vertex of the last support.
+/// A body, a ball around it, and the vertex of the last support query.
 #[derive(Clone, Debug)]
 struct BoundedHull<'a> {
     shape: &'a ConvexPolyhedron,
@@ -51,7 +54,7 @@ struct BoundedHull<'a> {
     centre: Point3<f64>,
     radius: f64,
     hint: VertexId,
-    /// The face of the last measure.
+    /// The face of the last measurement.
     face: Option<FaceId>,
 }
 
@@ -60,7 +63,7 @@ impl<'a> BoundedHull<'a> {
     fn new(shape: &'a ConvexPolyhedron) -> Self {
         let half = (shape.high - shape.low) * 0.5;
         let diagonal = sqrt(half.norm_squared()) * (1.0 + 8.0 * UNIT);
-        // Of a body that is stored about an origin of its own, only that has no rounding.
+        // If a body is stored about a separate origin, only this origin has no rounding.
         let (middle, radius) = if shape.origin == Vector3::zeros() && diagonal < SMALLER * shape.radius {
             (shape.low + half, diagonal + 2.0 * UNIT * shape.radius)
         } else {
@@ -89,8 +92,8 @@ impl<'a> BoundedHull<'a> {
         }
     }
 
-    /// Returns the highest vertex in stored coordinates, and a height that no vertex exceeds but
-    /// for rounding.
+    /// Returns the support vertex in stored coordinates, and a value that no vertex exceeds except
+    /// by rounding.
     #[inline]
     fn highest(&self, direction: &Vector3<f64>) -> Extreme {
         let points = &self.shape.points;
@@ -121,7 +124,7 @@ impl<'a> BoundedHull<'a> {
         self.shape.support_certified(direction, self.hint)
     }
 
-    /// Takes note of the feature that was measured, and a vertex of it.
+    /// Stores the measured feature and one of its vertices.
     fn note(&mut self, feature: Feature, vertex: VertexId) {
         self.hint = vertex;
         self.face = match feature {
@@ -140,8 +143,9 @@ impl<'a> BoundedHull<'a> {
         to - from
     }
 
-    /// Returns the triangle of a fan of a face whose least side is farthest from a point: the
-    /// triangle contains the point if the face does.
+    /// Returns the triangle of a face's fan whose least side is farthest from a point.
+    ///
+    /// The triangle contains the point if the face does.
     fn triangle(&self, face: FaceId, point: &Vector3<f64>) -> Option<[VertexId; 3]> {
         let t = &self.shape.topology;
         let normal = self.shape.planes[face.index()].normal;
@@ -196,14 +200,14 @@ impl<'a> PolyhedronPair<'a> {
         (self.a.shape, self.b.shape, self.tracker)
     }
 
-    /// Returns an outcome of the tracker as a measure, and takes note of the features.
+    /// Returns an outcome of the tracker as a measurement, and stores the features.
     #[inline]
     pub(crate) fn seen(&mut self, outcome: &Outcome) -> Measurement {
         let (on_a, on_b) = outcome.features.vertices_of(self.a.shape, self.b.shape);
         self.a.note(outcome.features.a, on_a);
         self.b.note(outcome.features.b, on_b);
         let mut seen = Measurement::new(outcome, self.tangent(outcome.features.a, outcome.features.b));
-        // Of bodies that are stored in other units the normal was turned once more.
+        // If the bodies are stored in different units, the normal was rotated once more.
         seen.by_plane &= self.a.shape.exponent == self.b.shape.exponent;
         seen
     }
@@ -218,8 +222,10 @@ impl<'a> PolyhedronPair<'a> {
     }
 
     /// Returns four points of the Minkowski difference that are expected to contain the origin just
-    /// behind the facet of the closest features: the triangle of the facet with the witnesses, and
-    /// the point farthest behind the facet.
+    /// behind the facet of the closest features.
+    ///
+    /// They are the triangle of the facet that contains the witnesses, and the point farthest
+    /// behind the facet.
     fn behind(&self, a_from_b: &RelativePose, seen: &Measurement) -> Option<OverlapProof> {
         if !(self.a.shape.is_unscaled && self.b.shape.is_unscaled) {
             return None;
@@ -268,8 +274,8 @@ impl Separation for PolyhedronPair<'_> {
         self.seen(&outcome)
     }
 
-    /// By [`Tracker::intersects`] and [`Tracker::within`]: without the feature `exact`, ties count
-    /// as met.
+    /// Uses [`Tracker::intersects`] and [`Tracker::within`]: without the feature `exact`, ties
+    /// count as met.
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measurement) -> bool {
         let (a, b) = (self.a.shape, self.b.shape);
         if distance > 0.0 {
@@ -288,13 +294,13 @@ impl Separation for PolyhedronPair<'_> {
     }
 }
 
-/// Returns a height along a direction, over the middle of the body.
+/// Returns a support value along a direction, from the middle of the body.
 #[inline(always)]
 pub(crate) fn over_middle(height: f64, direction: &Vector3<f64>, middle: &Vector3<f64>) -> f64 {
     height - direction.dot(middle)
 }
 
-/// Returns the sum of the absolute coordinates: no less than the length.
+/// Returns the sum of the absolute coordinates, which is at least the length.
 fn one_norm(v: &Vector3<f64>) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
 }
@@ -303,7 +309,7 @@ fn one_norm(v: &Vector3<f64>) -> f64 {
 #[derive(Debug)]
 pub(crate) struct ShapePair<'a> {
     shapes: [&'a Shape; 2],
-    /// Balls about both, which a question at one pose does not need.
+    /// Balls around both shapes, which a query at one pose does not need.
     balls: Option<[(Point3<f64>, f64); 2]>,
     tracker: &'a mut ShapeTracker,
 }
@@ -318,7 +324,7 @@ impl<'a> ShapePair<'a> {
         }
     }
 
-    /// Computes both balls, once for all looks of a cast.
+    /// Computes both balls, once for all steps of a cast.
     pub(crate) fn with_balls(self) -> Self {
         Self {
             balls: Some(self.shapes.each(Shape::bounding_ball)),
@@ -326,8 +332,10 @@ impl<'a> ShapePair<'a> {
         }
     }
 
-    /// Returns the closest points, and for an overlap as much as the question sets. Rounded shapes
-    /// need the depth of their cores, because a deep overlap differs from touch by it alone.
+    /// Returns the closest points; an overlap gets the depth that the options request.
+    ///
+    /// Rounded shapes need the depth of their cores, because only the depth distinguishes a deep
+    /// overlap from touching.
     #[inline]
     pub(crate) fn closest_with(&mut self, a_from_b: &RelativePose, question: &QueryOptions) -> PairOutcome {
         let (a, b, tracker) = self.sides();
@@ -351,10 +359,10 @@ impl<'a> ShapePair<'a> {
         (a, b, self.tracker)
     }
 
-    /// Returns an outcome of the tracker as a measure.
+    /// Returns an outcome of the tracker as a measurement.
     pub(crate) fn seen(outcome: &Outcome) -> Measurement {
         Measurement {
-            // A radius moves the lower bound; the height along the normal is taken again.
+            // A radius moves the lower bound; the support value along the normal is computed again.
             by_plane: false,
             ..Measurement::new(outcome, Tangent::FreeSpan)
         }
@@ -391,7 +399,7 @@ impl Separation for ShapePair<'_> {
         let height = shape.support_height(direction) - direction.dot(&centre.coords);
         SupportPoint {
             height: height + HEIGHT * length * size,
-            // Steers the search alone: the point of the ball.
+            // Only guides the search: the point of the ball.
             point: direction * (height / direction.norm_squared().at_least(f64::MIN_POSITIVE)),
         }
     }

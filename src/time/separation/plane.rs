@@ -1,29 +1,29 @@
-//! One look ahead: a separating plane that turns with the closest features, bounded over all points
-//! of both shapes at once.
+//! One step of a cast: a separating plane that rotates with the closest features, bounded over all
+//! points of both shapes at once.
 //!
 //! # Scheme
 //!
-//! At an instant, n points from A to B, `dc`, `dv`, `da` lead from A's pivot to B's, and the shapes
-//! turn at `wA`, `wB`. Let the normal turn at any rate chosen, `n(s) = exp(eta s) n`. With `h_X(m)`
-//! the greatest `m . x` over the points x of X about its pivot, in axes that turn with X, the gap
-//! along the normal is
+//! At the start of the step, n points from A to B, `dc`, `dv`, `da` lead from A's pivot to B's, and
+//! the shapes rotate at `wA`, `wB`. Let the normal rotate at any chosen rate,
+//! `n(s) = exp(eta s) n`. Let `h_X(m)` be the greatest `m . x` over the points x of X about its
+//! pivot, in axes that rotate with X. Then the gap along the normal is
 //!
 //! `g(s) = n(s) . (dc + dv s + da s^2 / 2) - h_A(mA(s)) - h_B(-mB(s))`,
 //!
 //! `m_X(s) = exp(-w_X s) exp(eta s) n`,
 //!
-//! and `g > 0` on an interval proves the shapes apart there, whatever eta is. Taylor's theorem with
-//! `m' = (eta - w) x n`, `m'' = eta x (eta x n) - 2 w x (eta x n) + w x (w x n)` and
-//! a bound M of `|m'''|` on the interval [0, s1] put m within `M s^3 / 6` of a parabola, and a
-//! parabola is a Bezier curve: with `D0 = n`, `D1 = n + s1 m' / 2`, `D2 = n + s1 m' + s1^2 m'' / 2`
-//! and x = s / s1,
+//! and `g > 0` on an interval proves the shapes separated there, for every eta. Taylor's theorem
+//! uses `m' = (eta - w) x n`, `m'' = eta x (eta x n) - 2 w x (eta x n) + w x (w x n)` and a bound M
+//! of `|m'''|` on the interval [0, s1]. It puts m within `M s^3 / 6` of a parabola, and a parabola
+//! is a Bezier curve. With `D0 = n`, `D1 = n + s1 m' / 2`, `D2 = n + s1 m' + s1^2 m'' / 2` and x =
+//! s / s1,
 //!
 //! `h(m(s)) <= (1 - x)^2 h(D0) + 2 x (1 - x) h(D1) + x^2 h(D2) + r M s^3 / 6`,
 //!
-//! since h is sublinear and at most r times its argument's length. Three support points a shape
-//! bound all points at all times. The first term f, `n(s) . (dc + dv s + da s^2 / 2)`, is treated
-//! likewise. So g is at least the cubic of four Bernstein coefficients, less the drifts of both
-//! motions, and its first root bounds the time.
+//! because h is sublinear and at most r times the length of its argument. Three support points per
+//! shape bound all points at all times. The first term f, `n(s) . (dc + dv s + da s^2 / 2)`, is
+//! treated in the same way. So g is at least the cubic of four Bernstein coefficients, minus the
+//! drifts of both motions, and the first root of this cubic bounds the time.
 //!
 //! # Third derivatives
 //!
@@ -38,20 +38,23 @@
 //!
 //! `|f'''| <= e (|eta|^2 |dc + dv s + da s^2 / 2| + 3 |eta| |dv + da s| + 3 |da|)`.
 //!
-//! Both vanish where n is the axis of all turns, as of a plate that spins over a parallel one; e is
+//! Both vanish if n is the axis of all rotations (a plate that spins over a parallel plate). e is
 //! at most `|eta|`, so M is never more than `|eta - w| (|eta| + |w|)^2`.
 //!
-//! # Which way the plane turns
+//! # How the plane rotates
 //!
-//! The distance is the greatest gap over all n: a plane that turns as the closest direction does
-//! touches it to first order, and a step to its root converges quadratically. A face carries its
-//! normal along (eta = w); two edges keep theirs perpendicular to both.
+//! The distance is the greatest gap over all n. So the gap of a plane that rotates as the closest
+//! direction does agrees with the distance to first order, and a step to its root converges
+//! quadratically. A face carries its normal along (eta = w); two edges keep their normal
+//! perpendicular to both.
 //!
 //! Sources: a plane attached to features is Gregorius 2013 (continuous collision, GDC) and Box2D's
-//! time of impact (Catto), there without a bound between the ends. Departures: 1. the bound over
-//! the interval; 2. the plane of two edges turns with both;
-//! 3. far from contact a plane that does not turn is tried, too; 4. rounding and the drift of
-//!    motions are part of the bound.
+//! time of impact (Catto), there without a bound between the ends. Departures:
+//!
+//! 1. The bound holds over the interval.
+//! 2. The plane of two edges rotates with both.
+//! 3. Far from contact a plane that does not rotate is tried as well.
+//! 4. Rounding and the drift of motions are included in the bound.
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
@@ -65,22 +68,28 @@ use crate::base::num::scalar::magnitude;
 use crate::base::pose::{Operand, rotation_matrix};
 use crate::base::tolerance::{PLANE, TILT};
 
-/// Reach of the first try of a plane over the root expected: more room for the bound against a
-/// wider remainder. Measured with [`TRIES`]: 1.2 planes a look.
+/// Factor from the expected root to the first interval tried: more room for the bound against a
+/// larger remainder.
+///
+/// Measured with [`TRIES`]: 1.2 planes per step.
 pub(super) const AHEAD: f64 = 1.25;
 
-/// A plane that proved less than this part of the interval tried is tried again with twice the part
-/// proven: a longer step for another plane. Measured with [`TRIES`].
+/// If a plane proves less than this fraction of the interval tried, it is tried again with twice
+/// the proven time: a longer step for another plane.
+///
+/// Measured with [`TRIES`].
 const ENOUGH: f64 = 0.4;
 
-/// Tries of a plane, at most. Measured: 1.4 on average.
+/// Largest number of tries of a plane. Measured: 1.4 on average.
 const TRIES: u32 = 3;
 
-/// Gap, over the sum of both radii, beyond which a plane that does not turn is tried as well: wins
-/// up to 40 % of the steps measured for the time of a second plane.
+/// Gap, as a multiple of the sum of both radii, beyond which a plane that does not rotate is tried
+/// as well.
+///
+/// It saves up to 40 % of the measured steps for the time of a second plane.
 const FAR: f64 = 0.05;
 
-/// Returns the time for which a turning plane proves the shapes more than `flight.keep` apart.
+/// Returns how long a rotating plane proves the shapes more than `flight.keep` apart.
 pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
     if seen.by_plane && turns_neither(flight) {
         let normal = flight.pose_a.rotation * seen.normal.into_inner();
@@ -120,7 +129,8 @@ fn free_on_own_clock<S: Separation + ?Sized>(pair: &mut S, seen: &Measurement, f
     }
 }
 
-/// Returns the time in which the witnesses come nearer by `way`, to second order; `None` if never.
+/// Returns the time after which the witnesses are nearer by `way`, to second order; `None` if
+/// never.
 pub(super) fn forecast<S: Separation + ?Sized>(
     pair: &S,
     seen: &Measurement,
@@ -148,7 +158,7 @@ pub(super) fn forecast<S: Separation + ?Sized>(
     ahead(slope, bend)
 }
 
-/// One shape at the instant.
+/// One shape at the start of the step.
 struct PlaneSide {
     which: Operand,
     /// From the shape's axes to the world's.
@@ -161,17 +171,17 @@ struct PlaneSide {
     rate: f64,
 }
 
-/// Heights of both shapes along the normal, and their points.
+/// Support values of both shapes along the normal, and their points.
 type Heights = ((f64, Vector3<f64>), (f64, Vector3<f64>));
 
-/// Turn of the direction as seen from a shape: the first and the second derivative, and what bounds
-/// the third.
+/// Rotation of the direction as seen from a shape: the first and the second derivative, and the
+/// bounds of the third.
 struct Turn {
-    /// Whether the direction does not turn at all.
+    /// Whether the direction does not rotate at all.
     rests: bool,
     first: Vector3<f64>,
     second: Vector3<f64>,
-    /// The rate at which the direction turns less that of the shape.
+    /// The rate at which the direction rotates minus the rate of the shape.
     off: f64,
     /// Upper bound of the length of the first derivative.
     pace: f64,
@@ -192,7 +202,8 @@ impl PlaneSide {
         }
     }
 
-    /// Returns the height about the pivot along a direction of the world, and the support point.
+    /// Returns the support value about the pivot along a direction of the world, and the support
+    /// point.
     fn height<S: Separation + ?Sized>(&self, pair: &mut S, direction: &Vector3<f64>) -> (f64, Vector3<f64>) {
         let own = self.rotation.tr_mul(direction);
         let support = pair.support(self.which, &own);
@@ -223,15 +234,16 @@ impl PlaneSide {
         }
     }
 
-    /// Bound of the third derivative of a direction, times the cube of an interval, for the angle
-    /// by which the direction turns and the length of the way of its tip.
+    /// Bound of the third derivative of a direction, times the cube of an interval.
+    ///
+    /// Takes the angle by which the direction rotates and the length of the path of its tip.
     fn remainder(&self, turn: &Turn, interval: f64, [angle, tilt]: [f64; 2]) -> f64 {
         let [rate, off, pace] = [self.rate, turn.off, turn.pace].each(|x| x * interval);
         rate * rate * off.smaller(pace + off * tilt) + off * tilt * (2.0 * rate + angle)
     }
 }
 
-/// Both shapes at the instant.
+/// Both shapes at the start of the step.
 struct PlaneSetting<'a> {
     flight: &'a PairMotion,
     a: PlaneSide,
@@ -265,7 +277,7 @@ impl<'a> PlaneSetting<'a> {
         }
     }
 
-    /// Returns the rate at which the plane turns with the features.
+    /// Returns the rate at which the plane rotates with the features.
     fn spin(&self, n: &Vector3<f64>, tangent: &Tangent) -> Vector3<f64> {
         match tangent {
             Tangent::FreeSpan => Vector3::zeros(),
@@ -288,7 +300,7 @@ impl<'a> PlaneSetting<'a> {
         }
     }
 
-    /// Returns the plane that turns at a rate, and the interval of the first try.
+    /// Returns the plane that rotates at a rate, and the interval of the first try.
     fn plane<'b>(&'b self, n: &'b Vector3<f64>, spin: &Vector3<f64>, at: &'b Heights) -> PlaneBetween<'b> {
         let spin_rate = length(spin);
         let mut plane = PlaneBetween {
@@ -313,8 +325,10 @@ impl<'a> PlaneSetting<'a> {
     }
 }
 
-/// Returns the first two derivatives of a direction that turns at the rate `spin`, as a body sees
-/// the direction that turns at the rate `w`.
+/// Returns the first two derivatives of a direction, as seen by a body that rotates at the rate
+/// `w`.
+///
+/// The direction rotates at the rate `spin`.
 #[inline(always)]
 pub(crate) fn derivatives(n: &Vector3<f64>, spin: &Vector3<f64>, w: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let with_spin = spin.cross(n);
@@ -339,7 +353,7 @@ pub(crate) fn way_along(
     ]
 }
 
-/// A plane that turns, and the heights of both shapes at the instant.
+/// A plane that rotates, and the support values of both shapes at the start of the step.
 struct PlaneBetween<'a> {
     setting: &'a PlaneSetting<'a>,
     n: &'a Vector3<f64>,
@@ -348,12 +362,12 @@ struct PlaneBetween<'a> {
     spin_rate: f64,
     /// Upper bound of the velocity of the tip of the normal.
     tilt: f64,
-    /// No direction turns faster as either shape sees it.
+    /// Both shapes see every direction rotate at most at this rate.
     rate: f64,
     way: [f64; 3],
     at_a: &'a (f64, Vector3<f64>),
     at_b: &'a (f64, Vector3<f64>),
-    /// The gap at the instant, less the margin.
+    /// The gap at the start of the step, minus the margin.
     gap: f64,
     /// The interval of the first try; zero if there is no gap.
     ahead: f64,
@@ -380,16 +394,19 @@ impl PlaneBetween<'_> {
         best
     }
 
-    /// Returns the margin that rounding, the distance to keep and the constant part of the drifts
-    /// take off every coefficient of an interval.
+    /// Returns the margin that is subtracted from every coefficient of an interval.
+    ///
+    /// It covers rounding, the distance to keep and the constant part of the drifts.
     fn taken(&self, length: f64) -> f64 {
         let (set, q) = (self.setting, 1.0 + self.rate * length);
         let ways = length * (one_norm(&set.velocity) + length * one_norm(&set.acceleration));
         PLANE * q * q * (set.size + ways) + set.flight.keep + set.drift.0[0] + f64::MIN_POSITIVE
     }
 
-    /// Returns the time at which the present support points would meet the plane from both sides,
-    /// the drifts against them; infinite if never.
+    /// Returns the time at which the current support points would meet the plane from both sides,
+    /// with the drifts against them.
+    ///
+    /// Infinite if never.
     fn expected(&self) -> f64 {
         let (a, b) = (&self.at_a.1, &self.at_b.1);
         let slope = self.way[1] - self.turn_a.first.dot(a) + self.turn_b.first.dot(b);
@@ -398,9 +415,11 @@ impl PlaneBetween<'_> {
         time_to(self.gap, slope - d1, bend - d2)
     }
 
-    /// Bound of the remainder of Taylor's theorem over an interval: of the third derivative of the
-    /// gap, times the cube of the interval, over six. All factors are angles and ways of the
-    /// interval, so no cube of a rate leaves f64.
+    /// Bound of the remainder of Taylor's theorem over an interval.
+    ///
+    /// This is the bound of the third derivative of the gap, times the cube of the interval, over
+    /// six. All factors are angles and displacements of the interval, so no cube of a rate leaves
+    /// f64.
     fn remainder(&self, interval: f64) -> f64 {
         let set = self.setting;
         let [angle, tilt] = [self.spin_rate, self.tilt].each(|x| x * interval);
@@ -413,8 +432,10 @@ impl PlaneBetween<'_> {
         (of_way + of_a + of_b) * ((1.0 + PLANE) / 6.0)
     }
 
-    /// Returns the interval, cut until the remainder is at most twice the gap, and until the margin
-    /// leaves half of the gap; zero for an interval without end.
+    /// Returns the interval, cut until the remainder is at most twice the gap and the margin leaves
+    /// half of the gap.
+    ///
+    /// Zero for an interval without end.
     fn shortened(&self, interval: f64) -> f64 {
         let mut interval = if interval < f64::INFINITY { interval } else { 0.0 };
         let (now, half) = (self.taken(0.0), 0.5 * self.gap);
