@@ -201,7 +201,7 @@
 //! | polyhedra, rounded or not | `1e-13 L` | exact (feature `exact`) | bounded both ways | [`Tracker::manifold`] |
 //! | curved shapes | `1e-13 L` | within `3e-14 L` touching or undecided; `intersects` and `within` return true unless a search proves the shapes apart | if no ball inside the shapes proves the depth, searched to `2^-19 L`, and wider about a common centre | [`PairTracker::manifold`] |
 //! | superquadrics | `2e-13 L` | as curved shapes, within `1e-13 L` | as curved shapes | [`PairTracker::manifold`] |
-//! | meshes, compounds | `1e-13 L`; compounds with placed pieces `1.5e-13 L` | predicates of meshes and of compounds in place exact (feature `exact`); within `1e-13 L` the contact state may be one of two neighbours | [`PairTracker::penetration`]: an interval that may stay wide | [`PairTracker::contacts`], for shallow overlap |
+//! | meshes, compounds | `1e-13 L`; compounds whose pieces have poses `1.5e-13 L` | predicates of meshes and of compounds whose pieces have no pose exact (feature `exact`); within `1e-13 L` the contact state may be one of two neighbours | [`PairTracker::penetration`]: an interval that may stay wide | [`PairTracker::contacts`], for shallow overlap |
 //! | Bézier surfaces | you choose | undecided if the interval allows both answers, at one pose perhaps warm and not cold | none | none |
 //!
 //! * **Sizes.** The extent of a body is from 1e-100 to 1e100; one body may be any number of times

@@ -354,7 +354,7 @@ impl Separation for Stubborn {
             point_on_a: Point3::origin(),
             point_on_b: Point3::origin(),
             normal: Vector3::x_axis(),
-            tangent: Tangent::FreeSpan,
+            tangent: Tangent::Free,
             by_plane: false,
         }
     }

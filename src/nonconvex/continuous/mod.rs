@@ -248,7 +248,7 @@ where
         point_on_a: Point3::from(origin),
         point_on_b: Point3::from(origin),
         normal: Vector3::z_axis(),
-        tangent: Tangent::FreeSpan,
+        tangent: Tangent::Free,
         by_plane: false,
     };
     let Some(paths) = VertexPaths::new(a, b) else {

@@ -119,7 +119,7 @@ pub enum Tangent {
     /// Depends on the points more than on the rotation of the shapes: two vertices, or curved
     /// shapes.
     #[default]
-    FreeSpan,
+    Free,
     /// Rotates with A: a face of A, or an edge of A and a vertex of B.
     WithA,
     /// Rotates with B: a face of B, or a vertex of A and an edge of B.
@@ -258,7 +258,7 @@ impl From<&PairOutcome> for Measurement {
         Self {
             subshapes: answer.parts(),
             by_plane: false,
-            ..Self::new(&answer.outcome, Tangent::FreeSpan)
+            ..Self::new(&answer.outcome, Tangent::Free)
         }
     }
 }

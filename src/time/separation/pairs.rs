@@ -217,7 +217,7 @@ impl<'a> PolyhedronPair<'a> {
             (Feature::Face(_), _) | (Feature::Edge(_), Feature::Vertex(_)) => Tangent::WithA,
             (_, Feature::Face(_)) | (Feature::Vertex(_), Feature::Edge(_)) => Tangent::WithB,
             (Feature::Edge(a), Feature::Edge(b)) => Tangent::Edges(self.a.direction(a), self.b.direction(b)),
-            (Feature::Vertex(_), Feature::Vertex(_)) => Tangent::FreeSpan,
+            (Feature::Vertex(_), Feature::Vertex(_)) => Tangent::Free,
         }
     }
 
@@ -364,7 +364,7 @@ impl<'a> ShapePair<'a> {
         Measurement {
             // A radius moves the lower bound; the support value along the normal is computed again.
             by_plane: false,
-            ..Measurement::new(outcome, Tangent::FreeSpan)
+            ..Measurement::new(outcome, Tangent::Free)
         }
     }
 }

@@ -280,7 +280,7 @@ impl<'a> PlaneSetting<'a> {
     /// Returns the rate at which the plane rotates with the features.
     fn spin(&self, n: &Vector3<f64>, tangent: &Tangent) -> Vector3<f64> {
         match tangent {
-            Tangent::FreeSpan => Vector3::zeros(),
+            Tangent::Free => Vector3::zeros(),
             Tangent::WithA => self.a.angular,
             Tangent::WithB => self.b.angular,
             Tangent::Edges(a, b) => {
