@@ -149,11 +149,13 @@ fn code_of_the_documentation_is_narrow_and_needs_no_other_crate() {
 /// The rows of the table under a header, without the markup of links.
 fn rows(text: &str, header: &str) -> Vec<String> {
     let lines = text.lines().map(|l| l.trim_start_matches("//! "));
-    let table = lines
-        .skip_while(|l| *l != header)
-        .skip(2)
-        .take_while(|l| l.starts_with('|'));
-    table.map(without_links).collect()
+    let (mut rows, mut is_table) = (vec![], false);
+    for line in lines {
+        is_table = line == header || is_table && line.starts_with('|');
+        let is_row = is_table && line != header && !line.starts_with("|---");
+        rows.extend(is_row.then(|| without_links(line)));
+    }
+    rows
 }
 
 /// Returns `text` with `[name](target)` and `[name]` as `name`.

@@ -126,8 +126,8 @@ fn errors_name_the_line() {
     assert!(wrong.to_string().contains("unit quaternion"), "{wrong}");
     let wrong = with(9, "{\"frame\":");
     assert!(matches!(wrong, ReadError::Line { line: 9, .. }), "{wrong}");
-    let wrong = with(1, "{\"format\":\"lin-canny recording\",\"version\":2}");
-    assert!(matches!(wrong, ReadError::Version { found: 2 }), "{wrong}");
+    let wrong = with(1, "{\"format\":\"lin-canny recording\",\"version\":1}");
+    assert!(matches!(wrong, ReadError::Version { found: 1 }), "{wrong}");
     let wrong = with(1, "{\"format\":\"other\",\"version\":2}");
     assert!(matches!(wrong, ReadError::Format { .. }), "{wrong}");
     assert!(
