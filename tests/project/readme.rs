@@ -146,7 +146,7 @@ fn code_of_the_documentation_is_narrow_and_needs_no_other_crate() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// The rows of the table under a header, without the markup of links.
+/// The rows of all tables under a header, without the markup of links.
 fn rows(text: &str, header: &str) -> Vec<String> {
     let lines = text.lines().map(|l| l.trim_start_matches("//! "));
     let (mut rows, mut is_table) = (vec![], false);
