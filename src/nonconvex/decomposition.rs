@@ -1,19 +1,22 @@
-//! Convex pieces that stand for a mesh, and how far the two are apart.
+//! Convex pieces that replace a mesh, and how far the two differ.
 //!
-//! No surface point of the pieces is farther than the *excess* from the mesh, no point of the
-//! mesh's surface farther than the *shortfall* from the pieces. Let another body be `d` apart from
-//! the pieces. The closest point of the pieces is on their surface, so the mesh is at most
-//! `d + excess` apart. If the mesh were nearer than `d - shortfall`, so would be a point of its
-//! surface, and the pieces nearer than `d`; the only other way for the mesh to meet the body is to
-//! hold it, which a winding number decides.
+//! No point of the pieces' surface is farther than the *excess* from the mesh. No point of the
+//! mesh's surface is farther than the *shortfall* from the pieces. Let the distance of another body
+//! from the pieces be `d`:
 //!
-//! Over a triangle the distance from a convex set is greatest at a corner, because it is a convex
+//! - **Upper bound.** The closest point of the pieces is on their surface, so the mesh is at most
+//!   `d + excess` away.
+//! - **Lower bound.** If the surface of the mesh were nearer than `d - shortfall`, the pieces would
+//!   be nearer than `d`. Otherwise the mesh can meet the body only if it contains the body, which a
+//!   winding number decides.
+//!
+//! Over a triangle the distance from a convex set is greatest at a vertex, because it is a convex
 //! function. This bounds the shortfall by the piece nearest to the centroid, and the excess by the
-//! triangle nearest to it.
+//! triangle nearest to the centroid.
 //!
-//! Points are measured in the order of the mesh's tree, so that a piece is asked about points near
-//! each other: a tracker is kept for each piece, and the plane that a point was beyond, which is
-//! looked at first.
+//! Points are measured in the order of the mesh's tree, so that consecutive points are near each
+//! other. For each piece a tracker is cached, and the plane that the last point was outside of,
+//! which is tested first.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -39,20 +42,22 @@ use crate::nonconvex::query::triangle::Triangle;
 use crate::pair::location::PairOutcome;
 use crate::pair::outcome::{ContactState, Distance};
 
-/// How far convex pieces and a mesh are apart, in the caller's unit.
+/// How far convex pieces and a mesh differ, in the caller's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct DecompositionFit {
-    /// Some point of the pieces' surface is at least this far outside the mesh.
+    /// Lower bound of the excess: some point of the pieces' surface is at least this far outside
+    /// the mesh.
     pub excess_lower: f64,
-    /// No point of the pieces' surface is farther from the mesh.
+    /// Upper bound of the excess: no point of the pieces' surface is farther from the mesh.
     pub excess_upper: f64,
-    /// Some point of the mesh's surface is at least this far outside the pieces.
+    /// Lower bound of the shortfall: some point of the mesh's surface is at least this far outside
+    /// the pieces.
     pub shortfall_lower: f64,
-    /// No point of the mesh's surface is farther from the pieces.
+    /// Upper bound of the shortfall: no point of the mesh's surface is farther from the pieces.
     pub shortfall_upper: f64,
-    /// No point of a piece is deeper inside the piece.
+    /// Upper bound of the depth of a point of a piece inside that piece.
     pub depth: f64,
 }
 
@@ -66,11 +71,13 @@ impl fmt::Display for DecompositionFit {
     }
 }
 
-/// Convex pieces that stand for a mesh, checked: the largest gaps between the two are bounded, so
-/// that distances of the pieces are intervals that hold for the mesh.
+/// Convex pieces that replace a mesh, with proven bounds of their difference.
 ///
-/// The pieces are the caller's, from any decomposition (V-HACD, CoACD, by hand). The mesh itself is
-/// exact, and often as fast: [`PairTracker`](crate::PairTracker).
+/// With these bounds, the distance of the pieces from a body gives an interval that holds for the
+/// mesh.
+///
+/// The caller provides the pieces, from any decomposition (V-HACD, CoACD, by hand). Queries of the
+/// mesh itself ([`PairTracker`](crate::PairTracker)) are exact and often as fast.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -102,23 +109,26 @@ pub struct Decomposition {
 }
 
 impl Decomposition {
-    /// Measures the gaps between a mesh and pieces that stand for it: in general within 0.4 % of
-    /// half the diagonal of the mesh's box. Some 0.03 to 0.25 s for meshes of 1,000 to 5,000
-    /// triangles.
+    /// Measures the gaps between a mesh and the pieces that replace it.
+    ///
+    /// The bounds are generally within 0.4 % of half the diagonal of the mesh's box. The call takes
+    /// about 0.03 to 0.25 s for meshes of 1,000 to 5,000 triangles.
     ///
     /// # Errors
     ///
-    /// A piece that is rounded or curved ([`MeshError::Curved`]).
+    /// Returns [`MeshError::Curved`] if a piece is rounded or curved.
     pub fn new(mesh: impl Into<Arc<Mesh>>, pieces: impl Into<Arc<Compound>>) -> Result<Self, MeshError> {
         Self::measured(mesh.into(), pieces.into(), &mut Watch::none())
     }
 
-    /// Measures as [`new`](Self::new) does, and tells the caller how far it is: for meshes of a
-    /// hundred thousand triangles.
+    /// Measures like [`new`](Self::new) and reports its progress to the caller.
+    ///
+    /// Use it for meshes of about 100,000 triangles or more.
     ///
     /// # Errors
     ///
-    /// As [`new`](Self::new); [`MeshError::Stopped`] if the caller stops it.
+    /// Returns the errors of [`new`](Self::new), and [`MeshError::Stopped`] if the caller stops the
+    /// call.
     pub fn new_with_progress(
         mesh: impl Into<Arc<Mesh>>,
         pieces: impl Into<Arc<Compound>>,
@@ -135,7 +145,7 @@ impl Decomposition {
         watch.slow_stage("shortfall")?;
         let shortfall = shortfall(&mesh, &mut hulls, resolution, watch);
         watch.check()?;
-        // The rounding of distances of points.
+        // The rounding error of distances of points.
         let noise = CERTIFICATE * UNIT * (mesh.radius * mesh.unit() + pieces.side().radius * pieces.stored_unit());
         let fit = DecompositionFit {
             excess_lower: (excess.0 * mesh.unit() - noise).at_least(0.0),
@@ -159,19 +169,20 @@ impl Decomposition {
         &self.pieces
     }
 
-    /// Returns how far pieces and mesh are apart.
+    /// Returns how far pieces and mesh differ.
     #[must_use]
     pub fn fit(&self) -> &DecompositionFit {
         &self.fit
     }
 
-    /// Returns bounds of the distance of the mesh from another body, by the answer of the pieces
-    /// and that body.
+    /// Returns bounds of the distance of the mesh from another body.
+    ///
+    /// `found` is the outcome of the pieces and that body.
     pub(crate) fn bounds(&self, found: &PairOutcome, other: &PartsRef, mesh_from_other: &RelativePose) -> Distance {
         let fit = &self.fit;
         if found.state != ContactState::Separated {
-            // A point of the body is in a piece, or next to one: at most the depth of the piece
-            // from the piece's surface.
+            // A point of the body is in a piece or next to one, so its distance from the piece's
+            // surface is at most the depth of the piece.
             return open(found.upper.at_least(0.0) + fit.excess_upper + fit.depth);
         }
         let Some(posed) = PosedTrees::new(&*self.mesh, other, mesh_from_other) else {
@@ -208,7 +219,7 @@ impl Decomposition {
     }
 }
 
-/// Bodies that may share a point, at most `upper` apart.
+/// Returns the distance of bodies that may share a point and are at most `upper` apart.
 fn open(upper: f64) -> Distance {
     Distance {
         state: ContactState::Undecided,
@@ -218,27 +229,27 @@ fn open(upper: f64) -> Distance {
     }
 }
 
-/// Distances of points from pieces are measured by planes alone if that leaves less than this part
-/// of the resolution open. Not measured.
+/// Width of the bounds by planes, as a fraction of the resolution, below which no exact distance of
+/// a point from a piece is computed. Not measured.
 const GAP: f64 = 1.0 / 64.0;
 
 /// A piece that is a polyhedron.
 pub(super) struct PieceHull<'a> {
     body: &'a ConvexPolyhedron,
     pose: &'a Isometry3<f64>,
-    /// A ball about the piece in the body's frame.
+    /// Centre of a ball that contains the piece, in the body's frame.
     centre: Point3<f64>,
     radius: f64,
     inner: InnerPlanes,
     tracker: Tracker,
 }
 
-/// The planes of a piece about an inner point, in the frame of the piece.
+/// The planes of a piece around an inner point, in the frame of the piece.
 struct InnerPlanes {
     point: Point3<f64>,
-    /// Normal, offset, and the depth of the inner point; none for a piece without volume.
+    /// Normal, offset, and depth of the inner point; empty for a piece without volume.
     planes: Vec<(Vector3<f64>, f64, f64)>,
-    /// The plane that the last point was farthest beyond.
+    /// Index of the plane that the last point was farthest outside of.
     last: usize,
 }
 
@@ -276,7 +287,7 @@ impl InnerPlanes {
         }
     }
 
-    /// Bounds of the distance of a point by the planes; `None` if the distance is more than `most`.
+    /// Returns bounds of the distance of a point from the planes; `None` if it exceeds `most`.
     fn bracket(&mut self, p: &Point3<f64>, most: f64) -> Option<(f64, f64)> {
         let height = |(n, offset, _): &(Vector3<f64>, f64, f64)| n.dot(&p.coords) - offset;
         let Some(plane) = self.planes.get(self.last) else {
@@ -292,7 +303,7 @@ impl InnerPlanes {
                 (lower, self.last) = (h, k);
             }
             if h > 0.0 {
-                // This far towards the inner point the point comes below the plane.
+                // After this fraction of the path to the inner point, the point is below the plane.
                 part = part.larger(h / (h + plane.2));
             }
         }
@@ -301,8 +312,10 @@ impl InnerPlanes {
 }
 
 impl PieceHull<'_> {
-    /// Bounds of the distance of a point from the piece, in the caller's unit; `None` if the
-    /// distance is more than `most`. Bounds that are less than `enough` apart are as good as any.
+    /// Returns bounds of the distance of a point from the piece; `None` if it exceeds `most`.
+    ///
+    /// The bounds are in the caller's unit. They need not be tightened once they are less than
+    /// `enough` apart.
     fn distance(&mut self, p: &Point3<f64>, most: f64, enough: f64) -> Option<(f64, f64)> {
         if sqrt((p - self.centre).norm_squared()) - self.radius > most {
             return None;
@@ -319,14 +332,14 @@ impl PieceHull<'_> {
         Some((found.lower.at_least(0.0), found.upper.at_least(0.0)))
     }
 
-    /// Half the shortest side of the box: no point of the piece is deeper inside.
+    /// Returns half the shortest side of the box: no point of the piece is deeper inside.
     fn depth(&self) -> f64 {
         let (low, high) = self.body.aabb();
         0.5 * smallest(&(high - low))
     }
 }
 
-/// Bounds of the farthest point of the pieces' surface from the mesh, in stored units of the mesh.
+/// Returns bounds of the excess, in stored units of the mesh.
 pub(super) fn excess(mesh: &Mesh, hulls: &[PieceHull], resolution: f64, watch: &mut Watch<'_>) -> (f64, f64) {
     let scale = 1.0 / mesh.unit();
     let triangles = hulls.iter().flat_map(|hull| {
@@ -360,7 +373,7 @@ pub(super) fn excess(mesh: &Mesh, hulls: &[PieceHull], resolution: f64, watch: &
     })
 }
 
-/// Bounds of the farthest point of the mesh's surface from the pieces, in stored units of the mesh.
+/// Returns bounds of the shortfall, in stored units of the mesh.
 fn shortfall(mesh: &Mesh, hulls: &mut [PieceHull], resolution: f64, watch: &mut Watch<'_>) -> (f64, f64) {
     let (unit, scale) = (mesh.unit(), 1.0 / mesh.unit());
     let triangles = (0..mesh.triangles.len() as u32).map(|t| mesh.corners(t));
@@ -385,7 +398,7 @@ fn shortfall(mesh: &Mesh, hulls: &mut [PieceHull], resolution: f64, watch: &mut 
     })
 }
 
-/// Returns an upper bound of the distances of three points from a piece; `None` if it is more than
+/// Returns an upper bound of the distances of three points from a piece; `None` if it exceeds
 /// `most`.
 fn farthest(hull: &mut PieceHull, points: &[Point3<f64>; 3], most: f64, slack: f64) -> Option<f64> {
     points
@@ -393,8 +406,9 @@ fn farthest(hull: &mut PieceHull, points: &[Point3<f64>; 3], most: f64, slack: f
         .try_fold(0.0f64, |d, p| Some(d.larger(hull.distance(p, most, slack)?.1)))
 }
 
-/// Bounds of the distance of a point from the nearest piece, of which there is at least one. The
-/// number of the piece is kept, and tried first.
+/// Returns bounds of the distance of a point from the nearest piece; there must be a piece.
+///
+/// The index of that piece is stored in `last` and tested first next time.
 fn nearest(hulls: &mut [PieceHull], last: &mut usize, p: &Point3<f64>, slack: f64) -> (f64, f64) {
     let first = *last;
     let mut best = (0.0, f64::INFINITY);

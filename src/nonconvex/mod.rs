@@ -1,34 +1,41 @@
-//! Bodies that are not convex: meshes of triangles as the user brought them, and bodies of placed
-//! convex pieces.
+//! Bodies that are not convex: triangle meshes as the user provides them, and compounds of convex
+//! pieces.
 //!
-//! Reading order: [`mesh`] (triangles to a checked mesh, two meshes at a pose, the state of a
-//! pair), `pieces` (placed shapes to a body, and the same), `parts` (both as convex parts, and
-//! their poses), `tree` (oriented boxes in single precision), `meet` (two trees at a pose: the
-//! bounds of eight pairs of boxes at once, the search down both trees and its counters, triangles,
-//! winding numbers, and the queries), `front` (the proof of the last answer, kept from frame to
-//! frame), `contact` (manifolds of convex patches), `penetration` (bounds of the depth),
-//! `decomposition` (pieces in the place of a mesh), `separation` (pairs over time) and
-//! [`continuous`] (first contacts of vertices on straight paths).
+//! Reading order:
+//!
+//! - [`mesh`]: from triangles to a checked mesh; two meshes at a pose; the state of a pair.
+//! - `pieces`: from shapes and poses to a compound; two compounds at a pose; the state of a pair.
+//! - `parts`: meshes and compounds as convex members, and their poses.
+//! - `tree`: oriented boxes in single precision.
+//! - `meet`: two trees at a pose. It has the bounds of eight pairs of boxes at once, the search
+//!   down both trees and its counters, triangles, winding numbers, and the queries.
+//! - `front`: the proof of the last answer, kept from frame to frame.
+//! - `contact`: manifolds of convex patches.
+//! - `penetration`: bounds of the depth.
+//! - `decomposition`: pieces that replace a mesh.
+//! - `separation`: pairs over time.
+//! - [`continuous`]: first contacts of vertices on straight paths.
 //!
 //! # The proof
 //!
 //! For any unit direction n, `min over Y of n . y - max over X of n . x` is a lower bound of the
-//! distance of the sets X and Y, and the distance of two points is an upper bound. A *front* is a
-//! set of pairs of tree nodes under which every pair of triangles lies exactly once. If every pair
-//! on a front is proven at least d apart and d is the distance of one pair of triangles, d is the
-//! distance: whatever the front looks like. So the state of a tracker can make a query slow, never
-//! wrong.
+//! distance of the sets X and Y. The distance of any two points, one of each set, is an upper
+//! bound. A *front* is a set of pairs of tree nodes that covers every pair of triangles exactly
+//! once. Let d be the distance of one pair of triangles. If every pair on a front is proven to be
+//! at least d apart, then d is the distance, for any shape of the front. So the state of a tracker
+//! can make a query slow, never wrong.
 //!
-//! Source: M. C. Lin 1993, chapter 4 (the subpart hierarchical tree); oriented boxes: Gottschalk,
+//! Sources: M. C. Lin 1993, chapter 4 (the subpart hierarchical tree); oriented boxes: Gottschalk,
 //! Lin and Manocha 1996; fronts of a bounding volume test tree: Li and Chen 1998, Ehmann and Lin
 //! 2001. Departures:
 //!
 //! 1. A pair on the front keeps the direction that separated it. At the next pose one dot product
-//!    proves it again, because motion perpendicular to that direction costs nothing.
-//! 2. Boxes are in single precision, rounded outward, and every proven gap is lowered by a derived
-//!    error; triangles, witnesses and the distance are in double precision.
-//! 3. Closed meshes are solids: a part inside another body is an overlap, decided by exact winding
-//!    numbers.
+//!    proves the pair again, because motion perpendicular to that direction does not change the
+//!    gap.
+//! 2. Boxes are in single precision and rounded outward, and every proven gap is reduced by a
+//!    derived error bound. Triangles, witness points and the distance are in double precision.
+//! 3. Closed meshes are solids: a component inside another body overlaps it. Exact winding numbers
+//!    decide this.
 
 pub(crate) mod contact;
 pub mod continuous;

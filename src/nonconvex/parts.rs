@@ -1,5 +1,4 @@
-//! Meshes and bodies of pieces as convex parts under a tree, and relative poses of parts that stand
-//! at poses of their own.
+//! Meshes and compounds as convex members under a tree, and relative poses of members.
 
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
@@ -15,87 +14,97 @@ use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::pieces::Compound;
 use crate::nonconvex::query::frame::TreeSide;
 
-/// Triangles of a solid whose middles are asked on which side of another surface they are, if the
-/// vertices asked first all lie within rounding of it. Not measured.
+/// Number of triangles whose centroids are tested for being inside another solid.
+///
+/// They are tested if all vertices tested before lie within rounding of its surface. Not measured.
 const MIDDLES: usize = 256;
 
 /// A mesh or a compound.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum PartsRef<'a> {
-    /// A mesh of triangles.
+    /// A triangle mesh.
     Mesh(&'a Mesh),
-    /// A body of pieces.
+    /// A compound.
     Pieces(&'a Compound),
 }
 
-/// A body of convex parts under a tree: a [`Mesh`], whose parts are its triangles, or a
-/// [`Compound`], whose parts are its pieces. Points and directions are in stored
-/// units of the body; an item is a part by its number in the tree.
+/// A body of convex members under a tree: a [`Mesh`] or a [`Compound`].
+///
+/// The members are the triangles of the mesh or the pieces of the compound. Points and directions
+/// are in stored units of the body. An item is the index of a member in the tree.
 pub(crate) trait Parted {
-    /// Returns the body by its kind, for questions that meshes and pieces answer in other ways.
+    /// Returns the body by its kind, for queries that meshes and compounds answer differently.
     fn by_kind(&self) -> PartsRef<'_>;
 
-    /// Returns the body as its tree sees it.
+    /// Returns the body as the tree searches use it.
     fn side(&self) -> TreeSide<'_>;
 
-    /// Returns the number by which a tracker recognises the body.
+    /// Returns the fingerprint by which a tracker recognises the body.
     fn fingerprint(&self) -> Fingerprint;
 
-    /// Returns whether the body has had a fingerprint before, and since then the paths of its tree
-    /// tell how far its points have moved.
+    /// Returns whether a fingerprint is an earlier one of this body.
+    ///
+    /// If so, the paths of its tree bound how far its points have moved since then.
     fn came_from(&self, earlier: Fingerprint) -> bool;
 
-    /// Returns one stored unit in the caller's.
+    /// Returns one stored unit in the caller's unit.
     fn stored_unit(&self) -> f64;
 
-    /// Returns the corners of a bounding box in the body's own frame, right up to rounding.
+    /// Returns the corners of a bounding box in the body's frame, exact up to rounding.
     fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>);
 
-    /// Returns half the diagonal of the bounding box, or the radius about the body's own origin if
-    /// that is less, in the caller's unit: how large the body is, wherever its origin lies.
+    /// Returns the size of the body, wherever its origin is, in the caller's unit.
+    ///
+    /// It is half the diagonal of the bounding box, or the radius about the body's origin if that
+    /// is smaller.
     fn half_size(&self) -> f64 {
         let (low, high) = self.corners_of_box();
         let radius = self.side().radius * self.stored_unit();
         radius.smaller(0.5 * sqrt((high - low).norm_squared()))
     }
 
-    /// Returns whether all parts stand in the frame of the body, so that no pose is composed.
+    /// Returns whether the frames of all members equal the body's, so that no pose is composed.
     fn is_in_place(&self) -> bool;
 
-    /// Returns an upper bound of the height of an item along a direction of any length.
+    /// Returns an upper bound of the support value of an item along a direction of any length.
     fn highest(&self, item: u32, n: &Vector3<f64>) -> f64;
 
-    /// Returns the caller's number of an item.
+    /// Returns the caller's index of an item.
     fn number(&self, item: u32) -> u32;
 
-    /// Returns the shape of an item and its pose in the body; `None` for a triangle too small
-    /// beside its mesh to be a body of its own.
+    /// Returns the shape of an item and its pose in the body.
+    ///
+    /// Returns `None` for a triangle that is too small, compared with its mesh, to be a body.
     fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
 
-    /// Returns whether points inside belong to the body: not so for surfaces.
+    /// Returns whether points inside belong to the body; false for open meshes.
     fn is_solid(&self) -> bool;
 
-    /// Returns whether [`holds`](Self::holds) can be true: for solid meshes alone.
+    /// Returns whether [`holds`](Self::holds) can return true; only for solid meshes.
     fn may_hold(&self) -> bool;
 
-    /// Returns the number of connected parts, as far as it is known: of pieces, or of a mesh.
+    /// Returns the number of pieces, or of connected components of a mesh, as far as it is known.
     fn probe_count(&self) -> usize;
 
-    /// Returns points of a connected part that are far from each other: of a mesh not all in one
-    /// plane, if the part is not flat; of a piece first an inner one.
+    /// Returns points of a connected component that are far from each other.
+    ///
+    /// For a mesh the points are not all in one plane, unless the component is flat. For a piece
+    /// the first point is an inner one.
     fn probe(&self, k: usize) -> [Vector3<f64>; 4];
 
-    /// Returns the middle of one of up to 256 triangles all over a mesh of one connected
-    /// part; `None` beyond the last, for other meshes, and for pieces.
+    /// Returns the centroid of one of up to 256 triangles spread over a mesh of one component.
+    ///
+    /// Returns `None` beyond the last one, for other meshes, and for compounds.
     fn further_probe(&self, k: usize) -> Option<Vector3<f64>>;
 
-    /// Returns a point of a connected part without rounding, in the caller's unit.
+    /// Returns a point of a connected component without rounding, in the caller's unit.
     #[cfg(feature = "exact")]
     fn exact_probe(&self, k: usize) -> ExactVector;
 
-    /// Returns whether a point that may be off its place by `doubt` is inside a solid mesh: false
-    /// for pieces, which are measured as solids. `None` if the surface is as near as the doubt, or
-    /// if every segment to the outside met an edge.
+    /// Returns whether a point with a position error of `doubt` is inside a solid mesh.
+    ///
+    /// Returns false for compounds, whose pieces are measured as solids. Returns `None` if the
+    /// surface is no farther than `doubt`, or if every segment to the outside met an edge.
     fn holds(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool>;
 }
 
@@ -226,7 +235,7 @@ impl Parted for PartsRef<'_> {
     }
 }
 
-/// Returns B in A's frame, right up to rounding.
+/// Returns the pose of B in A's frame, exact up to rounding.
 pub(super) fn relative(pose: &RelativePose) -> Isometry3<f64> {
     let (pose_a, pose_b) = pose.poses();
     let unit = |q: UnitQuaternion<f64>| UnitQuaternion::new_normalize(q.into_inner());
@@ -234,15 +243,15 @@ pub(super) fn relative(pose: &RelativePose) -> Isometry3<f64> {
     Isometry3::from_parts(pose.translation().into(), rotation)
 }
 
-/// From the pose of two bodies to those of their parts.
+/// Computes the poses of members from the pose of two bodies.
 pub(crate) struct Placed<'a> {
     pose: &'a RelativePose,
-    /// B in A's frame, if poses have to be composed.
+    /// The pose of B in A's frame, if poses must be composed.
     composed: Option<Isometry3<f64>>,
 }
 
 impl<'a> Placed<'a> {
-    /// `is_in_place`: whether all parts of both bodies stand in the frames of the bodies.
+    /// `is_in_place`: whether the frames of all members of both bodies equal those of the bodies.
     pub(crate) fn new(pose: &'a RelativePose, is_in_place: bool) -> Self {
         let composed = (!is_in_place).then(|| relative(pose));
         Self { pose, composed }
@@ -252,7 +261,8 @@ impl<'a> Placed<'a> {
         Self::new(pose, a.is_in_place() && b.is_in_place())
     }
 
-    /// Returns the relative pose of two parts, and whether it is the bodies' own without rounding.
+    /// Returns the relative pose of two members, and whether it is the pose of the bodies without
+    /// rounding.
     pub(crate) fn between(&self, p: &Isometry3<f64>, q: &Isometry3<f64>) -> (RelativePose, bool) {
         let Some(composed) = &self.composed else {
             return (*self.pose, true);

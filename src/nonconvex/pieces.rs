@@ -1,6 +1,6 @@
-//! Bodies of placed convex pieces; the state of a pair of bodies of convex parts, and its queries.
+//! Compounds of convex pieces; the state of a pair of bodies with convex members, and its queries.
 //!
-//! At a pose, pairs of parts are asked by trackers that are kept ([`PartJudge`]).
+//! Cached trackers query the pairs of members at a pose ([`PartJudge`]).
 
 use alloc::collections::BTreeMap;
 use alloc::string::String;
@@ -36,21 +36,22 @@ use crate::nonconvex::tree::Tree;
 use crate::pair::location::{PairOutcome, WitnessLocation};
 use crate::pair::outcome::{ContactState, Outcome};
 
-/// A convex piece of a [`Compound`]: a shape of any kind, its pose in the body's frame, and a
-/// name.
+/// A convex piece of a [`Compound`]: a shape of any kind, its pose, and a name.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Piece {
-    /// The caller's name; names may repeat.
+    /// The caller's name; several pieces may have the same name.
     pub name: String,
-    /// The shape in its own frame.
+    /// The shape in its frame.
     pub shape: Shape,
-    /// From the shape's frame to the body's. The rotation is normalised when the body is built.
+    /// Pose of the shape's frame in the body's frame.
+    ///
+    /// [`Compound::new`] normalises the rotation.
     pub pose: Isometry3<f64>,
 }
 
 impl Piece {
-    /// Returns a piece whose frame is the body's, without a name.
+    /// Returns a piece without a name whose frame is the body's frame.
     #[must_use]
     pub fn new(shape: impl Into<Shape>) -> Self {
         Self {
@@ -60,37 +61,40 @@ impl Piece {
         }
     }
 
-    /// Returns the distance of the farthest point of the shape from the origin of its frame, plus
-    /// the length of the translation.
+    /// Returns an upper bound of the piece's radius about the body's origin.
+    ///
+    /// It is the radius of the shape about the origin of its frame, plus the length of the
+    /// translation.
     fn reach(&self) -> f64 {
         let (centre, radius) = self.shape.bounding_ball();
         sqrt(centre.coords.norm_squared()) + radius + sqrt(self.pose.translation.vector.norm_squared())
     }
 }
 
-/// Reason why pieces make no body.
+/// Error returned if pieces do not form a valid compound.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CompoundError {
-    /// No piece, or more than 2^27.
+    /// There is no piece, or there are more than 2^27.
     #[error("number of pieces is out of range: {count} (expected 1..=134217728)")]
     Count {
-        /// Pieces given.
+        /// Number of pieces given.
         count: usize,
     },
-    /// A pose that is not finite, or a piece farther than 1e116 from the body's origin.
+    /// A pose is not finite, or a piece is farther than 1e116 from the body's origin.
     #[error("the pose of piece {piece} is not finite or farther than 1e116 from the origin")]
     Pose {
-        /// The piece.
+        /// Index of the piece.
         piece: usize,
     },
 }
 
-/// A body made of placed convex pieces of every kind of [`Shape`], which may overlap: the links of
-/// URDF and MJCF files, or a decomposition. A body of one piece is a convex body against meshes and
-/// compounds.
+/// A body made of convex pieces of any kind of [`Shape`], which may overlap.
 ///
-/// The body is the union of the pieces, each a solid. Immutable, `Send + Sync`.
+/// Examples are the links of URDF and MJCF files, and convex decompositions. A compound of one
+/// piece represents a convex body in queries against meshes and compounds.
+///
+/// The body is the union of the pieces, each of them a solid. It is immutable and `Send + Sync`.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -112,28 +116,29 @@ pub enum CompoundError {
 #[doc(alias = "compound")]
 #[derive(Clone, Debug)]
 pub struct Compound {
-    /// In the caller's order.
+    /// The pieces in the caller's order.
     pieces: Vec<Piece>,
-    /// The piece of each leaf of the tree.
+    /// The index of the piece of each leaf of the tree.
     order: Vec<u32>,
-    /// Whether all frames are the body's, so that no pose is composed.
+    /// Whether all frames equal the body's, so that no pose is composed.
     in_place: bool,
     tree: Tree,
     exponent: i32,
     radius: f64,
     low: Vector3<f64>,
     high: Vector3<f64>,
-    /// An inner point of each piece and another of its points, in stored units.
+    /// An inner point of each piece and another point of the piece, in stored units.
     probes: Vec<[Vector3<f64>; 2]>,
     fingerprint: Fingerprint,
 }
 
 impl Compound {
-    /// Builds a body of pieces.
+    /// Builds a compound from pieces.
     ///
     /// # Errors
     ///
-    /// No piece, or a pose that is not finite.
+    /// Returns an error if there is no piece or more than 2^27, if a pose is not finite, or if a
+    /// piece is farther than 1e116 from the body's origin.
     pub fn new(mut pieces: Vec<Piece>) -> Result<Self, CompoundError> {
         if pieces.is_empty() || pieces.len() > 1 << 27 {
             return Err(CompoundError::Count { count: pieces.len() });
@@ -148,7 +153,7 @@ impl Compound {
             placed
                 .iter_mut()
                 .for_each(|p| *p = (piece.pose * Point3::from(*p)).coords);
-            // Written so that NaN is refused.
+            // Written so that NaN is an error.
             if !placed.iter().all(|p: &Vector3<f64>| p.amax() < PLACE_MAX) {
                 return Err(CompoundError::Pose { piece: k });
             }
@@ -159,11 +164,11 @@ impl Compound {
 
     fn assemble(pieces: Vec<Piece>, given: &[Vector3<f64>], corners: &[Vec<u32>]) -> Self {
         let (low, high) = bounding_box(given);
-        // A point, or a body far smaller than its distance from the origin, is as large as the
-        // rounding of its place.
+        // The size is at least the rounding error of the position: for a point, and for a body far
+        // smaller than its distance from the origin.
         let place = low.amax().larger(high.amax()) * UNIT;
         let size = sqrt(((high - low) * 0.5).norm_squared()).larger(place);
-        // A point at the body's own origin has no size: any unit serves.
+        // A point at the body's origin has no size, so any unit will do.
         let size = if size > 0.0 { size } else { 1.0 };
         let window = 2 * EXPONENT_FREE;
         let exponent = (exponent_of(size) + EXPONENT_FREE).div_euclid(window) * window;
@@ -207,20 +212,21 @@ impl Compound {
         &self.pieces
     }
 
-    /// Returns the corners of a bounding box in the body's own frame, right up to rounding.
+    /// Returns the corners of a bounding box in the body's frame, exact up to rounding.
     #[must_use]
     pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
         let unit = self.unit();
         (Point3::from(self.low * unit), Point3::from(self.high * unit))
     }
 
-    /// Returns the surfaces of all pieces as one solid mesh, whose parts may overlap. Vertices of
-    /// placed pieces are rounded.
+    /// Returns the surfaces of all pieces as one solid mesh, whose components may overlap.
+    ///
+    /// Vertices of pieces that have a pose are rounded.
     ///
     /// # Errors
     ///
-    /// A piece that is rounded or curved ([`MeshError::Curved`]); a piece that would be missing
-    /// from the mesh ([`MeshError::Thin`]); an extent outside 1e-100..1e100.
+    /// Returns an error if a piece is rounded or curved ([`MeshError::Curved`]), if a piece would
+    /// be missing from the mesh ([`MeshError::Thin`]), or if the extent is outside 1e-100..1e100.
     pub fn to_mesh(&self) -> Result<Mesh, MeshError> {
         let (mut points, mut triangles, mut ends) = (Vec::new(), Vec::new(), Vec::new());
         for (k, piece) in self.pieces.iter().enumerate() {
@@ -251,29 +257,34 @@ impl Compound {
         }
     }
 
-    /// Returns the mesh that is the same body as the pieces, but for the rounding of placed ones,
-    /// by which its points are known to be off their places. `None` if there is no such mesh: a
-    /// piece without volume, or one whose surface the mesh would change.
+    /// Returns the mesh that is the same body as the compound, up to rounding.
+    ///
+    /// The mesh has a bound of the position error of its points, because the vertices of posed
+    /// pieces are rounded. The result is `None` if there is no such mesh: a piece has no volume, or
+    /// the mesh would change its surface.
     pub(crate) fn stand_in(&self) -> Option<Mesh> {
         let has_volume = |p: &Piece| matches!(p.shape.core(), Core::Polyhedron(body) if body.face_count() > 2);
         if !self.pieces.iter().all(has_volume) {
             return None;
         }
         let mesh = self.to_mesh().ok()?;
-        // Welded points and repeated triangles leave the set of points, and what it encloses.
+        // Welding points and dropping repeated triangles changes neither the set of points nor its
+        // inside.
         let is_same = mesh.kind() == MeshKind::Solid && mesh.report().flushed_coordinates == 0;
         is_same.then(|| mesh.with_points_off(self.off()))
     }
 
-    /// Returns how far a vertex of a placed piece may be off its place, in the caller's unit.
+    /// Returns the largest position error of a vertex of a posed piece, in the caller's unit.
     fn off(&self) -> f64 {
         let placed = self.pieces.iter().filter(|p| p.pose != Isometry3::identity());
         PLACED * placed.map(Piece::reach).fold(0.0, f64::larger)
     }
 
-    /// Returns volume, centre of mass and inertia at unit density, in the body's frame: what pieces
-    /// share is counted as often, and bodies without volume have the mean of the pieces' centres.
-    /// `None` if the mass of a piece has no closed form ([`Shape::mass`]).
+    /// Returns volume, centre of mass and inertia at unit density, in the body's frame.
+    ///
+    /// A region that several pieces share counts once for each of them. For a body without volume
+    /// the centre of mass is the mean of the pieces' centres. The result is `None` if the mass of a
+    /// piece has no closed form ([`Shape::mass`]).
     #[must_use]
     pub fn mass(&self) -> Option<Mass> {
         let own: Vec<Mass> = self.pieces.iter().map(|p| p.shape.mass()).collect::<Option<_>>()?;
@@ -301,8 +312,10 @@ impl Compound {
         })
     }
 
-    /// Returns a polyhedron about all pieces: the hull, if all are polyhedra without a radius; else
-    /// with the boxes of the others.
+    /// Returns a polyhedron that contains all pieces.
+    ///
+    /// It is the hull if all pieces are polyhedra without a rounding radius. Otherwise it contains
+    /// the boxes of the other pieces.
     pub(super) fn hull(&self) -> Result<ConvexPolyhedron, BuildError> {
         let mut points = Vec::new();
         for piece in &self.pieces {
@@ -319,7 +332,7 @@ impl Compound {
 }
 
 impl From<Shape> for Compound {
-    /// Returns a body of one piece in its own frame.
+    /// Returns a compound of one piece in its frame.
     fn from(shape: Shape) -> Self {
         let mut points = Vec::new();
         extend_by_hull(&mut points, &shape);
@@ -338,7 +351,7 @@ impl Parted for Compound {
             tree: &self.tree,
             exponent: self.exponent,
             radius: self.radius,
-            // Judges of pieces count the rounding of composed poses.
+            // Queries of pieces count the rounding of composed poses.
             off: 0.0,
         }
     }
@@ -425,8 +438,9 @@ impl Parted for Compound {
     }
 }
 
-/// Returns an inner point of a piece and another of its points, in the caller's unit and the body's
-/// frame.
+/// Returns an inner point of a piece and another of its points.
+///
+/// Both are in the caller's unit and the body's frame.
 fn probe(piece: &Piece) -> [Vector3<f64>; 2] {
     let two = match piece.shape.core() {
         Core::Polyhedron(body) => [Some(body.centroid()), body.vertex_points().next()],
@@ -435,8 +449,9 @@ fn probe(piece: &Piece) -> [Vector3<f64>; 2] {
     two.each(|p| (piece.pose * p.unwrap_or_else(Point3::origin)).coords)
 }
 
-/// Adds points in whose hull a shape lies: the vertices of a polyhedron, the corners of a box of
-/// any other shape.
+/// Adds points whose hull contains a shape.
+///
+/// These are the vertices of a polyhedron, and the corners of a box for any other shape.
 fn extend_by_hull(points: &mut Vec<Vector3<f64>>, shape: &Shape) {
     match (shape.core(), shape.rounding_radius()) {
         (Core::Polyhedron(body), 0.0) => points.extend(body.vertex_points().map(|p| p.coords)),
@@ -474,19 +489,19 @@ impl<'de> serde::Deserialize<'de> for Compound {
     }
 }
 
-/// Trackers of pairs of pieces that are kept for each entry of the front; more are forgotten. Not
+/// Number of cached pair trackers per entry of the front; if there are more, they are dropped. Not
 /// measured.
 const TRACKERS: usize = 4;
 
-/// The front of the last answer for one pair of bodies of convex parts, and a
-/// `ShapeTracker` for each pair of parts that came near.
+/// State of a pair: the front of the last answer, and a tracker for each pair of members that came
+/// near.
 ///
-/// Either body is a [`Compound`](crate::Compound) or a [`Mesh`](crate::Mesh); a
-/// `MeshTracker` is faster for two meshes. A convex body against a mesh is a
-/// compound of one piece, which is one leaf with its own support points.
+/// Each body is a [`Compound`](crate::Compound) or a [`Mesh`](crate::Mesh); for two meshes a
+/// `MeshTracker` is faster. A convex body against a mesh is a compound of one piece: one leaf with
+/// its own support points.
 ///
-/// Owns no body. State changes time, never an answer. Saving a tracker (feature `serde`)
-/// keeps its counters alone.
+/// The tracker owns no body. Its state changes the time of a query, never the answer. Saving a
+/// tracker (feature `serde`) saves only its counters.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct CompoundTracker {
@@ -496,13 +511,13 @@ pub(crate) struct CompoundTracker {
 }
 
 impl CompoundTracker {
-    /// Returns a tracker without a start.
+    /// Returns a tracker without any state.
     #[must_use]
     pub(crate) fn new() -> Self {
         Self::default()
     }
 
-    /// Returns the work of all queries so far; `measured` counts queries of two parts.
+    /// Returns the work of all queries so far; `measured` counts queries of two members.
     #[must_use]
     pub(crate) fn work(&self) -> TreeWork {
         self.state.kept.work
@@ -516,20 +531,21 @@ impl CompoundTracker {
         self.state.kept.work.windings.count(taken);
     }
 
-    /// Returns the number of entries of the front that is kept.
+    /// Returns the number of entries of the stored front.
     #[must_use]
     pub(crate) fn front_len(&self) -> usize {
         self.state.kept.front.len()
     }
 
-    /// Returns the bytes of the front on the heap.
+    /// Returns the size of the front on the heap in bytes.
     pub(crate) fn memory_usage(&self) -> usize {
         self.state.kept.memory_usage()
     }
 
-    /// Returns the closest points with bounds of the distance, as told at `PairTracker::closest`:
-    /// half as wide again if pieces have poses of their own. Curved pieces add the width of their
-    /// own bounds.
+    /// Returns the closest points with bounds of the distance.
+    ///
+    /// `PairTracker::closest` documents the bounds. They are 1.5 times as wide if pieces have poses
+    /// that differ from the body's. Curved pieces add the width of their bounds.
     pub(crate) fn closest<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> PairOutcome {
         if PosedTrees::is_turned(a, b, a_from_b) {
             return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
@@ -547,8 +563,10 @@ impl CompoundTracker {
         answered(a, b, &answer)
     }
 
-    /// Returns whether the bodies are at most `d` apart: as exact as `PairTracker::intersects`,
-    /// with the limits of `MeshTracker::within`. False for a negative `d` and NaN.
+    /// Returns whether the bodies are at most `d` apart.
+    ///
+    /// The answer is as exact as `PairTracker::intersects`, with the limits of
+    /// `MeshTracker::within`. It is false if `d` is negative or NaN.
     pub(crate) fn within<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) {
             return false;
@@ -567,8 +585,9 @@ impl CompoundTracker {
         is_within
     }
 
-    /// Returns a lower bound of the distance in one pass over the front, without looking for the
-    /// closest pair; zero if nothing better is known.
+    /// Returns a lower bound of the distance from one pass over the front.
+    ///
+    /// The call does not search for the closest pair. It returns zero if nothing better is known.
     pub(crate) fn lower_bound<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> f64 {
         if PosedTrees::is_turned(a, b, a_from_b) {
             return self.lower_bound(b, a, &a_from_b.swapped());
@@ -578,7 +597,7 @@ impl CompoundTracker {
     }
 
     fn recognise<A: Parted, B: Parted>(&mut self, a: &A, b: &B) {
-        // The parts near each other are copies.
+        // The members near each other are copies.
         if self.state.recognise(a, b) != Recognised::Same {
             self.near.clear();
         }
@@ -599,18 +618,18 @@ fn answered<A: Parted, B: Parted>(a: &A, b: &B, found: &TreeAnswer<FeaturePair>)
     ])
 }
 
-/// Two parts that came near.
+/// Two members that came near each other, and their tracker.
 #[derive(Clone, Debug)]
 struct NearParts {
     parts: [(Shape, Isometry3<f64>); 2],
     tracker: ShapeTracker,
 }
 
-/// Judges pairs of parts.
+/// Measures pairs of members.
 struct PartJudge<'a, A, B> {
     posed: &'a PosedTrees<'a, A, B>,
     placed: Placed<'a>,
-    /// The distance in question, in the caller's unit, if that is the question.
+    /// The distance to compare with, in the caller's unit, if the query is `within`.
     within: Option<f64>,
     near: &'a mut BTreeMap<NodePair, NearParts>,
 }
@@ -629,7 +648,7 @@ impl<'a, A: Parted, B: Parted> PartJudge<'a, A, B> {
         }
     }
 
-    /// Returns the bounds of two parts about which nothing is known.
+    /// Returns the bounds of two members about which nothing is known.
     fn unknown(&self, frame: &TreeFrame, pair: NodePair) -> Measured<FeaturePair> {
         let (on_a, on_b) = (self.posed.a.side().tree.centre, self.posed.b.side().tree.centre);
         Measured {
@@ -684,7 +703,7 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
             o = tracker.closest(p, q, &pose);
         }
         let unit = 1.0 / a.stored_unit();
-        // The rounding of composed poses: two products of rotations and two sums.
+        // The rounding error of composed poses: two products of rotations and two sums.
         let error = if exact { 0.0 } else { 2.0 * frame.error };
         let meets = o.state == ContactState::Overlapping;
         let distance = if meets { 0.0 } else { (o.distance * unit).at_least(0.0) };
@@ -696,7 +715,7 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
             } else {
                 (o.lower * unit - error).at_least(0.0)
             },
-            // An overlap no deeper than rounding may be a gap.
+            // An overlap that is not deeper than rounding may be a gap.
             upper: if meets {
                 (o.upper * unit + error).at_least(0.0)
             } else {

@@ -1,11 +1,11 @@
-//! Continuous detection: the first contact of vertices on straight paths, proven.
+//! Continuous collision detection: the proven first contact of vertices on straight paths.
 //!
-//! Meshes that bend are given by their vertices at the begin and at the end of a frame; in between
-//! every vertex moves on a straight line at constant velocity, from time zero to time one. The
-//! functions of this module return the first instant at which two edges, a vertex and a face, two
-//! triangles, two meshes ([`cast_meshes`]) or a mesh and itself ([`cast_self`]) share a point, as
-//! [`impact`](crate::impact) does for bodies that keep their shape: a proven bracket, a proven
-//! miss, or a name for what is not decided.
+//! A deforming mesh is given by its vertices at the start and at the end of a frame. Between, every
+//! vertex moves on a straight line at constant velocity, from time zero to time one. The functions
+//! of this module return the first time at which two edges, a vertex and a face, two triangles, two
+//! meshes ([`cast_meshes`]) or a mesh and itself ([`cast_self`]) share a point. Like
+//! [`impact`](crate::impact) for rigid bodies, they return a proven time interval, a proven miss,
+//! or the reason why neither is decided.
 //!
 //! ```
 //! use lin_canny::continuous::{self, VertexPath};
@@ -27,64 +27,65 @@
 //!
 //! # Method
 //!
-//! 1. **Directions.** The height of a vertex along a fixed direction is linear in time. So a
-//!    direction along which two sets of vertices are apart at both ends of an interval proves them
-//!    apart throughout. Tried are the directions between the closest points at the begin, the
-//!    middle and the end, and normals. An interval that no direction proves is halved.
+//! 1. **Directions.** Along a fixed direction, the coordinate of a vertex is linear in time. So if
+//!    a direction separates two sets of vertices at both ends of an interval, it separates them
+//!    throughout. The directions tested are normals, and those between the closest points at the
+//!    start, the middle and the end. If no direction proves an interval, it is halved.
 //! 2. **Volumes.** The volume of the four vertices of a pair is a cubic in time. If its Bernstein
 //!    coefficients have one sign, the vertices never lie in one plane.
-//! 3. **Crossings.** If the vertex projects into the face, or the edges cross as seen along a
-//!    direction, over a whole interval (quadratics of one sign), the pair is in contact exactly
-//!    when the volume is zero: a change of its sign proves a contact, and secants narrow the
-//!    bracket.
-//! 4. **Exact arithmetic.** What is left, such as contacts at an edge or at an end of the frame,
-//!    and motions in one plane, is decided over the integers: roots of the cubic are isolated and
-//!    the signs at the roots are exact. So with the feature `exact`, a touch is told from a near
-//!    miss whatever the numbers.
-//!
-//! 5. **Arcs.** In the frame of a mesh that rotates vertices are on straight paths; in the world a
-//!    point is off the straight path between its places at the ends of an interval by at most an
-//!    eighth of the square of the interval times its acceleration. So much, and the rounding of
-//!    poses, a direction must part beyond.
-//! 6. **Height fields.** Of a mesh against itself, parts that no direction can part as they share
-//!    vertices are proven at once: seen along one direction, no triangle turns over and the rim
-//!    never crosses itself.
-//!
+//! 3. **Crossings.** Suppose that over a whole interval the vertex projects into the face, or the
+//!    edges cross as seen along a direction (quadratics of one sign). Then the pair is in contact
+//!    exactly when the volume is zero. A change of its sign proves a contact, and the secant method
+//!    narrows the interval.
+//! 4. **Exact arithmetic.** The remaining cases, such as contacts at an edge, contacts at an end of
+//!    the frame, and motions in one plane, are decided over the integers: the roots of the cubic
+//!    are isolated, and the signs at the roots are exact. So the feature `exact` distinguishes a
+//!    touch from a near miss for all inputs.
+//! 5. **Arcs.** In the frame of a rotating mesh its vertices are on straight paths. In the world a
+//!    point deviates from the straight path between its positions at the ends of an interval by at
+//!    most one eighth of the square of the interval times its acceleration. A separating direction
+//!    must leave a gap larger than this plus the rounding of poses.
+//! 6. **Height fields.** In a mesh against itself, no direction separates patches that share
+//!    vertices. Such patches are proven at once: seen along one direction, no triangle flips and
+//!    the boundary never crosses itself.
 //! # Guarantees
 //!
-//! Results hold for the paths themselves, over the reals, in whatever position the vertices are:
-//! faces and edges may be degenerate. [`Impact::Miss`]: no contact from time zero to time one.
-//! [`Impact::Hit`]: no contact up to `safe`, and a contact after `safe` and not after `hit`. Unlike
-//! solid bodies, surfaces may have passed through each other at `hit`. [`Impact::AtStart`]: in
-//! contact at time zero, touching included.
-//! Of vertices on straight paths [`Impact::Undecided`] is returned without the feature `exact`
-//! alone, and [`Impact::Incomplete`] if exact arithmetic reaches a limit: 65,536 halvings, which no
-//! test has met, or in one call 1e8 products of words of integers of more than 1,024 bits.
-//! Coordinates that differ by hundreds of magnitudes make such integers; those of twenty magnitudes
-//! do not.
+//! Results hold for the paths themselves, over the real numbers, for all positions of the vertices:
+//! faces and edges may be degenerate.
 //!
-//! Points of a body that rotates do not move on straight paths. [`MovingMesh::with_poses`] cuts the
-//! frame into intervals in which the arcs are nearly straight, takes off what they are not, and
-//! proves a hit at an instant: by an edge that passes through a triangle beyond all rounding.
+//! - [`Impact::Miss`]: no contact from time zero to time one.
+//! - [`Impact::Hit`]: no contact up to `safe`, and a contact after `safe` and not after `hit`.
+//!   Unlike solid bodies, surfaces may have passed through each other at `hit`.
+//! - [`Impact::AtStart`]: in contact at time zero, touching included.
+//! - [`Impact::Undecided`]: for vertices on straight paths, returned only without the feature
+//!   `exact`.
+//! - [`Impact::Incomplete`]: for vertices on straight paths, exact arithmetic reached a limit. The
+//!   limits are 65,536 halvings, which no test has reached, and in one call 1e8 products of words
+//!   of integers of more than 1,024 bits. Coordinates that differ by hundreds of orders of
+//!   magnitude need such integers; those that differ by twenty do not.
+//!
+//! Points of a rotating body do not move on straight paths. [`MovingMesh::with_poses`] cuts the
+//! frame into intervals in which the arcs are nearly straight, and subtracts their deviation. It
+//! proves a hit at one time, by an edge that passes through a triangle beyond all rounding errors.
 //!
 //! # When not to use it
 //!
-//! Cast two bodies that keep their shape with [`impact::cast`](crate::impact::cast), which is
-//! faster and finds how deep they are.
+//! For two rigid bodies use [`impact::cast`](crate::impact::cast): it is faster and returns their
+//! depth.
 //!
 //! # Sources
 //!
 //! Provot 1997 (contacts of vertex and face, of edge and edge); Volino and Magnenat-Thalmann 1994
-//! (parts that cannot meet themselves); Snyder 1992 and Wang, Ferguson, Schneider, Jiang, Attene
-//! and Panozzo 2021 (inclusion of roots, and the kinds of queries that methods fail at); Brochu,
+//! (patches that cannot meet themselves); Snyder 1992 and Wang, Ferguson, Schneider, Jiang, Attene
+//! and Panozzo 2021 (inclusion of roots, and the kinds of queries at which methods fail); Brochu,
 //! Edwards and Bridson 2012 (exact parity of crossings). Departures:
 //!
-//! 1. A miss is proven by directions; no root of a cubic is looked for, and no box in three
-//!    parameters is divided.
-//! 2. A hit is proven, not only not excluded: there is no tolerance that makes false hits.
-//! 3. Touching is decided, by isolated roots over the integers.
-//! 4. That the rim of a part does not cross itself is proven, where most methods leave it out, and
-//!    so is that normals stay on one side over the frame.
+//! 1. Directions prove a miss; no root of a cubic is searched for, and no box in three parameters
+//!    is divided.
+//! 2. A hit is proven, not only not excluded: no tolerance causes false hits.
+//! 3. Touching is decided by isolated roots over the integers.
+//! 4. For a patch, it is proven that its boundary does not cross itself, and that normals stay on
+//!    one side over the frame. Most methods leave out both.
 
 #[cfg(feature = "exact")]
 mod exact;
@@ -116,10 +117,12 @@ const LARGEST: f64 = f64::from_bits((1023 + 1000) << 52);
 
 /// Returns the first contact of a vertex and a face.
 ///
-/// The vertex is number zero of errors, then the face's follow.
+/// In errors the vertex has index zero, and the vertices of the face follow.
 ///
 /// # Errors
-/// If a coordinate is not finite or above `2^1000`, or the tolerance is negative or not finite.
+///
+/// Returns an error if a coordinate is not finite or above `2^1000`, or if the tolerance is
+/// negative or not finite.
 pub fn cast_vertex_face(
     vertex: &VertexPath,
     face: &[VertexPath; 3],
@@ -131,22 +134,24 @@ pub fn cast_vertex_face(
 /// Returns the first contact of two edges.
 ///
 /// # Errors
-/// If a coordinate is not finite or above `2^1000`, or the tolerance is negative or not finite.
-/// Vertices are numbered as given, those of A first.
+///
+/// Returns an error if a coordinate is not finite or above `2^1000`, or if the tolerance is
+/// negative or not finite. Indices of vertices count those of A first, in the order given.
 pub fn cast_edge_edge(a: &[VertexPath; 2], b: &[VertexPath; 2], tolerance: Tolerance) -> Result<Cast, ImpactError> {
     cast(a, b, tolerance, search::edge_edge)
 }
 
-/// Returns the first contact of two triangles: of any of their points.
+/// Returns the first contact of any points of two triangles.
 ///
 /// # Errors
-/// If a coordinate is not finite or above `2^1000`, or the tolerance is negative or not finite.
-/// Vertices are numbered as given, those of A first.
+///
+/// Returns an error if a coordinate is not finite or above `2^1000`, or if the tolerance is
+/// negative or not finite. Indices of vertices count those of A first, in the order given.
 pub fn cast_triangles(a: &[VertexPath; 3], b: &[VertexPath; 3], tolerance: Tolerance) -> Result<Cast, ImpactError> {
     cast(a, b, tolerance, search::triangles)
 }
 
-/// Checks paths and tolerance, asks for the contact, and measures the parts at the safe time.
+/// Checks paths and tolerance, finds the contact, and measures the two sides at the safe time.
 fn cast<const A: usize, const B: usize>(
     a: &[VertexPath; A],
     b: &[VertexPath; B],
@@ -164,8 +169,9 @@ where
     Ok(cast_of(found, &work, !cfg!(feature = "exact"), seen))
 }
 
-/// Returns what is found as a cast; what is open is near if rounding, or paths that are not quite
-/// straight, hide it.
+/// Returns the result of a search as a cast.
+///
+/// An open result is `Undecided` if rounding, or a deviation from straight paths, hides the answer.
 fn cast_of(
     found: FirstContact,
     work: &SearchWork,
@@ -195,7 +201,7 @@ fn cast_of(
     }
 }
 
-/// Refuses coordinates that are not finite or too large.
+/// Returns an error if a coordinate is not finite or too large.
 fn check<'a>(paths: impl Iterator<Item = &'a VertexPath>) -> Result<(), ImpactError> {
     for (index, path) in paths.enumerate() {
         for value in path.start.iter().chain(path.end.iter()) {
@@ -207,7 +213,7 @@ fn check<'a>(paths: impl Iterator<Item = &'a VertexPath>) -> Result<(), ImpactEr
     Ok(())
 }
 
-/// Returns the width in time that a tolerance asks for.
+/// Returns the interval of time that a tolerance allows.
 fn width<'a>(paths: impl Iterator<Item = &'a VertexPath>, tolerance: Tolerance) -> Result<f64, ImpactError> {
     let (Tolerance::Distance(size) | Tolerance::Time(size)) = tolerance;
     if !(0.0..f64::INFINITY).contains(&size) {
@@ -217,8 +223,8 @@ fn width<'a>(paths: impl Iterator<Item = &'a VertexPath>, tolerance: Tolerance) 
     if let Tolerance::Time(width) = tolerance {
         return Ok(width);
     }
-    // A distance changes by no more than the ways of two points, each sqrt 3 of its largest
-    // coordinate.
+    // The distance changes by at most the displacements of two points; each is at most sqrt 3 times
+    // its largest coordinate.
     let way = paths.fold(0.0, |m: f64, p| m.larger((p.end - p.start).amax()));
     Ok(if way > 0.0 {
         (0.25 * size / way).at_most(1.0)
@@ -227,7 +233,7 @@ fn width<'a>(paths: impl Iterator<Item = &'a VertexPath>, tolerance: Tolerance) 
     })
 }
 
-/// Returns the closest points of two parts at a time, in the coordinates given.
+/// Returns the closest points of two sides at a time, in the given coordinates.
 fn measure<const A: usize, const B: usize>(
     a: &[VertexPath; A],
     b: &[VertexPath; B],

@@ -1,6 +1,6 @@
-//! From points and triangles to a mesh.
+//! Builds a mesh from points and triangles.
 //!
-//! The caller's points become stored ones: checked, scaled by a power of two, equal points made one
+//! The caller's points are checked, scaled by a power of two, and welded if they are equal
 //! ([`weld`]).
 
 use alloc::vec;
@@ -23,28 +23,34 @@ use crate::body::polyhedron::{ConvexPolyhedron, bounding_box, exponent_of, power
 use crate::nonconvex::tree::{LEAF, Tree};
 
 impl Mesh {
-    /// Builds a mesh of points and triangles.
+    /// Builds a mesh from points and triangles.
     ///
-    /// Points with equal coordinates are welded, triangles without area and repeated ones are
-    /// dropped, and the [report](Self::report) names them; nothing else is changed. No dropped
-    /// triangle opens a closed surface: edges on one line cancel wherever their ends are, and
-    /// repeated triangles are kept if the surface is closed only when they are counted. Takes
-    /// `n log n` time.
+    /// Points with equal coordinates are welded. Triangles without area and repeated triangles are
+    /// dropped. The [report](Self::report) lists all of them; nothing else is changed. Dropping a
+    /// triangle never opens a closed surface, for two reasons:
+    ///
+    /// - Edges on one line cancel wherever their ends are.
+    /// - Repeated triangles are kept if the surface is closed only with them.
+    ///
+    /// The build takes `O(n log n)` time.
     ///
     /// # Errors
     ///
-    /// A coordinate that is not finite, an index of a point that does not exist, more than 2^27
-    /// points or triangles, no triangle left, or an extent outside 1e-100..1e100.
+    /// Returns an error if a coordinate is not finite, if a triangle names a point that does not
+    /// exist, if there are more than 2^27 points or triangles, if no triangle is left, or if the
+    /// extent is outside 1e-100..1e100.
     pub fn new(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
         Self::built(points, triangles, &mut Watch::none())
     }
 
-    /// Builds a mesh as [`new`](Self::new) does, and tells the caller how far it is: for terrains
-    /// of a million triangles.
+    /// Builds a mesh like [`new`](Self::new) and reports its progress to the caller.
+    ///
+    /// Use it for large meshes, such as terrains of a million triangles.
     ///
     /// # Errors
     ///
-    /// As [`new`](Self::new); [`MeshError::Stopped`] if the caller stops it.
+    /// Returns the errors of [`new`](Self::new), and [`MeshError::Stopped`] if the caller stops the
+    /// build.
     pub fn new_with_progress(
         points: &[Point3<f64>],
         triangles: &[[u32; 3]],
@@ -77,12 +83,14 @@ impl Mesh {
         Ok(assemble(welded, sieved, found, triangles.len(), watch)?)
     }
 
-    /// Builds the surface of a convex body as a solid mesh. A triangle is named by its number in
-    /// the order of the body's faces, a point by the index of the body's vertex.
+    /// Builds a solid mesh from the surface of a convex body.
+    ///
+    /// The index of a triangle counts in the order of the body's faces. The index of a point is
+    /// that of the body's vertex.
     ///
     /// # Errors
     ///
-    /// A body without faces, as a segment or a point ([`MeshError::Empty`]).
+    /// Returns [`MeshError::Empty`] if the body has no faces (a segment or a point).
     pub fn from_convex(body: &ConvexPolyhedron) -> Result<Self, MeshError> {
         let points: Vec<_> = body.vertex_points().collect();
         let triangles: Vec<_> = body.triangles().map(|t| t.each(|v| v.index() as u32)).collect();
@@ -90,12 +98,12 @@ impl Mesh {
     }
 }
 
-/// Triangles that are kept, over welded points, and the caller's numbers of the rest.
+/// The kept triangles over welded points, and the caller's indices of the others.
 struct Sieved {
     kept: Vec<[u32; 3]>,
     source: Vec<u32>,
     degenerate: Vec<u32>,
-    /// The first of these with three different corners, on a line.
+    /// The first of the kept triangles that has three different vertices on one line.
     collinear: Option<u32>,
     repeated: Vec<(u32, u32)>,
 }
@@ -125,8 +133,9 @@ fn sieve(welded: &Welded, triangles: &[[u32; 3]]) -> Sieved {
     sieved
 }
 
-/// Drops repeated triangles and judges the edges; keeps the repeated triangles if only they close
-/// the surface.
+/// Drops repeated triangles and classifies the edges.
+///
+/// Keeps the repeated triangles if the surface is closed only with them.
 fn judged(points: &[Vector3<f64>], every: Sieved) -> (Sieved, Edges) {
     let once = without_repeated(&every);
     let found = edges::judge(points, &once.kept);
@@ -139,16 +148,16 @@ fn judged(points: &[Vector3<f64>], every: Sieved) -> (Sieved, Edges) {
     (once, found)
 }
 
-/// Returns whether three points are exactly collinear: by a cross product that is certain, else by
-/// exact predicates.
+/// Returns whether three points are exactly collinear.
+///
+/// A cross product decides if its error is small enough; otherwise exact predicates decide.
 fn is_collinear([a, b, c]: [&Vector3<f64>; 3]) -> bool {
     let (u, v) = (b - a, c - a);
     let certain = SIDE_ERROR * u.amax() * v.amax();
     u.cross(&v).amax() <= 2.0 * certain && sign::projection(a, b, c).is_none()
 }
 
-/// Returns the triangles without those that have the same corners in the same sense as an earlier
-/// one.
+/// Drops triangles that repeat an earlier triangle with the same vertices in the same orientation.
 fn without_repeated(every: &Sieved) -> Sieved {
     let turned = |t: &[u32; 3]| {
         let low = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
@@ -180,7 +189,7 @@ fn without_repeated(every: &Sieved) -> Sieved {
     }
 }
 
-/// Builds the tree and puts everything in its order.
+/// Builds the tree and stores everything in its order.
 fn assemble(
     welded: Welded,
     sieved: Sieved,
@@ -243,16 +252,17 @@ fn assemble(
     Ok(mesh)
 }
 
-/// A tree over triangles, these in the order of its leaves, and the points in the order in which
-/// the triangles use them.
+/// A tree over triangles, with triangles and points in its order.
+///
+/// Triangles are in the order of the leaves, points in the order in which the triangles use them.
 pub(super) struct InTreeOrder {
     pub(super) tree: Tree,
     pub(super) points: Vec<Vector3<f64>>,
     pub(super) triangles: Vec<[u32; 3]>,
-    /// The number that each triangle and each point had.
+    /// The previous index of each triangle and each point.
     pub(super) order: Vec<u32>,
     pub(super) source: Vec<u32>,
-    /// The new number of each point.
+    /// The new index of each point.
     pub(super) number: Vec<u32>,
 }
 
@@ -266,7 +276,7 @@ impl InTreeOrder {
         Ok(new)
     }
 
-    /// Makes the upper part of a tree anew, over triangles in its order.
+    /// Builds the upper levels of a tree again, over triangles in its order.
     pub(super) fn with_new_top(tree: &Tree, points: &[Vector3<f64>], given: &[[u32; 3]]) -> Self {
         let (tree, order, fresh) = tree.with_new_top(points, given);
         let mut new = Self::arranged(tree, order, points, given);
@@ -291,7 +301,7 @@ impl InTreeOrder {
         new
     }
 
-    /// Returns the caller's index of each triangle, from those in the order before.
+    /// Returns the caller's index of each triangle, given those in the previous order.
     pub(super) fn sources(&self, before: &[u32]) -> Vec<u32> {
         self.order.iter().map(|&k| before[k as usize]).collect()
     }
@@ -307,7 +317,7 @@ impl InTreeOrder {
 }
 
 impl Mesh {
-    /// Returns the fingerprint of the mesh in the tree that the build makes.
+    /// Returns the fingerprint of the mesh with the tree that the build makes.
     pub(super) fn fingerprint_as_built(&self) -> Fingerprint {
         let mut all = Fingerprinter::new(*b"mesh    ");
         all.word(self.exponent as u64);
@@ -316,14 +326,14 @@ impl Mesh {
         all.word(self.triangles.len() as u64);
         all.indices(self.triangles.as_flattened().iter().copied());
         self.tree.add_links(&mut all);
-        // As many as points and triangles.
+        // No lengths: there are as many entries as points and triangles.
         all.indices(self.source_points.iter().copied());
         all.indices(self.source_triangles.iter().copied());
         all.number(self.off);
         all.end()
     }
 
-    /// Returns the mesh with points that may be off their places by a length in the caller's unit.
+    /// Returns the mesh with a bound of the position error of its points, in the caller's unit.
     pub(crate) fn with_points_off(mut self, off: f64) -> Self {
         if off > 0.0 {
             self.off = off / self.unit();
@@ -332,8 +342,9 @@ impl Mesh {
         self
     }
 
-    /// Returns the fingerprint of the mesh after it takes another tree over the same triangles,
-    /// made in a way that `kind` names.
+    /// Returns the fingerprint of the mesh after it takes another tree over the same triangles.
+    ///
+    /// `kind` names the method by which the tree was made.
     pub(super) fn fingerprint_in(&self, kind: [u8; 8], new: &InTreeOrder) -> Fingerprint {
         let mut all = Fingerprinter::new(kind);
         all.fingerprint(self.fingerprint);
@@ -344,10 +355,12 @@ impl Mesh {
     }
 }
 
-/// Most points and triangles: an id of a triangle shares its 32 bits with a mark and a count.
+/// Maximum number of points and of triangles.
+///
+/// The id of a triangle shares its 32 bits with a mark and a count.
 pub(super) const MOST: usize = 1 << 27;
 
-/// The points in stored units, and for each of them the first with the same coordinates.
+/// The points in stored units, and for each point the first one with the same coordinates.
 struct Welded {
     points: Vec<Vector3<f64>>,
     same_as: Vec<u32>,
@@ -355,8 +368,9 @@ struct Welded {
     flushed: usize,
 }
 
-/// Checks, scales and welds. Points that no triangle uses only have to be finite: the mesh does not
-/// depend on them.
+/// Checks, scales and welds the points.
+///
+/// A point that no triangle uses must only be finite: the mesh does not depend on it.
 fn weld(given: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Welded, MeshError> {
     if given.len() > MOST {
         return Err(MeshError::TooMany { count: given.len() });
@@ -397,16 +411,16 @@ fn weld(given: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Welded, MeshErr
     })
 }
 
-/// The unit of stored coordinates, and the coordinates that count as zero.
+/// The unit of stored coordinates, and the limit below which a coordinate counts as zero.
 #[derive(Clone, Copy)]
 pub(super) struct Units {
-    /// Stored lengths times `2^exponent` are the caller's.
+    /// A stored length times `2^exponent` is the caller's length.
     pub(super) exponent: i32,
     flush: f64,
 }
 
 impl Units {
-    /// Returns the units of a mesh by the sides of its bounding box.
+    /// Returns the units for a mesh with the given sides of its bounding box.
     pub(super) fn of(sides: &Vector3<f64>) -> Self {
         let size = exponent_of(sqrt((sides * 0.5).norm_squared()));
         let window = 2 * EXPONENT_FREE;
@@ -417,15 +431,16 @@ impl Units {
         }
     }
 
-    /// Returns a stored coordinate, or zero in the place of one that is too small.
+    /// Returns a stored coordinate, or zero if its magnitude is too small.
     pub(super) fn flushed(&self, x: f64) -> f64 {
         if x.abs() < self.flush { 0.0 } else { x }
     }
 }
 
-/// For each point the first with the same coordinates. Points are sorted by a mix of their bits, so
-/// that long runs of equal first coordinates cost nothing; among equal mixes the coordinates
-/// decide.
+/// Returns for each point the first point with the same coordinates.
+///
+/// Points are sorted by a hash of their bits, so that long runs of equal first coordinates cost
+/// nothing. If hashes are equal, the coordinates decide.
 fn first_equal(points: &[Vector3<f64>]) -> Vec<u32> {
     let mut keys: Vec<(u64, u32)> = points.iter().map(mix).zip(0..).collect();
     keys.sort_unstable();
@@ -443,12 +458,12 @@ fn order(a: &Vector3<f64>, b: &Vector3<f64>) -> core::cmp::Ordering {
     a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
 }
 
-/// Returns a number that is equal for equal points; no coordinate is a negative zero.
+/// Returns a hash that is equal for equal points; no coordinate is a negative zero.
 fn mix(p: &Vector3<f64>) -> u64 {
     p.iter().fold(0, |h, x| stir(h ^ x.to_bits()))
 }
 
-/// One round of multiply and shift, a bijection.
+/// Performs one round of multiply and shift, which is a bijection.
 fn stir(x: u64) -> u64 {
     let x = (x ^ x >> 32).wrapping_mul(0xd6e8_feb8_6659_fd93);
     (x ^ x >> 29).wrapping_mul(0xff51_afd7_ed55_8ccd)

@@ -1,9 +1,10 @@
-//! Edges, closedness and connected parts, and triangles turned so that their senses agree.
+//! Edges, closedness and connected components, and reorientation of triangles.
 //!
-//! Two triangles at an edge agree if they run along it in opposite senses. From a first triangle of
-//! each connected part the sense of all others follows, edge by edge; where it follows both ways
-//! the surface has one side. Of the two senses of a part, most of its triangles decide, and a part
-//! that lies in no other part then faces outward.
+//! Two triangles that share an edge agree if they run along it in opposite directions. The
+//! orientation of the first triangle of a connected component determines that of all others, edge
+//! by edge. If it determines both orientations of one triangle, the surface has one side. Of the
+//! two orientations of a component, the one that most of its triangles have is chosen. Then a
+//! component that lies in no other component is made to face outward.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -15,20 +16,22 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::sign;
 use crate::base::tolerance::SLANT;
 
-/// The edges of a mesh that are not between two triangles of opposite sense.
+/// The edges of a mesh that are not shared by two triangles of opposite direction.
 #[derive(Default)]
 pub(super) struct Edges {
     pub(super) boundary: Vec<[u32; 2]>,
     pub(super) non_manifold: Vec<[u32; 2]>,
     pub(super) misoriented: Vec<[u32; 2]>,
-    /// Whether along every line as many edges of triangles run one way as the other, all along the
-    /// line: then every point off the surface has a winding number.
+    /// Whether the edges of triangles cancel along every line, all along the line.
+    ///
+    /// At each point of a line, as many edges run in one direction as in the other. Then every
+    /// point off the surface has a winding number.
     pub(super) closed: bool,
-    /// Whether edges that are not between two triangles close the surface along a line.
+    /// Whether edges that are not between two triangles cancel along a line and close the surface.
     pub(super) closed_along_lines: bool,
 }
 
-/// Sorts the edges of all triangles and judges each.
+/// Sorts the edges of all triangles and classifies each.
 pub(super) fn judge(points: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Edges {
     let mut runs: Vec<(u64, bool)> = Vec::with_capacity(3 * triangles.len());
     for &[a, b, c] in triangles {
@@ -57,10 +60,12 @@ pub(super) fn judge(points: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Edges {
     edges
 }
 
-/// Returns whether edges cancel as sets of points counted with their sense: an edge from one vertex
-/// to another cancels two edges back by way of a vertex between, as where a triangle without area
-/// was dropped. On every line, as many edges must end at each vertex as begin: what is closed on a
-/// line goes over every place of the line to and fro.
+/// Returns whether edges cancel as signed sets of points.
+///
+/// An edge from one vertex to another cancels two edges in the opposite direction through a vertex
+/// between them. This happens where a triangle without area was dropped. On every line, as many
+/// edges must end at each vertex as start there: then every point of the line is passed equally
+/// often in both directions.
 fn cancels(points: &[Vector3<f64>], edges: &[[u32; 2]]) -> bool {
     let ways = |&[from, to]: &[u32; 2]| [(from, to, 1), (to, from, -1)];
     let mut ends: Vec<(u32, u32, i64)> = edges.iter().flat_map(ways).collect();
@@ -68,16 +73,17 @@ fn cancels(points: &[Vector3<f64>], edges: &[[u32; 2]]) -> bool {
     ends.chunk_by(|a, b| a.0 == b.0).all(|at| cancels_at(points, at))
 }
 
-/// Returns whether the ends of edges at one vertex cancel along every line. Edges of one line are
-/// near each other in the order of their slants; exact predicates tell them from others of like
-/// slant.
+/// Returns whether the ends of edges at one vertex cancel along every line.
+///
+/// The order of slants puts edges of one line near each other. Exact predicates separate them from
+/// other edges of nearly equal slant.
 fn cancels_at(points: &[Vector3<f64>], at: &[(u32, u32, i64)]) -> bool {
     let end = |&(v, w, sense): &(u32, u32, i64)| (slant(&(points[w as usize] - points[v as usize])), v, w, sense);
     let mut ends: Vec<(f64, u32, u32, i64)> = at.iter().map(end).collect();
     ends.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2, x.3).cmp(&(y.1, y.2, y.3))));
     for k in 0..ends.len() {
         let (least, v, w, own) = ends[k];
-        // An end that has been counted has no sense left.
+        // An end that has been counted already has no sign left.
         if own == 0 {
             continue;
         }
@@ -96,22 +102,25 @@ fn cancels_at(points: &[Vector3<f64>], at: &[(u32, u32, i64)]) -> bool {
     true
 }
 
-/// Returns a number of the line through the origin along a direction that is not zero: the square
-/// of the cosine of the angle to a fixed line that no round number is along.
+/// Returns a number that identifies the line through the origin along a non-zero direction.
+///
+/// It is the square of the cosine of the angle to a fixed line, chosen so that no direction with
+/// round coordinates is parallel to it.
 fn slant(v: &Vector3<f64>) -> f64 {
     let u = v / v.amax();
     let along = u.dot(&Vector3::new(0.137, 0.618_033_988, 0.381_966));
     along * along / u.norm_squared()
 }
 
-/// Connected parts by shared vertices, in the order of their first triangle, and of each four
-/// vertices that are far from each other.
+/// Returns the connected components, and four vertices of each that are far from each other.
+///
+/// Triangles are connected by shared vertices. Components are in the order of their first triangle.
 pub(super) fn parts(points: &[Vector3<f64>], triangles: &[[u32; 3]], closed: bool) -> (Vec<MeshPart>, Vec<[u32; 4]>) {
     let mut parent: Vec<u32> = (0..points.len() as u32).collect();
     for t in triangles {
         for &v in &t[1..] {
             let (root, other) = (find(&mut parent, t[0]), find(&mut parent, v));
-            // The lower number becomes the root; with halved paths that keeps trees shallow.
+            // The lower index becomes the root; with path halving the trees stay shallow.
             parent[root.max(other) as usize] = root.min(other);
         }
     }
@@ -131,7 +140,7 @@ pub(super) fn parts(points: &[Vector3<f64>], triangles: &[[u32; 3]], closed: boo
         let part = number[root] as usize;
         parts[part].triangles += 1;
         if closed {
-            // About a vertex of the part, so that its place does not matter.
+            // Relative to a vertex of the component, so that its position has no effect.
             let base = points[vertices[part][0] as usize];
             let [a, b, c] = t.each(|v| points[v as usize] - base);
             parts[part].volume += a.dot(&b.cross(&c)) / 6.0;
@@ -155,8 +164,9 @@ pub(super) fn parts(points: &[Vector3<f64>], triangles: &[[u32; 3]], closed: boo
     (parts, vertices)
 }
 
-/// Returns how far the first corners of a tetrahedron are from each other: the square of a length
-/// or of an area, or a volume.
+/// Returns a measure of how far the first vertices of a tetrahedron are from each other.
+///
+/// It is the square of a length or of an area, or a volume.
 fn spread([a, b, c, d]: [&Vector3<f64>; 4], corner: usize) -> f64 {
     let (u, v, w) = (b - a, c - a, d - a);
     match corner {
@@ -166,7 +176,7 @@ fn spread([a, b, c, d]: [&Vector3<f64>; 4], corner: usize) -> f64 {
     }
 }
 
-/// Returns the root of a vertex; the path to it is halved on the way.
+/// Returns the root of a vertex and halves the path to it.
 pub(super) fn find(parent: &mut [u32], mut v: u32) -> u32 {
     while parent[v as usize] != v {
         let above = parent[parent[v as usize] as usize];
@@ -176,10 +186,11 @@ pub(super) fn find(parent: &mut [u32], mut v: u32) -> u32 {
     v
 }
 
-/// Neighbours of a triangle at its three edges, and whether both run along the edge in one sense.
+/// Neighbours of a triangle at its three edges, and whether both run along the edge in one
+/// direction.
 type Neighbours = [(u32, bool); 3];
 
-/// A part of triangles that share edges.
+/// A component of triangles that share edges.
 struct SensePart {
     volume: f64,
     low: Vector3<f64>,
@@ -188,20 +199,20 @@ struct SensePart {
 }
 
 impl Mesh {
-    /// Builds a solid of triangles of which some are turned over, and returns the triangles that
-    /// were turned, by the caller's index.
+    /// Builds a solid after reorienting triangles that face the wrong side.
     ///
-    /// Fewest triangles of each connected part are turned to agree with the rest, then whole parts
-    /// to face outward: those that lie in no other part. A part inside another one keeps its
-    /// sense relative to the outermost part about it, so that a cavity stays a cavity. A mesh
-    /// that is closed as it is, whatever its senses, is left as it is. Takes some three times the
-    /// time of [`new`](Self::new).
+    /// Also returns the caller's indices of the reoriented triangles. First, within each connected
+    /// component, as few triangles as possible are flipped so that all agree. Then whole components
+    /// that lie in no other component are flipped to face outward. A component inside another one
+    /// keeps its orientation relative to the outermost component around it, so that a cavity stays
+    /// a cavity. A mesh that is closed as given is not changed, whatever its orientations are. The
+    /// call takes about three times as long as [`new`](Self::new).
     ///
     /// # Errors
     ///
-    /// As [`new`](Self::new); an edge of one triangle or of more than two
-    /// ([`MeshError::NotTwo`]), or a surface with one side ([`MeshError::OneSided`]): no turning of
-    /// triangles makes such a mesh a solid.
+    /// Returns the errors of [`new`](Self::new). Also returns an error if no reorientation makes
+    /// the mesh a solid: an edge belongs to one triangle or to more than two
+    /// ([`MeshError::NotTwo`]), or the surface has one side ([`MeshError::OneSided`]).
     ///
     /// ```
     /// use lin_canny::nalgebra::Point3;
@@ -269,7 +280,7 @@ impl Mesh {
         Ok(neighbours)
     }
 
-    /// Returns which triangles to turn, at most half of each part, and the part of each triangle.
+    /// Returns which triangles to flip, at most half of each component, and the component of each.
     fn agreeing(&self, neighbours: &[Neighbours]) -> Result<(Vec<bool>, Vec<u32>), MeshError> {
         let count = self.triangles.len();
         let (mut is_turned, mut part_of) = (vec![false; count], vec![u32::MAX; count]);
@@ -303,7 +314,7 @@ impl Mesh {
         Ok((is_turned, part_of))
     }
 
-    /// Returns the caller's triangles, some of them turned over.
+    /// Returns the caller's triangles, with the marked ones flipped.
     fn turned(&self, triangles: &[[u32; 3]], is_turned: &[bool]) -> Vec<[u32; 3]> {
         let mut all = triangles.to_vec();
         for (&k, _) in self.source_triangles.iter().zip(is_turned).filter(|x| *x.1) {
@@ -312,13 +323,13 @@ impl Mesh {
         all
     }
 
-    /// Returns the volumes and the boxes of the parts.
+    /// Returns the volumes and the boxes of the components.
     fn sense_parts(&self, is_turned: &[bool], part_of: &[u32]) -> Vec<SensePart> {
         let mut parts: Vec<SensePart> = Vec::new();
         let mut bases = Vec::new();
         for (k, (&part, &is_turned)) in part_of.iter().zip(is_turned).enumerate() {
             let corners = self.corners(k as u32);
-            // Parts are numbered in the order of their first triangles.
+            // Components are numbered in the order of their first triangles.
             if part as usize == parts.len() {
                 bases.push(corners[0]);
                 parts.push(SensePart {
@@ -339,8 +350,10 @@ impl Mesh {
         parts
     }
 
-    /// Returns which parts of a solid are to be turned as a whole: those about no other part's
-    /// inside that face inward, and the parts in them.
+    /// Returns which components of a solid must be flipped as a whole.
+    ///
+    /// These are the components that lie in no other component and face inward, and the components
+    /// inside them.
     fn inward(&self, given: &Self, parts: &[SensePart], part_of: &[u32]) -> Vec<bool> {
         let most = given.source_triangles.iter().max().map_or(0, |k| *k as usize + 1);
         let mut part_of_source = vec![u32::MAX; most];
@@ -356,7 +369,7 @@ impl Mesh {
             let probes = given.corners(own.triangle);
             let may_hold =
                 |outer: &SensePart| (0..3).all(|k| outer.low[k] <= own.low[k] && own.high[k] <= outer.high[k]);
-            // The larger parts first: the outermost one decides.
+            // The larger components come first: the outermost one decides.
             let outer = order[..k].iter().copied().find(|&outer| {
                 let is_other = |t: u32| of(t) == outer as u32;
                 let winding = |p: &Vector3<f64>| self.winding_of(p, is_other);

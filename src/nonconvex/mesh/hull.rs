@@ -1,10 +1,14 @@
-//! The convex hull of a mesh, and how well the hull fits.
+//! The convex hull of a mesh, and how well the hull fits the mesh.
 //!
 //! The gap of a point is its distance from the mesh. Over a triangle of the hull's surface the gap
-//! is at most the gap of the centroid plus the radius of the triangle about the centroid, and at
-//! most the greatest distance of the three vertices from any one triangle of the mesh, because the
-//! distance from a convex set is a convex function. The greatest value of a function over triangles
-//! lies between such bounds, which halving the triangles brings together ([`greatest`]).
+//! has two upper bounds:
+//!
+//! - the gap of the centroid plus the radius of the triangle about the centroid;
+//! - for any one triangle of the mesh, the greatest distance of the three vertices from it, because
+//!   the distance from a convex set is a convex function.
+//!
+//! So the greatest gap over all triangles lies between a value found and such a bound. Halving the
+//! triangles brings the two together ([`greatest`]).
 
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
@@ -20,30 +24,36 @@ use crate::base::num::scalar::sqrt;
 use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
 use crate::nonconvex::query::triangle::{self, Triangle};
 
-/// The gap is bracketed to this part of half the diagonal of the mesh's box: 0.4 %.
+/// Width of the gap's interval, as a fraction of half the diagonal of the mesh's box: 0.4 %.
 pub(crate) const RESOLUTION: f64 = 1.0 / 256.0;
 
-/// How much a convex hull adds to a mesh. Lengths and volumes are in the caller's unit, right up to
-/// rounding.
+/// How much a convex hull adds to a mesh.
+///
+/// Lengths and volumes are in the caller's unit and are exact up to rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct HullFit {
-    /// Volume of the mesh; `None` if the mesh is a surface and bounds no volume.
+    /// Volume of the mesh; `None` if the mesh is open and bounds no volume.
     pub mesh_volume: Option<f64>,
     /// Volume of the hull.
     pub hull_volume: f64,
-    /// Largest distance of a point of the hull's surface from the mesh: a lower bound, met by a
-    /// point examined.
+    /// Lower bound of the largest distance of the hull's surface from the mesh.
+    ///
+    /// A tested point of the hull's surface is that far from the mesh.
     pub gap_lower: f64,
-    /// Upper bound of the same distance, in general at most 0.4 % of half the diagonal of the
-    /// mesh's box above the lower bound.
+    /// Upper bound of the same distance.
+    ///
+    /// It generally exceeds the lower bound by at most 0.4 % of half the diagonal of the mesh's
+    /// box.
     pub gap_upper: f64,
 }
 
 impl HullFit {
-    /// Returns the share of the hull's volume that is not in the mesh, from 0 for a convex mesh to
-    /// 1; `None` for a surface, and for a hull without volume.
+    /// Returns the share of the hull's volume that is outside the mesh.
+    ///
+    /// The share is from 0 for a convex mesh to 1. It is `None` for an open mesh and for a hull
+    /// without volume.
     #[must_use]
     pub fn void_fraction(&self) -> Option<f64> {
         let full = self.mesh_volume.filter(|_| self.hull_volume > 0.0)?;
@@ -66,13 +76,14 @@ impl fmt::Display for HullFit {
 }
 
 impl Mesh {
-    /// Returns the convex hull of the mesh; [`source_vertex`](ConvexPolyhedron::source_vertex)
-    /// gives the caller's indices of the mesh. [`hull_fit`](Self::hull_fit) measures what the hull
-    /// adds.
+    /// Returns the convex hull of the mesh.
+    ///
+    /// [`source_vertex`](ConvexPolyhedron::source_vertex) of the hull returns the caller's indices
+    /// of the mesh. [`hull_fit`](Self::hull_fit) measures what the hull adds.
     ///
     /// # Errors
     ///
-    /// A mesh whose vertices all lie in one plane ([`BuildError::Flat`]).
+    /// Returns [`BuildError::Flat`] if all vertices of the mesh lie in one plane.
     pub fn hull(&self) -> Result<ConvexPolyhedron, BuildError> {
         let points: Vec<Point3<f64>> = self.points.iter().map(|p| self.given(p)).collect();
         let mut hull = ConvexPolyhedron::from_points(&points)?;
@@ -82,8 +93,10 @@ impl Mesh {
         Ok(hull)
     }
 
-    /// Measures how much a convex body, such as the [`hull`](Self::hull) of the mesh, adds to the
-    /// mesh: volumes, and the largest gap between the two surfaces. Milliseconds for meshes of
+    /// Measures how much a convex body adds to the mesh.
+    ///
+    /// The body is usually the [`hull`](Self::hull) of the mesh. The result has both volumes and
+    /// the largest gap between the two surfaces. The call takes milliseconds for meshes of
     /// thousands of triangles.
     ///
     /// ```
@@ -138,8 +151,9 @@ impl Mesh {
         })
     }
 
-    /// Returns the gap of the centroid of a triangle in stored coordinates, and an upper bound of
-    /// the gap over the triangle.
+    /// Returns the gap of a triangle's centroid, and an upper bound of the gap over the triangle.
+    ///
+    /// The triangle is in stored coordinates.
     pub(crate) fn gap_over(&self, corners: &Triangle) -> GapOver {
         let [a, b, c] = corners;
         let centroid = (a + b + c) / 3.0;
@@ -158,34 +172,36 @@ impl Mesh {
     }
 }
 
-/// How far a triangle is from a mesh, in stored units.
+/// The distance of a triangle from a mesh, in stored units.
 pub(crate) struct GapOver {
     pub(crate) centroid: Vector3<f64>,
     pub(crate) at_centroid: f64,
-    /// The farthest corner from the centroid.
+    /// The largest distance of a vertex from the centroid.
     pub(crate) radius: f64,
-    /// Upper bound of the gap of every point.
+    /// Upper bound of the gap of every point of the triangle.
     pub(crate) upper: f64,
 }
 
-/// Triangles that are halved at most; a tenth of a second and more. Not measured.
+/// Maximum number of triangles that are halved: a tenth of a second or more. Not measured.
 const HALVED: usize = 1 << 16;
 
-/// What is less than this part of the resolution above the greatest value found is not looked at
-/// more closely. Not measured.
+/// A triangle whose bound exceeds the greatest value found by less than this fraction of the
+/// resolution is not halved further. Not measured.
 const ENOUGH: f64 = 1.0 / 16.0;
 
 /// A triangle, ranked by the negative of an upper bound over the triangle.
 type Open = Ranked<(), Triangle>;
 
-/// Brackets the greatest value over triangles of a function with non-negative values. `judge`
-/// returns the value at some point of a triangle, or less, and an upper bound over the triangle,
-/// which tends to the value as the triangle shrinks. Bounds below its second argument are as good
-/// as any: the greatest value found so far and a little more.
+/// Bounds the greatest value of a non-negative function over triangles.
 ///
-/// Triangles are halved, that with the greatest bound first (branch and bound: Land and Doig 1960),
+/// `judge` returns a lower bound of the value at some point of a triangle, and an upper bound over
+/// the triangle. The upper bound must tend to the value as the triangle shrinks. The second
+/// argument of `judge` is the greatest value found so far plus a small margin: `judge` need not
+/// tighten an upper bound that is below it.
+///
+/// The triangle with the greatest bound is halved first (branch and bound: Land and Doig 1960),
 /// until no bound exceeds the greatest value found by more than `resolution`. The watch counts
-/// triangles looked at; what is returned to a caller who stops it is of no use.
+/// tested triangles. If the callback stops the search, the result is meaningless.
 pub(crate) fn greatest(
     triangles: impl Iterator<Item = Triangle>,
     resolution: f64,
@@ -232,7 +248,7 @@ pub(crate) fn greatest(
     )
 }
 
-/// Returns the two halves of a triangle, cut at the middle of the longest side.
+/// Returns the two halves of a triangle, cut at the midpoint of the longest side.
 fn halves([a, b, c]: &Triangle) -> [Triangle; 2] {
     let ends = [(a, b, c), (b, c, a), (c, a, b)];
     let long = |(p, q, _): (&nalgebra::Vector3<f64>, &nalgebra::Vector3<f64>, _)| (q - p).norm_squared();

@@ -1,8 +1,8 @@
-//! What is measured of one mesh: volume, centroid and inertia at unit density, and the point that
-//! is nearest to a point.
+//! Measurements of one mesh: volume, centroid, inertia at unit density, and nearest points.
 //!
-//! The first are sums over tetrahedra between the box centre and each triangle (Tonon 2004). Points
-//! with winding number w count w times, as parts that overlap do in the sum of their masses.
+//! Volume, centroid and inertia are sums over tetrahedra between the box centre and each triangle
+//! (Tonon 2004). A point with winding number w counts w times, as overlapping components do in a
+//! sum of masses.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -15,8 +15,9 @@ use crate::nonconvex::query::triangle;
 use crate::nonconvex::tree::{Below, Tree};
 use crate::pair::location::WitnessLocation;
 
-/// Six times the volume, 24 times the first moments, 120 times the second, about the box centre, in
-/// stored units.
+/// Moments about the box centre, in stored units.
+///
+/// Six times the volume, 24 times the first moments, and 120 times the second moments.
 #[derive(Default)]
 struct MeshMoments {
     volume: f64,
@@ -25,16 +26,18 @@ struct MeshMoments {
 }
 
 impl Mesh {
-    /// Returns the volume in the caller's unit cubed; zero for surfaces, negative if the mesh is
-    /// inside out.
+    /// Returns the volume in the caller's unit cubed.
+    ///
+    /// It is zero for open meshes and negative if the mesh is inside out.
     #[must_use]
     pub fn volume(&self) -> f64 {
         let unit = self.unit();
         self.moments().volume / 6.0 * unit * unit * unit
     }
 
-    /// Returns the centre of mass of the volume; for surfaces and volumes that are not positive the
-    /// centre of the bounding box.
+    /// Returns the centre of mass of the volume.
+    ///
+    /// For open meshes, and if the volume is not positive, it is the centre of the bounding box.
     #[doc(alias = "center_of_mass")]
     #[must_use]
     pub fn centroid(&self) -> Point3<f64> {
@@ -47,8 +50,10 @@ impl Mesh {
         self.given(&(self.middle() + shift))
     }
 
-    /// Returns the inertia tensor about the centroid, in the caller's axes and unit to the fifth
-    /// power; zero for surfaces and volumes that are not positive.
+    /// Returns the inertia tensor about the centroid, in the caller's axes.
+    ///
+    /// Its unit is the caller's unit to the fifth power. It is zero for open meshes, and if the
+    /// volume is not positive.
     #[doc(alias = "moment_of_inertia")]
     #[must_use]
     pub fn inertia(&self) -> Matrix3<f64> {
@@ -95,7 +100,7 @@ pub(crate) struct MeshFoot {
     pub(crate) triangle: u32,
 }
 
-/// A point seen from a tree.
+/// A point in the frame of a tree.
 pub(crate) struct From<'a> {
     tree: &'a Tree,
     place: Vector3<f64>,
@@ -106,12 +111,12 @@ impl<'a> From<'a> {
     /// Returns a point in stored coordinates of the body.
     pub(crate) fn new(tree: &'a Tree, point: &Vector3<f64>) -> Self {
         let place = (point - tree.centre) / tree.unit();
-        // Axes as stored are orthonormal within 8 UNIT_SINGLE.
+        // The stored axes are orthonormal within 8 UNIT_SINGLE.
         let slack = 32.0 * UNIT_SINGLE * (1.0 + place.amax());
         Self { tree, place, slack }
     }
 
-    /// Returns a lower bound of the distance of everything below a node, in stored units.
+    /// Returns a lower bound of the distance of all triangles below a node, in stored units.
     pub(crate) fn least(&self, node: u32) -> f64 {
         let b = &self.tree.boxes[node as usize];
         let (d, half) = (self.place - b.centre(), b.half());
@@ -122,9 +127,10 @@ impl<'a> From<'a> {
 }
 
 impl Mesh {
-    /// Returns the point of the surface that is nearest to a point, all in the caller's
-    /// coordinates, with the unit normal of its triangle on the side of the point, right up to
-    /// rounding, and the triangle; the normal of a sliver may be zero.
+    /// Returns the nearest point of the surface, a unit normal there, and the triangle.
+    ///
+    /// All are in the caller's coordinates and exact up to rounding. The normal is that of the
+    /// triangle, on the side of the query point; it may be zero for a very thin triangle.
     pub(crate) fn seen_from(&self, point: &Vector3<f64>) -> (Point3<f64>, Vector3<f64>, WitnessLocation) {
         let place = point / self.unit();
         let foot = self.nearest(&place);
@@ -141,14 +147,16 @@ impl Mesh {
         )
     }
 
-    /// Returns the point of the surface that is nearest to a point in stored coordinates, right up
-    /// to rounding.
+    /// Returns the point of the surface that is nearest to a point, up to rounding.
+    ///
+    /// Both are in stored coordinates.
     pub(crate) fn nearest(&self, point: &Vector3<f64>) -> MeshFoot {
         self.nearest_beyond(point, 0.0)
     }
 
-    /// Returns the same; if the surface is no farther than `level`, any point of it that is no
-    /// farther.
+    /// Returns the nearest point, or any point that is no farther than `level`.
+    ///
+    /// The second case applies if the surface is no farther than `level`.
     pub(crate) fn nearest_beyond(&self, point: &Vector3<f64>, level: f64) -> MeshFoot {
         let (tree, from) = (&self.tree, From::new(&self.tree, point));
         let least = |node: u32| from.least(node);
@@ -167,7 +175,7 @@ impl Mesh {
             match tree.below(node) {
                 Below::Children(c) => {
                     let two = [(least(c), c), (least(c + 1), c + 1)];
-                    // The nearer one on top.
+                    // The nearer one is on top.
                     stack.extend(if two[0].0 < two[1].0 { [two[1], two[0]] } else { two });
                 }
                 Below::Leaf(first, count) => {

@@ -1,4 +1,4 @@
-//! Meshes of triangles: checked, welded and put in the order of their tree.
+//! Triangle meshes: checked, welded and stored in the order of their tree.
 
 mod build;
 mod edges;
@@ -29,12 +29,13 @@ use crate::body::polyhedron::obj;
 use crate::nonconvex::tree::Tree;
 use vertices::{Bending, Stiff};
 
-/// A body made of triangles: the mesh as the caller brought it, not a decomposition.
+/// A body made of the caller's triangles, without a convex decomposition.
 ///
-/// A closed mesh is a solid, any other a surface ([`kind`](Self::kind)). `Send + Sync`, cheap to
-/// share by reference or `Arc`; immutable but for [`set_vertices`](Self::set_vertices), by which it
-/// bends. Coordinates are those of the caller, in the body's own frame, in any unit; triangles run
-/// counter-clockwise seen from outside.
+/// A closed mesh is a solid; any other mesh is open and has no inside ([`kind`](Self::kind)). A
+/// mesh is `Send + Sync` and cheap to share by reference or `Arc`. It is immutable except for
+/// [`set_vertices`](Self::set_vertices), which moves its vertices. Coordinates are in the body's
+/// frame and in any unit that the caller chooses. The vertices of a triangle are counter-clockwise
+/// seen from outside.
 ///
 /// ```
 /// use lin_canny::nalgebra::Point3;
@@ -53,46 +54,46 @@ use vertices::{Bending, Stiff};
 #[doc(alias = "triangle soup")]
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    /// Given coordinates times `2^-exponent`, in the order in which the triangles use them.
+    /// The caller's coordinates times `2^-exponent`, in the order in which the triangles use them.
     pub(crate) points: Vec<Vector3<f64>>,
     /// Vertices of each triangle, in the order of the tree's leaves.
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// The caller's index of each vertex, the lowest among equal ones.
+    /// The caller's index of each vertex; the lowest index of several equal points.
     pub(crate) source_points: Vec<u32>,
     /// The caller's index of each triangle.
     pub(crate) source_triangles: Vec<u32>,
-    /// Four vertices of each connected part, far from each other.
+    /// Four vertices of each connected component, far from each other.
     pub(crate) part_vertices: Vec<[u32; 4]>,
     pub(crate) tree: Tree,
-    /// Stored lengths times `2^exponent` are the caller's; zero for ordinary sizes.
+    /// A stored length times `2^exponent` is the caller's length; zero for ordinary sizes.
     pub(crate) exponent: i32,
     /// Largest distance of a vertex from the origin, rounded up, in stored units.
     pub(crate) radius: f64,
     /// Corners of the bounding box, in stored coordinates.
     pub(crate) low: Vector3<f64>,
     pub(crate) high: Vector3<f64>,
-    /// How far a vertex may be off its place, in stored units: zero but for a mesh that stands for
-    /// placed pieces, whose vertices are rounded.
+    /// Largest error of the position of a vertex, in stored units. It is zero except for a mesh
+    /// that represents the pieces of a compound: the vertices of its posed pieces are rounded.
     pub(crate) off: f64,
-    /// By which a tracker recognises the mesh: of all that is drawn from the tree by number, which
-    /// is points, triangles, the links of the tree and the caller's numbers, and of every change
-    /// since. So no number of one mesh is used in another of the same fingerprint.
+    /// Identifies the mesh for trackers. It covers everything that state refers to by index:
+    /// points, triangles, the links of the tree, the caller's indices, and every later change. So
+    /// an index into one mesh is never used in another mesh of equal fingerprint.
     pub(crate) fingerprint: Fingerprint,
     report: MeshReport,
-    /// Why the vertices cannot be replaced, if they cannot.
+    /// The reason why the vertices cannot be replaced, if they cannot.
     stiff: Option<Stiff>,
-    /// Of a mesh whose vertices have been replaced.
+    /// Set if vertices of the mesh have been replaced.
     bending: Option<Box<Bending>>,
 }
 
 impl Mesh {
-    /// Returns whether the mesh bounds a volume.
+    /// Returns whether the mesh is a solid or an open mesh.
     #[must_use]
     pub fn kind(&self) -> MeshKind {
         self.report.kind
     }
 
-    /// Returns what building the mesh kept, dropped and found.
+    /// Returns the report of the build: what was kept, dropped and found.
     #[must_use]
     pub fn report(&self) -> &MeshReport {
         &self.report
@@ -110,28 +111,31 @@ impl Mesh {
         self.points.len()
     }
 
-    /// Returns the corners of the bounding box in the body's own frame.
+    /// Returns the corners of the bounding box in the body's frame.
     #[must_use]
     pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
         (self.given(&self.low), self.given(&self.high))
     }
 
-    /// Returns the bytes that the mesh holds on the heap, without its report.
+    /// Returns the size of the mesh on the heap in bytes, without its report.
     #[must_use]
     pub fn memory_usage(&self) -> usize {
         let numbers = self.source_points.len() + self.source_triangles.len() + 4 * self.part_vertices.len();
         size_of_val(&self.points[..]) + size_of_val(&self.triangles[..]) + 4 * numbers + self.tree.memory_usage()
     }
 
-    /// Returns the corners of every triangle with its index as the caller gave it, in the order of
-    /// the tree.
+    /// Returns the vertices of every triangle with the caller's index of the triangle.
+    ///
+    /// The order is that of the tree.
     pub fn triangles(&self) -> impl Iterator<Item = (u32, [Point3<f64>; 3])> + '_ {
         let each = self.triangles.iter().zip(&self.source_triangles);
         each.map(|(t, &source)| (source, t.each(|v| self.given(&self.points[v as usize]))))
     }
 
-    /// Returns the mesh as the text of an OBJ file: its welded points, every bit kept, and its
-    /// triangles, in the order of the tree.
+    /// Returns the mesh as the text of an OBJ file.
+    ///
+    /// The file holds the welded points, exact to the last bit, and the triangles in the order of
+    /// the tree.
     ///
     /// ```
     /// use lin_canny::{Mesh, polyhedron::solids};
@@ -149,9 +153,10 @@ impl Mesh {
         obj(self.points.iter().map(|p| self.given(p)), faces)
     }
 
-    /// Returns the corners of the box of a node of the mesh's tree, to be drawn: corner k is at the
-    /// far end of axis i if bit i of k is set. The box as it is compared is in single precision,
-    /// right within a millionth of the mesh.
+    /// Returns the corners of the box of a tree node, for drawing.
+    ///
+    /// Corner k is at the far end of axis i if bit i of k is set. Queries compare this box in
+    /// single precision; its error is below a millionth of the size of the mesh.
     #[cfg(feature = "__internals")]
     #[doc(hidden)]
     #[must_use]
@@ -178,18 +183,18 @@ impl Mesh {
         })
     }
 
-    /// One stored unit in the caller's.
+    /// Returns one stored unit in the caller's unit.
     pub(crate) fn unit(&self) -> f64 {
         crate::body::polyhedron::power_of_two(self.exponent)
     }
 
-    /// Returns the middle of a triangle in stored coordinates.
+    /// Returns the centroid of a triangle in stored coordinates.
     pub(crate) fn triangle_middle(&self, triangle: u32) -> Vector3<f64> {
         let [a, b, c] = self.corners(triangle);
         (a + b + c) / 3.0
     }
 
-    /// Returns the corners of a triangle in stored coordinates.
+    /// Returns the vertices of a triangle in stored coordinates.
     #[inline(always)]
     pub(crate) fn corners(&self, triangle: u32) -> [Vector3<f64>; 3] {
         let [a, b, c] = self.triangles[triangle as usize];
@@ -200,8 +205,10 @@ impl Mesh {
         ]
     }
 
-    /// Returns a triangle as a convex body in the caller's units: a segment or a point if it has no
-    /// area; `None` if it is smaller than [`PART_EXTENT_MIN`].
+    /// Returns a triangle as a convex body in the caller's unit.
+    ///
+    /// The body is a segment or a point if the triangle has no area. The result is `None` if the
+    /// triangle is smaller than [`PART_EXTENT_MIN`].
     pub(crate) fn polygon(&self, triangle: u32) -> Option<ConvexPolyhedron> {
         let corners: [Point3<f64>; 3] = self.corners(triangle).each(|p| self.given(&p));
         ConvexPolyhedron::polygon_of(&corners, PART_EXTENT_MIN)
@@ -210,13 +217,13 @@ impl Mesh {
     }
 }
 
-/// Returns the segment or the point that three points on a line span.
+/// Returns the segment or the point that three collinear points span.
 #[cold]
 fn line([a, b, c]: &[Point3<f64>; 3]) -> Option<ConvexPolyhedron> {
     if sign::projection(&a.coords, &b.coords, &c.coords).is_some() {
         return None;
     }
-    // The ends are apart along the axis of the longest side.
+    // The two ends differ along the axis of the longest side.
     let sides = [b - a, c - b, a - c];
     let axis = sides.each(|s| s.iamax()).into_iter().max_by(|&i, &j| {
         let longest = |k: usize| sides.iter().fold(0.0f64, |m, s| m.larger(s[k].abs()));

@@ -1,7 +1,8 @@
-//! Meshes in files (feature `serde`): vertices, triangles and names are written in the caller's
-//! order, all else is built again, so that a hostile file does no harm and the mesh comes back bit
-//! for bit. Of a mesh whose vertices were replaced, the vertices are written as built and as they
-//! are.
+//! Meshes in files (feature `serde`).
+//!
+//! A file holds vertices, triangles and names in the caller's order. Everything else is built again
+//! on reading, so that a malicious file does no harm and the mesh is equal to the last bit. If
+//! vertices were replaced, the file holds the vertices as built and the current ones.
 
 use alloc::vec::Vec;
 use nalgebra::Point3;
@@ -20,7 +21,7 @@ struct StoredMesh {
     source_points: Vec<u32>,
     source_triangles: Vec<u32>,
     report: MeshReport,
-    /// The places of the vertices, if they were replaced after the build.
+    /// The positions of the vertices, if they were replaced after the build.
     #[serde(default)]
     now: Vec<[f64; 3]>,
 }

@@ -1,7 +1,9 @@
-//! Reasons to refuse a mesh, the report of a build (kept, dropped, found), and an inspection: where
-//! a mesh crosses itself, where its faces cancel, and which of its parts lie in others.
+//! Errors of a mesh, the report of a build, and the inspection of a mesh.
 //!
-//! Faces cancel that lie on each other in one plane and face opposite ways:
+//! The report lists what the build kept, dropped and found. The inspection finds where a mesh
+//! crosses itself, where its faces cancel, and which components lie in others.
+//!
+//! Two faces cancel if they lie on each other in one plane and face opposite directions:
 //!
 //! ```text
 //!     wall            ----->-----+----->-----      outer face
@@ -26,8 +28,9 @@ use crate::nonconvex::query::frame::{TreeFrame, split_pair};
 use crate::nonconvex::query::triangle::{self, Triangle};
 use crate::nonconvex::tree::Below;
 
-/// Reason why points and triangles make no mesh. Indices are the caller's, lengths in the caller's
-/// unit.
+/// Error returned if points and triangles do not form a valid mesh.
+///
+/// Indices are the caller's; lengths are in the caller's unit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -40,21 +43,21 @@ pub enum MeshError {
     /// A triangle names a point that does not exist.
     #[error("triangle {triangle} has a point that does not exist: {index}")]
     IndexOutOfRange {
-        /// The triangle.
+        /// Index of the triangle.
         triangle: usize,
-        /// The index named.
+        /// Index of the missing point.
         index: usize,
     },
     /// More points or triangles than ids of 27 bits can name.
     #[error("too many points or triangles for 32-bit ids: {count}")]
     TooMany {
-        /// Points or triangles given.
+        /// Number of points or triangles given.
         count: usize,
     },
     /// No triangle is left: none was given, or all are degenerate.
     #[error("the mesh is empty: none of {given} triangles has an area")]
     Empty {
-        /// Triangles given.
+        /// Number of triangles given.
         given: usize,
     },
     /// The longest side of the bounding box is below 1e-100 or above 1e100, or a coordinate is
@@ -64,42 +67,45 @@ pub enum MeshError {
         /// The longest side of the bounding box.
         extent: f64,
     },
-    /// A piece of a compound that is rounded or curved, and has no triangles.
+    /// A piece of a compound is rounded or curved, so that it has no triangles.
     #[error("piece {piece} is rounded or curved")]
     Curved {
-        /// The piece.
+        /// Index of the piece.
         piece: usize,
     },
-    /// Triangles cannot be turned to close a mesh: two must meet at every edge. Returned by
-    /// [`Mesh::oriented`](super::Mesh::oriented).
+    /// Triangles cannot be reoriented to close the mesh: two must meet at every edge.
+    ///
+    /// Returned by [`Mesh::oriented`](super::Mesh::oriented).
     #[error("cannot orient the mesh: {triangles} triangles share the edge of points {} and {} (expected 2)", edge[0], edge[1])]
     NotTwo {
         /// The points of the first such edge.
         edge: [u32; 2],
-        /// Triangles that meet there.
+        /// Number of triangles that meet at the edge.
         triangles: usize,
     },
-    /// Triangles cannot be turned to agree: the surface has one side, as a Moebius strip. Returned
-    /// by [`Mesh::oriented`](super::Mesh::oriented).
+    /// Triangles cannot be reoriented to agree: the surface has one side, like a Möbius strip.
+    ///
+    /// Returned by [`Mesh::oriented`](super::Mesh::oriented).
     #[error("cannot orient the mesh: it has one side; its triangles disagree at the edge of points {} and {}", edge[0], edge[1])]
     OneSided {
-        /// The points of an edge at which the triangles do not agree.
+        /// The points of an edge at which the triangles disagree.
         edge: [u32; 2],
     },
-    /// A piece of a compound that is a point or a segment, or so thin that triangles of its faces
-    /// have no area where the piece is placed.
+    /// A piece of a compound is a point, a segment, or too thin.
+    ///
+    /// Too thin means that triangles of its faces have no area at the pose of the piece.
     #[error("piece {piece} is a point, a segment, or too thin to have triangles")]
     Thin {
-        /// The piece.
+        /// Index of the piece.
         piece: usize,
     },
-    /// Data of a stored mesh that do not describe one.
+    /// The data of a stored mesh are not consistent.
     #[error("the stored mesh is damaged: {what}")]
     Damaged {
-        /// The data that do not fit.
+        /// The data that are not consistent.
         what: &'static str,
     },
-    /// The caller's callback of progress has stopped the call.
+    /// The caller's progress callback has stopped the call.
     #[error("the caller has stopped the build")]
     Stopped,
 }
@@ -110,25 +116,27 @@ impl From<Stopped> for MeshError {
     }
 }
 
-/// Reason why the vertices of a mesh cannot be replaced. Vertices are named by their numbers in
-/// [`Mesh::vertices`](super::Mesh::vertices), lengths are in the caller's unit.
+/// Error returned if the vertices of a mesh cannot be replaced.
+///
+/// Indices of vertices are those of [`Mesh::vertices`](super::Mesh::vertices); lengths are in the
+/// caller's unit.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum VertexError {
-    /// Another number of vertices than the mesh has.
+    /// The number of vertices differs from that of the mesh.
     #[error("number of vertices differs from the mesh: {given} (expected {count})")]
     Count {
-        /// Vertices given.
+        /// Number of vertices given.
         given: usize,
-        /// Vertices of the mesh, without points that were welded or are not used.
+        /// Number of vertices of the mesh, without welded points and points that no triangle uses.
         count: usize,
     },
-    /// A vertex that does not exist.
+    /// A vertex does not exist.
     #[error("vertex {index} does not exist (expected 0..{count})")]
     Missing {
         /// The first such vertex.
         index: usize,
-        /// Vertices of the mesh.
+        /// Number of vertices of the mesh.
         count: usize,
     },
     /// A coordinate is infinite or not a number.
@@ -144,13 +152,13 @@ pub enum VertexError {
         /// The longest side of the bounding box, or the coordinate.
         extent: f64,
     },
-    /// The build has dropped a triangle whose corners were on a line: it might have an area now.
+    /// The build dropped a triangle whose vertices were collinear: it might have an area now.
     #[error("triangle {triangle} is not in the mesh: its vertices were collinear when the mesh was built")]
     Dropped {
         /// The first such triangle, by the caller's index.
         triangle: u32,
     },
-    /// Edges that lie on others along a line close the mesh: the surface might open there.
+    /// The mesh is closed only by edges that lie on others along a line: it might open there.
     #[error("vertices cannot be replaced: the mesh is closed only by T-junctions (one edge against two shorter ones)")]
     ClosedAlongLines,
 }
@@ -159,11 +167,12 @@ pub enum VertexError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum MeshKind {
-    /// Closed: along every line as many edges of triangles run one way as the other, all along the
-    /// line; an edge may face two shorter ones. Points with a winding number other than zero are
-    /// inside and belong to the body.
+    /// Closed: along every line, edges in one direction cancel edges in the other.
+    ///
+    /// One edge may cancel two shorter ones. Points with non-zero winding number are inside and
+    /// belong to the body.
     Solid,
-    /// Not closed: the body is the triangles alone and has no inside.
+    /// Not closed: the body consists of the triangles alone and has no inside.
     Open,
 }
 
@@ -176,56 +185,61 @@ impl fmt::Display for MeshKind {
     }
 }
 
-/// A connected part of a mesh: triangles that share vertices.
+/// A connected component of a mesh: triangles that share vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct MeshPart {
-    /// One triangle of the part, by the caller's index.
+    /// One triangle of the component, by the caller's index.
     pub triangle: u32,
     /// Number of triangles.
     pub triangles: u32,
-    /// Signed volume if the mesh is a solid, in the caller's unit cubed: negative if the triangles
-    /// run clockwise seen from outside, as the triangles of a cavity do.
+    /// Signed volume in the caller's unit cubed, if the mesh is a solid.
+    ///
+    /// It is negative if the triangles are clockwise seen from outside, as those of a cavity are.
     pub volume: f64,
 }
 
-/// What building a mesh kept, dropped and found. Indices are the caller's.
+/// What the build of a mesh kept, dropped and found. Indices are the caller's.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct MeshReport {
     /// Whether the mesh is closed.
     pub kind: MeshKind,
-    /// Points given.
+    /// Number of points given.
     pub input_points: usize,
-    /// Triangles given.
+    /// Number of triangles given.
     pub input_triangles: usize,
-    /// Vertices of the mesh.
+    /// Number of vertices of the mesh.
     pub vertices: usize,
-    /// Triangles of the mesh.
+    /// Number of triangles of the mesh.
     pub triangles: usize,
-    /// Points that were welded to an earlier point with the same coordinates.
+    /// Number of points that were welded to an earlier point with the same coordinates.
     pub welded: usize,
-    /// Points that no triangle kept uses.
+    /// Number of points that no kept triangle uses.
     pub unused: usize,
-    /// Triangles dropped because their corners are collinear or equal. They close nothing: the kind
-    /// of the mesh is the same with them.
+    /// Triangles that were dropped because their vertices are collinear or equal.
+    ///
+    /// With them the mesh would be of the same kind, because they cannot close it.
     pub degenerate: Vec<u32>,
-    /// `(dropped, kept)`: triangles with the same corners in the same sense. None is dropped if the
-    /// mesh is closed only when they are counted.
+    /// Pairs `(dropped, kept)` of triangles with the same vertices in the same orientation.
+    ///
+    /// None is dropped if the mesh is closed only with all of them.
     pub repeated: Vec<(u32, u32)>,
-    /// Edges of one triangle. In a solid they lie on other edges along the same line.
+    /// Edges of one triangle. In a solid, each lies on other edges along the same line.
     pub boundary_edges: Vec<[u32; 2]>,
     /// Edges of more than two triangles.
     pub non_manifold_edges: Vec<[u32; 2]>,
-    /// Edges of two triangles that run along it in the same sense: one of them is turned over.
-    /// [`Mesh::oriented`](super::Mesh::oriented) turns it back.
+    /// Edges of two triangles that run along them in the same direction: one faces the wrong side.
+    ///
+    /// [`Mesh::oriented`](super::Mesh::oriented) corrects them.
     pub misoriented_edges: Vec<[u32; 2]>,
-    /// Connected parts, by their first triangle.
+    /// Connected components, in the order of their first triangle.
     pub parts: Vec<MeshPart>,
-    /// Coordinates replaced by zero: below `2^-200` of the extent, below which exact predicates
-    /// would run out of range.
+    /// Number of coordinates that were replaced by zero.
+    ///
+    /// They were below `2^-200` of the extent, where exact predicates would go out of range.
     pub flushed_coordinates: usize,
 }
 
@@ -260,40 +274,47 @@ impl fmt::Display for MeshReport {
     }
 }
 
-/// What a mesh has that a clean solid does not. Indices are the caller's.
+/// Defects of a mesh that a clean solid does not have. Indices are the caller's.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct MeshInspection {
-    /// Pairs of triangles of which an edge of one passes through the inside of the other: exact.
-    /// Triangles that overlap in one plane, or meet at edges, are not counted.
+    /// Pairs of triangles where an edge of one passes through the interior of the other.
+    ///
+    /// The test is exact. Triangles that overlap in one plane or meet at edges are not counted.
     pub crossings: Vec<[u32; 2]>,
-    /// Pairs of triangles that lie on each other in one plane and face opposite ways, up to the
-    /// rounding of coordinates: their faces cancel. Between two parts in contact they are inside
-    /// the solid. A cavity that goes through a wall, as a window may be written, leaves
-    /// a sheet without thickness: the distance to the mesh is that to the sheet, and a body that
-    /// crosses the sheet counts as overlapping the mesh.
+    /// Pairs of triangles that lie on each other in one plane and face opposite directions.
+    ///
+    /// Their faces cancel, up to the rounding of coordinates. Between two components in contact
+    /// such faces are inside the solid. A cavity that passes through a wall (a window modelled this
+    /// way) leaves a sheet without thickness. The distance to the mesh then includes the distance
+    /// to the sheet, and a body that crosses the sheet counts as overlapping the mesh.
     #[cfg_attr(feature = "serde", serde(default))]
     pub cancelling: Vec<[u32; 2]>,
-    /// Whether all crossings and cancelling faces are named: false if a list was full.
+    /// Whether all crossings and cancelling faces are listed; false if a list was full.
     pub is_complete: bool,
-    /// Parts, by their number in [`MeshReport::parts`](super::MeshReport::parts), that lie in other
-    /// parts, and the winding number of the others about a vertex of the part: 1 for a part in a
-    /// solid, whose points have winding number 2, and for a cavity.
+    /// Components that lie in other components, with a winding number.
+    ///
+    /// The first number is the index in [`MeshReport::parts`](super::MeshReport::parts). The second
+    /// is the winding number of the other components about a vertex of this one. It is 1 for a
+    /// cavity, and for a component in a solid, whose points have winding number 2.
     pub inner_parts: Vec<(u32, i32)>,
 }
 
 impl Mesh {
-    /// Looks for triangles that cross or cancel and parts in parts, up to `most` pairs of each.
-    /// Takes `n log n` time for meshes with few crossings, some ten times that of the build. None
-    /// is an error: distances and winding numbers are right for such meshes too.
+    /// Finds triangles that cross or cancel, and components inside others.
+    ///
+    /// Lists at most `most` pairs of each. The call takes `O(n log n)` time for meshes with few
+    /// crossings, about ten times as long as the build. None of these defects is an error:
+    /// distances and winding numbers are correct for such meshes too.
     #[must_use]
     pub fn inspect(&self, most: usize) -> MeshInspection {
         self.inspect_watched(most, &mut Watch::none())
     }
 
-    /// Looks as [`inspect`](Self::inspect) does, and tells the caller how far it is. A caller who
-    /// stops it gets what was found so far, and an inspection that is not complete.
+    /// Inspects the mesh like [`inspect`](Self::inspect) and reports progress to the caller.
+    ///
+    /// If the caller stops it, the call returns what it has found, and `is_complete` is false.
     #[must_use]
     pub fn inspect_with_progress(
         &self,
@@ -370,7 +391,7 @@ impl Mesh {
         }
     }
 
-    /// Winding numbers of the other parts about a vertex of each.
+    /// Finds the winding number of the other components about a vertex of each component.
     fn nest(&self, found: &mut MeshInspection) {
         if self.part_vertices.len() < 2 {
             return;
@@ -386,7 +407,7 @@ impl Mesh {
         }
     }
 
-    /// Returns a number of the part of every vertex.
+    /// Returns the index of the component of every vertex.
     fn labels(&self) -> Vec<u32> {
         let mut label: Vec<u32> = (0..self.points.len() as u32).collect();
         for t in &self.triangles {
@@ -400,7 +421,8 @@ impl Mesh {
     }
 }
 
-/// Returns whether an edge of one triangle passes through the inside of another: all signs exact.
+/// Returns whether an edge of one triangle passes through the interior of another; all signs are
+/// exact.
 fn passes(x: &[Vector3<f64>; 3], [a, b, c]: &[Vector3<f64>; 3]) -> bool {
     let heights = [0, 1, 2].each(|i| sign::side(a, b, c, &x[i]));
     (0..3).any(|i| {
@@ -424,7 +446,7 @@ impl Mesh {
         if !(m.dot(&n) < 0.0) {
             return false;
         }
-        // The plane of the larger one is the better known.
+        // The plane of the larger triangle is more accurate.
         let (large, normal, small) = if m.norm_squared() < n.norm_squared() {
             (q, n, p)
         } else {

@@ -1,4 +1,4 @@
-//! A mesh against itself: pairs of triangles that share no vertex.
+//! Distance of a mesh from itself: pairs of triangles that share no vertex.
 
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -22,16 +22,16 @@ use crate::nonconvex::query::state::{PosedTrees, TreeAnswer};
 use crate::nonconvex::query::triangle::TriangleSpot;
 use crate::pair::location::PairOutcome;
 
-/// The state of a mesh against itself.
+/// The state of queries of a mesh against itself.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SelfState {
     pub(super) front: SelfFront,
     fingerprint: Fingerprint,
-    /// The pairs of triangles that were closest.
+    /// The pairs of triangles that were closest in the last query.
     last: [Option<NodePair>; 2],
 }
 
-/// Judges pairs of triangles that share no vertex, each once.
+/// Tests each pair of triangles that share no vertex once.
 struct SelfJudge<'a> {
     mesh: &'a Mesh,
     pairs: TriangleJudge<'a>,
@@ -71,7 +71,7 @@ impl Judge for SelfJudge<'_> {
 }
 
 impl SelfState {
-    /// Forgets the state of another mesh, and takes the vertices as they are.
+    /// Drops the state of another mesh and takes the current vertices.
     fn recognise(&mut self, mesh: &Mesh) {
         if self.fingerprint == mesh.fingerprint {
             return;
@@ -85,7 +85,7 @@ impl SelfState {
         self.fingerprint = mesh.fingerprint;
     }
 
-    /// Checks the front, if it is of this mesh, by all pairs of triangles.
+    /// Checks the front against all pairs of triangles if it belongs to this mesh.
     pub(super) fn audit(&self, mesh: &Mesh) -> Result<(), FrontFault> {
         let pose = RelativePose::identity();
         let Some(posed) = PosedTrees::new(mesh, mesh, &pose).filter(|_| self.fingerprint == mesh.fingerprint) else {
@@ -93,7 +93,8 @@ impl SelfState {
         };
         let pairs = TriangleJudge::new(&posed, None);
         let judge = SelfJudge { mesh, pairs };
-        // By the query for polyhedra: claims come from closed formulas of triangles.
+        // The check uses the query for polyhedra, because the claims come from closed formulas for
+        // triangles.
         let polygons: Vec<_> = (0..mesh.triangles.len() as u32).map(|t| mesh.polygon(t)).collect();
         let apart = |[x, y]: NodePair| {
             let (p, q) = (polygons[x as usize].as_ref()?, polygons[y as usize].as_ref()?);
@@ -107,7 +108,7 @@ impl SelfState {
         })
     }
 
-    /// Searches the mesh by the front.
+    /// Searches the mesh from its front.
     fn search(&mut self, search: &mut TreeSearch<SelfJudge>) {
         let mesh = search.judge.mesh;
         self.recognise(mesh);
@@ -137,15 +138,18 @@ impl Mesh {
     }
 }
 
-/// Returns a pair of triangles of a mesh, with a lower bound over all pairs, in the caller's unit.
+/// Returns the outcome of a pair of triangles with a lower bound over all pairs, in the caller's
+/// unit.
 fn told(mesh: &Mesh, frame: &TreeFrame, m: &Measured<[TriangleSpot; 2]>, lower: f64) -> PairOutcome {
     let answer = TreeAnswer::of_one_body(m, lower, mesh.unit(), frame);
     answer.on(spots(mesh, mesh, m.pair, m.features))
 }
 
 impl MeshTracker {
-    /// Asks a mesh against itself; `None` for a mesh beyond the range of squares, which no mesh is
-    /// that can be built.
+    /// Runs a query of a mesh against itself.
+    ///
+    /// Returns `None` if squares of the mesh's lengths overflow or underflow; no such mesh can be
+    /// built.
     fn ask_self<R>(
         &mut self,
         mesh: &Mesh,
@@ -166,7 +170,9 @@ impl MeshTracker {
         Some(tell(&search))
     }
 
-    /// Returns the closest two triangles of a mesh that share no vertex; `None` if all share one.
+    /// Returns the closest two triangles that share no vertex.
+    ///
+    /// Returns `None` if all pairs share a vertex.
     pub(crate) fn self_closest(&mut self, mesh: &Mesh) -> Option<PairOutcome> {
         self.ask_self(mesh, MeshGoal::Least, None, |search| {
             let best = search.best.as_ref()?;
@@ -175,13 +181,13 @@ impl MeshTracker {
         })?
     }
 
-    /// Returns whether two triangles of a mesh that share no vertex are at most `d` apart.
+    /// Returns whether two triangles that share no vertex are at most `d` apart.
     pub(crate) fn self_within(&mut self, mesh: &Mesh, d: f64) -> bool {
         let goal = MeshGoal::Within(d / mesh.unit());
         d >= 0.0 && self.ask_self(mesh, goal, Some(d), |search| search.is_over()) == Some(true)
     }
 
-    /// Returns all pairs of triangles of a mesh that share no vertex and are at most `d` apart.
+    /// Returns all pairs of triangles that share no vertex and are at most `d` apart.
     pub(crate) fn self_pairs(&mut self, mesh: &Mesh, d: f64) -> Vec<PairOutcome> {
         if !(d >= 0.0) {
             return Vec::new();

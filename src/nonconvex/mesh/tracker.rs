@@ -1,5 +1,6 @@
-//! Two meshes: the state of the pair, its queries, and the questions that a search asks about
-//! triangles at a pose ([`TriangleJudge`]).
+//! Queries of two meshes: the state of the pair, and the tests of triangles at a pose.
+//!
+//! [`TriangleJudge`] has the tests that a search applies to pairs of triangles.
 
 use alloc::boxed::Box;
 use nalgebra::Vector3;
@@ -25,17 +26,16 @@ use crate::nonconvex::query::triangle::{self, Closest, Triangle, TriangleSpot, c
 use crate::pair::location::{PairOutcome, WitnessLocation};
 use crate::pair::outcome::Outcome;
 
-/// The front of the last answer for one pair of meshes, from which the next query starts, and
-/// counters.
+/// State of a pair of meshes: the front of the last answer, and work counters.
 ///
-/// Owns no mesh. State changes time, never an answer: a tracker that comes from another
-/// pair, or is out of date, is allowed. Saving a tracker (feature `serde`) keeps its counters
-/// alone.
+/// The next query starts from the front. A tracker owns no mesh. Its state changes the time of a
+/// query, never the answer: a tracker of another pair, or an outdated one, may be used. Saving a
+/// tracker (feature `serde`) saves only its counters.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct MeshTracker {
     pub(super) state: TreeState,
-    /// Of A against itself.
+    /// State of A against itself.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) own: Option<Box<SelfState>>,
 }
@@ -55,26 +55,29 @@ impl MeshTracker {
         self.state.kept.work.windings.count(taken);
     }
 
-    /// Returns the number of entries of the front that is kept.
+    /// Returns the number of entries of the stored front.
     #[must_use]
     pub(crate) fn front_len(&self) -> usize {
         self.state.kept.front.len() + self.own.as_ref().map_or(0, |own| own.front.len())
     }
 
-    /// Returns the front that is kept: pairs of nodes of A's and B's trees that are proven farther
-    /// apart than the distance.
+    /// Returns the stored front.
+    ///
+    /// It consists of pairs of nodes of A's and B's trees that are proven farther apart than the
+    /// distance.
     #[cfg(feature = "__internals")]
     pub(crate) fn front(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         self.state.kept.front.pairs()
     }
 
-    /// Checks the front that is kept against all vertices, at the pose of the last
-    /// [`closest`](Self::closest), and what is claimed of A against itself: for debugging, in time
-    /// that is entries times triangles.
+    /// Checks the stored front against all vertices, for debugging.
+    ///
+    /// The pose is that of the last [`closest`](Self::closest). The claims about A against itself
+    /// are checked too. The time is proportional to entries times triangles.
     ///
     /// # Errors
     ///
-    /// The first claim that is false, or a pair that is not covered.
+    /// Returns the first claim that is false, or the first pair that is not covered.
     pub(crate) fn audit(&self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Result<(), FrontFault> {
         if let Some(own) = &self.own {
             own.audit(a)?;
@@ -85,30 +88,31 @@ impl MeshTracker {
         }
     }
 
-    /// Adds to the claim of an entry.
+    /// Increases the claim of an entry.
     #[cfg(test)]
     pub(crate) fn spoil(&mut self, entry: usize, by: f32) {
         let front = &mut self.state.kept.front;
         front.corrupt(front.place(entry % front.len()), by);
     }
 
-    /// Loses an entry.
+    /// Removes an entry.
     #[cfg(test)]
     pub(crate) fn drop_entry(&mut self, entry: usize) {
         let front = &mut self.state.kept.front;
         front.remove(front.place(entry % front.len()));
     }
 
-    /// Returns the bytes kept on the heap.
+    /// Returns the number of bytes cached on the heap.
     #[must_use]
     pub(crate) fn memory_usage(&self) -> usize {
         let own = self.own.as_ref();
         self.state.kept.memory_usage() + own.map_or(0, |own| size_of::<SelfState>() + own.front.memory_usage())
     }
 
-    /// Returns the closest points with bounds of the distance, as told at `PairTracker::closest`.
-    /// Bodies in contact end the search early: surfaces at the first pair in contact, solids after
-    /// 128 of them if inner points of both are found.
+    /// Returns the closest points with bounds of the distance.
+    ///
+    /// `PairTracker::closest` documents the bounds. Contact ends the search early: for open meshes
+    /// at the first pair in contact, for solids after 128 pairs if inner points of both are found.
     pub(crate) fn closest(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> PairOutcome {
         if PosedTrees::is_turned(a, b, a_from_b) {
             return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
@@ -122,9 +126,10 @@ impl MeshTracker {
         answered(a, b, &answer)
     }
 
-    /// Returns whether the bodies are at most `d` apart, as told at `PairTracker::within`. Exact
-    /// with the feature `exact`; without it ties count as within. False for a negative `d` and for
-    /// NaN.
+    /// Returns whether the bodies are at most `d` apart, as `PairTracker::within` documents.
+    ///
+    /// The answer is exact with the feature `exact`; without it ties count as within. It is false
+    /// if `d` is negative or NaN.
     pub(crate) fn within(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) {
             return false;
@@ -143,8 +148,9 @@ impl MeshTracker {
         }
     }
 
-    /// Returns a lower bound of the distance in one pass over the front, without looking for the
-    /// closest pair; zero if nothing better is known.
+    /// Returns a lower bound of the distance from one pass over the front.
+    ///
+    /// The call does not search for the closest pair. It returns zero if nothing better is known.
     pub(crate) fn lower_bound(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> f64 {
         if PosedTrees::is_turned(a, b, a_from_b) {
             return self.lower_bound(b, a, &a_from_b.swapped());
@@ -159,17 +165,19 @@ fn answered(a: &Mesh, b: &Mesh, found: &TreeAnswer<[TriangleSpot; 2]>) -> PairOu
     found.on(spots(a, b, pair, features))
 }
 
-/// Triangles nearer than this part of L take the direction of a face or of two edges if one proves
-/// as much as the direction of the witnesses: two more gaps for directions that prove flush
-/// neighbours. Plates of 3,000 triangles at a gap of 1e-3: 300 bounds a query without.
+/// Triangles nearer than this fraction of L try face and edge directions as well.
+///
+/// Such a direction is taken if it proves as much as the direction of the witness points. This
+/// costs up to two more gaps per pair, for directions that also prove coplanar neighbours. Plates
+/// of 3,000 triangles at a gap of 1e-3 need 300 bounds per query without it.
 const SHARP: f64 = 1.0 / 256.0;
 
-/// Judges pairs of triangles.
+/// Measures pairs of triangles.
 pub(super) struct TriangleJudge<'a> {
     posed: &'a PosedTrees<'a, Mesh, Mesh>,
-    /// The distance in question, in the caller's unit, if that is the question.
+    /// The distance to compare with, in the caller's unit, if the query is `within`.
     within: Option<f64>,
-    /// Pairs settled by polygons.
+    /// Number of pairs that were decided by polygons.
     settled: u64,
 }
 
@@ -182,8 +190,9 @@ impl<'a> TriangleJudge<'a> {
         }
     }
 
-    /// Two triangles as polygons, and the answer of the certified query for them, in A's stored
-    /// units.
+    /// Converts two triangles to polygons and runs the certified query on them.
+    ///
+    /// The result is in A's stored units.
     #[cold]
     fn settle(&mut self, frame: &TreeFrame, pair: NodePair, found: &Closest) -> Option<Measured<[TriangleSpot; 2]>> {
         self.settled += 1;
@@ -216,8 +225,9 @@ impl<'a> TriangleJudge<'a> {
         Some((self.posed.a.polygon(i)?, self.posed.b.polygon(j)?))
     }
 
-    /// Decides exactly (feature `exact`) whether two triangles are within the distance in question,
-    /// if the bounds do not. Ties of points that may be off their places count as within.
+    /// Decides exactly whether two triangles are within the given distance, if the bounds do not.
+    ///
+    /// Needs the feature `exact`. Ties of points with a position error count as within.
     fn decide(&mut self, frame: &TreeFrame, m: &mut Measured<[TriangleSpot; 2]>) {
         let Some(d) = self.within else { return };
         let stored = d / self.posed.a.unit();
@@ -237,12 +247,12 @@ impl<'a> TriangleJudge<'a> {
     }
 }
 
-/// Returns the triangles of a pair of items by the caller's numbers, and their features.
+/// Returns the caller's indices of the triangles of a pair of items, and their features.
 pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [TriangleSpot; 2]) -> [WitnessLocation; 2] {
     [spot(a, i, spots[0]), spot(b, j, spots[1])]
 }
 
-/// Returns the triangle of an item by the caller's number, and its feature.
+/// Returns the caller's index of the triangle of an item, and its feature.
 pub(super) fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> WitnessLocation {
     let corners = mesh.triangles[item as usize].each(|v| mesh.source_points[v as usize]);
     let at = |k: u8| corners[k as usize % 3];
@@ -255,7 +265,7 @@ pub(super) fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> WitnessLocatio
     WitnessLocation::new(triangle, feature)
 }
 
-/// Returns the gap of two placed triangles along a direction.
+/// Returns the gap of two triangles at a pose along a direction.
 #[inline(always)]
 fn gap(p: &Triangle, q: &Triangle, n: &Vector3<f64>) -> f64 {
     let high = p.iter().map(|x| n.dot(x)).fold(f64::NEG_INFINITY, f64::larger);
@@ -263,14 +273,16 @@ fn gap(p: &Triangle, q: &Triangle, n: &Vector3<f64>) -> f64 {
     low - high
 }
 
-/// Directions of the triangles themselves, the likelier first: outward from either, for flush
-/// triangles; perpendicular to both features.
+/// Returns candidate directions from the triangles themselves, the likelier first.
+///
+/// First the outward normals of both, for flush triangles, then a direction perpendicular to both
+/// features.
 fn candidates(p: &Triangle, q: &Triangle, found: &Closest) -> [Vector3<f64>; 4] {
     let edge = |t: &Triangle, k: u8| t[(k as usize + 1) % 3] - t[k as usize % 3];
     let (of_p, of_q) = (triangle::normal(p), triangle::normal(q));
     let across = match found.spots {
         [TriangleSpot::Edge(i), TriangleSpot::Edge(j)] => edge(p, i).cross(&edge(q, j)),
-        // A vertex at an edge: perpendicular to the edge, in the plane of its triangle.
+        // A vertex and an edge: perpendicular to the edge, in the plane of the edge's triangle.
         [TriangleSpot::Edge(i), _] => edge(p, i).cross(&of_p),
         [_, TriangleSpot::Edge(j)] => of_q.cross(&edge(q, j)),
         [TriangleSpot::Inside, _] => -of_p,
@@ -282,7 +294,7 @@ fn candidates(p: &Triangle, q: &Triangle, found: &Closest) -> [Vector3<f64>; 4] 
 /// Returns the unit vector of a direction; `None` for a zero direction and for NaN.
 fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
     let n = v / sqrt(v.norm_squared());
-    // Written so that NaN is none.
+    // Written so that NaN gives `None`.
     (n.norm_squared() > 0.5).then_some(n)
 }
 
@@ -315,7 +327,7 @@ impl Judge for TriangleJudge<'_> {
         let found = triangle::closest(&p, &q);
         let distance = sqrt(found.square);
         let crosses = found.pierces && certainly_cross(&p, &q, frame.error);
-        // Witnesses nearer than rounding have no direction.
+        // Witness points closer than the rounding error have no direction.
         let between = if distance > frame.error {
             unit(&(found.on_q - found.on_p))
         } else {
@@ -331,8 +343,8 @@ impl Judge for TriangleJudge<'_> {
         };
         let enough = distance.smaller(known) - frame.tie + frame.error;
         if best >= enough {
-            // Witnesses so near have a direction that errs by rounding over their distance, which
-            // long triangles and whole plates in flush contact show.
+            // The direction of so near witness points has an error of rounding divided by their
+            // distance. Long triangles and whole plates in flush contact are affected.
             if distance < SHARP * frame.size {
                 let level = enough.larger(best - frame.error);
                 let sharp = |n: &Vector3<f64>| gap(&p, &q, n) >= level;

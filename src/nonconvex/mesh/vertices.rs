@@ -1,9 +1,10 @@
-//! Vertices of a mesh, and their replacement: meshes that bend.
+//! Vertices of a mesh and their replacement: deforming meshes.
 //!
-//! Triangles, their order in the tree and whether the mesh is closed stay; points, boxes, the
-//! bounding box and the fingerprint change. The fingerprint is that of the whole history, since
-//! the boxes of a node are those of a history; a tracker recognises its own state of the mesh among
-//! the last ones, and knows by the paths of the nodes how far the points have moved since.
+//! A replacement keeps the triangles, their order in the tree, and whether the mesh is closed. It
+//! changes points, boxes, the bounding box and the fingerprint. The fingerprint covers the whole
+//! history, because the boxes of a node depend on the history. A tracker finds its own state among
+//! the last states of the mesh, and the paths of the nodes bound how far the points have moved
+//! since then.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -21,57 +22,70 @@ use crate::base::tolerance::{EXTENT_MAX, EXTENT_MIN, PLACE_MAX, UNIT};
 use crate::body::polyhedron::power_of_two;
 use crate::nonconvex::tree::{Paths, Refit};
 
-/// The last states of a mesh whose vertices are replaced by which a tracker recognises the mesh: a
-/// tracker that has missed more replacements begins anew. Not measured.
+/// Number of past states that a mesh keeps, so that trackers recognise it.
+///
+/// A tracker that has missed more replacements starts again. Not measured.
 const STATES: usize = 16;
 
-/// A tree gets another origin and unit if a vertex is farther from the origin than this along an
-/// axis, or half the diagonal of the box shorter than this, in units of the tree; a tree has a half
-/// diagonal between one and two when it is made. Two bits of single precision are lost at most.
+/// Size, in units of the tree, beyond which a tree gets another origin and unit.
+///
+/// This happens if a vertex is farther than `GROWN` from the origin along an axis, or if half the
+/// diagonal of the box is shorter than `SHRUNK`. When a tree is made, its half diagonal is between
+/// one and two. At most two bits of single precision are lost.
 const GROWN: f64 = 4.0;
 const SHRUNK: f64 = 0.5;
 
-/// The upper part of a tree is made anew if so many times as many of its boxes hold points of the
-/// surface as when it was made. Sheets of 20,000 triangles that are rolled up thrice in 100 frames
-/// have 2,790 bounds a query instead of 3,670 (a whole new tree 1,570), ones that are folded thrice
-/// 1,630 instead of 2,080 (1,060) on the way, tori twisted by half a turn 3,070 instead of 3,670
-/// (2,050). Crumpled ones gain nothing and lose up to a fifth.
+/// Growth of the number of boxes with points of the surface that causes a rebuild.
+///
+/// The count is compared with that when the tree was made; the upper part is then built again.
+/// Bounds per query without and with such rebuilds:
+///
+/// | deformation | without | with | whole new tree |
+/// |---|---:|---:|---:|
+/// | sheets of 20,000 triangles, rolled up three times in 100 frames | 3,670 | 2,790 | 1,570 |
+/// | the same, folded three times, while they fold | 2,080 | 1,630 | 1,060 |
+/// | tori, twisted by half a turn | 3,670 | 3,070 | 2,050 |
+///
+/// Crumpled sheets gain nothing and lose up to 20 %.
 const LOOSE: f64 = 1.25;
 
-/// Boxes are counted again once the longest moves of a vertex since the last count add up to this,
-/// in units of the tree: a count takes a tenth of a refit of 100,000 triangles.
+/// Length of path, in units of the tree, after which boxes are counted again.
+///
+/// The path is the sum of the longest moves of a vertex since the last count. A count takes a tenth
+/// of the time of a refit of 100,000 triangles.
 const COUNT_PATH: f64 = 1.0 / 16.0;
 
-/// The upper part of a tree is made anew after so many replacements of all vertices at the
-/// earliest, in the time of some ten of them.
+/// Minimum number of replacements of all vertices between two rebuilds of the upper part.
+///
+/// A rebuild takes about as long as ten replacements.
 const REBUILD_WORK: usize = 16;
 
-/// Why the vertices of a mesh cannot be replaced: its triangles would not be the same body.
+/// Reason why vertices of a mesh cannot be replaced: its triangles would not be the same body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stiff {
-    /// A triangle was dropped because its corners were on a line, and might have an area now.
+    /// A triangle was dropped because its vertices were collinear; it might have an area now.
     Dropped { triangle: u32 },
-    /// Edges that lie on others along a line close the mesh, and might part.
+    /// The mesh is closed by edges that lie on others along a line; these might separate.
     ClosedAlongLines,
 }
 
-/// What a mesh keeps once its vertices have been replaced.
+/// Data that a mesh keeps once its vertices have been replaced.
 #[derive(Clone, Debug)]
 pub(super) struct Bending {
-    /// The vertex of each number.
+    /// The stored vertex of each index.
     order: Vec<u32>,
-    /// The vertices as built, by number.
+    /// The vertices as built, by index.
     pub(super) built: Vec<Point3<f64>>,
     refit: Refit,
-    /// How many boxes held points of the surface when the tree was made.
+    /// Number of boxes that contained points of the surface when the tree was made.
     held: u64,
-    /// The path of the tree beyond which boxes are counted.
+    /// Path of the tree after which boxes are counted again.
     tight_until: u64,
-    /// Vertices given since the tree was made.
+    /// Number of vertices given since the tree was made.
     given: usize,
-    /// Of the mesh as built.
+    /// Fingerprint of the mesh as built.
     lineage: Fingerprint,
-    /// Of the mesh before its last replacements.
+    /// Fingerprints of the mesh before its last replacements.
     past: [Fingerprint; STATES],
     replacements: usize,
     /// Buffers: the next points, and how far each vertex moves.
@@ -79,7 +93,7 @@ pub(super) struct Bending {
     steps: Vec<u32>,
 }
 
-/// Returns the vertices by their number, if these are the caller's indices of them.
+/// Returns the stored vertices by index, given the caller's index of each.
 pub(super) fn by_source(sources: &[u32]) -> Vec<u32> {
     let mut order: Vec<u32> = (0..sources.len() as u32).collect();
     order.sort_unstable_by_key(|&k| sources[k as usize]);
@@ -104,7 +118,7 @@ impl Bending {
         }
     }
 
-    /// Returns the fingerprint of a mesh some vertices of which are replaced.
+    /// Returns the fingerprint of a mesh after some of its vertices are replaced.
     fn fingerprint(before: Fingerprint, first: usize, vertices: &[Point3<f64>]) -> Fingerprint {
         let mut all = Fingerprinter::new(*b"vertices");
         all.fingerprint(before);
@@ -116,17 +130,20 @@ impl Bending {
 }
 
 impl Mesh {
-    /// Returns the vertices in the order of their numbers: that of the points of which the mesh was
-    /// built, without points that were welded to an earlier one and points that no triangle uses.
-    /// If there were none of these, the numbers are the caller's indices.
+    /// Returns the vertices in the order of their indices.
+    ///
+    /// This is the order of the points from which the mesh was built, without points that were
+    /// welded to an earlier one and points that no triangle uses. If there were no such points, the
+    /// indices are the caller's.
     #[must_use]
     pub fn vertices(&self) -> Vec<Point3<f64>> {
         let order = by_source(&self.source_points);
         order.iter().map(|&v| self.given(&self.points[v as usize])).collect()
     }
 
-    /// Returns the caller's index of every vertex in the order of the vertices' numbers, the lowest
-    /// among equal points.
+    /// Returns the caller's index of every vertex, in the order of [`vertices`](Self::vertices).
+    ///
+    /// Of equal points it is the lowest index.
     #[must_use]
     pub fn vertex_sources(&self) -> Vec<u32> {
         let mut sources = self.source_points.clone();
@@ -134,9 +151,10 @@ impl Mesh {
         sources
     }
 
-    /// Returns the vertices of every triangle by their numbers, those of
-    /// [`vertices`](Self::vertices), in the order of the caller's triangles, those left out that
-    /// the [report](Self::report) names as dropped.
+    /// Returns the vertices of every triangle as indices into [`vertices`](Self::vertices).
+    ///
+    /// The triangles are in the caller's order, without those that the [report](Self::report) lists
+    /// as dropped.
     #[must_use]
     pub fn triangle_vertices(&self) -> Vec<[u32; 3]> {
         let mut numbers = alloc::vec![0; self.points.len()];
@@ -148,28 +166,27 @@ impl Mesh {
         order.into_iter().map(corners).collect()
     }
 
-    /// Replaces all vertices, in the order of [`vertices`](Self::vertices): the mesh bends.
+    /// Replaces all vertices, in the order of [`vertices`](Self::vertices): the mesh deforms.
     ///
-    /// The triangles stay, and so does the [`kind`](Self::kind): a closed mesh remains closed
-    /// whatever its vertices do, and points with a winding number other than zero are inside.
-    /// Vertices may come to equal places and triangles lose their area; what is left of a triangle,
-    /// a segment or a point, is measured. Welded points remain one vertex. Answers are as those of
-    /// a mesh built anew; a tracker of the mesh goes on from where it was, and so does one of a
-    /// mesh whose last few replacements it has not seen. The [report](Self::report) remains that of
-    /// the build.
+    /// - **Kept**: the triangles and the [`kind`](Self::kind). A closed mesh remains closed
+    ///   wherever its vertices move, and points with non-zero winding number are inside. Welded
+    ///   points remain one vertex. The [report](Self::report) remains that of the build.
+    /// - **Degenerate triangles**: vertices may become equal, and triangles may lose their area.
+    ///   Queries then measure the remaining segment or point.
+    /// - **Results** equal those of a new mesh with these vertices. Trackers of the mesh continue
+    ///   with their state, even if they have missed the last few replacements.
     ///
-    /// The tree is fitted to the vertices. Its upper part is made anew, over parts of up to 64
-    /// triangles, once the tree has become loose: if a quarter more of its boxes hold points of the
-    /// surface than when it was made, as of a sheet that is rolled up. Boxes are counted each time
-    /// the vertices have moved by some hundredths of the size of the mesh, and not before all
-    /// vertices have been replaced 16 times since the last tree was made, calls that move none left
-    /// out. So a call now and then
-    /// takes some ten times as long as others, and trackers begin anew after it; when, is settled
-    /// by the vertices given alone, not by queries.
+    /// The tree is refitted to the vertices. Its upper part is built again, over groups of up to 64
+    /// triangles, once the tree has become loose: 25 % more of its boxes contain points of the
+    /// surface than when it was made (for example, a sheet is rolled up). Boxes are counted
+    /// whenever the vertices have moved by a few hundredths of the size of the mesh, but not before
+    /// all vertices have been replaced 16 times since the last tree was made. Calls that move no
+    /// vertex do not count. So an occasional call takes about ten times as long and makes trackers
+    /// start cold. When this happens depends on the vertices alone, not on queries.
     ///
-    /// Flush contacts of large flat parts take longer until [`rebuild`](Self::rebuild) makes a
-    /// whole new tree. If a mesh has moved, grown or shrunk by twice its size and more, trackers
-    /// begin anew. The first call makes what later ones need.
+    /// Flush contacts of large flat areas take longer until [`rebuild`](Self::rebuild) makes a new
+    /// tree. If a mesh has moved, grown or shrunk by more than twice its size, trackers start cold.
+    /// The first call creates the data that later calls need.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -198,28 +215,33 @@ impl Mesh {
     ///
     /// # Errors
     ///
-    /// Another number of vertices, a coordinate that is not finite, an extent or a coordinate out
-    /// of the range of meshes; a mesh of which the build dropped a triangle whose three corners
-    /// were on a line, or that is closed only along lines. The mesh is then as before.
+    /// Returns an error, and leaves the mesh unchanged, in these cases:
+    ///
+    /// - The number of vertices differs from that of the mesh.
+    /// - A coordinate is not finite, or a coordinate or the extent is out of the range of meshes.
+    /// - The build dropped a triangle whose three vertices were collinear.
+    /// - The mesh is closed only along lines.
     #[doc(alias = "deform")]
     #[doc(alias = "refit")]
     pub fn set_vertices(&mut self, vertices: &[Point3<f64>]) -> Result<(), VertexError> {
         self.move_all(vertices).map(|_| ())
     }
 
-    /// Replaces the vertices from number `first` on, as [`set_vertices`](Self::set_vertices) does:
-    /// only the boxes about them are fitted anew.
+    /// Replaces the vertices from index `first` on, like [`set_vertices`](Self::set_vertices).
+    ///
+    /// Only the boxes around these vertices are refitted.
     ///
     /// # Errors
     ///
-    /// As [`set_vertices`](Self::set_vertices); a vertex that does not exist instead of another
-    /// number of vertices.
+    /// Returns the errors of [`set_vertices`](Self::set_vertices). Instead of a wrong number of
+    /// vertices, it reports a vertex that does not exist.
     pub fn set_vertices_from(&mut self, first: usize, vertices: &[Point3<f64>]) -> Result<(), VertexError> {
         self.move_vertices(first, vertices).map(|_| ())
     }
 
-    /// Replaces all vertices; returns an upper bound of how far any point of the mesh has moved, in
-    /// the caller's unit.
+    /// Replaces all vertices and returns an upper bound of how far any point of the mesh moved.
+    ///
+    /// The bound is in the caller's unit.
     pub(crate) fn move_all(&mut self, vertices: &[Point3<f64>]) -> Result<f64, VertexError> {
         let (given, count) = (vertices.len(), self.vertex_count());
         if given != count {
@@ -247,7 +269,7 @@ impl Mesh {
         let mut bending = self.take_bending();
         let before = self.fingerprint;
         let result = self.replace(&mut bending, first, vertices);
-        // Calls that the fingerprint does not see change nothing else either.
+        // Calls that do not change the fingerprint change nothing else either.
         let is_loose = self.fingerprint != before && {
             bending.given = bending.given.saturating_add(vertices.len());
             self.is_loose(&mut bending)
@@ -260,19 +282,20 @@ impl Mesh {
         result
     }
 
-    /// Takes what bending needs out of the mesh, made at the first call.
+    /// Takes the data for replacements out of the mesh; the first call creates them.
     fn take_bending(&mut self) -> Box<Bending> {
         self.bending.take().unwrap_or_else(|| {
             Box::new(Bending {
-                // The tree of the build may be made anew at once.
+                // The tree of the build may be rebuilt at once.
                 given: REBUILD_WORK * self.vertex_count(),
                 ..Bending::new(self)
             })
         })
     }
 
-    /// Returns the mesh in its own tree with the vertices of an earlier state; `None` if these are
-    /// not the same triangles.
+    /// Returns the mesh in its own tree with the vertices of an earlier state.
+    ///
+    /// Returns `None` if the triangles are not the same.
     pub(crate) fn as_before(&self, earlier: &Self) -> Option<Self> {
         let is_same = self.stiff.is_none()
             && self.vertex_sources() == earlier.vertex_sources()
@@ -287,8 +310,10 @@ impl Mesh {
         Some(before)
     }
 
-    /// Returns whether the tree has become loose: counted if vertices have moved far since the last
-    /// count, and the tree has served for some time.
+    /// Returns whether the tree has become loose.
+    ///
+    /// Boxes are counted only if vertices have moved far since the last count and the tree has been
+    /// in use for some time.
     fn is_loose(&self, bending: &mut Bending) -> bool {
         let is_early = bending.given < REBUILD_WORK * self.vertex_count();
         if is_early || self.tree.paths.total < bending.tight_until {
@@ -298,27 +323,31 @@ impl Mesh {
         self.tree.held(&self.points, &self.triangles) as f64 > LOOSE * bending.held as f64
     }
 
-    /// Makes the whole tree of the mesh anew, for vertices that were replaced: in the time of a
-    /// build. Trackers begin anew. Does nothing for a mesh whose vertices never were.
+    /// Builds the whole tree again for vertices that were replaced.
     ///
-    /// [`set_vertices`](Self::set_vertices) makes the upper part anew once it is loose. A whole new
-    /// tree pays if the mesh stays nearly as it is for many queries, and for flush contacts of
-    /// large flat parts. If the mesh goes on to bend, the tree of the build may be better:
-    /// triangles near each other on the surface remain so, those of layers that slide on each other
-    /// do not.
+    /// The call takes as long as a build, and trackers start cold after it. It does nothing if
+    /// vertices were never replaced.
+    ///
+    /// [`set_vertices`](Self::set_vertices) rebuilds the upper part once it is loose. A whole new
+    /// tree pays in two cases: if the mesh keeps nearly the same shape for many queries, and for
+    /// flush contacts of large flat areas. If the mesh continues to deform, the tree of the build
+    /// may be better. Triangles that are near each other on the surface stay near each other;
+    /// triangles of layers that slide on each other do not.
     pub fn rebuild(&mut self) {
         if self.bending.is_none() {
             return;
         }
-        // A build that is not watched is not stopped.
+        // A build without a progress callback is never stopped.
         let Ok(new) = InTreeOrder::new(&self.points, &self.triangles, &mut Watch::none()) else {
             return;
         };
         self.take_tree(*b"new tree", new);
     }
 
-    /// Takes another tree over the same triangles, as they are now, made in a way that `kind`
-    /// names. No state of a tracker is recognised any more.
+    /// Takes another tree over the same triangles at their current positions.
+    ///
+    /// `kind` names the method by which the tree was made. No state of a tracker is recognised
+    /// after this.
     pub(super) fn take_tree(&mut self, kind: [u8; 8], new: InTreeOrder) {
         let Some(bending) = self.bending.take() else { return };
         self.fingerprint = self.fingerprint_in(kind, &new);
@@ -335,13 +364,15 @@ impl Mesh {
         }));
     }
 
-    /// Returns the fingerprint of the mesh as built: one for all places of its vertices.
+    /// Returns the fingerprint of the mesh as built, which is the same for all positions of its
+    /// vertices.
     pub(crate) fn lineage(&self) -> Fingerprint {
         self.bending.as_ref().map_or(self.fingerprint, |b| b.lineage)
     }
 
-    /// Returns whether the mesh has had a fingerprint before, one of the last few, and since then
-    /// the paths of its tree tell how far its points have moved.
+    /// Returns whether a fingerprint is one of the last few of this mesh.
+    ///
+    /// If so, the paths of its tree bound how far its points have moved since then.
     pub(crate) fn came_from(&self, earlier: Fingerprint) -> bool {
         self.bending.as_ref().is_some_and(|b| b.past.contains(&earlier))
     }
@@ -395,7 +426,7 @@ impl Mesh {
         Ok(())
     }
 
-    /// Finds how far each vertex moves to its next place.
+    /// Computes how far each vertex moves to its next position.
     fn moves(&self, bending: &mut Bending) -> Moves {
         let scale = 1.0 / self.tree.unit();
         let start = Vector3::repeat(f64::INFINITY);
@@ -408,7 +439,7 @@ impl Mesh {
         bending.steps.resize(self.points.len(), 0);
         for ((p, q), step) in self.points.iter().zip(&bending.next).zip(&mut bending.steps) {
             let square = (q - p).norm_squared();
-            // Too long a step is longer than all others, and of no use.
+            // A step that is too long counts as longer than all others, and its value is not used.
             *step = Paths::units(sqrt(square) * scale).unwrap_or(u32::MAX);
             moves.longest = moves.longest.max(*step);
             moves.square = moves.square.at_least(square);
@@ -418,8 +449,9 @@ impl Mesh {
         moves
     }
 
-    /// Returns whether the next places are near enough to the tree's origin, and far enough apart,
-    /// for the unit of the tree.
+    /// Returns whether the unit of the tree fits the next positions.
+    ///
+    /// They must be near enough to the tree's origin and far enough apart.
     fn is_near(&self, moves: &Moves) -> bool {
         let (low, high, scale) = (moves.low, moves.high, 1.0 / self.tree.unit());
         let farthest = (low - self.tree.centre).abs().larger((high - self.tree.centre).abs());
@@ -427,7 +459,7 @@ impl Mesh {
         moves.longest < u32::MAX && farthest.amax() * scale < GROWN && half > SHRUNK
     }
 
-    /// Makes the next points those of the mesh.
+    /// Makes the next points the points of the mesh.
     fn take_points(&mut self, bending: &mut Bending, units: &Units) {
         core::mem::swap(&mut self.points, &mut bending.next);
         let ratio = power_of_two((self.exponent - units.exponent).clamp(-1000, 1000));
@@ -444,9 +476,9 @@ impl Mesh {
     }
 }
 
-/// How points move to their next places, in stored coordinates.
+/// How points move to their next positions, in stored coordinates.
 struct Moves {
-    /// The corners of the box about the next places.
+    /// The corners of the box around the next positions.
     low: Vector3<f64>,
     high: Vector3<f64>,
     /// The square of the longest move.
