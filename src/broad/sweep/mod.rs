@@ -340,7 +340,8 @@ impl SweepAndPrune {
     /// Appends the bodies whose boxes overlapped `aabb` in the last step, in ascending order.
     ///
     /// # Errors
-    /// If a bound of the box is NaN or the box is inverted. The box may be infinite.
+    /// Returns an error if a bound of the box is NaN or the box is inverted. The box may be
+    /// infinite.
     pub fn overlapping(&self, aabb: &Aabb, found: &mut Vec<BodyId>) -> Result<(), BroadPhaseError> {
         let asked = self.state.asked(aabb)?;
         self.overlapping_stored(&asked, found);
@@ -355,8 +356,8 @@ impl SweepAndPrune {
     /// Adds a body; its pairs begin with the next step.
     ///
     /// # Errors
-    /// If the box, a margin or the origin of the structure is unusable, or there are too many
-    /// bodies.
+    /// Returns an error if the box, a margin or the origin of the structure is unusable, or there
+    /// are too many bodies.
     pub fn insert(&mut self, aabb: &Aabb, body: BodyOptions) -> Result<BodyId, BroadPhaseError> {
         self.state.insert(aabb, body, false)
     }
@@ -366,8 +367,8 @@ impl SweepAndPrune {
     /// Margins do not apply.
     ///
     /// # Errors
-    /// If a bound is NaN, the box is inverted, the origin of the structure is unusable, or there
-    /// are too many bodies.
+    /// Returns an error if a bound is NaN, the box is inverted, the origin of the structure is
+    /// unusable, or there are too many bodies.
     pub fn insert_unbounded(&mut self, aabb: &Aabb, body: BodyOptions) -> Result<BodyId, BroadPhaseError> {
         self.state.insert(
             aabb,
@@ -383,7 +384,7 @@ impl SweepAndPrune {
     /// Removes a body: its id is stale at once, its pairs end with the next step.
     ///
     /// # Errors
-    /// If the id is stale.
+    /// Returns an error if the id is stale.
     pub fn remove(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
         self.state.bodies.remove(id)
     }
@@ -391,7 +392,8 @@ impl SweepAndPrune {
     /// Moves a body, however far.
     ///
     /// # Errors
-    /// If the id is stale or the box unusable; the body keeps its box and its pairs.
+    /// Returns an error if the id is stale or the box unusable; the body keeps its box and its
+    /// pairs.
     #[doc(alias = "teleport")]
     pub fn set_box(&mut self, id: BodyId, aabb: &Aabb) -> Result<(), BroadPhaseError> {
         self.state.bodies.set_box(id, aabb)
@@ -401,8 +403,8 @@ impl SweepAndPrune {
     /// if the entries are in ascending order of their ids.
     ///
     /// # Errors
-    /// If any entry was refused: index and fault of the first refused entry, and the number of
-    /// refused entries.
+    /// Returns an error if any entry was refused: index and fault of the first refused entry, and
+    /// the number of refused entries.
     pub fn set_boxes(&mut self, batch: &[(BodyId, Aabb)]) -> Result<(), BatchError> {
         let threads = self.threads();
         self.state.bodies.set_boxes(batch, threads)
@@ -412,7 +414,7 @@ impl SweepAndPrune {
     /// in the next step.
     ///
     /// # Errors
-    /// If the id is stale.
+    /// Returns an error if the id is stale.
     pub fn set_groups(&mut self, id: BodyId, groups: Groups) -> Result<(), BroadPhaseError> {
         self.state.bodies.set_groups(id, Some(groups))
     }
@@ -420,7 +422,7 @@ impl SweepAndPrune {
     /// Asks groups and filter again for all pairs of a body in the next step.
     ///
     /// # Errors
-    /// If the id is stale.
+    /// Returns an error if the id is stale.
     pub fn regroup(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
         self.state.bodies.set_groups(id, None)
     }
@@ -496,7 +498,7 @@ impl SweepAndPrune {
     /// boxes, 0 if the boxes overlap.
     ///
     /// # Errors
-    /// If a bound of the box is NaN or infinite, or the box is inverted.
+    /// Returns an error if a bound of the box is NaN or infinite, or the box is inverted.
     pub fn nearest(&self, aabb: &Aabb, count: usize, farthest: f64) -> Result<Vec<Nearest>, BroadPhaseError> {
         nearest(self, aabb, count, farthest)
     }
