@@ -1,8 +1,8 @@
-//! Contacts of curved shapes: the common part of two facets projected along the normal.
+//! Contacts of curved shapes: the overlap of two facets projected along the normal.
 //!
-//! Candidates are the vertices of either facet over the other one (of a round face the eight named
-//! points of its rim), and the crossings of their boundaries. The points of a rim stand still on
-//! the shape, so contacts of a shape that rests and trembles stand still too, at the price of
+//! Candidates are the vertices of each facet over the other one (for a round face, the eight named
+//! points of its rim), and the crossings of their boundaries. The points of a rim are fixed on the
+//! shape. So the contacts of a shape that rests and trembles do not move either. The price is
 //! depth: the deepest contact may be shallower than the outcome by [`ROUND`] times the radius.
 
 use nalgebra::Vector3;
@@ -131,7 +131,7 @@ fn contact(candidate: &ContactCandidate, axes: &[Axes; 2], patches: &[ProjectedF
     }
 }
 
-/// Adds the vertices of the common part of two facets.
+/// Adds the vertices of the overlap of two facets.
 fn clip(patches: &[ProjectedFacet; 2], noise: f64, sine: f64, beside: f64, candidates: &mut Candidates) {
     let [a, b] = patches;
     if a.is_segment() && b.is_segment() {
