@@ -25,7 +25,7 @@ pub(super) struct Promotion<'a> {
     pub(super) outward: Vector3<f64>,
     /// Sine of the largest angle.
     pub(super) sine: f64,
-    /// Feature that carried the contact before. For it, the accepted angle is larger by a quarter.
+    /// Feature that carried the contact before. Its largest accepted sine is larger by a quarter.
     pub(super) previous: Option<Feature>,
 }
 

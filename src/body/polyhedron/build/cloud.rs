@@ -1,12 +1,13 @@
-//! From the caller's points to stored coordinates: checked, shifted, scaled, sorted and without
-//! duplicates. Of many points those proven strictly inside the hull of a few others are dropped
-//! before the hull is built (after Akl and Toussaint 1978), as follows.
+//! From the caller's points to stored coordinates, which are checked, shifted, scaled, sorted and
+//! without duplicates. If there are many points, those that are proven strictly inside the hull of
+//! a few others are dropped before the hull is built (after Akl and Toussaint 1978), as follows.
 //!
-//! The *core* is the hull of points of the cloud that are extreme along some directions. Seen
-//! from a centre inside it, in coordinates `q` relative to the centre, space is cut into
-//! pyramids: the eight octants, in each of them cells of a square grid over the shares `|x|` and
-//! `|y|` have of `|x| + |y| + |z|`. Each cell stores a bound of the sum up to which its pyramid
-//! lies inside the core: one look-up decides a point, however many planes the core has.
+//! The *core* is the hull of points of the cloud that are extreme along some directions. Space is
+//! divided into pyramids around a centre inside the core, in coordinates `q` relative to the
+//! centre. There are eight octants, and each has the cells of a square grid over the fractions of
+//! `|x|` and `|y|` in `|x| + |y| + |z|`. Each cell stores a bound of the sum up to which its
+//! pyramid lies inside the core. So one look-up decides a point, for any number of planes of the
+//! core.
 //!
 //! Why a dropped point is strictly inside, rounding included. Coordinates are relative to the
 //! centre and scaled by powers of two, so that each has one rounding, relative to itself; sums of

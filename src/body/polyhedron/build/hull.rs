@@ -1,11 +1,11 @@
 //! Convex hull of points by quickhull with conflict lists (Barber, Dobkin, Huhdanpaa 1996; conflict
-//! sets after Clarkson and Shor 1989), every decision an exact sign.
+//! sets after Clarkson and Shor 1989). Every decision is an exact sign.
 //!
 //! The hull is a closed surface of triangles. A point outside waits in the conflict list of one
-//! triangle that it sees. The farthest point of a list is added: the triangles visible from the
-//! point (a connected set) are removed, and the boundary of the set, the *horizon*, is joined to
-//! the point by new triangles; points that waited on removed triangles move to new triangles or are
-//! found inside.
+//! triangle that it sees. The farthest point of a list is added. The triangles visible from this
+//! point (a connected set) are removed, and new triangles join the boundary of the set, the
+//! *horizon*, to the point. The points that waited on removed triangles move to new triangles or
+//! are found to be inside.
 //!
 //! ```text
 //!             apex
@@ -16,14 +16,15 @@
 //! ```
 //!
 //! Departures from the paper:
-//! 1. Signs are exact, so there are no thick facets and no merging on the way. A triangle counts as
-//!    unseen if the point lies in its plane; then the horizon is a simple closed curve, no new
-//!    triangle is degenerate, and exactly coplanar triangles are merged at the end (`facets`).
+//! 1. Signs are exact, so there are no thick facets and no merging during the construction. A
+//!    triangle counts as unseen if the point lies in its plane. Then the horizon is a simple closed
+//!    curve, no new triangle is degenerate, and exactly coplanar triangles are merged at the end
+//!    (`facets`).
 //! 2. Distances only choose the next point; they decide nothing.
 //!
-//! Why a waiting point must be tested against the new triangles only: a point that sees both
-//! triangles at a horizon edge sees the new triangle between them, whose plane is a positive
-//! combination of their planes; and the set of triangles that a point sees is connected.
+//! A waiting point must be tested against the new triangles only. A point that sees both triangles
+//! at a horizon edge sees the new triangle between them, because the plane of that triangle is a
+//! positive combination of their planes. And the set of triangles that a point sees is connected.
 
 use alloc::vec;
 use alloc::vec::Vec;
