@@ -1,18 +1,18 @@
-//! Facets of the Minkowski difference: their heights, and a proof of the depth by the deepest of
-//! them.
+//! Facets of the Minkowski difference: their heights, and a proof of the depth by the deepest
+//! facet.
 //!
-//! Normals are taken from the features of the two bodies. A triangle on the facet names the
-//! vertices; the face or the edges give a far more accurate normal than three rounded points do.
+//! Normals come from the features of the two bodies. A triangle on the facet identifies the
+//! vertices; the face or the edges give a far more accurate normal than three rounded points.
 //!
 //! # A proof of the depth without growing
 //!
-//! The deepest facet covers for triangles slightly too low ([`holds_disc`]).
+//! The deepest facet proves the depth even if some triangles are slightly too low ([`holds_disc`]).
 //!
-//! A surface close to the boundary at one pose lies a little beneath the boundary at the next; if
-//! faces lie flush, any motion has this effect. Let the origin lie behind every triangle, let `r`
-//! be the height of a facet F of the difference P along the normal `n`, and call the triangles not
-//! beyond `r` *below target*. Then P contains the ball of radius `r` about the origin if F contains
-//! a disc about the foot `r n`, of the radius `rho` given below.
+//! A polytope that is close to the boundary at one pose lies a little below the boundary at the
+//! next; if faces are flush, any motion has this effect. Let the origin lie behind every triangle,
+//! let `r` be the height of a facet F of the difference P along the normal `n`, and call the
+//! triangles not beyond `r` *below target*. Then P contains the ball of radius `r` around the
+//! origin if F contains a disc around the foot `r n`, of the radius `rho` given below.
 //!
 //! ```text
 //!             n

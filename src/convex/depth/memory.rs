@@ -1,6 +1,6 @@
-//! Cached state of an overlap: the surface as vertex pairs, and the deepest facet.
+//! Cached state of an overlap: the polytope as vertex pairs, and the deepest facet.
 //!
-//! Points of A - B are vertex pairs and remain points of A - B at every pose, so a surface on such
+//! Points of A - B are vertex pairs and remain points of A - B at every pose. So a polytope on such
 //! points can be resumed at any pose ([`resume`](mod@crate::convex::depth::resume)).
 
 use alloc::boxed::Box;
@@ -17,15 +17,17 @@ use crate::pair::posed::PosedPair;
 
 use crate::convex::depth::surface::EnclosingSurface;
 
-/// Triangles of a surface that is kept between queries, at most: their numbers fit a byte. Larger
-/// surfaces are built again, as their memory costs more than the time saved. Not measured.
+/// Largest number of triangles of a polytope that is kept between queries; their numbers fit a
+/// byte. Larger polytopes are built again, because their memory costs more than the time saved. Not
+/// measured.
 pub(super) const MAX_TRIANGLES: usize = 256;
 
-/// Triangles that a kept surface may gain, beside the number at its build, before the surface is
-/// built again: an old surface carries triangles that bound nothing. Not measured.
+/// Number of triangles that a kept polytope may gain over the number at its build before it is
+/// built again. An old polytope contains triangles that give no bound. Not measured.
 const GAIN: usize = 24;
 
-/// Most points of a cached surface: a closed surface of `MAX_TRIANGLES` triangles has no more.
+/// Largest number of points of a cached polytope: a closed surface of `MAX_TRIANGLES` triangles has
+/// no more.
 pub(super) const MAX_POINTS: usize = MAX_TRIANGLES / 2 + 2;
 
 /// A closed surface without coordinates: each edge of a triangle is the reverse of an edge of the

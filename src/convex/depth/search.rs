@@ -1,11 +1,11 @@
-//! Search for the deepest facet: grows a surface at the nearest triangle until the triangle is
-//! proven to lie on the boundary of A - B. The file holds the search ([`DepthSearch`]), its result
-//! ([`SearchResult`]), and the deepest points after the search has ended.
+//! Search for the deepest facet: grows a polytope at its nearest triangle until this triangle is
+//! proven to lie on the boundary of A - B. This file contains the search ([`DepthSearch`]), its
+//! result ([`SearchResult`]), and the deepest points after the search has ended.
 //!
-//! A search may begin at a facet ([`search_from`]): the first tetrahedron joins three points of the
-//! facet to a point deep in P = A - B. The facet found by a descent is mostly the deepest, so that
-//! its height is a target from the start, and the surface grows only where P is in doubt. The
-//! bodies need not be known to overlap: the tetrahedron proves that they do.
+//! A search may start at a facet ([`search_from`]): the first tetrahedron joins three points of the
+//! facet to a point deep in P = A - B. The facet found by a descent is usually the deepest. So its
+//! height is a target from the start, and the polytope grows only where P is uncertain. The overlap
+//! need not be known: the tetrahedron proves it.
 
 use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::each::Each;
@@ -21,8 +21,8 @@ use crate::pair::difference::{MinkowskiPoint, difference_point, support};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 
-/// Points that may come twice before a surface counts as folded and the next arithmetic takes over.
-/// Not measured.
+/// Number of repeated points before a polytope counts as folded and the next arithmetic runs. Not
+/// measured.
 const REPEATS: u32 = 16;
 
 /// Why a search ended.
@@ -32,7 +32,7 @@ pub(super) enum SearchEnd {
     Closed,
     /// Rounding hides the next step.
     Stuck,
-    /// The surface reached its triangle limit.
+    /// The polytope reached its limit of triangles.
     Full,
 }
 
@@ -95,7 +95,7 @@ impl<T: Scalar> Best<T> {
     }
 }
 
-/// A surface on the way to the deepest facet.
+/// A polytope during the search for the deepest facet.
 pub(super) struct DepthSearch<'a, T: Scalar> {
     pub(super) posed: &'a PosedPair<'a>,
     frame: Transform<T>,

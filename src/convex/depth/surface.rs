@@ -1,17 +1,17 @@
-//! A closed surface of triangles on points of A - B, with a lower bound of each triangle's distance
-//! from the origin and the triangle of least bound. The surface grows by the insertion of points; a
-//! cached surface is verified at a new pose in a single pass, without roots or divisions
-//! ([`verify_surface`]).
+//! The polytope: a closed surface of triangles on points of A - B. Each triangle has a lower bound
+//! of its distance from the origin, and the triangle of least bound is known. The polytope grows by
+//! the insertion of points. A cached polytope is verified at a new pose in a single pass, without
+//! roots or divisions ([`verify_surface`]).
 //!
-//! Invariant: the surface winds once about the origin. The four volumes prove the invariant for the
-//! first tetrahedron, and each step preserves it: a triangle is replaced only by way of the
+//! Invariant: the surface winds once around the origin. The four volumes prove the invariant for
+//! the first tetrahedron, and each step preserves it. A triangle is replaced only through the
 //! tetrahedron of the triangle and the new point, on the far side of a plane with the origin
-//! certainly beneath. So the hull of the points contains the ball about the origin that no triangle
-//! enters, however folded the surface is.
+//! certainly below it. So the hull of the points contains the ball around the origin that no
+//! triangle enters, even if the surface is folded.
 //!
-//! A point is inserted as follows: the triangles visible from the point are replaced by a fan from
-//! the point to their horizon. Of a large surface, the set of the vertex pairs whose points lie on
-//! it is kept ([`VertexPairs`]).
+//! A point is inserted as follows: a fan from the point to their horizon replaces the triangles
+//! that are visible from it. For a large polytope, the set of the vertex pairs of its points is
+//! stored ([`VertexPairs`]).
 //!
 //! ```text
 //!      +------+             +------+
@@ -23,7 +23,7 @@
 //!      +------+             +------+
 //! ```
 //!
-//! At the end of the file stand unit directions and triangle normals at every magnitude.
+//! At the end of the file are unit directions and triangle normals at every magnitude.
 
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
