@@ -1,8 +1,8 @@
-//! Links from two bodies to the slot of their pair: small hash tables, each for some consecutive
+//! Links from two bodies to the slot of their pair: small hash tables, each for a few consecutive
 //! lower bodies. A table has open addressing, linear probing, and deletion by backward shift
 //! (Knuth, section 6.4).
 //!
-//! Changes come in ascending order, so a step walks the tables in order, stays in the nearest
+//! Changes come in ascending order. So a step visits the tables in order, stays in the nearest
 //! caches, and can be distributed to threads.
 
 use crate::broad::body::Bodies;
