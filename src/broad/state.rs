@@ -141,7 +141,7 @@ pub(super) fn nearest(
             let stored = bodies.records[id.index as usize].before(bodies.step).to_box();
             Nearest {
                 body: *id,
-                // With axes in one order, whichever axis is swept: the sum is equal to the last
+                // The axes are in one order for any swept axis, so the sum is equal to the last
                 // bit.
                 distance: libm::sqrt(stored.rotated(back).distance_squared(&asked.rotated(back))),
             }

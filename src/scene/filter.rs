@@ -113,7 +113,7 @@ impl Scene {
         let i = self.bodies.index_of(a)?;
         self.bodies.index_of(b)?;
         if a != b && self.ignored.set(a.index, b.index, ignored) {
-            // The broad phase asks the filter again for all pairs of A; the id is not stale.
+            // The broad phase calls the filter again for all pairs of A; the id is not stale.
             let _ = self.broad.regroup(self.bodies.proxies[i]);
             self.changed = true;
         }

@@ -298,8 +298,8 @@ mod tests {
     use core::f64::consts::TAU;
     use nalgebra::{Point3, UnitQuaternion, Vector3};
 
-    /// Prisms, turned or not (rounding breaks the lids of a turned prism into thousands of faces),
-    /// cones and a face that bulges by rounding.
+    /// Prisms, rotated or not (rounding splits the lids of a rotated prism into thousands of
+    /// faces), cones, and a face that bulges by rounding.
     fn body(kind: &str, n: usize, rng: &mut Rng) -> ConvexPolyhedron {
         let angle = |k| {
             if kind.starts_with("odd") {

@@ -157,8 +157,9 @@ impl Shape {
         Ok(Self::sharp(Core::Cylinder(Cylinder { radius, half_height })))
     }
 
-    /// Returns a circular cone along z with the apex at `z = half_height` and the base at
-    /// `z = -half_height`.
+    /// Returns a circular cone along z.
+    ///
+    /// The apex is at `z = half_height`, the base at `z = -half_height`.
     ///
     /// # Errors
     ///

@@ -92,8 +92,8 @@ pub(crate) trait Support {
     /// along which two branches have equal support values; `None` if no circle is known.
     fn ridge<T: Scalar>(&self, of: [u32; 2]) -> Option<(Vec3<T>, T)>;
 
-    /// Returns a point of the core on the branch, close to `place`, which must be close to the
-    /// branch.
+    /// Returns a point of the core on the branch, close to the point `place`, which must be close
+    /// to the branch.
     fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T>;
 
     /// Returns centre and radius of a ball inside the core that touches the surface, or almost, at

@@ -25,7 +25,7 @@ pub(super) enum EntryBoxes {
 }
 
 impl EntryBoxes {
-    /// Returns whether the entry stands for the new box, or for the old box.
+    /// Returns whether the entry represents the new box, and whether it represents the old box.
     #[inline(always)]
     pub(super) fn has(self, new: bool) -> bool {
         self != if new { Self::Old } else { Self::New }

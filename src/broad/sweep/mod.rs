@@ -490,8 +490,8 @@ impl SweepAndPrune {
         self.state.pair_of(id)
     }
 
-    /// Iterates over the pairs of a body in any group of `these` and a body in any group of
-    /// `those`.
+    /// Iterates over the pairs between two sets of groups: one body is in a group of `these`, the
+    /// other in a group of `those`.
     pub fn pairs_between(&self, these: u32, those: u32) -> impl Iterator<Item = Pair> + '_ {
         let bodies = &self.state.bodies;
         self.pairs().filter(move |pair| {

@@ -173,7 +173,7 @@ fn roles(record: &Record, cell: [u16; 2], bodies: &Bodies) -> (bool, bool) {
     (stays, in_new && (flags & JUMPS != 0 || !stays))
 }
 
-/// Returns the box an entry stands for: the cover of old and new box, or one of the two.
+/// Returns the box that an entry represents: the cover of old and new box, or one of the two.
 fn box_of(who: u32, record: &Record, cell: [u16; 2], step: u32) -> Bounds {
     match EntryBoxes::of(who, record, cell) {
         EntryBoxes::Both => record.before(step).united(&record.now()),

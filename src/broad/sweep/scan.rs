@@ -53,9 +53,9 @@ struct BoxColumns {
     /// The farthest move of any face of the box in this step, rounded up; 0 for an entry of one
     /// box; NaN, for which every comparison is false, in the padding.
     moved: Vec<f32>,
-    /// Least separation that is told apart: 0 for an entry of one box, for which every depth of an
-    /// overlap is a change, and without limit for the others. Filled only if there are entries of
-    /// one box.
+    /// Least separation that is distinguished: 0 for an entry of one box, for which every depth of
+    /// an overlap is a change; no limit for the others. Filled only if there are entries of one
+    /// box.
     floor: Vec<f32>,
 }
 
@@ -284,7 +284,7 @@ impl Worker {
     }
 }
 
-/// Returns the box of an entry that stands for one box only.
+/// Returns the box of an entry that represents only one box.
 fn only_box(e: Entry, record: &Record, cell: [u16; 2], step: u32) -> Option<StoredBox> {
     match EntryBoxes::of(e as u32, record, cell) {
         EntryBoxes::Both => None,

@@ -21,7 +21,7 @@ use crate::convex::contact::projection::{Axes, LazyProjection};
 /// A body's outward contact direction, and the largest angle of a face or edge from it.
 pub(super) struct Promotion<'a> {
     pub(super) body: &'a ConvexPolyhedron,
-    /// Unit direction away from the body, in the body's own frame.
+    /// Unit direction away from the body, in the frame of the body.
     pub(super) outward: Vector3<f64>,
     /// Sine of the largest angle.
     pub(super) sine: f64,

@@ -68,7 +68,7 @@ pub(crate) struct ContactCandidate {
 impl ContactCandidate {
     pub(super) const WITNESS: [Location; 2] = [Location::WHOLE; 2];
 
-    /// Returns the candidate of a pair of points by its place in the plane of contact.
+    /// Returns the candidate of a pair of points by its position in the plane of contact.
     pub(crate) fn at(at: [f64; 2], separation: f64) -> Self {
         Self {
             at,

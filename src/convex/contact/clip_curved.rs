@@ -18,10 +18,10 @@ use crate::base::tolerance::{ACROSS, AGREE};
 use crate::body::polyhedron::FeaturePair;
 use crate::pair::outcome::{Outcome, Solver};
 
-/// Depths of contacts of a flat round face count as equal within this times the radius of the
-/// smaller shape: contacts that stand still on a shape that trembles, for depth. Tilted by `t`, a
-/// rim is deepest between two of its eight named points by up to `0.08 t` radii more, so contacts
-/// stand still up to a tilt of 2e-4. Not measured.
+/// Depths of contacts of a flat round face count as equal within this factor times the radius of
+/// the smaller shape. Contacts on a shape that trembles then do not move, at the price of depth.
+/// Tilted by `t`, a rim is deepest between two of its eight named points, by up to `0.08 t` radii
+/// more. So contacts do not move up to a tilt of 2e-4. Not measured.
 const ROUND: f64 = 1.0 / 65_536.0;
 
 /// Steps of Newton's method to a crossing of two rims: quadratic from an error of the squared sine
@@ -35,8 +35,8 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
         return contacts;
     }
     let (axes, distance) = axes_of(query, outcome);
-    // The witnesses of an overlap known to an interval may be less deep than the outcome. Deeper
-    // than the proven bound they are by the error of their places alone.
+    // The witness points of an overlap that is known to an interval may be less deep than the
+    // outcome. They are deeper than the proven bound only by the error of their positions.
     let distance = distance.larger(outcome.lower);
     contacts.points[0].separation = distance;
     let previous = before.features();
@@ -241,9 +241,10 @@ fn cross_rims(a: &ProjectedFacet, b: &ProjectedFacet, mut take: impl FnMut([f64;
     }
 }
 
-/// Adds the ends of the overlap of two nearly parallel segments; of others nothing, as they cross
-/// at the witnesses. Ends whose squared distance beside the other segment exceeds `beside` are left
-/// out: the surface about a generator has sagged below the generator by more than rounding there.
+/// Adds the ends of the overlap of two nearly parallel segments. For other segments it adds
+/// nothing, because they cross at the witness points. Ends whose squared lateral distance from the
+/// other segment exceeds `beside` are left out: there, the surface around a generator is below the
+/// generator by more than rounding.
 fn overlap([a, b]: &[ProjectedFacet; 2], sine: f64, beside: f64, candidates: &mut Candidates) {
     let direction = |patch: &ProjectedFacet| {
         let [p, q] = patch.ends(0);

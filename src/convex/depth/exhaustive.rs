@@ -71,7 +71,7 @@ fn keep_lowest<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pairs: &mut V
 }
 
 /// Returns all feature pairs that may span a facet; `None` if there are too many, or if a stored
-/// face stands for several unlisted faces.
+/// face represents several unlisted faces.
 fn candidate_facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<DifferenceFacet>> {
     let (a, b) = (posed.a, posed.b);
     let of_a = a.faces().map(|f| DifferenceFacet::FaceVertex(f, VertexId(0)));

@@ -53,8 +53,8 @@ use crate::pair::star::EdgeSpan;
 use crate::pair::transform::Transform;
 
 impl DifferenceFacet {
-    /// Returns the unit normal of the facet, and the support of A - B along the normal: for equal
-    /// facets the same bits, whatever way led to the facet.
+    /// Returns the unit normal of the facet, and the support value of A - B along the normal. Equal
+    /// facets give the same bits, for any path to the facet.
     pub(super) fn height(self, posed: &PosedPair, frame: &Transform<f64>) -> Option<(Vec3<f64>, f64)> {
         // The plane offset is rounded up: no vertex lies beyond the plane of a face.
         let (n, height) = match self {
@@ -156,7 +156,7 @@ pub(super) fn edge<T: Scalar>(body: &ConvexPolyhedron, e: EdgeId) -> Vec3<T> {
     unit(&[0, 1, 2].each(|k| T::from(to[k]) - T::from(from[k])))
 }
 
-/// Exchanges of a vertex on the way to the facet over the axis, at most. Not measured.
+/// Largest number of exchanges of a vertex on the path to the facet over the axis. Not measured.
 const MAX_EXCHANGES: usize = 48;
 
 /// Returns three points of the facet pierced by `axis`, starting from a pierced triangle
@@ -203,7 +203,7 @@ pub(super) fn pierced_facet(
 }
 
 /// Returns the radius of the disc that the facet must contain; `None` if a triangle below target is
-/// too far beneath the facet or turned too far from the facet normal.
+/// too far below the facet, or rotated too far from the facet normal.
 pub(super) fn disc_radius(
     below_target: impl Iterator<Item = [Vec3<f64>; 3]>,
     best: &Best<f64>,

@@ -54,8 +54,8 @@ pub(crate) struct Memory {
     scratch: Workspace,
 }
 
-/// Working memory of searches, allocated at the first overlap. Holds nothing between two searches,
-/// so that trackers may take turns with one workspace.
+/// Working memory of searches, allocated at the first overlap. It contains nothing between two
+/// searches, so trackers may share one workspace one after the other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Workspace(Option<Box<Scratch>>);
 
@@ -82,7 +82,7 @@ type MemoryParts<'a> = (
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
     pub(super) surface: EnclosingSurface<f64>,
-    /// Triangles below the target height, at which the surface must grow.
+    /// Triangles below the target height, at which the polytope must grow.
     pub(super) below_target: Vec<u32>,
 }
 
@@ -105,7 +105,7 @@ pub(crate) struct RawMemory {
 }
 
 impl From<RawMemory> for Memory {
-    /// Returns an empty cache if the data is no closed surface.
+    /// Returns an empty cache if the data is not a closed surface.
     fn from(raw: RawMemory) -> Self {
         if !raw.is_closed() {
             return Self::default();
@@ -146,7 +146,7 @@ fn unmatched_edge(points: usize, triangles: &[[u32; 6]]) -> Option<usize> {
 }
 
 impl Memory {
-    /// Allocates for the largest surface that is cached.
+    /// Allocates for the largest polytope that is cached.
     pub(crate) fn reserve(&mut self) {
         self.points.reserve(MAX_POINTS);
         self.triangles.reserve(MAX_TRIANGLES);
@@ -175,7 +175,7 @@ impl Memory {
         core::mem::swap(&mut self.scratch, workspace);
     }
 
-    /// Returns a cache without a surface, after an overlap whose deepest facet was this one.
+    /// Returns a cache without a polytope, after an overlap with this deepest facet.
     pub(crate) fn after(facet: FeaturePair) -> Self {
         Self {
             facet: Some(facet),
@@ -183,12 +183,12 @@ impl Memory {
         }
     }
 
-    /// Makes another facet the deepest. The surface stays: a surface is checked before use.
+    /// Makes another facet the deepest. The polytope stays: it is checked before use.
     pub(crate) fn move_to(&mut self, facet: DifferenceFacet) {
         (self.facet, self.witness_features) = (Some(facet.features()), None);
     }
 
-    /// Forgets the surface and keeps the allocations.
+    /// Drops the polytope and keeps the allocations.
     pub(crate) fn clear(&mut self) {
         self.points.clear();
         self.triangles.clear();
@@ -208,8 +208,9 @@ impl Memory {
             + self.scratch.memory_usage()
     }
 
-    /// Returns the first broken invariant of the cached surface: closed, and of few points. Its
-    /// vertices may be of bodies other than those of the next query, which checks them.
+    /// Returns the first broken invariant of the cached polytope: it must be closed, with few
+    /// points. Its vertices may belong to bodies other than those of the next query, which checks
+    /// them.
     pub(crate) fn check(&self) -> Result<(), String> {
         let triangles: Vec<[u32; 6]> = self.triangles.iter().map(|t| t.each(u32::from)).collect();
         match unmatched_edge(self.points.len(), &triangles) {

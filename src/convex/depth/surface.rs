@@ -41,8 +41,9 @@ use crate::convex::depth::search::Best;
 use crate::convex::minimum::simplex::Simplex;
 use crate::pair::difference::MinkowskiPoint;
 
-/// Surfaces of up to this many points are scanned for a point, hardly slower than hashing. Equal to
-/// [`MAX_TRIANGLES`], the size for which trackers reserve memory, so that queries allocate nothing.
+/// Polytopes with up to this number of points are scanned for a point, hardly slower than hashing.
+/// It equals [`MAX_TRIANGLES`], the size for which trackers reserve memory, so queries allocate
+/// nothing.
 const SCANNED: usize = MAX_TRIANGLES;
 
 /// A triangle with its vertices counter-clockwise seen from outside.
@@ -64,7 +65,7 @@ pub(super) struct SurfaceTriangle<T> {
     flood: u32,
 }
 
-/// How far the bound of a triangle has been computed.
+/// The stage to which the bound of a triangle has been computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum BoundState {
     /// Known to be beyond the target, nothing else.
@@ -85,7 +86,7 @@ pub(super) struct Filter<T> {
     pub(super) noise: T,
 }
 
-/// The surface and its working memory.
+/// The polytope and its working memory.
 #[derive(Clone, Debug)]
 pub(super) struct EnclosingSurface<T> {
     pub(super) points: Vec<MinkowskiPoint<T>>,
@@ -117,7 +118,7 @@ impl<T> EnclosingSurface<T> {
 }
 
 impl<T: Scalar> EnclosingSurface<T> {
-    /// Returns a surface without triangles.
+    /// Returns a polytope without triangles.
     pub(super) fn new() -> Self {
         Self {
             points: Vec::new(),
@@ -152,7 +153,7 @@ impl<T: Scalar> EnclosingSurface<T> {
         self.floods = 0;
     }
 
-    /// Resets the surface to the tetrahedron of four points; returns false if not given four.
+    /// Resets the polytope to the tetrahedron of four points; returns false if there are not four.
     pub(super) fn start(&mut self, vertices: &[MinkowskiPoint<T>]) -> bool {
         let Ok([p, q, r, s]) = <&[MinkowskiPoint<T>; 4]>::try_from(vertices) else {
             return false;
@@ -287,7 +288,7 @@ impl<T: Scalar> EnclosingSurface<T> {
         better
     }
 
-    /// Moves every point by `place` and computes every bound again.
+    /// Moves every point to its position from `place`, and computes every bound again.
     pub(super) fn reposition(&mut self, place: impl Fn(&MinkowskiPoint<T>) -> MinkowskiPoint<T>) {
         for p in &mut self.points {
             *p = place(p);
@@ -562,9 +563,10 @@ impl VertexPairs {
 /// Result of the verification.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum SurfaceState {
-    /// The surface encloses the origin and every triangle is beyond the facet: the depth is proven.
+    /// The polytope encloses the origin and every triangle is beyond the facet: the depth is
+    /// proven.
     Proven,
-    /// The surface encloses the origin; some triangles are below target.
+    /// The polytope encloses the origin; some triangles are below target.
     Encloses,
     /// The origin is not certainly behind every triangle.
     Folded,
@@ -642,7 +644,7 @@ fn dot_pair(u: &Vec3<f64x2>, v: &Vec3<f64x2>) -> f64x2 {
 }
 
 impl Target {
-    /// Returns the requirements on triangles of a pair of this size, beside the best facet.
+    /// Returns the requirements on triangles of a pair of this size, in addition to the best facet.
     #[inline(always)]
     pub(super) fn new(best: &Best<f64>, size: f64) -> Self {
         Self {
@@ -667,7 +669,7 @@ impl Target {
         self.height > self.margin
     }
 
-    /// Returns whether a triangle is beyond the facet though its plane is not: the triangle lies
+    /// Returns whether a triangle is beyond the facet although its plane is not: the triangle lies
     /// entirely beyond its nearest point.
     fn is_far(&self, w: &[Vec3<f64>; 3]) -> bool {
         let nearest = Simplex::triangle(w.each(|w| MinkowskiPoint {

@@ -49,7 +49,7 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
         solver: Solver::Far,
         work: Work::default(),
     };
-    // Two points that f64 cannot distinguish, or bodies far from their own origins.
+    // Two points that f64 cannot distinguish, or bodies far from their origins.
     #[cfg(feature = "exact")]
     if state != ContactState::Separated || offsets > distance {
         return exactly(a, b, pose, outcome);

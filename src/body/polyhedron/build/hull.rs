@@ -85,8 +85,8 @@ struct Hull<'a> {
     sides: Vector3<f64>,
     facets: Vec<HullFacet>,
     free: Vec<u32>,
-    /// Triangles on which points may wait, oldest first: the hull grows on all sides alike, which
-    /// keeps horizons short.
+    /// Triangles on which points may wait, oldest first: the hull then grows equally on all sides,
+    /// which keeps horizons short.
     pending: Vec<u32>,
     /// The next point of the conflict list, for each point.
     next: Vec<u32>,
@@ -99,7 +99,7 @@ struct Hull<'a> {
     fresh: Vec<u32>,
     /// The new triangle whose horizon edge starts at a vertex, for each vertex.
     starting_at: Vec<u32>,
-    /// Normals in double-double of triangles that needed one, by place; may be shorter than
+    /// Normals in double-double of triangles that needed one, by index; may be shorter than
     /// `facets`.
     fine: Vec<Option<[DoubleDouble; 3]>>,
 }
@@ -119,8 +119,8 @@ pub(crate) fn hull(points: &[Vector3<f64>], watch: &mut Watch<'_>) -> Result<Hul
     let mut hull = Hull::new(points);
     hull.begin(simplex(points).map_err(NoHull::Flat)?);
     watch.stage("hull", Some(points.len())).map_err(|_| NoHull::Stopped)?;
-    // Generation after generation, each along the curve of the cloud: the hull grows on all sides
-    // alike, which keeps horizons short, and what is worked on lies together in memory.
+    // Generation after generation, each along the curve of the cloud: the hull then grows equally
+    // on all sides, which keeps horizons short, and the data in use are close together in memory.
     let mut generation: Vec<(u32, u32)> = Vec::new();
     while !hull.pending.is_empty() {
         generation.clear();
