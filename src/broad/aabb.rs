@@ -1,15 +1,15 @@
-//! Axis-aligned boxes: as given by callers (`f64`) and as stored by the broad phase (`f32`, rounded
-//! outward).
+//! Axis-aligned boxes, as callers give them (`f64`) and as the broad phase stores them (`f32`,
+//! rounded outward).
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use nalgebra::{Point3, Vector3};
 
-/// An axis-aligned box with `f64` corners, as given by a caller. Closed: the faces belong to the
-/// box.
+/// An axis-aligned box with `f64` corners, as a caller gives it. It is closed: the faces belong to
+/// the box.
 ///
-/// The fields are plain numbers, so a box may be invalid; [`Aabb::validate`] returns the first
-/// error, and every call of a broad phase refuses such a box by an error that names the body.
+/// The fields are plain numbers, so a box may be invalid. [`Aabb::validate`] returns the first
+/// error, and every call of a broad phase rejects such a box with an error that names the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aabb {
@@ -37,7 +37,7 @@ pub enum AabbError {
     },
 }
 
-/// Returns the box with the least and the greatest corner, unchecked.
+/// Converts a least and a greatest corner to a box, without a check.
 ///
 /// ```
 /// use lin_canny::broad::Aabb;
@@ -59,13 +59,13 @@ impl From<(Point3<f64>, Point3<f64>)> for Aabb {
 }
 
 impl Aabb {
-    /// Returns the box between two corners, unchecked.
+    /// Returns the box between two corners, without a check.
     #[must_use]
     pub fn new(min: Point3<f64>, max: Point3<f64>) -> Self {
         Self { min, max }
     }
 
-    /// Returns the box with this centre that reaches `half` to each side.
+    /// Returns the box with this centre and these half extents.
     #[must_use]
     pub fn from_center(center: Point3<f64>, half: Vector3<f64>) -> Self {
         Self {
@@ -74,7 +74,7 @@ impl Aabb {
         }
     }
 
-    /// Returns the whole of space; for [`insert_unbounded`](super::SweepAndPrune::insert_unbounded)
+    /// Returns the whole space, for [`insert_unbounded`](super::SweepAndPrune::insert_unbounded)
     /// only.
     #[must_use]
     pub fn everything() -> Self {
@@ -95,8 +95,8 @@ impl Aabb {
         }
     }
 
-    /// Returns the box that covers this box during the whole translation by `motion` (a straight
-    /// line; a rotation needs its own bound).
+    /// Returns the box that covers this box during a translation by `motion`. The translation
+    /// follows a straight line; a rotation needs a separate bound.
     #[doc(alias = "sweep")]
     #[must_use]
     pub fn swept(&self, motion: &Vector3<f64>) -> Self {
@@ -107,7 +107,7 @@ impl Aabb {
         }
     }
 
-    /// Returns the least box that covers both boxes.
+    /// Returns the smallest box that covers both boxes.
     #[must_use]
     pub fn united(&self, other: &Self) -> Self {
         Self {
@@ -116,7 +116,7 @@ impl Aabb {
         }
     }
 
-    /// Returns whether the closed boxes share a point: touching boxes do.
+    /// Returns whether the closed boxes share a point. Touching boxes do.
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
@@ -140,7 +140,7 @@ impl Aabb {
         (0..3).try_for_each(|axis| self.validate_axis(axis, f64::is_finite))
     }
 
-    /// Checks a box that may reach to infinity.
+    /// Checks a box that may be infinite.
     ///
     /// # Errors
     /// Returns an error for the first axis with a bound that is NaN, or with a minimum above the
@@ -160,7 +160,7 @@ impl Aabb {
         }
     }
 
-    /// Checks all axes without branches; every comparison is false for NaN, so NaN takes the slow
+    /// Checks all axes without branches. Every comparison with NaN is false, so NaN takes the slow
     /// path.
     #[inline(always)]
     fn is_sound(&self) -> bool {
@@ -175,15 +175,15 @@ impl Aabb {
 }
 
 /// Largest coordinate of a [`StoredBox`]; larger coordinates are clamped. Clamping is monotone, so
-/// pairs may be added but none lost; the corners of [`StoredBox::EMPTY`] lie above.
+/// it may add pairs but loses none. The corners of [`StoredBox::EMPTY`] are beyond this limit.
 pub(crate) const FARTHEST: f32 = 1e38;
 
-/// A box as stored by the broad phase: `f32`, relative to the structure's origin, every bound
+/// A box as the broad phase stores it: `f32`, relative to the origin of the structure, every bound
 /// rounded outward.
 ///
-/// Pairs are decided on stored boxes. Rounding is monotone, so boxes that overlap in `f64` overlap
-/// here too; boxes nearer than about one part in 2^23 of their distance from the origin may be a
-/// pair without overlapping in `f64`.
+/// The stored boxes decide which boxes overlap. Rounding is monotone, so boxes that overlap in
+/// `f64` overlap here too. Boxes that are separated in `f64` by less than about 2^-23 of their
+/// distance from the origin may be a pair here.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
@@ -195,18 +195,18 @@ pub struct StoredBox {
 }
 
 impl StoredBox {
-    /// The box that overlaps nothing, not even itself. A body not yet inserted was empty, a removed
-    /// body will be empty. Finite on purpose: differences of bounds never become NaN, and every
-    /// serde format can hold the bounds.
+    /// The box that overlaps nothing, not even itself. A body has this box before its insertion and
+    /// after its removal. Its bounds are finite on purpose: their differences are never NaN, and
+    /// every serde format can store them.
     pub(crate) const EMPTY: Self = Self {
         lo: [3e38; 3],
         hi: [-3e38; 3],
     };
 
-    /// Returns the stored form of a box without faults.
+    /// Returns the stored form of a valid box.
     #[must_use]
     pub fn outward(aabb: &Aabb, origin: &Point3<f64>) -> Self {
-        // Adding zero turns -0 into +0, so that equal bounds have equal bits and sort keys.
+        // Adding zero converts -0 to +0, so that equal bounds have equal bits and sort keys.
         Self {
             lo: core::array::from_fn(|k| rounded_down(aabb.min[k] - origin[k]) + 0.0),
             hi: core::array::from_fn(|k| 0.0 - rounded_down(origin[k] - aabb.max[k])),
@@ -246,8 +246,8 @@ impl StoredBox {
         }
     }
 
-    /// Returns a box that overlaps every box at most `by` away from this box: a little larger, as
-    /// differences of bounds are rounded.
+    /// Returns a box that overlaps every box at most `by` away from this box. It is a little
+    /// larger, because differences of bounds are rounded.
     pub(crate) fn grown(&self, by: f64) -> Self {
         let by = by.next_up();
         Self {
@@ -256,7 +256,7 @@ impl StoredBox {
         }
     }
 
-    /// Returns the squared distance between the boxes in `f64`, zero if the boxes overlap.
+    /// Returns the squared distance between the boxes in `f64`; zero if the boxes overlap.
     pub(crate) fn distance_squared(&self, other: &Self) -> f64 {
         let gap = |k: usize| {
             let before = f64::from(other.lo[k]) - f64::from(self.hi[k]);

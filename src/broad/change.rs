@@ -1,9 +1,9 @@
-//! The changes that a step finds: pairs that began and pairs that ended, decided from old and new
-//! boxes alone.
+//! The changes that a step finds: pairs that started and pairs that ended, computed from old and
+//! new boxes alone.
 //!
-//! No state of a pair is needed to find that the pair began or ended, and a pair that stays costs
-//! no table look-up: `was` and `is` are the overlaps of the old and of the new boxes, and a pair is
-//! reported if the two differ.
+//! No state of a pair is needed to find that the pair started or ended, and a pair that stays costs
+//! no table look-up. `was` and `is` are the overlaps of the old and of the new boxes; a pair is
+//! reported if they differ.
 
 use super::body::{Bodies, Record};
 use super::tables::trim;
@@ -24,7 +24,7 @@ pub(crate) fn pair_of(key: PairKey) -> (u32, u32) {
     ((key >> 32) as u32, key as u32)
 }
 
-/// Pairs whose overlap changed, before groups are asked.
+/// Pairs whose overlap changed, before groups are tested.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Changes {
     pub(crate) began: Vec<PairKey>,
@@ -66,7 +66,7 @@ impl Changes {
         }
     }
 
-    /// Notes the pair if its overlap changed.
+    /// Records the pair if its overlap changed.
     #[inline(always)]
     pub(crate) fn note(&mut self, a: u32, b: u32, was: bool, is: bool) {
         if was != is {
@@ -83,8 +83,8 @@ pub(crate) fn overlap(a: &Record, b: &Record, step: u32) -> (bool, bool) {
 }
 
 /// Compares the unbounded bodies, which are in no column, with all moved bodies, or with every body
-/// if the unbounded body itself moved. A pair of two moved bodies is noted from the body with the
-/// lower index.
+/// if the unbounded body itself moved. A pair of two moved bodies is recorded from the body with
+/// the lower index.
 pub(crate) fn note_unbounded(bodies: &Bodies, changes: &mut Changes) {
     let step = bodies.step;
     for &w in &bodies.unbounded {

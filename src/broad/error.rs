@@ -1,16 +1,16 @@
-//! Refused calls of a broad phase, and their messages.
+//! Errors of the calls of a broad phase, and their messages.
 
 use super::{AabbError, BodyId};
 use thiserror::Error;
 
-/// A refused call. The body keeps its box, pairs and options; nothing else changed either.
+/// Error of a call of a broad phase; the call changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum BroadPhaseError {
-    /// A bound is NaN or infinite. Boxes that reach to infinity enter by `insert_unbounded` only.
+    /// A bound is NaN or infinite. Only `insert_unbounded` accepts infinite boxes.
     #[error("the box of {} has a bound on axis {axis} that is not finite", BoxName(*.body))]
     NonFinite {
-        /// The body whose box was refused; `None` for a body to be inserted.
+        /// The body whose box is invalid; `None` for a body to be inserted.
         body: Option<BodyId>,
         /// 0, 1, 2 for x, y, z.
         axis: usize,
@@ -18,13 +18,13 @@ pub enum BroadPhaseError {
     /// The minimum of a box exceeds its maximum.
     #[error("the box of {} is inverted on axis {axis}", BoxName(*.body))]
     Inverted {
-        /// The body whose box was refused; `None` for a body to be inserted.
+        /// The body whose box is invalid; `None` for a body to be inserted.
         body: Option<BodyId>,
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
-    /// The origin of the structure's [`Settings`](super::Settings) is NaN or infinite: the
-    /// structure can hold no box.
+    /// The origin of the [`Settings`](super::Settings) is NaN or infinite. Such a broad phase
+    /// cannot contain a box.
     #[error("the origin of the broad phase is not finite on axis {axis}")]
     Origin {
         /// 0, 1, 2 for x, y, z.
@@ -33,24 +33,24 @@ pub enum BroadPhaseError {
     /// A margin is NaN, infinite or negative.
     #[error("the margin of a body is out of range (expected a finite number that is not negative)")]
     Margin,
-    /// The id is not of this structure, or its body was removed.
+    /// The id is not of this broad phase, or its body was removed.
     #[error("{body} does not exist in this broad phase, or was removed")]
     StaleId {
         /// The id as given.
         body: BodyId,
     },
-    /// No more indices: a structure holds at most 2^31 - 1 bodies.
+    /// There are too many bodies: a broad phase holds at most 2^31 - 1.
     #[error("too many bodies in the broad phase (expected at most 2147483647)")]
     TooManyBodies,
-    /// No more slots: a structure holds at most 2^32 - 1 pairs at once. Reported by a step, see
-    /// [`Events::refused`](super::Events::refused).
+    /// There are too many pairs: a broad phase holds at most 2^32 - 1 at once. A step reports this
+    /// in [`Events::refused`](super::Events::refused).
     #[error("too many pairs: {a} and {b}, and {} more (expected at most 4294967295)", .refused - 1)]
     TooManyPairs {
-        /// The lower member of the first refused pair.
+        /// The lower body of the first rejected pair.
         a: BodyId,
-        /// The higher member of the first refused pair.
+        /// The higher body of the first rejected pair.
         b: BodyId,
-        /// Number of refused pairs.
+        /// Number of rejected pairs.
         refused: usize,
     },
 }
@@ -64,16 +64,16 @@ impl BroadPhaseError {
     }
 }
 
-/// Refused entries of a batch. Every valid entry of the batch was applied.
+/// Invalid entries of a batch. Every valid entry was applied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("entry {index} of the batch and {} more are invalid: {first}", .refused - 1)]
 #[non_exhaustive]
 pub struct BatchError {
-    /// Index in the batch of the first refused entry.
+    /// Index in the batch of the first invalid entry.
     pub index: usize,
-    /// Number of refused entries.
+    /// Number of invalid entries.
     pub refused: usize,
-    /// Fault of the first refused entry.
+    /// Error of the first invalid entry.
     pub first: BroadPhaseError,
 }
 

@@ -1,15 +1,16 @@
 //! Columns of a box: a regular grid over the two axes that are not swept.
 //!
-//! Column numbers of a box are found by monotone arithmetic (subtract, multiply, clamp, truncate),
-//! and correctness needs no more: boxes that overlap share a column, and `cell(max(a, b)) =
-//! max(cell(a), cell(b))`. Boxes beyond the grid are clamped into the border columns: just as
-//! correct there, only slower.
+//! Monotone arithmetic (subtract, multiply, clamp, truncate) gives the column numbers of a box.
+//! This is enough for correctness: boxes that overlap share a column, and `cell(max(a, b)) =
+//! max(cell(a), cell(b))`. Boxes beyond the grid are clamped into the border columns: the result is
+//! still correct, only slower.
 
 use super::simd_box::Bounds;
 use crate::base::num::each::Each;
 use wide::f32x4;
 
-/// A move across columns longer than this part of the column width is a jump. Not measured.
+/// A move across columns that is longer than this fraction of the column width is a jump. Not
+/// measured.
 const LEAP: f32 = 0.25;
 
 /// Largest number of columns along one axis; column coordinates are 16 bits wide.
@@ -35,7 +36,7 @@ impl Range {
     }
 
     /// The range without columns: for bodies that are not present, and for unbounded bodies, which
-    /// are kept apart.
+    /// are stored separately.
     pub(crate) const NONE: Self = Self {
         least: [u16::MAX; 2],
         most: [0; 2],
@@ -62,9 +63,9 @@ impl Range {
     }
 }
 
-/// A regular grid of columns along axis `axis`; stored boxes carry their coordinates in the cyclic
-/// order that starts at the swept axis, so "axis 0" of a stored box is the swept axis, and 1 and 2
-/// are the axes of the grid.
+/// A regular grid of columns along axis `axis`. Stored boxes have their coordinates in the cyclic
+/// order that starts at the swept axis: "axis 0" of a stored box is the swept axis, and 1 and 2 are
+/// the axes of the grid.
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
     /// The swept axis: 0, 1, 2 for x, y, z.
@@ -82,7 +83,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// Returns the grid of one column that holds everything, swept along `axis`.
+    /// Returns the grid of one column that contains everything, swept along `axis`.
     pub(crate) fn single(axis: usize) -> Self {
         Self::new(axis, [0.0; 2], 1.0, [1, 1])
     }

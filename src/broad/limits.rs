@@ -57,15 +57,15 @@ fn pairs_without_slot(mut broad: SweepAndPrune) {
     assert_eq!(told.refused, Some(error));
     assert_eq!(broad.pair_count(), 2);
     assert!(broad.pair(b, c).is_none());
-    // Not refused twice; an ended pair makes room, and a pair that has to wait begins when the
-    // boxes meet again.
+    // Not rejected twice. An ended pair frees a slot, and a pair that has to wait starts when the
+    // boxes overlap again.
     assert_eq!(broad.step().refused, None);
     broad.set_box(a, &cube(-9.0)).expect("a sound box");
     let told = broad.step();
     assert_eq!((told.ended.len(), told.began.len(), told.refused), (2, 0, None));
     broad.regroup(c).expect("it is there");
     assert_eq!(named(broad.step().began), [(b, c)]);
-    // The refused pair ends without an event.
+    // The rejected pair ends without an event.
     broad.set_box(d, &cube(0.0)).expect("a sound box");
     let told = broad.step();
     assert_eq!(

@@ -1,5 +1,5 @@
-//! Broad phase: finds overlapping boxes from boxes and ids alone, usable without the rest of the
-//! crate.
+//! Broad phase: finds the pairs of overlapping boxes. It needs only boxes and ids, and works
+//! without the rest of the crate.
 //!
 //! ```
 //! use lin_canny::broad::{Aabb, BodyOptions, SweepAndPrune};
@@ -18,34 +18,35 @@
 //! # Ok::<(), lin_canny::broad::BroadPhaseError>(())
 //! ```
 //!
-//! Calls between two steps are gathered: [`insert`](SweepAndPrune::insert),
-//! [`remove`](SweepAndPrune::remove), [`set_box`](SweepAndPrune::set_box) (moves and teleports
-//! alike). [`step`](SweepAndPrune::step) applies all calls at once and returns the pairs that began
-//! and ended. [`pairs`](SweepAndPrune::pairs) and all queries describe the last step.
+//! [`insert`](SweepAndPrune::insert), [`remove`](SweepAndPrune::remove) and
+//! [`set_box`](SweepAndPrune::set_box) (for small and large moves alike) collect changes.
+//! [`step`](SweepAndPrune::step) applies them all and returns the pairs that started and ended.
+//! [`pairs`](SweepAndPrune::pairs) and all queries describe the last step.
 //!
 //! # The method
 //!
 //! Sweep and prune (Baraff 1992, thesis, section 2.3; Lin 1993, thesis, section 2.4; Cohen, Lin,
 //! Manocha, Ponamgi 1995, I-COLLIDE, section 4): boxes overlap if and only if their intervals
-//! overlap on all three axes, and lists of the ends of the intervals, kept sorted from step to
-//! step, show which intervals began or ceased to overlap. Departures:
+//! overlap on all three axes. Lists of the ends of the intervals are kept sorted from step to step,
+//! and show which intervals started or stopped overlapping. Departures:
 //!
-//! 1. One axis is swept instead of three, and the world is cut into columns along this axis. With
-//!    three sorted axes the exchanges of a step grow as n^(5/3) at constant density, and on a flat
-//!    floor faster; here a step is about linear in the number of boxes that move.
-//! 2. Old and new boxes are compared instead of three flags a pair, which would take n^2 bits.
+//! 1. One axis is swept instead of three, and the world is divided into columns along this axis.
+//!    With three sorted axes the exchanges of a step grow as n^(5/3) at constant density, and
+//!    faster on a flat floor. With columns a step is about linear in the number of boxes that move.
+//! 2. The method compares old and new boxes. It does not store three flags per pair, which would
+//!    take n^2 bits.
 //!
 //! # Promises
 //!
-//! - The pairs are exactly the overlapping pairs among all pairs of stored boxes
-//!   ([`SweepAndPrune::stored_box`]), less the pairs that groups, filters and fixedness rule out.
-//!   Boxes are closed: touching is overlapping.
-//! - Stored boxes contain the given boxes ([`StoredBox`]; beyond 1e38 bounds are clamped), so no
+//! - The pairs are exactly the overlapping pairs of stored boxes ([`SweepAndPrune::stored_box`]),
+//!   without the pairs that groups, the filter or two fixed bodies exclude. Boxes are closed:
+//!   touching boxes overlap.
+//! - Stored boxes contain the given boxes ([`StoredBox`]; bounds beyond 1e38 are clamped), so no
 //!   pair of given boxes is missed.
-//! - A refused call changes nothing and names the body. Nothing panics. Far boxes are handled
-//!   correctly, only slower. Bodies beyond 2^31 - 1 and pairs beyond 2^32 - 1 are refused as well
-//!   ([`BroadPhaseError`]).
-//! - Memory grows with bodies and overlapping pairs.
+//! - A call that returns an error ([`BroadPhaseError`]) changes nothing, and the error names the
+//!   body. Nothing panics. Boxes far from the origin are handled correctly, but more slowly. There
+//!   are at most 2^31 - 1 bodies and 2^32 - 1 pairs.
+//! - Memory grows with the number of bodies and overlapping pairs.
 //!
 //! Reading order: [`Aabb`] and [`StoredBox`], the table of bodies, `change` (the changes of a
 //! step), `pairs`, then `grid` and [`SweepAndPrune`].

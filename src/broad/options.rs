@@ -1,26 +1,27 @@
-//! Options of a body and settings of a structure.
+//! Options of a body, and settings of a broad phase.
 
 use super::BroadPhaseError;
 use nalgebra::Point3;
 
-/// Groups of a body: two bodies pair if each is a member of a group that the partner pairs with.
+/// Groups of a body. Two bodies are paired if each is a member of a group that the other pairs
+/// with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Groups {
-    /// Groups the body belongs to, one bit each.
+    /// Groups that the body belongs to, one bit each.
     pub member_of: u32,
-    /// Groups the body pairs with, one bit each.
+    /// Groups that the body pairs with, one bit each.
     pub pairs_with: u32,
 }
 
 impl Groups {
-    /// Member of every group, pairing with every group.
+    /// Member of every group; pairs with every group.
     pub const ALL: Self = Self {
         member_of: u32::MAX,
         pairs_with: u32::MAX,
     };
 
-    /// Returns whether two bodies of these groups may pair.
+    /// Returns whether two bodies of these groups may be paired.
     #[must_use]
     pub fn meet(self, other: Self) -> bool {
         self.member_of & other.pairs_with != 0 && other.member_of & self.pairs_with != 0
@@ -32,21 +33,22 @@ impl Groups {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct BodyOptions {
-    /// Groups for pairing.
+    /// Groups that decide which bodies are paired.
     pub groups: Groups,
-    /// Two fixed bodies never pair. A fixed body may be moved, at some cost in the steps in which
-    /// the body moves.
+    /// Whether the body is fixed. Two fixed bodies are never paired. A fixed body may be moved, but
+    /// a step in which it moves costs more.
     pub fixed: bool,
-    /// How far a renewed stored box reaches beyond the given box; the stored box is renewed when
-    /// the given box leaves the stored box. 0 keeps the stored box tight. A margin saves work if
-    /// few bodies move or all move slowly, and costs pairs.
+    /// Growth of the stored box beyond the given box. A new stored box is computed when the given
+    /// box leaves it; 0 keeps the stored box tight. A margin saves work if few bodies move or all
+    /// move slowly, but gives more pairs.
     pub margin: f64,
-    /// Number of steps of the body's last motion by which the renewed box also reaches ahead.
+    /// Number of steps of the body's last motion by which a new stored box also extends in the
+    /// direction of motion.
     pub lookahead: f64,
 }
 
 impl BodyOptions {
-    /// Returns a body that moves, with a tight box, pairing with everything.
+    /// Returns a body that moves, with a tight box, and pairs with everything.
     #[must_use]
     pub fn moving() -> Self {
         Self {
@@ -57,7 +59,7 @@ impl BodyOptions {
         }
     }
 
-    /// Returns a body at rest, pairing with everything that moves.
+    /// Returns a fixed body that pairs with everything that moves.
     #[must_use]
     pub fn fixed() -> Self {
         Self {
@@ -78,7 +80,7 @@ impl BodyOptions {
         Self { margin, ..self }
     }
 
-    /// Returns the body with this lookahead, in steps.
+    /// Returns the body with this look-ahead, in steps.
     #[must_use]
     pub fn lookahead(self, steps: f64) -> Self {
         Self {
@@ -97,18 +99,18 @@ impl BodyOptions {
     }
 }
 
-/// Settings of a structure.
+/// Settings of a broad phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Settings {
-    /// Stored boxes are relative to this point and most precise near the point. An origin that is
-    /// not finite is refused with the first body.
+    /// Stored boxes are relative to this point, and most precise near it. If it is not finite, the
+    /// insertion of the first body returns an error.
     pub origin: Point3<f64>,
-    /// With feature `parallel`: the number of bodies from which on threads are used, each for no
-    /// less than a sixteenth as many bodies or changes. A [scene](crate::scene) uses threads in the
-    /// narrow phase if a step makes at least a thirty-second as many queries (625 by default),
-    /// however few the bodies are. The result does not depend on this number.
+    /// The number of bodies from which threads are used (feature `parallel`). Each thread gets at
+    /// least a sixteenth of this number of bodies or changes. A [scene](crate::scene) uses threads
+    /// in the narrow phase if a step makes at least a thirty-second of this number of queries (625
+    /// by default), for any number of bodies. The result does not depend on this number.
     pub parallel_from: usize,
 }
 
@@ -128,7 +130,7 @@ impl Settings {
         Self { origin, ..self }
     }
 
-    /// Returns the settings with threads from this number of bodies on.
+    /// Returns the settings with threads from this number of bodies.
     #[must_use]
     pub fn parallel_from(self, bodies: usize) -> Self {
         Self {

@@ -1,5 +1,5 @@
-//! Feature `parallel`: work split in halves. Without the feature, and with one thread, the halves
-//! run in sequence.
+//! Feature `parallel`: work divided into halves. Without the feature, and with one thread, the
+//! halves run one after the other.
 
 /// The number of threads, and the least work that is worth waking a thread.
 #[derive(Clone, Copy, Debug)]
@@ -12,8 +12,8 @@ impl Threads {
     /// All work in the caller's thread.
     pub(super) const ONE: Self = Self { most: 1, least: 1 };
 
-    /// Returns the threads of the pool for a structure that uses threads from so many bodies on:
-    /// each thread is woken for no less than a sixteenth of this number.
+    /// Returns the threads of the pool for a structure that uses threads from this number of
+    /// bodies. Each thread gets at least a sixteenth of this number.
     pub(super) fn from(bodies: usize) -> Self {
         #[cfg(feature = "parallel")]
         let most = rayon::current_num_threads().max(1);
@@ -25,15 +25,15 @@ impl Threads {
         }
     }
 
-    /// Returns how many threads share work on so many things.
+    /// Returns how many threads share the given number of tasks.
     pub(super) fn sharing(self, things: usize) -> usize {
         self.most.min(things / self.least).max(1)
     }
 }
 
 /// Runs both closures, in parallel if threads are available. A thread outside the pool runs the
-/// first closure itself: handing both over, the thread would sleep while two pool threads are
-/// woken, often on one core.
+/// first closure itself. If it passed both to the pool, it would sleep while two pool threads wake
+/// up, often on one core.
 pub(super) fn join(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
     #[cfg(feature = "parallel")]
     if rayon::current_thread_index().is_some() {

@@ -1,15 +1,15 @@
-//! Ids of bodies: an index into tables, and a generation that distinguishes the bodies that live at
-//! the index one after the other.
+//! Ids of bodies: an index into tables, and a generation that distinguishes bodies that use the
+//! index one after the other.
 //!
-//! The generation of an index is odd while a body lives there. A removed body is stale at once; the
-//! index becomes free with the end of the step, so that within a step no index has two bodies. An
-//! index whose generations are used up is *retired* and never used again.
+//! The generation of an index is odd as long as a body uses it. The id of a removed body is stale
+//! at once. The index becomes free at the end of the step, so within a step no index has two
+//! bodies. An index without further generations is *retired* and never used again.
 
 use super::BodyId;
 use super::tables::push;
 use alloc::vec::Vec;
 
-/// From this generation on an index is never used again.
+/// The generation from which an index is never used again.
 const RETIRED: u32 = u32::MAX - 1;
 
 /// Generations of the indices of one table, and the indices without a body.
@@ -37,7 +37,7 @@ impl Slots {
         slots.is_consistent().then_some(slots)
     }
 
-    /// Returns whether every index without a body is listed once and no other is.
+    /// Returns whether every index without a body is listed once, and no other index is.
     pub(crate) fn is_consistent(&self) -> bool {
         let mut is_listed = alloc::vec![false; self.generations.len()];
         for (list, most) in [(&self.free, RETIRED), (&self.leaving, u32::MAX)] {
@@ -73,7 +73,7 @@ impl Slots {
         is_living(&self.generations, id.index as usize, id).then_some(id.index as usize)
     }
 
-    /// Returns the id under which the body at an index lives, or last lived until the next step.
+    /// Returns the id of the body at an index. Until the next step, a removed body keeps its id.
     #[inline]
     pub(crate) fn id(&self, index: u32) -> BodyId {
         let generation = self.generations.get(index as usize);
@@ -115,14 +115,14 @@ impl Slots {
         Some((self.generations.len() - 1) as u32)
     }
 
-    /// Begins the life of a body at a vacant index.
+    /// Starts the life of a body at a vacant index.
     pub(crate) fn begin(&mut self, index: u32) -> BodyId {
         self.generations[index as usize] += 1;
         self.living += 1;
         self.id(index)
     }
 
-    /// Makes the id of the body at an index stale; the index is kept until the step is over.
+    /// Makes the id of the body at an index stale; the index stays in use until the step ends.
     pub(crate) fn remove(&mut self, index: u32) {
         self.generations[index as usize] += 1;
         self.living -= 1;
@@ -162,7 +162,7 @@ impl Slots {
     }
 }
 
-/// Returns whether an id is that of the body that lives at place `i` of these generations.
+/// Returns whether an id is that of the living body at index `i` of these generations.
 #[inline]
 pub(crate) fn is_living(generations: &[u32], i: usize, id: BodyId) -> bool {
     id.generation % 2 == 1 && generations.get(i) == Some(&id.generation)

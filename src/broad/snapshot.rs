@@ -1,9 +1,9 @@
-//! Feature `serde`: the complete state of a structure, so that a restored structure continues as if
-//! never interrupted.
+//! Feature `serde`: the complete state of a broad phase, so that a restored one continues as if it
+//! was never interrupted.
 //!
-//! Events depend on boxes and ids alone, so bodies and pair slots suffice; columns
-//! are rebuilt. All input is checked, so that no text makes a structure that could panic, or one
-//! that [`SweepAndPrune::check`] faults.
+//! Events depend on boxes and ids alone, so bodies and pair slots are enough; columns are rebuilt.
+//! All input is checked, so no text produces a structure that panics or that
+//! [`SweepAndPrune::check`] rejects.
 
 use super::body::BodiesState;
 use super::pairs::PairsState;

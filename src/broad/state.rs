@@ -1,4 +1,5 @@
-//! Bodies and pairs: what a broad phase has besides its sorted columns, and the check of both.
+//! Bodies and pairs: the state of a broad phase apart from its sorted columns, and the check of
+//! both.
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
@@ -20,13 +21,13 @@ pub(crate) struct BroadPhaseState {
     pub(super) changes: Changes,
 }
 
-/// A body and the distance of its box from the query box.
+/// A body, and the distance between its box and the query box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Nearest {
     /// The body.
     pub body: BodyId,
-    /// Distance of the boxes, 0 if the boxes overlap.
+    /// Distance of the boxes; 0 if they overlap.
     pub distance: f64,
 }
 
@@ -53,7 +54,7 @@ impl BroadPhaseState {
         self.bodies.insert(stored, body, flags)
     }
 
-    /// Applies the changes to pairs and events, and asks groups and filter again for the pairs of
+    /// Applies the changes to pairs and events, and tests groups and filter again for the pairs of
     /// regrouped bodies. `partners` lists the bodies whose new boxes overlap the box of the body at
     /// an index. The result does not depend on the number of threads.
     pub(super) fn take_over(
@@ -117,7 +118,7 @@ impl BroadPhaseState {
     }
 }
 
-/// Queries ever larger boxes until enough bodies are found within the reach of the box.
+/// Queries larger and larger boxes until enough bodies are found within the distance of the box.
 pub(super) fn nearest(
     broad: &SweepAndPrune,
     aabb: &Aabb,
@@ -140,7 +141,7 @@ pub(super) fn nearest(
             let stored = bodies.records[id.index as usize].before(bodies.step).to_box();
             Nearest {
                 body: *id,
-                // With axes in one order, whichever axis is swept: the sum is equal to the last
+                // The axes are in one order for any swept axis, so the sum is equal to the last
                 // bit.
                 distance: libm::sqrt(stored.rotated(back).distance_squared(&asked.rotated(back))),
             }

@@ -1,5 +1,5 @@
-//! What a step leaves: the list of its changes, the answers by pair and by body, and their stored
-//! part by level of detail (nothing, the distance, the whole outcome, or the outcome with contact
+//! The results of a step: its events, the results by pair and by body, and the results that a table
+//! stores by level of detail (nothing, the distance, the whole outcome, or the outcome with contact
 //! points).
 
 use crate::base::num::each::Each;
@@ -17,69 +17,75 @@ use crate::time::impact::Impact;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-/// Answers for one pair: `Some` for each query that is enabled, and `None` otherwise.
+/// Results of one pair: `Some` for each enabled query, `None` for all others.
 ///
-/// Witnesses, contact points and normals are in the frames of the bodies: `point_on_a` and `normal`
-/// in the frame of `a`, `point_on_b` in the frame of `b`. [`Scene::pose`] leads to the world as
-/// long as no pose was set since the last step: answers are those of the poses of that step.
+/// Witness points, contact points and normals are in the frames of the bodies: `point_on_a` and
+/// `normal` in the frame of `a`, `point_on_b` in the frame of `b`. [`Scene::pose`] transforms them
+/// to the world if no pose was set since the last step, because results belong to the poses of that
+/// step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PairResults<'a> {
-    /// The body with the lower index: operand A of all answers.
+    /// The body with the lower index: operand A of all results.
     pub a: BodyId,
-    /// The body with the higher index: operand B of all answers.
+    /// The body with the higher index: operand B of all results.
     pub b: BodyId,
-    /// Id of the pair, from the meeting of the boxes to their parting.
+    /// Id of the pair. It stays the same as long as the boxes overlap.
     pub pair: PairId,
     /// Whether the bodies share a point.
     pub overlaps: Option<bool>,
     /// Whether the bodies are within the distance of the query.
     pub within: Option<bool>,
-    /// Signed distance; `None` also for bodies farther apart than the range of the query.
+    /// Signed distance. Also `None` if the bodies are farther apart than the range of the query.
     pub distance: Option<Distance>,
-    /// Features, witnesses and normal; `None` also for bodies farther apart than the range called
-    /// for. Features of a compound are those of the piece. Features of a mesh have the caller's
-    /// numbers: a vertex that of the point, a face that of the triangle, an edge that of the point
-    /// at which the edge of the triangle begins. Against a shape that is rounded or curved, and
-    /// against a compound with such a piece, they are those of the triangle as a polygon of its
-    /// own, and so are those against points and segments. The feature of a Bézier surface is
-    /// the face with the number of the patch.
+    /// Features, witness points and normal. Also `None` if the bodies are farther apart than the
+    /// range of the query.
+    ///
+    /// * Features of a compound are the features of the piece.
+    /// * Features of a mesh have the caller's numbers: a vertex has the number of the point, a face
+    ///   that of the triangle, and an edge that of the point at which the edge of the triangle
+    ///   starts.
+    /// * In three cases the features of a mesh are those of the triangle as a separate polygon:
+    ///   against a rounded or curved shape, against a compound with such a piece, and against
+    ///   points and segments.
+    /// * The feature of a Bézier surface is the face with the number of the patch.
     pub outcome: Option<&'a Outcome>,
-    /// The piece of a compound, the triangle of a mesh, or the patch of a surface, to which the
-    /// features of `a` and of `b` belong, by the caller's order; zero for a convex shape.
+    /// The subshapes to which the features of `a` and `b` belong: the piece of a compound, the
+    /// triangle of a mesh, or the patch of a surface, in the caller's order. Zero for a convex
+    /// shape.
     pub subshapes: Option<[u32; 2]>,
-    /// Contact points of two convex shapes; `None` also for bodies farther apart than the
+    /// Contact points of two convex shapes. Also `None` if the bodies are farther apart than the
     /// prediction.
     pub manifold: Option<&'a Manifold>,
-    /// Contact points of a pair with a mesh or a compound, by direction; `None` also for bodies
-    /// farther apart than the prediction.
+    /// Contact points of a pair with a mesh or a compound, grouped by direction. Also `None` if the
+    /// bodies are farther apart than the prediction.
     #[cfg(feature = "meshes")]
     pub contacts: Option<&'a [ContactGroup]>,
 }
 
 impl Scene {
-    /// Iterates over all pairs whose boxes overlap, in the order of the slots, with the answers.
+    /// Iterates over the results of all pairs whose boxes overlap, in the order of the slots.
     pub fn pairs(&self) -> impl Iterator<Item = PairResults<'_>> + '_ {
         self.broad.pairs().map(|pair| self.answer(&pair))
     }
 
-    /// Returns the pair of two bodies, in either order: `None` if the boxes, grown by the distances
-    /// enabled, do not overlap.
+    /// Returns the results of two bodies, in either order. `None` if their boxes, grown by the
+    /// distances of the enabled queries, do not overlap.
     #[must_use]
     pub fn pair(&self, a: BodyId, b: BodyId) -> Option<PairResults<'_>> {
         let proxy = |id| Some(self.bodies.proxies[self.bodies.index_of(id).ok()?]);
         Some(self.answer(&self.broad.pair(proxy(a)?, proxy(b)?)?))
     }
 
-    /// Returns the pairs of one body, in ascending order of the partner.
+    /// Returns the results of all pairs of one body, in ascending order of the other body.
     ///
     /// # Errors
-    /// If the id is stale.
+    /// Returns an error if the id is stale.
     pub fn pairs_of(&self, id: BodyId) -> Result<Vec<PairResults<'_>>, SceneError> {
         let i = self.bodies.index_of(id)?;
         let proxy = self.bodies.proxies[i];
         let mut near = Vec::new();
-        // The stored box, from f32 to f64 about the origin, contains itself.
+        // The stored box, converted from f32 to f64 relative to the origin, contains itself.
         if let Some(stored) = self.broad.stored_box(proxy) {
             let corner = |v: [f32; 3]| self.settings.origin + nalgebra::Vector3::from(v.each(f64::from));
             let around = Aabb::new(corner(stored.lo), corner(stored.hi));
@@ -134,17 +140,17 @@ impl Scene {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Change {
-    /// The boxes, grown by the distances of the queries, began to overlap.
+    /// The boxes, grown by the distances of the queries, started to overlap.
     BoxesMet,
-    /// The bodies began to share a point.
+    /// The bodies started to share a point.
     OverlapBegan,
     /// The bodies came within the distance of the query.
     CameWithin,
     /// The bodies are no longer within the distance of the query.
     LeftWithin,
-    /// The bodies ceased to share a point.
+    /// The bodies stopped sharing a point.
     OverlapEnded,
-    /// The boxes ceased to overlap.
+    /// The boxes stopped overlapping.
     BoxesParted,
 }
 
@@ -161,8 +167,8 @@ impl core::fmt::Display for Change {
     }
 }
 
-/// A change of one pair. A change is sent if its query is enabled; a pair that ends because a
-/// body is removed, or because the groups no longer enable any query, ends its overlap as well.
+/// A change of one pair, sent if its query is enabled. If a pair ends because a body is removed or
+/// because its groups no longer enable any query, its overlap ends as well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -177,7 +183,7 @@ pub struct Event {
     pub change: Change,
 }
 
-/// When two bodies first met in the last tick.
+/// The first time in the last tick at which two bodies met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -188,14 +194,14 @@ pub struct PairImpact {
     pub b: BodyId,
     /// Id of the pair while the boxes overlap.
     pub pair: PairId,
-    /// The bracket, in time after the begin of the tick: [`Impact::Hit`], or [`Impact::Undecided`]
-    /// and [`Impact::Incomplete`] if the bodies are not proven to meet, nor to stay apart. The
-    /// frames are those of the bodies.
+    /// The bracket, in time after the start of the tick. It is an [`Impact::Hit`], or
+    /// [`Impact::Undecided`] or [`Impact::Incomplete`] if the bodies are proven neither to meet nor
+    /// to stay separated. The frames are those of the bodies.
     pub impact: Impact,
 }
 
 impl PairImpact {
-    /// Returns the time after the begin of the tick up to which the bodies are proven apart.
+    /// Returns the time after the start of the tick until which the bodies are proven separated.
     #[must_use]
     pub fn safe(&self) -> f64 {
         match self.impact {
@@ -213,15 +219,15 @@ pub(super) struct PairChange {
     pub(super) change: Change,
 }
 
-/// The part of an outcome that a table stores.
+/// The fields of an outcome that a table stores.
 pub(super) trait StoredAnswer: Clone + Send + Sync {
-    /// Returns the answer before the first outcome.
+    /// Returns the value before the first outcome.
     fn blank() -> Self;
-    /// Stores the part of `outcome` that this table keeps.
+    /// Stores the fields of `outcome` that this table keeps.
     fn store(&mut self, outcome: &Outcome);
     fn distance(&self) -> Option<Distance>;
     fn outcome(&self) -> Option<&Outcome>;
-    /// Returns the stored contact points, in the table that has them.
+    /// Returns the stored contact points, if the table has them.
     fn manifold(&mut self) -> Option<&mut Option<Box<Manifold>>> {
         None
     }
@@ -277,7 +283,7 @@ impl StoredAnswer for Outcome {
     }
 }
 
-/// An outcome, and the contact points while the bodies are within the prediction.
+/// An outcome, and the contact points as long as the bodies are within the prediction.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct StoredContact {

@@ -1,5 +1,5 @@
-//! The bodies of a scene: shapes, poses, groups, and everything about a body that the stages of a
-//! step read, table by table. The bounding balls of two bodies give a lower bound of their
+//! The bodies of a scene: geometries, poses, groups, and all other values of a body that the stages
+//! of a step read, table by table. The bounding balls of two bodies give a lower bound of their
 //! distance.
 
 use crate::base::motion::{Velocity, displacement};
@@ -22,27 +22,27 @@ use crate::scene::{BodyId, SceneError};
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-/// A body to insert: a shape, which may be shared by many bodies, a group, and whether the body is
-/// fixed.
+/// A body to insert into a scene. Many bodies may share one geometry.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Body {
-    /// The shape, in the body's own frame.
+    /// The geometry, in the frame of the body.
     pub shape: Geometry,
     /// The group of the body; group 0 by default.
     pub group: Group,
-    /// Two fixed bodies are never paired. A fixed body may be set to another pose but has no
-    /// velocity.
+    /// Whether the body is fixed. Two fixed bodies are never paired. A fixed body has no velocity,
+    /// but its pose may be set.
     pub fixed: bool,
-    /// A number of the caller's, for instance an index into a table of names; 0 by default. The
-    /// scene stores the number and never reads it.
+    /// A number for the caller, for instance an index into a table of names; 0 by default. The
+    /// scene stores the number and never uses it.
     pub user_data: u64,
 }
 
 impl Body {
-    /// Returns a body that moves. The shape is a [`ConvexPolyhedron`](crate::ConvexPolyhedron), a
-    /// [`Shape`](crate::Shape), a [`Compound`](crate::Compound), a [`Mesh`](crate::Mesh), or an
-    /// `Arc` of one of these.
+    /// Returns a body that moves.
+    ///
+    /// The geometry is a [`ConvexPolyhedron`](crate::ConvexPolyhedron), a [`Shape`](crate::Shape),
+    /// a [`Compound`](crate::Compound), a [`Mesh`](crate::Mesh), or an `Arc` of one of these.
     pub fn moving(shape: impl Into<Geometry>) -> Self {
         Self {
             shape: shape.into(),
@@ -52,7 +52,7 @@ impl Body {
         }
     }
 
-    /// Returns a body at rest; two such bodies are never paired.
+    /// Returns a fixed body; two fixed bodies are never paired.
     pub fn fixed(shape: impl Into<Geometry>) -> Self {
         Self {
             fixed: true,
@@ -66,21 +66,22 @@ impl Body {
         Self { group, ..self }
     }
 
-    /// Returns the body with the caller's number.
+    /// Returns the body with a number for the caller: see [`user_data`](field@Self::user_data).
     #[must_use]
     pub fn user_data(self, user_data: u64) -> Self {
         Self { user_data, ..self }
     }
 }
 
-/// The shape of a body in a scene, with derived values.
+/// The geometry of a body in a scene, with derived values.
 #[derive(Clone, Debug)]
 pub(super) struct BodySolid {
     pub(super) shape: Geometry,
     pub(super) ball: Ball,
     pub(super) group: Group,
     pub(super) fixed: bool,
-    /// Whether the broad phase has a box of the body: none if the range of the body is infinite.
+    /// Whether the broad phase has a finite box of the body; false if the range of a query is
+    /// infinite.
     pub(super) boxed: bool,
     pub(super) user_data: u64,
     /// The convex patches of a mesh or compound, if contacts are enabled.
@@ -89,7 +90,7 @@ pub(super) struct BodySolid {
 }
 
 impl BodySolid {
-    /// Returns the solid of a body. Refuses shapes that no pose puts within a scene.
+    /// Returns the solid of a body, or an error if the geometry is too large for a scene.
     pub(super) fn new(body: Body) -> Result<Self, SceneError> {
         let reach = match &body.shape {
             Geometry::Polyhedron(shape) => shape.vertex_points().fold(0.0, |m: f64, p| m.larger(p.coords.amax())),
@@ -113,13 +114,13 @@ impl BodySolid {
         })
     }
 
-    /// Returns an upper bound of the distance of any point from the body's own origin.
+    /// Returns an upper bound of the distance of any point of the body from its origin.
     pub(super) fn reach(&self) -> f64 {
         (self.ball.centre.norm() + self.ball.radius) * RADIUS_UP
     }
 
-    /// Returns an upper bound of the displacement of any point between two poses, given with the
-    /// balls there.
+    /// Returns an upper bound of the displacement of any point between two poses; `from` and `to`
+    /// are the balls at these poses.
     #[inline]
     fn displacement(&self, [old, new]: [&Isometry3<f64>; 2], [from, to]: [&Ball; 2]) -> f64 {
         let shift = to.centre - from.centre;
@@ -134,8 +135,8 @@ impl BodySolid {
     }
 }
 
-/// All bodies of one scene. Tables are indexed by `BodyId::index`; an index is reused no earlier
-/// than the step after the removal of its body.
+/// All bodies of one scene. Tables are indexed by `BodyId::index`. An index is reused in the step
+/// after the removal of its body at the earliest.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BodyTable {
     pub(super) slots: Slots,
@@ -145,22 +146,22 @@ pub(super) struct BodyTable {
     pub(super) balls: Vec<Ball>,
     pub(super) travels: Vec<Travel>,
     pub(super) hints: Vec<BoxHint>,
-    /// The id of the body in the broad phase; the next table is the inverse, by the index of the
-    /// proxy.
+    /// The id of the body in the broad phase. The next table is the inverse: from the index of a
+    /// proxy to the body.
     pub(super) proxies: Vec<broad::BodyId>,
     pub(super) body_of_proxy: Vec<u32>,
-    /// Motions of the bodies; empty until a first velocity is set, and until the first tick.
+    /// Motions of the bodies; empty before the first velocity is set or the first tick starts.
     pub(super) moving: Vec<Moving>,
     /// Sweeps of the step being prepared, up to the last body that ever had one.
     pub(super) sweeps: Vec<Option<Sweep>>,
     /// Bodies that have a sweep.
     pub(super) swept: Vec<u32>,
-    /// Bodies whose boxes hold the sweep of the last step.
+    /// Bodies whose boxes contain the swept motion of the last step.
     pub(super) wide: Vec<u32>,
     pub(super) ticks: Ticks,
-    /// Bodies whose boxes must be renewed, each listed once.
+    /// Bodies whose boxes must be computed again, each listed once.
     pub(super) due: Vec<u32>,
-    /// Bodies without any query whose boxes were not renewed when they moved, in ascending order.
+    /// Bodies without any query that moved, but whose boxes were not updated; in ascending order.
     pub(super) stale: Vec<u32>,
     /// Number of the step being prepared.
     pub(super) step: u32,
@@ -180,12 +181,13 @@ impl BodyTable {
         self.slots.lives(i as u32)
     }
 
-    /// Returns the group of the body at an index, or of the last body there until the next step.
+    /// Returns the group of the body at an index. Until the next step, a removed body keeps its
+    /// group.
     pub(super) fn group(&self, index: u32) -> Option<Group> {
         self.solids[index as usize].as_ref().map(|s| s.group)
     }
 
-    /// Returns the id under which the body at an index lives, or last lived until the next step.
+    /// Returns the id of the body at an index. Until the next step, a removed body keeps its id.
     #[inline]
     pub(super) fn id(&self, index: u32) -> BodyId {
         self.slots.id(index)
@@ -203,7 +205,7 @@ impl BodyTable {
         proxy: broad::BodyId,
         hint: BoxHint,
     ) -> BodyId {
-        // The broad phase has refused a body beyond the last index.
+        // The broad phase has rejected a body beyond the last index.
         let index = self.slots.vacant(usize::MAX).unwrap_or(u32::MAX);
         let i = index as usize;
         if i == self.poses.len() {
@@ -229,7 +231,7 @@ impl BodyTable {
         id
     }
 
-    /// Appends a row as read from a file.
+    /// Appends a row that was read from a file.
     #[cfg(feature = "serde")]
     pub(super) fn restore(
         &mut self,
@@ -271,7 +273,7 @@ impl BodyTable {
         self.proxies[index as usize] = proxy;
     }
 
-    /// Makes the id stale at once; the index is kept until the step is over.
+    /// Makes the id stale at once. The index stays in use until the step ends.
     pub(super) fn remove(&mut self, index: usize) {
         self.slots.remove(index as u32);
         self.stop(index);
@@ -282,7 +284,7 @@ impl BodyTable {
         self.moving.get(i).map_or_else(Velocity::default, |m| m.velocity)
     }
 
-    /// Begins a tick: from now on a disturbance of any body is noted, as pairs may sleep.
+    /// Starts a tick. From now on every disturbance of a body is recorded, because pairs may sleep.
     pub(super) fn begin_tick(&mut self, length: f64, is_swept: bool) {
         self.moving.resize(self.poses.len(), Moving::default());
         self.ticks.begin(length, is_swept);
@@ -297,7 +299,7 @@ impl BodyTable {
         }
     }
 
-    /// Sets the velocity of a body that comes or goes to zero.
+    /// Sets the velocity of a body that is inserted or removed to zero.
     fn stop(&mut self, i: usize) {
         if let Some(moving) = self.moving.get_mut(i) {
             *moving = Moving::default();
@@ -308,22 +310,21 @@ impl BodyTable {
         }
     }
 
-    /// Returns whether the motion of a body changes in the step being prepared, for all that is
-    /// known.
+    /// Returns whether the motion of a body changes in the step being prepared; true if unknown.
     #[inline]
     pub(super) fn is_disturbed(&self, index: u32) -> bool {
         let moving = self.moving.get(index as usize);
         moving.is_none_or(|m| m.is_disturbed(self.step))
     }
 
-    /// Notes that the motion of a body changes in the step being prepared.
+    /// Records that the motion of a body changes in the step being prepared.
     pub(super) fn disturb(&mut self, i: usize) {
         if let Some(moving) = self.moving.get_mut(i) {
             moving.disturb(self.step, self.ticks.is_pending);
         }
     }
 
-    /// Moves a body, adds the displacement to the odometer, and marks the box as due.
+    /// Sets the pose of a body, adds the displacement to its odometer, and marks its box as due.
     #[inline]
     pub(super) fn place(&mut self, i: usize, pose: &Isometry3<f64>) {
         let Some(solid) = &self.solids[i] else { return };
@@ -342,7 +343,7 @@ impl BodyTable {
         let Some(solid) = &self.solids[i] else { return };
         let ball = solid.ball.at(pose);
         let way = solid.displacement([&self.poses[i], pose], [&self.balls[i], &ball]);
-        // A point may go out and come back within a sweep.
+        // A point may move away and come back within one tick.
         let farthest = sweep.map_or(way, |s| {
             way.larger(s.displacement(solid.reach(), self.ticks.length.abs()))
         });
@@ -352,7 +353,7 @@ impl BodyTable {
         self.shift(i, pose, ball, farthest);
     }
 
-    /// Notes the pose of a body that is moved after the tick of the step and not by the tick.
+    /// Stores the start pose of a body that a call moves after the tick, and not the tick.
     pub(super) fn keep_start(&mut self, i: usize) {
         if self.ticks.is_swept && self.sweeps.get(i).is_none_or(Option::is_none) {
             self.keep_sweep(i, self.sweep(i));
@@ -367,7 +368,7 @@ impl BodyTable {
         self.swept.push(i as u32);
     }
 
-    /// Puts a body and its ball at a pose, `way` being an upper bound of the displacement.
+    /// Sets the pose and the ball of a body; `way` is an upper bound of the displacement.
     #[inline]
     pub(super) fn shift(&mut self, i: usize, pose: &Isometry3<f64>, ball: Ball, way: f64) {
         self.travels[i].add(way, self.step);
@@ -376,7 +377,7 @@ impl BodyTable {
         self.mark_due(i);
     }
 
-    /// Marks the box of a body to be renewed in the next step.
+    /// Marks the box of a body, so that the next step computes it again.
     #[inline]
     pub(super) fn mark_due(&mut self, i: usize) {
         if self.travels[i].mark_due(self.step) {
@@ -400,7 +401,7 @@ impl BodyTable {
         }
     }
 
-    /// Marks the boxes that hold a sweep of the last step as due.
+    /// Marks the boxes that contain a swept motion of the last step as due.
     pub(super) fn narrow(&mut self) {
         for k in 0..self.wide.len() {
             let i = self.wide[k] as usize;
@@ -419,7 +420,7 @@ impl BodyTable {
         })
     }
 
-    /// Returns the bytes reserved, without the shapes, which may be shared.
+    /// Returns the reserved memory in bytes, without the geometries, which may be shared.
     pub(super) fn bytes(&self) -> usize {
         let words = [&self.body_of_proxy, &self.due, &self.stale, &self.swept, &self.wide];
         words.iter().map(|list| list.capacity() * 4).sum::<usize>()
@@ -435,7 +436,7 @@ impl BodyTable {
     }
 }
 
-/// Refuses a pose that is not a rigid motion, or that puts a body outside a scene.
+/// Returns an error if a pose is not a rigid motion, or moves a body out of the range of a scene.
 #[inline]
 pub(super) fn checked(pose: &Isometry3<f64>, body: Option<BodyId>) -> Result<(), SceneError> {
     // A comparison with NaN is false.
@@ -446,7 +447,7 @@ pub(super) fn checked(pose: &Isometry3<f64>, body: Option<BodyId>) -> Result<(),
     Err(refusal(pose, body))
 }
 
-/// Returns why a pose is refused.
+/// Returns the reason why a pose is invalid.
 #[cold]
 fn refusal(pose: &Isometry3<f64>, body: Option<BodyId>) -> SceneError {
     if let Err(error) = RelativePose::from_isometry(pose) {
@@ -465,8 +466,8 @@ fn refusal(pose: &Isometry3<f64>, body: Option<BodyId>) -> SceneError {
     }
 }
 
-/// Returns the error with operand A: the pose was checked as B's against the identity, but here
-/// only one body is meant.
+/// Returns the error with operand A. The pose was checked as that of B relative to the identity,
+/// but here there is only one body.
 fn as_only(error: PoseError) -> PoseError {
     use crate::base::pose::Operand;
     match error {
@@ -486,7 +487,8 @@ fn as_only(error: PoseError) -> PoseError {
 #[inline]
 pub(super) fn box_of(shape: &Geometry, pose: &Isometry3<f64>, growth: f64, hint: &mut BoxHint) -> Aabb {
     let (min, max) = shape.aabb_at(pose, hint);
-    // Rounded up, so that the two growths of a pair add up to at least the reach.
+    // Rounded up, so that the growths of both boxes of a pair add up to at least the largest
+    // threshold.
     Aabb::new(min, max).grown(growth * ROUND_UP)
 }
 
@@ -498,15 +500,16 @@ pub(super) struct Ball {
 }
 
 impl Ball {
-    /// Placeholder of an index without a body.
+    /// Placeholder for an index without a body.
     #[cfg(feature = "serde")]
     pub(super) const NONE: Self = Self {
         centre: Vector3::new(0.0, 0.0, 0.0),
         radius: 0.0,
     };
 
-    /// Returns a ball that contains a shape, in the frame of the shape: about the frame's origin,
-    /// if this ball is nearly as small as the ball about the middle of the box.
+    /// Returns a ball that contains a geometry, in its frame. The ball is centred at the origin of
+    /// the frame, if this ball is at most 1.25 times as large as the ball around the centre of the
+    /// box.
     pub(super) fn about(shape: &Geometry) -> Self {
         let (centre, radius) = shape.bounding_ball();
         let own = match shape {
@@ -525,7 +528,7 @@ impl Ball {
         }
     }
 
-    /// Returns the ball of the posed body.
+    /// Returns the ball at a pose of the body.
     #[inline]
     pub(super) fn at(&self, pose: &Isometry3<f64>) -> Self {
         let t = pose.translation.vector;
@@ -554,7 +557,7 @@ impl Ball {
     }
 }
 
-/// Returns the radius of the ball about the origin that contains a body.
+/// Returns the radius of the ball around the origin that contains a body.
 fn about_origin(body: &ConvexPolyhedron) -> f64 {
     // Scaled, so that squares stay in range.
     let size = body.vertex_points().fold(0.0, |m: f64, p| m.larger(p.coords.amax()));
@@ -565,7 +568,7 @@ fn about_origin(body: &ConvexPolyhedron) -> f64 {
     size * sqrt(body.vertex_points().map(square).fold(0.0, f64::larger)) * RADIUS_UP
 }
 
-/// Returns a lower bound of the distance of the contents of two balls; may be negative.
+/// Returns a lower bound of the distance of the bodies in two balls; it may be negative.
 #[inline]
 pub(super) fn least_distance(a: &Ball, b: &Ball) -> f64 {
     let between = b.centre - a.centre;

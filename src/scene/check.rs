@@ -1,5 +1,5 @@
-//! Consistency of the tables of a scene with each other: asked by tests and fuzzing after each
-//! call, and of every scene that is read from a file.
+//! Consistency of the tables of a scene with each other. Tests and fuzzing check it after each
+//! call, and every scene that is read from a file is checked.
 
 use alloc::format;
 use alloc::string::String;
@@ -18,17 +18,18 @@ use crate::scene::lookahead::TICKS;
 
 impl Scene {
     /// Returns the first contradiction among the tables of the scene: bodies and odometers, motions
-    /// and ticks, boxes, queries, pairs and their wake-ups. A tool of tests and fuzzing, between
-    /// any two calls; the check reads everything, so the cost is far more than the cost of a step.
+    /// and ticks, boxes, queries, pairs and their wake-ups. This is a tool for tests and fuzzing,
+    /// between any two calls. It reads everything, so it costs far more than a step.
     ///
     /// # Errors
-    /// A text that names the contradiction: a defect of the crate, whatever was called.
+    /// Returns a text that names the contradiction, which is always a defect of the crate,
+    /// regardless of the calls made.
     pub fn check(&self) -> Result<(), String> {
         self.broad.check()?;
         self.check_tables()
     }
 
-    /// Checks everything that the broad phase does not check of itself.
+    /// Checks everything that the broad phase does not check itself.
     pub(super) fn check_tables(&self) -> Result<(), String> {
         check_bodies(&self.bodies)?;
         check_motions(&self.bodies)?;
@@ -47,7 +48,8 @@ impl Scene {
         self.check_pairs()
     }
 
-    /// Checks that every body is in its box, unless the box is to be renewed or no effect needs it.
+    /// Checks that every body is in its box, unless the box must be computed again or no query
+    /// needs it.
     fn check_boxes(&self) -> Result<(), String> {
         let bodies = &self.bodies;
         if !bodies.stale.is_sorted_by(|a, b| a < b) {
@@ -61,7 +63,7 @@ impl Scene {
             let Some(stored) = self.broad.stored_box(bodies.proxies[i]).filter(|_| !is_late) else {
                 continue;
             };
-            // Of several extreme points another one may have been taken.
+            // If several points are extreme, another one may have been chosen.
             let ball = &bodies.balls[i];
             let rounding = 16.0 * UNIT * (ball.centre.abs().sum() + ball.radius);
             let (low, high) = solid.shape.aabb_at(&bodies.poses[i], &mut BoxHint::default());
@@ -97,8 +99,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Checks that every row holds a pair of the broad phase, and every pair has the row that its
-    /// queries need.
+    /// Checks that every row contains a pair of the broad phase, and that every pair has the row
+    /// that its queries need.
     fn check_pairs(&self) -> Result<(), String> {
         if !self.pair_tables.is_consistent() {
             return Err("a seat of the scene is not where its pair looks for it".into());
@@ -132,8 +134,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Returns whether the time or the way until a pair is looked at again is one that a look may
-    /// give.
+    /// Returns whether the time or the displacement until a pair is tested again is one that a test
+    /// may give.
     fn may_sleep(&self, header: &PairHeader) -> bool {
         let PairFlags {
             known,
@@ -153,14 +155,14 @@ impl Scene {
     }
 }
 
-/// Returns whether a pair has no answer but those of enabled queries.
+/// Returns whether a pair has results of enabled queries only.
 fn is_called(state: &PairFlags, plan: &PairPlan) -> bool {
     (plan.overlap || !state.overlaps)
         && (plan.within != NEVER || !state.within)
         && (plan.range != NEVER || !state.measured)
 }
 
-/// Counts the bodies, and refuses bodies that cannot answer the queries of their groups.
+/// Counts the bodies, and returns an error if bodies cannot answer the queries of their groups.
 pub(super) fn census_of(bodies: &BodyTable, table: &Table) -> Result<Census, String> {
     let mut census = Census::default();
     let living = bodies.solids.iter().enumerate().filter(|(i, _)| bodies.lives(*i));
@@ -173,7 +175,7 @@ pub(super) fn census_of(bodies: &BodyTable, table: &Table) -> Result<Census, Str
     Ok(census)
 }
 
-/// Checks shapes, poses, balls, odometers and the list of boxes to renew.
+/// Checks geometries, poses, balls, odometers and the list of boxes to compute again.
 fn check_bodies(bodies: &BodyTable) -> Result<(), String> {
     let n = bodies.slots.index_count();
     let rows = [
@@ -200,7 +202,7 @@ fn check_bodies(bodies: &BodyTable) -> Result<(), String> {
         {
             return Err(format!("body {i} of the scene is not in its ball"));
         }
-        // Above this an odometer would no longer grow.
+        // Above this value an odometer would no longer grow.
         if !(travel.odometer >= 0.0 && travel.odometer < f64::MAX) {
             return Err("an odometer of the scene is no number".into());
         }
@@ -241,7 +243,8 @@ fn check_motions(bodies: &BodyTable) -> Result<(), String> {
     Ok(())
 }
 
-/// Checks the sweeps of the step being prepared, and the list of the boxes that hold the last ones.
+/// Checks the swept motions of the step being prepared, and the list of the boxes that contain the
+/// last ones.
 fn check_sweeps(bodies: &BodyTable) -> Result<(), String> {
     let n = bodies.poses.len();
     let mut is_listed = alloc::vec![false; n];

@@ -1,4 +1,4 @@
-//! Refused calls of a scene, and their messages.
+//! Errors of the calls of a scene, and their messages.
 
 use super::{BodyId, Group};
 use crate::base::pose::PoseError;
@@ -8,7 +8,7 @@ use crate::nonconvex::mesh::VertexError;
 use crate::pair_tracker::geometry::GeometryKind;
 use crate::pair_tracker::ray::RayError;
 
-/// A refused call. The error names the fault, and the scene is unchanged.
+/// Error of a call of a scene; the scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
@@ -23,10 +23,10 @@ pub enum SceneError {
     Pose {
         /// The body; `None` for a body to be inserted.
         body: Option<BodyId>,
-        /// The fault of the pose.
+        /// What is wrong with the pose.
         error: PoseError,
     },
-    /// The pose would put the body farther from the world's origin than 1e37 on some axis.
+    /// A coordinate of the pose is beyond 1e37, measured from the origin of the world.
     #[error("the pose of {} is out of range: coordinate {axis} is {value:e} (expected -1e37..=1e37)", BodyName(*.body))]
     TooFar {
         /// The body; `None` for a body to be inserted.
@@ -36,62 +36,61 @@ pub enum SceneError {
         /// The coordinate.
         value: f64,
     },
-    /// A vertex of the shape is farther than 1e37 from the shape's own origin.
+    /// A coordinate of the geometry, in its frame, may be beyond 1e37.
     #[error("the radius of the geometry about its origin is out of range: {reach:e} (expected 0..=1e37)")]
     TooLarge {
-        /// The distance of the farthest vertex.
+        /// The largest coordinate of a vertex of a polyhedron; for other geometries an upper bound
+        /// of the largest coordinate.
         reach: f64,
     },
-    /// The body is no mesh: only these have vertices that can be replaced.
+    /// The body is not a mesh. Only meshes have vertices that can be replaced.
     #[error("{body} is not a mesh")]
     NotAMesh {
         /// The body.
         body: BodyId,
     },
-    /// The vertices of a mesh are refused.
+    /// The new vertices of a mesh are invalid.
     #[cfg(feature = "meshes")]
     #[error("the vertices of {body} are invalid: {error}")]
     Vertices {
         /// The body.
         body: BodyId,
-        /// Why.
+        /// What is wrong with the vertices.
         error: VertexError,
     },
-    /// The distance of a query is NaN or negative, or beyond 1e37 and not infinite; or `within` is
-    /// infinite.
+    /// The distance of a query is NaN, negative or beyond 1e37. Only `distance` may be infinite.
     #[error("query distance {value} is out of range (expected 0..=1e37; `distance` may be infinite)")]
     Range {
         /// The distance.
         value: f64,
     },
-    /// `sine`, `drift` or `choice` of the manifold options is NaN.
+    /// `max_face_sine`, `rebuild_motion` or `reselect_motion` of the manifold options is NaN.
     #[error("a manifold option is NaN (`max_face_sine`, `rebuild_motion` or `reselect_motion`)")]
     ManifoldOptions,
-    /// A query is enabled that two bodies of the scene cannot answer.
+    /// Two bodies of the scene cannot answer an enabled query.
     #[error("the query {query} does not exist between a {these} and a {those}")]
     Unanswered {
         /// The name of the query.
         query: &'static str,
-        /// The kind of the first shape.
+        /// The kind of the first geometry.
         these: GeometryKind,
-        /// The kind of the second shape.
+        /// The kind of the second geometry.
         those: GeometryKind,
     },
     /// A velocity or a time is NaN or infinite.
     #[error("a velocity or a time is not finite")]
     Velocity,
-    /// A fixed body has no velocity.
+    /// The velocity of a fixed body cannot be set.
     #[error("cannot set the velocity of {body}: it is fixed")]
     Fixed {
         /// The body.
         body: BodyId,
     },
-    /// The query is about the poses of the last step, and bodies were moved, inserted or removed
-    /// since.
+    /// A step is due. The query refers to the poses of the last step, and bodies or queries changed
+    /// since then.
     #[error("bodies or queries changed since the last step; call `Scene::step` first")]
     StepDue,
-    /// The query is about two groups between which no query is enabled, so their boxes are not
-    /// kept.
+    /// No query is enabled between the two groups, so the scene has no boxes for them.
     #[error("no query is enabled between {these} and {those}; enable one with `Scene::set_queries`")]
     NotCalledFor {
         /// The first group.
@@ -99,30 +98,30 @@ pub enum SceneError {
         /// The second group.
         those: Group,
     },
-    /// The query is about a body of a group for which no query is enabled.
+    /// No query is enabled for the group of the body.
     #[error("no query is enabled between {group} and any group; enable one with `Scene::set_queries`")]
     GroupNotCalledFor {
         /// The group of the body.
         group: Group,
     },
-    /// The origin of the scene's [`Settings`](crate::broad::Settings) is NaN or infinite: the scene
-    /// can hold no body.
+    /// The origin of the scene's [`Settings`](crate::broad::Settings) is NaN or infinite. Such a
+    /// scene cannot contain a body.
     #[error("the origin of the scene is not finite on axis {axis}")]
     Origin {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
-    /// No more indices: a scene holds at most 2^31 - 1 bodies.
+    /// There are too many bodies: a scene holds at most 2^31 - 1.
     #[error("too many bodies in the scene (expected at most 2147483647)")]
     TooManyBodies,
-    /// A ray, or its length.
+    /// The ray or its length is invalid.
     #[error(transparent)]
     Ray(#[from] RayError),
 }
 
 impl From<BroadPhaseError> for SceneError {
-    /// Boxes come from checked shapes at checked poses, so a broad phase can only refuse the origin
-    /// and the number of bodies.
+    /// Converts the only two possible errors: the origin and the number of bodies. Boxes come from
+    /// checked geometries at checked poses.
     fn from(error: BroadPhaseError) -> Self {
         match error {
             BroadPhaseError::Origin { axis } => Self::Origin { axis },
@@ -142,7 +141,7 @@ impl core::fmt::Display for BodyName {
     }
 }
 
-/// Displays the fault of the pose of one body, without the letter that distinguishes two bodies.
+/// Displays the error of the pose of one body, without the letter that distinguishes two bodies.
 struct OfOne<'a>(&'a PoseError);
 
 impl core::fmt::Display for OfOne<'_> {

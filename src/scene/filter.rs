@@ -1,11 +1,12 @@
-//! Pairs of bodies that a scene ignores: adjacent links, a gripped part.
+//! Pairs of bodies that a scene ignores, for instance adjacent links of an arm, or a gripper and
+//! the workpiece that it holds.
 
 use alloc::collections::BTreeSet;
 
 use super::{BodyId, Scene, SceneError};
 
-/// Ignored pairs by the indices of the bodies. Every pair is listed in both orders, so that the
-/// partners of one body are a range.
+/// Ignored pairs by the indices of the bodies. Every pair is listed in both orders, so the partners
+/// of one body form a range.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ignored(BTreeSet<(u32, u32)>);
 
@@ -49,10 +50,12 @@ impl Ignored {
 }
 
 impl Scene {
-    /// Excludes one pair of bodies, in either order, from everything the scene computes: adjacent
-    /// links of an arm, a part and the gripper that holds the part. Takes effect with the next
-    /// step; what the pair had begun ends then, with events. The number of ignored pairs is not
-    /// limited, and a pair is forgotten when one of the two bodies is removed.
+    /// Excludes a pair of bodies, in either order, from everything that the scene computes.
+    ///
+    /// Use it for adjacent links of an arm, or for a gripper and the workpiece that it holds. The
+    /// call takes effect with the next step; a state of the pair that had started ends then, with
+    /// events. The number of ignored pairs is not limited. A pair is forgotten when one of its
+    /// bodies is removed.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -78,18 +81,18 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// If an id is stale.
+    /// Returns an error if an id is stale.
     #[doc(alias = "filter")]
     #[doc(alias = "collision matrix")]
     pub fn ignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), SceneError> {
         self.set_ignored(a, b, true)
     }
 
-    /// Reverses [`ignore_pair`](Self::ignore_pair) with the next step. Does nothing for a pair that
-    /// is not ignored.
+    /// Reverses [`ignore_pair`](Self::ignore_pair) with the next step; does nothing if the pair is
+    /// not ignored.
     ///
     /// # Errors
-    /// If an id is stale.
+    /// Returns an error if an id is stale.
     pub fn allow_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), SceneError> {
         self.set_ignored(a, b, false)
     }
@@ -110,7 +113,7 @@ impl Scene {
         let i = self.bodies.index_of(a)?;
         self.bodies.index_of(b)?;
         if a != b && self.ignored.set(a.index, b.index, ignored) {
-            // The broad phase asks the filter again for all pairs of A; the id is not stale.
+            // The broad phase calls the filter again for all pairs of A; the id is not stale.
             let _ = self.broad.regroup(self.bodies.proxies[i]);
             self.changed = true;
         }

@@ -1,20 +1,20 @@
-//! Looks ahead: how long a pair stays apart at the velocities of the bodies, and impacts within a
-//! tick.
+//! Look-ahead queries: how long a pair stays separated at the velocities of the bodies; and impacts
+//! within a tick.
 //!
-//! A look bounds the time for which a turning plane stays between the bodies
-//! ([`separation`](crate::separation)); the pair then sleeps for the whole ticks of that time, by
-//! the rules of [`schedule`](crate::schedule). A pair proven apart until tick m, that one included,
-//! is looked at again at tick m + 1. Three events end a sleep early: a body of the pair is
+//! A look-ahead query bounds the time for which a rotating plane stays between the bodies
+//! ([`separation`](crate::separation)). The pair then sleeps for the whole ticks of that time, by
+//! the rules of [`schedule`](crate::schedule). If a pair is proven separated until the end of tick
+//! m, it is queried again at tick m + 1. Three events end a sleep early: a body of the pair is
 //! disturbed, a tick has another length, or the queries change. Every step visits every header, so
-//! a disturbance of the step is seen in the step, and no epoch need be stored with the pair.
+//! a step sees its disturbances at once, and the pair needs no epoch.
 //!
-//! **Rounding.** A look proves the motion itself. Poses are placed tick by tick, each from the last
-//! pose, so after k ticks a pose is off the motion by at most k times the error of one tick, which
-//! is below the drift of [`Steady`] over all these ticks. A rotation error does not grow: bodies
-//! turn about their own origins. With at most [`TICKS`] ticks that many drifts are added to the
-//! distance that the look must prove.
+//! **Rounding.** The proof is about the motion itself. Each tick computes a pose from the last
+//! pose, so after k ticks a pose differs from the motion by at most k times the error of one tick.
+//! This error is below the drift of [`Steady`] over all these ticks. A rotation error does not
+//! grow, because bodies rotate around their origins. For at most [`TICKS`] ticks, as many drifts
+//! are added to the distance that the query must prove.
 //!
-//! For impacts the look begins at the start of the tick and covers the instants between; if it
+//! For impacts the query starts at the start of the tick and covers the instants between. If it
 //! proves less than the tick, the tick is cast ([`impact::cast`]).
 
 use super::answers::PairImpact;
@@ -32,8 +32,9 @@ use crate::time::impact::{self, Impact, Tolerance};
 use crate::time::schedule::ticks;
 use crate::time::separation::PairMotion;
 
-/// Ticks that a look ahead may prove at most. Longer proofs save little: the rounding of as many
-/// ticks is part of each proof, and velocities seldom stay for longer. Not measured.
+/// The largest number of ticks that a look-ahead query proves. Longer proofs save little: each
+/// proof contains the rounding of all its ticks, and velocities seldom stay constant for longer.
+/// Not measured.
 pub(super) const TICKS: u64 = 64;
 
 impl StepContext<'_> {
@@ -48,7 +49,7 @@ impl StepContext<'_> {
             && (bodies.ticks.now as f64) < header.wake
     }
 
-    /// Lets a pair sleep that is proven apart from here on; returns whether the pair sleeps.
+    /// Lets a pair sleep that is proven separated from now on; returns whether the pair sleeps.
     pub(super) fn sleep<T: PairEngine>(
         &self,
         header: &mut PairHeader,
@@ -97,9 +98,9 @@ impl StepContext<'_> {
         whole > 0
     }
 
-    /// Looks at a pair from the begin of the last tick: returns true, and lets the pair sleep, if
-    /// the pair is proven farther apart than all thresholds for a tick at least. Else an impact of
-    /// the tick is noted, if there is one.
+    /// Queries a pair from the start of the last tick. If the pair is proven farther apart than all
+    /// thresholds for at least one tick, the pair sleeps and the result is true. Otherwise an
+    /// impact of the tick is recorded, if there is one.
     pub(super) fn sweep_pair<T: PairEngine>(
         &self,
         header: &mut PairHeader,
@@ -154,7 +155,7 @@ impl StepContext<'_> {
         false
     }
 
-    /// Returns whether the motions of the last tick go on: neither body was disturbed after the
+    /// Returns whether the motions of the last tick continue: neither body was disturbed after the
     /// tick.
     fn is_foreseen(&self, header: &PairHeader) -> bool {
         let bodies = self.bodies;
@@ -162,8 +163,8 @@ impl StepContext<'_> {
         self.schedule && bodies.ticks.length > 0.0 && !is_late(header.a) && !is_late(header.b)
     }
 
-    /// Lets a pair sleep that is proven apart from the begin of the last tick until a time after
-    /// that; returns whether the tick is covered.
+    /// Lets a pair sleep that is proven separated from the start of the last tick until a later
+    /// time; returns whether this covers the tick.
     fn sleep_from_start(&self, header: &mut PairHeader, until: f64) -> bool {
         let whole = ticks(until, self.bodies.ticks.length).min(TICKS);
         if whole > 0 {
@@ -181,8 +182,8 @@ impl StepContext<'_> {
         Some([sweeps[0].motion()?, sweeps[1].motion()?])
     }
 
-    /// Returns an upper bound of the distance of the poses of both bodies from their motions after
-    /// as many ticks as a pair may sleep.
+    /// Returns an upper bound of the difference between the poses of both bodies and their motions,
+    /// after as many ticks as a pair may sleep.
     fn margin(&self, header: &PairHeader, motions: &[Steady; 2], span: f64) -> f64 {
         let drift = |i: u32, motion: &Steady| {
             let reach = self.bodies.solids[i as usize].as_ref().map_or(0.0, |s| s.reach());

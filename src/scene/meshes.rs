@@ -1,5 +1,5 @@
-//! What a scene has for meshes alone: convex patches, from which the contacts of bodies that are
-//! not convex are computed, and vertices that callers replace.
+//! Calls and data for meshes: convex patches, which give the contacts of bodies that are not
+//! convex, and vertices that callers replace.
 
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::SCENE_REACH;
@@ -13,15 +13,15 @@ use alloc::sync::Arc;
 use nalgebra::Point3;
 
 impl Scene {
-    /// Returns the scene with the patches made.
+    /// Returns the scene with its convex patches.
     #[cfg(feature = "serde")]
     pub(super) fn with_patches(mut self) -> Self {
         self.make_patches();
         self
     }
 
-    /// Makes the patches of meshes and compounds whose contacts are enabled, once for each
-    /// shape.
+    /// Computes the convex patches of meshes and compounds whose contacts are enabled, once for
+    /// each geometry.
     pub(super) fn make_patches(&mut self) {
         let groups = self.table.manifold_groups();
         if !self.census.has_parts(groups) {
@@ -47,19 +47,20 @@ impl Scene {
 }
 
 impl Scene {
-    /// Replaces all vertices of a body that is a mesh, as
-    /// [`Mesh::set_vertices`](crate::Mesh::set_vertices): all queries see the mesh as it is then.
-    /// Until the next step all answers remain those of the last step.
+    /// Replaces all vertices of a mesh, as [`Mesh::set_vertices`](crate::Mesh::set_vertices) does.
     ///
-    /// A mesh that other bodies share is copied first, so that only this body bends. The patches
-    /// from which contacts are computed are made anew in the next step, in a time that grows with
-    /// the mesh. A tick sees the vertices as they are set before it, not where they will be:
-    /// impacts are those of the motion of the body. For those of its vertices ask
+    /// All later queries use the new vertices. Until the next step all results remain those of the
+    /// last step.
+    ///
+    /// If other bodies share the mesh, it is copied first, so that only this body deforms. The next
+    /// step computes the convex patches for contacts again, in a time that grows with the size of
+    /// the mesh. A tick uses the vertices that are set before it: impacts are those of the rigid
+    /// motion of the body. For impacts of moving vertices use
     /// [`continuous::cast_meshes`](crate::continuous::cast_meshes).
     ///
     /// # Errors
-    /// If the id is stale, the body no mesh, or the vertices are refused; the body keeps its
-    /// vertices.
+    /// Returns an error if the id is stale, the body is not a mesh, or the vertices are invalid;
+    /// the body keeps its vertices.
     #[doc(alias = "deform")]
     pub fn set_vertices(&mut self, id: BodyId, vertices: &[Point3<f64>]) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
@@ -70,7 +71,8 @@ impl Scene {
 }
 
 impl BodyTable {
-    /// Replaces the vertices of a mesh: to the stages of a step that is a motion of all its points.
+    /// Replaces the vertices of a mesh. For the stages of a step this is a motion of all its
+    /// points.
     fn bend(&mut self, i: usize, id: BodyId, vertices: &[Point3<f64>]) -> Result<(), SceneError> {
         let Some(solid) = &mut self.solids[i] else {
             return Err(SceneError::StaleBody { body: id });
@@ -78,12 +80,12 @@ impl BodyTable {
         let Geometry::Mesh(mesh) = &mut solid.shape else {
             return Err(SceneError::NotAMesh { body: id });
         };
-        // A ball about the box reaches no farther than thrice the largest coordinate.
+        // A ball around the box has a radius of at most three times the largest coordinate.
         let reach = vertices.iter().fold(0.0, |m: f64, p| m.larger(p.coords.amax()));
         if reach.is_finite() && reach > SCENE_REACH / 4.0 {
             return Err(SceneError::TooLarge { reach });
         }
-        // Patches share the mesh: without them it is not copied.
+        // Patches share the mesh; if they are dropped first, the mesh is not copied.
         let patches = solid.patches.take();
         let moved = match Arc::make_mut(mesh).move_all(vertices) {
             Ok(moved) if moved > 0.0 => moved,

@@ -1,5 +1,5 @@
-//! Many moving bodies: the broad phase finds overlapping boxes, one tracker follows each pair of
-//! overlapping boxes, and a step computes only the enabled queries.
+//! Scenes of many moving bodies. The broad phase finds the pairs whose boxes overlap, one tracker
+//! follows each of these pairs, and a step computes only the enabled queries.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -35,37 +35,39 @@
 //! # A step
 //!
 //! [`insert`](Scene::insert), [`remove`](Scene::remove), [`set_pose`](Scene::set_pose) and
-//! [`set_queries`](Scene::set_queries) gather changes; [`step`](Scene::step) applies the changes:
+//! [`set_queries`](Scene::set_queries) collect changes. [`step`](Scene::step) applies them in four
+//! stages:
 //!
-//! 1. **boxes** of the bodies that moved, grown by half of the distances of the queries;
-//! 2. **pairs** of boxes: a new pair gets a tracker if more than boxes is enabled, an ended pair
-//!    gives the tracker back;
-//! 3. **look**: the narrow phase of each called pair, unless a cheaper test answers (bodies at
-//!    rest, the displacement budget, two balls); then the tracker, with the depth of an overlap and
-//!    contact points only if enabled;
-//! 4. **events** in a fixed order.
+//! 1. **boxes**: compute the boxes of the bodies that moved, each grown by half of the largest
+//!    distance of its queries;
+//! 2. **pairs**: find the pairs of boxes that start or stop overlapping. A new pair gets a tracker
+//!    if more than `boxes` is enabled; a pair that ends drops its tracker;
+//! 3. **narrow phase**: query each active pair that no cheaper test has decided (bodies at rest,
+//!    displacement budget, two balls). The tracker computes the depth of an overlap and the contact
+//!    points only if they are enabled;
+//! 4. **events**: sort the events into a fixed order.
 //!
 //! [`pairs`](Scene::pairs), [`pairs_of`](Scene::pairs_of) a body and [`events`](Scene::events)
-//! return the results, [`report`](Scene::report) returns the cost. Further queries that a step does
-//! not answer: [`closest_pair`](Scene::closest_pair) of two groups,
-//! [`pairs_within`](Scene::pairs_within), [`nearest`](Scene::nearest),
-//! [`first_contact`](Scene::any_contact).
+//! return the results; [`report`](Scene::report) returns the cost. Four queries are computed on
+//! request, not by a step: [`closest_pair`](Scene::closest_pair) of two groups,
+//! [`pairs_within`](Scene::pairs_within), [`nearest`](Scene::nearest) and
+//! [`any_contact`](Scene::any_contact).
 //!
 //! # The nearest pair of a robot and its cell
 //!
-//! | when | how | microseconds a cycle |
+//! | when | how | µs per cycle |
 //! |---|---|---:|
-//! | every cycle, a range is known | query `distance` up to the range, least of [`pairs`](Scene::pairs) | 4 to 7 |
-//! | now and then, or no range is known | [`closest_pair`](Scene::closest_pair) with query `boxes`; keeps no features between calls | 13 to 21 |
-//! | few pairs, always the same | a [`Tracker`](crate::Tracker) for each | 17 to 31 |
-//! | distances of all pairs | query `distance` with the range infinity | 30 to 45 |
+//! | every cycle, a range is known | enable `distance` up to the range and take the least of [`pairs`](Scene::pairs) | 4 to 7 |
+//! | sometimes, or no range is known | [`closest_pair`](Scene::closest_pair) with `boxes` enabled; keeps no features between calls | 13 to 21 |
+//! | few pairs, always the same | one [`Tracker`](crate::Tracker) for each pair | 17 to 31 |
+//! | distances of all pairs | enable `distance` with an infinite range | 30 to 45 |
 //!
-//! The figures are medians of an arm of seven links among thirty boxes, itself included, 195 pairs,
-//! at a range of 0.2 m; the bodies move at 1 kHz.
+//! The times are medians for an arm of seven links among thirty boxes: 195 pairs, those of two
+//! links included. The range is 0.2 m, and the bodies move at 1 kHz.
 //!
-//! A distance is computed up to a range, and the least distance that a step found is the
-//! clearance. The answer for a pair is in the frames of the two bodies, as in
-//! [`Outcome`](crate::Outcome); the poses of the bodies lead to the world.
+//! A step computes a distance up to a range, and the least distance that it finds is the clearance.
+//! The results of a pair are in the frames of the two bodies, as in [`Outcome`](crate::Outcome);
+//! the poses of the bodies transform them to the world.
 //!
 //! ```
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -104,44 +106,45 @@
 //!
 //! # What it costs
 //!
-//! [`PairQueries`] is the price list. A pair with only events of overlaps or of `within` is tested
-//! when the bodies may have used up the distance between them, and not before: see [`budget`] for
-//! the rule and the proof. A distance is computed whenever a body of the pair has moved. A
-//! step without changes does nothing.
+//! [`PairQueries`] lists the work of each query. A pair with only events of overlaps or of `within`
+//! is tested only when the bodies may have used up the distance between them: see [`budget`] for
+//! the rule and the proof. A distance is computed whenever a body of the pair has moved. A step
+//! without changes does nothing.
 //!
-//! # Promises
+//! # Guarantees
 //!
-//! * Events and predicates are exact (feature `exact`) for the poses given: equal to brute force
-//!   over all pairs on every frame, with the budget or without. Distances have the bounds of
-//!   [`Tracker::closest`](crate::Tracker::closest).
-//! * Dropping a query never raises a counter of the narrow phase on the scenes tested; a query
-//!   that is not enabled is counted as exactly zero, and takes no memory.
-//! * Equal calls give equal answers, events and counts bit for bit, with any number of threads
-//!   (feature `parallel`), and after a scene was written and read back (feature `serde`; only
-//!   [`StepWork::swaps`], the work of sorted lists that are rebuilt then, may differ). Trackers of
-//!   compounds and meshes are not written: distances of such a pair then agree within the bounds.
-//!   The format must keep every bit of an `f64`: with `serde_json` switch on the feature
-//!   `float_roundtrip`.
-//! * A refused call names the fault and changes nothing ([`SceneError`]).
+//! * Events and predicates are exact for the poses given (feature `exact`). They equal those of
+//!   brute force over all pairs in every frame, with the budget and without it. Distances have the
+//!   bounds of [`Tracker::closest`](crate::Tracker::closest).
+//! * Switching off a query never raised a counter of the narrow phase in the scenes tested. A query
+//!   that is not enabled has a count of exactly zero and takes no memory.
+//! * Equal calls give equal results, events and counts bit for bit. This holds for any number of
+//!   threads (feature `parallel`) and after a scene was written and read back (feature `serde`).
+//!   Exceptions after reading: [`StepWork::swaps`], the work of sorted lists, may differ because
+//!   the lists are rebuilt. Trackers of compounds and meshes are not written, so the distances of
+//!   such a pair agree within the bounds. The format must keep every bit of an `f64`: with
+//!   `serde_json`, enable its feature `float_roundtrip`.
+//! * A call that returns an error ([`SceneError`]) changes nothing.
 //!
 //! # Limits
 //!
-//! Coordinates, radii and ranges are at most 1e37. Pairs are found by boxes in `f32` about the
-//! origin of [`Settings`]: scenes far from this origin pair more bodies than they need. Groups are
-//! 32.
+//! Coordinates, radii and ranges are at most 1e37. The broad phase stores boxes in `f32`, relative
+//! to the origin of [`Settings`], so far from this origin more pairs of boxes overlap than
+//! necessary. There are 32 groups.
 //!
 //! # Motion
 //!
-//! Bodies with velocities go on by [`advance`](Scene::advance), one tick between two steps. Pairs
-//! then sleep until the proof of their separation ends, and with the query `impact` a step finds
-//! the [`impacts`](Scene::impacts) within the tick in the order of time.
+//! [`advance`](Scene::advance) moves the bodies that have velocities, by one tick between two
+//! steps. Pairs then sleep until the proof of their separation ends. With the query `impact`, a
+//! step finds the [`impacts`](Scene::impacts) within the tick and returns them in the order of
+//! time.
 //!
-//! Source: Cohen, Lin, Manocha and Ponamgi 1995 (I-COLLIDE) join sweep and prune with one tracker a
-//! pair; Lin 1993 (section 5.4) asks that a simulation pay only for the enabled queries.
-//! Departures: pairs are kept in one table per level of detail; the wake-up is bounded by
-//! displacement instead of by time.
+//! Source: Cohen, Lin, Manocha and Ponamgi 1995 (I-COLLIDE) combine sweep and prune with one
+//! tracker per pair. Lin 1993 (section 5.4) requires that a simulation pay only for the enabled
+//! queries. Departures: pairs are stored in one table per level of detail; displacement bounds the
+//! wake-up, not time.
 //!
-//! What a caller asks of a scene: queries, bodies and their poses.
+//! This file holds the calls that set queries, bodies and their poses.
 
 mod answers;
 mod body;
@@ -186,7 +189,8 @@ pub use crate::scene::search::ClosestPair;
 use alloc::vec::Vec;
 use nalgebra::Isometry3;
 
-/// Bodies, the enabled queries, and the results of the last step. See the [module page](self).
+/// A scene: bodies, the enabled queries, and the results of the last step. See the [module
+/// page](self).
 #[doc(alias = "world")]
 #[doc(alias = "collision detection")]
 #[doc(alias = "i-collide")]
@@ -205,7 +209,7 @@ pub struct Scene {
     replanned: u32,
     /// Whether bodies were inserted, removed or moved to another group since the last step.
     changed: bool,
-    /// By group, as of the last step that applied changed queries: the growth of the boxes, and the
+    /// By group, after the last step that applied changed queries: the growth of the boxes, and the
     /// groups to pair with as bits.
     growths: [f64; GROUPS],
     partners: [u32; GROUPS],
@@ -235,16 +239,17 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Returns an empty scene about the origin, in which no query is enabled: without
-    /// [`set_queries`](Self::set_queries) a step does nothing but count the bodies that no query
-    /// covers ([`StepWork::without_queries`]).
+    /// Returns an empty scene around the origin, without any enabled query.
+    ///
+    /// Before [`set_queries`](Self::set_queries) enables a query, a step only counts the bodies
+    /// without queries ([`StepWork::without_queries`]).
     #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
     }
 
-    /// Returns an empty scene with the given settings: the origin of the boxes (precision is best
-    /// there), and the size from which on threads are used.
+    /// Returns an empty scene with the given settings: the origin of the boxes, where they are most
+    /// precise, and the number of bodies from which threads are used.
     #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
         let bodies = BodyTable {
@@ -273,11 +278,10 @@ impl Scene {
         }
     }
 
-    /// Returns an empty scene about the origin with the same queries for all pairs of bodies,
-    /// whatever the groups.
+    /// Returns an empty scene with the same queries for all pairs of groups.
     ///
     /// # Errors
-    /// The errors of [`set_queries`](Self::set_queries).
+    /// Returns the errors of [`set_queries`](Self::set_queries).
     pub fn with_queries(queries: PairQueries) -> Result<Self, SceneError> {
         let mut scene = Self::new();
         for g in 0..GROUPS {
@@ -288,15 +292,16 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Enables queries for the pairs of two groups (or of one group with itself), replacing the
-    /// queries that were enabled before. Takes effect with the next step, for existing pairs and
-    /// for pairs to come: new queries are computed, dropped queries are forgotten without an event,
-    /// unless no query at all is left.
+    /// Sets the queries for pairs of two groups, or of one group with itself.
+    ///
+    /// The new queries replace those that were enabled before. They take effect with the next step,
+    /// for existing and for new pairs. Results of queries that are no longer enabled are dropped
+    /// without an event; only if no query is left, the pairs end with events.
     ///
     /// # Errors
-    /// If a distance is NaN, negative or beyond 1e37 (only `distance` may be infinite), an option
-    /// of the manifold is NaN, or bodies of the two groups are of kinds that cannot answer an
-    /// query.
+    /// Returns an error if a distance is NaN, negative or beyond 1e37 (only `distance` may be
+    /// infinite), if an option of the manifold is NaN, or if bodies of the two groups are of kinds
+    /// that cannot answer one of the queries.
     pub fn set_queries(&mut self, these: Group, those: Group, queries: PairQueries) -> Result<(), SceneError> {
         if self.table.queries(these, those) == queries {
             return Ok(());
@@ -313,20 +318,20 @@ impl Scene {
         self.table.queries(these, those)
     }
 
-    /// Sets whether pairs sleep while the displacement budget answers for them; on by default. The
-    /// answers do not depend on the setting.
+    /// Sets whether pairs sleep as long as the displacement budget decides their queries. The
+    /// default is on; results do not depend on the setting.
     #[cfg(feature = "__internals")]
     #[doc(hidden)]
     pub fn set_budget(&mut self, on: bool) {
         self.budget = on;
     }
 
-    /// Puts a body into the scene.
+    /// Inserts a body into the scene.
     ///
     /// # Errors
-    /// If the pose is not a rigid motion or too far out, the shape too large or of a kind that
-    /// cannot answer an enabled query, the origin of the scene's settings not finite, or there
-    /// are too many bodies.
+    /// Returns an error if the pose is not a rigid motion or is out of range, if the geometry is
+    /// too large or of a kind that cannot answer an enabled query, if the origin of the scene's
+    /// settings is not finite, or if there are too many bodies.
     pub fn insert(&mut self, body: Body, pose: Isometry3<f64>) -> Result<BodyId, SceneError> {
         checked(&pose, None)?;
         let mut solid = BodySolid::new(body)?;
@@ -369,10 +374,10 @@ impl Scene {
         }
     }
 
-    /// Removes a body: the id is stale at once, the pairs of the body end with the next step.
+    /// Removes a body. Its id is stale at once; its pairs end with the next step.
     ///
     /// # Errors
-    /// If the id is stale.
+    /// Returns an error if the id is stale.
     pub fn remove(&mut self, id: BodyId) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
         self.broad.remove(self.bodies.proxies[i])?;
@@ -385,10 +390,11 @@ impl Scene {
         Ok(())
     }
 
-    /// Moves a body, however far. Until the next step all answers remain those of the last step.
+    /// Sets the pose of a body, at any distance from the last one. Until the next step all results
+    /// remain those of the last step.
     ///
     /// # Errors
-    /// If the id is stale or the pose refused; the body keeps its pose.
+    /// Returns an error if the id is stale or the pose is invalid; the body keeps its pose.
     pub fn set_pose(&mut self, id: BodyId, pose: Isometry3<f64>) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
         checked(&pose, Some(id))?;
@@ -396,11 +402,11 @@ impl Scene {
         Ok(())
     }
 
-    /// Puts a body into another group; the pairs of the body are tested again in the next step.
+    /// Moves a body to another group. The next step tests its pairs again.
     ///
     /// # Errors
-    /// If the id is stale, or the shape of the body is of a kind that cannot answer a query of
-    /// the group.
+    /// Returns an error if the id is stale, or if the geometry of the body is of a kind that cannot
+    /// answer a query of the group.
     pub fn set_group(&mut self, id: BodyId, group: Group) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
         let Some(solid) = &mut self.bodies.solids[i] else {
@@ -420,14 +426,14 @@ impl Scene {
         Ok(())
     }
 
-    /// Returns the pose last set. After [`set_pose`](Self::set_pose) the answers of the last step
-    /// are still those of the pose before.
+    /// Returns the current pose of a body. After [`set_pose`](Self::set_pose), the results of the
+    /// last step still belong to the previous pose.
     #[must_use]
     pub fn pose(&self, id: BodyId) -> Option<&Isometry3<f64>> {
         Some(&self.bodies.poses[self.bodies.index_of(id).ok()?])
     }
 
-    /// Returns the shape of a body.
+    /// Returns the geometry of a body.
     #[must_use]
     pub fn shape(&self, id: BodyId) -> Option<&Geometry> {
         let solid = self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?;
@@ -449,7 +455,7 @@ impl Scene {
     /// Sets the caller's number of a body: see [`Body::user_data`].
     ///
     /// # Errors
-    /// If the id is stale.
+    /// Returns an error if the id is stale.
     pub fn set_user_data(&mut self, id: BodyId, user_data: u64) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
         if let Some(solid) = &mut self.bodies.solids[i] {
@@ -469,8 +475,8 @@ impl Scene {
         self.bodies.ids()
     }
 
-    /// Returns the changes of the last step, in ascending order of the two bodies; for one pair in
-    /// the order of [`Change`].
+    /// Returns the changes of the last step, in ascending order of the two bodies. Changes of one
+    /// pair are in the order of [`Change`].
     #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.events

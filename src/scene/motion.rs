@@ -1,11 +1,11 @@
-//! Motions of bodies: velocities, the ticks by which a scene advances its bodies, and the sweeps of
-//! the step being prepared.
+//! Motions of bodies: velocities, the ticks by which a scene advances its bodies, and the swept
+//! motions of the step being prepared.
 //!
-//! A *tick* is one call of [`Scene::advance`](super::Scene::advance). While all ticks are equally
-//! long and a body is moved by ticks alone, at one velocity, the motion of the body is known ahead.
-//! A body is *disturbed* in a step if a call gave the body another velocity or another pose. From
-//! the first tick on every body has a row of motions, with a velocity or without: no pair sleeps
-//! before that tick, and afterwards no disturbance is lost.
+//! A *tick* is one call of [`Scene::advance`](super::Scene::advance). The motion of a body is known
+//! in advance as long as all ticks are equally long and only ticks move the body, at one velocity.
+//! A body is *disturbed* in a step if a call sets another velocity or another pose. From the first
+//! tick on every body has a row of motions, with or without a velocity: no pair sleeps before that
+//! tick, and afterwards no disturbance is lost.
 
 use crate::base::motion::{Motion, Steady, Velocity, displacement};
 use crate::base::num::Counter;
@@ -16,19 +16,19 @@ use crate::scene::{BodyId, PairImpact, Scene, SceneError};
 use alloc::vec::Vec;
 use nalgebra::Isometry3;
 
-/// Velocity of a body, and the steps in which the motion last changed.
+/// Velocity of a body, and the steps in which its motion last changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Moving {
     pub(super) velocity: Velocity,
-    /// The last two steps in which the body was disturbed, the later first.
+    /// The last two steps in which the body was disturbed, the later one first.
     disturbed: [u32; 2],
     /// The last step in which the body was disturbed after a tick of that step.
     late: u32,
 }
 
 impl Moving {
-    /// Notes that the motion of the body changes in a step, before or after the tick.
+    /// Records that the motion of the body changes in a step, before or after the tick.
     pub(super) fn disturb(&mut self, step: u32, is_late: bool) {
         if self.disturbed[0] != step {
             self.disturbed = [step, self.disturbed[0]];
@@ -46,8 +46,8 @@ impl Moving {
         self.late == step
     }
 
-    /// Returns whether the body was disturbed in this step and in the step before, as by a solver
-    /// that changes velocities in every step: then a look ahead is wasted.
+    /// Returns whether the body was disturbed in this step and in the step before, for instance by
+    /// a solver that changes velocities in every step. A look-ahead query is then useless.
     pub(super) fn is_steered(&self, step: u32) -> bool {
         self.disturbed == [step, step.wrapping_sub(1)]
     }
@@ -59,21 +59,22 @@ impl Moving {
 pub(super) struct Sweep {
     /// The pose before the tick.
     pub(super) from: Isometry3<f64>,
-    /// The velocity during the tick; zero for a body that was moved after the tick alone.
+    /// The velocity during the tick; zero for a body that only a call after the tick moved.
     pub(super) velocity: Velocity,
 }
 
 impl Sweep {
-    /// Returns the motion; `None` if a velocity is beyond the range of motions.
+    /// Returns the motion, or `None` if a velocity is beyond the range of motions.
     pub(super) fn motion(&self) -> Option<Steady> {
         Steady::new(&self.from, self.velocity).ok()
     }
 
-    /// Returns the growth of the box about both ends of a sweep that holds the body at every
-    /// instant between. The body's own origin goes straight, and no point is farther than `radius`
-    /// from the origin: the second derivative of its place is at most `radius w^2`, hence the
-    /// distance from the chord of both ends at most `radius (w t)^2 / 8`. The drift of the motion
-    /// is the rounding of the poses. No turn carries a point farther than the diameter.
+    /// Returns the growth for which the box around the start and the end of a swept motion contains
+    /// the body at every instant between. The origin of the body moves on a straight line, and no
+    /// point is farther than `radius` from the origin. So the second derivative of the position of
+    /// a point is at most `radius w^2`, and its distance from the chord is at most `radius (w t)^2
+    /// / 8`. The drift of the motion accounts for the rounding of the poses. No rotation moves a
+    /// point farther than the diameter.
     pub(super) fn bulge(&self, radius: f64, time: f64) -> f64 {
         let angle = self.velocity.angular.norm() * time;
         let model = self.motion().map(|motion| motion.model(0.0, time));
@@ -83,8 +84,8 @@ impl Sweep {
     }
 
     /// Returns an upper bound of the displacement of any point of the body from its start, at every
-    /// instant of the sweep. The bound is finite at every velocity: the body's own origin goes
-    /// straight, and no turn carries a point farther than the diameter.
+    /// instant of the swept motion. The bound is finite at every velocity, because the origin of
+    /// the body moves on a straight line and no rotation moves a point farther than the diameter.
     pub(super) fn displacement(&self, radius: f64, time: f64) -> f64 {
         let (start, way) = (&self.from.translation.vector, self.velocity.linear * time);
         let straight = displacement(&way, 0.0, &self.from.rotation, &self.from.rotation);
@@ -104,16 +105,17 @@ pub(super) struct Ticks {
     pub(super) now: u64,
     /// Length of the last tick.
     pub(super) length: f64,
-    /// Whether a tick came since the last step.
+    /// Whether there was a tick since the last step.
     pub(super) is_pending: bool,
-    /// Whether impacts were enabled when that tick began, so that the step needs its sweeps.
+    /// Whether impacts were enabled when that tick started, so that the step needs its swept
+    /// motions.
     pub(super) is_swept: bool,
     /// Whether the length of a tick changed since the last step.
     pub(super) is_changed: bool,
 }
 
 impl Ticks {
-    /// Begins a tick.
+    /// Starts a tick.
     pub(super) fn begin(&mut self, length: f64, is_swept: bool) {
         self.is_changed |= self.length != length;
         self.length = length;
@@ -121,8 +123,8 @@ impl Ticks {
         self.now.count(1);
     }
 
-    /// Returns the tick that comes some ticks later, as the number that a pair stores: rounded
-    /// down, so that beyond 2^53 ticks a pair sleeps less, and never too long.
+    /// Returns the number of the tick after `by` further ticks, as a pair stores it. The number is
+    /// rounded down, so that beyond 2^53 ticks a pair sleeps less and never too long.
     pub(super) fn later(&self, by: u64) -> f64 {
         let tick = self.now.saturating_add(by);
         let stored = tick as f64;
@@ -133,7 +135,7 @@ impl Ticks {
         }
     }
 
-    /// Ends a tick that moved nothing. Whether the length changed is kept for the next step.
+    /// Ends a tick that moved nothing. The next step still sees whether the length changed.
     pub(super) fn end_idle(&mut self) {
         (self.is_pending, self.is_swept) = (false, false);
     }
@@ -145,10 +147,10 @@ impl Ticks {
 }
 
 impl Scene {
-    /// Gives a moving body a velocity, used by [`advance`](Self::advance).
+    /// Sets the velocity of a moving body, which [`advance`](Self::advance) uses.
     ///
     /// # Errors
-    /// If the id is stale, the body fixed, or the velocity not finite.
+    /// Returns an error if the id is stale, the body is fixed, or the velocity is not finite.
     pub fn set_velocity(&mut self, id: BodyId, velocity: Velocity) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
         if self.bodies.solids[i].as_ref().is_some_and(|s| s.fixed) {
@@ -173,16 +175,17 @@ impl Scene {
         Some(self.bodies.velocity(i))
     }
 
-    /// Moves every body by its velocity for a time, straight and evenly turning: one tick. A
-    /// negative time goes back.
+    /// Advances every body by `time` at constant linear and angular velocity: one tick. A negative
+    /// time moves backwards.
     ///
-    /// Equal ticks let pairs of bodies at constant velocities sleep until the proof of their
-    /// separation ends. If an impact is enabled between any groups, a step sees one tick.
+    /// If ticks are equally long, pairs of bodies at constant velocities sleep until the proof of
+    /// their separation ends. If an impact is enabled between any groups, call [`step`](Self::step)
+    /// after each tick.
     ///
     /// # Errors
-    /// If the time is not finite, a body would leave the scene's reach or turn by an angle beyond
-    /// the range of f64, or an impact is enabled and the scene was advanced since the last step;
-    /// then no body has moved.
+    /// Returns an error if the time is not finite, if a body would leave the range of the scene or
+    /// rotate by an angle beyond the range of f64, or if an impact is enabled and the scene was
+    /// advanced since the last step. Then no body has moved.
     pub fn advance(&mut self, time: f64) -> Result<(), SceneError> {
         if !time.is_finite() {
             return Err(SceneError::Velocity);
@@ -214,7 +217,7 @@ impl Scene {
     }
 
     /// Sets whether pairs of bodies at constant velocities sleep until the proof of their
-    /// separation ends, see [`schedule`](crate::schedule); on by default. The answers do not depend
+    /// separation ends, see [`schedule`](crate::schedule). The default is on; results do not depend
     /// on the setting.
     #[cfg(feature = "__internals")]
     #[doc(hidden)]
@@ -222,9 +225,11 @@ impl Scene {
         self.schedule = on;
     }
 
-    /// Returns the impacts of the last step in the order of [`PairImpact::safe`], then of the two
-    /// bodies: each pair with the query `impact` whose bodies were apart before the tick and are
-    /// not proven to stay apart during it.
+    /// Returns the impacts of the last step, ordered by [`PairImpact::safe`] and then by the two
+    /// bodies.
+    ///
+    /// There is one for each pair with the query `impact` whose bodies were separated before the
+    /// tick and are not proven to stay separated during the tick.
     ///
     /// ```
     /// use lin_canny::impact::{Impact, Tolerance};
@@ -252,8 +257,9 @@ impl Scene {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// Bodies that share a point before the tick are no impact: `overlap` has those. A body that
-    /// [`set_pose`](Self::set_pose) moves jumps, before or after the tick.
+    /// Bodies that share a point before the tick have no impact; use the query `overlap` to find
+    /// them. A body that [`set_pose`](Self::set_pose) moves before or after the tick jumps: its
+    /// path is not tested.
     #[doc(alias = "ccd")]
     #[doc(alias = "tunnelling")]
     #[must_use]

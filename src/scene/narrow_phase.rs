@@ -1,5 +1,5 @@
-//! Narrow phase of one pair in a step: tests from the cheapest on, and the tracker if no cheaper
-//! test answers.
+//! Narrow phase of one pair in a step: the cheapest test first, and the tracker if no cheaper test
+//! decides.
 
 use alloc::vec::Vec;
 
@@ -18,7 +18,7 @@ use crate::base::pose::RelativePose;
 use crate::convex::tracker::Workspace;
 use crate::pair::outcome::{ContactState, Outcome};
 
-/// The parts of a scene that the narrow phase reads.
+/// The data of a scene that the narrow phase reads.
 pub(super) struct StepContext<'a> {
     pub(super) bodies: &'a BodyTable,
     pub(super) table: &'a Table,
@@ -27,13 +27,13 @@ pub(super) struct StepContext<'a> {
     pub(super) schedule: bool,
 }
 
-/// Counts and changes of the narrow phase, besides the answers.
+/// Counts and changes of the narrow phase, in addition to the results.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
     pub(super) counts: StepWork,
     pub(super) changes: Vec<PairChange>,
     pub(super) impacts: Vec<PairImpact>,
-    /// Lent to the trackers in turn.
+    /// Working memory that the trackers borrow one after the other.
     pub(super) workspace: Workspace,
 }
 
@@ -77,7 +77,7 @@ impl StepContext<'_> {
         travels[header.a as usize].odometer + travels[header.b as usize].odometer
     }
 
-    /// Returns whether the last answer remains valid: neither body moved, or the budget is not used
+    /// Returns whether the last result remains valid: neither body moved, or the budget is not used
     /// up.
     #[inline]
     fn is_answered(&self, header: &mut PairHeader, counts: &mut StepWork) -> bool {
@@ -97,7 +97,7 @@ impl StepContext<'_> {
             counts.resting += 1;
             return true;
         }
-        // Written so that NaN leads to a test.
+        // With NaN the pair is tested.
         if self.budget && a.odometer + b.odometer < header.wake {
             counts.skipped += 1;
             return true;
@@ -131,7 +131,8 @@ impl StepContext<'_> {
         tally: &mut Tally,
     ) {
         let plan = self.table.plan(header.groups);
-        // Balls before shapes: a far pair then reads no shape. A sweep must come before its balls.
+        // Balls before geometries, so that a far pair reads no geometry. A swept motion must come
+        // before its balls.
         if plan.impact.is_none() && self.is_clear(header, plan.reach, &mut tally.counts) {
             return drop_contacts(tracker, answer);
         }
@@ -148,7 +149,7 @@ impl StepContext<'_> {
         {
             return drop_contacts(tracker, answer);
         }
-        // Poses within the reach of a scene always have a relative pose.
+        // Poses within the range of a scene always have a relative pose.
         let Ok(pose) = RelativePose::new(&self.bodies.poses[a], &self.bodies.poses[b]) else {
             return;
         };
@@ -202,7 +203,7 @@ fn drop_contacts<T: PairEngine, A: StoredAnswer>(tracker: &mut T, answer: &mut A
     }
 }
 
-/// Returns how much the distance of a pair without a measured distance may change before an answer
+/// Returns how much the distance of a pair without a measured distance may change before a result
 /// changes.
 fn slack_of(plan: &PairPlan, outcome: &Outcome) -> f64 {
     // The upper bound of an overlap without depth is 0.

@@ -1,4 +1,4 @@
-//! The state of a pair in a table: a [`Tracker`] of two polyhedra, a [`MixedPair`] of all others.
+//! The state of a pair in a table: a [`Tracker`] for two polyhedra, a [`MixedPair`] for all others.
 
 use alloc::boxed::Box;
 #[cfg(feature = "serde")]
@@ -20,8 +20,8 @@ use crate::pair_tracker::geometry::{Geometry, GeometryRef};
 use crate::pair_tracker::{Engine, LentPair};
 use crate::time::separation::{Measurement, PolyhedronPair, Separation, ShapePair};
 
-/// What a contact stage starts from: the last outcome, the options, and the patches of bodies that
-/// are not convex.
+/// Input of the contact stage: the last outcome, the options, and the patches of bodies that are
+/// not convex.
 pub(super) struct ContactAsk<'a> {
     pub(super) outcome: &'a Outcome,
     pub(super) options: &'a ManifoldOptions,
@@ -29,10 +29,10 @@ pub(super) struct ContactAsk<'a> {
     pub(super) patches: [Option<&'a ConvexPatches>; 2],
 }
 
-/// What an update of contact points did.
+/// Result of an update of contact points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Contacted {
-    /// The pair has no contact points that can be found.
+    /// No contact points can be found for the pair.
     Nothing,
     /// The points were measured again.
     Kept,
@@ -40,27 +40,29 @@ pub(super) enum Contacted {
     Renewed,
 }
 
-/// State of a pair between steps. Implemented by two types, so that pairs of polyhedra pay nothing
-/// for the other kinds.
+/// State of a pair between steps. Two types implement it, so that pairs of polyhedra do not pay for
+/// the other kinds.
 pub(super) trait PairEngine: Clone + Send + Sync {
-    /// The two shapes in the form in which they are measured.
+    /// The two geometries in the form in which they are measured.
     type Shapes<'a>: Copy;
 
-    /// Returns the shapes of a pair of this type; `None` for another pair.
+    /// Returns the geometries of a pair of this type; `None` for another pair.
     fn shapes<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<Self::Shapes<'a>>;
 
-    /// Returns the signed distance with bounds and features; an overlap without a depth if `until`
-    /// is [`DepthMode::None`].
+    /// Returns the signed distance with bounds and features. An overlap has no depth if `until` is
+    /// [`DepthMode::None`].
     fn measure(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, until: DepthMode) -> Outcome;
 
-    /// Exchanges the working memory of measurements, which holds nothing between two, for another.
+    /// Exchanges the working memory of measurements for another. It contains nothing between two
+    /// measurements.
     fn exchange(&mut self, _: &mut Workspace) {}
 
-    /// Returns whether the shapes are at most `d` apart, from the outcome of the last measurement.
+    /// Returns whether the geometries are at most `d` apart, from the outcome of the last
+    /// measurement.
     fn decides_within(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool;
 
-    /// Asks the pair in the form that can be measured over time, with the last outcome as a
-    /// measure.
+    /// Returns the pair in the form that can be measured over time, with the last outcome as a
+    /// measurement.
     fn over_time<R>(
         &mut self,
         shapes: Self::Shapes<'_>,
@@ -86,24 +88,24 @@ pub(super) trait PairEngine: Clone + Send + Sync {
     /// Forgets the contacts of a pair that is beyond the prediction.
     fn drop_contacts(&mut self) {}
 
-    /// Returns the pieces or triangles of the last measurement; zero for shapes of one piece.
+    /// Returns the subshapes of the last measurement; zero for geometries with one piece.
     fn pieces(&self) -> [u32; 2] {
         [0; 2]
     }
 
-    /// Returns the number of triangles of the cached surface of an overlap.
+    /// Returns the number of triangles of the cached polytope of an overlap.
     fn facets(&self) -> usize {
         0
     }
 
-    /// Drops the cached surface of an overlap.
+    /// Drops the cached polytope of an overlap.
     fn shed(&mut self) {}
 
     /// Returns the bytes on the heap.
     fn memory_usage(&self) -> usize;
 
-    /// Returns an engine that begins with this state, for the two bodies in the order of the pair
-    /// or in the other.
+    /// Returns an engine that starts with this state, for the two bodies in the order of the pair
+    /// or in the opposite order.
     fn started(&self, a: &Geometry, b: &Geometry, is_in_order: bool) -> Option<Engine>;
 }
 
@@ -141,8 +143,8 @@ impl PairEngine for Tracker {
         ask(&mut pair, seen)
     }
 
-    /// If the bodies have hardly moved since the manifold was made, the points are measured again,
-    /// else the manifold is rebuilt from the outcome.
+    /// If the bodies have hardly moved since the manifold was computed, its points are measured
+    /// again. Otherwise it is rebuilt from the outcome.
     fn update_manifold(
         &mut self,
         (a, b): Self::Shapes<'_>,
@@ -180,8 +182,8 @@ impl PairEngine for Tracker {
     }
 }
 
-/// The state of a pair that is not of two polyhedra: its engine, the parts of the last measurement,
-/// and the contacts if they are enabled.
+/// The state of a pair that is not of two polyhedra: its engine, the subshapes of the last
+/// measurement, and the contacts if they are enabled.
 #[derive(Clone, Debug)]
 pub(super) struct MixedPair {
     engine: Box<Engine>,
@@ -219,7 +221,7 @@ impl PairEngine for MixedPair {
         ask(&mut self.engine.lend(shapes).over_time(), seen.map(ShapePair::seen))
     }
 
-    /// Convex shapes have a manifold, compounds and meshes contacts by patches.
+    /// Convex shapes have a manifold; compounds and meshes have contacts by convex patches.
     fn update_manifold(
         &mut self,
         shapes: Self::Shapes<'_>,
@@ -284,7 +286,7 @@ impl From<Engine> for MixedPair {
     }
 }
 
-/// A pair of either table, on its way to one.
+/// A pair that moves from a table to another.
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant, reason = "polyhedra, the usual pair, stay in place")]
 pub(super) enum AnyPair {
@@ -293,7 +295,7 @@ pub(super) enum AnyPair {
 }
 
 impl AnyPair {
-    /// Returns the state of a pair without a start.
+    /// Returns the state of a pair without start features.
     pub(super) fn new(a: &Geometry, b: &Geometry) -> Self {
         match Engine::new([a.into(), b.into()]) {
             Engine::Polyhedra(engine) => Self::Polyhedra(engine.tracker),
@@ -304,12 +306,12 @@ impl AnyPair {
 
 #[cfg(feature = "serde")]
 impl MixedPair {
-    /// Returns the part of the state that is written.
+    /// Returns the state that is written to a file.
     pub(super) fn stored(&self) -> StoredEngine {
         self.engine.stored(self.parts)
     }
 
-    /// Returns the state of two bodies as written; `None` if it is of other kinds.
+    /// Returns the state of two bodies from a file; `None` if it is of other kinds.
     pub(super) fn restored(stored: StoredEngine, a: &Geometry, b: &Geometry) -> Option<Self> {
         let mut pair = Self::from(Engine::new([a.into(), b.into()]));
         if discriminant(&pair.stored()) != discriminant(&stored) {

@@ -1,4 +1,4 @@
-//! Tables of pairs: one table for each level of detail, so that a pair takes memory only for the
+//! Tables of pairs: one table for each level of detail, so that a pair uses memory only for the
 //! enabled queries.
 //!
 //! ```text
@@ -8,9 +8,9 @@
 //! row n - 1    | a, b |   | .... |   | .... |     rows[slot of the pair] = (table, row)
 //! ```
 //!
-//! The three lists of a table are parallel: a pair has one row number in all three. Lists have no
-//! gaps: the last pair moves to a row that becomes free. Pairs of two polyhedra have tables of
-//! their own, so that the trackers of other kinds cost these pairs nothing.
+//! The three lists of a table are parallel: a pair has the same row number in all three. Lists have
+//! no gaps: the last pair moves to a row that becomes free. Pairs of two polyhedra have separate
+//! tables, so that the trackers of other kinds cost these pairs nothing.
 
 use alloc::vec::Vec;
 
@@ -26,7 +26,7 @@ use crate::pair::outcome::{DepthMode, Distance, Outcome};
 use crate::pair_tracker::Engine;
 use crate::pair_tracker::geometry::Geometry;
 
-/// The part of a pair that is read before a query.
+/// The header of a pair, which is read before a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct PairHeader {
@@ -37,12 +37,12 @@ pub(super) struct PairHeader {
     pub(super) pair: PairId,
     pub(super) groups: GroupPair,
     pub(super) state: PairFlags,
-    /// Sum of the odometers from which on the pair is tested again; for a pair that sleeps, the
-    /// number of the tick.
+    /// Sum of the odometers at which the pair is tested again; for a pair that sleeps, the number
+    /// of the tick.
     pub(super) wake: f64,
 }
 
-/// Predicates of a pair as of the last test.
+/// Predicates of a pair at the last test.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct PairFlags {
@@ -50,13 +50,13 @@ pub(super) struct PairFlags {
     pub(super) known: bool,
     pub(super) overlaps: bool,
     pub(super) within: bool,
-    /// Whether the distance is within the range of the query, so that the table holds an answer.
+    /// Whether the distance is within the range of the query, so that the table contains a result.
     pub(super) measured: bool,
-    /// Whether the pair is proven apart until a tick.
+    /// Whether the pair is proven separated until a tick.
     pub(super) sleeps: bool,
 }
 
-/// Pairs that store one kind of answer.
+/// Pairs that store one kind of result.
 #[derive(Clone, Debug)]
 pub(super) struct PairTable<T, A> {
     pub(super) headers: Vec<PairHeader>,
@@ -131,9 +131,9 @@ impl<T: PairEngine, A: StoredAnswer> PairTable<T, A> {
     }
 }
 
-/// Location of the pair of a slot: the table in the four upper bits, below them whether the event
-/// of its boxes was sent, and the row in the lower half. There are fewer pairs than 2^32 at once,
-/// so every row number fits.
+/// Location of the pair of a slot. The four upper bits are the table. Below them is whether the
+/// event of its boxes was sent, and the lower half is the row. There are fewer pairs than 2^32 at
+/// once, so every row number fits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct TableRow(u64);
 
@@ -144,7 +144,7 @@ const BOX_EVENT_SENT: u64 = 1 << 59;
 const MIXED: u32 = 4;
 
 impl TableRow {
-    /// Entry of a pair of boxes alone, and of a slot without a pair.
+    /// Entry of a pair with only the query `boxes`, and of a slot without a pair.
     const NONE: Self = Self(15 << TABLE);
 
     fn of(table: u32, row: u32) -> Self {
@@ -168,7 +168,7 @@ impl TableRow {
 #[derive(Debug, Default)]
 pub(super) struct PairState {
     pub(super) state: PairFlags,
-    /// `None` for a pair that no table held.
+    /// `None` for a pair that was in no table.
     pub(super) tracker: Option<AnyPair>,
     /// Whether the event that the boxes met was sent.
     pub(super) box_event_sent: bool,
@@ -294,9 +294,9 @@ pub(super) struct PairTables {
 }
 
 impl PairTables {
-    /// Inserts a pair into the table of its level of detail, keeping the state that is still called
-    /// for; pairs of boxes alone are not stored. The pair is tested in this step, whatever was
-    /// known before.
+    /// Inserts a pair into the table of its level of detail, and keeps the state that is still
+    /// needed. Pairs with only the query `boxes` are not stored. The pair is tested in this step in
+    /// any case.
     pub(super) fn insert(&mut self, plan: &PairPlan, header: PairHeader, pair_state: PairState) {
         let slot = header.pair.slot as usize;
         let state = PairFlags {
@@ -341,7 +341,7 @@ impl PairTables {
             };
         };
         if let Some(moved) = moved {
-            // The last pair of the table moved to this row; its own box event flag stays.
+            // The last pair of the table moved to this row; its box event flag stays.
             let entry = &mut self.rows[moved as usize];
             *entry = TableRow(freed.0 & !BOX_EVENT_SENT | entry.0 & BOX_EVENT_SENT);
         }
@@ -363,8 +363,8 @@ impl PairTables {
         }
     }
 
-    /// Returns an engine that begins with the state of the pair of a slot, for the two bodies in
-    /// the order of the pair or in the other.
+    /// Returns an engine that starts with the state of the pair of a slot, for the two bodies in
+    /// the order of the pair or in the opposite order.
     pub(super) fn started(&self, slot: u32, [a, b]: [&Geometry; 2], is_in_order: bool) -> Option<Engine> {
         let entry = self.rows.get(slot as usize)?;
         let (table, row) = (entry.table(), entry.row());

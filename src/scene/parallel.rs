@@ -1,6 +1,6 @@
-//! Feature `parallel`: the two stages in which bodies and pairs are independent of each other,
-//! distributed to threads in runs. Runs are joined in order and sums do not depend on the order, so
-//! that any number of threads gives equal bits.
+//! Feature `parallel`: multithreading of the two stages in which bodies and pairs are independent
+//! of each other. Threads process runs of them; runs are joined in order and sums do not depend on
+//! the order, so any number of threads gives equal bits.
 
 use alloc::vec::Vec;
 
@@ -14,13 +14,14 @@ use super::step::Boxes;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb};
 
-/// Bodies of one task: enough to be worth a task. Not measured.
+/// Number of bodies of one task. Not measured.
 const RUN: usize = 1024;
 
-/// Pairs of one task: fewer, as a query takes longer than a box. Not measured.
+/// Number of pairs of one task: fewer than bodies, because a query takes longer than a box. Not
+/// measured.
 const PAIRS: usize = 128;
 
-/// Makes the boxes of all due bodies, which are in ascending order.
+/// Computes the boxes of all due bodies, which are in ascending order.
 pub(super) fn make_boxes(
     boxes: &Boxes<'_>,
     hints: &mut [BoxHint],

@@ -1,6 +1,6 @@
-//! The price list of a scene: queries per pair of groups, resolved to the lowest level of detail
-//! that answers.
-//! A census of the kinds of bodies tells which queries their pairs can answer.
+//! The queries that a scene computes for each pair of groups, and the lowest level of detail that
+//! answers them. A census counts the bodies by kind, and so shows which queries their pairs can
+//! answer.
 
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::SCENE_REACH;
@@ -12,8 +12,8 @@ use crate::time::impact::Tolerance;
 use alloc::boxed::Box;
 use alloc::collections::BTreeMap;
 
-/// One of 32 groups. Every body is in one group; the groups of two bodies select the queries of the
-/// pair.
+/// One of 32 groups. Every body is in one group, and the groups of two bodies select the queries of
+/// the pair.
 ///
 /// ```
 /// use lin_canny::scene::Group;
@@ -71,21 +71,21 @@ impl From<Group> for u8 {
     }
 }
 
-/// Queries that are enabled for the pairs of two groups. Every query left out is neither computed
-/// nor stored.
+/// The queries to run for pairs of bodies of two groups. A query that is not enabled is neither
+/// computed nor stored.
 ///
 /// | level of detail | enabled by | work of a step for a pair | memory of a pair |
 /// |---|---|---|---|
 /// | nothing | [`none`](Self::none) | the bodies are never paired | nothing |
-/// | boxes | `boxes` | boxes begin and cease to overlap | a slot |
-/// | predicates | `overlap`, `within`, `impact` | an exact yes or no, or the budget | a tracker |
+/// | boxes | `boxes` | events when boxes start and stop overlapping | a slot |
+/// | predicates | `overlap`, `within`, `impact` | exact predicate, or the budget | a tracker |
 /// | distance | `distance`, `depth`, `local_depth` | signed distance, bounds | distance as well |
 /// | features | `features` | features, witnesses and normal as well | the outcome as well |
 /// | manifold | `manifold` | contact points as well | a manifold as well, within its prediction |
 ///
-/// A level includes the levels above in the table as far as they are enabled: events of overlaps
-/// need no further query if a distance is computed anyway. `depth` and `local_depth` are properties
-/// of the levels from distance on: without them an overlap is only known to be an overlap.
+/// A level also answers the enabled queries of the levels above it in the table: if a distance is
+/// computed, events of overlaps cost nothing more. `depth` and `local_depth` add to the levels from
+/// `distance` on: without them an overlap has no depth.
 ///
 /// ```
 /// use lin_canny::scene::PairQueries;
@@ -97,46 +97,49 @@ impl From<Group> for u8 {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct PairQueries {
-    /// Events when the boxes of two bodies begin and cease to overlap. The boxes are grown for the
+    /// Events when the boxes of two bodies start and stop overlapping. The boxes are grown by the
     /// distances of the queries below.
     pub boxes: bool,
-    /// Whether two bodies share a point, exactly; events when they begin and cease to. Touching is
-    /// sharing.
+    /// Whether two bodies share a point, exactly, and events when this changes. Touching bodies
+    /// share a point.
     pub overlap: bool,
-    /// Whether two bodies are at most this far apart, exactly; events when the bodies come within
-    /// this distance and leave it. Boxes grow by this distance.
+    /// Whether two bodies are at most this far apart, exactly, and events when this changes. Boxes
+    /// grow by this distance.
     pub within: Option<f64>,
-    /// The signed distance, with bounds, of bodies no farther apart than this. Boxes grow by this
-    /// distance; infinity means all pairs of the two groups, as many as the product of the group
-    /// sizes.
+    /// The signed distance, with bounds, of bodies at most this far apart. Boxes grow by this
+    /// distance. If it is infinite, all pairs of the two groups are measured: as many as the
+    /// product of the group sizes.
     #[cfg_attr(feature = "serde", serde(with = "range"))]
     pub distance: Option<f64>,
-    /// Features, witness points and normal of the pairs with a distance. Without `distance`, pairs
-    /// up to `within` apart are measured, or, if `within` is not set, bodies that share a point.
+    /// Features, witness points and normal of the pairs that have a distance. Without `distance`,
+    /// pairs at most `within` apart are measured; if `within` is not set either, only bodies that
+    /// share a point.
     pub features: bool,
-    /// The depth of an overlap: without this query and `local_depth` an overlap has the distance 0
-    /// and no lower bound. Without `distance` or `features` only overlaps are measured.
+    /// The depth of an overlap. Without this query and `local_depth`, an overlap has the distance 0
+    /// and no lower bound. Without `distance` or `features`, only overlaps are measured.
     pub depth: bool,
-    /// A local depth of an overlap, where `depth` does not call for the least: an upper bound for
-    /// a fraction of the time, see [`Tracker::closest_with_local_depth`]. Convex bodies other than
-    /// polyhedra, sharp or rounded, get the depth. Without `distance` or `features` only overlaps
-    /// are measured.
+    /// An upper bound of the depth of an overlap. It has no effect if `depth` is enabled or
+    /// `manifold` requires the depth. It takes a fraction of the time of the depth, see
+    /// [`Tracker::closest_with_local_depth`]. Convex bodies other than polyhedra, sharp or rounded,
+    /// get the depth. Without `distance` or `features`, only overlaps are measured.
     ///
     /// [`Tracker::closest_with_local_depth`]: crate::Tracker::closest_with_local_depth
     #[cfg_attr(feature = "serde", serde(default))]
     pub local_depth: bool,
-    /// The contact points of bodies within the prediction of these options, including the queries
-    /// of `features` and `depth` (of `local_depth` if the options call for no more). Boxes grow by
-    /// the prediction.
+    /// The contact points of bodies within the prediction of these options. Includes the queries
+    /// `features` and `depth`, or `local_depth` instead of `depth` if the options say so. Boxes
+    /// grow by the prediction.
     pub manifold: Option<ManifoldOptions>,
-    /// Continuous detection: when two bodies that [`Scene::advance`](super::Scene::advance) moves
-    /// first meet between two steps, however fast and thin they are, in a bracket of this width:
-    /// [`Scene::impacts`](super::Scene::impacts). Boxes of both groups hold the whole sweep.
+    /// Continuous collision detection: the first time between two steps at which two bodies meet,
+    /// as a bracket of this width. It finds collisions of bodies that
+    /// [`Scene::advance`](super::Scene::advance) moves, however fast or thin they are; see
+    /// [`Scene::impacts`](super::Scene::impacts). Boxes of both groups contain the whole swept
+    /// motion.
     pub impact: Option<Tolerance>,
 }
 
 impl PairQueries {
-    /// Returns no effects: the bodies of the two groups are not even paired.
+    /// Returns no queries: the bodies of the two groups are not even paired.
     #[must_use]
     pub const fn none() -> Self {
         Self {
@@ -166,14 +169,14 @@ impl PairQueries {
         self
     }
 
-    /// Returns the queries with [`within`](field@Self::within) a distance.
+    /// Returns the queries with [`within`](field@Self::within) set to a distance.
     #[must_use]
     pub const fn within(mut self, within: f64) -> Self {
         self.within = Some(within);
         self
     }
 
-    /// Returns the queries with the [`distance`](field@Self::distance) up to this one.
+    /// Returns the queries with [`distance`](field@Self::distance) up to a range.
     #[must_use]
     pub const fn distance(mut self, distance: f64) -> Self {
         self.distance = Some(distance);
@@ -187,21 +190,21 @@ impl PairQueries {
         self
     }
 
-    /// Returns the queries with or without the [`depth`](field@Self::depth).
+    /// Returns the queries with or without [`depth`](field@Self::depth).
     #[must_use]
     pub const fn depth(mut self, depth: bool) -> Self {
         self.depth = depth;
         self
     }
 
-    /// Returns the queries with or without a [`local_depth`](field@Self::local_depth).
+    /// Returns the queries with or without [`local_depth`](field@Self::local_depth).
     #[must_use]
     pub const fn local_depth(mut self, local_depth: bool) -> Self {
         self.local_depth = local_depth;
         self
     }
 
-    /// Returns the queries with a [`manifold`](field@Self::manifold).
+    /// Returns the queries with [`manifold`](field@Self::manifold).
     #[must_use]
     pub const fn manifold(mut self, manifold: ManifoldOptions) -> Self {
         self.manifold = Some(manifold);
@@ -215,7 +218,7 @@ impl PairQueries {
         self
     }
 
-    /// Refuses distances and manifold options that are not numbers: a file could not hold them.
+    /// Returns an error if a distance or a manifold option is invalid: a file could not store it.
     fn check(&self) -> Result<(), SceneError> {
         let finite = |d: f64| (0.0..=SCENE_REACH).contains(&d);
         let refused = |value: f64| Err(SceneError::Range { value });
@@ -241,7 +244,7 @@ impl PairQueries {
         }
     }
 
-    /// Returns what the queries need of an overlap: the least that serves all of them.
+    /// Returns the depth that the queries need of an overlap: the least that serves all of them.
     fn until(&self) -> DepthMode {
         let has_depth = self.depth || self.local_depth || self.manifold.is_some();
         let is_local = !self.depth && self.manifold.is_none_or(|m| m.local_depth);
@@ -279,7 +282,7 @@ impl PairQueries {
     }
 }
 
-/// Threshold below every distance: the query is not enabled.
+/// Threshold below every distance: it means that the query is not enabled.
 pub(super) const NEVER: f64 = f64::NEG_INFINITY;
 
 /// The last stage of the pipeline that a pair needs.
@@ -293,7 +296,7 @@ pub(super) enum Detail {
     Manifold,
 }
 
-/// Queries in the form a step reads.
+/// Queries in the form that a step reads.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PairPlan {
     pub(super) detail: Detail,
@@ -303,13 +306,13 @@ pub(super) struct PairPlan {
     pub(super) within: f64,
     /// The largest distance that is computed, or [`NEVER`].
     pub(super) range: f64,
-    /// Whether overlaps get a depth.
+    /// The depth that overlaps get.
     pub(super) until: DepthMode,
     /// Options of the contact points, if enabled.
     pub(super) manifold: Option<ManifoldOptions>,
     /// Width of the brackets of impacts, if enabled.
     pub(super) impact: Option<Tolerance>,
-    /// The largest of the thresholds: beyond this distance every answer is no.
+    /// The largest threshold: beyond this distance the answer to every query is no.
     pub(super) reach: f64,
 }
 
@@ -353,7 +356,7 @@ impl Table {
         Ok(())
     }
 
-    /// Returns the groups with enabled queries that `is_meant` accepts, as bits.
+    /// Returns the groups with queries that `is_meant` accepts, as bits.
     fn groups(&self, is_meant: impl Fn(&PairQueries) -> bool) -> u32 {
         let calls = |g: &u8| (0..GROUPS as u8).any(|h| is_meant(&self.queries(Group(*g), Group(h))));
         (0..GROUPS as u8).filter(calls).fold(0, |mask, g| mask | 1 << g)
@@ -384,8 +387,8 @@ impl Table {
         (0..GROUPS as u8).filter(pairs).fold(0, |mask, h| mask | 1 << h)
     }
 
-    /// Returns the growth of the boxes of a group: half the largest reach, as the partner grows by
-    /// the other half.
+    /// Returns the growth of the boxes of a group: half the largest threshold, because the boxes of
+    /// the other group grow by the other half.
     pub(super) fn growth(&self, g: Group) -> f64 {
         let reach = |h: u8| self.plan(group_pair_of(g, Group(h))).reach;
         0.5 * (0..GROUPS as u8).map(reach).fold(0.0, f64::larger)
@@ -400,7 +403,7 @@ impl Table {
     }
 }
 
-/// Serialization of a range: infinity, which not every format can hold, is written as the largest
+/// Serialization of a range. Infinity, which some formats cannot store, is written as the largest
 /// number.
 #[cfg(feature = "serde")]
 mod range {
@@ -433,8 +436,8 @@ fn unanswered(queries: &PairQueries, a: GeometryKind, b: GeometryKind) -> Option
     queries.manifold.map(|_| "manifold")
 }
 
-/// The number of bodies by group and kind. Two fixed bodies make no pair, so fixed bodies are
-/// counted apart.
+/// The number of bodies by group and kind. Two fixed bodies are never paired, so fixed bodies are
+/// counted separately.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Census(BTreeMap<Member, u32>);
 
@@ -442,12 +445,12 @@ pub(super) struct Census(BTreeMap<Member, u32>);
 pub(super) type Member = (Group, GeometryKind, bool);
 
 impl Census {
-    /// Counts one body more.
+    /// Adds one body.
     pub(super) fn add(&mut self, member: Member) {
         *self.0.entry(member).or_insert(0) += 1;
     }
 
-    /// Counts one body less.
+    /// Removes one body.
     pub(super) fn remove(&mut self, member: Member) {
         if let Some(count) = self.0.get_mut(&member) {
             *count -= 1;
@@ -457,7 +460,7 @@ impl Census {
         }
     }
 
-    /// Returns whether a body of these groups, as bits, is a compound or a mesh.
+    /// Returns whether any body of these groups (bits) is a compound, a mesh or a surface.
     pub(super) fn has_parts(&self, groups: u32) -> bool {
         let of = |key: &&Member| groups & 1 << key.0.number() != 0 && !key.1.is_convex();
         self.0.keys().any(|key| of(&key))
@@ -469,19 +472,20 @@ impl Census {
         asked.map(|(_, count)| u64::from(*count)).sum()
     }
 
-    /// Refuses queries that the bodies of two groups cannot answer.
+    /// Returns an error if bodies of two groups cannot answer the queries.
     pub(super) fn check_effects(&self, these: Group, those: Group, queries: &PairQueries) -> Result<(), SceneError> {
         let mut all = self.0.keys().filter(|key| key.0 == these);
         all.try_for_each(|key| self.check_pairs(*key, 2, |other| (other == those).then_some(*queries)))
     }
 
-    /// Refuses a body to come whose pairs with the bodies there are cannot answer the queries of
-    /// their groups.
+    /// Returns an error if a new body, paired with the bodies of the scene, cannot answer the
+    /// queries of their groups.
     pub(super) fn check_body(&self, key: Member, queries: impl Fn(Group) -> PairQueries) -> Result<(), SceneError> {
         self.check_pairs(key, 1, |other| Some(queries(other)))
     }
 
-    /// Checks the pairs of bodies of one key; with bodies of the same key if there are `least`.
+    /// Checks the pairs of a body of one key with all others. Bodies of the same key count if there
+    /// are at least `least`.
     fn check_pairs(
         &self,
         key: Member,

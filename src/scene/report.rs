@@ -1,4 +1,4 @@
-//! Work and times of a step: as data, and as text.
+//! Work and times of a step, as data and as text.
 
 use core::fmt;
 use core::ops::AddAssign;
@@ -10,56 +10,55 @@ use crate::broad::{self};
 use crate::pair::outcome::AnsweredBy;
 use crate::pair::outcome::{Outcome, Solver};
 
-/// Work done by a step, or summed over many, stage by stage. Equal calls give equal counts on every
-/// machine, with any number of threads.
+/// Work of one step, or the sum over many steps, by stage. Equal calls give equal counts on every
+/// machine and with any number of threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct StepWork {
     /// Number of steps.
     pub steps: u64,
-    /// Boxes computed: of bodies that moved, or whose queries changed.
+    /// Boxes computed, for bodies that moved or whose queries changed.
     pub boxes: u64,
-    /// Positions that entries of the broad phase moved by to stay sorted.
+    /// Positions by which entries of the broad phase moved to stay sorted.
     pub swaps: u64,
-    /// Pairs of boxes that began to overlap.
+    /// Pairs of boxes that started to overlap.
     pub began: u64,
-    /// Pairs of boxes that ceased to overlap.
+    /// Pairs of boxes that stopped overlapping.
     pub ended: u64,
     /// Pairs of boxes after the step.
     pub pairs: u64,
-    /// Bodies of groups for which no query at all is enabled, after the step: never paired. See
+    /// Bodies, after the step, of groups for which no query is enabled. They are never paired. See
     /// [`Scene::set_queries`](super::Scene::set_queries).
     pub without_queries: u64,
-    /// Pairs of boxes for which more than boxes is enabled, after the step.
+    /// Pairs of boxes, after the step, for which more than `boxes` is enabled.
     pub active: u64,
-    /// Active pairs whose bodies had not moved: the last answer remains valid.
+    /// Active pairs whose bodies did not move: the last results remain valid.
     pub resting: u64,
-    /// Active pairs answered by the displacement budget.
+    /// Active pairs decided by the displacement budget.
     pub skipped: u64,
-    /// Active pairs asleep: proven apart until a later tick.
+    /// Active pairs that sleep: proven separated until a later tick.
     pub slept: u64,
-    /// Active pairs answered by two balls.
+    /// Active pairs decided by the distance of two bounding balls.
     pub balls: u64,
-    /// Looks ahead: bounds of the time for which a pair stays apart.
+    /// Look-ahead queries: bounds of the time for which a pair stays separated.
     pub ahead: u64,
     /// Casts of pairs over a tick.
     pub casts: u64,
     /// Impacts found.
     pub impacts: u64,
-    /// Queries of trackers: calls of the narrow phase, those of casts and their predicates
-    /// included.
+    /// Queries of trackers in the narrow phase, including casts and their predicates.
     pub queries: u64,
-    /// Queries by the solver that answered, in the order of [`Solver`].
+    /// Number of queries by the solver that answered them, in the order of [`Solver`].
     pub(crate) answered: [u64; Solver::COUNT],
-    /// Queries with the result that the bodies are apart.
+    /// Queries with the result that the bodies are separated.
     pub separated: u64,
-    /// Feature pairs tested by walks (`steps` of [`Work`](crate::Work)), and facets of the surfaces
-    /// that answered without a walk.
+    /// Feature pairs tested by walks (`steps` of [`Work`](crate::Work)), and facets of the
+    /// polytopes that answered without a walk.
     pub walked: u64,
-    /// Certificates computed; a surface that answers counts as a certificate.
+    /// Certificates computed; a polytope that answers counts as a certificate.
     pub certificates: u64,
-    /// Overlaps whose depth was searched.
+    /// Overlaps for which the depth was searched.
     pub depths: u64,
     /// Queried pairs for which `overlap` was decided.
     pub overlaps: u64,
@@ -71,20 +70,20 @@ pub struct StepWork {
     pub features: u64,
     /// Manifolds updated.
     pub manifolds: u64,
-    /// Manifolds rebuilt; in all remaining manifolds the points were measured again.
+    /// Manifolds rebuilt. In all other updated manifolds only the points were measured again.
     pub renewed: u64,
     /// Events sent.
     pub events: u64,
 }
 
 impl StepWork {
-    /// Returns how many queries `solver` answered.
+    /// Returns the number of queries that `solver` answered.
     #[must_use]
     pub fn answered_by(&self, solver: Solver) -> u64 {
         self.answered[solver as usize]
     }
 
-    /// Counts a query.
+    /// Adds the work of a query.
     #[inline]
     pub(super) fn note(&mut self, outcome: &Outcome, facets: usize) {
         let surface = outcome.solver == Solver::Polytope;
@@ -97,8 +96,8 @@ impl StepWork {
     }
 }
 
-// With `pairs`, `without_queries` and `active`, so that a sum over steps divided by `steps` is the
-// mean.
+// Includes `pairs`, `without_queries` and `active`, so that a sum over steps divided by `steps` is
+// their mean.
 sum_of_counters!(StepWork {
     steps,
     boxes,
@@ -130,17 +129,17 @@ sum_of_counters!(StepWork {
     events,
 });
 
-/// Wall time of a step by stage, or summed over many. Zero without the feature `std`, and if the
-/// target has no clock.
+/// Wall time of one step by stage, or the sum over many steps. Zero without the feature `std`, and
+/// on targets without a clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Times {
     /// Boxes of moved bodies, and the update of the broad phase with these boxes.
     pub boxes: Duration,
-    /// The search of new and ended pairs in the broad phase, and the update of the pair tables.
+    /// The search for new and ended pairs in the broad phase, and the update of the pair tables.
     pub pairs: Duration,
-    /// Narrow phase: active pairs, from the budget to the tracker.
+    /// Narrow phase of the active pairs, from the budget to the tracker.
     pub look: Duration,
     /// Sorting of the events.
     pub events: Duration,
@@ -259,7 +258,7 @@ impl Clock {
     }
 }
 
-/// Bytes of a scene by purpose.
+/// Memory of a scene by purpose, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct MemoryUsage {
@@ -274,7 +273,7 @@ pub struct MemoryUsage {
 }
 
 impl MemoryUsage {
-    /// Returns the sum of all bytes.
+    /// Returns the total in bytes.
     #[must_use]
     pub fn total(&self) -> usize {
         self.bodies + self.broad + self.pairs + self.scratch
@@ -282,7 +281,7 @@ impl MemoryUsage {
 }
 
 impl Scene {
-    /// Returns the bytes reserved, without the shapes, which may be shared.
+    /// Returns the reserved memory in bytes, without the geometries, which may be shared.
     #[must_use]
     pub fn memory_usage(&self) -> MemoryUsage {
         MemoryUsage {

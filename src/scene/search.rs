@@ -1,17 +1,17 @@
-//! Queries on top of a step, about the poses of the last step: all pairs within a distance, the
-//! nearest bodies, the first contact, the closest pair of two groups, and ray casts.
+//! Queries about the poses of the last step: all pairs within a distance, the nearest bodies, any
+//! contact, the closest pair of two groups, and ray casts.
 //!
-//! The queries use the boxes of the step and are allowed for groups between which any query is
-//! enabled, be it `boxes` alone. No result is stored; if a step follows a pair, the stored
-//! tracker is the start of the query.
+//! The queries use the boxes of the step. They are allowed for groups between which any query is
+//! enabled; `boxes` is enough. No result is stored. If the scene tracks a pair, the query starts
+//! from the features of that tracker.
 //!
-//! The closest pair of two groups: best first over lower bounds from balls and boxes.
+//! The closest pair of two groups is found best first, over lower bounds from balls and boxes:
 //!
-//! Two balls and two boxes give each pair a lower bound of its signed distance. First, for each
-//! body of the smaller group, the pair with the least bound is measured; only bodies whose boxes
-//! are no farther away than the least upper bound found so far are looked at. Then the pairs left
-//! are measured in ascending order of their bounds, until a bound exceeds the least upper bound:
-//! every pair left out is farther apart than the pair found.
+//! Two balls and two boxes give a lower bound of the signed distance of each pair. First, for each
+//! body of the smaller group, the search measures the pair with the least bound. It considers only
+//! bodies whose boxes are no farther away than the least upper bound found so far. Then it measures
+//! the remaining pairs in ascending order of their bounds, until a bound exceeds the least upper
+//! bound. Every pair that is not measured is farther apart than the pair found.
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
@@ -33,32 +33,34 @@ use crate::scene::{BodyId, Scene, SceneError};
 use alloc::vec::Vec;
 use nalgebra::Point3;
 
-/// A pair and its closest features, in the frames of the bodies as in
+/// Two bodies and their outcome, in the frames of the bodies as in
 /// [`PairResults`](super::PairResults).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ClosestPair {
-    /// The query body, or the body of the first group; of two bodies of one group the one with the
-    /// lower index. A of the outcome.
+    /// Operand A of the outcome: the query body, or the body of the first group. If both bodies are
+    /// in one group, the one with the lower index.
     pub a: BodyId,
-    /// The second body: B of the outcome.
+    /// Operand B of the outcome: the second body.
     pub b: BodyId,
-    /// Distance with bounds, features, witnesses and normal.
+    /// Distance with bounds, features, witness points and normal.
     pub outcome: Outcome,
-    /// The pieces or triangles of the features, as in
+    /// The subshapes of the features, as in
     /// [`PairResults::subshapes`](super::PairResults::subshapes).
     pub subshapes: [u32; 2],
 }
 
 impl Scene {
-    /// Returns all pairs of a body of group `these` and a body of group `those` that are at most
-    /// `d` apart, exactly; in ascending order of the bodies. Two fixed bodies are no pair. Overlaps
-    /// have the distance 0; no depth is computed.
+    /// Returns all pairs of two groups that are at most `d` apart, exactly.
+    ///
+    /// The first body of a pair is of group `these`, the second of group `those`. Pairs are in
+    /// ascending order of the bodies. Two fixed bodies are not a pair. Overlaps have the distance
+    /// 0; no depth is computed.
     ///
     /// # Errors
-    /// If no query is enabled between the groups, a step is due, or `d` is NaN, negative or
-    /// beyond 1e37.
+    /// Returns an error if no query is enabled between the groups, if a step is due, or if `d` is
+    /// NaN, negative or beyond 1e37.
     pub fn pairs_within(&self, these: Group, those: Group, d: f64) -> Result<Vec<ClosestPair>, SceneError> {
         if !(0.0..=SCENE_REACH).contains(&d) {
             return Err(SceneError::Range { value: d });
@@ -71,11 +73,13 @@ impl Scene {
         Ok(found)
     }
 
-    /// Returns the first pair of a body of group `these` and a body of group `those`, in ascending
-    /// order, that shares a point; with the depth if both are convex. The search ends there.
+    /// Returns the first pair of two groups, in ascending order, that shares a point.
+    ///
+    /// The first body is of group `these`, the second of group `those`. The search ends at this
+    /// pair. If both bodies are convex, the depth is computed.
     ///
     /// # Errors
-    /// If no query is enabled between the groups, or a step is due.
+    /// Returns an error if no query is enabled between the groups, or a step is due.
     #[doc(alias = "early exit")]
     pub fn any_contact(&self, these: Group, those: Group) -> Result<Option<ClosestPair>, SceneError> {
         let mut found = None;
@@ -94,13 +98,15 @@ impl Scene {
         }))
     }
 
-    /// Returns the `count` bodies nearest to a body and no farther away than `farthest`, nearest
-    /// first, ties in ascending order: only bodies of groups between which and the group of the
-    /// body any query is enabled. Overlaps have the distance 0; no depth is computed.
+    /// Returns the `count` bodies nearest to a body and at most `farthest` away.
+    ///
+    /// The nearest body comes first; ties are in ascending order. A body counts if any query is
+    /// enabled between its group and the group of the given body. Overlaps have the distance 0; no
+    /// depth is computed.
     ///
     /// # Errors
-    /// If the id is stale, a step is due, no query is enabled between the group of the body and
-    /// any group, or `farthest` is NaN or negative.
+    /// Returns an error if the id is stale, if a step is due, if no query is enabled between the
+    /// group of the body and any group, or if `farthest` is NaN or negative.
     #[doc(alias = "k-nearest")]
     pub fn nearest(&self, id: BodyId, count: usize, farthest: f64) -> Result<Vec<ClosestPair>, SceneError> {
         let i = self.bodies.index_of(id)?;
@@ -125,8 +131,8 @@ impl Scene {
                 .collect();
             found.sort_by(|x, y| x.outcome.distance.total_cmp(&y.outcome.distance).then(x.b.cmp(&y.b)));
             found.truncate(count);
-            // Boxes that were not listed are no nearer than the last box; bodies are no nearer than
-            // their boxes.
+            // Boxes that were not returned are no nearer than the last box, and bodies are no
+            // nearer than their boxes.
             let covered = boxes.last().map_or(0.0, |n| n.distance * BOX_DISTANCE_DOWN);
             let settled = found.len() == count && found.last().is_none_or(|n| n.outcome.upper <= covered);
             if settled || boxes.len() < asked {
@@ -135,7 +141,8 @@ impl Scene {
         }
     }
 
-    /// Refuses a query about two groups whose boxes are not kept, or not of the present poses.
+    /// Returns an error if the boxes of two groups are missing or do not belong to the current
+    /// poses.
     pub(super) fn check_query(&self, these: Group, those: Group) -> Result<(), SceneError> {
         if self.is_due() {
             return Err(SceneError::StepDue);
@@ -195,7 +202,7 @@ impl Scene {
         pairs && self.table.plan(group_pair_of(x.group, y.group)).detail > Detail::Nothing
     }
 
-    /// Returns the pair, if at most `d` apart.
+    /// Returns the pair if it is at most `d` apart.
     fn near_within(&self, a: u32, b: u32, d: f64) -> Option<ClosestPair> {
         let [x, y] = [a, b].each(|i| &self.bodies.balls[i as usize]);
         if least_distance(x, y) > d {
@@ -211,7 +218,7 @@ impl Scene {
         })
     }
 
-    /// Returns a query of two bodies whose tracker begins with the state of the step's own tracker.
+    /// Returns a query of two bodies that starts with the state of the tracker of the step.
     pub(super) fn query(&self, a: u32, b: u32) -> Option<PairQuery<'_>> {
         let [i, j] = [a as usize, b as usize];
         let (x, y) = (
@@ -263,19 +270,21 @@ struct ClosestSearch<'a> {
 }
 
 impl Scene {
-    /// Returns the pair of a body of group `these` and a body of group `those` of least signed
-    /// distance, however far apart: the closest pair or, if bodies overlap, the deepest overlap.
-    /// `None` if there is no pair. Every other pair is at least as far apart, up to the widths of
-    /// the bounds of the two pairs; ties go to the first pair in ascending order.
+    /// Returns the pair of two groups with the least signed distance, at any distance.
     ///
-    /// Two fixed bodies are no pair. Overlaps of meshes and compounds have the distance 0; pairs
-    /// of kinds that cannot be measured are left out.
+    /// The first body is of group `these`, the second of group `those`. The pair is the closest one
+    /// or, if bodies overlap, the one with the deepest overlap; `None` if there is no pair. Every
+    /// other pair is at least as far apart, up to the widths of the bounds of the two pairs. Of
+    /// equally close pairs the first in ascending order is returned.
     ///
-    /// Boxes and balls exclude most pairs, so that the cost grows with the pairs about as close as
-    /// the closest pair. [`boxes`](super::PairQueries::boxes) between the groups is enough to ask;
-    /// queries of long range make the boxes, and so this search, some 20 % slower. The search keeps
-    /// no features from call to call; for a closest pair every cycle see the
-    /// [table](super#the-nearest-pair-of-a-robot-and-its-cell).
+    /// Two fixed bodies are not a pair. Overlaps of meshes and compounds have the distance 0. Pairs
+    /// of kinds that cannot be measured are skipped.
+    ///
+    /// Boxes and balls exclude most pairs, so the cost grows with the number of pairs that are
+    /// about as close as the closest pair. [`boxes`](super::PairQueries::boxes) between the groups
+    /// is enough for this call. Queries with a long range enlarge the boxes and make this search
+    /// about 20 % slower. The search keeps no features between calls. If you need the closest pair
+    /// in every cycle, see the [table](super#the-nearest-pair-of-a-robot-and-its-cell).
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -304,7 +313,7 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// If no query is enabled between the groups, or a step is due.
+    /// Returns an error if no query is enabled between the groups, or a step is due.
     #[doc(alias = "clearance")]
     #[doc(alias = "minimum distance")]
     pub fn closest_pair(&self, these: Group, those: Group) -> Result<Option<ClosestPair>, SceneError> {
@@ -312,7 +321,7 @@ impl Scene {
         Ok(self.search_closest(these, those)?.0)
     }
 
-    /// Returns the closest pair, and how many pairs were measured.
+    /// Returns the closest pair and the number of pairs measured.
     fn search_closest(&self, these: Group, those: Group) -> Result<(Option<ClosestPair>, usize), SceneError> {
         let members = |g: Group| -> Vec<u32> {
             let ids = self.bodies.ids().map(|id| id.index);
@@ -357,13 +366,13 @@ fn by_bound(x: &Candidate, y: &Candidate) -> core::cmp::Ordering {
 }
 
 impl ClosestSearch<'_> {
-    /// Returns the least upper bound found.
+    /// Returns the least upper bound found so far.
     fn upper(&self) -> f64 {
         self.best.map_or(f64::INFINITY, |near| near.outcome.upper)
     }
 
     /// Returns the pairs of a body of the smaller group that may be as close as the closest pair
-    /// found; `many` are the bodies of the larger group, in ascending order. Within one group only
+    /// found. `many` are the bodies of the larger group, in ascending order. Within one group only
     /// pairs with a body of higher index are returned.
     fn candidates(&self, i: u32, many: &[u32], is_one_group: bool) -> Result<Vec<Candidate>, SceneError> {
         let upper = self.upper();
@@ -386,13 +395,13 @@ impl ClosestSearch<'_> {
         let stored = |k: u32| self.scene.broad.stored_box(bodies.proxies[k as usize]);
         let balls = least_distance(&bodies.balls[i as usize], &bodies.balls[j as usize]);
         let boxes = stored(i).zip(stored(j)).map_or(0.0, |(x, y)| least_between(&x, &y));
-        // Boxes that overlap bound nothing.
+        // Boxes that overlap give no bound.
         let bound = if boxes > 0.0 { balls.larger(boxes) } else { balls };
         let (a, b) = if self.is_first_smaller { (i, j) } else { (j, i) };
         (bound, a, b)
     }
 
-    /// Measures a pair, and keeps the pair if no other pair is closer.
+    /// Measures a pair, and stores it if it is closer than the best pair.
     fn measure(&mut self, (_, a, b): Candidate) {
         self.measured += 1;
         let scene = self.scene;
@@ -417,19 +426,21 @@ impl ClosestSearch<'_> {
     }
 }
 
-/// Returns a lower bound of the distance of the contents of two boxes.
+/// Returns a lower bound of the distance of the bodies in two boxes.
 fn least_between(x: &StoredBox, y: &StoredBox) -> f64 {
     sqrt(x.distance_squared(y)) * BOX_DISTANCE_DOWN
 }
 
 impl Scene {
-    /// Returns the first body that a ray meets up to a length, which may be infinite, and where;
-    /// among bodies at which the ray enters equally early the one of the lowest index. Only bodies
-    /// for which `may_hit` returns true count.
+    /// Returns the first body that a ray hits within `length`, and the hit.
     ///
-    /// A body counts where it is, whether or not a query is enabled. The answer for a body is
-    /// that of [`RayCaster::cast`]. Bodies of groups without any query have a box of where they
-    /// were inserted; those that have moved since are each tested by a ball, in some 10 ns.
+    /// The length may be infinite. If the ray enters several bodies equally early, the one with the
+    /// lowest index is returned. Only bodies for which `may_hit` returns true count.
+    ///
+    /// Each body counts at its current pose, even if no query is enabled for it. The result for a
+    /// body is that of [`RayCaster::cast`]. Bodies of groups without any query keep the box of the
+    /// pose at which they were inserted; each of them that has moved since is tested by a ball, in
+    /// about 10 ns.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -450,7 +461,7 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// If a step is due, or the length or the ray is refused.
+    /// Returns an error if a step is due, or if the length or the ray is invalid.
     #[doc(alias = "raycast")]
     pub fn cast_ray(
         &self,
@@ -481,7 +492,7 @@ impl Scene {
         let mut caster = RayCaster::new();
         let mut first: Option<(f64, BodyId, RayCast)> = None;
         for (from, k) in candidates {
-            // No later body is met earlier.
+            // No later candidate can be hit earlier.
             if first.as_ref().is_some_and(|f| from > f.0) {
                 break;
             }
@@ -500,8 +511,8 @@ impl Scene {
     }
 }
 
-/// Returns a box about a ray up to a length; of a length or a ray that is no number, a box that is
-/// refused.
+/// Returns a box around a ray up to a length. If the ray or the length is not finite, the box is
+/// invalid and rejected.
 fn box_of_ray(ray: &Ray, length: f64) -> Aabb {
     let way = |d: f64| if d == 0.0 { 0.0 } else { d * length };
     let end = Point3::from(ray.origin.coords + ray.direction.map(way));
@@ -511,8 +522,9 @@ fn box_of_ray(ray: &Ray, length: f64) -> Aabb {
 }
 
 impl BodyTable {
-    /// Lists the bodies that are due and get no box, as no effect needs one, and forgets those that
-    /// were removed or get a box. `partners` are the groups to pair with by group, as bits.
+    /// Lists the bodies that are due but get no box because no query needs one. Removes from the
+    /// list the bodies that were removed or get a box. `partners` are the groups to pair with by
+    /// group, as bits.
     pub(super) fn list_stale(&mut self, partners: &[u32; GROUPS]) {
         let Self {
             slots,
@@ -556,7 +568,7 @@ mod tests {
         }
     }
 
-    /// Six links of an arm in a cell of 300 boxes, all in `room` metres: 1800 pairs.
+    /// Six links of an arm in a cell of 300 boxes, all within `room` metres: 1800 pairs.
     fn cell(numbers: &mut Numbers, room: f64) -> (Scene, [Group; 2]) {
         let groups = [1, 2].map(|g| Group::new(g).unwrap());
         let mut scene = Scene::new();

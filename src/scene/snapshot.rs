@@ -1,6 +1,6 @@
-//! Feature `serde`: the complete state of a scene, so that a restored scene continues as if never
-//! interrupted. All input is checked, so that no text makes a scene that could panic; an answer
-//! that a text falsifies stays false until the pair is tested again.
+//! Feature `serde`: the complete state of a scene, so that a restored scene continues as if it was
+//! never interrupted. All input is checked, so no text can produce a scene that panics. If a text
+//! contains a false result, the result stays false until the pair is tested again.
 
 use alloc::collections::BTreeMap;
 use alloc::string::String;
@@ -35,7 +35,7 @@ use crate::pair_tracker::geometry::Geometry;
 #[derive(Serialize, Deserialize)]
 struct SnapshotRow {
     generation: u32,
-    /// `None` if the index holds no body, nor a body that is leaving.
+    /// `None` if the index has no body, not even one that is being removed.
     solid: Option<SolidRow>,
     pose: Isometry3<f64>,
     travel: Travel,
@@ -69,7 +69,7 @@ struct TableRows<T> {
 #[derive(Serialize, Deserialize)]
 struct SceneSnapshot {
     settings: Settings,
-    /// Distinct shapes, in the order of the bodies.
+    /// Distinct geometries, in the order of the bodies.
     shapes: Vec<Geometry>,
     rows: Vec<SnapshotRow>,
     free: Vec<u32>,
@@ -85,7 +85,7 @@ struct SceneSnapshot {
     stale: Vec<u32>,
     step: u32,
     queries: Vec<(Group, Group, PairQueries)>,
-    /// Growths by group, infinity as the largest number.
+    /// Growths by group; infinity is written as the largest number.
     growths: Vec<f64>,
     partners: [u32; GROUPS],
     broad: SweepAndPrune,
@@ -293,7 +293,8 @@ fn restored_filter(pairs: &[(u32, u32)], bodies: &BodyTable) -> Result<Ignored, 
     Ok(ignored)
 }
 
-/// Motions of the bodies, sweeps of the step being prepared, bodies with wide boxes, and ticks.
+/// Motions of the bodies, swept motions of the step being prepared, bodies with enlarged boxes, and
+/// ticks.
 type Motions = (Vec<Moving>, Vec<(u32, Sweep)>, Vec<u32>, Ticks);
 
 /// Returns the tables of bodies, if every list names valid bodies.

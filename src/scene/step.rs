@@ -17,14 +17,15 @@ use crate::base::tolerance::ROUND_UP;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb, PairId};
 
-/// Work of a query over the work of a box in the broad phase: with the default settings, threads
-/// are used from 625 queries a step on. A query takes 60 ns and more, a task some microseconds.
+/// Ratio of the work of a query to the work of a box in the broad phase. With the default settings,
+/// threads are used from 625 queries per step. A query takes at least 60 ns, a task some
+/// microseconds.
 #[cfg(feature = "parallel")]
 const QUERY_IN_BOXES: u64 = 32;
 
 impl Scene {
     /// Applies all calls since the last step and computes the enabled queries. Does nothing if
-    /// there were no calls, or only ticks that move no body.
+    /// there were no calls, or only ticks that moved no body.
     pub fn step(&mut self) -> &Report {
         let last = core::mem::take(&mut self.report).counts.queries;
         self.report.counts.steps = 1;
@@ -58,8 +59,8 @@ impl Scene {
         &self.report
     }
 
-    /// Returns whether a call since the last step changed anything that a step reads, beside the
-    /// ticks.
+    /// Returns whether a call since the last step, other than ticks, changed anything that a step
+    /// reads.
     pub(super) fn is_due(&self) -> bool {
         self.changed || self.replanned != 0 || !self.bodies.due.is_empty()
     }
@@ -97,7 +98,7 @@ impl Scene {
         let Some(mut solid) = self.bodies.solids[i].take() else {
             return false;
         };
-        // A broad phase has room for one body more than a scene.
+        // A broad phase can hold one body more than a scene.
         let proxy = self.create_proxy(&mut solid, &self.bodies.poses[i].clone(), &mut BoxHint::default());
         if let Ok(proxy) = proxy {
             let _ = self.broad.remove(self.bodies.proxies[i]);
@@ -107,7 +108,7 @@ impl Scene {
         true
     }
 
-    /// Makes the boxes that are due and passes them to the broad phase. Bodies without any query
+    /// Computes the boxes that are due and passes them to the broad phase. Bodies without any query
     /// need no box; those that move are listed, for ray casts.
     fn make_boxes(&mut self) {
         let Self { bodies, batch, .. } = self;
@@ -141,8 +142,8 @@ impl Scene {
         debug_assert_eq!(taken, Ok(()));
     }
 
-    /// Lets the broad phase find new and ended pairs, and updates the rows of the tables. A pair of
-    /// a body with a recreated proxy ends and begins in one step, and keeps its state.
+    /// Lets the broad phase find new and ended pairs, and updates the rows of the tables. If a
+    /// proxy was recreated, the pairs of its body end and start in one step and keep their state.
     fn find_pairs(&mut self, recreated: bool) -> Vec<PairChange> {
         let (bodies, pair_tables, ignored) = (&self.bodies, &mut self.pair_tables, &self.ignored);
         let body_of = |proxy: broad::BodyId| bodies.body_of_proxy[proxy.index as usize];
@@ -200,8 +201,8 @@ impl Scene {
         }
     }
 
-    /// The narrow phase: budget, balls, tracker. `last` is the number of queries of the last step:
-    /// how many this step will need, if bodies move on as before.
+    /// The narrow phase: budget, balls, tracker. `last` is the number of queries of the last step,
+    /// an estimate for this step if bodies continue to move as before.
     fn test_pairs(&mut self, changes: Vec<PairChange>, last: u64) -> Tally {
         let context = StepContext {
             bodies: &self.bodies,
@@ -244,8 +245,8 @@ impl Scene {
     }
 }
 
-/// Returns whether the queries expected in a step are worth threads, for a scene whose boxes are
-/// from `bodies` bodies on.
+/// Returns whether a step should use threads for the queries expected. The scene uses threads for
+/// boxes from `bodies` bodies.
 #[cfg(feature = "parallel")]
 fn is_shared(queries: u64, bodies: usize) -> bool {
     queries.saturating_mul(QUERY_IN_BOXES) >= bodies as u64
@@ -283,7 +284,7 @@ pub(super) fn bodies_of(bodies: &BodyTable, pair: &broad::Pair) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// Ends a pair, and with the pair every event that began.
+/// Ends a pair, and with it every state that started.
 fn end(pair_state: &PairState, pair: [u32; 2], id: PairId, changes: &mut Vec<PairChange>) {
     let ends = [
         (pair_state.state.within, Change::LeftWithin),
@@ -294,7 +295,7 @@ fn end(pair_state: &PairState, pair: [u32; 2], id: PairId, changes: &mut Vec<Pai
     changes.extend(sent.map(|(_, change)| PairChange { id, pair, change }));
 }
 
-/// Begins a pair, or moves a pair to another table.
+/// Starts a pair, or moves a pair to another table.
 fn begin(
     pair_tables: &mut PairTables,
     table: &Table,
@@ -335,18 +336,19 @@ fn begin(
     pair_tables.insert(plan, header, PairState { tracker, ..pair_state });
 }
 
-/// Read-only input of box making.
+/// Read-only input for computing boxes.
 pub(super) struct Boxes<'a> {
     bodies: &'a BodyTable,
     /// By group: the groups to pair with as bits, and the growth of the boxes.
     partners: &'a [u32; GROUPS],
     growths: &'a [f64; GROUPS],
-    /// Groups whose boxes hold sweeps, as bits.
+    /// Groups whose boxes contain swept motions, as bits.
     swept_groups: u32,
 }
 
 impl Boxes<'_> {
-    /// Makes the boxes of `due` bodies; `hints` are those of a run of bodies from `first` on.
+    /// Computes the boxes of `due` bodies; `hints` are those of a run of bodies that starts at
+    /// `first`.
     pub(super) fn make(&self, first: u32, hints: &mut [BoxHint], due: &[u32], batch: &mut Vec<(broad::BodyId, Aabb)>) {
         for &index in due {
             let i = index as usize;
@@ -370,7 +372,7 @@ impl Boxes<'_> {
     }
 }
 
-/// Returns the box of a body over the tick of the step being prepared, and at the pose after that,
+/// Returns the box of a body over the tick of the step being prepared and at the pose after it,
 /// grown on every side.
 fn swept_box(bodies: &BodyTable, i: usize, sweep: &Sweep, growth: f64, hint: &mut BoxHint) -> Option<Aabb> {
     let solid = bodies.solids[i].as_ref()?;

@@ -3,8 +3,8 @@
 //! The vertices of a small body are scanned, four at a time in `f32` (SIMD). For a larger body the
 //! caller keeps the six extreme vertices as hints, and hill climbing starts there (Cohen, Lin,
 //! Manocha and Ponamgi 1995, section 4.2, the dynamic box). Both results are rounded outward by a
-//! bound of all rounding, so the box holds the posed body: at most `1e-6 r` too large on a side if
-//! scanned, `1e-14 (r + |t|)` if climbed.
+//! bound of all rounding, so the box contains the posed body. On each side it is too large by at
+//! most `1e-6 r` if the vertices are scanned, and by `1e-14 (r + |t|)` if hill climbing is used.
 
 use alloc::vec::Vec;
 
@@ -17,11 +17,9 @@ use crate::base::tolerance::{BOX, BOX_SCANNED, POSE_UNIT};
 use crate::body::polyhedron::support::SCANNED;
 use crate::body::polyhedron::{ConvexPolyhedron, VertexId};
 
-/// The extreme vertices of one body at its last pose, from which [`ConvexPolyhedron::aabb_at`]
-/// starts.
+/// The extreme vertices of one body at its last pose, where [`ConvexPolyhedron::aabb_at`] starts.
 ///
-/// A hint that is out of date or belongs to another body costs time, but never makes a box too
-/// small.
+/// An outdated hint, or one of another body, costs time but never makes a box too small.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoxHint([VertexId; 6]);
@@ -53,7 +51,7 @@ impl Scan {
         size_of_val(&self.0[..])
     }
 
-    /// Returns the least and greatest coordinates of the turned vertices, not yet rounded outward.
+    /// Returns the least and greatest coordinates of the rotated vertices, not yet rounded outward.
     #[inline]
     fn span(&self, matrix: &Matrix3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let rows: [[f32x4; 3]; 3] =
@@ -83,12 +81,13 @@ fn across([x, y, z]: [f32x4; 3], fold: impl Fn(f32x4, f32x4) -> f32x4) -> Vector
 }
 
 impl ConvexPolyhedron {
-    /// Returns the axis-aligned box of the body at a pose, rounded outward: least and greatest
-    /// corner, in the frame the pose leads to. `hint` keeps the extreme vertices from one frame to
-    /// the next.
+    /// Returns the axis-aligned box of the body at a pose, rounded outward.
     ///
-    /// A pose that is not finite gives a box that is not finite, which a broad phase refuses by
-    /// name.
+    /// The result is the least and greatest corner, in the frame to which the pose leads. `hint`
+    /// keeps the extreme vertices from one frame to the next.
+    ///
+    /// If the pose is not finite, the box is not finite either; a broad phase rejects it with an
+    /// error that names the body.
     #[doc(alias = "compute_aabb")]
     pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
         let matrix = matrix(pose);
@@ -114,9 +113,11 @@ impl ConvexPolyhedron {
         around(center, low * unit, high * unit, far.add_scalar(error * unit))
     }
 
-    /// Returns a cube that holds the body in every orientation, about its own origin or, for a body
-    /// far from its origin, about its middle: the fixed box of Cohen et al. 1995. Cheaper than
-    /// [`aabb_at`](Self::aabb_at) and larger, so more pairs have to be tested.
+    /// Returns a cube that contains the body in every orientation.
+    ///
+    /// The cube is centred at the origin of the body or, for a body far from its origin, at its
+    /// middle: the fixed box of Cohen et al. 1995. It is cheaper and larger than
+    /// [`aabb_at`](Self::aabb_at), so more pairs have to be tested.
     #[must_use]
     pub fn cube_at(&self, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
         let matrix = matrix(pose);
@@ -125,8 +126,8 @@ impl ConvexPolyhedron {
         (Point3::from(center - half), Point3::from(center + half))
     }
 
-    /// Returns the posed stored origin and a bound of its error by axis. An entry of the matrix has
-    /// an absolute error, however small the entry is.
+    /// Returns the posed stored origin and a bound of its error by axis. The error of a matrix
+    /// entry is absolute, even if the entry is small.
     #[cold]
     fn origin_at(&self, matrix: &Matrix3<f64>, t: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let far = t.abs().add_scalar(self.origin.abs().sum()) * BOX;

@@ -1,4 +1,4 @@
-//! Invariants of a body, checked whole: for tests and fuzzing.
+//! A check of all invariants of a body, for tests and fuzzing.
 
 use crate::body::polyhedron::fans::LARGE;
 use crate::body::polyhedron::{FaceId, HalfEdgeId, VertexId};
@@ -42,7 +42,8 @@ impl Topology {
         FaceId::all(faces).try_for_each(|f| self.check_rim(f))
     }
 
-    /// Half-edges of a fan turn left: the face on the left of each is on the right of the next.
+    /// Half-edges of a fan rotate to the left: the face on the left of each is on the right of the
+    /// next.
     fn check_fan(&self, v: VertexId) -> Result<(), String> {
         let fan = self.fan(v);
         ensure(
@@ -58,7 +59,8 @@ impl Topology {
         Ok(())
     }
 
-    /// A rim is one loop of its face; the rim of a large face, and no other, is kept as a ring.
+    /// The boundary of a face is one loop. The boundary of a large face, and of no other, is stored
+    /// as a ring.
     fn check_rim(&self, f: FaceId) -> Result<(), String> {
         let count = self.rim(f).take(self.half_edge_count() + 1).count();
         ensure(count <= self.half_edge_count(), || {
@@ -80,12 +82,13 @@ impl ConvexPolyhedron {
     /// Returns the first broken invariant of the body: of the links between vertices, edges and
     /// faces, or of the supporting planes, below which all vertices lie.
     ///
-    /// A body that was built keeps all invariants, so this is a tool of tests and fuzzing. Takes
-    /// time in proportion to the edges, and to faces times vertices for the planes of bodies of
-    /// fewer than 256 faces; of larger bodies the vertices of adjacent faces are checked.
+    /// A body that was built keeps all invariants, so this is a tool for tests and fuzzing. Its
+    /// time grows with the number of edges, and with faces times vertices for the planes of bodies
+    /// with fewer than 256 faces. For larger bodies only the vertices of adjacent faces are
+    /// checked.
     ///
     /// # Errors
-    /// A text that names the broken invariant.
+    /// Returns a text that names the broken invariant.
     pub fn check(&self) -> Result<(), String> {
         let t = &self.topology;
         t.check()?;
@@ -101,8 +104,7 @@ impl ConvexPolyhedron {
         FaceId::all(t.face_count()).try_for_each(|f| self.check_plane(f))
     }
 
-    /// All vertices lie below the plane of the face, by more than the rounding of this test at
-    /// most.
+    /// No vertex lies above the plane of the face by more than the rounding of this test.
     fn check_plane(&self, f: FaceId) -> Result<(), String> {
         let (t, plane) = (&self.topology, &self.planes[f.index()]);
         let below = |v: VertexId| {

@@ -4,9 +4,9 @@
 //!
 //! Let `m` be a direction along which every edge `e` of a fan rises. Then the points `e / (m . e)`
 //! are the vertices of a convex polygon in the plane `m . x = 1`, and the heights `n . e / (m . e)`
-//! along any direction `n` are unimodal round the polygon; a height is positive if and only if
-//! `n . e` is. A search round the fan therefore finds a rising edge if there is one: for certain if
-//! heights are compared without rounding (`highest`), else most of the time.
+//! along any direction `n` are unimodal around the polygon. A height is positive if and only if `n
+//! . e` is. So a search around the fan finds a rising edge if there is one: always if heights are
+//! compared without rounding (`highest`), otherwise usually.
 //!
 //! ```text
 //!   \_______/        plane m . x = 1: the points e / (m . e), a convex polygon
@@ -28,7 +28,8 @@ use crate::body::polyhedron::{ConvexPolyhedron, Plane, VertexId};
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-/// Fans of more edges are searched; up to here examining every edge is as cheap. Not measured.
+/// Fans with more edges are searched. Up to this number, examining every edge is as cheap. Not
+/// measured.
 pub(crate) const MANY: usize = 128;
 
 /// The large fans of a body: their vertices in rising order, each with its axis.
@@ -231,7 +232,7 @@ impl Axis {
 /// Not measured.
 pub(crate) const LARGE: usize = 24;
 
-/// Half-edges round a vertex or round a large face, counter-clockwise from outside.
+/// Half-edges around a vertex or around a large face, counter-clockwise from outside.
 pub(crate) trait Cycle {
     /// Returns the number of half-edges.
     fn count(&self) -> usize;

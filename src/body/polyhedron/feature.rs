@@ -1,5 +1,5 @@
 //! Ids of the features of a body (vertices, edges, faces), pairs of features by kind and number,
-//! and the pairs for which the walk has a test.
+//! and the pairs that the walk can test.
 
 use crate::base::pose::Operand;
 use crate::body::polyhedron::ConvexPolyhedron;
@@ -31,21 +31,20 @@ macro_rules! id {
 }
 
 id!(
-    /// A vertex of one body. [`ConvexPolyhedron::source_vertex`] leads back to the caller's own
-    /// index.
+    /// A vertex of one body. [`ConvexPolyhedron::source_vertex`] returns the caller's index.
     ///
     /// [`ConvexPolyhedron::source_vertex`]: crate::ConvexPolyhedron::source_vertex
     VertexId,
     "v"
 );
 id!(
-    /// An undirected edge of one body, named by the lower of the numbers of its two half-edges (so
-    /// the numbers have gaps).
+    /// An undirected edge of one body. Its number is the lower number of its two half-edges, so
+    /// edge numbers have gaps.
     EdgeId,
     "e"
 );
 id!(
-    /// A face of one body: all coplanar facets of the hull are one face.
+    /// A face of one body. All coplanar facets of the hull are one face.
     FaceId,
     "f"
 );
@@ -107,9 +106,10 @@ impl Feature {
         }
     }
 
-    /// Returns the index of this feature among the features of its kind and body. Kind
-    /// ([`dimension`](Self::dimension)) and index name the feature in the state of another engine;
-    /// [`ConvexPolyhedron::feature`](crate::ConvexPolyhedron::feature) leads back.
+    /// Returns the index of this feature among the features of its kind and body.
+    ///
+    /// Kind ([`dimension`](Self::dimension)) and index identify the feature in the state of another
+    /// engine; [`ConvexPolyhedron::feature`](crate::ConvexPolyhedron::feature) is the inverse.
     #[must_use]
     pub fn index(self) -> usize {
         match self {
@@ -201,7 +201,7 @@ impl FeaturePair {
     }
 
     /// Returns this pair if the walk has a test for it. The walk has no test for an edge and a
-    /// face, or for two faces: then returns the pair of one vertex of each.
+    /// face, or for two faces; for these the result is a pair of one vertex of each.
     pub(crate) fn walkable(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
         if self.a.dimension() + self.b.dimension() <= 2 {
             return self;
@@ -217,8 +217,8 @@ impl FeaturePair {
 }
 
 impl ConvexPolyhedron {
-    /// Returns whether `feature` names a feature of this body. An edge has two half-edges; only the
-    /// lower number is its name.
+    /// Returns whether `feature` is a feature of this body. An edge has two half-edges; only the
+    /// lower number is its id.
     #[inline]
     pub(crate) fn has(&self, feature: Feature) -> bool {
         match feature {
@@ -239,11 +239,11 @@ impl ConvexPolyhedron {
 }
 
 impl ConvexPolyhedron {
-    /// Returns the smallest feature that holds the given vertices (one to four, with repeats); the
-    /// first vertex if no face holds all of them.
+    /// Returns the smallest feature that contains the given vertices (one to four, with repeats).
+    /// If no face contains all of them, returns the first vertex.
     ///
-    /// The candidates are the features at the vertex of fewest edges, in the direction of another
-    /// vertex.
+    /// The candidates are the features at the vertex with the fewest edges, in the direction of
+    /// another vertex.
     pub(crate) fn feature_of(&self, vertices: &[VertexId]) -> Feature {
         let t = &self.topology;
         let first = vertices[0];
@@ -258,7 +258,7 @@ impl ConvexPolyhedron {
         {
             return Feature::Edge(t.edge(h));
         }
-        // At a vertex of many faces the exact plane of the face decides.
+        // At a vertex with many faces the exact plane of the face decides.
         let is_at = |x: VertexId, f: FaceId| {
             if t.fan(x).len() > MANY {
                 self.face_side(f, &self.points[x.index()]) == 0.0

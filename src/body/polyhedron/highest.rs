@@ -1,15 +1,15 @@
-//! Exact support vertex. Examines few vertices even if thousands tie exactly or within rounding
-//! because the direction is normal to a large face or fan.
+//! Exact support vertex. The search examines few vertices, even if thousands tie exactly or within
+//! rounding because the direction is normal to a large face or fan.
 //!
-//! A body is the exact hull of its stored points, and its faces are exactly flat. With exact signs
-//! the following therefore holds without exception: a vertex that no adjacent vertex exceeds is a
-//! support vertex; heights round a face are unimodal, and so are the slopes of the edges of a fan
-//! (see `fans`); the points level with a support vertex are the vertex itself, an edge or a face.
-//! Hill climbing and bisection need no further proof.
+//! A body is the exact hull of its stored points, and its faces are exactly flat. With exact signs,
+//! three statements therefore hold without exception. A vertex that no adjacent vertex exceeds is a
+//! support vertex. Heights around a face are unimodal, and so are the slopes of the edges of a fan
+//! (see `fans`). The points at the height of a support vertex are the vertex itself, an edge or a
+//! face. So hill climbing and bisection need no further proof.
 //!
-//! Vertices are compared by height along a direction, and edges by slope, without rounding: signs
-//! are f64 signs if f64 is certain, else signs in double-double, then of exact sums, or of
-//! integers at the exact level ([`Upward`]).
+//! Vertices are compared by height along a direction, and edges by slope, without rounding. A sign
+//! comes from f64 if f64 is certain; otherwise from double-double, and then from exact sums, or
+//! from integers at the exact stage ([`Upward`]).
 
 use crate::base::num::double_double::{DoubleDouble, Expansion};
 use crate::base::num::each::Each;
@@ -298,8 +298,8 @@ mod tests {
     use core::f64::consts::TAU;
     use nalgebra::{Point3, UnitQuaternion, Vector3};
 
-    /// Prisms, turned or not (rounding breaks the lids of a turned prism into thousands of faces),
-    /// cones and a face that bulges by rounding.
+    /// Prisms, rotated or not (rounding splits the lids of a rotated prism into thousands of
+    /// faces), cones, and a face that bulges by rounding.
     fn body(kind: &str, n: usize, rng: &mut Rng) -> ConvexPolyhedron {
         let angle = |k| {
             if kind.starts_with("odd") {

@@ -1,9 +1,10 @@
 //! Volume, centroid and inertia at unit density.
 //!
-//! The body is cut into tetrahedra between the centre of its box and triangles of its faces; the
-//! moments of a tetrahedron are polynomials of its vertices (Tonon 2004). All sums are in
-//! double-double from exact differences, so that thin, far-off and round bodies lose nothing to
-//! cancellation; only slivers thinner than rounding (1e-16 of their extent) lose digits.
+//! The body is divided into tetrahedra between the centre of its box and triangles of its faces.
+//! The moments of a tetrahedron are polynomials of its vertices (Tonon 2004). All sums are in
+//! double-double from exact differences, so thin bodies, round bodies and bodies far from the
+//! origin lose nothing to cancellation. Only slivers thinner than rounding (1e-16 of their extent)
+//! lose digits.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -11,8 +12,8 @@ use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::scalar::Scalar;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, VertexId};
 
-/// Sums over the body about its box centre, in stored units: six times the volume, 24 times the
-/// first moments, 120 times the second moments.
+/// Sums over the body relative to its box centre, in stored units: six times the volume, 24 times
+/// the first moments, 120 times the second moments.
 struct Moments {
     volume: DoubleDouble,
     first: [DoubleDouble; 3],
@@ -30,7 +31,7 @@ impl ConvexPolyhedron {
         self.moments(false).volume.value() / 6.0 * unit * unit * unit
     }
 
-    /// Returns the centre of mass: of the volume, or of a polygon's area, a segment's length, or
+    /// Returns the centre of mass: of the volume, of a polygon's area, of a segment's length, or
     /// the point itself.
     #[doc(alias = "center_of_mass")]
     #[must_use]
@@ -48,9 +49,11 @@ impl ConvexPolyhedron {
         self.to_user(&centroid)
     }
 
-    /// Returns the inertia tensor about the centroid at unit density, in the caller's axes and unit
-    /// to the fifth power; zero for bodies without volume. Overflows to infinity and underflows to
-    /// zero as f64 does: at extents beyond about 1e60 and below 1e-60.
+    /// Returns the inertia tensor relative to the centroid, at unit density.
+    ///
+    /// It is in the caller's axes and in the caller's unit to the fifth power; zero for bodies
+    /// without volume. At extents beyond about 1e60 it overflows to infinity, and below 1e-60 it
+    /// underflows to zero, as f64 does.
     #[doc(alias = "moment_of_inertia")]
     #[must_use]
     pub fn inertia(&self) -> Matrix3<f64> {

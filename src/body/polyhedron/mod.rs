@@ -1,18 +1,18 @@
-//! The immutable body: a convex polyhedron with its features, their adjacency and their planes.
+//! An immutable convex polyhedron with its features, their adjacency and their planes.
 //!
-//! This file holds the type and read access to it. Reading order of the others: [`feature`] (ids),
-//! `topology` (adjacency without coordinates), `plane`, `build` (points to a body: `cloud`, `hull`,
-//! `facets`; the caller's faces: `faces`; `persist`); support vertices, each file on the files
-//! before: `fans` (vertices of many edges), `highest` (exact), `support` (hill climbing and cube
-//! map); `bounds`, `query`, `mass`, [`solids`].
+//! This file holds the type and read access to it. Reading order of the other files: [`feature`]
+//! (ids), `topology` (adjacency without coordinates), `plane`, `build` (from points to a body:
+//! `cloud`, `hull`, `facets`; the caller's faces: `faces`; `persist`). Then the support vertices,
+//! where each file uses those before it: `fans` (vertices with many edges), `highest` (exact),
+//! `support` (hill climbing and cube map). Then `aabb`, `query`, `mass` and [`solids`].
 //!
 //! # Stored coordinates
 //!
-//! A body keeps its vertices as `stored = (given - origin) / 2^exponent`, exactly. `origin` is zero
-//! in every coordinate in which the body lies about its own origin, and `exponent` is zero for
-//! ordinary sizes, so most bodies are stored as given. The transform makes far-off and extreme
-//! bodies as accurate as all others: rounding is relative to the body's size, never to its
-//! position.
+//! A body stores its vertices as `stored = (given - origin) / 2^exponent`, exactly. A coordinate of
+//! `origin` is zero if the body lies around its origin in that coordinate, and `exponent` is zero
+//! for ordinary sizes. So most bodies are stored as given. With this transform, bodies far from the
+//! origin and bodies of extreme size are as accurate as all others: rounding is relative to the
+//! size of the body, never to its position.
 
 mod aabb;
 pub(crate) mod build;
@@ -48,8 +48,8 @@ use core::fmt::Write as _;
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 
 /// The supporting plane of a face: `normal . x <= offset` for every vertex `x` of the body,
-/// exactly, for the stored normal. The offset exceeds the least such number by at most 5 UNIT times
-/// the radius.
+/// exactly, for the stored normal. The offset exceeds the least number with this property by at
+/// most 5 UNIT times the radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Plane {
@@ -59,19 +59,23 @@ pub(crate) struct Plane {
     pub(crate) offset: f64,
 }
 
-/// A convex body: a polyhedron, or on purpose a polygon, a segment or a point.
+/// A convex body: a polyhedron, a polygon, a segment or a point.
 ///
-/// Immutable, `Send + Sync`, cheap to share by reference or `Arc`. Coordinates are the caller's, in
-/// the body's own frame, in any unit.
+/// It is immutable, `Send + Sync`, and cheap to share by reference or `Arc`. Coordinates are the
+/// caller's, in the frame of the body and in any unit.
 ///
-/// From a mesh: [`from_points`](Self::from_points) takes the hull of the vertices, whatever the
-/// faces are; [`from_faces`](Self::from_faces) refuses a mesh that is not convex or has holes, and
-/// keeps the caller's faces; [`from_faces_within`](Self::from_faces_within) does so for rounded
-/// coordinates, as in STL files. Triangles that repeat their vertices (STL) need no welding: equal
-/// points are merged.
+/// Constructors for a mesh:
 ///
-/// A file (feature `serde`) gives the identical body back if the format keeps every bit of an
-/// `f64`: with `serde_json` switch on the feature `float_roundtrip`.
+/// * [`from_points`](Self::from_points) takes the hull of the vertices and ignores the faces.
+/// * [`from_faces`](Self::from_faces) keeps the caller's faces, and returns an error if the mesh is
+///   not convex or has holes.
+/// * [`from_faces_within`](Self::from_faces_within) does the same for rounded coordinates, as in
+///   STL files.
+///
+/// Triangles that repeat their vertices (STL) need no welding: equal points are merged.
+///
+/// A body that is read from a file (feature `serde`) is identical if the format keeps every bit of
+/// an `f64`: with `serde_json`, enable its feature `float_roundtrip`.
 #[derive(Clone, Debug)]
 pub struct ConvexPolyhedron {
     pub(crate) topology: Topology,
@@ -83,11 +87,11 @@ pub struct ConvexPolyhedron {
     scan: aabb::Scan,
     /// The caller's index of each vertex.
     pub(crate) source: Vec<u32>,
-    /// The caller's face that holds each face; empty for bodies from points.
+    /// The caller's face that contains each face; empty for bodies from points.
     pub(crate) source_faces: Vec<u32>,
     /// The position of the stored origin in the caller's coordinates.
     pub(crate) origin: Vector3<f64>,
-    /// Exponent of the stored unit: stored lengths times `2^exponent` are the caller's.
+    /// The scale exponent: stored lengths times `2^exponent` are the caller's.
     pub(crate) exponent: i32,
     /// The exponent of the lowest bit set in any of the caller's coordinates, if any is not zero.
     #[cfg(feature = "exact")]
@@ -96,22 +100,23 @@ pub struct ConvexPolyhedron {
     pub(crate) is_unscaled: bool,
     /// Largest distance of a vertex from the stored origin, rounded up, in stored units.
     pub(crate) radius: f64,
-    /// The mean of the vertices, in stored coordinates, right up to 2 UNIT of each coordinate:
-    /// always inside the body but for rounding, unlike the centre of the bounding box.
+    /// The mean of the vertices, in stored coordinates, with an error of at most 2 UNIT of each
+    /// coordinate. Up to rounding it is always inside the body, unlike the centre of the bounding
+    /// box.
     pub(crate) vertex_mean: Vector3<f64>,
-    /// Three times the covariance of the vertices: for points on an ellipsoid, the matrix of the
-    /// ellipsoid.
+    /// Three times the covariance of the vertices. For points on an ellipsoid this is the matrix of
+    /// the ellipsoid.
     pub(crate) covariance3: Matrix3<f64>,
     /// Whether the ellipsoid of `covariance3` is far from a ball.
     pub(crate) is_flat: bool,
-    /// Whether the body has face boundaries or fans so long that walks jump along them.
+    /// Whether some face boundaries or fans are so long that walks jump along them.
     pub(crate) has_large_rings: bool,
     /// Least corner of the bounding box, in stored coordinates; `high` is the greatest.
     pub(crate) low: Vector3<f64>,
     pub(crate) high: Vector3<f64>,
-    /// Whether two adjacent faces lie in one plane but for rounding.
+    /// Whether two adjacent faces lie in one plane up to rounding.
     pub(crate) has_coplanar_neighbours: bool,
-    /// Of vertices and faces: cached state uses it to detect another body.
+    /// Fingerprint of vertices and faces. Cached state uses it to detect another body.
     pub(crate) fingerprint: Fingerprint,
     pub(crate) report: BuildReport,
 }
@@ -119,7 +124,7 @@ pub struct ConvexPolyhedron {
 /// Ids are checked: an id that names no feature of this body, such as an id of a larger body, gives
 /// `None` or an empty iterator.
 impl ConvexPolyhedron {
-    /// Returns the number of vertices; all are extreme points.
+    /// Returns the number of vertices. All of them are extreme points.
     #[inline]
     #[must_use]
     pub fn vertex_count(&self) -> usize {
@@ -133,7 +138,7 @@ impl ConvexPolyhedron {
         self.topology.half_edge_count() / 2
     }
 
-    /// Returns the number of faces: two for a polygon (its sides), none for a segment or a point.
+    /// Returns the number of faces. A polygon has two (its sides), a segment or a point has none.
     #[inline]
     #[must_use]
     pub fn face_count(&self) -> usize {
@@ -144,12 +149,12 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// Returns the ids of all vertices, in rising order.
+    /// Returns the ids of all vertices, in ascending order.
     pub fn vertices(&self) -> impl ExactSizeIterator<Item = VertexId> + Clone + use<> {
         VertexId::all(self.vertex_count())
     }
 
-    /// Returns the ids of all edges, in rising order.
+    /// Returns the ids of all edges, in ascending order.
     pub fn edges(&self) -> impl Iterator<Item = EdgeId> + Clone + '_ {
         let half_edges = HalfEdgeId::all(self.topology.half_edge_count());
         half_edges
@@ -157,13 +162,15 @@ impl ConvexPolyhedron {
             .map(|h| self.topology.edge(h))
     }
 
-    /// Returns the ids of all faces, in rising order.
+    /// Returns the ids of all faces, in ascending order.
     pub fn faces(&self) -> impl ExactSizeIterator<Item = FaceId> + Clone + use<> {
         FaceId::all(self.face_count())
     }
 
-    /// Returns the feature of a dimension (0 vertex, 1 edge, 2 face) and an index, the inverse of
-    /// [`Feature::dimension`] and [`Feature::index`]; `None` if the body has no such feature.
+    /// Returns the feature with a dimension (0 vertex, 1 edge, 2 face) and an index.
+    ///
+    /// This is the inverse of [`Feature::dimension`] and [`Feature::index`]. `None` if the body has
+    /// no such feature.
     #[must_use]
     pub fn feature(&self, dimension: usize, index: usize) -> Option<Feature> {
         let index = u32::try_from(index).ok()?;
@@ -176,8 +183,8 @@ impl ConvexPolyhedron {
         self.has(feature).then_some(feature)
     }
 
-    /// Returns the position of a vertex: exactly the point the caller gave, but for coordinates the
-    /// report counts as flushed.
+    /// Returns the position of a vertex: exactly the point that the caller gave, except for
+    /// coordinates that the report counts as replaced by zero.
     #[must_use]
     pub fn vertex(&self, vertex: VertexId) -> Option<Point3<f64>> {
         self.points.get(vertex.index()).map(|p| self.to_user(p))
@@ -200,8 +207,9 @@ impl ConvexPolyhedron {
         })
     }
 
-    /// Returns the faces on the left and on the right of an edge, as seen from outside and looking
-    /// from the first end to the second; `None` also for the edge of a segment.
+    /// Returns the faces on the left and on the right of an edge. Left and right are seen from
+    /// outside, looking from the first end of the edge to the second. `None` also for the edge of a
+    /// segment.
     #[must_use]
     pub fn edge_faces(&self, edge: EdgeId) -> Option<[FaceId; 2]> {
         let known = self.has_edge(edge) && self.face_count() > 0;
@@ -216,9 +224,11 @@ impl ConvexPolyhedron {
         self.face_rim(face).map(|h| self.topology.from(h))
     }
 
-    /// Returns triangles that make up the surface, as the ids of their vertices, counter-clockwise
-    /// seen from outside: a fan of each face, face by face. Both sides of a polygon; none for a
-    /// segment or a point. For drawing; [`to_obj`](Self::to_obj) writes a file.
+    /// Returns triangles that cover the surface, as vertex ids, counter-clockwise seen from
+    /// outside.
+    ///
+    /// Each face is divided into a fan, face by face. A polygon has the triangles of both sides; a
+    /// segment or a point has none. Use this for drawing; [`to_obj`](Self::to_obj) writes a file.
     #[doc(alias = "indices")]
     #[doc(alias = "trimesh")]
     pub fn triangles(&self) -> impl Iterator<Item = [VertexId; 3]> + '_ {
@@ -231,14 +241,14 @@ impl ConvexPolyhedron {
         })
     }
 
-    /// Returns the edges of a face, counter-clockwise seen from outside, beginning with the edge
-    /// that leaves the first of [`face_vertices`](Self::face_vertices).
+    /// Returns the edges of a face, counter-clockwise seen from outside. The first edge starts at
+    /// the first of [`face_vertices`](Self::face_vertices).
     pub fn face_edges(&self, face: FaceId) -> impl Iterator<Item = EdgeId> + '_ {
         self.face_rim(face).map(|h| self.topology.edge(h))
     }
 
-    /// Returns the outward unit normal of a face and the offset of its plane: `normal . x = offset`
-    /// on the face up to rounding.
+    /// Returns the outward unit normal of a face and the offset of its plane. On the face, `normal
+    /// . x = offset` up to rounding.
     #[must_use]
     pub fn face_plane(&self, face: FaceId) -> Option<(Unit<Vector3<f64>>, f64)> {
         let plane = self.planes.get(face.index()).filter(|_| self.has_face(face))?;
@@ -262,21 +272,22 @@ impl ConvexPolyhedron {
         fan.map(|h| self.topology.half_edge(h).face)
     }
 
-    /// Returns the caller's index of a vertex, the lowest among equal points.
+    /// Returns the caller's index of a vertex; the lowest index of equal points.
     #[must_use]
     pub fn source_vertex(&self, vertex: VertexId) -> Option<usize> {
         self.source.get(vertex.index()).map(|&i| i as usize)
     }
 
-    /// Returns the caller's face that holds a face of the body; any piece if the caller had cut a
-    /// flat face into pieces. `None` for bodies not made from faces.
+    /// Returns the caller's face that contains a face of the body. If the caller divided a flat
+    /// face into several, any of them. `None` for bodies not made from faces.
     #[must_use]
     pub fn source_face(&self, face: FaceId) -> Option<usize> {
         self.source_faces.get(face.index()).map(|&i| i as usize)
     }
 
-    /// Returns the bytes this body takes, with its lists but without its report: some 155 a vertex
-    /// from some hundred vertices on, some 200 beyond 10,922 vertices (links of 16 and of 32 bits).
+    /// Returns the memory of this body in bytes, with its lists but without its report. This is
+    /// about 155 bytes per vertex from about a hundred vertices, and about 200 beyond 10,922
+    /// vertices (links of 16 and of 32 bits).
     #[must_use]
     pub fn memory_usage(&self) -> usize {
         let lists = size_of_val(&self.points[..])
@@ -291,27 +302,26 @@ impl ConvexPolyhedron {
             + self.scan.memory_usage()
     }
 
-    /// Returns the report of the build: points and facets kept, merged and dropped.
+    /// Returns the report of the build: points and facets that were kept, merged and dropped.
     #[must_use]
     pub fn report(&self) -> &BuildReport {
         &self.report
     }
 
-    /// Returns the least and greatest corner of the smallest axis-aligned box that holds the body,
-    /// exactly.
+    /// Returns the least and greatest corner of the exact axis-aligned bounding box.
     #[must_use]
     pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
         (self.to_user(&self.low), self.to_user(&self.high))
     }
 
-    /// Returns centre and radius of a ball that holds the body: the centre of the bounding box and
-    /// the largest distance of a vertex from there, rounded up.
+    /// Returns centre and radius of a ball that contains the body. The centre is that of the
+    /// bounding box; the radius is the largest distance of a vertex from it, rounded up.
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
         let (low, high) = self.aabb();
         let centre = Point3::from(low.coords * 0.5 + high.coords * 0.5);
         let scale = 1.0 / self.unit();
-        // Distances are taken from the rounded centre, in stored units so that squares stay in
+        // Distances are measured from the rounded centre, in stored units so that squares stay in
         // range.
         let far = self.points.iter().fold(0.0f64, |r, p| {
             r.larger(((self.to_user(p) - centre) * scale).norm_squared())
@@ -350,8 +360,8 @@ impl ConvexPolyhedron {
     }
 }
 
-/// Two bodies are equal if they have equal vertices in equal order; everything else follows but the
-/// caller's indices and the report.
+/// Two bodies are equal if they have equal vertices in equal order and equal topology. The caller's
+/// indices and the report are not compared.
 impl PartialEq for ConvexPolyhedron {
     fn eq(&self, other: &Self) -> bool {
         let place = |b: &Self| (b.exponent, b.origin);
@@ -360,8 +370,8 @@ impl PartialEq for ConvexPolyhedron {
 }
 
 impl ConvexPolyhedron {
-    /// Returns the greatest height of a vertex along a direction of any length, in the caller's
-    /// unit, right up to rounding; `None` for bodies of more vertices than are worth a scan.
+    /// Returns the support value along a direction of any length, in the caller's unit, up to
+    /// rounding. `None` for bodies with too many vertices for a scan.
     #[inline]
     pub(crate) fn scanned_height(&self, n: &Vector3<f64>) -> Option<f64> {
         if self.points.len() > SCANNED {
@@ -380,13 +390,12 @@ impl ConvexPolyhedron {
 }
 
 impl ConvexPolyhedron {
-    /// Returns the body with all coordinates multiplied by a positive factor, as from millimetres
-    /// to metres.
+    /// Returns the body scaled by a positive factor, for example from millimetres to metres.
     ///
-    /// The result is the hull of the scaled vertices. Scaling by a power of two is exact; any other
+    /// The result is the hull of the scaled vertices. Scaling by a power of two is exact. Any other
     /// factor rounds every coordinate, and a face of more than three vertices may become several
-    /// faces, planar up to that rounding. Vertices keep the caller's indices
-    /// ([`source_vertex`](Self::source_vertex)); the ids of features are new, and
+    /// faces that are planar up to this rounding. Vertices keep the caller's indices
+    /// ([`source_vertex`](Self::source_vertex)). The ids of features are new, and
     /// [`source_face`](Self::source_face) is `None`.
     ///
     /// ```
@@ -401,8 +410,8 @@ impl ConvexPolyhedron {
     ///
     /// # Errors
     ///
-    /// A factor that is not a positive finite number, or an extent of the result outside
-    /// 1e-100..1e100.
+    /// Returns an error if the factor is not a positive finite number, or if the extent of the
+    /// result is outside 1e-100..1e100.
     pub fn scaled(&self, factor: f64) -> Result<Self, BuildError> {
         if !(factor > 0.0 && factor.is_finite()) {
             return Err(BuildError::BadFactor { value: factor });
@@ -410,16 +419,17 @@ impl ConvexPolyhedron {
         self.mapped(|p| p * factor)
     }
 
-    /// Returns the body moved by a pose, in the frame that the pose leads to: for bodies that are
-    /// measured in another frame once and for all, such as a collision mesh with an origin of its
-    /// own. For a body that moves, pass the pose to the query instead.
+    /// Returns the body transformed by a pose, in the frame to which the pose leads.
     ///
-    /// The result is the hull of the moved vertices. Rounding may split faces, and names are kept,
-    /// as by [`scaled`](Self::scaled).
+    /// Use it for bodies that are measured in another frame once and for all, such as a collision
+    /// mesh with a different origin. For a body that moves, pass the pose to the query instead.
+    ///
+    /// The result is the hull of the transformed vertices. As with [`scaled`](Self::scaled),
+    /// rounding may split faces, and vertices keep the caller's indices.
     ///
     /// # Errors
     ///
-    /// A pose that gives coordinates that are not finite or too large.
+    /// Returns an error if the pose gives coordinates that are not finite or too large.
     #[doc(alias = "translated")]
     pub fn transformed(&self, pose: &Isometry3<f64>) -> Result<Self, BuildError> {
         self.mapped(|p| pose * p)
@@ -450,8 +460,10 @@ impl ConvexPolyhedron {
 }
 
 impl ConvexPolyhedron {
-    /// Returns the body as the text of an OBJ file: the vertices in the order of their ids, every
-    /// bit kept, and the faces as polygons, counter-clockwise seen from outside.
+    /// Returns the body as the text of an OBJ file.
+    ///
+    /// The vertices are in the order of their ids, with every bit kept. The faces are polygons,
+    /// counter-clockwise seen from outside.
     ///
     /// ```
     /// use lin_canny::nalgebra::Vector3;
@@ -472,7 +484,7 @@ impl ConvexPolyhedron {
     }
 }
 
-/// Returns the text of an OBJ file, whose vertices are counted from one.
+/// Returns the text of an OBJ file, in which vertices are counted from one.
 pub(crate) fn obj<F>(points: impl Iterator<Item = Point3<f64>>, faces: impl Iterator<Item = F>) -> String
 where
     F: Iterator<Item = usize>,

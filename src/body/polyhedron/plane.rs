@@ -1,5 +1,5 @@
-//! Supporting planes of faces: a unit normal right to the last bit or so, and an offset that
-//! provably bounds the body.
+//! Supporting planes of faces: a unit normal that is accurate to about the last bit, and an offset
+//! that provably bounds the body.
 
 use nalgebra::Vector3;
 

@@ -10,9 +10,11 @@ use crate::body::polyhedron::build::cloud::flush_below;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, HalfEdgeId, VertexId};
 
 impl ConvexPolyhedron {
-    /// Returns a vertex farthest along a direction of any length, proven up to the rounding of
-    /// `direction . vertex`; the lowest id among equal vertices. Returns vertex 0 for a direction
-    /// that is zero or not finite. Examines a few vertices only.
+    /// Returns a support vertex along a direction of any length.
+    ///
+    /// It is proven up to the rounding of `direction . vertex`. Of equal vertices the one with the
+    /// lowest id is returned. For a direction that is zero or not finite the result is vertex 0.
+    /// The call examines only a few vertices.
     #[doc(alias = "support")]
     #[must_use]
     pub fn extreme_vertex(&self, direction: &Vector3<f64>) -> VertexId {
@@ -24,16 +26,18 @@ impl ConvexPolyhedron {
         self.support_certified(&direction, self.lookup.cell(&direction)).vertex
     }
 
-    /// Returns whether the closed body, surface included, holds a point. The answer is exact for
-    /// the stored body (coordinates of the point below 2^-200 of the body's radius count as zero,
-    /// as for the vertices). `false` for a point that is not finite. Tests face after face until
-    /// one excludes the point, so time is linear in the faces.
+    /// Returns whether the closed body, surface included, contains a point.
+    ///
+    /// The answer is exact for the stored body; coordinates of the point below 2^-200 of the body's
+    /// radius count as zero, as for the vertices. The answer is `false` for a point that is not
+    /// finite. Faces are tested one by one until one excludes the point, so the time is linear in
+    /// the number of faces.
     #[must_use]
     pub fn contains(&self, point: &Point3<f64>) -> bool {
         let flush = flush_below(sqrt(((self.high - self.low) * 0.5).norm_squared()));
-        // Within the box of a shifted body the shift is exact (Sterbenz), as for the vertices; a
-        // point that is not shifted exactly is at least half the shift away, farther than the body
-        // reaches.
+        // Within the box of a shifted body the shift is exact (Sterbenz), as for the vertices. A
+        // point that is not shifted exactly is at least half the shift away, and so outside the
+        // body.
         let p = ((point.coords - self.origin) / self.unit()).map(|x| if x.abs() < flush { 0.0 } else { x });
         if !(0..3).all(|k| self.low[k] <= p[k] && p[k] <= self.high[k]) {
             return false; // also where a coordinate is not a number
@@ -43,7 +47,7 @@ impl ConvexPolyhedron {
             1 => projection(&self.points[0], &self.points[1], &p).is_none(),
             2 => self.polygon_contains(&p),
             _ => {
-                // Stored planes decide the clear cases, exact signs the rest.
+                // Stored planes decide the clear cases, exact signs the others.
                 let clear = NEAR_PLANE * (self.radius + p.norm());
                 self.planes.iter().zip(self.faces()).all(|(plane, f)| {
                     let height = plane.normal.dot(&p) - plane.offset;
@@ -53,7 +57,7 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// Returns whether an exactly flat polygon holds a point.
+    /// Returns whether an exactly flat polygon contains a point.
     fn polygon_contains(&self, p: &Vector3<f64>) -> bool {
         let at = |h: HalfEdgeId| &self.points[self.topology.from(h).index()];
         let first = FaceId(0);
@@ -72,10 +76,10 @@ impl ConvexPolyhedron {
             })
     }
 
-    /// Returns the point of the closed body closest to a point: the point itself if the body holds
-    /// it. `None` for a point that is not finite.
+    /// Returns the point of the closed body closest to a point: the point itself if the body
+    /// contains it. `None` for a point that is not finite.
     ///
-    /// Examines every face and edge, so time is linear in the size of the body.
+    /// The call examines every face and edge, so the time is linear in the size of the body.
     #[must_use]
     pub fn closest_point(&self, point: &Point3<f64>) -> Option<Point3<f64>> {
         if !point.iter().all(|x| x.is_finite()) {
@@ -108,7 +112,7 @@ impl ConvexPolyhedron {
         Some(self.to_user(&best.1))
     }
 
-    /// Returns the point in stored coordinates. A point beyond 2^60 radii is moved in along its
+    /// Returns the point in stored coordinates. A point beyond 2^60 radii is moved inward along its
     /// ray; the closest point stays the same.
     fn nearby(&self, point: &Point3<f64>) -> Vector3<f64> {
         let far = FAR_POINT * self.radius.at_least(f64::MIN_POSITIVE);
@@ -121,11 +125,11 @@ impl ConvexPolyhedron {
         half / half.amax() * far
     }
 
-    /// Returns the foot of the perpendicular from `p` to a face, if the foot lies inside the face
-    /// boundary beyond rounding. If the foot is nearer to an edge, the edge gives as good a point,
-    /// and every side of a face that is little more than a line is rounding. If `p` is behind the
-    /// face, the foot is a point of the body too, and the closest point if rounding misjudges the
-    /// side.
+    /// Returns the foot of the perpendicular from `p` to a face, if the foot is inside the face
+    /// boundary by more than rounding. If the foot is nearer to an edge, the edge gives an equally
+    /// good point; and if a face is almost a line, rounding decides its sides. If `p` is behind the
+    /// face, the foot is a point of the body too, and it is the closest point if rounding misjudges
+    /// the side.
     fn foot_on_face(&self, f: FaceId, p: &Vector3<f64>) -> Option<Vector3<f64>> {
         let n = self.planes[f.index()].normal;
         let a = self.points[self.topology.from(self.topology.rim_half_edge(f)).index()];
@@ -140,8 +144,8 @@ impl ConvexPolyhedron {
     }
 }
 
-/// Returns how far a point is inside the side of a face with a normal `n`, times the edge's length;
-/// `to` leads from the edge to the point.
+/// Returns how far a point is inside a side of a face with normal `n`, times the length of the
+/// edge; `to` leads from the edge to the point.
 #[inline(always)]
 pub(crate) fn over_side(n: &Vector3<f64>, edge: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
     edge.cross(to).dot(n)

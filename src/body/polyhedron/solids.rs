@@ -1,8 +1,8 @@
-//! Common solids about the origin. Sizes are half sizes throughout: half extents along x, y and z,
-//! half heights along z, and radii. [`Shape`](crate::Shape) has the same convention.
+//! Common solids around the origin. All sizes are half sizes: half extents along x, y and z, half
+//! heights along z, and radii. [`Shape`](crate::Shape) has the same convention.
 //!
-//! Sines and cosines come from `libm`, so that every target builds identical bits. The file also
-//! holds the constructors of bodies without volume: a point, a segment, a convex polygon.
+//! Sines and cosines come from `libm`, so every target builds identical bits. This file also holds
+//! the constructors of bodies without volume: a point, a segment, a convex polygon.
 
 use crate::base::callbacks::Watch;
 use crate::base::num::each::Each;
@@ -19,7 +19,7 @@ use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use nalgebra::{Point3, Vector3};
 
-/// Largest number of vertices round a prism or cone, and of points of a random hull.
+/// Largest number of vertices around a prism or cone, and of points of a random hull.
 const COUNT_MAX: usize = 1 << 24;
 
 /// Largest number of subdivisions of a geodesic sphere: 2.6 million vertices.
@@ -50,7 +50,7 @@ fn check_count(what: &'static str, count: usize, least: usize, most: usize) -> R
 ///
 /// # Errors
 ///
-/// A half extent outside 1e-100..1e100.
+/// Returns an error if a half extent is outside 1e-100..1e100.
 #[doc(alias = "box")]
 pub fn cuboid(half_extents: Vector3<f64>) -> Result<ConvexPolyhedron, BuildError> {
     for x in half_extents.iter() {
@@ -70,12 +70,14 @@ fn circle(n: usize, radius: f64, z: f64) -> impl Iterator<Item = Point3<f64>> {
     })
 }
 
-/// Returns a prism along z, from `-half_height` to `half_height`, over a regular polygon of `n`
-/// vertices at distance `radius` from the axis, the first in the direction of x.
+/// Returns a prism along z over a regular polygon of `n` vertices.
+///
+/// It extends from `-half_height` to `half_height`. The vertices are at distance `radius` from the
+/// axis, the first in the direction of x.
 ///
 /// # Errors
 ///
-/// Fewer than three vertices, or a size outside 1e-100..1e100.
+/// Returns an error if there are fewer than three vertices, or a size is outside 1e-100..1e100.
 #[doc(alias = "cylinder")]
 pub fn prism(n: usize, half_height: f64, radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     check_count("vertices around the axis", n, 3, COUNT_MAX)?;
@@ -86,12 +88,13 @@ pub fn prism(n: usize, half_height: f64, radius: f64) -> Result<ConvexPolyhedron
     ConvexPolyhedron::from_points(&points)
 }
 
-/// Returns a pyramid over a regular polygon of `n` vertices in the plane `z = -half_height`, with
-/// its apex at `z = half_height`.
+/// Returns a pyramid over a regular polygon of `n` vertices.
+///
+/// The base is in the plane `z = -half_height`, the apex at `z = half_height`.
 ///
 /// # Errors
 ///
-/// Fewer than three vertices, or a size outside 1e-100..1e100.
+/// Returns an error if there are fewer than three vertices, or a size is outside 1e-100..1e100.
 #[doc(alias = "pyramid")]
 pub fn cone(n: usize, half_height: f64, radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     check_count("vertices around the axis", n, 3, COUNT_MAX)?;
@@ -106,7 +109,7 @@ pub fn cone(n: usize, half_height: f64, radius: f64) -> Result<ConvexPolyhedron,
 ///
 /// # Errors
 ///
-/// A radius outside 1e-100..1e100.
+/// Returns an error if the radius is outside 1e-100..1e100.
 pub fn tetrahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     let s = size("radius", radius)? / sqrt(3.0);
     let signs = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
@@ -117,7 +120,7 @@ pub fn tetrahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
 ///
 /// # Errors
 ///
-/// A radius outside 1e-100..1e100.
+/// Returns an error if the radius is outside 1e-100..1e100.
 pub fn octahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     let r = size("radius", radius)?;
     let points: Vec<_> = (0..6)
@@ -142,7 +145,7 @@ fn golden_rectangles(a: f64, b: f64) -> impl Iterator<Item = Point3<f64>> {
 ///
 /// # Errors
 ///
-/// A radius outside 1e-100..1e100.
+/// Returns an error if the radius is outside 1e-100..1e100.
 pub fn icosahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     ConvexPolyhedron::from_points(&icosahedron_points(size("radius", radius)?))
 }
@@ -156,15 +159,15 @@ fn icosahedron_points(radius: f64) -> Vec<Point3<f64>> {
 /// Returns a dodecahedron of twelve exactly planar pentagons with its vertices at distance
 /// `radius`.
 ///
-/// No regular dodecahedron has coordinates in f64; rounding would break the pentagons into
-/// triangles. For any ratio h the points `(+-1, +-1, +-1)` and the cyclic shifts of
-/// `(0, +-(1 + h), +-(1 - h^2))` are planar by fives. Here h is a ratio of Fibonacci numbers, 1e-8
-/// from the golden ratio, and the scale has so few digits that no coordinate is rounded: all
-/// vertices lie within 3e-8 `radius` of their regular positions.
+/// A regular dodecahedron has no exact coordinates in f64, and rounding would split the pentagons
+/// into triangles. For any ratio h the points `(+-1, +-1, +-1)` and the cyclic shifts of `(0, +-(1
+/// + h), +-(1 - h^2))` form planar pentagons. Here h is a ratio of Fibonacci numbers, 1e-8 from the
+/// golden ratio, and the scale has so few digits that no coordinate is rounded. All vertices lie
+/// within 3e-8 `radius` of their regular positions.
 ///
 /// # Errors
 ///
-/// A radius outside 1e-100..1e100.
+/// Returns an error if the radius is outside 1e-100..1e100.
 pub fn dodecahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     let radius = size("radius", radius)?;
     let (p, q) = (4181.0, 6765.0);
@@ -185,12 +188,13 @@ pub fn dodecahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     ConvexPolyhedron::from_points(&cube.chain(rest).collect::<Vec<_>>())
 }
 
-/// Returns an icosahedron whose triangles are divided into four `subdivisions` times, with all
-/// vertices at distance `radius`: `10 * 4^subdivisions + 2` vertices.
+/// Returns a geodesic sphere with `10 * 4^subdivisions + 2` vertices at distance `radius`.
+///
+/// It is an icosahedron whose triangles are divided into four, `subdivisions` times.
 ///
 /// # Errors
 ///
-/// More than 9 subdivisions, or a radius outside 1e-100..1e100.
+/// Returns an error if there are more than 9 subdivisions, or the radius is outside 1e-100..1e100.
 #[doc(alias = "icosphere")]
 pub fn geodesic_sphere(subdivisions: u32, radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     let radius = size("radius", radius)?;
@@ -230,12 +234,14 @@ fn divide(triangles: &[[u32; 3]], points: &mut Vec<Vector3<f64>>) -> Vec<[u32; 3
     divided.collect()
 }
 
-/// Returns the hull of `n` random points on an ellipsoid: uniform directions on the unit sphere,
-/// scaled by `semi_axes`. Equal seeds give identical bits on every target.
+/// Returns the hull of `n` random points on an ellipsoid.
+///
+/// Directions are uniform on the unit sphere and scaled by `semi_axes`. Equal seeds give identical
+/// bits on every target.
 ///
 /// # Errors
 ///
-/// Fewer than four points, or a semi-axis outside 1e-100..1e100.
+/// Returns an error if there are fewer than four points, or a semi-axis is outside 1e-100..1e100.
 pub fn random_hull(n: usize, semi_axes: Vector3<f64>, seed: u64) -> Result<ConvexPolyhedron, BuildError> {
     check_count("points", n, 4, COUNT_MAX)?;
     for x in semi_axes.iter() {
@@ -267,7 +273,7 @@ impl ConvexPolyhedron {
     ///
     /// # Errors
     ///
-    /// A coordinate that is not finite.
+    /// Returns an error if a coordinate is not finite.
     pub fn point(point: Point3<f64>) -> Result<Self, BuildError> {
         let cloud = Cloud::new(&[point], vec![0], 1, EXTENT_MIN)?;
         Self::assemble(&cloud, &[0], &[])
@@ -277,13 +283,13 @@ impl ConvexPolyhedron {
     ///
     /// # Errors
     ///
-    /// A coordinate that is not finite, equal points ([`BuildError::Flat`] of dimension 0), or a
-    /// length outside 1e-100..1e100.
+    /// Returns an error if a coordinate is not finite, if the points are equal
+    /// ([`BuildError::Flat`] of dimension 0), or if the length is outside 1e-100..1e100.
     pub fn segment(start: Point3<f64>, end: Point3<f64>) -> Result<Self, BuildError> {
         Self::segment_of(start, end, EXTENT_MIN)
     }
 
-    /// Returns a segment as [`segment`](Self::segment) does, of a length of at least `least`.
+    /// Returns a segment as [`segment`](Self::segment) does, with a length of at least `least`.
     pub(crate) fn segment_of(start: Point3<f64>, end: Point3<f64>, least: f64) -> Result<Self, BuildError> {
         let cloud = Cloud::new(&[start, end], vec![0, 1], 2, least)?;
         if cloud.points.len() < 2 {
@@ -292,24 +298,28 @@ impl ConvexPolyhedron {
         Self::assemble(&cloud, &[0, 1], &[vec![0, 1]])
     }
 
-    /// Returns the convex hull of coplanar points, in any order: a body with two faces, one for
-    /// each side. Seen from outside the first face, the first three given points that are not
-    /// collinear turn counter-clockwise.
+    /// Returns the convex hull of coplanar points, in any order: a body with two faces, one per
+    /// side.
     ///
-    /// Points exactly in one plane make a body without thickness. Points that leave a plane by
-    /// rounding only, up to 64 UNIT times the diagonal of the box, are accepted too; rounded
-    /// coordinates cannot in general be put back into one plane, so the body is then their exact
-    /// hull, a sliver with the faces of a sliver: always the hull of the stored points.
+    /// Seen from outside the first face, the first three given points that are not collinear are in
+    /// counter-clockwise order.
+    ///
+    /// Points exactly in one plane give a body without thickness. Points that leave a plane by
+    /// rounding only, up to 64 UNIT times the diagonal of the box, are accepted too. In general
+    /// rounded coordinates cannot be moved back into one plane, so the body is then their exact
+    /// hull: a sliver, with the faces of a sliver. The body is always the hull of the stored
+    /// points.
     ///
     /// # Errors
     ///
-    /// Fewer than three points, collinear or equal points, a coordinate that is not finite, an
-    /// extent outside 1e-100..1e100, or a point farther off the plane.
+    /// Returns an error if there are fewer than three points, if they are collinear or equal, if a
+    /// coordinate is not finite, if the extent is outside 1e-100..1e100, or if a point is farther
+    /// from the plane.
     pub fn polygon(points: &[Point3<f64>]) -> Result<Self, BuildError> {
         Self::polygon_of(points, EXTENT_MIN)
     }
 
-    /// Returns a polygon as [`polygon`](Self::polygon) does, of an extent of at least `least`.
+    /// Returns a polygon as [`polygon`](Self::polygon) does, with an extent of at least `least`.
     pub(crate) fn polygon_of(points: &[Point3<f64>], least: f64) -> Result<Self, BuildError> {
         let indices = (0..points.len().min(u32::MAX as usize) as u32).collect();
         let cloud = Cloud::new(points, indices, 3, least)?;
@@ -402,8 +412,8 @@ fn check_planar(cloud: &Cloud, base: &Vector3<f64>, normal: &Vector3<f64>) -> Re
 }
 
 /// Returns the vertices of the hull of exactly coplanar points, counter-clockwise in the projection
-/// along `axis`, and the points inside its edges in rising order. Andrew's monotone chain (1979)
-/// with exact turns.
+/// along `axis`, and the points inside its edges in ascending order. Andrew's monotone chain (1979)
+/// with exact orientation tests.
 fn planar_hull(points: &[Vector3<f64>], axis: usize) -> (Vec<u32>, Vec<u32>) {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut order: Vec<u32> = (0..points.len() as u32).collect();

@@ -1,9 +1,9 @@
-//! Adjacency of vertices, edges and faces: half-edges by number, without a single coordinate.
+//! Adjacency of vertices, edges and faces: half-edges by number, without coordinates.
 //!
 //! The half-edges that leave a vertex are contiguous and counter-clockwise seen from outside (the
-//! *fan* of the vertex); the half-edges round a face are linked by `next`, counter-clockwise too
-//! (the *rim* of the face, its face loop). The rim of a large face is also kept as a list in order,
-//! its *ring*, for bisection.
+//! *fan* of the vertex). The half-edges around a face are linked by `next`, counter-clockwise too
+//! (the boundary of the face, `rim` in the code). The boundary of a large face is also stored as an
+//! ordered list, its *ring*, for bisection.
 //!
 //! ```text
 //!            to
@@ -35,8 +35,8 @@ pub(crate) struct HalfEdge {
     pub(crate) face: FaceId,
 }
 
-/// Half-edges in memory: numbers of 16 bits if they suffice, which halves the memory a query
-/// touches.
+/// Half-edges in memory, with 16-bit numbers if they are enough. This halves the memory that a
+/// query touches.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum HalfEdges {
@@ -307,13 +307,13 @@ impl Topology {
         self.links.get(self.links.get(h).twin).to
     }
 
-    /// Returns one half-edge of the rim of `f`.
+    /// Returns one half-edge of the boundary of `f`.
     #[inline]
     pub(crate) fn rim_half_edge(&self, f: FaceId) -> HalfEdgeId {
         HalfEdgeId(self.rim[f.index()])
     }
 
-    /// Returns the half-edges round `f`, counter-clockwise from outside.
+    /// Returns the half-edges around `f`, counter-clockwise from outside.
     pub(crate) fn rim(&self, f: FaceId) -> impl Iterator<Item = HalfEdgeId> + '_ {
         let start = self.rim_half_edge(f);
         let mut next = Some(start);

@@ -14,7 +14,7 @@ use crate::base::num::scalar::{Scalar, Vec3, root, sqrt};
 use crate::base::tolerance::UNIT;
 use crate::body::polyhedron::{EdgeId, FaceId, Feature, VertexId};
 
-/// A circular cone along z, its apex up, the origin half-way between apex and base.
+/// A circular cone along z with its apex up. The origin is half-way between apex and base.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
     pub(super) radius: f64,
@@ -112,8 +112,8 @@ impl Support for Cone {
         of_circle(self.radius, -self.half_height, place)
     }
 
-    /// Returns a ball that touches the base or the side, whichever faces along `n` more, and is
-    /// limited by the other.
+    /// Returns a ball that touches the base or the side, whichever has its normal closer to `n`.
+    /// The other one limits the ball.
     fn inner_ball(&self, p: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
         let (r, h, height) = (self.radius, self.half_height, 2.0 * self.half_height);
         let slant = sqrt(r * r + height * height);
@@ -128,8 +128,8 @@ impl Support for Cone {
         (centre, to_side(&centre).smaller(centre.z + h).at_least(0.0))
     }
 
-    /// Returns the normals of the base and of the side; the meridian is a triangle, half of which
-    /// turns.
+    /// Returns the normals of the base and of the side. The meridian is a triangle, and half of it
+    /// is rotated.
     fn meridian(&self) -> Option<[[f64; 2]; 3]> {
         let (r, height) = (self.radius, 2.0 * self.half_height);
         let slant = sqrt(r * r + height * height);

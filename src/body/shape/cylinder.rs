@@ -13,7 +13,7 @@ use crate::base::num::scalar::{Scalar, Vec3, root, sqrt};
 use crate::base::tolerance::{PIVOT, UNIT};
 use crate::body::polyhedron::{EdgeId, FaceId, Feature};
 
-/// A circular cylinder along z about the origin.
+/// A circular cylinder along z around the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
     pub(super) radius: f64,
@@ -131,7 +131,7 @@ impl Support for Cylinder {
         of_circle(self.radius, z, place)
     }
 
-    /// Returns a ball that touches a cap or the side, whichever faces along `n` more.
+    /// Returns a ball that touches a cap or the side, whichever has its normal closer to `n`.
     fn inner_ball(&self, p: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
         let (r, h) = (self.radius, self.half_height);
         let off = |p: &Vector3<f64>| sqrt(p.x * p.x + p.y * p.y);

@@ -13,7 +13,7 @@ use crate::base::num::scalar::{Scalar, Vec3, dot, root, scaled, sub};
 use crate::base::tolerance::INNER;
 use crate::body::polyhedron::{FaceId, Feature};
 
-/// An ellipsoid about the origin, its axes those of the frame.
+/// An ellipsoid around the origin with axes along x, y and z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid {
     pub(super) semi_axes: Vector3<f64>,

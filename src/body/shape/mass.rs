@@ -1,6 +1,6 @@
 //! Volume, centre of mass and inertia. A rounded polyhedron consists of the core, a prism on each
 //! face, a sector of a cylinder along each edge, and a sector of a ball at each vertex (Steiner
-//! 1840; moments up to the second).
+//! 1840; here with moments up to the second).
 //!
 //! ```text
 //!     ___________
@@ -10,10 +10,10 @@
 //!   | |         | |     o   exterior angle of the edge: from n to the normal of the other face
 //! ```
 //!
-//! A sector of a ball holds the directions `n` with `n . e <= 0` for all edges `e` that leave the
-//! vertex. Its moments are sums over the arcs about it, by the divergence theorem on the sphere:
-//! `int n = -1/2 sum o e` and `int n n^T = (solid angle - sum (int n along the arc) e^T) / 3`. The
-//! solid angle is 2 pi less the angles of the faces at the vertex (Gauss and Bonnet).
+//! A sector of a ball contains the directions `n` with `n . e <= 0` for all edges `e` that leave
+//! the vertex. By the divergence theorem on the sphere, its moments are sums over the arcs around
+//! it: `int n = -1/2 sum o e` and `int n n^T = (solid angle - sum (int n along the arc) e^T) / 3`.
+//! The solid angle is 2 pi minus the angles of the faces at the vertex (Gauss and Bonnet).
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
@@ -32,7 +32,7 @@ pub struct Mass {
     pub volume: f64,
     /// Centre of mass.
     pub centroid: Point3<f64>,
-    /// Inertia tensor about the centre of mass.
+    /// Inertia tensor relative to the centre of mass.
     pub inertia: Matrix3<f64>,
 }
 
@@ -58,8 +58,8 @@ impl Mass {
 }
 
 impl Shape {
-    /// Returns the mass properties at unit density, in closed form; `None` for rounded shapes whose
-    /// core is curved.
+    /// Returns the mass properties at unit density, in closed form. `None` for rounded shapes with
+    /// a curved core.
     #[must_use]
     pub fn mass(&self) -> Option<Mass> {
         if let Core::Polyhedron(body) = &self.core {

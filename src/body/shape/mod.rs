@@ -1,17 +1,17 @@
-//! Convex shapes: a core and a radius by which the core is rounded.
+//! Convex shapes: a core and a rounding radius.
 //!
 //! `Shape { core, round }` is the set of points at most `round` from the core: a ball is a rounded
-//! point, a capsule a rounded segment. With `P = A - B` the signed distance of two shapes is
-//! `-min over unit n of h_P(n)`, and `h_P` grows by `r` when a shape grows by a ball of radius `r`.
-//! So rounding adds no solver: signed distances of rounded shapes are those of their cores less
-//! both radii, apart as well as overlapping.
+//! point, a capsule a rounded segment. With `P = A - B` the signed distance of two shapes is `-min
+//! over unit n of h_P(n)`, and `h_P` grows by `r` if a shape is rounded by a ball of radius `r`. So
+//! rounding needs no other solver: the signed distance of two rounded shapes is that of their cores
+//! minus both radii, for separated and for overlapping shapes.
 //!
 //! Sources: the parallel body of a convex body, Steiner 1840 and Schneider 2014, "Convex Bodies:
 //! The Brunn-Minkowski Theory", section 4.2; the convex radius of the engines (van den Bergen 2003,
 //! section 4.5). Departures:
-//! 1. The radius is no margin that a fast path may use and a slow one ignores: it is a part of the
-//!    shape on both sides of contact.
-//! 2. Parameters are checked once, when a shape is made; a shape that exists has a support point
+//! 1. The radius is not a margin that a fast method uses and a slow one ignores. It belongs to the
+//!    shape, for separated and for overlapping shapes.
+//! 2. Parameters are checked once, when a shape is constructed. Every shape has a support point
 //!    along every direction.
 
 mod cone;
@@ -39,11 +39,11 @@ pub(crate) use crate::body::shape::support::{Disc, Flat, Support};
 use alloc::sync::Arc;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-/// A convex shape: every point at most [`rounding_radius`](Self::rounding_radius) from its
+/// A convex shape: all points at most [`rounding_radius`](Self::rounding_radius) from its
 /// [`core`](Self::core).
 ///
-/// Immutable, and cheap to clone: the polyhedron of a core is shared. Lengths are in the caller's
-/// unit, coordinates in the shape's own frame.
+/// It is immutable, and cheap to clone because clones share the polyhedron of the core. Lengths are
+/// in the caller's unit, coordinates in the frame of the shape.
 ///
 /// ```
 /// use lin_canny::nalgebra::Vector3;
@@ -72,13 +72,13 @@ pub struct Shape {
 pub enum Core {
     /// A convex polyhedron, polygon, segment or point.
     Polyhedron(Arc<ConvexPolyhedron>),
-    /// An ellipsoid about the origin with axes along x, y and z.
+    /// An ellipsoid around the origin with axes along x, y and z.
     Ellipsoid(Ellipsoid),
-    /// A circular cylinder along z about the origin.
+    /// A circular cylinder along z around the origin.
     Cylinder(Cylinder),
-    /// A circular cone along z, apex up, the origin half-way between apex and base.
+    /// A circular cone along z with its apex up. The origin is half-way between apex and base.
     Cone(Cone),
-    /// A superquadric about the origin with axes along x, y and z.
+    /// A superquadric around the origin with axes along x, y and z.
     Superquadric(Superquadric),
 }
 
@@ -88,7 +88,7 @@ pub(crate) fn is_rounding(radius: f64) -> bool {
     radius == 0.0 || (EXTENT_MIN..=EXTENT_MAX).contains(&radius)
 }
 
-/// Returns a length between 1e-100 and 1e100; refuses any other.
+/// Returns a length between 1e-100 and 1e100; any other is an error.
 fn length(what: &'static str, value: f64) -> Result<f64, ShapeError> {
     if (EXTENT_MIN..=EXTENT_MAX).contains(&value) {
         Ok(value)
@@ -98,23 +98,23 @@ fn length(what: &'static str, value: f64) -> Result<f64, ShapeError> {
 }
 
 impl Shape {
-    /// Returns a ball about the origin.
+    /// Returns a ball around the origin.
     ///
     /// # Errors
     ///
-    /// A radius that is not between 1e-100 and 1e100.
+    /// Returns an error if the radius is not between 1e-100 and 1e100.
     #[doc(alias = "sphere")]
     pub fn ball(radius: f64) -> Result<Self, ShapeError> {
         Self::from(ConvexPolyhedron::origin()).rounded(length("radius", radius)?)
     }
 
-    /// Returns a capsule along z about the origin: every point at most `radius` from a segment of
+    /// Returns a capsule along z around the origin: all points at most `radius` from a segment of
     /// length `2 half_length`.
     ///
     /// # Errors
     ///
-    /// A length or radius that is not between 1e-100 and 1e100. The half length of a
-    /// [`ball`](Self::ball), zero, has an error of its own, which names that call.
+    /// Returns an error if the length or radius is not between 1e-100 and 1e100. The half length of
+    /// a [`ball`](Self::ball), zero, has a separate error, which names that call.
     pub fn capsule(half_length: f64, radius: f64) -> Result<Self, ShapeError> {
         if half_length == 0.0 {
             return Err(ShapeError::NoLength);
@@ -124,11 +124,11 @@ impl Shape {
         Self::from(core).rounded(length("radius", radius)?)
     }
 
-    /// Returns a box about the origin with faces perpendicular to the axes.
+    /// Returns a box around the origin with faces perpendicular to the axes.
     ///
     /// # Errors
     ///
-    /// A half extent that is not between 1e-100 and 1e100.
+    /// Returns an error if a half extent is not between 1e-100 and 1e100.
     #[doc(alias = "box")]
     pub fn cuboid(half_extents: Vector3<f64>) -> Result<Self, ShapeError> {
         for &x in half_extents.iter() {
@@ -141,37 +141,39 @@ impl Shape {
     ///
     /// # Errors
     ///
-    /// Points that make no body, see [`ConvexPolyhedron::from_points`].
+    /// Returns an error if the points have no hull with volume, see
+    /// [`ConvexPolyhedron::from_points`].
     pub fn hull(points: &[Point3<f64>]) -> Result<Self, ShapeError> {
         Ok(Self::from(ConvexPolyhedron::from_points(points)?))
     }
 
-    /// Returns a circular cylinder along z about the origin, `2 half_height` high.
+    /// Returns a circular cylinder along z around the origin, `2 half_height` high.
     ///
     /// # Errors
     ///
-    /// A height or radius that is not between 1e-100 and 1e100.
+    /// Returns an error if the height or radius is not between 1e-100 and 1e100.
     pub fn cylinder(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
         let (half_height, radius) = (length("half height", half_height)?, length("radius", radius)?);
         Ok(Self::sharp(Core::Cylinder(Cylinder { radius, half_height })))
     }
 
-    /// Returns a circular cone along z with the apex at `z = half_height` and the base at
-    /// `z = -half_height`.
+    /// Returns a circular cone along z.
+    ///
+    /// The apex is at `z = half_height`, the base at `z = -half_height`.
     ///
     /// # Errors
     ///
-    /// A height or radius that is not between 1e-100 and 1e100.
+    /// Returns an error if the height or radius is not between 1e-100 and 1e100.
     pub fn cone(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
         let (half_height, radius) = (length("half height", half_height)?, length("radius", radius)?);
         Ok(Self::sharp(Core::Cone(Cone { radius, half_height })))
     }
 
-    /// Returns an ellipsoid about the origin with axes along x, y and z.
+    /// Returns an ellipsoid around the origin with axes along x, y and z.
     ///
     /// # Errors
     ///
-    /// A semi-axis that is not between 1e-100 and 1e100.
+    /// Returns an error if a semi-axis is not between 1e-100 and 1e100.
     pub fn ellipsoid(semi_axes: Vector3<f64>) -> Result<Self, ShapeError> {
         for &x in semi_axes.iter() {
             length("semi-axis", x)?;
@@ -179,14 +181,16 @@ impl Shape {
         Ok(Self::sharp(Core::Ellipsoid(Ellipsoid { semi_axes })))
     }
 
-    /// Returns a superquadric about the origin,
-    /// `((x/a)^(2/e2) + (y/b)^(2/e2))^(e2/e1) + (z/c)^(2/e1) <= 1`: a box towards exponents of
-    /// zero, an ellipsoid at one, an octahedron towards two.
+    /// Returns a superquadric around the origin.
+    ///
+    /// It is the set `((x/a)^(2/e2) + (y/b)^(2/e2))^(e2/e1) + (z/c)^(2/e1) <= 1`. It approaches a
+    /// box if the exponents approach zero, is an ellipsoid if they are one, and approaches an
+    /// octahedron if they approach two.
     ///
     /// # Errors
     ///
-    /// A semi-axis that is not between 1e-100 and 1e100, or an exponent that is not between 1/16
-    /// and 31/16.
+    /// Returns an error if a semi-axis is not between 1e-100 and 1e100, or an exponent is not
+    /// between 1/16 and 31/16.
     pub fn superquadric(semi_axes: Vector3<f64>, e1: f64, e2: f64) -> Result<Self, ShapeError> {
         for &x in semi_axes.iter() {
             length("semi-axis", x)?;
@@ -201,11 +205,12 @@ impl Shape {
         Ok(Self::sharp(Core::Superquadric(Superquadric { semi_axes, exponents })))
     }
 
-    /// Returns the shape rounded by a ball of radius `by`: every point at most `by` from the shape.
+    /// Returns the shape rounded by a ball of radius `by`: all points at most `by` from the shape.
     ///
     /// # Errors
     ///
-    /// A radius that is negative, or that makes the sum of all roundings exceed 1e100.
+    /// Returns an error if the radius is negative, or if the sum of all rounding radii exceeds
+    /// 1e100. A radius that is not zero must be at least 1e-100.
     pub fn rounded(mut self, by: f64) -> Result<Self, ShapeError> {
         let round = self.round + by;
         if !is_rounding(by) || round > EXTENT_MAX {
@@ -257,11 +262,11 @@ impl From<Arc<ConvexPolyhedron>> for Shape {
     }
 }
 
-/// Error returned if parameters make no shape.
+/// Error of a constructor of a shape: a parameter is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeError {
-    /// A parameter is not finite, or outside the range that the constructor names.
+    /// A parameter is not finite, or outside the range of its constructor.
     #[error("{what} of the shape is out of range: {value:e}")]
     BadParameter {
         /// Name of the parameter.
@@ -269,10 +274,10 @@ pub enum ShapeError {
         /// Value of the parameter.
         value: f64,
     },
-    /// A capsule without a length.
+    /// The half length of a capsule is zero.
     #[error("half length of the capsule is zero; use `Shape::ball`")]
     NoLength,
-    /// The points of a core make no body.
+    /// The points of a core have no hull with volume.
     #[error(transparent)]
     Core(#[from] BuildError),
 }
@@ -283,7 +288,7 @@ impl Core {
         match_core!(self, body => body.radius * body.unit(), core => core.reach())
     }
 
-    /// Returns the point about which the core is stored.
+    /// Returns the point relative to which the core is stored.
     pub(crate) fn origin(&self) -> Vector3<f64> {
         match self {
             Self::Polyhedron(body) => body.origin,
@@ -319,9 +324,11 @@ impl Shape {
         (centre, (radius + self.round) * (1.0 + 2.0 * UNIT))
     }
 
-    /// Upper bound of `direction . x` over the shape, at most `1e-14` times its size and the length
-    /// of the direction too large. `direction` is of any length, in the shape's frame; zero for one
-    /// that is zero or not finite.
+    /// Returns an upper bound of `direction . x` over the shape.
+    ///
+    /// It is too large by at most `1e-14` times the size of the shape times the length of the
+    /// direction. `direction` is in the frame of the shape and of any length; if it is zero or not
+    /// finite, the result is zero.
     #[doc(alias = "support")]
     #[must_use]
     pub fn support_height(&self, direction: &Vector3<f64>) -> f64 {
@@ -346,8 +353,8 @@ impl Shape {
         (height + self.round * (1.0 + BOX)) * length
     }
 
-    /// Returns a point of the core of about the greatest height along a unit direction, and the
-    /// vertex of a polyhedral core.
+    /// Returns an approximate support point of the core along a unit direction, and the vertex of a
+    /// polyhedral core.
     pub(crate) fn core_point(&self, n: &Vector3<f64>) -> (Option<u32>, Vector3<f64>) {
         let along = [n.x, n.y, n.z];
         match_core!(&self.core, body => {
@@ -357,11 +364,12 @@ impl Shape {
         }, core => (None, core.support(&along, 0).1.into()))
     }
 
-    /// Returns the axis-aligned box of the shape at a pose, rounded outward: least and greatest
-    /// corner, in the frame that the pose leads to. `hint` caches the extreme vertices of a
-    /// polyhedron from one frame to the next.
+    /// Returns the axis-aligned box of the shape at a pose, rounded outward.
     ///
-    /// The box of a pose that is not finite is not finite either.
+    /// The result is the least and greatest corner, in the frame to which the pose leads. `hint`
+    /// caches the extreme vertices of a polyhedron from one frame to the next.
+    ///
+    /// If the pose is not finite, the box is not finite either.
     #[doc(alias = "compute_aabb")]
     #[must_use]
     pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {

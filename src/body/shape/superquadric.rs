@@ -9,7 +9,7 @@ use crate::body::shape::support::{Disc, Support};
 use crate::body::shape::{Curved, Mass};
 use nalgebra::{Point3, Vector3};
 
-/// A superquadric about the origin: `((x/a)^(2/e2) + (y/b)^(2/e2))^(e2/e1) + (z/c)^(2/e1) <= 1`
+/// A superquadric around the origin: `((x/a)^(2/e2) + (y/b)^(2/e2))^(e2/e1) + (z/c)^(2/e1) <= 1`
 /// (Barr 1981).
 ///
 /// With `p = 2 / e` the gauge is a norm of a norm. The support function is the dual norm of the
@@ -50,7 +50,7 @@ impl Superquadric {
         self.exponents
     }
 
-    /// Returns the gauge of a place: at most one inside.
+    /// Returns the gauge of a point: at most one inside.
     pub(crate) fn gauge<T: Scalar>(&self, place: &Vec3<T>) -> T {
         let x = [0, 1, 2].each(|k| absolute(place[k]) / T::from(self.semi_axes[k]));
         let [p, q] = self.exponents.each(|e| T::from(2.0) / T::from(e));

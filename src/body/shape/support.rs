@@ -1,5 +1,5 @@
-//! What solvers ask of shapes: support points, and how they move with the direction; what a shape
-//! asks of a curved core, and the match of a core.
+//! Support points of shapes and their derivatives by the direction, for the solvers; the interface
+//! of a curved core; and the match of a core.
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
@@ -19,7 +19,7 @@ pub(crate) struct Disc {
 }
 
 impl Disc {
-    /// Returns the point of the disc nearest to a place.
+    /// Returns the point of the disc nearest to a given point.
     pub(crate) fn foot<T: Scalar>(&self, place: &Vec3<T>) -> Vec3<T> {
         let off = root(place[0] * place[0] + place[1] * place[1]);
         let r = T::from(self.radius);
@@ -28,7 +28,7 @@ impl Disc {
     }
 }
 
-/// A part of a surface that is flat or straight.
+/// A flat or straight facet of a surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Flat {
     Disc(Disc),
@@ -37,7 +37,7 @@ pub(crate) enum Flat {
 }
 
 impl Flat {
-    /// Returns the middle of the part.
+    /// Returns the middle of the facet.
     pub(crate) fn middle(&self) -> Vec3<f64> {
         match self {
             Self::Disc(disc) => [0.0, 0.0, disc.z],
@@ -45,7 +45,7 @@ impl Flat {
         }
     }
 
-    /// Returns the point of the part nearest to a place.
+    /// Returns the point of the facet nearest to a given point.
     pub(crate) fn foot(&self, place: &Vec3<f64>) -> Vec3<f64> {
         match self {
             Self::Disc(disc) => disc.foot(place),
@@ -60,63 +60,65 @@ impl Flat {
 
 /// A convex core by its support function `h(n) = max of n . x`, over branches.
 ///
-/// A *branch* is a smooth piece of the map from a direction to its support point: a vertex, a rim,
-/// a whole ellipsoid. Directions are unit vectors in the frame of the core; solvers run in f64 and
-/// in double-double.
+/// A *branch* is a domain in which the map from a direction to its support point is smooth: a
+/// vertex, a rim, a whole ellipsoid. Directions are unit vectors in the frame of the core. Solvers
+/// run in f64 and in double-double.
 pub(crate) trait Support {
-    /// Whether the core has one branch alone.
+    /// Whether the core has only one branch.
     const IS_SMOOTH: bool = false;
 
     /// Returns the largest distance of a point of the core from the origin, rounded up.
     fn reach(&self) -> f64;
 
-    /// Returns the error of a height beyond that of [`CERTIFICATE`](crate::tolerance::CERTIFICATE),
-    /// in UNIT times the radius.
+    /// Returns the error of a support value beyond that of
+    /// [`CERTIFICATE`](crate::tolerance::CERTIFICATE), in UNIT times the radius.
     fn noise(&self) -> f64 {
         0.0
     }
 
-    /// Returns branch and support point along `n`, a direction of any length; `hint` is a branch to
-    /// begin with.
+    /// Returns branch and support point along `n`, a direction of any length; the search starts at
+    /// the branch `hint`.
     fn support<T: Scalar>(&self, n: &Vec3<T>, hint: u32) -> (u32, Vec3<T>);
 
-    /// Returns the point of a branch along `n`: a point of the core, and the support point if the
-    /// branch is the highest along `n`.
+    /// Returns the point of a branch along `n`. It is a point of the core, and it is the support
+    /// point if the branch has the greatest support value along `n`.
     fn of_branch<T: Scalar>(&self, branch: u32, n: &Vec3<T>) -> Vec3<T>;
 
-    /// Returns the motion of the `point` of a branch along `n` when `n` turns by the tangent `d`:
-    /// the second derivative of the support function, applied to `d`.
+    /// Returns the displacement of the `point` of a branch along `n` if `n` rotates by the tangent
+    /// `d`: the second derivative of the support function, applied to `d`.
     fn bent<T: Scalar>(&self, branch: u32, point: &Vec3<T>, n: &Vec3<T>, d: &Vec3<T>) -> Vec3<T>;
 
     /// Returns the unit axis `u` and the level `c` of the circle of unit directions, `n . u = c`,
-    /// along which two branches are equally high; `None` if no circle is known.
+    /// along which two branches have equal support values; `None` if no circle is known.
     fn ridge<T: Scalar>(&self, of: [u32; 2]) -> Option<(Vec3<T>, T)>;
 
-    /// Returns a point of the core on the branch, close to `place`, which must be close to the
-    /// branch.
+    /// Returns a point of the core on the branch, close to the point `place`, which must be close
+    /// to the branch.
     fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T>;
 
     /// Returns centre and radius of a ball inside the core that touches the surface, or almost, at
-    /// `point`, a point of normal `n`. The radius is never too large, and zero if no ball is known.
+    /// `point`, where the normal is `n`. The radius is never too large; it is zero if no ball is
+    /// known.
     fn inner_ball(&self, point: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64);
 
-    /// Returns the flat round face that faces along `n`; `None` if the core has none.
+    /// Returns the flat round face whose normal is closest to `n`; `None` if the core has none.
     fn disc(&self, n: &Vector3<f64>) -> Option<Disc>;
 
-    /// Returns the outward unit normals of the edges of the polygon that sweeps the core as it
-    /// turns about the z axis: the parts off the axis and along it. `None` if no polygon does.
+    /// Returns the outward unit normals of the edges of the polygon that generates the core by
+    /// rotation around the z axis, as components perpendicular to the axis and along it. `None` if
+    /// no polygon does.
     fn meridian(&self) -> Option<[[f64; 2]; 3]> {
         None
     }
 
-    /// Calls `each` with the outward normals of the flat faces that a branch is a part of.
+    /// Calls `each` with the outward normals of the flat faces to which a branch belongs.
     fn flat_faces(&self, _branch: u32, each: &mut impl FnMut(Vec3<f64>)) {
         let sides = [1.0, -1.0].each(|z| self.disc(&Vector3::new(0.0, 0.0, z)));
         sides.iter().flatten().for_each(|disc| each([0.0, 0.0, disc.side]));
     }
 
-    /// Returns the flat or straight part of the surface that faces along `n` most nearly; `None` if
-    /// the core is curved both ways, or a polyhedron.
+    /// Returns the flat or straight facet of the surface whose normal is closest to `n`. `None` if
+    /// the core is curved in both directions, or a polyhedron.
     fn flat(&self, n: &Vector3<f64>) -> Option<Flat> {
         self.disc(n).map(Flat::Disc)
     }
@@ -125,9 +127,10 @@ pub(crate) trait Support {
     fn feature(&self, branches: &[u32], point: &Vector3<f64>) -> Feature;
 }
 
-/// A core with curved sides: what a shape asks besides support points.
+/// A core with curved sides: the calls of a shape in addition to support points.
 pub(crate) trait Curved: Support + Copy {
-    /// Place of the kind in the order in which a pair is solved: polyhedra, of place 0, come first.
+    /// Index of the kind in the order in which a pair is solved: polyhedra, with index 0, come
+    /// first.
     const ORDER: u32;
 
     /// Returns the fingerprint of kind and parameters.
@@ -143,7 +146,7 @@ pub(crate) trait Curved: Support + Copy {
     fn mass(&self) -> Mass;
 }
 
-/// Returns the place of the kind of a curved core in the order in which a pair is solved.
+/// Returns the index of the kind of a curved core in the order in which a pair is solved.
 pub(crate) fn order_of<C: Curved>(_: &C) -> u32 {
     C::ORDER
 }
@@ -175,7 +178,7 @@ mod tests {
         (n / n.norm()).into()
     }
 
-    /// Checks what solvers take for granted of a core.
+    /// Checks what solvers assume about a core.
     fn check(core: &impl Support) {
         let mut rng = Rng::new(7);
         for _ in 0..2_000 {
@@ -208,7 +211,8 @@ mod tests {
                 "{n:?}: {slope:?}, not {bent:?}"
             );
 
-            // A ball inside the core at the point: no higher than the core along any direction.
+            // A ball inside the core at the point: its support value is at most that of the core
+            // along every direction.
             let (centre, radius) = core.inner_ball(&point.into(), &n.into());
             let highest = dot(&m, &core.support(&m, 0).1);
             assert!(

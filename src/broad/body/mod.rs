@@ -28,7 +28,8 @@ use core::fmt;
 use nalgebra::Point3;
 use wide::f32x4;
 
-/// Id of a body in one broad phase. The index is reused after a removal, with another generation.
+/// Id of a body in one broad phase. After a removal the index is used again, with another
+/// generation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyId {
@@ -47,7 +48,7 @@ impl fmt::Display for BodyId {
 /// Largest number of bodies: one bit of a 32-bit index serves as a flag inside columns.
 const MOST_BODIES: usize = (1 << 31) - 1;
 
-/// Options and margins of a body, read only by events and by renewed boxes.
+/// Options and margins of a body, which only events and newly computed boxes read.
 #[derive(Clone, Copy, Debug)]
 struct BodyDetail {
     groups: Groups,
@@ -105,7 +106,7 @@ pub(crate) struct Bodies {
     details: Vec<BodyDetail>,
     /// Ids; the pairs of removed bodies end with the next step.
     pub(crate) slots: Slots,
-    /// Bodies whose groups changed: groups and filter are asked again for their pairs.
+    /// Bodies whose groups changed: groups and filter are tested again for their pairs.
     pub(crate) regrouped: Vec<u32>,
     pub(crate) unbounded: Vec<u32>,
     pub(crate) marks: Marks,
@@ -154,7 +155,8 @@ impl Bodies {
         self.details[i] = BodyDetail::new(body);
         let is_loose = body.margin > 0.0 || body.lookahead > 0.0;
         let kind = if is_loose { LOOSE } else { 0 } | if body.fixed { FIXED } else { 0 };
-        // Loose boxes inserted together would otherwise all be renewed together, in waves.
+        // Otherwise loose boxes that are inserted together would all be computed again together, in
+        // waves.
         let stored = if is_loose {
             grown(&stored, body.margin as f32 * fraction(index))
         } else {
@@ -174,7 +176,7 @@ impl Bodies {
         Ok(id)
     }
 
-    /// Returns a free index for a new body, if there is room.
+    /// Returns a free index for a new body, unless there are too many bodies.
     fn vacant(&mut self) -> Result<u32, BroadPhaseError> {
         let index = self.slots.vacant(self.most).ok_or(BroadPhaseError::TooManyBodies)?;
         if index as usize == self.records.len() {
@@ -184,8 +186,8 @@ impl Bodies {
         Ok(index)
     }
 
-    /// Removes a body: the id is stale at once. The box becomes empty, so that the next step sees
-    /// every pair of the body end.
+    /// Removes a body. Its id is stale at once. Its box becomes empty, so the next step ends every
+    /// pair of the body.
     pub(crate) fn remove(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
         let i = self.index_of(id)?;
         self.slots.remove(id.index);
@@ -228,7 +230,7 @@ impl Bodies {
         self.slots.index_of(id).ok_or(BroadPhaseError::StaleId { body: id })
     }
 
-    /// Returns the id under which the body at `index` lives, or last lived until the next step.
+    /// Returns the id of the body at `index`. Until the next step, a removed body keeps its id.
     pub(crate) fn id(&self, index: u32) -> BodyId {
         self.slots.id(index)
     }
@@ -297,7 +299,7 @@ impl Bodies {
         self.grid = grid;
     }
 
-    /// Decides for every noted body how the body takes part in its columns this step.
+    /// Decides for every noted body which entries it has in its columns in this step.
     pub(crate) fn classify(&mut self) {
         let (step, grid) = (self.step, &self.grid);
         for &index in &self.marks.noted {
@@ -348,7 +350,7 @@ impl Bodies {
     }
 }
 
-/// The input of placing a box, besides the record.
+/// The input for storing a box, in addition to the record.
 struct PlaceContext<'a> {
     origin: &'a Point3<f64>,
     grid: &'a Grid,
@@ -357,8 +359,8 @@ struct PlaceContext<'a> {
 }
 
 impl PlaceContext<'_> {
-    /// Stores a new box and notes changes. Returns the fault of the box, if any. `AXIS` must be the
-    /// swept axis of the grid.
+    /// Stores a new box and records changes. Returns the error of the box, if any. `AXIS` must be
+    /// the swept axis of the grid.
     #[inline(always)]
     fn place<const AXIS: usize>(
         &self,
@@ -376,9 +378,9 @@ impl PlaceContext<'_> {
         }
     }
 
-    /// Places faulty, unbounded and far boxes. The two paths must not join before the box is
-    /// stored: the box of the fast path would then go through memory, written and read in
-    /// pieces of different sizes, which costs as much as all the rest.
+    /// Handles invalid, unbounded and far boxes. The two paths must not join before the box is
+    /// stored. Otherwise the box of the fast path would go through memory, written and read in
+    /// units of different sizes, which costs as much as everything else together.
     #[inline(never)]
     fn place_slowly(&self, record: &mut Record, index: u32, aabb: &Aabb, marks: &mut Marks) -> Result<(), AabbError> {
         let stored = checked(aabb, self.origin, self.grid, record.flags())?;
@@ -470,7 +472,7 @@ struct BodyRun<'a> {
 }
 
 impl Bodies {
-    /// Applies every valid entry; the error reports the refused entries.
+    /// Applies every valid entry; the error reports the invalid entries.
     pub(crate) fn set_boxes(&mut self, batch: &[(BodyId, Aabb)], threads: Threads) -> Result<(), BatchError> {
         let threads = threads.sharing(batch.len());
         let error = match self.grid.axis {
@@ -493,8 +495,8 @@ impl Bodies {
             records: &mut self.records,
             generations: self.slots.generations(),
         };
-        // Records can be distributed to threads only if each part of the batch names a part of the
-        // table.
+        // Records can be distributed to threads only if each half of the batch refers to one half
+        // of the table.
         if threads > 1 && ascends(batch, |entry| entry.0.index, threads) {
             self.shares.resize_with(threads.max(self.shares.len()), Marks::default);
             let shares = &mut self.shares[..threads];
@@ -506,8 +508,8 @@ impl Bodies {
     }
 }
 
-/// Halves batch and table until every thread has its own part and marks; the marks are joined in
-/// order, so the result equals the result of one thread.
+/// Halves batch and table until every thread has a separate range and separate marks. The marks are
+/// joined in order, so the result equals that of one thread.
 fn split<const AXIS: usize>(
     context: &PlaceContext<'_>,
     run: BodyRun<'_>,

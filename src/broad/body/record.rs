@@ -7,7 +7,7 @@ use crate::broad::simd_box::Bounds;
 use alloc::vec::Vec;
 use wide::f32x4;
 
-/// Flag: the body does not move by itself and never pairs with another fixed body.
+/// Flag: the body is fixed and never paired with another fixed body.
 pub(crate) const FIXED: u32 = 1;
 /// Flag: the body is in the list of unbounded bodies, outside all columns.
 pub(crate) const UNBOUNDED: u32 = 1 << 1;
@@ -15,9 +15,9 @@ pub(crate) const UNBOUNDED: u32 = 1 << 1;
 pub(super) const LOOSE: u32 = 1 << 2;
 /// Flag: the body is listed among the bodies that may have changed columns.
 pub(super) const NOTED: u32 = 1 << 3;
-/// Flag: this step the body changes columns, so its part in a column depends on the column.
+/// Flag: the body changes columns in this step, so its entry depends on the column.
 pub(crate) const MIGRATES: u32 = 1 << 4;
-/// Flag: this step the body jumps: the old and the new box are listed as two entries.
+/// Flag: the body jumps in this step: the old and the new box are two entries.
 pub(crate) const JUMPS: u32 = 1 << 5;
 
 /// The record of a body that a step reads, in one cache line: two boxes in SIMD registers, whose

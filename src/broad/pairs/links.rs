@@ -1,8 +1,8 @@
-//! Links from two bodies to the slot of their pair: small hash tables, each for some consecutive
+//! Links from two bodies to the slot of their pair: small hash tables, each for a few consecutive
 //! lower bodies. A table has open addressing, linear probing, and deletion by backward shift
 //! (Knuth, section 6.4).
 //!
-//! Changes come in ascending order, so a step walks the tables in order, stays in the nearest
+//! Changes come in ascending order. So a step visits the tables in order, stays in the nearest
 //! caches, and can be distributed to threads.
 
 use crate::broad::body::Bodies;
@@ -49,7 +49,7 @@ impl Links {
         self.blocks.get_mut(block_of(key))?.remove(key, slots)
     }
 
-    /// Applies the changes of a step, both lists in ascending order; a pair that begins must not be
+    /// Applies the changes of a step, both lists in ascending order; a pair that starts must not be
     /// linked. Writes to `gone` the pairs that ended, without generations; a pair that was not
     /// linked becomes `NOWHERE`.
     pub(super) fn update(
@@ -195,7 +195,7 @@ pub(super) struct Link {
     pub(super) slot: u32,
 }
 
-/// A vacant place; no pair has this slot.
+/// A vacant entry; no pair has this slot.
 const VACANT: Link = Link {
     hash: 0,
     slot: NOWHERE.id.slot,
@@ -229,7 +229,7 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// Returns the home place of a hash.
+    /// Returns the home index of a hash.
     #[inline(always)]
     fn home(&self, hash: u32) -> usize {
         ((u64::from(hash) * self.places.len() as u64) >> 32) as usize
@@ -240,7 +240,7 @@ impl Block {
         if place + 1 < self.places.len() { place + 1 } else { 0 }
     }
 
-    /// Returns the content of the home place, for prefetching.
+    /// Returns the content at the home index, for prefetching.
     #[inline(always)]
     pub(super) fn at_home(&self, key: PairKey) -> Option<u32> {
         self.places.get(self.home(hash(key))).map(|link| link.slot)
@@ -295,7 +295,7 @@ impl Block {
         Some(slot)
     }
 
-    /// Returns the number of probing steps from one place to another.
+    /// Returns the number of probing steps from one index to another.
     #[inline(always)]
     fn steps(&self, from: usize, to: usize) -> usize {
         if from <= to {
@@ -305,7 +305,7 @@ impl Block {
         }
     }
 
-    /// Rehashes the links into a table of this many places.
+    /// Rehashes the links into a table of this size.
     #[cold]
     fn resize(&mut self, count: usize) {
         let old = core::mem::replace(&mut self.places, alloc::vec![VACANT; count]);

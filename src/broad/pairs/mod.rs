@@ -1,4 +1,4 @@
-//! The overlapping pairs, in slots that stay fixed from the beginning of a pair to its end, and the
+//! The overlapping pairs, in slots that stay the same from the start of a pair to its end, and the
 //! check of these slots.
 
 mod links;
@@ -22,14 +22,15 @@ use alloc::{format, vec};
 /// Number of items prefetched at once. Not measured.
 pub(super) const AHEAD: usize = 32;
 
-/// Id of a pair from its beginning to its end. `slot` is small and dense: a caller can keep state
-/// of a pair, say a tracker, in a vector at this index.
+/// Id of a pair, constant from its start to its end. `slot` is small and dense, so a caller can
+/// keep state for a pair, such as a tracker, in a vector at this index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PairId {
-    /// Index in tables; reused no earlier than the step after the pair's end was reported.
+    /// Index in tables. It is reused in the step after the end of the pair was reported, at the
+    /// earliest.
     pub slot: u32,
-    /// Distinguishes the pairs that used the slot one after another.
+    /// Distinguishes the pairs that use the slot one after another.
     pub generation: u32,
 }
 
@@ -52,18 +53,19 @@ pub struct Pair {
 }
 
 /// Changes of the last step, each list in ascending order of the two body indices. The order
-/// depends on boxes and ids alone: not on the structure, its tuning, its history or the number of
+/// depends only on boxes and ids, not on the structure, its tuning, its history or the number of
 /// threads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Events<'a> {
-    /// Pairs that ended: boxes parted, a body was removed, or groups no longer let them pair.
+    /// Pairs that ended because the boxes separated, a body was removed, or the groups no longer
+    /// allow the pair.
     pub ended: &'a [Pair],
-    /// Pairs that began.
+    /// Pairs that started.
     pub began: &'a [Pair],
-    /// [`BroadPhaseError::TooManyPairs`] if some pairs found no slot. The refused pairs did not
-    /// begin, and all remaining pairs are unaffected; each refused pair is tried again when its
-    /// boxes have parted and meet again, or by [`regroup`](super::SweepAndPrune::regroup).
+    /// [`BroadPhaseError::TooManyPairs`] if there was no slot for some pairs. These rejected pairs
+    /// did not start; all other pairs are unaffected. Each rejected pair is tried again when its
+    /// boxes have separated and overlap again, or after [`regroup`](super::SweepAndPrune::regroup).
     pub refused: Option<BroadPhaseError>,
 }
 
@@ -184,7 +186,7 @@ impl PairSlots {
         self.vacate();
     }
 
-    /// Assigns slots to the proposed pairs that the filter accepts, and drops the refused pairs.
+    /// Assigns slots to the proposed pairs that the filter accepts, and drops the rejected pairs.
     fn admit(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) {
         let mut began = core::mem::take(&mut self.began);
         let mut read = 0;
@@ -231,7 +233,8 @@ impl PairSlots {
         })
     }
 
-    /// Empties the slots of the ended pairs and completes their ids; drops pairs that never began.
+    /// Empties the slots of the ended pairs and completes their ids. Drops pairs that never
+    /// started.
     fn vacate(&mut self) {
         let mut ended = core::mem::take(&mut self.ended);
         ended.retain(|pair| pair.id.slot != NOWHERE.id.slot);
@@ -265,7 +268,7 @@ impl PairSlots {
         self.began.sort_unstable_by_key(order);
     }
 
-    /// Ends the pair, if present in the table.
+    /// Ends the pair if it is in the table.
     pub(crate) fn end(&mut self, key: PairKey, bodies: &Bodies) {
         if let Some(slot) = self.links.remove(key, &self.slots) {
             let generation = self.release(slot);
@@ -273,7 +276,7 @@ impl PairSlots {
         }
     }
 
-    /// Begins the pair, unless present already or the table is full.
+    /// Starts the pair, unless it is in the table already or the table is full.
     pub(crate) fn begin(&mut self, key: PairKey, bodies: &Bodies) {
         if self.links.find(key, &self.slots).is_some() {
             return;
@@ -315,8 +318,8 @@ fn named(bodies: &Bodies, key: PairKey, slot: u32, generation: u32) -> Pair {
     }
 }
 
-/// Writes the ids of the bodies of all pairs that options let begin; `out` must hold `NOWHERE`
-/// before.
+/// Writes the ids of the bodies of all pairs that the options allow to start; `out` must contain
+/// `NOWHERE` before.
 fn propose(keys: &[PairKey], out: &mut [Pair], bodies: &Bodies, threads: usize) {
     if threads > 1 {
         let half = keys.len() / 2;

@@ -6,17 +6,17 @@ use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record, UNBOUNDED};
 use crate::broad::tables::read_ahead;
 use alloc::vec::Vec;
 
-/// Marks an entry that stands for the new box only: the body came into the column this step. The
-/// lowest bit, below the index, so that entries stay in order when the bit is cleared: no two
-/// entries differ in this bit alone once the entries of old boxes are gone.
+/// Marks an entry for the new box only: the body entered the column in this step. It is the lowest
+/// bit, below the index, so entries stay in order when the bit is cleared. After the entries of old
+/// boxes are removed, no two entries differ in this bit alone.
 pub(super) const ARRIVING: u32 = 1;
 
-/// The box or boxes of a body that an entry stands for in its column this step.
+/// The box or boxes of a body that an entry represents in its column in this step.
 ///
 /// A body that stays in a column has one entry for both boxes. A body that leaves keeps an entry
-/// for the old box until the column is done, so that the ends of its pairs are seen; a body that
-/// comes gets an entry for the new box. A body that jumps has two entries, so that the way between
-/// costs nothing.
+/// for the old box until the column is done, so that the ends of its pairs are found. A body that
+/// enters gets an entry for the new box. A body that jumps has two entries, so that the path
+/// between costs nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum EntryBoxes {
     Both,
@@ -25,7 +25,7 @@ pub(super) enum EntryBoxes {
 }
 
 impl EntryBoxes {
-    /// Returns whether the entry stands for the new box, or for the old box.
+    /// Returns whether the entry represents the new box, and whether it represents the old box.
     #[inline(always)]
     pub(super) fn has(self, new: bool) -> bool {
         self != if new { Self::Old } else { Self::New }

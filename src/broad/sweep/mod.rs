@@ -1,6 +1,6 @@
-//! Sweep and prune over columns: the world is cut into columns along the swept axis, each with a
-//! sorted list. Holds the step, the queries about the boxes of the last step, and the check of the
-//! columns.
+//! Sweep and prune over columns: the world is divided into columns along the swept axis, and each
+//! column has a sorted list. This file holds the step, the queries about the boxes of the last
+//! step, and the check of the columns.
 
 mod column;
 mod repair;
@@ -28,12 +28,13 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// All columns are swept if this many times the moved bodies exceed all bodies: the costs of a
-/// sweep and of repairs meet near 9 % of the bodies.
+/// All columns are swept if the number of moved bodies times this factor exceeds the number of all
+/// bodies. A sweep and repairs cost the same if about 9 % of the bodies move.
 const WORLD_SHARE: usize = 10;
 
-/// Sweep and prune over columns, the recommended broad phase: the world is cut into columns along
-/// the swept axis, each with a sorted list.
+/// The broad phase: sweep and prune over columns.
+///
+/// The world is divided into columns along the swept axis, and each column has a sorted list.
 ///
 /// ```text
 ///    v ^   +------+------+------+        a column seen end on, along the swept axis
@@ -45,24 +46,27 @@ const WORLD_SHARE: usize = 10;
 /// ```
 ///
 /// Baraff 1992 (thesis, section 2.3), Lin 1993 (thesis, section 2.4) and Cohen, Lin, Manocha,
-/// Ponamgi 1995 (I-COLLIDE, section 4) keep boxes sorted by insertion sort along axes, which is
-/// cheap since little changes between steps. We keep the insertion sort. We depart as follows.
+/// Ponamgi 1995 (I-COLLIDE, section 4) keep boxes sorted along the axes by insertion sort, which is
+/// cheap because little changes between steps. The insertion sort is the same here. Departures:
 ///
-/// 1. One axis is swept, not three, and inside columns (Tracy, Buss, Woods 2009 subdivide
-///    likewise). At constant density the exchanges of a whole sorted axis grow as n^(5/3) over all
-///    bodies, and bodies on a flat floor exchange places on the vertical axis all the time; within
-///    a column both stay constant a body.
-/// 2. Sorted are lower bounds only. The upper bound ends a body's window (Terdiman's box pruning).
+/// 1. One axis is swept, not three, and only inside columns (Tracy, Buss, Woods 2009 subdivide in
+///    the same way). At constant density the exchanges of a whole sorted axis grow as n^(5/3) over
+///    all bodies, and bodies on a flat floor exchange positions on the vertical axis all the time.
+///    Inside columns both are constant per body.
+/// 2. Only lower bounds are sorted. The upper bound ends the window of a body (Terdiman's box
+///    pruning).
 /// 3. The window is tested for changes of overlap, not for overlap (`scan`), eight entries at once.
-///    No flags a pair, no set of found pairs: storage grows with bodies and overlapping pairs only.
+///    There are no flags per pair and no set of found pairs, so storage grows with bodies and
+///    overlapping pairs only.
 /// 4. If few boxes changed, only their entries and windows are scanned (`repair`), column by
-///    column; a column is swept whole or repaired, whichever is cheaper, with equal results.
-/// 5. Axis and column width follow from the counts of a sweep (`tune`), checked the more rarely the
-///    longer they are right, and at once when a step compares several times the entries.
+///    column. Each column is swept or repaired, whichever is cheaper; the results are equal.
+/// 5. The counts of a sweep determine the axis and the column width (`tune`). They are checked less
+///    often the longer they remain right, and at once if a step compares several times as many
+///    entries as there are.
 ///
-/// Cost of a step: proportional to the entries if most boxes move, else to the boxes moved and
-/// their windows. Worst case n^2 if all boxes really overlap on all but the pruned axes, as in a
-/// stack of wide thin plates swept the wrong way.
+/// Cost of a step: if most boxes move, proportional to the number of entries; otherwise to the
+/// number of moved boxes and their windows. The worst case is n^2, if all boxes overlap on all axes
+/// except those that do not help, as in a stack of wide thin plates swept along the wrong axis.
 #[doc(alias = "sap")]
 #[doc(alias = "bvh")]
 #[doc(alias = "sweep and prune")]
@@ -75,7 +79,7 @@ pub struct SweepAndPrune {
     tuning: Tuning,
     /// Entries of all columns after the last full sweep.
     entries: usize,
-    /// Positions that entries moved by in the last step.
+    /// Positions by which entries moved in the last step.
     swaps: u64,
     /// Entries compared with the entries of windows in the last step.
     scanned: u64,
@@ -83,7 +87,7 @@ pub struct SweepAndPrune {
 }
 
 impl SweepAndPrune {
-    /// Returns an empty broad phase about the origin.
+    /// Returns an empty broad phase around the origin.
     #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
@@ -111,15 +115,15 @@ impl SweepAndPrune {
         }
     }
 
-    /// Returns by how many positions entries of the sorted lists moved in the last step: the
-    /// exchanges of the insertion sort.
+    /// Returns by how many positions entries of the sorted lists moved in the last step. These are
+    /// the exchanges of the insertion sort.
     #[must_use]
     pub fn swaps(&self) -> u64 {
         self.swaps
     }
 
-    /// Returns how many entries were compared with the entries of windows in the last step: a
-    /// measure of the work of the step. A sweep compares, and counts, eight entries at once.
+    /// Returns the number of entries compared with windows in the last step, a measure of its work.
+    /// A sweep compares, and counts, eight entries at once.
     #[must_use]
     pub fn scanned(&self) -> u64 {
         self.scanned
@@ -133,7 +137,7 @@ impl SweepAndPrune {
         }
     }
 
-    /// Returns the number of workers to share work on so many things.
+    /// Returns the number of workers that share the given number of tasks.
     fn engage(&mut self, things: usize) -> usize {
         let threads = self.threads().sharing(things);
         self.workers
@@ -141,7 +145,8 @@ impl SweepAndPrune {
         threads
     }
 
-    /// Cuts new columns and lists every body in the columns as this step needs.
+    /// Divides the world into new columns, and lists every body in the columns that this step
+    /// needs.
     fn rebuild(&mut self, grid: Grid) {
         self.state.bodies.set_grid(grid);
         self.state.bodies.classify();
@@ -169,7 +174,7 @@ impl SweepAndPrune {
         self.list_arrivals();
     }
 
-    /// Lists noted bodies in their new columns.
+    /// Lists the bodies noted for this step in their new columns.
     fn list_arrivals(&mut self) {
         let bodies = &self.state.bodies;
         for &index in &bodies.marks.noted {
@@ -182,7 +187,8 @@ impl SweepAndPrune {
         }
     }
 
-    /// Returns the entries of all columns if the noted bodies were listed in their new columns.
+    /// Returns the number of entries of all columns after the noted bodies are listed in their new
+    /// columns.
     fn entries_to_be(&self) -> usize {
         let records = &self.state.bodies.records;
         let coming: usize = self
@@ -249,9 +255,9 @@ impl SweepAndPrune {
     }
 }
 
-/// Sweeps columns with as many threads as there are workers. Each worker takes a run of columns of
-/// about equal work; the changes are sorted afterwards, so the distribution of work leaves no
-/// trace.
+/// Sweeps columns with as many threads as there are workers. Each worker takes a run of columns
+/// with about equal work. The changes are sorted afterwards, so the result does not depend on the
+/// distribution of work.
 fn sweep_columns(workers: &mut [Worker], columns: &mut [Column], first: usize, total: usize, bodies: &Bodies) {
     if workers.len() > 1 && columns.len() > 1 {
         let (low, high) = workers.split_at_mut(workers.len() / 2);
@@ -278,8 +284,8 @@ fn sweep_columns(workers: &mut [Worker], columns: &mut [Column], first: usize, t
     worker.changes.sort();
 }
 
-/// Repairs the touched columns, of which the first given has number `first`, distributed to workers
-/// as in a sweep.
+/// Repairs the touched columns; the first given column has number `first`. Workers share the
+/// columns as in a sweep.
 fn repair_columns(workers: &mut [Worker], columns: &mut [Column], first: usize, touched: &[Touch], bodies: &Bodies) {
     if workers.len() > 1
         && let Some((middle, _)) = touched.get(touched.len() / 2)
@@ -311,10 +317,11 @@ impl Default for SweepAndPrune {
 
 /// The calls of a step, and queries about the last step.
 impl SweepAndPrune {
-    /// Applies all calls since the last step and returns the pairs that began and ended. `filter`
-    /// is called once for each pair whose boxes begin to overlap and whose groups match; a pair
-    /// refused by the filter is tried again only after the boxes parted or after
-    /// [`regroup`](Self::regroup).
+    /// Applies all calls since the last step and returns the pairs that started and ended.
+    ///
+    /// `filter` is called once for each pair whose boxes start to overlap and whose groups match.
+    /// If the filter rejects a pair, it is called again for that pair only after the boxes
+    /// separated or after [`regroup`](Self::regroup).
     #[must_use]
     pub fn step_with(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) -> Events<'_> {
         self.find_changes();
@@ -340,34 +347,36 @@ impl SweepAndPrune {
     /// Appends the bodies whose boxes overlapped `aabb` in the last step, in ascending order.
     ///
     /// # Errors
-    /// If a bound of the box is NaN or the box is inverted. The box may be infinite.
+    /// Returns an error if a bound of the box is NaN or the box is inverted. The box may be
+    /// infinite.
     pub fn overlapping(&self, aabb: &Aabb, found: &mut Vec<BodyId>) -> Result<(), BroadPhaseError> {
         let asked = self.state.asked(aabb)?;
         self.overlapping_stored(&asked, found);
         Ok(())
     }
 
-    /// Calls [`step_with`](Self::step_with) with a filter that lets every pair pass.
+    /// Calls [`step_with`](Self::step_with) with a filter that accepts every pair.
     pub fn step(&mut self) -> Events<'_> {
         self.step_with(&mut |_, _| true)
     }
 
-    /// Adds a body; its pairs begin with the next step.
+    /// Inserts a body; its pairs start with the next step.
     ///
     /// # Errors
-    /// If the box, a margin or the origin of the structure is unusable, or there are too many
-    /// bodies.
+    /// Returns an error if the box, a margin or the origin of the structure is invalid, or if there
+    /// are too many bodies.
     pub fn insert(&mut self, aabb: &Aabb, body: BodyOptions) -> Result<BodyId, BroadPhaseError> {
         self.state.insert(aabb, body, false)
     }
 
-    /// Adds a body whose box may reach to infinity: a half-space, the ground, a world-wide sensor.
-    /// An unbounded body is compared with every body that moves, so keep unbounded bodies few.
-    /// Margins do not apply.
+    /// Inserts a body whose box may be infinite.
+    ///
+    /// Use it for a half-space, the ground, or a sensor for the whole world. An unbounded body is
+    /// compared with every body that moves, so use few of them. Margins do not apply.
     ///
     /// # Errors
-    /// If a bound is NaN, the box is inverted, the origin of the structure is unusable, or there
-    /// are too many bodies.
+    /// Returns an error if a bound is NaN, the box is inverted, the origin of the structure is
+    /// invalid, or there are too many bodies.
     pub fn insert_unbounded(&mut self, aabb: &Aabb, body: BodyOptions) -> Result<BodyId, BroadPhaseError> {
         self.state.insert(
             aabb,
@@ -380,47 +389,47 @@ impl SweepAndPrune {
         )
     }
 
-    /// Removes a body: its id is stale at once, its pairs end with the next step.
+    /// Removes a body. Its id is stale at once; its pairs end with the next step.
     ///
     /// # Errors
-    /// If the id is stale.
+    /// Returns an error if the id is stale.
     pub fn remove(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
         self.state.bodies.remove(id)
     }
 
-    /// Moves a body, however far.
+    /// Sets the box of a body, at any distance from the last one.
     ///
     /// # Errors
-    /// If the id is stale or the box unusable; the body keeps its box and its pairs.
+    /// Returns an error if the id is stale or the box is invalid; the body keeps its box and its
+    /// pairs.
     #[doc(alias = "teleport")]
     pub fn set_box(&mut self, id: BodyId, aabb: &Aabb) -> Result<(), BroadPhaseError> {
         self.state.bodies.set_box(id, aabb)
     }
 
-    /// Moves many bodies. Every valid entry is applied, even if another entry is refused. Fastest
-    /// if the entries are in ascending order of their ids.
+    /// Sets the boxes of many bodies. Every valid entry is applied, even if another entry is
+    /// invalid. The call is fastest if the entries are in ascending order of their ids.
     ///
     /// # Errors
-    /// If any entry was refused: index and fault of the first refused entry, and the number of
-    /// refused entries.
+    /// Returns an error if any entry is invalid. It holds the index and the error of the first
+    /// invalid entry, and the number of invalid entries.
     pub fn set_boxes(&mut self, batch: &[(BodyId, Aabb)]) -> Result<(), BatchError> {
         let threads = self.threads();
         self.state.bodies.set_boxes(batch, threads)
     }
 
-    /// Puts a body into another set of groups; groups and filter are asked again for all its pairs
-    /// in the next step.
+    /// Sets the groups of a body. The next step tests groups and filter again for all its pairs.
     ///
     /// # Errors
-    /// If the id is stale.
+    /// Returns an error if the id is stale.
     pub fn set_groups(&mut self, id: BodyId, groups: Groups) -> Result<(), BroadPhaseError> {
         self.state.bodies.set_groups(id, Some(groups))
     }
 
-    /// Asks groups and filter again for all pairs of a body in the next step.
+    /// Tests groups and filter again for all pairs of a body in the next step.
     ///
     /// # Errors
-    /// If the id is stale.
+    /// Returns an error if the id is stale.
     pub fn regroup(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
         self.state.bodies.set_groups(id, None)
     }
@@ -442,14 +451,14 @@ impl SweepAndPrune {
         self.state.bodies.index_of(id).is_ok()
     }
 
-    /// Returns the options of a body; margins as stored, in `f32`.
+    /// Returns the options of a body, with margins as stored, in `f32`.
     #[must_use]
     pub fn body(&self, id: BodyId) -> Option<BodyOptions> {
         let bodies = &self.state.bodies;
         bodies.index_of(id).ok().map(|_| bodies.body(id.index))
     }
 
-    /// Returns the box of a body as the next step will see the box, margins included.
+    /// Returns the box of a body that the next step will use, margins included.
     #[must_use]
     pub fn stored_box(&self, id: BodyId) -> Option<StoredBox> {
         let bodies = &self.state.bodies;
@@ -481,8 +490,8 @@ impl SweepAndPrune {
         self.state.pair_of(id)
     }
 
-    /// Iterates over the pairs of a member of any group of `these` with a member of any group of
-    /// `those`.
+    /// Iterates over the pairs between two sets of groups: one body is in a group of `these`, the
+    /// other in a group of `those`.
     pub fn pairs_between(&self, these: u32, those: u32) -> impl Iterator<Item = Pair> + '_ {
         let bodies = &self.state.bodies;
         self.pairs().filter(move |pair| {
@@ -491,17 +500,20 @@ impl SweepAndPrune {
         })
     }
 
-    /// Returns at most `count` bodies whose boxes are nearest to `aabb` and no farther than
-    /// `farthest`, nearest first, ties in ascending order of ids. Distances are between stored
-    /// boxes, 0 if the boxes overlap.
+    /// Returns at most `count` bodies whose boxes are nearest to `aabb` and at most `farthest`
+    /// away.
+    ///
+    /// The nearest comes first; ties are in ascending order of ids. Distances are between stored
+    /// boxes, and 0 if the boxes overlap.
     ///
     /// # Errors
-    /// If a bound of the box is NaN or infinite, or the box is inverted.
+    /// Returns an error if a bound of the box is NaN or infinite, or the box is inverted.
     pub fn nearest(&self, aabb: &Aabb, count: usize, farthest: f64) -> Result<Vec<Nearest>, BroadPhaseError> {
         nearest(self, aabb, count, farthest)
     }
 
-    /// Returns the bytes reserved for bodies and pairs, by the structure itself and for scratch.
+    /// Returns the reserved memory in bytes: bodies, pairs, the structure itself and scratch
+    /// buffers.
     #[must_use]
     pub fn memory_usage(&self) -> usize {
         let columns: usize = self.columns.iter().map(|c| c.entries.capacity() * 8).sum();
@@ -510,12 +522,12 @@ impl SweepAndPrune {
         self.state.bytes() + self.columns.capacity() * size_of::<Column>() + columns + scratch + touched
     }
 
-    /// Returns the first contradiction between lists, bodies and pairs, if any: used by tests and
-    /// fuzzing after each step. The check reads everything, so the cost is far more than the cost
-    /// of a step.
+    /// Returns the first contradiction between lists, bodies and pairs, if any. Tests and fuzzing
+    /// call it after each step. It reads everything, so it costs far more than a step.
     ///
     /// # Errors
-    /// The contradiction. A contradiction is a defect of the crate, whatever was called.
+    /// Returns the contradiction as an error. It is always a defect of the crate, regardless of the
+    /// calls made.
     #[doc(hidden)]
     pub fn check(&self) -> Result<(), String> {
         self.state.check()?;
@@ -537,8 +549,8 @@ impl SweepAndPrune {
     }
 }
 
-/// Visits every body once whose box overlaps `asked`; `place` returns the box of a record by which
-/// the columns are sorted.
+/// Visits every body once whose box overlaps `asked`. The columns are sorted by the box that
+/// `place` returns for a record.
 fn overlapping(
     bodies: &Bodies,
     columns: &[Column],
@@ -573,8 +585,8 @@ fn overlapping(
 }
 
 impl SweepAndPrune {
-    /// Iterates over the columns that hold a body, for pictures and statistics: lower corner and
-    /// upper corner on the two axes that are not swept, and the number of listed bodies.
+    /// Iterates over the columns that list a body, for pictures and statistics. Each has its lower
+    /// and upper corner on the two axes that are not swept, and its number of bodies.
     pub fn columns(&self) -> impl Iterator<Item = ColumnBounds> + '_ {
         let grid = &self.state.bodies.grid;
         let held = self
@@ -595,8 +607,8 @@ impl SweepAndPrune {
     }
 }
 
-/// A column of [`SweepAndPrune`]. Columns at the border of the grid also hold all bodies beyond the
-/// border.
+/// A column of [`SweepAndPrune`]. A column at the border of the grid also contains all bodies
+/// beyond that border.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ColumnBounds {
@@ -611,7 +623,7 @@ pub struct ColumnBounds {
 }
 
 impl SweepAndPrune {
-    /// Returns the first contradiction between columns and bodies. Between steps only.
+    /// Returns the first contradiction between columns and bodies. Valid only between steps.
     fn check_columns(&self) -> Result<(), String> {
         let bodies = &self.state.bodies;
         if self.columns.len() != bodies.grid.column_count() {

@@ -10,15 +10,16 @@ use crate::broad::change::overlap;
 use crate::broad::simd_box::{Bounds, largest};
 use alloc::vec::Vec;
 
-/// A column is swept whole if this many times its changed entries exceed its entries. Not measured.
+/// A column is swept completely if the number of its changed entries times this factor exceeds the
+/// number of its entries. Not measured.
 const COLUMN_SHARE: usize = 6;
 
-/// A column is swept whole if more bodies than this come into the column, leave the column or jump:
-/// each shifts the entries behind. Not measured.
+/// A column is swept completely if more than this number of bodies enter it, leave it or jump: each
+/// shifts the entries behind it. Not measured.
 const MOST_PARTED: usize = 32;
 
-/// A column is swept whole after all if the windows of its changed entries hold this many times its
-/// entries. Not measured.
+/// A column is swept completely after all if the windows of its changed entries contain this many
+/// times the number of its entries. Not measured.
 const MOST_SCANNED: u64 = 4;
 
 /// A column number and the index of a body whose old or new box touches it.
@@ -172,7 +173,7 @@ fn roles(record: &Record, cell: [u16; 2], bodies: &Bodies) -> (bool, bool) {
     (stays, in_new && (flags & JUMPS != 0 || !stays))
 }
 
-/// Returns the box an entry stands for: the cover of old and new box, or one of the two.
+/// Returns the box that an entry represents: the cover of old and new box, or one of the two.
 fn box_of(who: u32, record: &Record, cell: [u16; 2], step: u32) -> Bounds {
     match EntryBoxes::of(who, record, cell) {
         EntryBoxes::Both => record.before(step).united(&record.now()),

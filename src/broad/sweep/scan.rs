@@ -1,11 +1,11 @@
 //! The full sweep of a column: a window slides along the sorted entries, eight at a time.
 //!
-//! The sweep looks not for overlap but for *change* of overlap, which is seen from the new boxes
-//! alone. Let the separation of two boxes be the largest, over both sides of all axes, of the lower
-//! bound of one box less the upper bound of the other: not positive exactly if the boxes overlap.
-//! If no face of box i moved farther than `d_i`, the separation changed by no more than `d_i +
-//! d_j`, so only pairs whose separation is this near to zero may have changed: few, however many
-//! overlap. Unchanged pairs cost a few SIMD lanes of arithmetic and no memory.
+//! The sweep searches not for overlap but for *change* of overlap, which the new boxes alone show.
+//! Let the separation of two boxes be the largest, over both sides of all axes, of the lower bound
+//! of one box minus the upper bound of the other. It is not positive exactly if the boxes overlap.
+//! If no face of box i moved farther than `d_i`, the separation changed by at most `d_i + d_j`. So
+//! only pairs whose separation is this close to zero may have changed: few, for any number of
+//! overlaps. Unchanged pairs cost a few SIMD lanes of arithmetic and no memory.
 //!
 //! ```text
 //!    box i   [-----------]                    start_i, end_i on the swept axis
@@ -13,11 +13,11 @@
 //!    box k                        [-----]     start_k  > end_i + farthest move: the window ends
 //! ```
 //!
-//! Entries are sorted by the lower bound of the new box, and an entry is compared with the entries
-//! that start before its own end and the farthest move. Bodies that come, leave or jump have
-//! entries of one box. For such an entry, overlap itself is a change, so every box no farther apart
-//! than the other box has moved is compared; a column without such entries is spared the
-//! difference.
+//! Entries are sorted by the lower bound of the new box. An entry is compared with the entries that
+//! start before the sum of its end and the farthest move. Bodies that enter, leave or jump have
+//! entries of one box. For such an entry, overlap itself is a change, so it is compared with every
+//! box that is no farther away than that box has moved. Columns without such entries do not pay for
+//! this.
 
 use super::column::{ARRIVING, Column, Entry, EntryBoxes, index_of};
 use super::tune::StepCounts;
@@ -53,9 +53,9 @@ struct BoxColumns {
     /// The farthest move of any face of the box in this step, rounded up; 0 for an entry of one
     /// box; NaN, for which every comparison is false, in the padding.
     moved: Vec<f32>,
-    /// Least separation that is told apart: 0 for an entry of one box, for which every depth of an
-    /// overlap is a change, and without limit for the others. Filled only if there are entries of
-    /// one box.
+    /// Least separation that is distinguished: 0 for an entry of one box, for which every depth of
+    /// an overlap is a change; no limit for the others. Filled only if there are entries of one
+    /// box.
     floor: Vec<f32>,
 }
 
@@ -284,7 +284,7 @@ impl Worker {
     }
 }
 
-/// Returns the box of an entry that stands for one box only.
+/// Returns the box of an entry that represents only one box.
 fn only_box(e: Entry, record: &Record, cell: [u16; 2], step: u32) -> Option<StoredBox> {
     match EntryBoxes::of(e as u32, record, cell) {
         EntryBoxes::Both => None,

@@ -1,14 +1,14 @@
 //! Choice of the axis to sweep and of the width of the columns.
 //!
-//! The cost of a sweep is a sum over entries and over tests. Narrow columns list a box often, wide
-//! columns compare a box with many. Both counts are known exactly from the last sweep, and their
-//! change with the width follows from the sizes of the boxes, so the best width is read off a
-//! curve; errors of the curve due to varying density are measured again by the next sweep.
-//! Everything counted is a number of entries, never a time: equal calls give equal columns.
+//! The cost of a sweep is a sum over entries and over tests. Narrow columns list a box often; wide
+//! columns compare a box with many others. Both counts are known exactly from the last sweep. Their
+//! change with the width follows from the sizes of the boxes, so a curve gives the best width. The
+//! next sweep measures the errors of the curve that come from varying density. All counts are
+//! numbers of entries, never times: equal calls give equal columns.
 //!
-//! The longer the columns are right, the rarer they are checked. A step that compares several times
-//! the entries of the last check ends the calm, and so does a check that finds the bodies spread
-//! along another axis: axis and width are then chosen as for a new world.
+//! The longer the columns remain right, the less often they are checked. The checks become frequent
+//! again if a step compares several times as many entries as the last check, or if a check finds
+//! the bodies spread along another axis. Axis and width are then chosen as for a new world.
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
@@ -34,12 +34,13 @@ const MOST_ENTRIES: usize = 6;
 /// Longest wait between two checks of the column width, in steps. Not measured.
 const PATIENCE: u32 = 1024;
 
-/// Columns are cut anew if a step compares this many times the entries, a body, of the step
-/// measured last: more than the windows of fast bodies are widened by, less than a fourfold density
-/// costs. Not measured.
+/// New columns are computed if a step compares this many times as many entries per body as the step
+/// measured last. The factor is larger than the effect of the windows of fast bodies, and smaller
+/// than that of a fourfold density. Not measured.
 const SURGE: f64 = 3.0;
 
-/// A new column width must promise at most this part of the present cost. Not measured.
+/// A new column width must reduce the expected cost to at most this fraction of the present cost.
+/// Not measured.
 const GAIN: f64 = 0.85;
 
 /// Sizes and positions of all bounded boxes, in the axes of the stored boxes.

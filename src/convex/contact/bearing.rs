@@ -1,8 +1,7 @@
-//! The parts of two surfaces that bear the contacts. Of polyhedra, the closest features are
-//! promoted to the features that bear the contact ([`Promotion`]): the face, or else the edge, most
-//! nearly perpendicular to the normal. Of curved shapes, contacts are borne by the flat parts of
-//! the surfaces ([`Facet`]): a face or an edge of a polyhedron, a flat round face, a generator of a
-//! curved side.
+//! The features and facets of two bodies that carry the contacts. For polyhedra, the closest
+//! features are replaced by those most nearly perpendicular to the normal ([`Promotion`]): a face,
+//! or otherwise an edge. For curved shapes, the flat facets of the surfaces carry the contacts
+//! ([`Facet`]): a face or an edge of a polyhedron, a flat round face, a generator of a curved side.
 
 use core::f64::consts::FRAC_1_SQRT_2;
 
@@ -22,17 +21,17 @@ use crate::convex::contact::projection::{Axes, LazyProjection};
 /// A body's outward contact direction, and the largest angle of a face or edge from it.
 pub(super) struct Promotion<'a> {
     pub(super) body: &'a ConvexPolyhedron,
-    /// Unit direction away from the body, in the body's own frame.
+    /// Unit direction away from the body, in the frame of the body.
     pub(super) outward: Vector3<f64>,
     /// Sine of the largest angle.
     pub(super) sine: f64,
-    /// Feature that bore the contact before: it may be a quarter further off.
+    /// Feature that carried the contact before. Its largest accepted sine is larger by a quarter.
     pub(super) previous: Option<Feature>,
 }
 
 impl Promotion<'_> {
-    /// Returns the face at `feature` most nearly perpendicular to the normal if any is within the
-    /// angle; else the edge; else `feature`.
+    /// Returns the face at `feature` most nearly perpendicular to the normal, if one is within the
+    /// angle; otherwise the edge; otherwise `feature`.
     ///
     /// Tests the faces at the feature: the two faces of an edge, or the faces of a vertex's whole
     /// fan; in a large fan only the neighbourhood of the outermost face, found by bisection.
@@ -126,10 +125,10 @@ pub(crate) struct RoundFace {
     pub(crate) first: u32,
 }
 
-/// The part of a surface about a witness that is flat or straight, in the frame of the shape.
+/// The flat or straight facet of a surface around a witness point, in the frame of the shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Facet<'a> {
-    /// The face or edge of a polyhedron that bears the contact, found as for two polyhedra.
+    /// The face or edge of a polyhedron that carries the contact, found as for two polyhedra.
     Body(&'a ConvexPolyhedron),
     Round(RoundFace),
     /// A generator of a curved side: both ends, the features that contain them, and the side.
@@ -142,8 +141,8 @@ pub(crate) enum Facet<'a> {
     Point,
 }
 
-/// Unit vectors at multiples of 45 degrees: the points of a rim that may bear contacts. They stand
-/// still on the shape, whatever the pose.
+/// Unit vectors at multiples of 45 degrees: the points of a rim that may carry contacts. They are
+/// fixed on the shape at every pose.
 const SPOKES: [[f64; 2]; 8] = [
     [1.0, 0.0],
     [FRAC_1_SQRT_2, FRAC_1_SQRT_2],
@@ -233,7 +232,7 @@ impl ProjectedFacet {
         patch
     }
 
-    /// Returns the face or edge of a polyhedron; of a face of many vertices a part of them.
+    /// Returns the face or edge of a polyhedron; for a face with many vertices, some of them.
     fn of_body(
         body: &ConvexPolyhedron,
         axes: &Axes,

@@ -1,6 +1,5 @@
-//! Contact candidates: the vertices of the overlap of two projected features. Of two features with
-//! few vertices ([`clip`]) the overlap has the vertices of a polygon, the ends of a segment, or a
-//! point.
+//! Contact candidates: the vertices of the overlap of two projected features. For two features with
+//! few vertices ([`clip`]) the overlap is a polygon, a segment or a point.
 //!
 //! ```text
 //!    A +-----------+
@@ -10,8 +9,8 @@
 //!              +---------+
 //! ```
 //!
-//! Both kinds of candidates are found from two tables of signs, in which A and B play equal parts;
-//! vertices on the boundary within rounding belong to both features.
+//! Both kinds of candidates are found from two tables of signs, which treat A and B alike. Vertices
+//! on the boundary, within rounding, belong to both features.
 
 use wide::f64x4;
 
@@ -22,7 +21,7 @@ use crate::convex::contact::projection::ProjectedFeature;
 /// Most candidates: for two features of 24 vertices, with some doubled by rounding.
 const MAX_CANDIDATES: usize = 64;
 
-/// Part of a projected feature that contains a point: a vertex, an edge, or the interior.
+/// Location of a point on a projected feature: a vertex, an edge, or the interior.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Location(u32);
@@ -69,7 +68,7 @@ pub(crate) struct ContactCandidate {
 impl ContactCandidate {
     pub(super) const WITNESS: [Location; 2] = [Location::WHOLE; 2];
 
-    /// Returns the candidate of a pair of points by its place in the plane of contact.
+    /// Returns the candidate of a pair of points by its position in the plane of contact.
     pub(crate) fn at(at: [f64; 2], separation: f64) -> Self {
         Self {
             at,

@@ -1,8 +1,8 @@
-//! Contacts of curved shapes: the common part of two facets projected along the normal.
+//! Contacts of curved shapes: the overlap of two facets projected along the normal.
 //!
-//! Candidates are the vertices of either facet over the other one (of a round face the eight named
-//! points of its rim), and the crossings of their boundaries. The points of a rim stand still on
-//! the shape, so contacts of a shape that rests and trembles stand still too, at the price of
+//! Candidates are the vertices of each facet over the other one (for a round face, the eight named
+//! points of its rim), and the crossings of their boundaries. The points of a rim are fixed on the
+//! shape. So the contacts of a shape that rests and trembles do not move either. The price is
 //! depth: the deepest contact may be shallower than the outcome by [`ROUND`] times the radius.
 
 use nalgebra::Vector3;
@@ -18,10 +18,10 @@ use crate::base::tolerance::{ACROSS, AGREE};
 use crate::body::polyhedron::FeaturePair;
 use crate::pair::outcome::{Outcome, Solver};
 
-/// Depths of contacts of a flat round face count as equal within this times the radius of the
-/// smaller shape: contacts that stand still on a shape that trembles, for depth. Tilted by `t`, a
-/// rim is deepest between two of its eight named points by up to `0.08 t` radii more, so contacts
-/// stand still up to a tilt of 2e-4. Not measured.
+/// Depths of contacts of a flat round face count as equal within this factor times the radius of
+/// the smaller shape. Contacts on a shape that trembles then do not move, at the price of depth.
+/// Tilted by `t`, a rim is deepest between two of its eight named points, by up to `0.08 t` radii
+/// more. So contacts do not move up to a tilt of 2e-4. Not measured.
 const ROUND: f64 = 1.0 / 65_536.0;
 
 /// Steps of Newton's method to a crossing of two rims: quadratic from an error of the squared sine
@@ -35,8 +35,8 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
         return contacts;
     }
     let (axes, distance) = axes_of(query, outcome);
-    // The witnesses of an overlap known to an interval may be less deep than the outcome. Deeper
-    // than the proven bound they are by the error of their places alone.
+    // The witness points of an overlap that is known to an interval may be less deep than the
+    // outcome. They are deeper than the proven bound only by the error of their positions.
     let distance = distance.larger(outcome.lower);
     contacts.points[0].separation = distance;
     let previous = before.features();
@@ -131,7 +131,7 @@ fn contact(candidate: &ContactCandidate, axes: &[Axes; 2], patches: &[ProjectedF
     }
 }
 
-/// Adds the vertices of the common part of two facets.
+/// Adds the vertices of the overlap of two facets.
 fn clip(patches: &[ProjectedFacet; 2], noise: f64, sine: f64, beside: f64, candidates: &mut Candidates) {
     let [a, b] = patches;
     if a.is_segment() && b.is_segment() {
@@ -241,9 +241,10 @@ fn cross_rims(a: &ProjectedFacet, b: &ProjectedFacet, mut take: impl FnMut([f64;
     }
 }
 
-/// Adds the ends of the overlap of two nearly parallel segments; of others nothing, as they cross
-/// at the witnesses. Ends whose squared distance beside the other segment exceeds `beside` are left
-/// out: the surface about a generator has sagged below the generator by more than rounding there.
+/// Adds the ends of the overlap of two nearly parallel segments. For other segments it adds
+/// nothing, because they cross at the witness points. Ends whose squared lateral distance from the
+/// other segment exceeds `beside` are left out: there, the surface around a generator is below the
+/// generator by more than rounding.
 fn overlap([a, b]: &[ProjectedFacet; 2], sine: f64, beside: f64, candidates: &mut Candidates) {
     let direction = |patch: &ProjectedFacet| {
         let [p, q] = patch.ends(0);

@@ -1,5 +1,5 @@
-//! Overlap of two faces, either with many vertices: found by rays from an interior point, without
-//! visiting most vertices.
+//! Overlap of two faces, one or both with many vertices. It is found by rays from an interior
+//! point, without visiting most vertices.
 //!
 //! ```text
 //!       .-----.
@@ -10,15 +10,16 @@
 //!       '----+'-----'
 //! ```
 //!
-//! Each face is left by an edge found by bisection; the nearer exit is on the boundary of the
-//! overlap, and the end of the edge, or its crossing with the opposite boundary, is a candidate.
-//! An exit that rounding hides is none, and neither is a crossing whose edges do not meet, so every
-//! candidate lies in both faces. Faces that share a line along two edges have no interior point:
-//! the ends of the line are found among the vertices next to the witnesses.
+//! The edge by which a ray leaves each face is found by bisection. The nearer exit is on the
+//! boundary of the overlap; the end of its edge, or the crossing of the edge with the opposite
+//! boundary, is a candidate. An exit that rounding hides is ignored, and so is a crossing whose
+//! edges do not meet. So every candidate lies in both faces. Faces whose overlap is only a line
+//! have no interior point: the ends of the line are found among the vertices next to the witness
+//! points.
 //!
-//! Four rays are cast crosswise, some between them, and then some out of the longest sides found so
-//! far. So for two discs of `m` vertices each ray visits `log m` of them. Not all vertices of the
-//! overlap are found, but more than requested, spread over the overlap.
+//! Four rays are cast crosswise, some more between them, and then some through the middle of the
+//! longest sides found so far. For two discs of `m` vertices each ray visits `log m` of them. Not
+//! all vertices of the overlap are found, but more than requested, spread over the overlap.
 
 use core::cmp::Ordering;
 

@@ -1,4 +1,4 @@
-//! Contacts of a polyhedron with a half-space: a floor without end.
+//! Contacts of a polyhedron with a half-space, for example an infinite floor.
 //!
 //! ```text
 //!        \   body   /
@@ -8,10 +8,10 @@
 //!      half-space
 //! ```
 //!
-//! The signed distance is the height of the lowest vertex, of a body apart as of an overlap: one
-//! support vertex, proven, and no walk. The corners of the face at the lowest vertex that is most
-//! nearly parallel to the plane bear the contact, as those of two polyhedra do
-//! ([`mod@crate::convex::contact`]).
+//! The signed distance is the height of the lowest vertex, for separated and for overlapping
+//! bodies: one proven support vertex, and no walk. Of the faces at the lowest vertex, the one most
+//! nearly parallel to the plane carries the contact; its vertices are the contacts, as for two
+//! polyhedra ([`mod@crate::convex::contact`]).
 
 use nalgebra::{Point3, Unit, Vector3};
 use thiserror::Error;
@@ -27,14 +27,14 @@ use crate::base::tolerance::{ACROSS, CERTIFICATE, PLACE_MAX, STEEP, UNIT};
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, VertexId};
 use crate::pair::outcome::{ContactState, Distance};
 
-/// Corners of a face on a half-space that are contact candidates, at most: of more, every second,
-/// third and so on. Not measured.
+/// The largest number of vertices of a face on a half-space that are contact candidates. If there
+/// are more, every second, third and so on is used. Not measured.
 const SAMPLE: usize = 48;
 
-/// The points `x` with `normal . x <= offset`, in a frame of their own: a floor, or a wall, without
-/// end.
+/// A half-space: the points `x` with `normal . x <= offset`. It is an infinite floor or wall, in
+/// its own frame.
 ///
-/// Contacts have no state: they are a function of body, relative pose and options.
+/// The contacts have no state: they depend only on body, relative pose and options.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -57,14 +57,14 @@ pub struct HalfSpace {
     offset: f64,
 }
 
-/// A half-space that is none.
+/// Error of [`HalfSpace::new`]: the normal has no direction or the plane is out of range.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum HalfSpaceError {
     /// The normal is zero or not finite.
     #[error("normal {0:?} has no direction")]
     Normal([f64; 3]),
-    /// The plane is too far from the origin.
+    /// The offset of the plane is NaN or exceeds `1e116`.
     #[error("plane offset {0} is NaN or exceeds 1e116")]
     Offset(f64),
 }
@@ -73,13 +73,13 @@ pub enum HalfSpaceError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct HalfSpaceContact {
-    /// The vertex of the body, by which a contact is known over frames.
+    /// The vertex of the body, which identifies the contact from frame to frame.
     pub vertex: VertexId,
     /// The point of the plane below the vertex, in the frame of the half-space.
     pub point_on_plane: Point3<f64>,
     /// The vertex, in the frame of the body.
     pub point_on_body: Point3<f64>,
-    /// Height of the vertex above the plane, negative below.
+    /// Height of the vertex above the plane, negative below it.
     pub separation: f64,
 }
 
@@ -93,20 +93,20 @@ pub struct HalfSpaceContacts {
 }
 
 impl HalfSpaceContacts {
-    /// Returns the contacts within the prediction, the lowest vertex first; empty if the body is
-    /// further away.
+    /// Returns the contacts within the prediction, the lowest vertex first. Empty if the body is
+    /// farther away.
     #[must_use]
     pub fn points(&self) -> &[HalfSpaceContact] {
         &self.points[..self.count]
     }
 
-    /// Returns the contact of the lowest vertex, however far from the plane.
+    /// Returns the contact of the lowest vertex, at any distance from the plane.
     #[must_use]
     pub fn lowest(&self) -> &HalfSpaceContact {
         &self.lowest
     }
 
-    /// Returns the signed distance with its bounds: for an overlap, minus the depth along the
+    /// Returns the signed distance with its bounds. For an overlap it is minus the depth along the
     /// normal.
     #[must_use]
     pub fn distance(&self) -> Distance {
@@ -115,11 +115,12 @@ impl HalfSpaceContacts {
 }
 
 impl HalfSpace {
-    /// Returns the half-space of the points `x` with `normal . x <= offset`; the normal may be of
+    /// Returns the half-space of the points `x` with `normal . x <= offset`. The normal may have
     /// any length.
     ///
     /// # Errors
-    /// A normal without a direction, or a plane farther than `1e116` from the origin.
+    /// Returns an error if the normal has no direction, or the plane is farther than `1e116` from
+    /// the origin.
     pub fn new(normal: Vector3<f64>, offset: f64) -> Result<Self, HalfSpaceError> {
         let largest = normal.amax();
         if !(largest > 0.0 && normal.iter().all(|x| x.is_finite())) {
@@ -128,7 +129,7 @@ impl HalfSpace {
         let scaled = normal / largest;
         let length = sqrt(scaled.norm_squared());
         let offset = offset / largest / length;
-        // NaN is refused.
+        // NaN is an error.
         if !(offset.abs() <= PLACE_MAX) {
             return Err(HalfSpaceError::Offset(offset));
         }
@@ -142,23 +143,26 @@ impl HalfSpace {
         self.normal
     }
 
-    /// Returns the height of the plane over the origin, along the normal.
+    /// Returns the signed distance of the plane from the origin, along the normal.
     #[must_use]
     pub fn offset(&self) -> f64 {
         self.offset
     }
 
-    /// Returns the signed distance of a body, given in the frame of the half-space by `a_from_b`,
-    /// with bounds that include all rounding. Bounds that straddle zero count as touching.
+    /// Returns the signed distance of a body, with bounds that include all rounding.
+    ///
+    /// `a_from_b` is the pose of the body in the frame of the half-space. If zero lies between the
+    /// bounds, the state is touching.
     #[must_use]
     pub fn distance(&self, body: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
         PlacedPlane::new(self, body, a_from_b).distance()
     }
 
-    /// Returns the contacts of a body within `options.prediction`: corners of the face at the
-    /// lowest vertex that is most nearly parallel to the plane, if its angle to the plane has a
-    /// sine of at most `options.max_face_sine`, and else those of an edge, or the lowest vertex
-    /// alone.
+    /// Returns the contacts of a body within `options.prediction`.
+    ///
+    /// They are the vertices of the face at the lowest vertex that is most nearly parallel to the
+    /// plane, if the sine of its angle to the plane is at most `options.max_face_sine`. Otherwise
+    /// they are the ends of an edge, or only the lowest vertex.
     #[must_use]
     pub fn contacts(
         &self,
@@ -186,7 +190,7 @@ struct PlacedPlane<'a> {
     space: &'a HalfSpace,
     body: &'a ConvexPolyhedron,
     pose: &'a RelativePose,
-    /// Direction in the body's frame along which the body comes nearer to the half-space.
+    /// Direction in the body's frame along which the body approaches the half-space.
     down: Vector3<f64>,
     lowest: VertexId,
 }
@@ -221,7 +225,7 @@ impl<'a> PlacedPlane<'a> {
         }
     }
 
-    /// Returns the sum of the lengths whose rounding is in a height.
+    /// Returns the sum of the lengths whose rounding enters a height.
     fn size(&self) -> f64 {
         let (body, far) = (self.body, |v: &Vector3<f64>| v.abs().sum());
         body.radius * body.unit() + far(&body.origin) + far(&self.pose.translation()) + self.space.offset.abs()
@@ -246,7 +250,7 @@ impl<'a> PlacedPlane<'a> {
         }
     }
 
-    /// Adds the lowest vertex, and the corners of the feature that bears the contact.
+    /// Adds the lowest vertex, and the vertices of the feature that carries the contact.
     fn add_points(&self, options: &ManifoldOptions, contacts: &mut HalfSpaceContacts) {
         let axes = tangents_of(&self.space.normal);
         let mut candidates = Candidates::new(0.0, options.prediction);
@@ -275,7 +279,8 @@ impl<'a> PlacedPlane<'a> {
         }
     }
 
-    /// Returns the face at the lowest vertex most nearly parallel to the plane, if near enough.
+    /// Returns the face at the lowest vertex most nearly parallel to the plane, if its angle is
+    /// small enough.
     fn bearing_face(&self, sine: f64) -> Option<FaceId> {
         let t = &self.body.topology;
         let along = |f: FaceId| self.body.planes[f.index()].normal.dot(&self.down);
@@ -286,8 +291,8 @@ impl<'a> PlacedPlane<'a> {
         (cosine > STEEP && cosine * cosine >= 1.0 - sine * sine).then_some(face)
     }
 
-    /// Returns the other end of the edge at the lowest vertex most nearly parallel to the plane, if
-    /// near enough.
+    /// Returns the other end of the edge at the lowest vertex that is most nearly parallel to the
+    /// plane, if its angle is small enough.
     fn bearing_edge(&self, sine: f64) -> Option<VertexId> {
         let (t, points) = (&self.body.topology, &self.body.points);
         let slope = |v: VertexId| {

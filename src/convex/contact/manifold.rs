@@ -1,4 +1,4 @@
-//! The contact manifold of a pair, persistent over frames.
+//! The contact manifold of a pair of bodies, which persists from frame to frame.
 
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -17,9 +17,11 @@ use super::clip_large::{NO_RAYS, Rays};
 use super::query::Query;
 use super::{Contacts, MOST_POINTS, ManifoldOptions, PosedOutcome, clip_curved};
 
-/// A point of each body, opposite each other along the normal: of two edges that are parallel but
-/// for the angle of [`ManifoldOptions::max_face_sine`], each end and the nearest point of the other
-/// edge.
+/// A contact: a point on each body, opposite each other along the normal.
+///
+/// The two points may differ from this for two edges that are parallel up to the angle of
+/// [`ManifoldOptions::max_face_sine`]: then they are an end of one edge and the nearest point of
+/// the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -29,12 +31,12 @@ pub struct ContactPoint {
     /// Point on B, in B's frame.
     pub point_on_b: Point3<f64>,
     /// Signed distance from the point on A to the point on B along the normal, in the caller's
-    /// unit: negative if the bodies overlap.
+    /// unit. It is negative if the bodies overlap.
     pub separation: f64,
     /// Features that contain the points: a vertex and a face, two edges, or the closest features.
     pub features: FeaturePair,
-    /// Contact id, constant for the contact's lifetime: the features of its first appearance. No
-    /// two points of a manifold share an id.
+    /// Contact id: the features at which the contact first appeared. It stays the same for the
+    /// lifetime of the contact, and is unique in a manifold.
     pub id: FeaturePair,
 }
 
@@ -50,18 +52,19 @@ impl ContactPoint {
     }
 }
 
-/// The contact points of a pair of bodies: keep a manifold for each pair and pass it to
-/// [`Tracker::manifold`] every frame.
+/// The contact points of a pair of bodies.
 ///
-/// The features of the certified outcome are promoted to the faces or edges within a small angle of
-/// the normal; both are projected along the normal, and the vertices of their overlap are the
-/// contact candidates, of which the deepest and the points that span the most area are kept (after
-/// Gregorius 2013, "The separating axis test between convex polyhedra", GDC; here both faces play
-/// equal parts, whichever body is named first).
+/// Keep one manifold for each pair, and pass it to [`Tracker::manifold`] in every frame.
 ///
-/// Holds at most eight points, and nothing on the heap. If the bodies or the options change, the
-/// manifold is computed from scratch. A deserialized manifold (feature `serde`) resumes in its
-/// saved state, and its points are trusted until they are chosen again.
+/// The features of the certified outcome are replaced by the faces or edges within a small angle of
+/// the normal. Both are projected along the normal, and the vertices of their overlap are the
+/// contact candidates. The deepest candidate and the points that span the most area are kept (after
+/// Gregorius 2013, "The separating axis test between convex polyhedra", GDC; here both faces are
+/// treated alike, in either order of the bodies).
+///
+/// A manifold has at most eight points and no heap memory. If the bodies or the options change, it
+/// is computed from scratch. A deserialized manifold (feature `serde`) resumes in its saved state;
+/// its points are not checked until they are chosen again.
 ///
 /// [`Tracker::manifold`]: crate::Tracker::manifold
 #[doc(alias = "contact points")]
@@ -81,17 +84,17 @@ pub struct Manifold {
     fresh: bool,
     /// Location of each point on both features.
     on: [[Location; 2]; MOST_POINTS],
-    /// Lower bound of each vertex's distance to the boundary of the opposite face when chosen, in
-    /// the caller's unit.
+    /// Lower bound of the distance from each vertex to the boundary of the opposite face when it
+    /// was chosen, in the caller's unit.
     margins: [f64; MOST_POINTS],
     pub(super) rays: Rays,
 }
 
-/// Circumstances of the last computation, by which later motion is measured.
+/// State of the last computation, from which later motion is measured.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Made {
-    /// Files of older versions have others under another name: they are not recognised.
+    /// Files of older versions have other fingerprints under another name, which are ignored.
     #[cfg_attr(feature = "serde", serde(default, rename = "fingerprints"))]
     bodies: [Fingerprint; 2],
     options: ManifoldOptions,
@@ -111,7 +114,7 @@ struct Made {
     since: f64,
 }
 
-/// Deserializes the number of points; refuses more than the manifold can hold.
+/// Deserializes the number of points; returns an error for more points than the manifold can hold.
 #[cfg(feature = "serde")]
 fn at_most_all<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<usize, D::Error> {
     let count: usize = serde::Deserialize::deserialize(deserializer)?;
@@ -153,9 +156,11 @@ impl Manifold {
         Self::default()
     }
 
-    /// Returns the contacts of an outcome of [`Tracker::closest`](crate::Tracker::closest) for
-    /// these bodies at this pose, with no memory of earlier contacts: for callers who keep their
-    /// own. Without contacts if an id of the outcome names no feature of its body.
+    /// Returns the contacts of an outcome of [`Tracker::closest`](crate::Tracker::closest), without
+    /// earlier contacts.
+    ///
+    /// The outcome must be for these bodies at this pose. Use this if you keep earlier contacts
+    /// yourself. The result has no contacts if an id of the outcome is not a feature of its body.
     #[must_use]
     pub fn from_outcome(
         a: &ConvexPolyhedron,
@@ -171,8 +176,8 @@ impl Manifold {
         manifold
     }
 
-    /// Returns the contacts: persistent contacts first, in their old order, then new contacts.
-    /// Empty if the bodies are further apart than the prediction.
+    /// Returns the contacts: first the persistent ones in their old order, then the new ones. Empty
+    /// if the bodies are farther apart than the prediction.
     #[inline]
     #[must_use]
     pub fn points(&self) -> &[ContactPoint] {
@@ -187,44 +192,46 @@ impl Manifold {
         self.points().iter().min_by(deeper)
     }
 
-    /// Returns the unit direction from A to B, in A's frame: the normal of the outcome the manifold
-    /// was computed from, rotated with the reference body since. Without contacts, the normal
-    /// of the last query; x before the first query.
+    /// Returns the unit normal from A to B, in A's frame.
+    ///
+    /// It is the normal of the outcome from which the manifold was computed, rotated since then
+    /// with the reference body. Without contacts it is the normal of the last query, and x before
+    /// the first query.
     #[must_use]
     pub fn normal(&self) -> Unit<Vector3<f64>> {
         self.normal
     }
 
-    /// Returns the features that bear the contact: of each body a face or an edge nearly
+    /// Returns the features that carry the contact: for each body a face or an edge nearly
     /// perpendicular to the normal, or the closest feature. `None` before the first query.
     #[must_use]
     pub fn features(&self) -> Option<FeaturePair> {
         self.made.as_ref().map(|m| m.features)
     }
 
-    /// Returns the body whose feature determines the normal: the body of the face if a face meets
-    /// an edge or a vertex. In doubt the previous reference, initially A.
+    /// Returns the body whose feature determines the normal. If a face touches an edge or a vertex,
+    /// this is the body of the face. Otherwise it is the previous reference body, initially A.
     #[must_use]
     pub fn reference(&self) -> Operand {
         self.made.as_ref().map_or(Operand::A, |m| m.reference)
     }
 
-    /// Returns a lower bound of the signed distance, with or without contacts; minus infinity
-    /// before the first query.
+    /// Returns a lower bound of the signed distance, also without contacts; minus infinity before
+    /// the first query.
     #[must_use]
     pub fn lower(&self) -> f64 {
         self.lower
     }
 
-    /// Returns an upper bound of the signed distance, with or without contacts; infinity before the
+    /// Returns an upper bound of the signed distance, also without contacts; infinity before the
     /// first query.
     #[must_use]
     pub fn upper(&self) -> f64 {
         self.upper
     }
 
-    /// Returns whether the points were computed by the last query; otherwise they are old points
-    /// with new separations.
+    /// Returns whether the last query computed the points. If not, they are the old points with new
+    /// separations.
     #[must_use]
     pub fn is_fresh(&self) -> bool {
         self.fresh
@@ -245,13 +252,13 @@ impl Manifold {
         (!points.is_empty()).then(|| Point3::from(sum / points.len() as f64))
     }
 
-    /// Measures the old points again if the bodies have moved little enough; otherwise returns how
-    /// far the bodies have moved.
+    /// Measures the old points again if the bodies moved little enough. Otherwise returns how far
+    /// they moved.
     #[inline(always)]
     pub(crate) fn refresh(&mut self, query: &Query) -> Result<(), f64> {
         let Some(made) = &self.made else { return Err(0.0) };
         let moved = query.ball.displacement(&made.ball);
-        // NaN computes the manifold again.
+        // With NaN the manifold is computed again.
         if !(made.is_of(query) && moved <= made.budget) {
             return Err(moved);
         }
@@ -299,8 +306,8 @@ impl Manifold {
         });
     }
 
-    /// Computes the points of an outcome; returns the features that bear them, and how far the
-    /// bodies have moved since the candidates were chosen.
+    /// Computes the points of an outcome. Returns the features that carry them, and how far the
+    /// bodies moved since the candidates were chosen.
     fn renew_points(&mut self, query: &Query, outcome: &Outcome, moved: f64) -> (FeaturePair, f64) {
         let options = query.options;
         let least = query.least_radius();
@@ -335,7 +342,8 @@ impl Manifold {
     }
 
     /// Replaces the old points by new points. A new point takes id and order from the old point
-    /// with equal features, else from the nearest old point at most `reach` away on either body.
+    /// with equal features; otherwise from the nearest old point that is at most `reach` away on
+    /// one of the bodies.
     fn replace_points(&mut self, contacts: &Contacts, reach: f64) {
         let new = &contacts.points[..contacts.count];
         let old = self.points();

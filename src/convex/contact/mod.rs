@@ -1,25 +1,26 @@
-//! Contact manifolds: the few points at which two bodies hold each other apart, kept from frame to
-//! frame; and gradients of the signed distance.
+//! Contact manifolds: a few points at which two bodies touch, kept from frame to frame; and
+//! gradients of the signed distance.
 //!
-//! A manifold starts from a certified outcome: normal, features, witnesses. The features are
-//! promoted to the faces (or edges) within a small angle of the normal ([`bearing`]), both are
-//! projected along the normal ([`projection`]), and the vertices of their overlap ([`clip`], and
-//! [`clip_large`] for faces of many vertices) are the contact candidates. A few candidates are kept
-//! ([`mod@reduce`]): the deepest, and the points that span the most area. [`manifold`] keeps the
-//! contacts over frames.
+//! A manifold starts from a certified outcome: normal, features and witness points. The features
+//! are replaced by the faces (or edges) within a small angle of the normal ([`bearing`]). Both are
+//! projected along the normal ([`projection`]). The vertices of their overlap ([`clip`], and
+//! [`clip_large`] for faces with many vertices) are the contact candidates. A few candidates are
+//! kept ([`mod@reduce`]): the deepest, and the points that span the most area. [`manifold`] keeps
+//! the contacts from frame to frame.
 //!
-//! Every pair of points (a of A, b of B) satisfies `n . b - n . a >= lower`, the bound of the
-//! outcome, so the deepest contact is the outcome's own; no contact can be deeper.
+//! Every pair of points (a of A, b of B) satisfies `n . b - n . a >= lower`, where `lower` is the
+//! bound of the outcome. So the deepest contact is that of the outcome, and no contact can be
+//! deeper.
 //!
 //! Source: the clipping of a reference and an incident face (Gregorius 2013, "The separating axis
 //! test between convex polyhedra", GDC). Departures:
-//! 1. Both faces are projected along the certified normal, and play equal parts: points on A and on
-//!    B lie opposite each other along the normal, whichever body is named first.
+//! 1. Both faces are projected along the certified normal and treated alike: points on A and on B
+//!    lie opposite each other along the normal, in either order of the bodies.
 //! 2. The reference only determines the body with which the normal rotates between two outcomes.
-//! 3. Curved shapes bear contacts by flat round faces and straight generators ([`Facet`]), clipped
-//!    as circles and segments ([`clip_curved`]); rounded shapes by their cores, and the points move
-//!    out.
-//! 4. Old contacts are matched by a bound on the motion of the bodies, not by distances of points.
+//! 3. The contacts of curved shapes lie on flat round faces and straight generators ([`Facet`]),
+//!    clipped as circles and segments ([`clip_curved`]). The contacts of rounded shapes are those
+//!    of their cores, and their points move outward.
+//! 4. A bound on the motion of the bodies matches old contacts, not distances of points.
 
 mod bearing;
 mod clip;
@@ -57,38 +58,38 @@ pub use manifold::{ContactPoint, Manifold};
 pub use query::ManifoldOptions;
 pub(crate) use query::{Extent, Query};
 
-/// Most points of a manifold.
+/// Largest number of points of a manifold.
 pub(crate) const MOST_POINTS: usize = 8;
 
 /// The contacts of an outcome.
 struct Contacts {
     points: [ContactPoint; MOST_POINTS],
     count: usize,
-    /// Features that bear the contacts.
+    /// Features that carry the contacts.
     features: FeaturePair,
     /// Location of each contact on both features.
     on: [[Location; 2]; MOST_POINTS],
-    /// Lower bound of each vertex's distance to the boundary of the opposite face.
+    /// Lower bound of the distance from each vertex to the boundary of the opposite face.
     margins: [f64; MOST_POINTS],
-    /// Whether the contacts are the previous manifold's, in the previous order.
+    /// Whether the contacts are those of the previous manifold, in the same order.
     same: bool,
     rays: Rays,
 }
 
-/// Which candidates become contacts.
+/// Rules by which candidates become contacts.
 struct Choice<'a> {
     before: &'a Manifold,
-    /// Whether candidates of the manifold before are preferred among equals.
+    /// Whether candidates of the previous manifold are preferred among equals.
     is_steady: bool,
     most: usize,
-    /// No two contacts are nearer to each other, seen along the normal.
+    /// Least distance of two contacts, seen along the normal.
     merge: f64,
     /// Depths within this count as equal.
     tie: f64,
 }
 
 impl Contacts {
-    /// Returns the witnesses of an outcome as the only contact.
+    /// Returns the witness points of an outcome as the only contact.
     #[inline(always)]
     fn of_witnesses(outcome: &Outcome, before: &Manifold) -> Self {
         Self {
@@ -131,7 +132,7 @@ impl Contacts {
         }
     }
 
-    /// Moves the contacts of two cores out by the radii of the rounded bodies.
+    /// Moves the contacts of two cores outward by the radii of the rounded bodies.
     #[cold]
     fn grow(&mut self, query: &Query, normal: &Vector3<f64>) {
         let [on_a, on_b] = query.radii;
@@ -149,7 +150,7 @@ struct PosedOutcome<'a> {
     a: &'a ConvexPolyhedron,
     b: &'a ConvexPolyhedron,
     rotation: &'a Matrix3<f64>,
-    /// The pair's size L, in the caller's units.
+    /// The pair size L, in the caller's unit.
     size: f64,
     outcome: &'a Outcome,
 }
@@ -161,8 +162,8 @@ impl PosedOutcome<'_> {
     fn contacts(self, options: &ManifoldOptions, before: &Manifold, since_choice: Option<f64>) -> Contacts {
         let outcome = self.outcome;
         let mut contacts = Contacts::of_witnesses(outcome, before);
-        // If the bodies are very far apart or very different in size, the witnesses are the only
-        // contact.
+        // If the bodies are very far apart or very different in size, the witness points are the
+        // only contact.
         if self.a.exponent != self.b.exponent || outcome.solver == Solver::Far {
             return contacts;
         }
@@ -204,7 +205,7 @@ impl PosedOutcome<'_> {
         pair.choose(options, before, contacts);
     }
 
-    /// Returns the contact axes in each body's stored frame, about the body's witness.
+    /// Returns the contact axes in the stored frame of each body, relative to its witness point.
     #[inline(always)]
     fn axes(&self) -> [Axes; 2] {
         let normal = self.outcome.normal.into_inner();
@@ -226,7 +227,7 @@ impl PosedOutcome<'_> {
         ]
     }
 
-    /// Returns the features that bear the contact.
+    /// Returns the features that carry the contact.
     #[inline(always)]
     fn promoted(&self, axes: &[Axes; 2], options: &ManifoldOptions, before: Option<FeaturePair>) -> FeaturePair {
         let promote = |body, outward, feature, previous| {
@@ -245,8 +246,8 @@ impl PosedOutcome<'_> {
         }
     }
 
-    /// Returns whether no promoted face is upright, as a closest face may be if a facet of A - B is
-    /// smaller than rounding.
+    /// Returns whether no chosen face is parallel to the normal. A closest face may be parallel to
+    /// it if a facet of A - B is smaller than rounding.
     #[inline(always)]
     fn has_no_upright_face(&self, axes: &[Axes; 2], features: FeaturePair) -> bool {
         let is_not_upright = |body: &ConvexPolyhedron, feature: Feature, outward: Vector3<f64>| match feature {
@@ -267,7 +268,8 @@ struct ProjectedPair<'a> {
 }
 
 impl ProjectedPair<'_> {
-    /// Adds the candidates within the prediction, and the witnesses if no candidate is as deep.
+    /// Adds the candidates within the prediction, and the witness points if no candidate is as
+    /// deep.
     #[inline(always)]
     fn add_candidates(
         &self,
@@ -326,7 +328,7 @@ impl ProjectedPair<'_> {
         });
     }
 
-    /// Lower bound of a candidate vertex's distance to the boundary of the opposite face.
+    /// Lower bound of the distance from a candidate vertex to the boundary of the opposite face.
     fn margin(&self, candidate: &ContactCandidate, options: &ManifoldOptions) -> f64 {
         let inside = match candidate.on.each(Location::as_vertex) {
             [Some(_), _] => self.b.inside_by(candidate.at),

@@ -12,45 +12,45 @@ use crate::convex::contact::MOST_POINTS;
 use crate::convex::contact::bearing::Facet;
 use crate::pair::outcome::DepthMode;
 
-/// Options of a contact manifold. A NaN option requests nothing.
+/// Options of a contact manifold. An option that is NaN requests nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ManifoldOptions {
-    /// Largest separation of a contact, in the caller's unit. Zero: only touching or overlapping
-    /// contacts. Between meshes, each pair of convex patches whose boxes are within it costs some
-    /// 12 µs: a value beyond the size of the bodies asks every pair, 0.2 s for two meshes of 128
-    /// patches each.
+    /// Largest separation of a contact, in the caller's unit. With zero only touching or
+    /// overlapping bodies have contacts. Between meshes, each pair of convex patches whose boxes
+    /// are within this distance costs about 12 µs. A value beyond the size of the bodies queries
+    /// every pair: 0.2 s for two meshes of 128 patches each.
     #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
     pub prediction: f64,
-    /// Largest number of points, 1 to 8. Default 4. If a face has more than 24 vertices, not all
-    /// vertices of the overlap are examined: in random poses of a large face on another, eight
-    /// points span 60 % of the overlap in all but some in a thousand poses; in long and narrow
-    /// overlaps now and then much less.
+    /// Largest number of points, 1 to 8; 4 by default. If a face has more than 24 vertices, not all
+    /// vertices of the overlap are examined. For a large face in random poses on another, eight
+    /// points span at least 60 % of the overlap, except in a few of a thousand poses. In long and
+    /// narrow overlaps they sometimes span much less.
     pub max_points: usize,
-    /// Sine of the largest angle between the normal and a face that bears the contact. Default 1/2,
-    /// 30 degrees: vertices of such a face within the prediction are contacts, so that a round body
-    /// rests on its face instead of rolling over one vertex. At 1/64 piles of round hulls penetrate
-    /// 1.3 times as deep, beyond 1/2 nothing changes. A face within one degree of upright (parallel
-    /// to the normal) never bears the contact, at any setting.
+    /// Sine of the largest angle between the normal and the normal of a face that carries the
+    /// contact; 1/2 (30 degrees) by default. The vertices of such a face within the prediction are
+    /// contacts, so a round body rests on its face instead of rolling over one vertex. At 1/64
+    /// piles of round hulls penetrate 1.3 times as deep as at 1/2; above 1/2 nothing changes. A
+    /// face within one degree of parallel to the normal never carries the contact, at any setting.
     #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
     pub max_face_sine: f64,
     /// Largest motion of the bodies before a manifold is computed again, in radii of the smaller
-    /// body; until then the points stay fixed on the bodies and only separations change. Contacts
-    /// nearer to each other than `drift` are merged. Default 1/1024; zero: every motion computes
-    /// the manifold again.
+    /// body; 1/1024 by default. Until then the points stay fixed on the bodies, and only
+    /// separations change. Contacts nearer to each other than this are merged. With zero every
+    /// motion computes the manifold again.
     #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
     pub rebuild_motion: f64,
-    /// Largest motion of the bodies, in radii of the smaller body, before points are chosen again
-    /// from the vertices of the overlap of two faces; until then the chosen vertices are kept, as
-    /// long as they stay in the overlap and include the deepest. Default 1/16.
+    /// Largest motion of the bodies before points are chosen again from the vertices of the overlap
+    /// of two faces, in radii of the smaller body; 1/16 by default. Until then the chosen vertices
+    /// are kept, as long as they stay in the overlap and include the deepest.
     #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
     pub reselect_motion: f64,
-    /// Whether a local depth will do: normal and separations of an overlap from the nearest facet
-    /// about the last one, for a fraction of the time, whether or not a shorter translation parts
-    /// the bodies: see [`Tracker::closest_with_local_depth`]. For polyhedra, sharp or rounded, and
-    /// for curved shapes, from the normal that is highest in its neighbourhood; bodies of pieces
-    /// keep the depth. Default false.
+    /// Whether a local depth is enough; false by default. Normal and separations of an overlap then
+    /// come from the nearest facet around the last one, in a fraction of the time, even if a
+    /// shorter translation separates the bodies: see [`Tracker::closest_with_local_depth`]. This
+    /// applies to polyhedra, sharp or rounded. For curved shapes the normal is a local minimum of
+    /// the depth. Compounds and meshes keep the depth.
     ///
     /// [`Tracker::closest_with_local_depth`]: crate::Tracker::closest_with_local_depth
     #[cfg_attr(feature = "serde", serde(default))]
@@ -64,7 +64,7 @@ impl Default for ManifoldOptions {
 }
 
 impl ManifoldOptions {
-    /// Returns the default options with a prediction distance.
+    /// Returns the default options with a prediction distance, in the caller's unit.
     #[must_use]
     pub const fn with_prediction(prediction: f64) -> Self {
         Self {
@@ -112,7 +112,7 @@ impl ManifoldOptions {
         self
     }
 
-    /// Returns what the contacts need of an overlap.
+    /// Returns the depth that the contacts need of an overlap.
     pub(crate) fn until(&self) -> DepthMode {
         DepthMode::of_depth(true, self.local_depth)
     }
@@ -122,7 +122,7 @@ impl ManifoldOptions {
     }
 }
 
-/// Identity and size of a body, by which motions are measured.
+/// Identity and size of a body, from which motions are measured.
 #[derive(Clone, Copy)]
 pub(crate) struct Extent {
     /// Equal for equal bodies only.
@@ -149,7 +149,7 @@ impl Extent {
 /// Two bodies, their relative pose, and the options of their contacts.
 pub(crate) struct Query<'a> {
     extents: [Extent; 2],
-    /// The parts of the surfaces that bear the contact.
+    /// The facets of the surfaces that carry the contact.
     pub(crate) facets: [Facet<'a>; 2],
     /// Radii by which the bodies are rounded. Options and outcomes are those of the cores.
     pub(super) radii: [f64; 2],
@@ -174,7 +174,7 @@ impl<'a> Query<'a> {
         Self::of([Extent::of(a), Extent::of(b)], facets, pose, options)
     }
 
-    /// Returns the query for two bodies; their facets are needed for new contacts only.
+    /// Returns the query for two bodies. Their facets are needed for new contacts only.
     #[inline(always)]
     pub(crate) fn of(
         extents: [Extent; 2],
@@ -201,8 +201,8 @@ impl<'a> Query<'a> {
         }
     }
 
-    /// Returns the query for the bodies as cores, rounded by two radii; the extents are those of
-    /// the cores with the fingerprints of the rounded bodies.
+    /// Returns the query for bodies that are given by their cores and two rounding radii. The
+    /// extents are those of the cores, with the fingerprints of the rounded bodies.
     #[inline]
     pub(crate) fn rounded(mut self, radii: [f64; 2]) -> Self {
         self.radii = radii;
@@ -219,11 +219,11 @@ impl<'a> Query<'a> {
         (a.radius + self.radii[0]).smaller(b.radius + self.radii[1])
     }
 
-    /// Returns how far the bodies may move before the contacts are computed again, for an outcome
-    /// with this lower bound.
+    /// Returns how far the bodies may move before the contacts are computed again, for this lower
+    /// bound of the outcome.
     pub(super) fn budget(&self, lower: f64) -> f64 {
         if !self.extents.iter().all(|extent| extent.is_unscaled) {
-            // If stored coordinates are rescaled, old points would be measured more coarsely than
+            // If stored coordinates are rescaled, old points would be measured less precisely than
             // new points.
             -1.0
         } else if lower <= self.options.prediction {
@@ -233,7 +233,7 @@ impl<'a> Query<'a> {
         }
     }
 
-    /// Returns the pair's size L.
+    /// Returns the pair size L.
     #[inline(always)]
     pub(super) fn size(&self) -> f64 {
         let [a, b] = &self.extents;
@@ -242,7 +242,7 @@ impl<'a> Query<'a> {
     }
 }
 
-/// Returns the radius about the origin of the stored coordinates, in the caller's unit.
+/// Returns the radius around the origin of the stored coordinates, in the caller's unit.
 #[inline(always)]
 fn radius(body: &ConvexPolyhedron) -> f64 {
     if body.is_unscaled {

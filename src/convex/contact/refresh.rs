@@ -1,8 +1,8 @@
 //! Keeps the contacts of the previous manifold by measuring them again, without clipping the faces.
 //!
-//! A vertex of a face over the opposite face stays over it while the bodies have moved less than
-//! the vertex's distance from the boundary; two edges that crossed are tested again. So the cost of
-//! keeping a manifold of two faces does not depend on their numbers of vertices.
+//! A vertex of a face stays over the opposite face as long as the bodies move less than the
+//! distance of the vertex from the boundary. Two edges that crossed are tested again. So the cost
+//! of keeping a manifold of two faces does not depend on their numbers of vertices.
 
 use nalgebra::Vector3;
 
@@ -34,7 +34,7 @@ fn tilt_offset(separation: f64, options: &ManifoldOptions) -> f64 {
     2.0 * STAY * options.max_face_sine.abs() * separation.abs()
 }
 
-/// Projections of the features that bear a contact.
+/// Projections of the features that carry a contact.
 pub(super) struct Projections<'a> {
     pub(super) a: LazyProjection<'a>,
     pub(super) b: LazyProjection<'a>,
@@ -48,9 +48,9 @@ struct MeasuredContact {
 }
 
 impl Projections<'_> {
-    /// Measures all contacts of the previous manifold; returns false unless all are still contacts
-    /// and the deepest is among them. `moved` bounds the motion of the bodies since the candidates
-    /// were chosen, in the caller's unit.
+    /// Measures all contacts of the previous manifold again. Returns false unless all are still
+    /// contacts and the deepest is one of them. `moved` bounds the motion of the bodies since the
+    /// candidates were chosen, in the caller's unit.
     #[inline(always)]
     pub(super) fn keep(
         &mut self,

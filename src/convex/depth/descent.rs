@@ -1,5 +1,5 @@
-//! Descent over the facets of the Minkowski difference P = A - B, to a facet that holds the foot of
-//! the origin: a local minimum of the height, and a proposal for the depth.
+//! Descent over the facets of the Minkowski difference P = A - B, to a facet that contains the foot
+//! of the origin: a local minimum of the height, and a proposal for the depth.
 //!
 //! ```text
 //!      F'    ridge    F           o   origin, at height r beneath the plane of F
@@ -10,20 +10,20 @@
 //! ```
 //!
 //! A facet is a face of one body with a vertex of the other, or an edge of each. A ridge is an edge
-//! with a vertex, and the normals between the two facets are an arc: from the face, or from the
-//! crossing of the two arcs of the edges, along the arc of the edge. The facet across the ridge is
-//! met where the arc leaves the normals of the vertex, and else at the end of the arc.
+//! with a vertex. The normals between its two facets are an arc. The arc starts at the face, or at
+//! the crossing of the two arcs of the edges, and follows the arc of the edge. The facet across the
+//! ridge is where the arc leaves the normals of the vertex, or otherwise at the end of the arc.
 //!
 //! Sources: the dual walk of Lin and Canny 1991; overlaid Gauss maps as in Gregorius 2013, "The
 //! separating axis test between convex polyhedra", GDC. Departure: one walk from the last facet
-//! instead of a test of all facets. Heights fall, so the walk ends; rounding may end the walk
-//! elsewhere, since nothing here is proven.
+//! instead of a test of all facets. Heights decrease, so the walk ends. Rounding may end the walk
+//! elsewhere, because nothing is proven here.
 //!
 //! # The deepest points
 //!
-//! The features of the deepest facet give the deepest points of the overlap ([`foot`]). If faces
-//! lie flush, many pairs of points are equally deep, and the vertex that names the facet may
-//! overhang the opposite face: then another feature pair has the witnesses ([`flush`]).
+//! The features of the deepest facet give the deepest points of the overlap ([`foot`]). If two
+//! faces are flush, many pairs of points are equally deep, and the vertex of the facet may lie
+//! outside the opposite face. Then another feature pair contains the witness points ([`flush`]).
 
 use nalgebra::{Point3, Vector3};
 
@@ -42,43 +42,43 @@ use crate::pair::posed::{AFirst, BFirst, OrderedPair, PosedPair};
 use crate::pair::star::EdgeSpan;
 use crate::pair::star::falls_into_both_faces;
 
-/// Facets of a descent, at most: descents are short after small motions, and a surface is a better
-/// start for the others.
+/// Largest number of facets of a descent. After small motions descents are short; otherwise the
+/// polytope is a better start. Not measured.
 const DESCENTS: usize = 12;
 
-/// Fans of more edges end a descent. Not measured.
+/// A fan with more edges ends a descent. Not measured.
 const FAN: usize = 64;
 
 /// A facet that holds the foot of the origin, up to rounding.
 pub(super) struct LowFacet {
     pub(super) facet: DifferenceFacet,
-    /// Outward unit normal and proven support of the difference along the normal, if a proof came
-    /// with the look.
+    /// Outward unit normal and proven support value of the difference along the normal, if the test
+    /// of the facet gave a proof.
     pub(super) support: Option<(Vec3<f64>, f64)>,
 }
 
-/// Where a descent ended.
+/// The end of a descent.
 pub(super) enum Descent {
     /// At a facet that holds the foot of the origin.
     Facet(LowFacet),
-    /// At a facet with the origin outside: the bodies seem to be apart.
+    /// At a facet with the origin outside: the bodies seem to be separated.
     Outside(DifferenceFacet),
     /// Nowhere: too many facets, long fans, parallel edges, or no facets at all.
     Lost,
 }
 
-/// Result of a look at a facet.
+/// Result of the test of a facet.
 enum Look {
     /// The foot of the origin lies in this facet.
     Holds(LowFacet),
     /// The origin lies outside this facet.
     Outside(DifferenceFacet),
-    /// A facet that is no higher.
+    /// The next facet, which is not higher.
     Lower(DifferenceFacet),
 }
 
-/// Walks from the facet that `from` names, or from a facet at the vertices of `from`. The bodies
-/// must have one stored unit. Counts the facets visited.
+/// Walks from the facet of the features `from`, or from a facet at the vertices of `from`. The
+/// bodies must have one stored unit. Counts the facets visited.
 pub(super) fn descend(posed: &PosedPair, from: FeaturePair, visited: &mut u32) -> Descent {
     let Some(mut at) = first_facet(posed, from) else {
         return Descent::Lost;
@@ -100,8 +100,8 @@ pub(super) fn descend(posed: &PosedPair, from: FeaturePair, visited: &mut u32) -
     Descent::Lost
 }
 
-/// Returns `from` if it names a facet, else the lowest of the faces at its vertices, with the
-/// vertex opposite.
+/// Returns `from` if it is a facet; otherwise the lowest of the faces at its vertices, with the
+/// opposite vertex.
 fn first_facet(posed: &PosedPair, from: FeaturePair) -> Option<DifferenceFacet> {
     if let Some(facet) = DifferenceFacet::of(from) {
         return Some(facet);
@@ -126,8 +126,8 @@ fn first_facet(posed: &PosedPair, from: FeaturePair) -> Option<DifferenceFacet> 
     facets.min_by(|x, y| x.0.total_cmp(&y.0)).map(|(_, facet)| facet)
 }
 
-/// Looks at the facet of a face of the second body and the vertex of the first body opposite, at
-/// or near `vertex`.
+/// Tests the facet of a face of the second body and the opposite vertex of the first body, at or
+/// near `vertex`.
 #[inline]
 fn look_at_face<S: OrderedPair>(pair: &S, vertex: VertexId, face: FaceId) -> Option<Look> {
     let (body, other) = (pair.first(), pair.second());

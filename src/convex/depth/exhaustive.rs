@@ -3,11 +3,11 @@
 //!
 //! Each facet of A - B is a face of A with a vertex of B, a vertex of A with a face of B, or a pair
 //! of edges (Cameron and Culley 1986, "Determining the minimum translational distance between two
-//! convex polyhedra"). With the origin inside, the depth is the least facet height, and no
+//! convex polyhedra"). If the origin is inside, the depth is the least facet height, and no
 //! direction other than a facet normal has a smaller height. The list keeps only candidates for the
-//! minimum: a pair of edges whose faces leave no common normal is dropped by signs, a facet too
-//! high by its height in double-double. The rest is decided in exact arithmetic. No surface is
-//! needed, so nothing can fold.
+//! minimum. Signs exclude a pair of edges whose faces have no common normal; its height in
+//! double-double excludes a facet that is too high. Exact arithmetic decides between the others. No
+//! polytope is needed, so nothing can fold.
 
 use alloc::vec::Vec;
 
@@ -29,17 +29,18 @@ use crate::convex::depth::facet::edge;
 use crate::pair::difference::DifferenceFacet;
 use crate::pair::difference::support;
 
-/// Pairs of edges that the exact enumeration of all facets tests, at most: 2048 edges of each body.
-/// Beyond, bounds stay open.
+/// Largest number of pairs of edges that the exact enumeration of all facets tests: 2048 edges of
+/// each body. Beyond, bounds are not tight.
 #[cfg(feature = "exact")]
 const MAX_EDGE_PAIRS: usize = 1 << 22;
 
-/// Pairs that the exact enumeration of all facets measures, at most. Beyond, bounds stay open.
+/// Largest number of pairs that the exact enumeration of all facets measures. Beyond, bounds are
+/// not tight.
 #[cfg(feature = "exact")]
 const MAX_MEASURED: usize = 1 << 16;
 
-/// Tests of a vertex in double-double by the enumeration of all facets, at most. Measured: some
-/// hundred milliseconds. Beyond, bounds stay open.
+/// Largest number of tests of a vertex in double-double by the enumeration of all facets. Measured:
+/// a few hundred milliseconds. Beyond, bounds are not tight.
 #[cfg(feature = "exact")]
 const MAX_EVALUATIONS: usize = 1 << 22;
 
@@ -70,7 +71,7 @@ fn keep_lowest<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pairs: &mut V
 }
 
 /// Returns all feature pairs that may span a facet; `None` if there are too many, or if a stored
-/// face stands for several unlisted faces.
+/// face represents several unlisted faces.
 fn candidate_facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<DifferenceFacet>> {
     let (a, b) = (posed.a, posed.b);
     let of_a = a.faces().map(|f| DifferenceFacet::FaceVertex(f, VertexId(0)));

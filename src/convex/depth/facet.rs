@@ -1,18 +1,18 @@
-//! Facets of the Minkowski difference: their heights, and a proof of the depth by the deepest of
-//! them.
+//! Facets of the Minkowski difference: their heights, and a proof of the depth by the deepest
+//! facet.
 //!
-//! Normals are taken from the features of the two bodies. A triangle on the facet names the
-//! vertices; the face or the edges give a far more accurate normal than three rounded points do.
+//! Normals come from the features of the two bodies. A triangle on the facet identifies the
+//! vertices; the face or the edges give a far more accurate normal than three rounded points.
 //!
 //! # A proof of the depth without growing
 //!
-//! The deepest facet covers for triangles slightly too low ([`holds_disc`]).
+//! The deepest facet proves the depth even if some triangles are slightly too low ([`holds_disc`]).
 //!
-//! A surface close to the boundary at one pose lies a little beneath the boundary at the next; if
-//! faces lie flush, any motion has this effect. Let the origin lie behind every triangle, let `r`
-//! be the height of a facet F of the difference P along the normal `n`, and call the triangles not
-//! beyond `r` *below target*. Then P contains the ball of radius `r` about the origin if F contains
-//! a disc about the foot `r n`, of the radius `rho` given below.
+//! A polytope that is close to the boundary at one pose lies a little below the boundary at the
+//! next; if faces are flush, any motion has this effect. Let the origin lie behind every triangle,
+//! let `r` be the height of a facet F of the difference P along the normal `n`, and call the
+//! triangles not beyond `r` *below target*. Then P contains the ball of radius `r` around the
+//! origin if F contains a disc around the foot `r n`, of the radius `rho` given below.
 //!
 //! ```text
 //!             n
@@ -53,8 +53,8 @@ use crate::pair::star::EdgeSpan;
 use crate::pair::transform::Transform;
 
 impl DifferenceFacet {
-    /// Returns the unit normal of the facet, and the support of A - B along the normal: for equal
-    /// facets the same bits, whatever way led to the facet.
+    /// Returns the unit normal of the facet, and the support value of A - B along the normal. Equal
+    /// facets give the same bits, for any path to the facet.
     pub(super) fn height(self, posed: &PosedPair, frame: &Transform<f64>) -> Option<(Vec3<f64>, f64)> {
         // The plane offset is rounded up: no vertex lies beyond the plane of a face.
         let (n, height) = match self {
@@ -156,7 +156,7 @@ pub(super) fn edge<T: Scalar>(body: &ConvexPolyhedron, e: EdgeId) -> Vec3<T> {
     unit(&[0, 1, 2].each(|k| T::from(to[k]) - T::from(from[k])))
 }
 
-/// Exchanges of a vertex on the way to the facet over the axis, at most. Not measured.
+/// Largest number of exchanges of a vertex on the path to the facet over the axis. Not measured.
 const MAX_EXCHANGES: usize = 48;
 
 /// Returns three points of the facet pierced by `axis`, starting from a pierced triangle
@@ -203,7 +203,7 @@ pub(super) fn pierced_facet(
 }
 
 /// Returns the radius of the disc that the facet must contain; `None` if a triangle below target is
-/// too far beneath the facet or turned too far from the facet normal.
+/// too far below the facet, or rotated too far from the facet normal.
 pub(super) fn disc_radius(
     below_target: impl Iterator<Item = [Vec3<f64>; 3]>,
     best: &Best<f64>,

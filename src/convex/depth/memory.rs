@@ -1,6 +1,6 @@
-//! Cached state of an overlap: the surface as vertex pairs, and the deepest facet.
+//! Cached state of an overlap: the polytope as vertex pairs, and the deepest facet.
 //!
-//! Points of A - B are vertex pairs and remain points of A - B at every pose, so a surface on such
+//! Points of A - B are vertex pairs and remain points of A - B at every pose. So a polytope on such
 //! points can be resumed at any pose ([`resume`](mod@crate::convex::depth::resume)).
 
 use alloc::boxed::Box;
@@ -17,15 +17,17 @@ use crate::pair::posed::PosedPair;
 
 use crate::convex::depth::polytope::EnclosingSurface;
 
-/// Triangles of a surface that is kept between queries, at most: their numbers fit a byte. Larger
-/// surfaces are built again, as their memory costs more than the time saved. Not measured.
+/// Largest number of triangles of a polytope that is kept between queries; their numbers fit a
+/// byte. Larger polytopes are built again, because their memory costs more than the time saved. Not
+/// measured.
 pub(super) const MAX_TRIANGLES: usize = 256;
 
-/// Triangles that a kept surface may gain, beside the number at its build, before the surface is
-/// built again: an old surface carries triangles that bound nothing. Not measured.
+/// Number of triangles that a kept polytope may gain over the number at its build before it is
+/// built again. An old polytope contains triangles that give no bound. Not measured.
 const GAIN: usize = 24;
 
-/// Most points of a cached surface: a closed surface of `MAX_TRIANGLES` triangles has no more.
+/// Largest number of points of a cached polytope: a closed surface of `MAX_TRIANGLES` triangles has
+/// no more.
 pub(super) const MAX_POINTS: usize = MAX_TRIANGLES / 2 + 2;
 
 /// A closed surface without coordinates: each edge of a triangle is the reverse of an edge of the
@@ -52,8 +54,8 @@ pub(crate) struct Memory {
     scratch: Workspace,
 }
 
-/// Working memory of searches, allocated at the first overlap. Holds nothing between two searches,
-/// so that trackers may take turns with one workspace.
+/// Working memory of searches, allocated at the first overlap. It contains nothing between two
+/// searches, so trackers may share one workspace one after the other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Workspace(Option<Box<Scratch>>);
 
@@ -80,7 +82,7 @@ type MemoryParts<'a> = (
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
     pub(super) surface: EnclosingSurface<f64>,
-    /// Triangles below the target height, at which the surface must grow.
+    /// Triangles below the target height, at which the polytope must grow.
     pub(super) below_target: Vec<u32>,
 }
 
@@ -103,7 +105,7 @@ pub(crate) struct RawMemory {
 }
 
 impl From<RawMemory> for Memory {
-    /// Returns an empty cache if the data is no closed surface.
+    /// Returns an empty cache if the data is not a closed surface.
     fn from(raw: RawMemory) -> Self {
         if !raw.is_closed() {
             return Self::default();
@@ -144,7 +146,7 @@ fn unmatched_edge(points: usize, triangles: &[[u32; 6]]) -> Option<usize> {
 }
 
 impl Memory {
-    /// Allocates for the largest surface that is cached.
+    /// Allocates for the largest polytope that is cached.
     pub(crate) fn reserve(&mut self) {
         self.points.reserve(MAX_POINTS);
         self.triangles.reserve(MAX_TRIANGLES);
@@ -173,7 +175,7 @@ impl Memory {
         core::mem::swap(&mut self.scratch, workspace);
     }
 
-    /// Returns a cache without a surface, after an overlap whose deepest facet was this one.
+    /// Returns a cache without a polytope, after an overlap with this deepest facet.
     pub(crate) fn after(facet: FeaturePair) -> Self {
         Self {
             facet: Some(facet),
@@ -181,12 +183,12 @@ impl Memory {
         }
     }
 
-    /// Makes another facet the deepest. The surface stays: a surface is checked before use.
+    /// Makes another facet the deepest. The polytope stays: it is checked before use.
     pub(crate) fn move_to(&mut self, facet: DifferenceFacet) {
         (self.facet, self.witness_features) = (Some(facet.features()), None);
     }
 
-    /// Forgets the surface and keeps the allocations.
+    /// Drops the polytope and keeps the allocations.
     pub(crate) fn clear(&mut self) {
         self.points.clear();
         self.triangles.clear();
@@ -206,8 +208,9 @@ impl Memory {
             + self.scratch.memory_usage()
     }
 
-    /// Returns the first broken invariant of the cached surface: closed, and of few points. Its
-    /// vertices may be of bodies other than those of the next query, which checks them.
+    /// Returns the first broken invariant of the cached polytope: it must be closed, with few
+    /// points. Its vertices may belong to bodies other than those of the next query, which checks
+    /// them.
     pub(crate) fn check(&self) -> Result<(), String> {
         let triangles: Vec<[u32; 6]> = self.triangles.iter().map(|t| t.each(u32::from)).collect();
         match unmatched_edge(self.points.len(), &triangles) {

@@ -1,33 +1,33 @@
 //! Penetration depth: the shortest translation that separates two overlapping bodies, with a proof.
 //!
-//! With P = A - B and h(n) the support of P along the unit vector n, the depth is the minimum of
-//! h(n) over all n: the radius of the largest ball about the origin inside P. Any n gives an upper
-//! bound. A closed surface of triangles on points of P with winding number one about the origin
-//! ([`surface`]) gives a lower bound, the least distance of a triangle. The search grows the
-//! surface at the nearest triangle until both bounds agree; the depth is then proven globally. An
-//! open result in f64 is repeated in double-double, and a result still open there is resolved in
-//! exact arithmetic, facet by facet ([`exhaustive`]).
+//! With P = A - B and h(n) the support value of P along the unit vector n, the depth is the minimum
+//! of h(n) over all n: the radius of the largest ball around the origin inside P. Any n gives an
+//! upper bound. The polytope, a closed surface of triangles on points of P with winding number one
+//! around the origin ([`surface`]), gives a lower bound: the least distance of a triangle. The
+//! search grows the polytope at the nearest triangle until both bounds agree; the depth is then
+//! proven globally. If the bounds are not tight in f64, the search is repeated in double-double,
+//! and then in exact arithmetic, facet by facet ([`exhaustive`]).
 //!
 //! Source: van den Bergen 2001, "Proximity queries and penetration depth computation on 3D game
 //! objects", the expanding polytope algorithm. Departures:
-//! 1. The proof is the winding number, preserved by every step, not convexity: a surface folded by
-//!    rounding costs time and never the answer.
+//! 1. The proof is the winding number, which every step preserves, not convexity: a surface folded
+//!    by rounding costs time but never gives a wrong result.
 //! 2. The bound of a triangle is the least of three heights along a unit vector, and any unit
-//!    vector will do (the normal, the direction of the nearest point, the normal of the best
-//!    facet): slivers weaken a bound and falsify none.
-//! 3. Heights are taken along the normals of the bodies' own features ([`facet`]), not of rounded
-//!    points.
-//! 4. A tracker caches the surface as vertex pairs ([`memory`]) and starts the next search from the
-//!    cached surface ([`mod@resume`]).
-//! 5. If faces lie flush on each other, the deepest facet itself covers for triangles slightly
-//!    beneath the boundary of P ([`holds_disc`](facet::holds_disc)).
-//! 6. A shallow overlap needs no surface: a facet found by a walk over facets ([`descent`]) and one
-//!    point deep in P prove the depth ([`pyramid`]), at the price of a walk ([`nearest`]).
-//! 7. A local depth, an upper bound alone, is the height of the facet on which the descent ends; a
+//!    vector is valid (the normal, the direction of the nearest point, the normal of the best
+//!    facet). Slivers make a bound weaker, never wrong.
+//! 3. Heights are measured along the normals of the features of the bodies ([`facet`]), not of
+//!    rounded points.
+//! 4. A tracker caches the polytope as vertex pairs ([`memory`]) and starts the next search from it
+//!    ([`mod@resume`]).
+//! 5. If faces are flush, the deepest facet proves the depth even if some triangles are slightly
+//!    below the boundary of P ([`holds_disc`](facet::holds_disc)).
+//! 6. A shallow overlap needs no polytope: a facet found by a walk over facets ([`descent`]) and
+//!    one point deep in P prove the depth ([`pyramid`]), at the cost of a walk ([`nearest`]).
+//! 7. A local depth is only an upper bound: the height of the facet on which the descent ends. A
 //!    pyramid or four points around the origin prove the overlap ([`local_depth`]).
 //! 8. If the origin lies on the boundary of the first tetrahedron (lattices, concentric and equal
-//!    bodies), the surface is grown about a point close to the origin until the ball about the
-//!    shifted point contains the origin too.
+//!    bodies), the polytope is grown around a point close to the origin, until the ball around this
+//!    point contains the origin too.
 
 mod descent;
 #[cfg(feature = "exact")]
@@ -65,9 +65,10 @@ pub(crate) use resume::resume;
 /// well above the rounding of f64.
 const SHIFTS_PLAIN: usize = 3;
 
-/// Bounds the depth of an overlap that took double-double to be told from a touch, by the support
-/// of A - B along the direction in which the bodies nearly part: an upper bound of the depth, which
-/// is within rounding of zero. Returns false, with the draft unchanged, if the support is higher.
+/// Bounds the depth of an overlap that only double-double could distinguish from a touch. The bound
+/// is the support value of A - B along the direction in which the bodies are nearly separated: an
+/// upper bound of the depth, which is within rounding of zero. Returns false, with the draft
+/// unchanged, if the support value is higher.
 #[cold]
 pub(crate) fn of_touch(posed: &PosedPair, draft: &mut Draft) -> bool {
     if draft.solver != Solver::DoubleDouble {
@@ -95,7 +96,8 @@ pub(crate) fn of_touch(posed: &PosedPair, draft: &mut Draft) -> bool {
     true
 }
 
-/// Computes depth, normal, witnesses and features of two bodies already proven to overlap.
+/// Computes depth, normal, witness points and features of two bodies that are already proven to
+/// overlap.
 #[cold]
 pub(crate) fn penetration_depth(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) {
     memory.clear();
@@ -118,7 +120,8 @@ pub(crate) fn penetration_depth(posed: &PosedPair, memory: &mut Memory, draft: &
     }
 }
 
-/// Computes depth, normal, witnesses and features in double-double, and exactly if still open.
+/// Computes depth, normal, witness points and features in double-double, and exactly if the bounds
+/// are still not tight.
 #[cold]
 #[inline(never)]
 fn penetration_depth_in_double_double(posed: &PosedPair, draft: &mut Draft) {
@@ -147,8 +150,8 @@ fn has_close_bounds(posed: &PosedPair, draft: &Draft) -> bool {
     draft.upper - draft.lower <= AGREE_DEPTH * posed.size()
 }
 
-/// Returns whether the witnesses differ by the depth along the normal: a surface that failed to
-/// close may have no such witnesses.
+/// Returns whether the witness points differ by the depth along the normal. A polytope that failed
+/// to close may have no such points.
 #[cfg(feature = "exact")]
 fn has_witnesses(posed: &PosedPair, draft: &Draft) -> bool {
     let between = posed.point_in_a(&draft.point_on_b.coords) - draft.point_on_a.coords;
@@ -156,7 +159,7 @@ fn has_witnesses(posed: &PosedPair, draft: &Draft) -> bool {
     rest.norm_squared() <= (AGREE_WITNESS * posed.size()) * (AGREE_WITNESS * posed.size())
 }
 
-/// Writes a depth that a surface proves, and the overlap with it.
+/// Writes a depth that a polytope proves, and with it the overlap.
 fn write_overlap(posed: &PosedPair, found: &SearchResult<f64>, draft: &mut Draft) {
     draft.state = ContactState::Overlapping;
     draft.solver = Solver::Polytope;
@@ -165,13 +168,13 @@ fn write_overlap(posed: &PosedPair, found: &SearchResult<f64>, draft: &mut Draft
     write_result(posed, found, draft);
 }
 
-/// Writes the search result to the outcome if the bounds of the result are narrower.
+/// Writes the search result to the outcome if its bounds are narrower.
 fn write_result<T: Scalar>(posed: &PosedPair, found: &SearchResult<T>, draft: &mut Draft) {
     let term = CERTIFICATE * T::UNIT * posed.error_scale::<T>().total();
     draft.work.points_added += found.points_added;
     let lower = -round_outward(found.height, term);
-    // All closed searches have the same width, so that the surface that proved the depth shows in
-    // no bit.
+    // All closed searches have the same width, so no bit depends on which polytope proved the
+    // depth.
     let accepted = T::from(1.5 * AGREE_DEPTH / UNIT * T::UNIT * posed.error_scale::<T>().total());
     let is_wider = found.end == SearchEnd::Closed && found.radius > found.height - accepted;
     let radius = if is_wider {

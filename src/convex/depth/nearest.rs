@@ -1,25 +1,24 @@
-//! The depth from the nearest facet alone: descent, then the proof by a pyramid; and the local
-//! depth, with the proof of an overlap.
+//! The depth from the nearest facet alone: a descent, and then the proof by a pyramid. Also the
+//! local depth, with the proof of an overlap.
 //!
-//! Costs as much as a walk, and answers most overlaps that are shallow beside the facets of the
-//! bodies. A surface answers the others: deep overlaps, feet near the rim of a facet, facets that
-//! are nearest only in their neighbourhood.
+//! Costs about as much as a walk and proves most overlaps that are shallow compared with the size
+//! of the facets. The polytope proves the others: deep overlaps, feet near the boundary of a facet,
+//! facets that are nearest only in their neighbourhood.
 //!
 //! # Local depth
 //!
 //! A local depth is the height of a facet of P = A - B that is the nearest in its neighbourhood
 //! ([`local_depth`]).
 //!
-//! The height of any facet bounds the depth from above, as the facet lies in a supporting plane; a
-//! descent finds the facet ([`descent`](super::descent)). What is left to prove is the overlap: by
-//! the pyramid over the facet, whose apex is the difference of two points inside the bodies, else
-//! by four points around the origin
-//! ([`OverlapProof`]), which are kept.
+//! The height of any facet is an upper bound of the depth, because the facet lies in a supporting
+//! plane. A descent finds the facet ([`descent`](super::descent)). The overlap remains to be
+//! proven: by the pyramid over the facet, whose apex is the difference of two points inside the
+//! bodies, or otherwise by four points around the origin ([`OverlapProof`]), which are kept.
 //!
-//! The pyramid lies in P, so the distance of its nearest side is a lower bound of the depth, and
-//! the depth is the height if no side is nearer than the facet. [`pyramid`](super::pyramid) does
-//! more for a proof of the depth: it looks beyond sides that are too near. Here the depth stays
-//! open.
+//! The pyramid lies in P, so the distance of its nearest side is a lower bound of the depth. If no
+//! side is nearer than the facet, the depth is the height. [`pyramid`](super::pyramid) does more to
+//! prove the depth: it continues beyond sides that are too near. Here the bounds of the depth are
+//! not tight in that case.
 
 use crate::base::tolerance::AGREE_DEPTH;
 use crate::body::polyhedron::FeaturePair;
@@ -36,17 +35,17 @@ use crate::pair::outcome::ContactState;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 
-/// What a search from cached state says.
+/// Result of a search from cached state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum NearestFeature {
-    /// The depth is written, with bounds as close as the request requires.
+    /// The depth is written, with bounds as tight as the request requires.
     Proven,
-    /// The bodies seem to be apart; the features are a start for the walk.
+    /// The bodies seem to be separated; the features are a start for the walk.
     Apart(FeaturePair),
-    /// The nearest facet is within rounding of the origin: the draft holds features, witnesses and
-    /// direction of the touch.
+    /// The nearest facet is within rounding of the origin: the draft contains features, witness
+    /// points and direction of the touch.
     Touch,
-    /// Neither; the facet on which a descent ended, if any, is a start for a search.
+    /// None of these. The facet on which a descent ended, if any, is a start for a search.
     Open(Option<DifferenceFacet>),
 }
 
@@ -71,14 +70,14 @@ pub(crate) fn nearest_facet(
         }
         return touch_or_open(posed, &facet, draft);
     };
-    // The next query asks the facet before a surface.
+    // The next query tests the facet before a polytope.
     memory.clear();
     memory.move_to(facet.facet);
     write_overlap(posed, &found, draft);
     NearestFeature::Proven
 }
 
-/// Returns what a facet tells that proves no depth: a touch, or a start for a search.
+/// Returns the result for a facet that proves no depth: a touch, or a start for a search.
 pub(super) fn touch_or_open(posed: &PosedPair, facet: &LowFacet, draft: &mut Draft) -> NearestFeature {
     if writes_touch(posed, facet, draft) {
         NearestFeature::Touch
@@ -106,8 +105,8 @@ fn writes_touch(posed: &PosedPair, facet: &LowFacet, draft: &mut Draft) -> bool 
     true
 }
 
-/// Searches for the depth of bodies not yet known to overlap, from a facet; returns false, with no
-/// statement about the bodies, if the search does not close.
+/// Searches for the depth of bodies not yet known to overlap, from a facet. Returns false, without
+/// a result about the bodies, if the search does not close.
 #[cold]
 pub(crate) fn depth_from(posed: &PosedPair, facet: DifferenceFacet, memory: &mut Memory, draft: &mut Draft) -> bool {
     let frame = Transform::of(posed);
@@ -194,7 +193,8 @@ fn overlap_at(
     })
 }
 
-/// Returns whether four points enclose the origin: those kept, or those that the solver finds.
+/// Returns whether four points enclose the origin: the kept points, or points that the solver
+/// finds.
 #[cold]
 fn is_enclosed(posed: &PosedPair, facet: FeaturePair, proof: &mut Option<OverlapProof>, draft: &mut Draft) -> bool {
     let mut solved = *draft;

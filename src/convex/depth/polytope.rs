@@ -1,17 +1,17 @@
-//! A closed surface of triangles on points of A - B, with a lower bound of each triangle's distance
-//! from the origin and the triangle of least bound. The surface grows by the insertion of points; a
-//! cached surface is verified at a new pose in a single pass, without roots or divisions
-//! ([`verify_surface`]).
+//! The polytope: a closed surface of triangles on points of A - B. Each triangle has a lower bound
+//! of its distance from the origin, and the triangle of least bound is known. The polytope grows by
+//! the insertion of points. A cached polytope is verified at a new pose in a single pass, without
+//! roots or divisions ([`verify_surface`]).
 //!
-//! Invariant: the surface winds once about the origin. The four volumes prove the invariant for the
-//! first tetrahedron, and each step preserves it: a triangle is replaced only by way of the
+//! Invariant: the surface winds once around the origin. The four volumes prove the invariant for
+//! the first tetrahedron, and each step preserves it. A triangle is replaced only through the
 //! tetrahedron of the triangle and the new point, on the far side of a plane with the origin
-//! certainly beneath. So the hull of the points contains the ball about the origin that no triangle
-//! enters, however folded the surface is.
+//! certainly below it. So the hull of the points contains the ball around the origin that no
+//! triangle enters, even if the surface is folded.
 //!
-//! A point is inserted as follows: the triangles visible from the point are replaced by a fan from
-//! the point to their horizon. Of a large surface, the set of the vertex pairs whose points lie on
-//! it is kept ([`VertexPairs`]).
+//! A point is inserted as follows: a fan from the point to their horizon replaces the triangles
+//! that are visible from it. For a large polytope, the set of the vertex pairs of its points is
+//! stored ([`VertexPairs`]).
 //!
 //! ```text
 //!      +------+             +------+
@@ -23,7 +23,7 @@
 //!      +------+             +------+
 //! ```
 //!
-//! At the end of the file stand unit directions and triangle normals at every magnitude.
+//! At the end of the file are unit directions and triangle normals at every magnitude.
 
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
@@ -41,8 +41,9 @@ use crate::convex::depth::search::Best;
 use crate::convex::minimum::simplex::Simplex;
 use crate::pair::difference::MinkowskiPoint;
 
-/// Surfaces of up to this many points are scanned for a point, hardly slower than hashing. Equal to
-/// [`MAX_TRIANGLES`], the size for which trackers reserve memory, so that queries allocate nothing.
+/// Polytopes with up to this number of points are scanned for a point, hardly slower than hashing.
+/// It equals [`MAX_TRIANGLES`], the size for which trackers reserve memory, so queries allocate
+/// nothing.
 const SCANNED: usize = MAX_TRIANGLES;
 
 /// A triangle with its vertices counter-clockwise seen from outside.
@@ -64,7 +65,7 @@ pub(super) struct SurfaceTriangle<T> {
     flood: u32,
 }
 
-/// How far the bound of a triangle has been computed.
+/// The stage to which the bound of a triangle has been computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum BoundState {
     /// Known to be beyond the target, nothing else.
@@ -85,7 +86,7 @@ pub(super) struct Filter<T> {
     pub(super) noise: T,
 }
 
-/// The surface and its working memory.
+/// The polytope and its working memory.
 #[derive(Clone, Debug)]
 pub(super) struct EnclosingSurface<T> {
     pub(super) points: Vec<MinkowskiPoint<T>>,
@@ -117,7 +118,7 @@ impl<T> EnclosingSurface<T> {
 }
 
 impl<T: Scalar> EnclosingSurface<T> {
-    /// Returns a surface without triangles.
+    /// Returns a polytope without triangles.
     pub(super) fn new() -> Self {
         Self {
             points: Vec::new(),
@@ -152,7 +153,7 @@ impl<T: Scalar> EnclosingSurface<T> {
         self.floods = 0;
     }
 
-    /// Resets the surface to the tetrahedron of four points; returns false if not given four.
+    /// Resets the polytope to the tetrahedron of four points; returns false if there are not four.
     pub(super) fn start(&mut self, vertices: &[MinkowskiPoint<T>]) -> bool {
         let Ok([p, q, r, s]) = <&[MinkowskiPoint<T>; 4]>::try_from(vertices) else {
             return false;
@@ -287,7 +288,7 @@ impl<T: Scalar> EnclosingSurface<T> {
         better
     }
 
-    /// Moves every point by `place` and computes every bound again.
+    /// Moves every point to its position from `place`, and computes every bound again.
     pub(super) fn reposition(&mut self, place: impl Fn(&MinkowskiPoint<T>) -> MinkowskiPoint<T>) {
         for p in &mut self.points {
             *p = place(p);
@@ -562,9 +563,10 @@ impl VertexPairs {
 /// Result of the verification.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum SurfaceState {
-    /// The surface encloses the origin and every triangle is beyond the facet: the depth is proven.
+    /// The polytope encloses the origin and every triangle is beyond the facet: the depth is
+    /// proven.
     Proven,
-    /// The surface encloses the origin; some triangles are below target.
+    /// The polytope encloses the origin; some triangles are below target.
     Encloses,
     /// The origin is not certainly behind every triangle.
     Folded,
@@ -642,7 +644,7 @@ fn dot_pair(u: &Vec3<f64x2>, v: &Vec3<f64x2>) -> f64x2 {
 }
 
 impl Target {
-    /// Returns the requirements on triangles of a pair of this size, beside the best facet.
+    /// Returns the requirements on triangles of a pair of this size, in addition to the best facet.
     #[inline(always)]
     pub(super) fn new(best: &Best<f64>, size: f64) -> Self {
         Self {
@@ -667,7 +669,7 @@ impl Target {
         self.height > self.margin
     }
 
-    /// Returns whether a triangle is beyond the facet though its plane is not: the triangle lies
+    /// Returns whether a triangle is beyond the facet although its plane is not: the triangle lies
     /// entirely beyond its nearest point.
     fn is_far(&self, w: &[Vec3<f64>; 3]) -> bool {
         let nearest = Simplex::triangle(w.each(|w| MinkowskiPoint {

@@ -1,5 +1,5 @@
-//! A proof of the depth by one facet: the pyramid of the facet and a point deep in P = A - B holds
-//! the ball.
+//! A proof of the depth by one facet: the pyramid over the facet, whose apex is a point deep in P =
+//! A - B, contains the ball.
 //!
 //! ```text
 //!        n  ^
@@ -11,13 +11,13 @@
 //!          c
 //! ```
 //!
-//! The pyramid lies in P. If the origin lies in the pyramid, and every side is at least as far from
-//! the origin as F, then P contains the ball of radius `r` about the origin, and the depth is `r`:
-//! F lies in a supporting plane. Shallow overlaps are proven like this; of all others nothing is
-//! said. If the foot of the origin is near an edge of F, the side there is too near, and a support
-//! point of P beyond the side replaces the side by three triangles.
+//! The pyramid lies in P. Assume that the origin lies in the pyramid and that every side is at
+//! least as far from the origin as F. Then P contains the ball of radius `r` around the origin, and
+//! the depth is `r`, because F lies in a supporting plane. This proves shallow overlaps and gives
+//! no result for the others. If the foot of the origin is near an edge of F, the side there is too
+//! near; three triangles to a support point of P beyond that side replace it.
 //!
-//! The sides are judged as the triangles of a surface are
+//! The sides are tested like the triangles of a polytope
 //! ([`verify_surface`](super::polytope::verify_surface)).
 
 use crate::base::num::each::Each;
@@ -35,15 +35,16 @@ use crate::pair::difference::DifferenceFacet;
 use crate::pair::posed::PosedPair;
 use crate::pair::star::EdgeSpan;
 
-/// Corners of a face over which a pyramid is tried first. Measured on a prism of 32 vertices that
-/// slides on another: 5 corners answer, in two thirds of the time of all 16.
+/// Number of vertices of a face over which a pyramid is tried first. Measured on a prism of 32
+/// vertices that slides on another: 5 vertices are enough, and take two thirds of the time of all
+/// 16.
 const CORNERS: usize = 5;
 
-/// Support points that one pyramid may take in beside its apex. Not measured.
+/// Largest number of support points that one pyramid may add to its apex. Not measured.
 const SUPPORTS: u32 = 6;
 
 /// A facet joined to a point deep in A - B. Over a face of B all points are those of B - A, so that
-/// the facet is turned like the face.
+/// the facet has the orientation of the face.
 pub(super) struct Pyramid<'a, 'b> {
     posed: &'a PosedPair<'b>,
     facet: DifferenceFacet,
@@ -74,9 +75,9 @@ impl<'a, 'b> Pyramid<'a, 'b> {
         matches!(self.facet, DifferenceFacet::VertexFace(..))
     }
 
-    /// Returns whether `side` holds for every edge of the facet, counter-clockwise seen from
-    /// outside, and all corners lie in the plane of the facet up to rounding. Of a face, some
-    /// `most` corners stand for all.
+    /// Returns whether `side` is true for every edge of the facet, counter-clockwise seen from
+    /// outside, and whether all vertices lie in the plane of the facet up to rounding. For a face,
+    /// about `most` vertices stand for all.
     #[inline(always)]
     fn all_sides(&self, most: usize, side: impl FnMut(PackedVec3, PackedVec3) -> bool) -> bool {
         let (a, b) = (self.posed.a, self.posed.b);
@@ -119,7 +120,7 @@ impl<'a, 'b> Pyramid<'a, 'b> {
         side(from, first) && self.normal.dot(from) >= least
     }
 
-    /// Returns the radius of a ball about the origin that the pyramid contains; `None` if the
+    /// Returns the radius of a ball around the origin that the pyramid contains; `None` if the
     /// origin is not certainly inside the pyramid.
     #[inline(always)]
     pub(super) fn radius(&self) -> Option<f64> {
@@ -143,7 +144,7 @@ impl<'a, 'b> Pyramid<'a, 'b> {
     }
 }
 
-/// Returns the corners of a face; of a face of more than `most`, evenly spaced ones.
+/// Returns the vertices of a face; for a face with more than `most`, evenly spaced ones.
 #[inline(always)]
 fn rim(body: &ConvexPolyhedron, face: FaceId, most: usize) -> impl Iterator<Item = &Vector3<f64>> {
     let t = &body.topology;
@@ -179,8 +180,8 @@ impl PyramidSide {
     }
 }
 
-/// Returns whether the pyramid over a facet proves the height of the facet to be the depth. Few
-/// corners of a face stand for the face if they do, and a sample for a large face.
+/// Returns whether the pyramid over a facet proves that the height of the facet is the depth. A few
+/// vertices of a face are used if they are enough, and a sample for a large face.
 pub(super) fn proves(posed: &PosedPair, facet: DifferenceFacet, best: &Best<f64>) -> bool {
     let target = Target::new(best, posed.size());
     if !target.is_deep() {
@@ -202,7 +203,7 @@ pub(super) fn proves(posed: &PosedPair, facet: DifferenceFacet, best: &Best<f64>
     })
 }
 
-/// The sides of a pyramid beside a target.
+/// The sides of a pyramid, compared with a target.
 struct FarSides<'a, 'p, 'b> {
     pyramid: &'a Pyramid<'p, 'b>,
     target: &'a Target,

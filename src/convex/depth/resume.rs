@@ -1,12 +1,12 @@
-//! Resumes the depth from the facet or the surface of the previous answer.
+//! Resumes the depth from the facet or the polytope of the previous query.
 //!
-//! A cached surface remains a valid certificate at a new pose if the surface still encloses the
-//! origin. A closed surface does if the origin lies behind every triangle, since every ray from the
-//! origin then crosses the surface outward only. If every triangle is beyond the facet, the depth
-//! is proven in a single pass; if the facet covers the triangles below target, by the facet itself
-//! ([`facet`](super::facet)). A surface that proves nothing grows, and a folded surface
-//! is dropped, unless the nearest facet proves the depth alone ([`nearest`](super::nearest)).
-//! Whatever proved the last depth is asked first.
+//! A cached polytope remains a valid certificate at a new pose if it still encloses the origin. A
+//! closed surface does if the origin lies behind every triangle, because every ray from the origin
+//! then crosses the surface only outward. If every triangle is beyond the facet, a single pass
+//! proves the depth. If the facet covers the triangles below target, the facet itself proves it
+//! ([`facet`](super::facet)). A polytope that proves nothing grows. A folded polytope is dropped,
+//! unless the nearest facet alone proves the depth ([`nearest`](super::nearest)). The method that
+//! proved the last depth runs first.
 
 use crate::base::num::each::Each;
 use crate::base::num::scalar::{Vec3, sub};
@@ -26,16 +26,16 @@ use crate::convex::depth::search::{Best, DepthSearch, SearchEnd, SearchResult, s
 use crate::convex::depth::write_overlap;
 use crate::pair::difference::DifferenceFacet;
 
-/// Points up to which a resumed surface works on a small array, which costs less to clear. Not
-/// measured.
+/// Number of points up to which a resumed polytope uses a small array, which costs less to clear.
+/// Not measured.
 const FEW_POINTS: usize = 34;
 
-/// Up to so many weak triangles are taken for facets next to the last deepest facet, and tried
-/// before the surface grows. Not measured.
+/// Up to this number of weak triangles, they count as facets next to the last deepest facet, and
+/// are tried before the polytope grows. Not measured.
 const FEW_TRIANGLES: usize = 2;
 
-/// Resumes the depth from the deepest facet and the cached surface. Unless proven, nothing is said
-/// about the bodies.
+/// Resumes the depth from the deepest facet and the cached polytope. Without a proof there is no
+/// result about the bodies.
 pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) -> NearestFeature {
     let Some(features) = memory.facet_of(posed) else {
         return NearestFeature::Open(None);
@@ -69,8 +69,8 @@ pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) 
     })
 }
 
-/// Resumes from a cached surface of at most `N` points. If the surface proves nothing, the nearest
-/// facet is asked before the surface grows.
+/// Resumes from a cached polytope of at most `N` points. If it proves nothing, the nearest facet is
+/// tested before the polytope grows.
 fn resume_with<const N: usize>(
     posed: &PosedPair,
     frame: &Transform<f64>,
@@ -144,7 +144,7 @@ fn finish(
     }
 }
 
-/// Grows the surface at the triangles below target.
+/// Grows the polytope at the triangles below target.
 fn grow(
     posed: &PosedPair,
     frame: &Transform<f64>,
@@ -169,7 +169,7 @@ fn grow(
     NearestFeature::Proven
 }
 
-/// Searches again from the features of the facet, instead of from a folded surface.
+/// Searches again from the features of the facet, instead of from a folded polytope.
 fn restart(
     posed: &PosedPair,
     frame: &Transform<f64>,
@@ -227,14 +227,15 @@ impl Memory {
         }
     }
 
-    /// Returns the radius of the disc that covers for the triangles below target, if worth a try.
+    /// Returns the radius of the disc that proves the triangles below target, if it is small enough
+    /// to try.
     fn disc(&self, below_target: &[u32], positions: &[Vec3<f64>], best: &Best<f64>, size: f64) -> Option<f64> {
         let triangles = below_target.iter().map(|t| self.vertices(*t).each(|k| positions[k]));
         disc_radius(triangles, best, size)
     }
 
-    /// Makes the facet over the triangles below target the best if its support is lower. Returns
-    /// the witnesses on the best facet if the facet covers for the triangles below target. A
+    /// Makes the facet over the triangles below target the best if its support value is lower.
+    /// Returns the witness points on the best facet if it covers the triangles below target. A
     /// triangle beyond the old height is beyond a lower height, so no further triangle matters.
     fn prove_by_disc(
         &self,
@@ -262,8 +263,8 @@ impl Memory {
         holds_disc(posed, facet, &witnesses, &at, rho).then_some(witnesses)
     }
 
-    /// Makes the deepest facet the current facet and returns features with witnesses: mostly the
-    /// facet's own.
+    /// Makes the deepest facet the current facet, and returns features with witness points: usually
+    /// those of the facet.
     #[inline(always)]
     fn find_witnesses(&mut self, posed: &PosedPair, best: &Best<f64>) -> Option<(FeaturePair, WitnessPoints)> {
         let (facet, at) = (best.facet?, best.rounded());
@@ -276,8 +277,8 @@ impl Memory {
         self.find_other_witnesses(posed, facet, &at)
     }
 
-    /// Returns witnesses on the features of the previous answer, on the facet's own or, if faces
-    /// lie flush, on another feature pair.
+    /// Returns witness points on the features of the previous outcome, on those of the facet or, if
+    /// faces are flush, on another feature pair.
     #[cold]
     #[inline(never)]
     fn find_other_witnesses(
@@ -291,7 +292,7 @@ impl Memory {
         let own = || held(facet).or_else(|| flush(posed, facet, at));
         let (found, witnesses) = old.and_then(DifferenceFacet::of).and_then(held).or_else(own)?;
         let features = Some(found.features());
-        // A different vertex on the same face names the same facet.
+        // A different vertex on the same face gives the same facet.
         if found.is_on_face_of(facet) {
             self.facet = features;
         } else {

@@ -1,11 +1,11 @@
-//! Search for the deepest facet: grows a surface at the nearest triangle until the triangle is
-//! proven to lie on the boundary of A - B. The file holds the search ([`DepthSearch`]), its result
-//! ([`SearchResult`]), and the deepest points after the search has ended.
+//! Search for the deepest facet: grows a polytope at its nearest triangle until this triangle is
+//! proven to lie on the boundary of A - B. This file contains the search ([`DepthSearch`]), its
+//! result ([`SearchResult`]), and the deepest points after the search has ended.
 //!
-//! A search may begin at a facet ([`search_from`]): the first tetrahedron joins three points of the
-//! facet to a point deep in P = A - B. The facet found by a descent is mostly the deepest, so that
-//! its height is a target from the start, and the surface grows only where P is in doubt. The
-//! bodies need not be known to overlap: the tetrahedron proves that they do.
+//! A search may start at a facet ([`search_from`]): the first tetrahedron joins three points of the
+//! facet to a point deep in P = A - B. The facet found by a descent is usually the deepest. So its
+//! height is a target from the start, and the polytope grows only where P is uncertain. The overlap
+//! need not be known: the tetrahedron proves it.
 
 use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::each::Each;
@@ -21,8 +21,8 @@ use crate::pair::difference::{MinkowskiPoint, difference_point, support};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 
-/// Points that may come twice before a surface counts as folded and the next arithmetic takes over.
-/// Not measured.
+/// Number of repeated points before a polytope counts as folded and the next arithmetic runs. Not
+/// measured.
 const REPEATS: u32 = 16;
 
 /// Why a search ended.
@@ -32,14 +32,14 @@ pub(super) enum SearchEnd {
     Closed,
     /// Rounding hides the next step.
     Stuck,
-    /// The surface reached its triangle limit.
+    /// The polytope reached its limit of triangles.
     Full,
 }
 
 /// Proven bounds and final state of a search.
 pub(super) struct SearchResult<T> {
     pub(super) end: SearchEnd,
-    /// Best unit direction and the support of A - B along the direction.
+    /// Best unit direction and the support value of A - B along it.
     pub(super) normal: Vec3<T>,
     pub(super) height: T,
     /// Every point outside A - B is at least this far from the origin; zero if nothing is known.
@@ -49,7 +49,7 @@ pub(super) struct SearchResult<T> {
     /// Deepest points of A and of B in their stored frames.
     pub(super) witnesses: Option<WitnessPoints>,
     pub(super) features: Option<FeaturePair>,
-    /// Number of points added to the surface.
+    /// Number of points added to the polytope.
     pub(super) points_added: u32,
 }
 
@@ -76,7 +76,7 @@ impl SearchResult<f64> {
     }
 }
 
-/// A direction, the support along the direction, and the facet it is the normal of.
+/// A direction, the support value along it, and the facet whose normal it is.
 #[derive(Clone, Copy)]
 pub(super) struct Best<T> {
     pub(super) normal: Vec3<T>,
@@ -95,7 +95,7 @@ impl<T: Scalar> Best<T> {
     }
 }
 
-/// A surface on the way to the deepest facet.
+/// A polytope during the search for the deepest facet.
 pub(super) struct DepthSearch<'a, T: Scalar> {
     pub(super) posed: &'a PosedPair<'a>,
     frame: Transform<T>,
@@ -109,8 +109,9 @@ pub(super) struct DepthSearch<'a, T: Scalar> {
     repeats: u32,
 }
 
-/// Searches from the features of an overlap, about the origin or, in turn, about perturbed points.
-/// Returns the best result if no search closes; if a search closes, `surface` is its surface.
+/// Searches from the features of an overlap, around the origin or, one after the other, around
+/// perturbed points. Returns the best result if no search closes; if a search closes, `surface` is
+/// its polytope.
 pub(super) fn search<T: Scalar>(
     posed: &PosedPair,
     frame: &Transform<T>,
@@ -137,8 +138,8 @@ pub(super) fn search<T: Scalar>(
     found.map(|f| SearchResult { points_added, ..f })
 }
 
-/// Returns the result when GJK cannot decide whether the origin is inside: the last direction and
-/// the support along the direction, an upper bound of the depth.
+/// Returns the result if GJK cannot decide whether the origin is inside: the last direction and the
+/// support value along it, an upper bound of the depth.
 fn undecided<T: Scalar>(
     posed: &PosedPair,
     frame: &Transform<T>,
@@ -211,7 +212,7 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
         }
     }
 
-    /// Continues from a surface that encloses the origin, and a direction.
+    /// Continues from a polytope that encloses the origin, and a direction.
     pub(super) fn resumed(
         posed: &'a PosedPair<'a>,
         frame: &Transform<T>,
@@ -223,7 +224,7 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
         search
     }
 
-    /// Returns the result for a surface whose triangles are all known to be beyond `radius`, up to
+    /// Returns the result for a polytope whose triangles are all known to be beyond `radius`, up to
     /// the best direction.
     pub(super) fn proven(&mut self, radius: T) -> SearchResult<T> {
         SearchResult {
@@ -232,8 +233,8 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
         }
     }
 
-    /// Keeps the direction if its support is the lowest so far: triangles beyond the support then
-    /// need no further work.
+    /// Keeps the direction if its support value is the lowest so far: triangles beyond it then need
+    /// no further work.
     fn improve(&mut self, b: Best<T>) {
         // A zero vector has no support; NaN is never better.
         if dot(&b.normal, &b.normal).value() > 0.5 && self.best.is_none_or(|best| b.height < best.height) {
@@ -247,7 +248,8 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
         T::from(AGREE_DEPTH / UNIT * rounding) * self.size
     }
 
-    /// Grows until the ball about the perturbed point contains the origin, then about the origin.
+    /// Grows until the ball around the perturbed point contains the origin, and then around the
+    /// origin.
     pub(super) fn run(&mut self, frame: &Transform<T>, shift: f64) -> SearchResult<T> {
         if shift != 0.0 {
             // The length of SHIFT_DIRECTION is at most one.
@@ -280,7 +282,7 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
             .is_some_and(|b| b.height - bound <= T::from(AGREE_DEPTH * self.posed.size()))
     }
 
-    /// Returns the height that every triangle is beyond.
+    /// Returns the height beyond which every triangle lies.
     fn bound(&mut self) -> T {
         match self.surface.weakest() {
             Some(t) => self.surface.triangles[t as usize].bound,
@@ -293,7 +295,7 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
         self.surface.triangles.len() > 64 * vertices + 1024
     }
 
-    /// Grows the surface; returns whether every triangle is beyond `goal` or, without a goal,
+    /// Grows the polytope. Returns whether every triangle is beyond `goal` or, without a goal,
     /// whether the bounds agree.
     fn grow(&mut self, goal: Option<T>) -> bool {
         while !self.is_full() {
@@ -346,7 +348,7 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
         }
     }
 
-    /// Counts points already on the surface; returns whether repeats are still few.
+    /// Counts points that are already on the polytope; returns whether repeats are still few.
     fn has_few_repeats(&mut self, c: &MinkowskiPoint<T>) -> bool {
         if self.surface.contains_pair(c) {
             self.repeats += 1;
@@ -354,8 +356,8 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
         self.repeats < REPEATS
     }
 
-    /// Returns the support point of A - B along a unit direction, and keeps the direction if the
-    /// best.
+    /// Returns the support point of A - B along a unit direction, and keeps the direction if it is
+    /// the best.
     fn probe(&mut self, t: u32, n: &Vec3<T>) -> MinkowskiPoint<T> {
         let top = support(self.posed, &self.frame, n, &self.surface.vertices(t)[0]);
         self.improve(Best {
@@ -397,9 +399,9 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
         Some((n, dot(&n, &support(self.posed, &self.frame, &n, on).w)))
     }
 
-    /// Returns the lowest of the facets that may contain three vertices if the facet is as low as
-    /// the best direction up to rounding: of a facet the height is computed from its own features,
-    /// whatever way a search took to the facet.
+    /// Returns the lowest of the facets that may contain three vertices, if the facet is as low as
+    /// the best direction up to rounding. The height of a facet is computed from its features, so
+    /// it does not depend on the path of the search.
     fn facet_at(&self, vertices: &[MinkowskiPoint<T>; 3], best: &Best<T>) -> Option<Best<T>> {
         let facets = DifferenceFacet::at(self.posed, &vertices.each(|c| c.a), &vertices.each(|c| c.b));
         let heights = facets.into_iter().flatten().filter_map(|facet| {
@@ -414,7 +416,7 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
         (lowest.height <= best.height + T::from(0.5) * self.accepted_gap(T::UNIT)).then_some(lowest)
     }
 
-    /// Returns the final result; `winds` must be true only if the surface encloses the origin.
+    /// Returns the final result; `winds` must be true only if the polytope encloses the origin.
     fn end(&mut self, end: SearchEnd, winds: bool) -> SearchResult<T> {
         let zero = T::from(0.0);
         let weakest = self.surface.weakest();
@@ -484,7 +486,7 @@ fn pierced(
 ) -> Option<[MinkowskiPoint<f64>; 3]> {
     let along = neg(apex);
     let point = |(a, b): (VertexId, VertexId)| difference_point(posed, frame, a, b);
-    // Whether the ray passes to the left of the way from `p` to `q`, seen along the ray.
+    // Whether the ray passes to the left of the segment from `p` to `q`, seen along the ray.
     let is_left = |p: &MinkowskiPoint<f64>, q: &MinkowskiPoint<f64>| {
         dot(&along, &cross(&sub(&p.w, apex), &sub(&q.w, apex))) >= 0.0
     };
@@ -512,7 +514,7 @@ fn pierced(
     fan_triangle(corners, side == 0, is_left)
 }
 
-/// Returns the triangle of the fan of a polygon about its first corner that lies on the ray.
+/// Returns the triangle of the fan of a polygon around its first vertex that lies on the ray.
 fn fan_triangle(
     mut corners: impl Iterator<Item = MinkowskiPoint<f64>>,
     counter_clockwise: bool,
@@ -533,9 +535,9 @@ fn fan_triangle(
 impl<T: Scalar> DepthSearch<'_, T> {
     /// Returns the deepest points and three vertices of their facet.
     ///
-    /// If the features of the best direction do not contain the deepest points, they are the
-    /// surface point nearest to the foot of the origin on the best plane. The surface crosses the
-    /// ray along the normal between both bounds, hence at the foot if the bounds agree.
+    /// If the features of the best direction do not contain the deepest points, these are the point
+    /// of the polytope nearest to the foot of the origin on the best plane. The polytope crosses
+    /// the ray along the normal between both bounds, so it crosses at the foot if the bounds agree.
     pub(super) fn deepest(
         &self,
         best: &Best<T>,
@@ -563,8 +565,9 @@ impl<T: Scalar> DepthSearch<'_, T> {
         (self.surface.vertices(found.0), found.2)
     }
 
-    /// Returns the first triangle close enough to the foot of the origin on the best plane (if none
-    /// is, the nearest triangle), the distance from the foot, and the witnesses there.
+    /// Returns the first triangle close enough to the foot of the origin on the best plane (if
+    /// there is none, the nearest triangle), the distance from the foot, and the witness points
+    /// there.
     fn nearest<S: Scalar>(
         &self,
         triangles: impl Iterator<Item = u32>,

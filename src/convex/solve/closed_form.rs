@@ -1,5 +1,5 @@
-//! The distance of two features in closed form, in double-double: for pairs whose closest features
-//! are beyond doubt.
+//! The distance of two features in closed form, in double-double, for pairs whose closest features
+//! are certain.
 //!
 //! ```text
 //!   vertex, vertex   |w|                 w  from a vertex of the one feature to one of the other
@@ -8,12 +8,12 @@
 //!   edge, edge       |w . n| / |n|       n = u x v of the two edges
 //! ```
 //!
-//! Signs in f64 decide that the features are the closest: the closest points of their lines and
-//! planes lie within both features, and every vertex adjacent to a feature falls behind the plane
-//! through the feature perpendicular to the direction between the bodies. As a body is convex, the
-//! whole body is then behind that plane; behind the plane of a face it is anyway, as faces are
-//! exactly planar. All signs allow for what rounding does to the direction and to the relative
-//! rotation; a pair with a sign in doubt is solved instead.
+//! Signs in f64 decide that the features are the closest. The closest points of their lines and
+//! planes lie within both features. Every vertex adjacent to a feature lies behind the plane
+//! through the feature that is perpendicular to the direction between the bodies. Because a body is
+//! convex, the whole body is then behind that plane; for the plane of a face this always holds,
+//! because faces are exactly planar. All signs include the rounding of the direction and of the
+//! relative rotation. If a sign is uncertain, the solvers compute the pair instead.
 
 use nalgebra::Vector3;
 
@@ -28,10 +28,10 @@ use crate::pair::draft::Draft;
 use crate::pair::posed::{AFirst, BFirst, OrderedPair, PosedPair};
 use crate::pair::transform::Turned;
 
-/// Edges of a vertex that are tested, at most; a pair with more is solved. Not measured.
+/// Largest number of edges of a vertex that are tested; pairs with more use a solver. Not measured.
 const FAN: usize = 32;
 
-/// The distance of two features that are the closest, proven.
+/// The distance of two features that are proven to be the closest.
 pub(crate) struct ClosedForm {
     pub(crate) distance: DoubleDouble,
     /// Bound of the error of the distance.
@@ -40,8 +40,8 @@ pub(crate) struct ClosedForm {
     pub(crate) normal: Vector3<f64>,
 }
 
-/// Returns the distance of the features of a draft, if they are the closest ones beyond doubt, of
-/// bodies that are stored in one unit and about their own origins.
+/// Returns the distance of the features of a draft, if they are certainly the closest. The bodies
+/// must be stored in one unit and relative to their origins.
 pub(crate) fn closed_form(posed: &PosedPair, draft: &Draft) -> Option<ClosedForm> {
     let is_centred = |body: &ConvexPolyhedron| body.origin == Vector3::zeros();
     if !(posed.same_scale() && is_centred(posed.a) && is_centred(posed.b)) {
@@ -169,8 +169,8 @@ fn rounded(v: &Vec3<DoubleDouble>) -> Vector3<f64> {
     Vector3::new(v[0].hi, v[1].hi, v[2].hi)
 }
 
-/// Returns whether every vertex adjacent to the given ones, which are level, clearly falls along
-/// `n`.
+/// Returns whether every vertex adjacent to the given ones, which have equal heights, is certainly
+/// lower along `n`.
 fn is_support(body: &ConvexPolyhedron, level: &[VertexId], n: &Vector3<f64>) -> bool {
     // The direction over an edge far shorter than the body is short: its square would underflow.
     let largest = n.amax();
@@ -189,8 +189,8 @@ fn is_support(body: &ConvexPolyhedron, level: &[VertexId], n: &Vector3<f64>) -> 
     })
 }
 
-/// Returns the same of the vertices of `first`, along the direction opposite to `n` of the frame of
-/// `second`.
+/// Returns the same for the vertices of `first`, along the direction opposite to `n` of the frame
+/// of `second`.
 fn is_support_of_first<P: OrderedPair>(pair: &P, level: &[VertexId], n: &Vector3<f64>) -> bool {
     is_support(pair.first(), level, &-pair.direction_in_first(n))
 }

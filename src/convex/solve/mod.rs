@@ -1,18 +1,19 @@
 //! The Lin-Canny core: from a feature pair to the closest feature pair, with proof.
 //!
-//! 1. **Walk** ([`walk`]): from the cached pair, or from the support vertices along the line of
+//! 1. **Walk** ([`walk`]): starts at the cached pair, or at the support vertices along the line of
 //!    centres ([`seed`]).
-//! 2. **Certify** ([`certificate`]): witnesses against supporting planes. Agreement within
-//!    `64 UNIT L` is an answer; the bounds are widened by the error term and reported.
-//! 3. **Refine** ([`refine`]), if the bounds disagree: a ladder of solvers, each finer and slower
-//!    than the last. Both supports along the same direction are searched for and proven; a walk
-//!    from a cached pair is restarted from the support vertices; then come the minimum-norm solver
-//!    in f64, in double-double, and exact arithmetic (`exact`). Each solver is judged by bounds of
-//!    its own.
+//! 2. **Certify** ([`certificate`]): compares the witness points with supporting planes. If they
+//!    agree within `64 UNIT L`, the result is proven; the bounds are widened by the error term and
+//!    reported.
+//! 3. **Refine** ([`refine`]), if the bounds disagree: a ladder of solvers, each more precise and
+//!    slower than the last. First both support vertices along the same direction are searched for
+//!    and proven. A walk from a cached pair is restarted from the support vertices. Then the
+//!    minimum-norm solver runs in f64, then in double-double, and then exact arithmetic (`exact`).
+//!    Each solver is judged by its bounds.
 //!
-//! The contact state is never guessed: separated requires a positive lower bound, overlapping a
-//! tetrahedron of the Minkowski difference around the origin. If the bounds straddle zero, the pair
-//! goes to the next finer arithmetic.
+//! The contact state is never guessed. Separated requires a positive lower bound; overlapping
+//! requires a tetrahedron of the Minkowski difference around the origin. If zero lies between the
+//! bounds, the pair goes to the next more precise arithmetic.
 
 #[cfg(feature = "exact")]
 pub(crate) mod closed_form;
@@ -37,27 +38,27 @@ use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use nalgebra::Vector3;
 
-/// Walks from the features of `draft` and tests the certificate. Returns whether the answer is
-/// proven; if not, `draft` holds the state at the refusal.
+/// Walks from the features of `draft` and tests the certificate. Returns whether the outcome is
+/// proven; if not, `draft` contains the state at the failure.
 #[inline(always)]
 pub(crate) fn certified_walk(posed: &PosedPair, draft: &mut Draft) -> bool {
     draft.work.certificates += 1;
     let ended = walk::walk::<true>(posed, draft);
     #[cfg(test)]
     let ended = mutation::falsify(posed, draft, ended);
-    // Comparisons are written so that NaN refuses.
+    // Comparisons are written so that NaN fails.
     ended && (bounds_agree(posed, draft) || supports_agree(posed, draft)) && proves_separated(posed, draft)
 }
 
-/// Returns whether witnesses and supporting planes agree. Planes further apart than the witnesses
-/// do not agree either: then one of the two is wrong.
+/// Returns whether witness points and supporting planes agree. Planes farther apart than the
+/// witness points do not agree either: then one of the two is wrong.
 #[inline(always)]
 fn bounds_agree(posed: &PosedPair, draft: &Draft) -> bool {
     (draft.distance - draft.lower).abs() <= AGREE * posed.size()
 }
 
-/// Returns whether witnesses and supporting planes agree after a search for both supports along the
-/// normal.
+/// Returns whether witness points and supporting planes agree after a search for both support
+/// vertices along the normal.
 #[cold]
 fn supports_agree(posed: &PosedPair, draft: &mut Draft) -> bool {
     let (a, b) = draft.features.vertices_of(posed.a, posed.b);
@@ -81,8 +82,8 @@ fn proves_separated(posed: &PosedPair, draft: &mut Draft) -> bool {
     is_apart
 }
 
-/// Answers from the features of `draft`; `warm` if the features come from the cache. `overlap` is
-/// asked first if the walk is refused, and returns whether the bodies overlap, proven.
+/// Computes the outcome from the features of `draft`; `warm` means that they come from the cache.
+/// If the walk fails, `overlap` runs first and returns whether the bodies are proven to overlap.
 #[inline(always)]
 pub(crate) fn solve(
     accuracy: Accuracy,
@@ -138,7 +139,7 @@ pub(crate) fn gjk_unchecked(posed: &PosedPair, draft: &mut Draft) {
     write_minimum(posed, &minimum::solve(posed, &frame, start), draft);
 }
 
-/// Runs the double-double solver and, if the outcome is not proven, the last step of the ladder.
+/// Runs the double-double solver and, if the outcome is not proven, the last stage of the ladder.
 fn refine_in_double_double(posed: &PosedPair, draft: &mut Draft) {
     let coarse = *draft;
     draft.work.double_doubles += 1;
@@ -167,8 +168,8 @@ fn decide(posed: &PosedPair, draft: &mut Draft) {
     crate::convex::exact::resolve_exactly(posed, draft);
 }
 
-/// Classifies the pair without exact arithmetic: narrow bounds that straddle zero count as
-/// touching.
+/// Determines the contact state without exact arithmetic: narrow bounds with zero between them
+/// count as touching.
 #[cfg(not(feature = "exact"))]
 fn decide(posed: &PosedPair, draft: &mut Draft) {
     draft.state = match draft.state {
@@ -178,8 +179,8 @@ fn decide(posed: &PosedPair, draft: &mut Draft) {
     };
 }
 
-/// Sharpens the distance of a separated pair to one unit in the last place: by double-double if the
-/// bounds are close enough, else by exact arithmetic.
+/// Refines the distance of a separated pair to one unit in the last place: by double-double if the
+/// bounds are close enough, otherwise by exact arithmetic.
 #[cfg(feature = "exact")]
 pub(crate) fn sharpen(posed: &PosedPair, draft: &mut Draft) {
     if draft.state != ContactState::Separated || draft.solver == Solver::Exact {
@@ -202,7 +203,7 @@ pub(crate) fn sharpen(posed: &PosedPair, draft: &mut Draft) {
             let gap = (distance - *lower).value().abs()
                 + 2.0 * CERTIFICATE * DoubleDouble::UNIT * posed.error_scale::<DoubleDouble>().total();
             let d = distance.value();
-            // Rounding takes half a unit; the remaining gap must not take the second half.
+            // Rounding takes half a unit; the remaining gap must not take the other half.
             if gap <= 0.25 * (d - d.next_down()) {
                 write_minimum(posed, &minimum, draft);
                 (draft.distance, draft.lower, draft.upper) = (d, d.next_down(), d.next_up());
@@ -213,9 +214,9 @@ pub(crate) fn sharpen(posed: &PosedPair, draft: &mut Draft) {
     decide(posed, draft);
 }
 
-/// Writes the bounds of a solve. Each is rounded by itself: if they cross, the lower bound is
-/// lowered, as the upper bound is the distance of two points. A lower bound that is NaN stays so,
-/// and proves nothing.
+/// Writes the bounds of a solve. Each is rounded separately. If they cross, the lower bound is
+/// lowered, because the upper bound is the distance of two points. A lower bound that is NaN stays
+/// NaN and proves nothing.
 fn write_bounds(draft: &mut Draft, lower: f64, upper: f64) {
     (draft.lower, draft.upper) = (if lower > upper { upper } else { lower }, upper);
 }

@@ -1,6 +1,5 @@
-//! Tests of the certificate: a walk with an error, of any kind below, is found out. The result of
-//! the walk is falsified after the end of the walk; the answer must be right all the same, from
-//! whichever solver.
+//! Tests of the certificate: it must detect a walk with an error of any kind below. The result of
+//! the walk is changed after the walk ends; the outcome must still be correct, from any solver.
 #![cfg(test)]
 extern crate std;
 

@@ -1,5 +1,5 @@
-//! Pairs out of the range of f64: bodies so far apart that only the separation counts, or two
-//! points so close that squares of lengths vanish.
+//! Pairs outside the range of f64: bodies so far apart that only the separation counts, or two
+//! points so close that squares of lengths underflow.
 //!
 //! The radii are below the rounding of the separation (or zero), so the vertices that face each
 //! other are the closest features within every bound requested. Lengths are scaled before the
@@ -49,7 +49,7 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
         solver: Solver::Far,
         work: Work::default(),
     };
-    // Two points that f64 cannot distinguish, or bodies far from their own origins.
+    // Two points that f64 cannot distinguish, or bodies far from their origins.
     #[cfg(feature = "exact")]
     if state != ContactState::Separated || offsets > distance {
         return exactly(a, b, pose, outcome);
@@ -58,8 +58,8 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
 }
 
 /// Replaces contact state and distance by the result of exact arithmetic. The depth of an overlap
-/// is at most the sum of the radii, which is bound enough: bodies that overlap here are smaller
-/// than the rounding of their positions, so far from their own origins they stand.
+/// is at most the sum of the radii. This bound is enough, because bodies that overlap here are so
+/// far from their origins that they are smaller than the rounding of their positions.
 #[cfg(feature = "exact")]
 #[cold]
 pub(crate) fn exactly(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, outcome: Outcome) -> Outcome {

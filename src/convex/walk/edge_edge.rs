@@ -12,9 +12,9 @@
 //!              p1 + s u
 //! ```
 //!
-//! The feet come from cross products over `n . n`, never from `1 - cos^2`: every wrong answer of
-//! the closed form was seen to begin there. By the Binet-Cauchy identity the four plane tests are
-//! four products. On A, `n` turned towards B is (up to a positive factor) `alpha nL + beta nR` with
+//! The feet come from cross products divided by `n . n`, never from `1 - cos^2`: every wrong answer
+//! of the closed form came from there. By the Binet-Cauchy identity the four plane tests are four
+//! products. On A, `n` rotated towards B is (up to a positive factor) `alpha nL + beta nR` with
 //! `alpha = -sign w . nR` and `beta = sign w . nL`. On B, the opposite of `n` is such a sum with
 //! `u` for `w`.
 
@@ -34,8 +34,8 @@ use crate::pair::star::EdgeSpan;
 use crate::pair::star::falls_into_both_faces;
 
 /// Squared sine of the angle of two edges below which their closest points are the best of four
-/// projections of ends instead of a projection of the feet on the lines, whose rounding grows with
-/// the inverse of the sine. Not measured.
+/// projections of ends. Above it, they are a projection of the feet on the lines, whose rounding
+/// grows with the inverse of the sine. Not measured.
 const SKEW: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// Tests an edge of A against an edge of B.
@@ -224,7 +224,7 @@ fn move_to_endpoint([ea, eb]: [&EdgeSpan; 2], [a, b]: [EdgeId; 2], [s, t]: [f64;
         (Some(v), Some(w)) => FeaturePair::vertices(Operand::A, v, w),
         (Some(v), None) => FeaturePair::vertex_edge(Operand::A, v, b),
         (None, Some(v)) => FeaturePair::vertex_edge(Operand::B, v, a),
-        // A position is NaN: the tails stand in.
+        // A position is NaN: use the tails.
         (None, None) => FeaturePair::vertices(Operand::A, ea.tail, eb.tail),
     })
 }

@@ -1,24 +1,24 @@
-//! The Lin-Canny walk: from a feature pair to the closest feature pair, by steps to adjacent
-//! features that are closer.
+//! The Lin-Canny walk: from a feature pair to the closest feature pair, by steps to closer adjacent
+//! features.
 //!
 //! Lin and Canny 1991: a point of A and a point of B are closest if and only if each lies in the
-//! Voronoi region of the feature that holds the opposite point. Otherwise a violated plane of a
-//! Voronoi region names an adjacent feature that is closer. The distance falls with every step to a
-//! feature of higher dimension and stays equal with every step to a lower dimension, so the walk
-//! ends in exact arithmetic if the bodies are separated.
+//! Voronoi region of the feature that contains the opposite point. Otherwise, a violated plane of a
+//! Voronoi region identifies an adjacent feature that is closer. The distance decreases with every
+//! step to a feature of higher dimension and stays equal with every step to a lower dimension. So
+//! the walk ends in exact arithmetic if the bodies are separated.
 //!
-//! [`walk`] is the loop. Each state has a test in a file of its own: [`vertex_vertex`],
+//! [`walk`] is the loop. Each state has a test in a separate file: [`vertex_vertex`],
 //! [`vertex_edge`], [`vertex_face`] and [`edge_edge`]. A test returns a [`Step`]: accept the pair,
-//! move to the next pair, or give up; there are two ways to write the step into an outcome.
+//! move to the next pair, or stop. A step is written into an outcome in one of two forms.
 //!
 //! Departures:
-//! 1. Four states only (Mirtich 1998): an edge over a face slides off the face ([`slide`]), and two
-//!    faces meet as a vertex or an edge of either face. The states on which the 1991 walk was seen
-//!    to cycle are gone.
-//! 2. No flare angles, no stickiness: rounding may end the walk early, and the certificate detects
-//!    such an end.
-//! 3. A repeated pair (Brent's cycle detection) or too many steps end the walk. The solver that
-//!    takes over is no worse (`solve::ladder`).
+//! 1. There are only four states (Mirtich 1998). An edge over a face slides off the face
+//!    ([`slide`]), and two faces meet as a vertex or an edge of one of them. The states on which
+//!    the 1991 walk was seen to cycle do not exist.
+//! 2. Voronoi regions are not flared. Rounding may end the walk early, and the certificate detects
+//!    this.
+//! 3. A repeated pair (Brent's cycle detection) or too many steps end the walk. The result of the
+//!    next solver is no worse (`solve::ladder`).
 
 pub(crate) mod edge_edge;
 pub(crate) mod rings;
@@ -36,31 +36,32 @@ use crate::convex::walk::rings::newton_jump::newton_jump;
 use crate::pair::draft::Draft;
 use crate::pair::posed::{AFirst, BFirst, PosedPair, WitnessPair};
 
-/// Jumps to a far face (vertex-face from behind) in a walk, at most. Jumps are not monotone; a
-/// larger number keeps walks alive that another solver ends sooner. Not measured.
+/// The largest number of jumps to a far face (vertex-face from behind) in a walk. Jumps are not
+/// monotone; with a larger number, walks continue that another solver ends sooner. Not measured.
 const JUMPS: u32 = 3;
 
-/// Steps before the guard against cycles begins: most walks end before and never pay for the guard.
-/// Not measured.
+/// Number of steps before the guard against cycles starts: most walks end before it and never pay
+/// for the guard. Not measured.
 const FREE: u32 = 8;
 
-/// Newton jumps a walk may try. Not measured.
+/// The largest number of Newton jumps of a walk. Not measured.
 const NEWTON_JUMPS: u32 = 12;
 
-/// The most steps of a walk are this number and [`STEPS_PER_ROOT`] times the root of the number of
-/// vertices of both bodies, as steps grow with the diameter of a body. A longer walk is lost and
-/// goes to the other solvers. Not measured.
+/// A walk takes at most this number of steps plus [`STEPS_PER_ROOT`] times the root of the number
+/// of vertices of both bodies, because steps grow with the diameter of a body. A longer walk fails
+/// and the other solvers run. Not measured.
 const STEPS_AT_LEAST: u32 = 16;
 
-/// Most steps of a walk for each unit of the root of the number of vertices. Not measured.
+/// Largest number of steps of a walk for each unit of the root of the number of vertices. Not
+/// measured.
 const STEPS_PER_ROOT: f64 = 4.0;
 
-/// Most steps of a walk on bodies with long face boundaries or large fans, which Newton jumps pass.
-/// Not measured.
+/// Largest number of steps of a walk on bodies with long face boundaries or large fans, which
+/// Newton jumps pass. Not measured.
 const MOST_STEPS_WITH_JUMPS: u32 = 128;
 
-/// Steps before the first Newton jump along a long face boundary or round a large fan: a jump costs
-/// several steps, and most walks have ended by then. Not measured.
+/// Number of steps before the first Newton jump along a long face boundary or around a large fan: a
+/// jump costs several steps, and most walks have ended by then. Not measured.
 const FIRST_NEWTON_JUMP: u32 = 4;
 
 /// Tests the current feature pair of `draft` and moves to the next pair or accepts the pair.
@@ -102,7 +103,7 @@ pub(crate) fn walk_observed<const CERTIFY: bool>(
         draft.work.steps += 1;
         observe(draft.features);
         let step = test_pair::<CERTIFY>(posed, draft);
-        // First, because most walks begin and end with this step.
+        // First, because most walks start and end with this step.
         if step == Step::Found {
             return true;
         }
@@ -163,8 +164,8 @@ impl Guard {
     }
 
     fn newton_jump(&mut self, steps: u32, posed: &PosedPair, draft: &mut Draft) {
-        // Whether the jump helped or not, another is tried later: jumps are few, so the walk still
-        // ends.
+        // In both cases, if the jump helped or not, another is tried later: jumps are few, so the
+        // walk still ends.
         let jumped = newton_jump(posed, draft);
         let later = if jumped {
             FIRST_NEWTON_JUMP
@@ -173,15 +174,15 @@ impl Guard {
         };
         self.newton_jumps += 1;
         let target = Some(draft.features);
-        // A second jump to the target of the last adds nothing to the steps in between.
+        // A second jump to the target of the last jump adds nothing to the steps between.
         let ends = self.newton_jumps == NEWTON_JUMPS || (jumped && target == self.last_target);
         self.next_jump = if ends { u32::MAX } else { steps + later };
         self.last_target = target;
     }
 }
 
-/// Limit of the steps of a walk. Round bodies take about sqrt(n) steps from any start; at least
-/// twice the sum for both bodies, plus a constant, leaves room.
+/// Limit of the steps of a walk. Round bodies take about sqrt(n) steps from any start. Twice the
+/// sum for both bodies plus a constant is enough.
 #[cold]
 fn step_limit(posed: &PosedPair) -> u32 {
     let n = posed.a.topology.vertex_count() + posed.b.topology.vertex_count();

@@ -1,6 +1,6 @@
-//! Start of a walk without a cached pair: two vertices that face each other.
+//! Cold start of a walk, without a cached pair: two vertices that face each other.
 //!
-//! For flat bodies, two ellipsoids stand in for the bodies and are scaled until they touch; the
+//! For flat bodies, two ellipsoids replace the bodies and are scaled until they touch. The
 //! direction of the start is the normal at the touching point ([`direction`]).
 //!
 //! Perram and Wertheim 1985, "Statistical mechanics of hard ellipsoids": with P and Q the matrices
@@ -9,9 +9,9 @@
 //! `s = p / (p + q)` with `p = sqrt(x P x)` and `q = sqrt(x Q x)`, the heights of the ellipsoids
 //! along x.
 //!
-//! For flat bodies the line of centres is a poor guide; the ellipsoids show the sides that face
-//! each other, at a cost that does not grow with the bodies. The direction is a start and proves
-//! nothing, so a few iterations of the last equation are enough.
+//! For flat bodies the line of centres is a poor direction. The ellipsoids show the sides that face
+//! each other, at a cost that does not depend on the size of the bodies. The direction is only a
+//! start and proves nothing, so a few iterations of the last equation are enough.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -36,8 +36,8 @@ pub(crate) fn cold(posed: &PosedPair, work: &mut Work) -> FeaturePair {
     FeaturePair::vertices(Operand::A, a, b)
 }
 
-/// Rounds of the fixed-point equation for the touching ellipsoids: a better first direction for the
-/// time of a round. Not measured.
+/// Number of iterations of the fixed-point equation for the touching ellipsoids. More give a better
+/// first direction but take time. Not measured.
 const ROUNDS: usize = 6;
 
 /// Returns the direction from A to B, in A's stored frame.

@@ -1,6 +1,6 @@
-//! Two ways off a face that are no states of the walk: an edge over a face descends until it leaves
-//! the face or meets the face ([`slide`]), and from a point behind the face a ray finds the next
-//! face to test ([`jump_to_exit_face`]).
+//! Two steps off a face that are not states of the walk. An edge over a face descends until it
+//! leaves the face or meets the face ([`slide`]). From a point behind the face, a ray finds the
+//! next face to test ([`jump_to_exit_face`]).
 //!
 //! ```text
 //!      start o                          start         point of the edge over the face
@@ -34,7 +34,7 @@ use crate::pair::posed::OrderedPair;
 pub(crate) struct Slide {
     /// The half-edge of the first body, in the descending direction.
     pub(crate) half_edge: HalfEdgeId,
-    /// Point at which to begin, in the frame of the face's body.
+    /// Point at which to start, in the frame of the face's body.
     pub(crate) start: PackedVec3,
     /// The face of the second body.
     pub(crate) face: FaceId,
@@ -88,7 +88,7 @@ pub(crate) fn exit_face(body: &ConvexPolyhedron, x: &Vector3<f64>, least: f64) -
     let mut best = t.half_edge(t.fan(start).iter().next()?).face;
     let mut top = ratio(best);
     let across = |h: HalfEdgeId| t.half_edge(t.half_edge(h).twin).face;
-    // Round a face boundary or a fan the ratio is unimodal, or nearly so: bisection finds the best
+    // Around a face boundary or a fan the ratio is unimodal, or nearly so: bisection finds the best
     // of thousands of faces.
     let best_across_ring = |ring: &[HalfEdgeId]| across(ring.top(|h| ratio(across(h))));
     let best_of_fan = |v: VertexId| {
@@ -124,7 +124,7 @@ pub(crate) fn exit_face(body: &ConvexPolyhedron, x: &Vector3<f64>, least: f64) -
     (plane.normal.dot(x) - plane.offset > least).then_some(best)
 }
 
-/// Jumps from behind `face` to the exit face of `x`, or gives up if there is none.
+/// Jumps from behind `face` to the exit face of `x`, or stops if there is none.
 #[cold]
 pub(crate) fn jump_to_exit_face<S: OrderedPair>(
     pair: &S,

@@ -1,24 +1,25 @@
-//! From the caller's points to stored coordinates: checked, shifted, scaled, sorted and without
-//! duplicates. Of many points those proven strictly inside the hull of a few others are dropped
-//! before the hull is built (after Akl and Toussaint 1978), as follows.
+//! From the caller's points to stored coordinates, which are checked, shifted, scaled, sorted and
+//! without duplicates. If there are many points, those that are proven strictly inside the hull of
+//! a few others are dropped before the hull is built (after Akl and Toussaint 1978), as follows.
 //!
-//! The *core* is the hull of points of the cloud that are extreme along some directions. Seen
-//! from a centre inside it, in coordinates `q` relative to the centre, space is cut into
-//! pyramids: the eight octants, in each of them cells of a square grid over the shares `|x|` and
-//! `|y|` have of `|x| + |y| + |z|`. Each cell stores a bound of the sum up to which its pyramid
-//! lies inside the core: one look-up decides a point, however many planes the core has.
+//! The *core* is the hull of points of the cloud that are extreme along some directions. Space is
+//! divided into pyramids around a centre inside the core, in coordinates `q` relative to the
+//! centre. There are eight octants, and each has the cells of a square grid over the fractions of
+//! `|x|` and `|y|` in `|x| + |y| + |z|`. Each cell stores a bound of the sum up to which its
+//! pyramid lies inside the core. So one look-up decides a point, for any number of planes of the
+//! core.
 //!
-//! Why a dropped point is strictly inside, rounding included. Coordinates are relative to the
-//! centre and scaled by powers of two, so that each has one rounding, relative to itself; sums of
-//! magnitudes, quotients and the position on the grid have six more. So a point is in its cell
-//! widened by `CORE_CELL`, and its sum `s` is right to `CORE_CELL`: its place is `s g`, with a
-//! `g` of the cell, `|g_k| <= 2` (a cell that the line of shares one crosses counts whole). With
-//! `n` the rounded normal of a facet with a corner `a`, `n . g` and `n . a` differ from the exact
-//! ones by less than an `e` (`CORE_ERROR`). So the points of a cell are below the facet if
-//! `s (max n . g + e) < n . a - e`, and the maximum is at a corner of the cell, because `g` is
-//! linear in the shares. What is below all facets of the hull of points of the cloud is strictly
-//! inside the cloud's hull. Equal points have equal verdicts, and no point on the surface is ever
-//! dropped.
+//! Proof that a dropped point is strictly inside, rounding included. Coordinates are relative to
+//! the centre and scaled by powers of two, so that each has one rounding, relative to itself. Sums
+//! of magnitudes, quotients and the position on the grid have six more. So a point is in its cell
+//! enlarged by `CORE_CELL`, and its sum `s` has an error of at most `CORE_CELL`. Its position is `s
+//! g`, with a `g` of the cell, `|g_k| <= 2` (a cell that is crossed by the line on which the
+//! fractions add up to one counts completely). Let `n` be the rounded normal of a facet with a
+//! vertex `a`. Then `n . g` and `n . a` differ from the exact values by less than an `e`
+//! (`CORE_ERROR`). So the points of a cell are below the facet if `s (max n . g + e) < n . a - e`,
+//! and the maximum is at a corner of the cell, because `g` is linear in the fractions. A point
+//! below all facets of the hull of points of the cloud is strictly inside the cloud's hull. Equal
+//! points have equal results, and no point on the surface is ever dropped.
 
 use crate::base::callbacks::Watch;
 use crate::base::num::double_double::two_sum;
@@ -36,7 +37,7 @@ use nalgebra::{Point3, Vector3};
 /// a 32-bit number.
 const POINTS_MAX: usize = 1 << 29;
 
-/// Points at most among which those of a core are sought.
+/// Largest number of points among which the points of a core are searched.
 const SAMPLE: usize = 8192;
 /// Directions of the first core, and as many opposite ones.
 const DIRECTIONS: usize = 16;
@@ -283,7 +284,7 @@ pub(crate) fn flush_below(radius: f64) -> f64 {
 }
 
 /// Returns the origin, the exponent and the magnitude below which stored coordinates become zero.
-/// Refuses extents below `least`.
+/// Returns an error for extents below `least`.
 fn placement(given: &[Point3<f64>], indices: &[u32], least: f64) -> Result<(Vector3<f64>, i32, f64), BuildError> {
     let all = || indices.iter().map(|&i| &given[i as usize].coords);
     let (low, high) = bounding_box(all());
@@ -321,8 +322,8 @@ fn placement(given: &[Point3<f64>], indices: &[u32], least: f64) -> Result<(Vect
         if shifts { middle[k] } else { 0.0 }
     });
     let size = exponent_of(radius);
-    // The nearest multiple of the window, so that bodies of like size share a stored unit whatever
-    // the caller's unit.
+    // The nearest multiple of the window, so that bodies of similar size share a stored unit, for
+    // any unit of the caller.
     let window = 2 * EXPONENT_FREE;
     let exponent = (size + EXPONENT_FREE).div_euclid(window) * window;
     Ok((origin, exponent, flush_below(radius * power_of_two(-exponent))))

@@ -5,12 +5,11 @@ use core::fmt;
 
 use crate::base::callbacks::Stopped;
 
-/// The reason for which points or faces make no body. Indices are the caller's, lengths in the
-/// caller's unit.
+/// Error of building a body. Indices are the caller's, lengths are in the caller's unit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// A coordinate is infinite or not a number.
+    /// A coordinate is infinite or NaN.
     #[error("point {index} has a coordinate that is not finite")]
     NotFinite {
         /// The first such point.
@@ -19,9 +18,9 @@ pub enum BuildError {
     /// Fewer points than the body needs.
     #[error("too few points: {count} (expected at least {needed})")]
     TooFewPoints {
-        /// Points given.
+        /// Number of points given.
         count: usize,
-        /// Points needed.
+        /// Number of points needed.
         needed: usize,
     },
     /// More points, faces or vertices of faces than 32-bit ids can name.
@@ -31,7 +30,7 @@ pub enum BuildError {
         count: usize,
     },
     /// The longest side of the bounding box is below 1e-100 or above 1e100, or a coordinate is
-    /// above 1e116 (then `extent` is the coordinate).
+    /// above 1e116. In the second case `extent` is the coordinate.
     #[error("extent of the points is out of range: {extent:e}, at point {index} (expected 1e-100..=1e100)")]
     OutOfRange {
         /// A point at an end of the longest side.
@@ -47,10 +46,10 @@ pub enum BuildError {
         /// Points that span the affine hull, one more than `dimension`.
         span: Vec<usize>,
     },
-    /// The vertices of a polygon leave their plane by more than rounding explains.
+    /// The vertices of a polygon are farther from one plane than rounding explains.
     #[error("point {index} is not in the plane of the polygon: distance {distance:.2e} (expected at most {bound:.2e})")]
     PolygonNotPlanar {
-        /// The point farthest off.
+        /// The point farthest from the plane.
         index: usize,
         /// The distance of the point from the plane.
         distance: f64,
@@ -85,8 +84,8 @@ pub enum BuildError {
         /// The face.
         face: usize,
     },
-    /// A vertex leaves the plane of its face by more than the bound. For rounded coordinates, as in
-    /// files in single precision, see
+    /// A vertex is farther from the plane of its face than the bound. For rounded coordinates, as
+    /// in files in single precision, see
     /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within).
     #[error(
         "point {vertex} is not in the plane of face {face}: distance {distance:.2e} (expected at most {bound:.2e})"
@@ -94,7 +93,7 @@ pub enum BuildError {
     FaceNotPlanar {
         /// The face.
         face: usize,
-        /// The vertex farthest off the plane.
+        /// The vertex farthest from the plane.
         vertex: usize,
         /// The distance of the vertex from the plane.
         distance: f64,
@@ -113,31 +112,32 @@ pub enum BuildError {
         /// The ends of the edge.
         edge: [usize; 2],
     },
-    /// A face runs clockwise seen from outside.
+    /// The vertices of a face are clockwise seen from outside.
     #[error("face {face} is wrongly oriented: its normal points inward")]
     WrongOrientation {
         /// The face.
         face: usize,
     },
-    /// A point lies in front of a face. If by a little, because coordinates were rounded, see
-    /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within). Else the mesh is not
-    /// convex; [`from_points`](super::ConvexPolyhedron::from_points) takes its hull.
+    /// A point lies outside the plane of a face. If the distance is small because coordinates were
+    /// rounded, see [`from_faces_within`](super::ConvexPolyhedron::from_faces_within). Otherwise
+    /// the mesh is not convex; [`from_points`](super::ConvexPolyhedron::from_points) takes its
+    /// hull.
     #[error("the faces are not convex: point {vertex} is {by:.2e} outside the plane of face {face}")]
     NotConvex {
         /// The face.
         face: usize,
-        /// The point that sticks out farthest.
+        /// The point farthest outside.
         vertex: usize,
         /// The distance of the point from the plane of the face.
         by: f64,
     },
-    /// A planarity bound that is negative or not finite.
+    /// The planarity bound is negative or not finite.
     #[error("planarity bound is out of range: {value} (expected a finite number that is not negative)")]
     BadBound {
         /// The bound given.
         value: f64,
     },
-    /// A size of a solid outside 1e-100..1e100.
+    /// A size of a solid is outside 1e-100..1e100.
     #[error("{what} is out of range: {value:?} (expected 1e-100..=1e100)")]
     BadSize {
         /// The parameter.
@@ -145,10 +145,10 @@ pub enum BuildError {
         /// The value given.
         value: f64,
     },
-    /// A count that makes no solid, or too large a solid.
+    /// A count is too small or too large for a solid.
     #[error("number of {what} is out of range: {count} (expected {least}..={most})")]
     BadCount {
-        /// The things counted.
+        /// What is counted.
         what: &'static str,
         /// The number given.
         count: usize,
@@ -157,23 +157,23 @@ pub enum BuildError {
         /// The greatest number accepted.
         most: usize,
     },
-    /// A scale factor that is not a positive finite number.
+    /// The scale factor is not a positive finite number.
     #[error("scale factor is out of range: {value:?} (expected a positive finite number)")]
     BadFactor {
         /// The factor given.
         value: f64,
     },
-    /// Data of a stored body that describe no body.
+    /// The data of a stored body are invalid.
     #[error("the stored body is damaged: {what}")]
     Damaged {
-        /// The part that does not fit.
+        /// What is invalid.
         what: &'static str,
     },
-    /// The surface found is not a polyhedron. Exact predicates exclude this, so the error is a
-    /// defect of this crate.
+    /// The computed surface is not a polyhedron. Exact predicates exclude this, so this error is a
+    /// defect of the crate.
     #[error("the hull found is not a polyhedron; please report these points")]
     Inconsistent,
-    /// The caller's callback of progress has stopped the call.
+    /// The caller's progress callback stopped the call.
     #[error("the caller has stopped the build")]
     Stopped,
 }
@@ -184,7 +184,7 @@ impl From<Stopped> for BuildError {
     }
 }
 
-/// Displays why points of a dimension below three, spanned by some of them, are no body.
+/// Displays why points that span less than three dimensions have no hull with volume.
 struct FlatPoints<'a>(usize, &'a [usize]);
 
 impl fmt::Display for FlatPoints<'_> {

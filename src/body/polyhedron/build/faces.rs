@@ -1,10 +1,10 @@
-//! From the caller's faces to a body: every fault is found and named, then the body is the exact
+//! From the caller's faces to a body. Every error is reported by name; then the body is the exact
 //! hull of the vertices.
 //!
-//! Faces are accepted if planar to a bound. The body is never the rounded polyhedron the caller
-//! drew but the hull of the points, so that support vertices are found along a true skeleton; a
-//! face planar only to the bound becomes several faces, and [`ConvexPolyhedron::source_face`] leads
-//! back.
+//! Faces are accepted if they are planar up to a bound. The body is the hull of the points, not the
+//! rounded polyhedron of the caller's faces, because support vertices are found along the edges of
+//! an exact hull. A face that is not exactly planar becomes several faces, and
+//! [`ConvexPolyhedron::source_face`] returns the caller's face of each.
 
 use crate::base::callbacks;
 use crate::base::callbacks::Watch;
@@ -23,13 +23,13 @@ use nalgebra::{Point3, Vector3};
 const NONE: u32 = u32::MAX;
 
 impl ConvexPolyhedron {
-    /// Returns a body from points and faces, each a loop of indices counter-clockwise seen from
+    /// Returns a body from points and faces, each a loop of indices, counter-clockwise from
     /// outside.
     ///
-    /// Faces may leave their plane by rounding: 64 UNIT times the diagonal of the box. Several
-    /// coplanar faces become one face of the body; [`source_face`](Self::source_face) leads back.
-    /// Equal points are merged, points that no face uses are ignored and listed in
-    /// [`report`](Self::report).
+    /// The vertices of a face may be off its plane by rounding: 64 UNIT times the diagonal of the
+    /// box. Several coplanar faces become one face of the body; [`source_face`](Self::source_face)
+    /// returns the caller's face. Equal points are merged. Points that no face uses are ignored and
+    /// listed in [`report`](Self::report).
     ///
     /// ```
     /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
@@ -49,20 +49,21 @@ impl ConvexPolyhedron {
     ///
     /// # Errors
     ///
-    /// The errors of [`from_points`](Self::from_points), and every way in which faces fail to be
+    /// Returns the errors of [`from_points`](Self::from_points), and an error if the faces are not
     /// the surface of a convex body; see [`BuildError`].
     #[doc(alias = "mesh")]
     pub fn from_faces(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<Self, BuildError> {
         build(points, faces, None).inspect_err(|why| callbacks::refused("a body of faces", why))
     }
 
-    /// Returns a body from points and faces as [`from_faces`](Self::from_faces) does, if the faces
-    /// are planar, and the body convex, only to a bound in the caller's unit, such as meshes stored
-    /// in single precision: for these some 1e-6 times the body's size.
+    /// Returns a body from faces that are planar and convex up to a bound.
     ///
-    /// The body is the hull of the given points, so a face that is planar only to the bound becomes
-    /// several faces of the body; [`source_face`](Self::source_face) leads from each back to the
-    /// given face.
+    /// It works as [`from_faces`](Self::from_faces), with a bound in the caller's unit. Use it for
+    /// meshes stored in single precision, with a bound of about 1e-6 times the size of the body.
+    ///
+    /// The body is the hull of the given points, so a face that is not exactly planar becomes
+    /// several faces of the body. [`source_face`](Self::source_face) returns the given face of
+    /// each.
     ///
     /// ```
     /// use lin_canny::ConvexPolyhedron;
@@ -84,7 +85,8 @@ impl ConvexPolyhedron {
     ///
     /// # Errors
     ///
-    /// The errors of [`from_faces`](Self::from_faces), and a bound that is negative or not finite.
+    /// Returns the errors of [`from_faces`](Self::from_faces), and an error if the bound is
+    /// negative or not finite.
     pub fn from_faces_within(
         points: &[Point3<f64>],
         faces: &[impl AsRef<[u32]>],
@@ -122,7 +124,8 @@ fn build(
     Ok(body)
 }
 
-/// Returns the points that some face uses and the unused points; refuses indices out of range.
+/// Returns the points that some face uses, and the unused points; an error if an index is out of
+/// range.
 fn used_points(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<(Vec<u32>, Vec<u32>), BuildError> {
     let corners = faces.iter().fold(0usize, |n, f| n.saturating_add(f.as_ref().len()));
     for count in [points.len(), faces.len(), corners] {
@@ -216,8 +219,8 @@ impl FaceList {
         self.source[place as usize] as usize
     }
 
-    /// Checks that every edge has two faces. Returns an edge passed twice in one direction, if any:
-    /// then a face is turned over, and the planes decide which.
+    /// Checks that every edge has two faces. Returns an edge that two faces pass in one direction,
+    /// if any: then a face has the wrong orientation, and the planes decide which one.
     fn check_edges(&self) -> Result<Option<[usize; 2]>, BuildError> {
         let mut edges: Vec<(u32, u32, bool)> = Vec::with_capacity(self.corners.len());
         for f in 0..self.face_count() {
@@ -268,7 +271,7 @@ impl FaceList {
         if area < -2.0 * error {
             normal = -normal;
         }
-        // A vertex exactly in the plane has distance zero, whatever the rounding of the normal, and
+        // A vertex exactly in the plane has the distance zero for any rounding of the normal, and
         // no other vertex has.
         let off = |v: u32| {
             let p = &cloud.points[v as usize];
@@ -317,7 +320,7 @@ impl FaceList {
         for (v, &place) in places.iter().enumerate() {
             vertex_at[place as usize] = v as u32;
         }
-        // The excess of a sound face is at most the bound plus the rounding of this comparison.
+        // The excess of a valid face is at most the bound plus the rounding of this comparison.
         let accept = bound + PLANARITY * body.radius;
         for (f, p) in planes.iter().enumerate() {
             let corners = self

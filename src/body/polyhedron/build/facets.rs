@@ -1,5 +1,5 @@
 //! From the triangles of a hull to its faces: exactly coplanar adjacent triangles become one face,
-//! and only extreme points stay.
+//! and only extreme points are kept.
 
 use alloc::vec;
 use alloc::vec::Vec;

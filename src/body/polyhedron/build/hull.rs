@@ -1,11 +1,11 @@
 //! Convex hull of points by quickhull with conflict lists (Barber, Dobkin, Huhdanpaa 1996; conflict
-//! sets after Clarkson and Shor 1989), every decision an exact sign.
+//! sets after Clarkson and Shor 1989). Every decision is an exact sign.
 //!
 //! The hull is a closed surface of triangles. A point outside waits in the conflict list of one
-//! triangle that it sees. The farthest point of a list is added: the triangles visible from the
-//! point (a connected set) are removed, and the boundary of the set, the *horizon*, is joined to
-//! the point by new triangles; points that waited on removed triangles move to new triangles or are
-//! found inside.
+//! triangle that it sees. The farthest point of a list is added. The triangles visible from this
+//! point (a connected set) are removed, and new triangles join the boundary of the set, the
+//! *horizon*, to the point. The points that waited on removed triangles move to new triangles or
+//! are found to be inside.
 //!
 //! ```text
 //!             apex
@@ -16,14 +16,15 @@
 //! ```
 //!
 //! Departures from the paper:
-//! 1. Signs are exact, so there are no thick facets and no merging on the way. A triangle counts as
-//!    unseen if the point lies in its plane; then the horizon is a simple closed curve, no new
-//!    triangle is degenerate, and exactly coplanar triangles are merged at the end (`facets`).
+//! 1. Signs are exact, so there are no thick facets and no merging during the construction. A
+//!    triangle counts as unseen if the point lies in its plane. Then the horizon is a simple closed
+//!    curve, no new triangle is degenerate, and exactly coplanar triangles are merged at the end
+//!    (`facets`).
 //! 2. Distances only choose the next point; they decide nothing.
 //!
-//! Why a waiting point must be tested against the new triangles only: a point that sees both
-//! triangles at a horizon edge sees the new triangle between them, whose plane is a positive
-//! combination of their planes; and the set of triangles that a point sees is connected.
+//! A waiting point must be tested against the new triangles only. A point that sees both triangles
+//! at a horizon edge sees the new triangle between them, because the plane of that triangle is a
+//! positive combination of their planes. And the set of triangles that a point sees is connected.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -84,8 +85,8 @@ struct Hull<'a> {
     sides: Vector3<f64>,
     facets: Vec<HullFacet>,
     free: Vec<u32>,
-    /// Triangles on which points may wait, oldest first: the hull grows on all sides alike, which
-    /// keeps horizons short.
+    /// Triangles on which points may wait, oldest first: the hull then grows equally on all sides,
+    /// which keeps horizons short.
     pending: Vec<u32>,
     /// The next point of the conflict list, for each point.
     next: Vec<u32>,
@@ -98,7 +99,7 @@ struct Hull<'a> {
     fresh: Vec<u32>,
     /// The new triangle whose horizon edge starts at a vertex, for each vertex.
     starting_at: Vec<u32>,
-    /// Normals in double-double of triangles that needed one, by place; may be shorter than
+    /// Normals in double-double of triangles that needed one, by index; may be shorter than
     /// `facets`.
     fine: Vec<Option<[DoubleDouble; 3]>>,
 }
@@ -118,8 +119,8 @@ pub(crate) fn hull(points: &[Vector3<f64>], watch: &mut Watch<'_>) -> Result<Hul
     let mut hull = Hull::new(points);
     hull.begin(simplex(points).map_err(NoHull::Flat)?);
     watch.stage("hull", Some(points.len())).map_err(|_| NoHull::Stopped)?;
-    // Generation after generation, each along the curve of the cloud: the hull grows on all sides
-    // alike, which keeps horizons short, and what is worked on lies together in memory.
+    // Generation after generation, each along the curve of the cloud: the hull then grows equally
+    // on all sides, which keeps horizons short, and the data in use are close together in memory.
     let mut generation: Vec<(u32, u32)> = Vec::new();
     while !hull.pending.is_empty() {
         generation.clear();

@@ -35,16 +35,16 @@ use core::fmt;
 use core::ops::ControlFlow;
 use nalgebra::{Matrix3, Point3, Vector3};
 
-/// A body is flat or long if the product of its squared half axes is below this part of the product
-/// for a ball with an equal sum of squares, as for 3:3:1. Starts of flat bodies come from their
-/// ellipsoids, which cost more than the line of centres. Not measured.
+/// A body is flat or long if the product of its squared half axes is below this fraction of the
+/// product for a ball with an equal sum of squares, as for 3:3:1. Flat bodies compute start
+/// features from their ellipsoids, which costs more than from the line of centres. Not measured.
 const FLAT: f64 = 0.32;
 
-/// On bodies of so few vertices every walk is short, and no start from ellipsoids pays. Not
-/// measured.
+/// With at most this number of vertices every walk is short, and a start from ellipsoids costs more
+/// than it saves. Not measured.
 const FEW: usize = 12;
 
-/// Number of points from which it pays to look for points inside first.
+/// Number of points from which it is faster to remove inner points first.
 const MANY: usize = 2048;
 
 /// Number of largest faces for the thickness of the report.
@@ -53,10 +53,10 @@ const WIDTHS: usize = 8;
 impl ConvexPolyhedron {
     /// Returns the convex hull of points, in any order and any unit.
     ///
-    /// Every decision is an exact sign, so the hull is right at any aspect ratio: no extreme point
-    /// is lost and none invented. Exactly coplanar facets are one face; points that are not extreme
-    /// are dropped and listed in [`report`](Self::report). Vertices are numbered along a
-    /// space-filling curve, whatever the order of the input. Time is near `n log n`.
+    /// Every decision is an exact sign, so the hull is correct at any aspect ratio: no extreme
+    /// point is lost and none is added. Exactly coplanar facets are one face. Points that are not
+    /// extreme are dropped and listed in [`report`](Self::report). Vertices are numbered along a
+    /// space-filling curve, independent of the order of the input. The time is about `n log n`.
     ///
     /// ```
     /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
@@ -76,9 +76,10 @@ impl ConvexPolyhedron {
     ///
     /// # Errors
     ///
-    /// Fewer than four points, a coordinate that is not finite, an extent outside 1e-100..1e100, or
-    /// points that are all exactly coplanar: see [`BuildError`]. Flat bodies have constructors of
-    /// their own: [`polygon`](Self::polygon), [`segment`](Self::segment), [`point`](Self::point).
+    /// Returns an error if there are fewer than four points, if a coordinate is not finite, if the
+    /// extent is outside 1e-100..1e100, or if all points are exactly coplanar: see [`BuildError`].
+    /// Use [`polygon`](Self::polygon), [`segment`](Self::segment) or [`point`](Self::point) for
+    /// flat bodies.
     #[doc(alias = "convex_hull")]
     #[doc(alias = "quickhull")]
     #[doc(alias = "convex hull")]
@@ -86,12 +87,13 @@ impl ConvexPolyhedron {
         Self::hull_watched(points, &mut Watch::none())
     }
 
-    /// Returns the convex hull as [`from_points`](Self::from_points) does, and tells the caller how
-    /// far it is: for clouds of a million points.
+    /// Returns the convex hull as [`from_points`](Self::from_points) does, and reports progress.
+    /// Use it for clouds of a million points.
     ///
     /// # Errors
     ///
-    /// As [`from_points`](Self::from_points); [`BuildError::Stopped`] if the caller stops it.
+    /// Returns the errors of [`from_points`](Self::from_points), and [`BuildError::Stopped`] if the
+    /// callback stops the call.
     pub fn from_points_with_progress(
         points: &[Point3<f64>],
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
@@ -160,8 +162,8 @@ impl ConvexPolyhedron {
             euler_characteristic: vertices as i64 - edges as i64 + faces as i64,
             ..BuildReport::default()
         };
-        // Summed in double-double: however many vertices, the mean is off the body by no more than
-        // a few units of rounding, as the proof of a depth requires (`depth::pyramid`).
+        // Summed in double-double. For any number of vertices, the mean is outside the body by at
+        // most a few units of rounding, as the proof of a depth requires (`depth::pyramid`).
         let sum = |k: usize| {
             points
                 .iter()
@@ -206,7 +208,7 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// Enters the points that never became vertices of the hull's triangles into the report.
+    /// Adds the points that never became vertices of the hull's triangles to the report.
     fn sort_out_dropped(&mut self, cloud: &Cloud, surface: &HullSurface, facets: &Facets) {
         let mut settled = alloc::vec![false; cloud.points.len()];
         for &i in facets.kept.iter().chain(&facets.on_edges).chain(&facets.on_faces) {
@@ -220,7 +222,7 @@ impl ConvexPolyhedron {
             };
             list.push(cloud.source[i]);
         }
-        // Copies of points inside are inside.
+        // Copies of inner points are inner points.
         let mut is_inside = alloc::vec![false; cloud.given];
         let interior = &mut self.report.interior;
         interior
@@ -235,8 +237,8 @@ impl ConvexPolyhedron {
         interior.extend((0u32..).zip(&is_inside).filter(|i| *i.1).map(|i| i.0));
     }
 
-    /// Returns an exact sign: positive if a point in stored coordinates is in front of a face, 0 in
-    /// its plane.
+    /// Returns an exact sign: positive if a point in stored coordinates is outside the plane of a
+    /// face, 0 if it is in the plane.
     pub(crate) fn face_side(&self, face: FaceId, p: &Vector3<f64>) -> f64 {
         let h = self.topology.rim_half_edge(face);
         let e = self.topology.half_edge(h);
@@ -245,7 +247,7 @@ impl ConvexPolyhedron {
         side(a, b, c, p)
     }
 
-    /// Returns the stored unit: stored lengths times the unit are the caller's.
+    /// Returns the stored unit, `2^exponent`: stored lengths times this unit are the caller's.
     pub(crate) fn unit(&self) -> f64 {
         power_of_two(self.exponent)
     }
@@ -292,8 +294,8 @@ pub(crate) fn flat(cloud: &Cloud, span: &AffineSpan) -> BuildError {
     }
 }
 
-/// Returns the least width along the axes of the box and the normals of the largest faces, over the
-/// longest side of the box.
+/// Returns the least width along the axes of the box and the normals of the largest faces, divided
+/// by the longest side of the box.
 fn thickness_ratio(points: &[Vector3<f64>], planes: &[Plane], areas: &[f64], extent: f64) -> f64 {
     if extent <= 0.0 || planes.len() < 3 {
         return 0.0;
@@ -316,7 +318,7 @@ fn thickness_ratio(points: &[Vector3<f64>], planes: &[Plane], areas: &[f64], ext
     (width / extent).clamped(0.0, 1.0)
 }
 
-/// The report of building a body.
+/// Report of the build of a body.
 #[derive(Clone, Debug, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -331,23 +333,24 @@ pub struct BuildReport {
     pub faces: usize,
     /// Exactly equal points that are not strictly inside the body, as `(dropped, kept)`.
     pub duplicates: Vec<(u32, u32)>,
-    /// Points dropped as strictly inside the body, copies included, in rising order.
+    /// Points dropped because they are strictly inside the body, copies included, in ascending
+    /// order.
     pub interior: Vec<u32>,
-    /// Points dropped as inside a face.
+    /// Points dropped because they are inside a face.
     pub on_faces: Vec<u32>,
-    /// Points dropped as inside an edge.
+    /// Points dropped because they are inside an edge.
     pub on_edges: Vec<u32>,
     /// Points that no face uses (bodies from faces).
     pub unused: Vec<u32>,
-    /// Triangles of the hull that were merged away into exactly coplanar faces.
+    /// Triangles of the hull that were merged into exactly coplanar faces.
     pub merged_facets: usize,
-    /// Number of coordinates replaced by zero: below `2^-200` of the extent, at which exact
-    /// arithmetic would run out of range.
+    /// Number of coordinates replaced by zero, because they are below `2^-200` of the extent and
+    /// outside the range of exact arithmetic.
     pub flushed_coordinates: usize,
-    /// Thickness over length: 1 for a cube, small for sheets and needles, 0 for polygons, segments
-    /// and points. The thickness is the least width along the axes of the box and the normals of
-    /// the eight largest faces, an upper estimate of the least width in any direction; the length
-    /// is the longest side of the box.
+    /// Thickness divided by length: 1 for a cube, small for sheets and needles, 0 for polygons,
+    /// segments and points. The thickness is the least width along the axes of the box and the
+    /// normals of the eight largest faces, an upper estimate of the least width in any direction.
+    /// The length is the longest side of the box.
     pub thickness_ratio: f64,
     /// Largest distance of a vertex from the plane of its given face (bodies from faces).
     pub non_planarity: f64,
@@ -393,11 +396,12 @@ impl ConvexPolyhedron {
     }
 
     /// Returns the body with the given vertices, in the order of their ids, and the given
-    /// [`first_side`](Self::first_side): identical bit for bit, because origin, scale and numbering
-    /// depend on the extreme points alone. Only names and report are lost.
+    /// [`first_side`](Self::first_side). It is identical bit for bit, because origin, scale and
+    /// numbering depend on the extreme points alone. Only the caller's indices and the report are
+    /// lost.
     ///
     /// # Errors
-    /// Vertices that are not the vertices of a body in order, or make no body.
+    /// Returns an error if the vertices are not the vertices of a body in order, or have no hull.
     pub(crate) fn rebuilt(points: &[Point3<f64>], first_side: &[u32]) -> Result<Self, BuildError> {
         let damaged = |what| BuildError::Damaged { what };
         let body = match *points {

@@ -1,8 +1,8 @@
-//! Serialization of bodies (feature `serde`): vertices and names are written, everything else is
-//! rebuilt and checked.
+//! Serialization of bodies (feature `serde`): vertices and the caller's indices are written,
+//! everything else is rebuilt and checked.
 //!
-//! Rebuilding makes a hostile file harmless, and gives the identical body bit for bit: origin,
-//! scale and numbering depend on the extreme points alone.
+//! Because the body is rebuilt, a hostile file is harmless and the result is identical bit for bit:
+//! origin, scale and numbering depend on the extreme points alone.
 
 use alloc::vec::Vec;
 use nalgebra::Point3;

@@ -1,19 +1,20 @@
 //! Large rings (long face boundaries and large fans of edges at a vertex): the walk jumps along a
-//! ring instead of taking an edge per step.
+//! ring instead of taking one step per edge.
 //!
 //! [`newton_jump`] moves a walk that has taken too many steps, and [`predict`] chooses the start of
-//! the next query. Only bodies with a face or a fan of more than [`LARGE`] edges ever come here.
+//! the next query. This code runs only for bodies with a face or a fan of more than [`LARGE`]
+//! edges.
 //!
 //! # Prediction
 //!
-//! On face boundaries and fans of thousands of edges the closest features of a moving body move by
-//! many vertices per query, and in a steady motion by about as many as in the query before. A start
-//! at the predicted features saves the Newton jump (see [`newton_jump`]).
+//! On face boundaries and fans of thousands of edges, the closest features of a moving body move by
+//! many vertices per query. In a steady motion they move by about as many as in the query before. A
+//! start at the predicted features saves the Newton jump (see [`newton_jump`]).
 //!
 //! # Rings as smooth curves
 //!
-//! Large rings are smooth curves ([`RingCurve`]): long face boundaries and the neighbours of a
-//! vertex of many edges.
+//! Large rings are treated as smooth curves ([`RingCurve`]): long face boundaries, and the
+//! neighbours of a vertex with many edges.
 //!
 //! ```text
 //!         apex                 ring       vertices k = 0, 1, 2, ...: the boundary of a large face,
@@ -23,8 +24,8 @@
 //!   ---0---1---2---  ring      side face  k lies between spoke k and spoke k + 1
 //! ```
 //!
-//! Near a vertex the ring is approximated by the parabola through the vertex and two vertices at a
-//! distance, so far away that the unevenness of the edges does not count.
+//! Near a vertex the ring is approximated by the parabola through the vertex and two other
+//! vertices. They are so far away that the unevenness of the edges does not matter.
 
 pub(crate) mod newton_jump;
 
@@ -75,8 +76,8 @@ impl ConvexPolyhedron {
     }
 }
 
-/// Curves are fitted over one part in this many of their ring to each side, an arc of about three
-/// degrees: smooth over small edges, and short. Not measured.
+/// Curves are fitted over this fraction (one over the number) of their ring on each side: an arc of
+/// about three degrees, smooth over small edges and short. Not measured.
 const SPAN: usize = 256;
 
 /// A large ring of a body, as a curve.

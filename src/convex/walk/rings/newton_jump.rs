@@ -1,11 +1,11 @@
 //! Newton jumps along large rings, and the small symmetric linear systems that they solve
 //! ([`System`]).
 //!
-//! If two long face boundaries nearly touch, each step moves the witnesses by one or two vertices,
-//! and the walk would alternate between the two for as many steps as there are vertices on the way.
-//! Here the rings and their spokes are smooth curves (see [`RingCurve`]), and Newton's method, in
-//! up to four variables, goes at once to the least distance. The walk continues from the vertices
-//! there: a jump is a proposal, like every step.
+//! If two long face boundaries nearly touch, each step moves the witness points by one or two
+//! vertices, and the walk would take as many steps as there are vertices on the path. Here the
+//! rings and their spokes are smooth curves (see [`RingCurve`]), and Newton's method in up to four
+//! variables finds the least distance directly. The walk continues from the vertices there: a jump
+//! is a proposal, like every step.
 //!
 //! With `r` from a point of B to a point of A, in up to two variables for each, `|r|^2 / 2` has the
 //! gradient `r . r_i` and the second derivatives `r_i . r_j + r . r_ij`. A side on no ring is
@@ -22,7 +22,7 @@ use crate::pair::draft::Draft;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::PosedPair;
 
-/// Newton steps of one jump. Not measured.
+/// Number of Newton steps of one jump. Not measured.
 const STEPS: usize = 3;
 
 /// Relative amount that makes non-positive second derivatives positive: safer steps for slower
@@ -249,7 +249,7 @@ impl<'a> RingSide<'a> {
 }
 
 /// Jumps to the features at which the curves of the pair are closest. Returns whether the jump
-/// leads elsewhere.
+/// leads to another pair.
 #[cold]
 #[inline(never)]
 pub(crate) fn newton_jump(posed: &PosedPair, draft: &mut Draft) -> bool {
@@ -353,7 +353,7 @@ impl NewtonJump<'_, '_> {
     }
 }
 
-/// Returns the point at `fraction` of the way between two points.
+/// Returns the point at `fraction` of the segment between two points.
 fn interpolate(from: &Variables, to: &Variables, fraction: f64) -> Variables {
     core::array::from_fn(|k| from[k] + (to[k] - from[k]) * fraction)
 }
