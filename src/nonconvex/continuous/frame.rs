@@ -32,10 +32,12 @@ impl Moment {
     }
 }
 
-/// A mesh from the begin of a frame to its end, for [`cast_meshes`](super::cast_meshes) and
-/// [`cast_self`](super::cast_self): the same triangles, each vertex on a straight path at
-/// constant velocity in the frame of the mesh, and the mesh at rest in that frame unless
-/// [`with_poses`](Self::with_poses) sets its poses.
+/// A mesh from the start of a frame to its end.
+///
+/// It is the input of [`cast_meshes`](super::cast_meshes) and [`cast_self`](super::cast_self). The
+/// triangles stay the same, and each vertex moves on a straight path at constant velocity in the
+/// frame of the mesh. The mesh is at rest in that frame unless [`with_poses`](Self::with_poses)
+/// sets its poses.
 #[derive(Clone, Debug)]
 pub struct MovingMesh<'a> {
     /// The mesh at both ends, in one tree.
