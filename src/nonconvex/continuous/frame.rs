@@ -57,7 +57,7 @@ impl<'a> MovingMesh<'a> {
     /// made in the tree of the end. This takes as long as a few replacements of all vertices.
     ///
     /// # Errors
-    /// Returns [`ImpactError::Mesh`] if the two do not have the same triangles of the same vertices.
+    /// Returns [`ImpactError::Mesh`] if the two do not have the same triangles and vertices.
     pub fn new(begin: &'a Mesh, end: &'a Mesh) -> Result<Self, ImpactError> {
         let is_same = begin.triangles == end.triangles
             && begin.source_triangles == end.source_triangles
