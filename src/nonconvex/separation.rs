@@ -1,24 +1,25 @@
-//! Pairs of compounds and of meshes over time: how long two bodies of many parts stay apart.
+//! Compounds and meshes over time: how long two bodies with many members stay separated.
 //!
-//! No plane separates bodies that reach into each other's hollows, so a look ahead bounds every
-//! pair of nodes of the two trees along a direction of its own ([`LookAhead`]), and the
-//! displacement of all points: bodies that are `d` apart stay apart until their points, seen from
-//! each other, may have moved by `d` (Mirtich 1996, conservative advancement). The longer time
-//! counts.
+//! No single plane separates bodies that extend into each other's hollows. So a look-ahead bounds
+//! every pair of nodes of the two trees along its separate direction ([`LookAhead`]). It also
+//! bounds the displacement of all points: bodies that are `d` apart stay separated until their
+//! points may have moved by `d` relative to each other (Mirtich 1996, conservative advancement).
+//! The longer of the two times is used.
 //!
-//! Let n be a unit direction that turns with one body P, Q the other, c the centre of a ball of
-//! radius rho about the node of Q, and `g` the gap of the two nodes along n at the instant. With
-//! the velocities of a [`PairMotion`], `D` from P's pivot to c, `V` the velocity of c less that of
-//! P's pivot and `a` the arm of c about Q's pivot, the height of c over P's pivot along n changes
-//! by at least
+//! Let n be a unit direction that rotates with one body P, let Q be the other body, c the centre of
+//! a ball of radius rho around the node of Q, and `g` the gap of the two nodes along n at the
+//! start. With the velocities of a [`PairMotion`], let `D` be the vector from P's pivot to c, `V`
+//! the velocity of c minus that of P's pivot, and `a` the arm of c about Q's pivot. In time s the
+//! height of c above P's pivot along n changes by at least
 //!
 //! `s ((wP x n) . D + n . V) - s^2 / 2 (|wP|^2 |D| + 2 |wP| |V| + |acceleration| + |wQ|^2 |a|)`
 //!
-//! within a horizon over which the lengths in the last term are bounded; the height of P's node
-//! over its pivot does not change, and that of Q's node over c by at most `rho |wP - wQ| s`. So
-//! each pair of nodes has a time of its own, long if the bodies move across its direction. The
-//! bodies stay apart for the least of these times over any set of pairs under which all pairs of
-//! parts lie: a front, or both roots. Pairs that last less than the closest pair are split.
+//! within a horizon over which the lengths in the last term are bounded. The height of P's node
+//! above its pivot does not change, and that of Q's node above c changes by at most `rho |wP - wQ|
+//! s`. So each pair of nodes has a separate time, which is long if the bodies move perpendicular to
+//! its direction. Take any set of pairs that covers all pairs of members: a front, or the two
+//! roots. The bodies stay separated for the least of the times of that set. Pairs that last less
+//! than the closest pair are split.
 //!
 //! Sources: conservative advancement with the speed along the closest direction, Mirtich 1996; over
 //! pairs of nodes, Tang, Kim and Manocha 2009. Departures: 1. the direction of each pair is the

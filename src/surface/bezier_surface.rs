@@ -1,4 +1,4 @@
-//! A surface: many patches and the tree above them; parts of surfaces, and the work of queries.
+//! Surfaces of many patches with a tree above them; regions of surfaces, and the work of queries.
 
 use alloc::vec::Vec;
 use nalgebra::{Point3, Unit, Vector3};
@@ -19,8 +19,8 @@ use crate::pair::location::WitnessLocation;
 
 /// A surface of Bézier patches, not trimmed: the set of points of its patches.
 ///
-/// A surface has no inside, even when it is [closed](Self::is_closed): a distance to it is the
-/// distance to its points. Immutable; coordinates are in the caller's unit and the surface's own
+/// A surface has no inside, even if it is [closed](Self::is_closed): a distance to it is the
+/// distance to its points. It is immutable. Coordinates are in the caller's unit and the surface's
 /// frame.
 ///
 /// ```
@@ -51,7 +51,7 @@ use crate::pair::location::WitnessLocation;
 )]
 pub struct BezierSurface {
     pub(super) patches: Vec<BezierPatch>,
-    /// The knots about each patch of a NURBS surface, in u and v.
+    /// The knots around each patch of a NURBS surface, in u and v.
     pub(super) domains: Vec<[[f64; 2]; 2]>,
     pub(super) tree: NetTree,
     /// The largest distance of a control point from the origin, rounded up.
@@ -61,22 +61,22 @@ pub struct BezierSurface {
 }
 
 impl BezierSurface {
-    /// Returns the surface of some patches.
+    /// Returns the surface of the given patches.
     ///
     /// # Errors
     ///
-    /// No patch.
+    /// Returns [`SurfaceError::Empty`] if there is no patch.
     pub fn new(patches: Vec<BezierPatch>) -> Result<Self, SurfaceError> {
         let domains = patches.iter().map(|_| [[0.0, 1.0]; 2]).collect();
         Self::assembled(patches, domains)
     }
 
-    /// Returns the Bézier patches of a NURBS surface as a surface.
+    /// Returns the surface of the Bézier patches of a NURBS surface.
     ///
     /// # Errors
     ///
-    /// A degree, knot, control point or weight out of range, or a surface with trimming curves
-    /// ([`SurfaceError::Trimmed`]).
+    /// Returns an error if a degree, knot, control point or weight is out of range, or if the
+    /// surface has trimming curves ([`SurfaceError::Trimmed`]).
     pub fn from_nurbs(nurbs: &Nurbs) -> Result<Self, SurfaceError> {
         let (patches, domains) = nurbs.patches()?.into_iter().unzip();
         Self::assembled(patches, domains)
@@ -86,17 +86,19 @@ impl BezierSurface {
     ///
     /// # Errors
     ///
-    /// A coordinate beyond `2^200`.
+    /// Returns an error if a coordinate is beyond `2^200`.
     pub fn from_mesh(mesh: &Mesh) -> Result<Self, SurfaceError> {
         Self::from_triangles(mesh.triangles().map(|(_, corners)| corners))
     }
 
-    /// Returns the boundary of a convex polyhedron as flat patches, in the order of its
-    /// [triangles](ConvexPolyhedron::triangles).
+    /// Returns the boundary of a convex polyhedron as flat patches.
+    ///
+    /// The patches are in the order of its [triangles](ConvexPolyhedron::triangles).
     ///
     /// # Errors
     ///
-    /// A body without faces ([`SurfaceError::Empty`]), a coordinate beyond `2^200`.
+    /// Returns an error if the body has no faces ([`SurfaceError::Empty`]), or if a coordinate is
+    /// beyond `2^200`.
     pub fn from_convex(body: &ConvexPolyhedron) -> Result<Self, SurfaceError> {
         let corner = |v| body.vertex(v).unwrap_or_default();
         Self::from_triangles(body.triangles().map(|t| t.each(corner)))
@@ -130,14 +132,16 @@ impl BezierSurface {
         &self.patches
     }
 
-    /// Returns whether every border of a patch that is no single point lies on exactly one other
-    /// border, control point on control point: the surface is closed.
+    /// Returns whether the surface is closed.
+    ///
+    /// It is closed if every border of a patch that is longer than a point coincides with exactly
+    /// one other border, control point by control point.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.is_closed
     }
 
-    /// Returns a point of the surface; `None` if there is no such patch.
+    /// Returns a point of the surface; `None` if the patch does not exist.
     #[must_use]
     pub fn point(&self, at: &WitnessLocation) -> Option<Point3<f64>> {
         Some(
@@ -147,7 +151,7 @@ impl BezierSurface {
         )
     }
 
-    /// Returns the unit normal at a point of the surface, as [`BezierPatch::normal`].
+    /// Returns the unit normal at a point of the surface, as [`BezierPatch::normal`] does.
     #[must_use]
     pub fn normal(&self, at: &WitnessLocation) -> Option<Unit<Vector3<f64>>> {
         self.patches
@@ -155,8 +159,10 @@ impl BezierSurface {
             .normal(at.parameters[0], at.parameters[1])
     }
 
-    /// Returns the parameters of a point in the knots of the NURBS surface; those of the patch for
-    /// any other surface; `None` if there is no such patch.
+    /// Returns the parameters of a point in the knots of the NURBS surface.
+    ///
+    /// For any other surface they are the parameters of the patch. The result is `None` if the
+    /// patch does not exist.
     #[must_use]
     pub fn parameters(&self, at: &WitnessLocation) -> Option<[f64; 2]> {
         let [u, v] = self.domains.get(at.subshape as usize)?;
@@ -164,7 +170,7 @@ impl BezierSurface {
         Some([mixed(*u, at.parameters[0]), mixed(*v, at.parameters[1])])
     }
 
-    /// Returns a ball that contains the surface: centre and radius.
+    /// Returns the centre and radius of a ball that contains the surface.
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
         let (low, high) = self.aabb();
@@ -172,14 +178,14 @@ impl BezierSurface {
         (centre, radius + self.reach * SURFACE_POINT)
     }
 
-    /// Returns a box that contains the surface, errors of points included.
+    /// Returns a box that contains the surface, including the errors of points.
     pub(crate) fn outer_box(&self) -> (Point3<f64>, Point3<f64>) {
         let error = Vector3::repeat(self.reach * SURFACE_POINT);
         let (low, high) = self.aabb();
         (low - error, high + error)
     }
 
-    /// Returns the least box about all control points.
+    /// Returns the smallest box that contains all control points.
     #[must_use]
     pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
         let start = self.patches[0].aabb();
@@ -201,7 +207,7 @@ fn fingerprint(patches: &[BezierPatch]) -> Fingerprint {
     all.end()
 }
 
-/// Returns whether borders lie on each other in pairs, each by its control points.
+/// Returns whether borders coincide in pairs, compared by their control points.
 fn is_closed(patches: &[BezierPatch], reach: f64) -> bool {
     let near = |p: &Point3<f64>, q: &Point3<f64>| (p - q).amax() <= SEAM * reach;
     let mut borders: Vec<(f64, Vec<Point3<f64>>, bool)> = Vec::new();
@@ -240,16 +246,16 @@ fn is_closed(patches: &[BezierPatch], reach: f64) -> bool {
     true
 }
 
-/// A part of a surface: a node of its tree.
+/// A region of a surface: a node of its tree.
 #[cfg(feature = "__internals")]
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePart {
-    /// The number of the patch; `None` for a group of whole patches.
+    /// Index of the patch; `None` for a group of whole patches.
     pub patch: Option<u32>,
-    /// Least and greatest parameter u.
+    /// Minimum and maximum of the parameter u.
     pub u: [f64; 2],
-    /// Least and greatest parameter v.
+    /// Minimum and maximum of the parameter v.
     pub v: [f64; 2],
 }
 
@@ -262,32 +268,32 @@ impl SurfacePart {
     }
 }
 
-/// The work of queries of two surfaces.
+/// Work counters of queries of two surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct SurfaceWork {
-    /// Queries answered.
+    /// Number of queries.
     pub queries: u64,
-    /// Entries of fronts tested by their directions.
+    /// Number of entries of fronts that were tested with their directions.
     pub entries: u64,
-    /// Entries that their directions did not prove.
+    /// Number of entries that their directions did not prove.
     pub failed: u64,
-    /// Gaps of two nets along a direction.
+    /// Number of gaps of two nets along a direction that were computed.
     pub gaps: u64,
-    /// Pairs bounded by second derivatives.
+    /// Number of pairs that were bounded by second derivatives.
     pub caps: u64,
-    /// Pairs bounded by a curved surface between them.
+    /// Number of pairs that were bounded by a separating quadric.
     pub bowls: u64,
-    /// Surroundings of closest points proven at once.
+    /// Number of surroundings of closest points that were proven at once.
     pub regions: u64,
-    /// Surroundings of closest points that were tried and not proven.
+    /// Number of surroundings of closest points that were tried and not proven.
     pub refused: u64,
-    /// Steps of Newton's method for two points.
+    /// Number of steps of Newton's method for two points.
     pub steps: u64,
-    /// Pairs of nodes split.
+    /// Number of pairs of nodes that were split.
     pub splits: u64,
-    /// Searches from the roots.
+    /// Number of searches from the roots.
     pub searches: u64,
 }
 

@@ -1,6 +1,6 @@
 //! Errors of patches and surfaces.
 
-/// Error returned if numbers make no patch or surface.
+/// Error returned if numbers do not form a valid patch or surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceError {
@@ -46,8 +46,7 @@ pub enum SurfaceError {
         /// The value.
         value: f64,
     },
-    /// A knot is not finite, or less than the knot before, or repeated more often than the degree
-    /// allows.
+    /// A knot is not finite, less than the previous knot, or repeated too often for the degree.
     #[error(
         "knot {index} in direction {direction} is invalid: {value} is not finite, out of order, or repeated too often"
     )]
@@ -59,7 +58,7 @@ pub enum SurfaceError {
         /// The value.
         value: f64,
     },
-    /// The knots do not fit the control points: `points + degree + 1` are needed.
+    /// The number of knots is not `points + degree + 1`.
     #[error("number of knots in direction {direction} is invalid: {given} (expected {expected})")]
     KnotCount {
         /// The direction: 0 for u, 1 for v.
@@ -75,13 +74,13 @@ pub enum SurfaceError {
         /// Number of trimming curves.
         curves: usize,
     },
-    /// The reach of a patch read from a file is not finite, or less than that of its points.
+    /// The radius of a patch from a file is not finite, or less than that of its points.
     #[error("radius of a patch is invalid: {value} is not finite, or less than that of its points")]
     Reach {
         /// The value.
         value: f64,
     },
-    /// A surface without a patch.
+    /// The surface has no patch.
     #[error("the surface has no patches")]
     Empty,
 }

@@ -1,4 +1,4 @@
-//! One Bézier patch by its control points.
+//! One Bézier patch, given by its control points.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -11,14 +11,15 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{PATCH_MAX, RAISED, ROUND_UP, WEIGHT_RATIO};
 
-/// A Bézier patch: tensor-product or triangular, polynomial or rational with positive weights, of
-/// degrees 1 to 7.
+/// A Bézier patch of degrees 1 to 7: tensor-product or triangular, polynomial or rational.
 ///
-/// Coordinates are in the caller's unit, in the frame of the surface that the patch belongs to.
-/// Parameters u and v are between 0 and 1. Immutable.
+/// Weights are positive.
 ///
-/// A triangular patch is kept as the tensor-product patch of equal degrees with the row `u = 0` in
-/// its first corner (Goldman and Filip 1987): the point at (u, v) has the barycentric coordinates
+/// Coordinates are in the caller's unit and in the frame of the surface that the patch belongs to.
+/// Parameters u and v are between 0 and 1. The patch is immutable.
+///
+/// A triangular patch is stored as the tensor-product patch of equal degrees whose row `u = 0` is
+/// its first vertex (Goldman and Filip 1987). The point at (u, v) has the barycentric coordinates
 /// `(1 - u, u (1 - v), u v)`.
 ///
 /// ```
@@ -44,18 +45,20 @@ use crate::base::tolerance::{PATCH_MAX, RAISED, ROUND_UP, WEIGHT_RATIO};
 )]
 pub struct BezierPatch {
     pub(super) degrees: [usize; 2],
-    /// Weight times point, and weight; the largest weight is about one.
+    /// Weight times point, and the weight; the largest weight is about one.
     pub(super) net: Vec<[f64; 4]>,
     pub(super) is_rational: bool,
     pub(super) is_triangular: bool,
     /// Error of the control points, times `reach`.
     pub(super) noise: f64,
-    /// The largest distance of a control point from the origin, rounded up: of those given, if the
-    /// net was computed from them, since rounding is relative to what is summed.
+    /// The largest distance of a control point from the origin, rounded up.
+    ///
+    /// If the net was computed from given control points, it is the largest distance of those,
+    /// because rounding is relative to the terms of the sums.
     pub(super) reach: f64,
 }
 
-/// Value, derivatives and second derivatives of a point of a patch.
+/// Value, first and second derivatives at a point of a patch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SurfaceJet {
     pub(super) point: Vector3<f64>,
@@ -67,37 +70,43 @@ pub(super) struct SurfaceJet {
 }
 
 impl BezierPatch {
-    /// Returns the polynomial patch of degrees `[p, q]` in u and v, with `(p + 1) (q + 1)` control
-    /// points: rows of constant u follow each other, v runs along a row.
+    /// Returns the polynomial patch of degrees `[p, q]` in u and v.
+    ///
+    /// It has `(p + 1) (q + 1)` control points. They are given row by row; u is constant in a row
+    /// and v runs along it.
     ///
     /// # Errors
     ///
-    /// A degree that is not between 1 and 7, another number of points, a coordinate that is not
-    /// finite or beyond `2^200`.
+    /// Returns an error if a degree is not between 1 and 7, if the number of points does not fit,
+    /// or if a coordinate is not finite or beyond `2^200`.
     pub fn polynomial(degrees: [usize; 2], points: &[Point3<f64>]) -> Result<Self, SurfaceError> {
         check_tensor(degrees, points)?;
         Ok(Self::assembled(degrees, homogeneous(points, None)))
     }
 
-    /// Returns the rational patch of degrees `[p, q]` with a weight for each control point, in the
-    /// order of [`polynomial`](Self::polynomial).
+    /// Returns the rational patch of degrees `[p, q]`, with a weight for each control point.
+    ///
+    /// Points and weights are in the order of [`polynomial`](Self::polynomial).
     ///
     /// # Errors
     ///
-    /// As [`polynomial`](Self::polynomial); another number of weights, a weight that is not
-    /// positive and finite or below `2^-40` of the largest.
+    /// Returns the errors of [`polynomial`](Self::polynomial). Also returns an error if the number
+    /// of weights does not fit, or if a weight is not positive and finite or is below `2^-40` of
+    /// the largest.
     pub fn rational(degrees: [usize; 2], points: &[Point3<f64>], weights: &[f64]) -> Result<Self, SurfaceError> {
         check_tensor(degrees, points)?;
         let scale = check_weights(weights, points.len())?;
         Ok(Self::assembled(degrees, homogeneous(points, Some((weights, scale)))))
     }
 
-    /// Returns the triangular patch of a degree, polynomial without weights. Its `(n + 1)(n + 2) /
-    /// 2` control points are given row by row from the first corner: row r has `r + 1` points.
+    /// Returns the triangular patch of a degree; without weights it is polynomial.
+    ///
+    /// Its `(n + 1)(n + 2) / 2` control points are given row by row from the first vertex: row r
+    /// has `r + 1` points.
     ///
     /// # Errors
     ///
-    /// As [`rational`](Self::rational).
+    /// Returns the errors of [`rational`](Self::rational).
     pub fn triangular(degree: usize, points: &[Point3<f64>], weights: Option<&[f64]>) -> Result<Self, SurfaceError> {
         check_degrees([degree; 2])?;
         check_points(points, (degree + 1) * (degree + 2) / 2)?;
@@ -120,7 +129,7 @@ impl BezierPatch {
         Ok(patch)
     }
 
-    /// Returns the patch of a checked net.
+    /// Returns the patch of a checked control net.
     pub(super) fn assembled(degrees: [usize; 2], net: Vec<[f64; 4]>) -> Self {
         let is_rational = net.iter().any(|h| h[3] != 1.0);
         let mut patch = Self {
@@ -142,7 +151,7 @@ impl BezierPatch {
         self.degrees
     }
 
-    /// Returns whether weights differ.
+    /// Returns whether the weights differ.
     #[must_use]
     pub fn is_rational(&self) -> bool {
         self.is_rational
@@ -154,15 +163,16 @@ impl BezierPatch {
         self.is_triangular
     }
 
-    /// Returns the control points with their weights, up to a common factor of the weights: those
-    /// of the tensor-product form.
+    /// Returns the control points and weights of the tensor-product form.
+    ///
+    /// The weights are determined up to a common factor.
     pub fn control_points(&self) -> impl ExactSizeIterator<Item = (Point3<f64>, f64)> + '_ {
         self.net
             .iter()
             .map(|[x, y, z, w]| (Point3::new(x / w, y / w, z / w), *w))
     }
 
-    /// Returns the point at (u, v), clamped to 0..=1.
+    /// Returns the point at (u, v); parameters are clamped to 0..=1.
     #[must_use]
     pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
         let [x, y, z, w] = value::<4>(&self.net, self.degrees, [u, v].each(|t| t.clamped(0.0, 1.0)));
@@ -173,16 +183,18 @@ impl BezierPatch {
         }
     }
 
-    /// Returns the derivatives by u and by v at (u, v), clamped to 0..=1.
+    /// Returns the derivatives by u and by v at (u, v); parameters are clamped to 0..=1.
     #[must_use]
     pub fn tangents(&self, u: f64, v: f64) -> [Vector3<f64>; 2] {
         let jet = self.jet([u, v]);
         [jet.u, jet.v]
     }
 
-    /// Returns the unit normal at (u, v), the direction of the cross product of the derivatives by
-    /// u and by v. If the product vanishes there, as at a pole, the normal is taken a little inside
-    /// the patch; `None` if it vanishes there as well.
+    /// Returns the unit normal at (u, v).
+    ///
+    /// It is the direction of the cross product of the derivatives by u and by v. If the product is
+    /// zero there, as at a pole, the normal is computed at a point a little inside the patch. The
+    /// result is `None` if the product is zero there as well.
     #[must_use]
     pub fn normal(&self, u: f64, v: f64) -> Option<Unit<Vector3<f64>>> {
         let inside = |t: f64| t.clamped(0.0, 1.0) + (0.5 - t.clamped(0.0, 1.0)) / 65_536.0;
@@ -195,9 +207,10 @@ impl BezierPatch {
         })
     }
 
-    /// Returns the two halves of the patch at the middle of u (`direction` 0) or of v (any other),
-    /// by de Casteljau's algorithm. The halves are patches in their own right, of rounded control
-    /// points; those of a triangular patch are tensor-product patches.
+    /// Returns the two halves of the patch at the middle of u (`direction` 0) or of v (any other).
+    ///
+    /// De Casteljau's algorithm computes them. The halves are patches whose control points are
+    /// rounded. The halves of a triangular patch are tensor-product patches.
     #[must_use]
     pub fn split(&self, direction: usize) -> [Self; 2] {
         let count = self.net.len();
@@ -222,7 +235,7 @@ impl BezierPatch {
         })
     }
 
-    /// Returns the least box about the control points: the patch lies inside.
+    /// Returns the smallest box that contains the control points; it contains the patch.
     #[must_use]
     pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
         let start = (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3]));

@@ -1,10 +1,11 @@
-//! NURBS surfaces taken apart into Bézier patches, and surfaces of revolution.
+//! NURBS surfaces split into Bézier patches, and surfaces of revolution.
 //!
-//! Between two different knots a B-spline is a polynomial, whose control points are the values of
-//! its blossom at the two knots (Ramshaw 1989): what repeated insertion of both knots (Boehm 1980;
-//! Piegl and Tiller 1997, "The NURBS Book", algorithms A5.6 and A5.7) leaves between the knots. De
-//! Boor's algorithm with one argument a step computes a value of the blossom by convex
-//! combinations, so errors are relative to the control points ([`KNOTS`](crate::tolerance::KNOTS)).
+//! Between two different knots a B-spline is a polynomial. Its control points are the values of its
+//! blossom at the two knots (Ramshaw 1989). They are also what repeated insertion of both knots
+//! produces between the knots (Boehm 1980; Piegl and Tiller 1997, "The NURBS Book", algorithms A5.6
+//! and A5.7). De Boor's algorithm with one argument per step computes a value of the blossom by
+//! convex combinations, so errors are relative to the control points
+//! ([`KNOTS`](crate::tolerance::KNOTS)).
 
 use alloc::vec::Vec;
 use nalgebra::Point3;
@@ -17,33 +18,36 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{KNOTS, PATCH_MAX};
 
-/// A NURBS surface as files hold it.
+/// A NURBS surface in the form in which files store it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Nurbs<'a> {
     /// The degrees in u and v, 1 to 7.
     pub degrees: [usize; 2],
-    /// The knots in u and v, none less than the one before; the surface is defined from knot number
-    /// `degree` to the knot that has `degree` knots behind it. Ends need not be repeated.
+    /// The knots in u and v, in non-decreasing order.
+    ///
+    /// The surface is defined from the knot of index `degree` to the knot that is followed by
+    /// `degree` knots. End knots need not be repeated.
     pub knots: [&'a [f64]; 2],
-    /// The control points: rows of constant u follow each other, v runs along a row.
+    /// The control points, row by row; u is constant in a row and v runs along it.
     pub points: &'a [Point3<f64>],
     /// A weight for each control point; `None` if all are equal.
     pub weights: Option<&'a [f64]>,
-    /// The number of trimming curves: a surface with any is refused.
+    /// The number of trimming curves; [`BezierSurface::from_nurbs`] returns an error if it is not
+    /// zero.
     pub trimming_curves: usize,
 }
 
-/// A patch between knots: the number of the first knot of the span, and the ends.
+/// A span between knots: the index of its first knot, and its ends.
 pub(crate) struct Span {
     pub(crate) knot: usize,
     pub(crate) ends: [f64; 2],
 }
 
-/// A Bézier patch of a NURBS surface with the knots between which it lies, in u and v.
+/// A Bézier patch of a NURBS surface, and the knots in u and v that bound it.
 type KnotPatch = (BezierPatch, [[f64; 2]; 2]);
 
 impl Nurbs<'_> {
-    /// Returns the Bézier patches, those of equal u after each other.
+    /// Returns the Bézier patches; those of equal u follow each other.
     pub(super) fn patches(&self) -> Result<Vec<KnotPatch>, SurfaceError> {
         if self.trimming_curves > 0 {
             let curves = self.trimming_curves;
@@ -87,12 +91,12 @@ impl Nurbs<'_> {
         Ok(counts)
     }
 
-    /// Returns the spans of a direction that are not empty.
+    /// Returns the non-empty spans in a direction.
     fn spans(&self, direction: usize) -> Result<Vec<Span>, SurfaceError> {
         let (knots, degree) = (self.knots[direction], self.degrees[direction]);
         for (index, &value) in knots.iter().enumerate() {
             let is_early = index > 0 && value < knots[index - 1];
-            // So many equal knots tear the surface, or are one too many at an end.
+            // So many equal knots split the surface, or are one too many at an end.
             let is_inside = value > knots[degree] && value < knots[knots.len() - degree - 1];
             let most = if is_inside { degree } else { degree + 1 };
             let is_torn = index >= most && value == knots[index - most];
@@ -145,8 +149,9 @@ impl Nurbs<'_> {
     }
 }
 
-/// Returns the value of the blossom at the lower end of a span, `degree - upper` times, and the
-/// upper end, `upper` times.
+/// Returns a value of the blossom at the two ends of a span.
+///
+/// The lower end is the argument `degree - upper` times, the upper end `upper` times.
 pub(crate) fn blossom(points: &[[f64; 4]], knots: &[f64], span: &Span, upper: usize) -> [f64; 4] {
     let degree = points.len() - 1;
     let mut d = [[0.0; 4]; ORDER];
@@ -162,19 +167,19 @@ pub(crate) fn blossom(points: &[[f64; 4]], knots: &[f64], span: &Span, upper: us
     d[degree]
 }
 
-/// Returns the surface that some Bezier curves sweep in a turn about z.
+/// Returns the surface that Bézier curves sweep in a full rotation about z.
 ///
-/// A curve is given by its control points `[radius, height, weight]`, and swept through four
-/// quarters of a turn, each a rational patch of degree 2 in v (Piegl and Tiller 1997, "The NURBS
-/// Book", section 8.5); u runs along the curve. The patches of a curve follow each other. The
-/// weight of the middle of a quarter is the root of 1/2, rounded: circles are round to some UNIT of
-/// their radius.
+/// A curve is given by its control points `[radius, height, weight]`. It is swept through four
+/// quarters, each a rational patch of degree 2 in v (Piegl and Tiller 1997, "The NURBS Book",
+/// section 8.5); u runs along the curve. The patches of a curve follow each other. The weight of
+/// the middle control point of a quarter is the square root of 1/2, rounded, so the error of
+/// circles is a few UNIT of their radius.
 ///
 /// # Errors
 ///
-/// No curve; a curve with fewer than two or more than eight control points, with a coordinate or
-/// weight out of range: the error names points of the first patch of the curve, three for each
-/// point of the curve.
+/// Returns an error if there is no curve, if a curve has fewer than two or more than eight control
+/// points, or if a coordinate or weight is out of range. The error counts points of the first patch
+/// of the curve, three for each point of the curve.
 ///
 /// ```
 /// // A cone frustum and a half of a ball below.
@@ -207,7 +212,7 @@ pub fn revolution(curves: &[&[[f64; 3]]]) -> Result<BezierSurface, SurfaceError>
     BezierSurface::new(patches)
 }
 
-/// Returns a point turned by quarters of a turn.
+/// Returns a point rotated by quarters of a full rotation.
 fn turned([x, y]: &[f64; 2], quarters: usize) -> [f64; 2] {
     match quarters {
         0 => [*x, *y],

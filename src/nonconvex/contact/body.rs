@@ -1,9 +1,9 @@
-//! A body as its contacts see it: the convex patches of a mesh, or the pieces of a compound.
+//! A body for contact queries: the convex patches of a mesh, or the pieces of a compound.
 //!
-//! Of a union of pieces it is told which points of a piece are on the surface of the union, and how
-//! far a point inside is from the surface. A face of a piece is on the surface where no other piece
-//! covers it. What a convex piece leaves of a convex polygon are the parts of the polygon beyond
-//! each of the piece's planes, convex again.
+//! For a union of pieces, this module decides which points of a piece are on the surface of the
+//! union, and how far a point inside is from that surface. A face of a piece is on the surface
+//! where no other piece covers it. Cutting a convex piece out of a convex polygon leaves the
+//! regions of the polygon outside each plane of the piece; each region is convex again.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -24,17 +24,16 @@ use crate::nonconvex::pieces::{Compound, Piece};
 use crate::nonconvex::query::frame::TreeSide;
 use crate::nonconvex::query::triangle;
 
-/// A body as its contacts see it: convex patches of a mesh's surface, or the pieces of a
-/// [`Compound`].
+/// Convex patches of a mesh's surface, or the pieces of a [`Compound`], for contact queries.
 ///
-/// Built once for each body;
+/// Build it once for each body.
 /// [`PairTracker::contacts_between`](crate::PairTracker::contacts_between) finds the contacts of
-/// two. The patches of a mesh face outward, whether the mesh is closed or not: a body that touches
-/// an open mesh from behind has no contact.
+/// two of them. The patches of a mesh face outward, whether the mesh is closed or not: a body that
+/// touches an open mesh from behind has no contact.
 #[derive(Clone, Debug)]
 pub struct ConvexPatches(PatchedBody, Fingerprint);
 
-/// Returns the fingerprint of the patches of a mesh, by a tolerance in stored units.
+/// Returns the fingerprint of the patches of a mesh for a tolerance in stored units.
 fn of_mesh(mesh: &Mesh, tolerance: f64) -> Fingerprint {
     mesh.fingerprint.with(*b"patches ", tolerance)
 }
@@ -46,19 +45,23 @@ enum PatchedBody {
 }
 
 impl ConvexPatches {
-    /// Returns the patches of a mesh. Flat regions and convex bodies are one patch each, however
-    /// finely they are cut into triangles; saddles and walls seen from inside give small patches.
+    /// Returns the convex patches of a mesh.
     ///
-    /// Patches are convex to `64 * 2^-53` times the radius of the mesh about its origin, the
-    /// rounding of a mesh in double precision that was turned.
+    /// A flat region or a convex body is one patch, regardless of its number of triangles. Saddles
+    /// and walls seen from inside give small patches.
+    ///
+    /// The error of convexity is at most `64 * 2^-53` times the radius of the mesh about its
+    /// origin. This is the rounding error of a rotated mesh in double precision.
     #[must_use]
     pub fn from_mesh(mesh: impl Into<Arc<Mesh>>) -> Self {
         Self::from_mesh_within(mesh, 0.0)
     }
 
-    /// Returns the patches of a mesh that are convex within a tolerance in the caller's unit, for
-    /// meshes stored in single precision: some 1e-6 times the size of the mesh. Reflex edges that
-    /// shallow bear contacts as if they were flat.
+    /// Returns the patches of a mesh that are convex within a tolerance, in the caller's unit.
+    ///
+    /// Use it for meshes stored in single precision, with a tolerance of about 1e-6 times the size
+    /// of the mesh. Reflex edges that are shallower than the tolerance have contacts as if they
+    /// were flat.
     #[must_use]
     pub fn from_mesh_within(mesh: impl Into<Arc<Mesh>>, tolerance: f64) -> Self {
         let mesh: Arc<Mesh> = mesh.into();
@@ -67,20 +70,23 @@ impl ConvexPatches {
         Self(PatchedBody::Mesh(Arc::new(PatchedMesh::new(mesh, stored))), fingerprint)
     }
 
-    /// Returns whether these are the patches of a mesh as it is, without a tolerance.
+    /// Returns whether these are the patches of the mesh in its current state, without a tolerance.
     pub(crate) fn are_of(&self, mesh: &Mesh) -> bool {
         self.1 == of_mesh(mesh, 0.0)
     }
 
-    /// Returns the pieces of a body as its patches. Where pieces meet or overlap, only the outside
-    /// of the whole bears contacts.
+    /// Returns the pieces of a compound as its convex patches.
+    ///
+    /// Where pieces meet or overlap, only the outside of the union has contacts.
     #[must_use]
     pub fn from_compound(body: impl Into<Arc<Compound>>) -> Self {
         Self::from_compound_within(body, 0.0)
     }
 
-    /// Returns the pieces of a body as its patches. Pieces closer than a tolerance, in the caller's
-    /// unit, count as meeting: for decompositions whose pieces fit roughly.
+    /// Returns the pieces of a compound as its patches, with a tolerance in the caller's unit.
+    ///
+    /// Pieces closer than the tolerance count as meeting. Use it for decompositions whose pieces do
+    /// not fit exactly.
     #[must_use]
     pub fn from_compound_within(body: impl Into<Arc<Compound>>, tolerance: f64) -> Self {
         let (body, tolerance): (Arc<Compound>, f64) = (body.into(), tolerance.at_least(0.0));
@@ -97,7 +103,7 @@ impl ConvexPatches {
         }
     }
 
-    /// Returns the triangles of a patch by the caller's numbers; none for pieces.
+    /// Returns the caller's indices of the triangles of a patch; empty for pieces.
     pub fn triangles(&self, patch: u32) -> impl Iterator<Item = u32> + '_ {
         let surface = match &self.0 {
             PatchedBody::Mesh(surface) => Some(&**surface),
@@ -146,8 +152,9 @@ impl ConvexPatches {
         }
     }
 
-    /// Returns the patch of a point of the surface, in the caller's unit, or the piece that holds
-    /// it.
+    /// Returns the patch of a point of the surface, or the piece that contains the point.
+    ///
+    /// The point is in the caller's unit.
     pub(super) fn patch_at(&self, piece: u32, point: &Point3<f64>) -> u32 {
         match &self.0 {
             PatchedBody::Mesh(surface) => surface.patch_at(point),
@@ -174,7 +181,7 @@ impl ConvexPatches {
         }
     }
 
-    /// Returns whether a normal in the body's frame is that of a face of a patch.
+    /// Returns whether a normal in the body's frame is the normal of a face of a patch.
     pub(super) fn has_face(&self, patch: u32, n: &Vector3<f64>) -> bool {
         match &self.0 {
             PatchedBody::Mesh(surface) => surface.has_face(patch, n),
@@ -182,14 +189,17 @@ impl ConvexPatches {
         }
     }
 
-    /// Returns whether a point along an outward normal is at the end of what a piece bears, both in
-    /// the body's frame: what bears contacts is closed.
+    /// Returns whether a point is at the end of the region where a piece has valid contacts.
+    ///
+    /// The contacts are along an outward normal; point and normal are in the body's frame. The
+    /// region is closed.
     pub(super) fn ends(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, doubt: f64) -> bool {
         matches!(&self.0, PatchedBody::Pieces(body, tolerance) if is_end(body, patch, point, n, tolerance + doubt))
     }
 
-    /// Returns how far a patch bears a contact at a point along an outward normal, both in the
-    /// body's frame and the caller's unit.
+    /// Returns whether a contact at a point along an outward normal is valid on a patch.
+    ///
+    /// Point and normal are in the body's frame and the caller's unit.
     pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, sine: f64, doubt: f64) -> Borne {
         match &self.0 {
             PatchedBody::Mesh(surface) => surface.bears(patch, point, n, sine, doubt),
@@ -203,8 +213,9 @@ impl ConvexPatches {
         }
     }
 
-    /// Returns whether no surface of the body is nearer to a point inside than `depth`. The point
-    /// is in the frame of the patch's part.
+    /// Returns whether no surface of the body is nearer than `depth` to a point inside.
+    ///
+    /// The point is in the frame of the patch's convex body.
     pub(super) fn is_clear(&self, patch: u32, point: &Point3<f64>, depth: f64, doubt: f64) -> bool {
         match &self.0 {
             PatchedBody::Mesh(surface) => surface.is_clear(point, depth),
@@ -212,8 +223,9 @@ impl ConvexPatches {
         }
     }
 
-    /// Returns what is at a point of the plane of a patch's face, beyond the face, in the body's
-    /// frame.
+    /// Returns what is at a point in the plane of a patch's face but outside the face.
+    ///
+    /// The point is in the body's frame.
     pub(super) fn under(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, doubt: f64) -> Under {
         match &self.0 {
             PatchedBody::Mesh(surface) if surface.is_below(point, doubt) => Under::Body,
@@ -222,7 +234,7 @@ impl ConvexPatches {
         }
     }
 
-    /// Returns whether the way from a point of the surface to a point below leaves the body.
+    /// Returns whether the path from a point of the surface to a point below it leaves the body.
     pub(super) fn is_left(&self, from: &Point3<f64>, to: &Point3<f64>, doubt: f64) -> bool {
         matches!(&self.0, PatchedBody::Mesh(surface) if surface.is_left(from, to, doubt))
     }
@@ -235,29 +247,31 @@ impl From<Shape> for ConvexPatches {
     }
 }
 
-/// How far from a point that another piece covers a place of the same face is looked for that is
-/// not covered, in the slack of the point: faces that meet at less than one part in this many of a
-/// radian are one. Not measured.
+/// Distance, in units of the slack, at which the neighbourhood of a covered point is tested.
+///
+/// If a point of the same face at that distance is not covered, the covered point is at an end.
+/// Faces that meet at less than one radian divided by this number count as one face. Not measured.
 const BESIDE_END: f64 = 64.0;
 
-/// What is at a point of the plane of a face beyond the end of the face.
+/// What is at a point in the plane of a face, outside the face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Under {
     /// The inside of the body: the face ends in a valley.
     Body,
     /// Another face in the same plane.
     Face,
-    /// Nothing, or nothing that is known.
+    /// Nothing, or nothing known.
     Unknown,
 }
 
-/// Returns whether another piece holds the point and is higher along the normal: then the whole has
-/// no such normal there.
+/// Returns whether another piece contains the point and extends higher along the normal.
+///
+/// If so, the union does not have this normal there.
 fn is_covered(body: &Compound, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
     cover(body, of, point, n, slack).is_some()
 }
 
-/// Returns a piece that covers a point of another one.
+/// Returns another piece that covers a point of a piece.
 pub(super) fn cover<'a>(
     body: &'a Compound,
     of: u32,
@@ -271,8 +285,9 @@ pub(super) fn cover<'a>(
     })
 }
 
-/// Returns whether a covered point of a face is at the end of the part of the face that is not:
-/// some place of the face next to the point is not covered.
+/// Returns whether a covered point of a face is at the end of the uncovered region of the face.
+///
+/// This is so if some point of the face next to it is not covered.
 fn is_end(body: &Compound, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
     let Some(Piece { shape, pose, .. }) = body.pieces().get(of as usize) else {
         return false;
@@ -285,7 +300,7 @@ fn is_end(body: &Compound, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack
     })
 }
 
-/// Returns what is at a point of the plane of a face of a piece.
+/// Returns what is at a point in the plane of a face of a piece.
 pub(super) fn under(body: &Compound, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> Under {
     if is_covered(body, of, point, n, slack) {
         Under::Body
@@ -296,7 +311,9 @@ pub(super) fn under(body: &Compound, of: u32, point: &Point3<f64>, n: &Vector3<f
     }
 }
 
-/// Another piece that holds the point, here in the piece's frame, and passes a test.
+/// Returns another piece that contains the point and passes a test.
+///
+/// The test gets the point in that piece's frame.
 fn other<'a>(
     body: &'a Compound,
     of: u32,
@@ -339,13 +356,14 @@ fn dot_at(point: &Point3<f64>) -> Option<(Shape, RelativePose)> {
     Some((Shape::from(dot), at))
 }
 
-/// Pieces that are cut off a face, one after the other, to find the part that none covers. Not
-/// measured.
+/// Maximum number of pieces that are cut out of a face, one after the other, to find its uncovered
+/// region. Not measured.
 const COVERS: usize = 4;
 
-/// Returns whether the surface of the union is as far from a point inside as `depth`, as far as
-/// faces and feet on curved pieces tell. The point is in the frame of one of the pieces, and
-/// `depth` below its core.
+/// Returns whether the surface of the union is at least `depth` away from a point inside.
+///
+/// Faces, and nearest points of curved pieces, decide this. The point is in the frame of one of the
+/// pieces and `depth` below its core.
 pub(super) fn is_clear(body: &Compound, of: u32, point: &Point3<f64>, depth: f64, slack: f64) -> bool {
     let own = &body.pieces()[of as usize];
     if body.pieces().len() == 1 {
@@ -369,7 +387,7 @@ pub(super) fn is_clear(body: &Compound, of: u32, point: &Point3<f64>, depth: f64
     !body.side().tree.any_near(&(place.coords / unit), reach / unit, is_near)
 }
 
-/// A point in a body, both in the body's frame.
+/// A point inside a body, with the body; the point is in the body's frame.
 struct NearPoint<'a> {
     body: &'a Compound,
     place: Vector3<f64>,
@@ -378,7 +396,7 @@ struct NearPoint<'a> {
 }
 
 impl NearPoint<'_> {
-    /// Returns whether the surface of a piece is within reach where no other piece covers it.
+    /// Returns whether an uncovered point of a piece's surface is within the depth.
     fn is_exposed(&self, of: u32) -> bool {
         let piece = &self.body.pieces()[of as usize];
         let Core::Polyhedron(core) = piece.shape.core() else {
@@ -395,7 +413,7 @@ impl NearPoint<'_> {
         })
     }
 
-    /// Returns whether a part of a face that no other piece covers is within reach.
+    /// Returns whether an uncovered region of a face is within the depth.
     fn is_left(&self, of: u32, n: &Vector3<f64>, polygon: &[Vector3<f64>], covers: usize) -> bool {
         let (square, foot) = nearest(polygon, &self.place);
         if !(square < self.reach * self.reach) {
@@ -421,8 +439,7 @@ impl NearPoint<'_> {
         })
     }
 
-    /// Returns whether the point of a curved shape that is nearest is within reach, and not
-    /// covered.
+    /// Returns whether the nearest point of a curved shape is within the depth and not covered.
     fn is_foot_exposed(&self, of: u32, Piece { shape, pose, .. }: &Piece) -> bool {
         let foot = foot(shape, &pose.inverse_transform_point(&Point3::from(self.place)));
         foot.is_some_and(|(foot, n)| {
@@ -433,8 +450,9 @@ impl NearPoint<'_> {
     }
 }
 
-/// Returns the corners of a face of a piece, in the body's frame, moved out by the radius of the
-/// piece.
+/// Returns the vertices of a face of a piece, in the body's frame.
+///
+/// They are moved outward by the rounding radius of the piece.
 fn rim(piece: &Piece, core: &ConvexPolyhedron, face: FaceId, n: &Vector3<f64>) -> Vec<Vector3<f64>> {
     let corners = core.face_vertices(face).filter_map(|v| core.vertex(v));
     corners
@@ -442,7 +460,8 @@ fn rim(piece: &Piece, core: &ConvexPolyhedron, face: FaceId, n: &Vector3<f64>) -
         .collect()
 }
 
-/// Returns the squared distance of a point from a convex polygon, and the point of the polygon.
+/// Returns the squared distance of a point from a convex polygon, and the nearest point of the
+/// polygon.
 fn nearest(polygon: &[Vector3<f64>], point: &Vector3<f64>) -> (f64, Vector3<f64>) {
     let mut best = (f64::INFINITY, *point);
     for w in polygon.windows(2).skip(1) {
@@ -454,7 +473,7 @@ fn nearest(polygon: &[Vector3<f64>], point: &Vector3<f64>) -> (f64, Vector3<f64>
     best
 }
 
-/// Returns the part of a convex polygon above a plane.
+/// Returns the region of a convex polygon above a plane.
 fn beyond(polygon: &[Vector3<f64>], m: &Vector3<f64>, level: f64) -> Vec<Vector3<f64>> {
     let mut left = Vec::with_capacity(polygon.len() + 1);
     for (k, p) in polygon.iter().enumerate() {

@@ -1,21 +1,23 @@
-//! Contacts of meshes and bodies of pieces: one manifold for each pair of convex patches.
+//! Contacts of meshes and compounds: one manifold for each pair of convex patches.
 //!
-//! Triangles of a convex region are a single body to a manifold, so that the edges inside the
-//! region bear no contact (`patches`). The manifold of two patches (`near`) is kept if both
-//! bodies have its normal at the deepest point: that of a face, or in the cone of normals of a
-//! convex edge or vertex. A reflex edge has none, and neither has a face that a piece next to it
-//! covers (`body`). Else the normal of a face is taken, that of least overlap along which the
-//! bodies bear a contact: at the deepest vertex, if no surface is nearer to the vertex, or on an
-//! edge of the vertex, if the face ends in a valley before it comes to the vertex. So a body that
-//! slides over the edges of a tessellated floor, or along a reflex edge, feels none of them.
+//! A manifold treats the triangles of a convex region as one body, so that edges inside the region
+//! have no contact (`patches`). The manifold of two patches (`near`) is kept if its normal is a
+//! normal of both bodies at the deepest point: the normal of a face, or one in the normal cone of a
+//! convex edge or vertex. A reflex edge has no such normal, and neither has a face that an adjacent
+//! piece covers (`body`).
 //!
-//! Bodies may overlap although no patches bear a contact: of two edges that cross, neither may be
-//! an edge of a patch's hull, and a corner that has gone through a thin edge lies behind every face
-//! that is near. Then the direction of a translation that parts the bodies is taken
-//! (`penetration`), and the contact is the place at which they touch last on their way out
-//! ([`parting`]).
+//! Otherwise the normal of a face is used: of all faces whose normal gives a valid contact, the one
+//! with the least overlap. The contact is at the deepest vertex if no other surface is nearer to
+//! it. If the face ends in a valley before it reaches the vertex, the contact is on one of the
+//! vertex's edges. So a body that slides over the edges of a tessellated floor, or along a reflex
+//! edge, feels none of them.
 //!
-//! Normal cones: Clarke 1990, "Optimization and Nonsmooth Analysis", section 2.5 (proximal
+//! Bodies may overlap although no patches have a valid contact. Two edges that cross may both not
+//! be edges of a patch's hull, and a vertex that has passed through a thin edge is below the planes
+//! of all faces near it. Then the direction of a separating translation is used (`penetration`),
+//! and the contact is the point at which the bodies touch last on that translation ([`parting`]).
+//!
+//! Sources: normal cones: Clarke 1990, "Optimization and Nonsmooth Analysis", section 2.5 (proximal
 //! normals). Patches: see `patches`.
 
 mod body;
@@ -48,18 +50,22 @@ use patch_pair::NearPatches;
 /// measured.
 const ALIKE: f64 = 1.0 / 64.0;
 
-/// A contact and the patches that bear it.
+/// A contact and the patches on which it lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct PatchContact {
-    /// The patch or piece of A and of B. With the id of the point, a name that lasts as long as the
-    /// contact.
+    /// The patch or piece of A and of B.
+    ///
+    /// Together with the id of the point it identifies the contact as long as the contact lasts.
     pub patches: [u32; 2],
-    /// Unit direction from A to B, in A's frame, along which the points lie opposite each other.
+    /// Unit direction from A to B, in A's frame, along which the two points are opposite each
+    /// other.
     pub normal: Unit<Vector3<f64>>,
-    /// The points, in the bodies' frames. Features are those of the patches' hulls; those of
-    /// triangles or pieces if the contact stands for an overlap in which no patches bear one.
+    /// The two points, in the bodies' frames.
+    ///
+    /// Features are those of the patches' hulls. If the contact represents an overlap in which no
+    /// patches have a valid contact, they are features of triangles or pieces.
     pub point: ContactPoint,
 }
 
@@ -68,38 +74,41 @@ pub struct PatchContact {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ContactGroup {
-    /// Unit direction from A to B, in A's frame: that of the deepest contact. The others' differ by
-    /// a degree at most.
+    /// Unit direction from A to B, in A's frame: the normal of the deepest contact.
+    ///
+    /// The normals of the other contacts differ from it by at most one degree.
     pub normal: Unit<Vector3<f64>>,
-    /// At most [`ManifoldOptions::max_points`] contacts of all patches: the deepest, and those that
-    /// span the most area.
+    /// At most [`ManifoldOptions::max_points`] contacts of all patches.
+    ///
+    /// These are the deepest contact and those that span the largest area.
     pub contacts: Vec<PatchContact>,
 }
 
-/// The manifolds of the pairs of patches of two bodies that are near.
+/// The manifolds of the pairs of patches of two bodies that are near each other.
 ///
-/// Contacts are those of shallow overlap: a body that is wholly behind a face, or whose deepest
-/// point has left the mesh on another side, has no contact with that face. If solids overlap whose
-/// hulls of patches bear no contact at all, they have one along a translation that parts them,
-/// that of a query of their depth, at its price; a solid that is
+/// The contacts are those of shallow overlap. A body has no contact with a face if it is wholly
+/// below the plane of the face, or if its deepest point has left the mesh on another side. If
+/// solids overlap and the hulls of their patches have no valid contact, one contact is returned
+/// along a separating translation. It costs as much as a depth query. A solid that is deep inside
+/// another one, away from all patches, has no contact.
 /// deep inside another one, away from all patches, has none.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactTracker {
     fingerprints: [Fingerprint; 2],
     near: BTreeMap<NodePair, NearPatches>,
-    /// Says whether bodies without a contact overlap.
+    /// Finds whether bodies without a contact overlap.
     overlap: CompoundTracker,
     found: Vec<ContactGroup>,
 }
 
-/// A question about two bodies.
+/// A contact query of two bodies.
 struct PatchQuery<'a> {
     a: &'a ConvexPatches,
     b: &'a ConvexPatches,
     pose: &'a RelativePose,
     placed: Placed<'a>,
     options: &'a ManifoldOptions,
-    /// By how much a contact may be off its place, in the caller's unit.
+    /// Error bound of the position of a contact, in the caller's unit.
     doubt: f64,
 }
 
@@ -110,9 +119,10 @@ impl ContactTracker {
         &self.found
     }
 
-    /// Returns the contacts within `options.prediction`, in groups of one direction, the group of
-    /// the deepest contact first. `options.max_face_sine` and `options.rebuild_motion` are those of
-    /// the manifold of two patches.
+    /// Returns the contacts within `options.prediction`, in groups of one direction.
+    ///
+    /// The group of the deepest contact is first. `options.max_face_sine` and
+    /// `options.rebuild_motion` apply to the manifold of two patches.
     pub(crate) fn contacts(
         &mut self,
         a: &ConvexPatches,
@@ -146,7 +156,7 @@ impl ContactTracker {
             let contact = parting(&query, frame.size * a.unit());
             all.extend(contact.filter(|c| c.point.separation <= options.prediction));
         }
-        // The old first, so that they stay among equals.
+        // The old contacts come first, so that they stay if others are equally good.
         let name = |c: &PatchContact| (c.patches, c.point.id);
         all.sort_by_key(|c| !before.contains(&name(c)));
         let is_old = all.iter().take_while(|c| before.contains(&name(c))).count();
@@ -156,13 +166,13 @@ impl ContactTracker {
         &self.found
     }
 
-    /// Returns the names of the contacts of the last query.
+    /// Returns the names (patches and ids) of the contacts of the last query.
     fn names(&self) -> Vec<(NodePair, crate::body::polyhedron::FeaturePair)> {
         let all = self.found.iter().flat_map(|g| &g.contacts);
         all.map(|c| (c.patches, c.point.id)).collect()
     }
 
-    /// Returns the contacts of all pairs of patches that are near.
+    /// Returns the contacts of all pairs of patches that are near each other.
     fn ask_all(&mut self, query: &PatchQuery, frame: &TreeFrame) -> Vec<PatchContact> {
         let mut all = Vec::new();
         self.near.values_mut().for_each(|n| n.is_seen = false);
@@ -182,8 +192,9 @@ impl ContactTracker {
     }
 }
 
-/// Puts contacts of like normals together and keeps a few of each; the first `old` were there
-/// before.
+/// Groups contacts with similar normals and keeps a few of each group.
+///
+/// The first `old` contacts are those of the last query.
 fn groups(all: &[PatchContact], old: usize, most: usize, merge: f64, tie: f64) -> Vec<ContactGroup> {
     let mut deepest: Vec<usize> = (0..all.len()).collect();
     deepest.sort_by(|&i, &j| all[i].point.separation.total_cmp(&all[j].point.separation));
@@ -216,8 +227,9 @@ fn groups(all: &[PatchContact], old: usize, most: usize, merge: f64, tie: f64) -
     groups.into_iter().map(reduced).collect()
 }
 
-/// Returns the pairs of patches whose boxes are not proven farther apart than the prediction, in
-/// order.
+/// Returns the pairs of patches whose boxes may be within the prediction, in order.
+///
+/// All other pairs are proven farther apart.
 fn near_pairs(query: &PatchQuery, frame: &TreeFrame) -> Vec<NodePair> {
     let PatchQuery { a, b, options, .. } = query;
     let (of_a, of_b) = (a.side().tree, b.side().tree);
@@ -241,12 +253,15 @@ fn near_pairs(query: &PatchQuery, frame: &TreeFrame) -> Vec<NodePair> {
     found
 }
 
-/// Steps back along a translation that parts two bodies, to the place of their last contact. Each
-/// takes the gap that is left, so few do unless the bodies slide past each other. Not measured.
+/// Maximum number of steps back along a separating translation to the point of last contact.
+///
+/// Each step closes the gap that is left, so few steps suffice unless the bodies slide past each
+/// other. Not measured.
 const WAY_BACK: usize = 64;
 
-/// Returns the contact along a translation that parts two solids; `None` if none is known. `size`
-/// is L of the pair in the caller's unit.
+/// Returns the contact along a translation that separates two solids; `None` if none is known.
+///
+/// `size` is the pair size L in the caller's unit.
 fn parting(query: &PatchQuery, size: f64) -> Option<PatchContact> {
     let (a, b) = (query.a.parts(), query.b.parts());
     let mut tracker = CompoundTracker::new();

@@ -1,5 +1,7 @@
-//! Two patches that are near: the contacts of their hulls that lie on the surfaces of both bodies,
-//! and contacts beside a vertex whose foot on the plane of a face is beyond the end of the face.
+//! Contacts of two patches that are near each other.
+//!
+//! These are the contacts of their hulls that lie on the surfaces of both bodies, and contacts next
+//! to a vertex whose foot on the plane of a face is beyond the end of the face.
 //!
 //! ```text
 //!    face \       / other face     A vertex v in a valley is below both faces. Its foot on the
@@ -23,21 +25,22 @@ use crate::convex::shape_tracker::{ShapeTracker, along_face, swapped};
 use crate::nonconvex::front::NodePair;
 use crate::pair::outcome::{ContactState, DepthMode, Outcome};
 
-/// Faces that are tried for a contact whose normal the mesh does not have. Not measured.
+/// Maximum number of faces tried for a contact whose normal is not a normal of the mesh. Not
+/// measured.
 const FACES_TRIED: usize = 6;
 
-/// Faces whose depths differ by less than this part count as equally deep. Not measured.
+/// Faces whose depths differ by less than this fraction count as equally deep. Not measured.
 const NEARLY: f64 = 1.0 / 64.0;
 
-/// The state of two patches that are near.
+/// The state of two patches that are near each other.
 #[derive(Clone, Debug)]
 pub(super) struct NearPatches {
     parts: [(Shape, Isometry3<f64>); 2],
     tracker: ShapeTracker,
     manifold: Manifold,
-    /// Mask of the manifold's points that lie on both surfaces.
+    /// Bit set of the manifold points that lie on both surfaces.
     borne: u8,
-    /// Whether the last query reached this pair of patches.
+    /// Whether the last query tested this pair of patches.
     pub(super) is_seen: bool,
 }
 
@@ -46,12 +49,12 @@ struct PosedPatches<'a> {
     query: &'a PatchQuery<'a>,
     patches: NodePair,
     parts: &'a [(Shape, Isometry3<f64>); 2],
-    /// From the frame of the part of B to that of the part of A.
+    /// Pose of the frame of B's convex body in that of A's.
     pose: RelativePose,
 }
 
 impl NearPatches {
-    /// `None` for a patch that is no body.
+    /// Returns `None` for a patch that is not a body.
     pub(super) fn new(a: &ConvexPatches, b: &ConvexPatches, [p, q]: NodePair) -> Option<Self> {
         Some(Self {
             parts: [a.part(p)?, b.part(q)?],
@@ -62,7 +65,7 @@ impl NearPatches {
         })
     }
 
-    /// Returns whether the hulls of the patches are not proven apart.
+    /// Returns whether the hulls of the patches are not proven to be separated.
     pub(super) fn may_overlap(&self) -> bool {
         !(self.manifold.lower() > 0.0)
     }
@@ -114,7 +117,7 @@ impl PosedPatches<'_> {
         self.parts[0].1 * manifold.normal()
     }
 
-    /// Returns a contact of the parts as one of the bodies.
+    /// Returns a contact of the convex bodies of the patches as a contact of the two bodies.
     fn point(&self, point: &ContactPoint) -> ContactPoint {
         ContactPoint {
             point_on_a: self.parts[0].1 * point.point_on_a,
@@ -123,8 +126,10 @@ impl PosedPatches<'_> {
         }
     }
 
-    /// Returns a mask of the manifold's points that lie on both surfaces; empty if the deepest does
-    /// not. Points that nearly lie on both count if the normal is one of a face of a body.
+    /// Returns a bit set of the manifold points that lie on both surfaces.
+    ///
+    /// It is empty if the deepest point does not. Points that nearly lie on both count if the
+    /// normal is the normal of a face of a body.
     fn borne(&self, manifold: &Manifold) -> u8 {
         let Some(deepest) = manifold.deepest() else { return 0 };
         let n = self.normal(manifold);
@@ -143,8 +148,9 @@ impl PosedPatches<'_> {
         if is_deepest_borne { nearly | fully } else { 0 }
     }
 
-    /// Returns the points of a manifold that both bodies bear fully, as bits, with those at the end
-    /// of a face that goes on below the other face of a valley.
+    /// Returns a bit set of the manifold points that are fully valid on both bodies.
+    ///
+    /// It includes points at the end of a face that continues below the other face of a valley.
     fn fully_borne(&self, manifold: &Manifold) -> u8 {
         let n = self.normal(manifold);
         bits(manifold, |point| {
@@ -153,7 +159,7 @@ impl PosedPatches<'_> {
         })
     }
 
-    /// Returns whether a point is at the end of a face of a piece, and on a face of the other body.
+    /// Returns whether a point is at the end of a face of a piece and on a face of the other body.
     fn is_at_end(&self, n: &Vector3<f64>, point: &ContactPoint) -> bool {
         let PatchQuery {
             a,
@@ -199,7 +205,7 @@ impl PosedPatches<'_> {
         of_a.min(of_b)
     }
 
-    /// Returns whether the deepest contact leaves one of the bodies on the other side.
+    /// Returns whether the deepest contact point is outside one of the bodies on its other side.
     fn is_through(&self, point: &ContactPoint) -> bool {
         let PatchQuery { a, b, pose, doubt, .. } = self.query;
         let (rotation, translation) = (pose.rotation(), pose.translation());
@@ -208,8 +214,9 @@ impl PosedPatches<'_> {
         a.is_left(&point.point_on_a, &in_a, *doubt) || b.is_left(&point.point_on_b, &in_b, *doubt)
     }
 
-    /// Returns whether a patch of a mesh has all of the other part behind it, from where no contact
-    /// comes.
+    /// Returns whether the other convex body is wholly below a patch of a mesh.
+    ///
+    /// No contact comes from there.
     fn is_behind(&self, n: &Vector3<f64>, deepest: &ContactPoint) -> bool {
         let PatchQuery { a, b, .. } = self.query;
         let [(p, _), (q, _)] = self.parts;
@@ -221,8 +228,11 @@ impl PosedPatches<'_> {
         a.is_mesh() && top <= n.dot(&deepest.point_on_a.coords) || b.is_mesh() && bottom >= on_b
     }
 
-    /// Takes the normal of a face, with the least overlap, if the bodies bear a contact along it:
-    /// at the deepest vertex, or else where the edges of that vertex come over the face.
+    /// Uses the normal of the face of least overlap along which the contact is valid on both
+    /// bodies.
+    ///
+    /// The contact is at the deepest vertex, or otherwise where the edges of that vertex pass over
+    /// the face.
     fn by_faces(&self, tracker: &mut ShapeTracker, manifold: &mut Manifold) -> u8 {
         let shapes = [&self.parts[0].0, &self.parts[1].0];
         let mut beside = None;
@@ -246,7 +256,8 @@ impl PosedPatches<'_> {
         let mut borne = self.fully_borne(&trial) & self.on_parts(&trial);
         let level = trial.upper() + self.query.doubt;
         if bits(&trial, |point| point.separation <= level) & borne == 0 {
-            // The face goes on below another one, and the points of the whole face hide the place.
+            // The face continues below another one, and the manifold points of the whole face hide
+            // the contact.
             trial = ShapeTracker::manifold_of_witnesses(shapes, pose, options, &outcome);
             borne = self.fully_borne(&trial) & self.on_parts(&trial);
         }
@@ -256,13 +267,14 @@ impl PosedPatches<'_> {
         borne
     }
 
-    /// Returns the points of a manifold that lie on the parts that are convex bodies, as bits:
-    /// witnesses on the plane of a face may lie beside the face.
+    /// Returns a bit set of the manifold points that lie on those patches that are convex bodies.
+    ///
+    /// Witness points on the plane of a face may lie outside the face.
     fn on_parts(&self, manifold: &Manifold) -> u8 {
         bits(manifold, |point| self.is_on_parts(point))
     }
 
-    /// Returns whether a contact lies on the parts that are convex bodies.
+    /// Returns whether a contact lies on those patches that are convex bodies.
     fn is_on_parts(&self, point: &ContactPoint) -> bool {
         let PatchQuery { a, b, doubt, .. } = self.query;
         let [(p, _), (q, _)] = self.parts;
@@ -270,8 +282,9 @@ impl PosedPatches<'_> {
             && (b.is_mesh() || is_in(q, &point.point_on_b, 2.0 * doubt))
     }
 
-    /// Returns whether the face of an outcome is the nearest one to the deepest point. If a body
-    /// enters a ridge from one side, only that side is in contact.
+    /// Returns whether the face of an outcome is the nearest face to the deepest point.
+    ///
+    /// If a body enters a ridge from one side, only that side is in contact.
     fn is_nearest(&self, is_of_a: bool, outcome: &Outcome) -> bool {
         let PatchQuery { a, b, doubt, .. } = self.query;
         let depth = -outcome.distance * (1.0 - NEARLY) - doubt;
@@ -288,7 +301,7 @@ impl PosedPatches<'_> {
         }
     }
 
-    /// Returns the outcomes along the normals of faces of A or of B, the greatest gap first.
+    /// Returns the outcomes along the normals of faces of A or of B, the largest gap first.
     fn faces(&self) -> impl Iterator<Item = (bool, Outcome)> + '_ {
         let PatchQuery { a, b, .. } = self.query;
         let [(p, at_p), (q, at_q)] = self.parts;
@@ -312,7 +325,7 @@ impl PosedPatches<'_> {
     }
 }
 
-/// Returns the points of a manifold that pass a test, as bits.
+/// Returns a bit set of the manifold points that pass a test.
 fn bits(manifold: &Manifold, passes: impl Fn(&ContactPoint) -> bool) -> u8 {
     let points = manifold.points().iter().enumerate();
     points.fold(0, |bits, (k, point)| bits | u8::from(passes(point)) << k)
@@ -328,22 +341,26 @@ fn faces<'a>(core: &'a Core, other: &'a Core, pose: &'a RelativePose) -> impl It
     body.into_iter().flat_map(of)
 }
 
-/// The part of an edge beyond which a contact beside a vertex is looked for: a millionth. Corners
-/// in 8,400 poses in valleys have the same contacts with 1e-9, 1e-6 and 1e-3, in 13.3, 12.2 and
-/// 10.4 s of a build for tests.
+/// Fraction of an edge beyond which a contact next to a vertex is searched for: a millionth.
+///
+/// Vertices in 8,400 poses in valleys have the same contacts for 1e-9, 1e-6 and 1e-3; the times are
+/// 13.3, 12.2 and 10.4 s (test build).
 const SHORT_EDGE: f64 = 1.0 / 1_048_576.0;
 
-/// Bisections of the place along an edge at which a body begins to bear a contact: to 1e-9 of the
-/// place. Corners in 8,400 poses in valleys have the same contacts, right to 1e-9, with 20, 30, 40
-/// and 52, in 4.2, 6.2, 8.7 and 11.8 s of a build for tests.
+/// Number of bisections of the position along an edge where a contact becomes valid.
+///
+/// The result is accurate to 1e-9 of the position. Vertices in 8,400 poses in valleys have the same
+/// contacts to 1e-9 for 20, 30, 40 and 52 bisections; the times are 4.2, 6.2, 8.7 and 11.8 s (test
+/// build).
 const EDGE_HALVINGS: usize = 30;
 
 impl PosedPatches<'_> {
-    /// Returns the outcome along the normal of a face at the lowest place over the face on an edge
-    /// of the other part's deepest vertex, which is not over the face itself.
+    /// Returns the outcome along a face's normal for the lowest point over the face of certain
+    /// edges.
     ///
-    /// A face that ends in a valley bears contacts within the prediction; any other one overlaps,
-    /// if it is the nearest to the vertex.
+    /// These are the edges at the other convex body's deepest vertex, which is itself not over the
+    /// face. If the face ends in a valley, contacts within the prediction are valid. On any other
+    /// face the contact must overlap, and the face must be the nearest to the vertex.
     fn beside(&self, is_of_a: bool, outcome: &Outcome, is_nearest: bool) -> Option<Outcome> {
         let (part, feature) = if is_of_a {
             (&self.parts[1].0, outcome.features.b)
@@ -382,8 +399,10 @@ impl PosedPatches<'_> {
         }
     }
 
-    /// Returns the first place along an edge, from the vertex of an outcome, at which the bodies
-    /// fully bear a contact along the outcome's normal that is no farther apart than `level`.
+    /// Returns the first point along an edge where a contact is fully valid on both bodies.
+    ///
+    /// The search starts at the vertex of an outcome. The contact is along the outcome's normal,
+    /// and its distance is at most `level`.
     fn first_borne(
         &self,
         is_of_a: bool,
@@ -422,8 +441,10 @@ impl PosedPatches<'_> {
         Some(at(on))
     }
 
-    /// Returns an outcome along a face whose point on the other part moves along an edge by a step
-    /// in the other part's frame.
+    /// Returns an outcome along a face after the point on the other convex body moves along an
+    /// edge.
+    ///
+    /// The step is in that body's frame.
     fn moved(&self, is_of_a: bool, outcome: &Outcome, edge: EdgeId, step: Vector3<f64>) -> Outcome {
         let (n, rotation, mut moved) = (outcome.normal, self.pose.rotation(), *outcome);
         if is_of_a {
@@ -449,7 +470,7 @@ impl PosedPatches<'_> {
         moved
     }
 
-    /// Returns the closest points of an outcome of the cores as a contact of the parts.
+    /// Returns the closest points of an outcome of the cores as a contact of the convex bodies.
     fn witness(&self, outcome: &Outcome) -> ContactPoint {
         let [on_a, on_b] = [0, 1].each(|k| self.parts[k].0.rounding_radius());
         ContactPoint {

@@ -1,16 +1,18 @@
-//! The surface of a mesh as its contacts see it: convex patches with their hulls, possible places
-//! and normals of contacts.
+//! The convex patches of a mesh for contacts: their hulls, and where and along which normals
+//! contacts are valid.
 //!
-//! A triangle joins the patch of an adjacent one if its vertices are on or below the planes of all
-//! triangles of the patch, and all vertices of the patch on or below its own plane, both within a
-//! tolerance: then every triangle of the patch lies within the tolerance of the boundary of the
-//! patch's hull, outward ([`grow`]).
+//! A triangle joins the patch of an adjacent triangle under two conditions, both within a
+//! tolerance. Its vertices are on or below the planes of all triangles of the patch, and all
+//! vertices of the patch are on or below its plane. Then every triangle of the patch lies within
+//! the tolerance of the boundary of the patch's hull and faces outward ([`grow`]).
 //!
 //! Source: the convex surface decomposition of Ehmann and Lin 2001, "Accurate and fast proximity
 //! queries between polyhedra using convex surface decomposition", section 4. Departures:
 //!
-//! 1. Patches carry contacts only; distances are the triangles' own. So hulls may leave the solid.
-//! 2. Signs have a tolerance: the vertices of a turned plane are rounded, so that its inner edges
+//! 1. Patches carry contacts only; distances use the triangles. So hulls may extend outside the
+//!    solid.
+//! 2. Signs have a tolerance. The vertices of a rotated plane are rounded, so about half of its
+//!    inner edges are reflex by a few units.
 //!    are reflex by a few units as often as not.
 
 use alloc::boxed::Box;
@@ -31,39 +33,42 @@ use crate::nonconvex::query::overlap::unit_normal;
 use crate::nonconvex::query::triangle;
 use crate::nonconvex::tree::Tree;
 
-/// The depth of the hull of a patch that does not go round a body, in its radius. Overlaps deeper
-/// than half of it take the normal of a face instead of the hull's, at the price of one gap for
-/// each face. Not measured.
+/// Depth of the hull of a patch that does not surround a body, as a fraction of its radius.
+///
+/// An overlap deeper than half of it takes the normal of a face instead of the hull's, which costs
+/// one gap for each face. Not measured.
 const DEPTH: f64 = 0.25;
 
-/// The hulls of patches of so many triangles are built with the patches, those of smaller ones when
-/// a body comes near: a hull takes kilobytes, most patches of scanned meshes have three to six
-/// triangles. Not measured.
+/// Minimum number of triangles of a patch whose hull is built together with the patches.
+///
+/// Hulls of smaller patches are built when a body comes near. A hull takes kilobytes, and most
+/// patches of scanned meshes have three to six triangles. Not measured.
 const MANY_TRIANGLES: usize = 12;
 
-/// Sine of the largest angle between a contact's normal and the normals of the mesh at the point:
-/// witnesses 1e-9 apart have a direction right to 1e-7.
+/// Sine of the largest angle between a contact's normal and the normals of the mesh at the point.
+///
+/// The direction between witness points that are 1e-9 apart has an error of 1e-7.
 const CONE: f64 = 1.0 / 1_048_576.0;
 
-/// How far a mesh admits a contact.
+/// Whether a contact is valid on a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Borne {
-    /// Beside the patch, or along no normal of the mesh.
+    /// Outside the patch, or along a direction that is not a normal of the mesh.
     No,
     /// On a face that is nearly perpendicular to the normal.
     Nearly,
-    /// Along a normal of the mesh: of a face, or in the cone of a convex edge or vertex.
+    /// Along a normal of the mesh: of a face, or in the normal cone of a convex edge or vertex.
     Fully,
 }
 
-/// A mesh in patches.
+/// A mesh divided into convex patches.
 #[derive(Clone, Debug)]
 pub(super) struct PatchedMesh {
     pub(super) mesh: Arc<Mesh>,
     tree: Tree,
     /// The patch of each leaf of the tree.
     order: Vec<u32>,
-    /// The triangles of each patch: where its list begins, and the lists.
+    /// The triangles of each patch: the start of its list, and the lists.
     first: Vec<u32>,
     of_patch: Vec<u32>,
     patch_of: Vec<u32>,
@@ -71,12 +76,12 @@ pub(super) struct PatchedMesh {
     corners: Vec<Box<[u32]>>,
     /// The hulls of large patches.
     hulls: Vec<Option<Shape>>,
-    /// How far a triangle may be off the hull of its patch, in stored units.
+    /// Bound of the distance of a triangle from the hull of its patch, in stored units.
     slack: f64,
 }
 
 impl PatchedMesh {
-    /// Cuts a mesh into patches that are convex within a tolerance in stored units.
+    /// Divides a mesh into patches that are convex within a tolerance in stored units.
     pub(super) fn new(mesh: Arc<Mesh>, tolerance: f64) -> Self {
         let slack = tolerance.larger(ACROSS * mesh.radius);
         let patches = grow(&mesh, slack);
@@ -130,14 +135,16 @@ impl PatchedMesh {
         self.hulls.len()
     }
 
-    /// Returns the triangles of a patch; none for a patch that is not there.
+    /// Returns the triangles of a patch; empty if the patch does not exist.
     pub(super) fn triangles(&self, patch: u32) -> &[u32] {
         let range = self.first.get(patch as usize..patch as usize + 2);
         range.map_or(&[], |r| &self.of_patch[r[0] as usize..r[1] as usize])
     }
 
-    /// Returns the hull of a patch, with depth; `None` for a patch too small beside its place to be
-    /// a body.
+    /// Returns the hull of a patch, with depth.
+    ///
+    /// Returns `None` for a patch that is too small, compared with its distance from the origin, to
+    /// be a body.
     pub(super) fn hull(&self, patch: u32) -> Option<Shape> {
         match self.hulls.get(patch as usize)? {
             Some(hull) => Some(hull.clone()),
@@ -156,7 +163,7 @@ impl PatchedMesh {
         };
         let sum: Vector3<f64> = normals().sum();
         let mean = sum / sqrt(sum.norm_squared());
-        // A patch that goes round a body has depth of its own.
+        // A patch that surrounds a body has depth already.
         if normals().all(|n| mean.dot(&n) > 0.25 * sqrt(n.norm_squared())) {
             let (low, high) = bounding_box(points.iter().map(|p| &p.coords));
             let down = mean * (-0.5 * DEPTH * sqrt((high - low).norm_squared()));
@@ -167,9 +174,10 @@ impl PatchedMesh {
         built.ok().map(Shape::from)
     }
 
-    /// Returns how far the mesh admits a contact of a patch at a point in the caller's unit, along
-    /// an outward unit normal. `doubt` is by how much the point may be off its place, `sine` the
-    /// largest angle of a face that is nearly perpendicular to the normal.
+    /// Returns whether a contact of a patch at a point along an outward unit normal is valid.
+    ///
+    /// The point is in the caller's unit. `doubt` bounds its position error. `sine` is the largest
+    /// angle of a face that is nearly perpendicular to the normal.
     pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, sine: f64, doubt: f64) -> Borne {
         let place = point.coords / self.mesh.unit();
         let skin = self.slack + doubt / self.mesh.unit();
@@ -203,7 +211,8 @@ impl PatchedMesh {
         });
         match borne {
             None => Borne::No,
-            // No vertex about the point is higher: one of the normals of a convex feature.
+            // No vertex around the point is higher: the direction is one of the normals of a convex
+            // feature.
             Some(_) if is_outward && rise <= CONE => Borne::Fully,
             Some(borne) => borne,
         }
@@ -217,7 +226,7 @@ impl PatchedMesh {
         })
     }
 
-    /// Returns whether a point is as far from the mesh as `depth`.
+    /// Returns whether a point is at least `depth` away from the mesh.
     pub(super) fn is_clear(&self, point: &Point3<f64>, depth: f64) -> bool {
         let (place, reach) = (point.coords / self.mesh.unit(), depth / self.mesh.unit() - self.slack);
         let is_nearer = |t: u32| triangle::nearest(&place, &self.mesh.corners(t)).0 < reach * reach;
@@ -233,7 +242,7 @@ impl PatchedMesh {
         n.dot(&(place - foot.point)) < -skin * sqrt(n.norm_squared())
     }
 
-    /// Returns whether the way from a point of the surface to a point below leaves the mesh.
+    /// Returns whether the path from a point of the surface to a point below it leaves the mesh.
     pub(super) fn is_left(&self, from: &Point3<f64>, to: &Point3<f64>, doubt: f64) -> bool {
         let unit = self.mesh.unit();
         let skin = 2.0 * (self.slack + doubt / unit);
@@ -241,14 +250,15 @@ impl PatchedMesh {
     }
 }
 
-/// Most planes of a patch for contacts: larger patches for a build in time that grows with their
-/// square. Not measured.
+/// Maximum number of planes of a patch.
+///
+/// Larger patches would need a build time that grows with the square of their size. Not measured.
 const PLANES: usize = 1024;
 
-/// A convex patch: triangles, each with a triangle of the plane to which it belongs.
+/// A convex patch: triangles, each with a triangle that represents its plane.
 type PatchTriangles = Vec<(u32, u32)>;
 
-/// Cuts a mesh into patches.
+/// Divides a mesh into patches.
 pub(super) fn grow(mesh: &Mesh, tolerance: f64) -> Vec<PatchTriangles> {
     let count = mesh.triangles.len() as u32;
     let surface = MeshSurface {
@@ -272,7 +282,7 @@ pub(super) fn grow(mesh: &Mesh, tolerance: f64) -> Vec<PatchTriangles> {
     patches
 }
 
-/// Returns the edges of all triangles as they run, in order, each with its triangle.
+/// Returns the directed edges of all triangles in order, each with its triangle.
 fn edges(mesh: &Mesh) -> Vec<([u32; 2], u32)> {
     let mut edges = Vec::with_capacity(3 * mesh.triangles.len());
     for (k, &[a, b, c]) in (0u32..).zip(&mesh.triangles) {
@@ -290,13 +300,14 @@ struct MeshSurface<'a> {
 }
 
 impl MeshSurface<'_> {
-    /// Returns the height of a vertex over the plane of a triangle.
+    /// Returns the height of a vertex above the plane of a triangle.
     fn height(&self, triangle: u32, vertex: u32) -> f64 {
         let base = self.mesh.points[self.mesh.triangles[triangle as usize][0] as usize];
         self.normals[triangle as usize].dot(&(self.mesh.points[vertex as usize] - base))
     }
 
-    /// Returns the triangles that share an edge with one, run in the opposite sense.
+    /// Returns the triangles that share an edge with a triangle and run along it in the opposite
+    /// direction.
     fn adjacent(&self, triangle: u32) -> impl Iterator<Item = u32> + '_ {
         let [a, b, c] = self.mesh.triangles[triangle as usize];
         [[b, a], [c, b], [a, c]].into_iter().flat_map(move |edge| {
@@ -307,12 +318,12 @@ impl MeshSurface<'_> {
     }
 }
 
-/// A patch that takes adjacent triangles.
+/// A patch that is extended by adjacent triangles.
 struct Growing<'a> {
     surface: &'a MeshSurface<'a>,
     triangles: PatchTriangles,
     vertices: Vec<u32>,
-    /// A triangle of each plane.
+    /// One triangle of each plane.
     planes: Vec<u32>,
 }
 
@@ -341,8 +352,9 @@ impl<'a> Growing<'a> {
         }
     }
 
-    /// Takes a triangle that is adjacent to one of a plane, if the patch stays convex; returns the
-    /// triangle's plane.
+    /// Adds a triangle that is adjacent to one of a plane, if the patch stays convex.
+    ///
+    /// Returns the plane of the added triangle.
     fn admit(&mut self, next: u32, plane: u32) -> Option<u32> {
         let surface = self.surface;
         let triangle = surface.mesh.triangles[next as usize];
@@ -375,8 +387,10 @@ impl<'a> Growing<'a> {
     }
 }
 
-/// Returns the vertices of a patch that span its hull within a tolerance: of each plane the corners
-/// of the hull of its triangles, so that a flat face is flat whatever its vertices inside are.
+/// Returns the vertices of a patch that span its hull within a tolerance.
+///
+/// For each plane these are the vertices of the hull of its triangles, so that a flat face stays
+/// flat whatever vertices are inside it.
 pub(super) fn corners(mesh: &Mesh, patch: &PatchTriangles, tolerance: f64) -> Vec<u32> {
     let mut by_plane: Vec<(u32, u32)> = patch.iter().map(|&(t, plane)| (plane, t)).collect();
     by_plane.sort_unstable();
@@ -400,8 +414,9 @@ pub(super) fn corners(mesh: &Mesh, patch: &PatchTriangles, tolerance: f64) -> Ve
     all
 }
 
-/// Leaves the corners of the hull of vertices that lie in one plane (Andrew 1979, monotone chain);
-/// a vertex within the tolerance of the line of its neighbours is none.
+/// Keeps only the hull vertices of vertices that lie in one plane (Andrew 1979, monotone chain).
+///
+/// A vertex within the tolerance of the line through its neighbours is removed.
 fn flat_corners(mesh: &Mesh, n: &Vector3<f64>, tolerance: f64, vertices: &mut Vec<u32>) {
     let skip = n.iamin();
     let u = n.cross(&Vector3::from_fn(|k, _| if k == skip { 1.0 } else { 0.0 }));
@@ -415,7 +430,7 @@ fn flat_corners(mesh: &Mesh, n: &Vector3<f64>, tolerance: f64, vertices: &mut Ve
         let (p, q) = (at(j), at(k));
         p.0.total_cmp(&q.0).then(p.1.total_cmp(&q.1))
     });
-    // Twice for the length of u and v, which is at least the root of two thirds.
+    // Twice, because of the lengths of u and v, which are at least the square root of two thirds.
     let is_corner = |a: u32, b: u32, c: u32| {
         let (a, b, c) = (at(a), at(b), at(c));
         let (s, t) = ((c.0 - a.0, c.1 - a.1), (b.0 - a.0, b.1 - a.1));

@@ -32,10 +32,12 @@ impl Moment {
     }
 }
 
-/// A mesh from the begin of a frame to its end, for [`cast_meshes`](super::cast_meshes) and
-/// [`cast_self`](super::cast_self): the same triangles, each vertex on a straight path at
-/// constant velocity in the frame of the mesh, and the mesh at rest in that frame unless
-/// [`with_poses`](Self::with_poses) sets its poses.
+/// A mesh from the start of a frame to its end.
+///
+/// It is the input of [`cast_meshes`](super::cast_meshes) and [`cast_self`](super::cast_self). The
+/// triangles stay the same, and each vertex moves on a straight path at constant velocity in the
+/// frame of the mesh. The mesh is at rest in that frame unless [`with_poses`](Self::with_poses)
+/// sets its poses.
 #[derive(Clone, Debug)]
 pub struct MovingMesh<'a> {
     /// The mesh at both ends, in one tree.
@@ -51,11 +53,11 @@ impl<'a> MovingMesh<'a> {
     /// [`set_vertices`](Mesh::set_vertices), and the mesh after. Both are the same for a body that
     /// does not bend.
     ///
-    /// If parts of the tree were made anew in between, a mesh is made in the tree of the end with
-    /// the vertices of the begin, which takes as long as a few replacements of all vertices.
+    /// If parts of the tree were built again in between, a mesh with the vertices of the start is
+    /// made in the tree of the end. This takes as long as a few replacements of all vertices.
     ///
     /// # Errors
-    /// [`ImpactError::Mesh`] if both are not the same triangles of the same vertices.
+    /// Returns [`ImpactError::Mesh`] if the two do not have the same triangles and vertices.
     pub fn new(begin: &'a Mesh, end: &'a Mesh) -> Result<Self, ImpactError> {
         let is_same = begin.triangles == end.triangles
             && begin.source_triangles == end.source_triangles
@@ -90,7 +92,7 @@ impl<'a> MovingMesh<'a> {
     /// a touch that no surface passes ends as [`Near`](crate::impact::Impact::Undecided).
     ///
     /// # Errors
-    /// If a pose is refused as by [`RelativePose::new`](crate::RelativePose::new).
+    /// Returns an error if [`RelativePose::new`](crate::RelativePose::new) rejects a pose.
     pub fn with_poses(self, begin: &Isometry3<f64>, end: &Isometry3<f64>) -> Result<Self, ImpactError> {
         for pose in [begin, end] {
             RelativePose::from_isometry(pose)?;

@@ -28,22 +28,22 @@ use crate::time::impact::{Cast, ImpactError, Tolerance};
 const ARC_PART: f64 = 1.0 / 1024.0;
 const ARC_STEPS: f64 = 64.0;
 
-/// Returns the first contact of two meshes from the begin of a frame to its end, from time zero to
-/// time one: of their surfaces.
+/// Returns the first contact of the surfaces of two meshes over a frame.
 ///
-/// [`Impact::Miss`](crate::impact::Impact::Miss) is a proof for every pair of triangles,
-/// [`Impact::Hit`](crate::impact::Impact::Hit) a bracket of the first contact, with the triangles
-/// that meet as pieces of the measure, whose bounds are of these two. A body that is inside
-/// another, with no contact of the surfaces, is apart: ask [`PairTracker`](crate::PairTracker) at
-/// the begin.
+/// The frame is from time zero to time one. [`Impact::Miss`](crate::impact::Impact::Miss) is a
+/// proof for every pair of triangles. [`Impact::Hit`](crate::impact::Impact::Hit) is a proven
+/// interval of the first contact; its measurement names the triangles that meet, and its bounds are
+/// those of these two. A body inside another counts as separated if the surfaces have no contact:
+/// query [`PairTracker`](crate::PairTracker) at the start.
 ///
-/// If a mesh rotates, a hit is proven of the motion itself: no contact up to `safe`, and at `hit`
-/// an edge of one surface passes through a triangle of the other, beyond all rounding. The bracket
-/// is as wide as asked for if the surfaces are some 1e-12 of their size deep in each other by its
-/// end, else wider. [`Impact::AtStart`](crate::impact::Impact::AtStart) is told of the places at
-/// the begin as rounded. [`Impact::Undecided`](crate::impact::Impact::Undecided) remains if
-/// surfaces touch without an edge that passes, come nearer than some 1e-12 of their size, or 1,024
-/// intervals do not prove a pair of triangles apart; nothing is known of later instants then.
+/// If a mesh rotates, a hit is proven for the motion itself: no contact up to `safe`, and at `hit`
+/// an edge of one surface passes through a triangle of the other, beyond all rounding. The interval
+/// is as narrow as requested if at its end the surfaces are about 1e-12 of their size deep in each
+/// other, and wider otherwise. [`Impact::AtStart`](crate::impact::Impact::AtStart) holds for the
+/// rounded positions at the start. [`Impact::Undecided`](crate::impact::Impact::Undecided) is
+/// returned if surfaces touch without an edge that passes, if they come nearer than about 1e-12 of
+/// their size, or if 1,024 intervals do not prove a pair of triangles separated. Then nothing is
+/// known of later times.
 ///
 /// ```
 /// use lin_canny::continuous::{self, MovingMesh};
@@ -82,8 +82,9 @@ pub fn cast_meshes(a: &MovingMesh, b: &MovingMesh, tolerance: Tolerance) -> Resu
     Ok(FrameSearch { origin, ..search }.run())
 }
 
-/// Returns the first contact of a mesh with itself from the begin of a frame to its end: of two
-/// triangles that share no vertex. Poses do not count.
+/// Returns the first contact of a mesh with itself over a frame.
+///
+/// Only triangles that share no vertex count. Poses have no effect.
 ///
 /// # Errors
 /// If the tolerance is negative or not finite.

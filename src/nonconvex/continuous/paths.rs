@@ -14,20 +14,20 @@ use crate::nonconvex::query::triangle;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VertexPath {
-    /// The place at time zero.
+    /// The position at time zero.
     pub start: Point3<f64>,
-    /// The place at time one.
+    /// The position at time one.
     pub end: Point3<f64>,
 }
 
 impl VertexPath {
-    /// Returns the path from one place to another.
+    /// Returns the path from one position to another.
     #[must_use]
     pub fn new(start: Point3<f64>, end: Point3<f64>) -> Self {
         Self { start, end }
     }
 
-    /// Returns the place at a time from zero to one, rounded.
+    /// Returns the position at a time from zero to one, rounded.
     #[must_use]
     pub fn at(&self, time: f64) -> Point3<f64> {
         Point3::from(self.start.coords * (1.0 - time) + self.end.coords * time)

@@ -1,4 +1,4 @@
-//! A convex part of a solid mesh about an inner point.
+//! A convex region inside a solid mesh around an inner point.
 //!
 //! ```text
 //!     +-----------.   own plane of the nearest triangle
@@ -8,14 +8,15 @@
 //!              / \    that x is below.
 //! ```
 //!
-//! Triangles are taken the nearest first; one that lies beyond a plane already needs none of its
-//! own. Below all planes is no triangle, so what is there is all inside, or all outside, and a
-//! winding number says which. Triangles and the vertices of the part are checked against the
-//! planes: no step between need be right.
+//! Triangles are processed in order of their distance, the nearest first. A triangle that is
+//! already outside a plane needs no separate plane. No triangle is below all planes, so the region
+//! there is wholly inside or wholly outside, and a winding number decides. The triangles and the
+//! vertices of the region are then checked against the planes, so no step between has to be
+//! correct.
 //!
 //! Source: the first step of IRIS (Deits and Tedrake 2015, "Computing large convex regions of
-//! obstacle-free space through semidefinite programming"), with a ball in the place of the
-//! ellipsoid. Departure: the plane of the triangle itself where it serves.
+//! obstacle-free space through semidefinite programming"), with a ball instead of the ellipsoid.
+//! Departure: the plane of the triangle itself is used where it suffices.
 
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
@@ -35,15 +36,18 @@ use crate::nonconvex::query::triangle;
 use crate::nonconvex::tree::Below;
 use crate::nonconvex::tree::height;
 
-/// Most planes of a convex part; with more the part is made half as wide. In the same overlaps the
-/// bounds are the same with 32 and with 512.
+/// Maximum number of planes of a convex region; with more, the region is made half as wide.
+///
+/// In the same overlaps the bounds are equal with 32 and with 512.
 const CELL_PLANES: usize = 128;
 
-/// Widths tried for a convex part. In the same overlaps the bounds are the same with one.
+/// Number of widths tried for a convex region. In the same overlaps the bounds are equal with one.
 const CELL_HALVINGS: usize = 4;
 
-/// Returns a convex body inside a solid mesh, in the caller's unit, about a point in stored
-/// coordinates, at most `reach` wide to each side; `None` if none is found.
+/// Returns a convex body inside a solid mesh around a point; `None` if none is found.
+///
+/// The body is in the caller's unit and extends at most `reach` to each side. The point is in
+/// stored coordinates.
 pub(super) fn cell(mesh: &Mesh, place: &Vector3<f64>, reach: f64) -> Option<Shape> {
     let mut reach = reach.smaller(2.0 * mesh.half_size() / mesh.unit());
     let (planes, margin) = (0..CELL_HALVINGS).find_map(|_| {
@@ -61,31 +65,34 @@ pub(super) fn cell(mesh: &Mesh, place: &Vector3<f64>, reach: f64) -> Option<Shap
     is_inside.then(|| Shape::from(body))
 }
 
-/// All of the cell is at most `level` high along `n`, every triangle beyond more than a margin
-/// higher.
+/// A plane of the cell with normal `n`.
+///
+/// All of the cell is at most `level` high along `n`. Every triangle outside the plane is higher by
+/// more than a margin.
 struct CellPlane {
     n: Vector3<f64>,
     level: f64,
 }
 
 impl CellPlane {
-    /// Returns how far a point is below the plane, less the rounding of a corner of the cell.
+    /// Returns how far a point is below the plane, minus the rounding error of a vertex of the
+    /// cell.
     fn room(&self, place: &Vector3<f64>, margin: f64) -> f64 {
         self.level - margin - self.n.dot(place)
     }
 }
 
-/// A number of a node or a triangle, and whether it is that of a triangle; ranked by a lower bound
-/// of the distance.
+/// The index of a node or a triangle, and whether it is a triangle; ranked by a lower bound of the
+/// distance.
 type OpenNode = Ranked<(u32, bool)>;
 
-/// The planes about a point.
+/// The planes around a point.
 struct CellCut<'a> {
     mesh: &'a Mesh,
     place: &'a Vector3<f64>,
     from: From<'a>,
     planes: Vec<CellPlane>,
-    /// Twice the rounding of a height of a corner of a triangle or of the cell.
+    /// Twice the rounding error of the height of a vertex of a triangle or of the cell.
     margin: f64,
     open: BinaryHeap<OpenNode>,
 }
@@ -110,7 +117,8 @@ impl<'a> CellCut<'a> {
         }
     }
 
-    /// Returns the planes and the margin; `None` if there are too many, or a triangle is too near.
+    /// Returns the planes and the margin; `None` if there are too many, or if a triangle is too
+    /// near.
     fn run(mut self) -> Option<(Vec<CellPlane>, f64)> {
         self.add(false, 0);
         while let Some(open) = self.open.pop() {
@@ -127,7 +135,7 @@ impl<'a> CellCut<'a> {
         Some((self.planes, self.margin))
     }
 
-    /// Adds a node or a triangle if it is not beyond a plane.
+    /// Adds a node or a triangle unless it is outside a plane.
     fn add(&mut self, is_triangle: bool, number: u32) {
         let rank = if is_triangle {
             let (square, _) = triangle::nearest(self.place, &self.mesh.corners(number));
@@ -148,7 +156,7 @@ impl<'a> CellCut<'a> {
         }
     }
 
-    /// Adds a plane before a triangle if it is beyond none.
+    /// Adds a plane between the point and a triangle, if the triangle is not outside any plane.
     fn part(&mut self, number: u32) -> Option<()> {
         let corners = self.mesh.corners(number);
         let lowest = |n: &Vector3<f64>| corners.iter().map(|p| n.dot(p)).fold(f64::INFINITY, f64::smaller);
@@ -177,8 +185,9 @@ impl<'a> CellCut<'a> {
     }
 }
 
-/// Returns the corners of the part below all planes, in the caller's unit: the polar of the hull of
-/// the planes' poles.
+/// Returns the vertices of the region below all planes, in the caller's unit.
+///
+/// The region is the polar of the hull of the planes' poles.
 fn corners(mesh: &Mesh, place: &Vector3<f64>, planes: &[CellPlane], margin: f64) -> Option<Vec<Point3<f64>>> {
     let room = |plane: &CellPlane| plane.room(place, margin);
     let poles: Vec<_> = planes.iter().map(|p| Point3::from(p.n / room(p))).collect();
@@ -188,7 +197,7 @@ fn corners(mesh: &Mesh, place: &Vector3<f64>, planes: &[CellPlane], margin: f64)
         .faces()
         .map(|f| polar.face_plane(f).and_then(corner))
         .collect::<Option<_>>()?;
-    // Rounding may put corners beyond planes.
+    // Rounding may put vertices outside planes.
     let beyond = |way: &Vector3<f64>| planes.iter().map(|p| p.n.dot(way) / room(p)).fold(1.0, f64::larger);
     let most = ways.iter().map(beyond).fold(1.0, f64::larger) * BEYOND;
     Some(ways.iter().map(|way| mesh.given(&(place + way / most))).collect())

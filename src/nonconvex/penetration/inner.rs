@@ -1,5 +1,7 @@
-//! Inner points that two solids share: the deepest one, with the translation that frees the bodies
-//! of it, and the middle of a stretch of an edge of one solid that lies inside the other.
+//! Points inside both of two solids, as lower bounds of the penetration depth.
+//!
+//! Two kinds are found: the deepest point of one solid in the other, with the translation that
+//! moves it out; and the midpoint of a segment of an edge of one solid that lies inside the other.
 //!
 //! ```text
 //!            way
@@ -12,11 +14,11 @@
 //!           .   .                     way = radius - distance, if x is outside
 //! ```
 //!
-//! Let the inner body hold the ball about x. If x is inside a solid mesh, the mesh holds the ball
-//! about x up to the foot, and two balls about one point share inner points until they are moved by
-//! the sum of their radii. If x is outside, the foot is a point of the mesh that is
-//! `radius - distance` deep in the ball. A vertex is a ball of radius zero. So none of the points
-//! that are tried need be a good one.
+//! Let the inner body contain the ball around x. If x is inside a solid mesh, the mesh contains the
+//! ball around x up to the foot. Two balls around one point share inner points until they are moved
+//! by the sum of their radii. If x is outside, the foot is a point of the mesh that is `radius -
+//! distance` deep in the ball. A vertex is a ball of radius zero. The bound holds for every point
+//! tried, good or not.
 //!
 //! ```text
 //!     +---------------+
@@ -26,9 +28,9 @@
 //!     +---------------+
 //! ```
 //!
-//! Where edges cross and no vertex is inside, the middle of such a stretch is a point that both
-//! bodies hold. It is a proposal: crossings are found in rounded arithmetic, and the caller proves
-//! a depth by convex parts about the point.
+//! If edges cross and no vertex is inside, the midpoint of such a segment is a point inside both
+//! bodies. It is a proposal: crossings are computed in rounded arithmetic, and the caller proves a
+//! depth by convex regions around the point.
 
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
@@ -51,11 +53,13 @@ use crate::nonconvex::query::state::PosedTrees;
 use crate::nonconvex::query::triangle::{self, Triangle};
 use crate::pair::outcome::{ContactState, Outcome};
 
-/// Vertices of a mesh that are looked at for a lower bound of the depth. Not measured.
+/// Number of vertices of a mesh that are tested for a lower bound of the depth. Not measured.
 const DEEP_POINTS: usize = 2048;
 
-/// Steps to the point of a piece that is deepest in a mesh. One finds the deepest point of a ball;
-/// more turn with the faces of the mesh. Not measured.
+/// Number of steps to the point of a piece that is deepest in a mesh.
+///
+/// One step finds the deepest point of a ball; more steps follow the faces of the mesh. Not
+/// measured.
 const SINKS: usize = 4;
 
 /// A lower bound of a depth, and the translation of the inner body that ends the overlap found.
@@ -65,21 +69,22 @@ pub(super) struct ProvenDepth {
     pub(super) way: Vector3<f64>,
 }
 
-/// The inner body seen from the frame of the outer one, in stored units.
+/// The inner body in the frame of the outer one, in stored units.
 struct InnerPoints<'a> {
     body: PartsRef<'a>,
     place: &'a dyn Fn(&Vector3<f64>) -> Vector3<f64>,
     rotation: Matrix3<f64>,
-    /// One stored unit in the outer body's.
+    /// One stored unit in stored units of the outer body.
     scale: f64,
-    /// By how much a place may be off.
+    /// Bound of the position error of a point.
     doubt: f64,
-    /// Winding numbers taken.
+    /// Number of winding numbers computed.
     windings: u64,
 }
 
-/// Returns the deepest overlap found, with the translation of B, in A's frame and the caller's
-/// unit, if an inner point is found; and the winding numbers taken.
+/// Returns the deepest overlap found, if an inner point is found, and the count of winding numbers.
+///
+/// The translation is that of B, in A's frame and the caller's unit.
 pub(super) fn deepest<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -> (Option<ProvenDepth>, u64) {
     let Some(posed) = PosedTrees::new(a, b, pose) else {
         return (None, 0);
@@ -125,22 +130,23 @@ fn deeper(x: ProvenDepth, y: ProvenDepth) -> ProvenDepth {
     if x.depth < y.depth { y } else { x }
 }
 
-/// Adds an overlap if it is one, and deeper than the one before.
+/// Keeps an overlap if it is valid and deeper than the previous one.
 fn keep_deeper(best: &mut Option<ProvenDepth>, new: ProvenDepth) {
     if new.depth > 0.0 && best.is_none_or(|b| b.depth < new.depth) {
         *best = Some(new);
     }
 }
 
-/// Some thousand vertices of a mesh, spread over the surface.
+/// Returns at most `DEEP_POINTS` vertices of a mesh, spread over the surface.
 fn points(mesh: &Mesh) -> impl Iterator<Item = &Vector3<f64>> {
     let step = mesh.points.len().div_ceil(DEEP_POINTS);
     mesh.points.iter().step_by(step)
 }
 
 impl InnerPoints<'_> {
-    /// Returns the deepest overlap with a mesh, in the mesh's frame and the caller's unit; of a
-    /// vertex only if it is deeper than `floor`.
+    /// Returns the deepest overlap with a mesh, in the mesh's frame and the caller's unit.
+    ///
+    /// For a vertex, only an overlap deeper than `floor` is returned.
     fn in_mesh(&mut self, outer: &Mesh, floor: f64) -> Option<ProvenDepth> {
         let (mut best, unit) = (None, outer.unit());
         match self.body {
@@ -172,10 +178,11 @@ impl InnerPoints<'_> {
         best
     }
 
-    /// Returns how deep a point is inside a solid mesh, at least, and the unit direction of the way
-    /// out; `None` if it is no deeper than `least`. All in stored units of the mesh.
+    /// Returns a lower bound of a point's depth inside a solid mesh, and the unit direction out.
     ///
-    /// Of most points a triangle near them shows that they are no deeper than the deepest before.
+    /// Returns `None` if the point is no deeper than `least`. All lengths are in stored units of
+    /// the mesh. For most points, a triangle near them proves that they are no deeper than the
+    /// deepest one so far.
     fn deeper_point(&mut self, mesh: &Mesh, place: &Vector3<f64>, least: f64) -> Option<(f64, Vector3<f64>)> {
         if !may_hold(mesh, place, 0.0) {
             return None;
@@ -183,19 +190,21 @@ impl InnerPoints<'_> {
         let foot = mesh.nearest_beyond(place, least + self.doubt);
         let distance = sqrt(foot.square);
         let depth = distance - self.doubt;
-        // Beyond doubt, the point is on its side of the surface.
+        // The point is on its side of the surface beyond its position error.
         let is_deeper = depth > least && distance > 2.0 * self.doubt;
         (is_deeper && self.is_inside(mesh, place)).then(|| (depth, (foot.point - place) / distance))
     }
 
-    /// Returns whether a point is inside a solid mesh by its winding number.
+    /// Returns whether the winding number puts a point inside a solid mesh.
     fn is_inside(&mut self, mesh: &Mesh, place: &Vector3<f64>) -> bool {
         self.windings += 1;
         mesh.winding(place).is_some_and(|w| w != 0)
     }
 
-    /// Returns how deep a ball overlaps a solid mesh, at least; negative if nothing is known. And
-    /// the unit direction in which the ball leaves. All in stored units of the mesh.
+    /// Returns a lower bound of the overlap of a ball with a solid mesh, and the unit direction
+    /// out.
+    ///
+    /// The bound is negative if nothing is known. All lengths are in stored units of the mesh.
     fn ball(&mut self, mesh: &Mesh, centre: &Vector3<f64>, radius: f64) -> (f64, Vector3<f64>) {
         let (foot, doubt) = (mesh.nearest(centre), self.doubt);
         let distance = sqrt(foot.square);
@@ -203,7 +212,7 @@ impl InnerPoints<'_> {
             return (radius - doubt, Vector3::zeros());
         }
         let to_foot = (foot.point - centre) / distance;
-        // Beyond doubt, the centre is on its side of the surface.
+        // The centre is on its side of the surface beyond its position error.
         let is_beyond = distance > 2.0 * doubt && may_hold(mesh, centre, 0.0);
         if is_beyond && self.is_inside(mesh, centre) {
             (radius + distance - doubt, to_foot)
@@ -212,8 +221,10 @@ impl InnerPoints<'_> {
         }
     }
 
-    /// Calls `found` with overlaps of a piece and a mesh: of balls in the piece about the vertices,
-    /// the middle, and points that lie deepest along the way out of the last one.
+    /// Calls `found` with overlaps of a piece and a mesh.
+    ///
+    /// They are overlaps of balls in the piece around the vertices, the centre, and points that are
+    /// deepest along the direction out of the last ball.
     fn sink(&mut self, outer: &Mesh, piece: &Piece, unit: f64, found: &mut dyn FnMut(f64, Vector3<f64>)) {
         let rotation = self.rotation;
         let mut ask = |local: &Vector3<f64>, radius: f64| {
@@ -244,13 +255,14 @@ impl InnerPoints<'_> {
     }
 }
 
-/// Returns whether the box of a mesh meets a ball.
+/// Returns whether the box of a mesh intersects a ball.
 fn may_hold(mesh: &Mesh, centre: &Vector3<f64>, radius: f64) -> bool {
     (0..3).all(|k| centre[k] >= mesh.low[k] - radius && centre[k] <= mesh.high[k] + radius)
 }
 
-/// Returns the deepest of a mesh's vertices in the pieces of a body, in the body's frame and the
-/// caller's unit.
+/// Returns the mesh vertex that is deepest in the pieces of a compound.
+///
+/// The result is in the compound's frame and the caller's unit.
 fn in_pieces(outer: &Compound, mesh: &Mesh, inner: &InnerPoints) -> Option<ProvenDepth> {
     let unit = outer.stored_unit();
     let points: Vec<Point3<f64>> = points(mesh).map(|p| Point3::from((inner.place)(p) * unit)).collect();
@@ -273,7 +285,7 @@ fn in_pieces(outer: &Compound, mesh: &Mesh, inner: &InnerPoints) -> Option<Prove
     best
 }
 
-/// Returns how deep a point is in a shape, at least, and the way out.
+/// Returns a lower bound of a point's depth in a shape, and the translation out.
 fn depth_in(tracker: &mut ShapeTracker, shape: &Shape, point: &Vector3<f64>) -> Option<ProvenDepth> {
     let dot = Shape::from(ConvexPolyhedron::origin());
     let at = RelativePose::from_isometry(&Isometry3::translation(point.x, point.y, point.z)).ok()?;
@@ -289,8 +301,10 @@ fn overlap(found: &Outcome) -> Option<ProvenDepth> {
     })
 }
 
-/// Returns the overlap of convex parts of both bodies about a point in A's frame, and its
-/// translation of B; parts of meshes are at most `reach` wide. All in the caller's unit.
+/// Returns the overlap of convex regions of both bodies around a point, and its translation of B.
+///
+/// The point is in A's frame. Regions of meshes extend at most `reach`. All lengths are in the
+/// caller's unit.
 pub(super) fn of_parts<A: Parted, B: Parted>(
     a: &A,
     b: &B,
@@ -305,9 +319,10 @@ pub(super) fn of_parts<A: Parted, B: Parted>(
     of_pairs(&of_a, &of_b, &placed)
 }
 
-/// Returns the overlap of the convex part about the middle of a mesh with a piece, or with the same
-/// part of another mesh, and its translation of B, in the caller's unit. `None` for two bodies of
-/// pieces, which [`deepest`] measures whole.
+/// Returns the overlap of the convex region around the centre of a mesh with the other body.
+///
+/// The other body is a piece, or the same region of another mesh. The result has the translation of
+/// B, in the caller's unit. It is `None` for two compounds, which [`deepest`] measures whole.
 pub(super) fn of_wholes<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -> Option<ProvenDepth> {
     match (a.by_kind(), b.by_kind()) {
         (PartsRef::Pieces(_), PartsRef::Pieces(_)) => None,
@@ -315,7 +330,7 @@ pub(super) fn of_wholes<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose)
     }
 }
 
-/// Returns the convex part of a mesh about its middle, or all pieces.
+/// Returns the convex region of a mesh around its centre, or all pieces.
 fn wholes(body: PartsRef) -> Vec<(Shape, Isometry3<f64>)> {
     match body {
         PartsRef::Mesh(mesh) => {
@@ -326,7 +341,7 @@ fn wholes(body: PartsRef) -> Vec<(Shape, Isometry3<f64>)> {
     }
 }
 
-/// Returns the deepest pair of placed convex bodies.
+/// Returns the deepest overlap of pairs of posed convex bodies.
 fn of_pairs(
     of_a: &[(Shape, Isometry3<f64>)],
     of_b: &[(Shape, Isometry3<f64>)],
@@ -345,7 +360,7 @@ fn of_pairs(
     best
 }
 
-/// Convex parts of a body about a point in stored coordinates, with their poses.
+/// Returns convex regions of a body around a point in stored coordinates, with their poses.
 fn about(body: PartsRef, place: &Vector3<f64>, reach: f64) -> Vec<(Shape, Isometry3<f64>)> {
     match body {
         PartsRef::Mesh(mesh) => {
@@ -364,23 +379,26 @@ fn about(body: PartsRef, place: &Vector3<f64>, reach: f64) -> Vec<(Shape, Isomet
     }
 }
 
-/// Middles of stretches of edges that are looked at for a start of the depth. Not measured.
+/// Maximum number of segments of edges whose midpoints are tested as a start. Not measured.
 const DEEP_STRETCHES: usize = 128;
 
-/// Pairs of leaves in which edges that cross the other mesh are sought. A pin in a slot has some
-/// tens; meshes in one place have one for each pair of neighbours. Not measured.
+/// Maximum number of pairs of leaves that are searched for edges that cross the other mesh.
+///
+/// A pin in a slot has a few tens. Meshes at the same position have one for each pair of
+/// neighbours. Not measured.
 const CROSSED_LEAVES: usize = 1 << 14;
 
-/// A point of both bodies in A's frame, about how deep it is in one of them, and the winding
-/// numbers taken; lengths in the caller's unit.
+/// A point of both bodies in A's frame with its approximate depth in one of them, and the number of
+/// winding numbers computed; lengths are in the caller's unit.
 type InnerMiddle = (Option<(Point3<f64>, f64)>, u64);
 
-/// An edge by its vertices, the lower one first, a part of its length, and the unit normal of a
-/// triangle at the edge.
+/// An edge by its vertices (the lower one first), a fraction of its length, and the unit normal of
+/// a triangle at the edge.
 type EdgePart = ([u32; 2], f64, Vector3<f64>);
 
-/// Returns the deepest middle of a stretch of an edge inside the other body; `None` if a body has
-/// curved pieces.
+/// Returns the deepest midpoint of a segment of an edge inside the other body.
+///
+/// Returns `None` if a body has curved pieces.
 pub(super) fn deepest_middle<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -> InnerMiddle {
     match (a.by_kind(), b.by_kind()) {
         (PartsRef::Mesh(a), PartsRef::Mesh(b)) => of_meshes(a, b, pose),
@@ -416,7 +434,7 @@ fn of_meshes(a: &Mesh, b: &Mesh, pose: &RelativePose) -> InnerMiddle {
             }
         }
     }
-    // Off the surface of the body of the edge, by at most half the depth.
+    // Moved off the surface of the edge's body by at most half the depth.
     let given = |(p, inward, depth): (Vector3<f64>, Vector3<f64>, f64)| {
         (a.given(&(p + inward * (0.5 * depth))), depth * a.unit())
     };
@@ -461,7 +479,7 @@ fn of_leaves(posed: &PosedTrees<Mesh, Mesh>, [x, y]: NodePair, found: &mut [Vec<
     }
 }
 
-/// Adds where edges of a triangle pass through another one, its boundary with it.
+/// Adds the points where edges of a triangle pass through another triangle, boundary included.
 fn through(vertices: [u32; 3], x: &Triangle, [a, b, c]: &Triangle, found: &mut Vec<EdgePart>) {
     let normal = (b - a).cross(&(c - a));
     let heights = x.each(|p| normal.dot(&(p - a)));
@@ -485,15 +503,16 @@ fn through(vertices: [u32; 3], x: &Triangle, [a, b, c]: &Triangle, found: &mut V
     }
 }
 
-/// Returns the middles of all stretches between crossings of an edge, ends included, in stored
-/// coordinates, with a direction inward in the frame of the crossings; of some of them if there are
-/// many.
+/// Returns the midpoints of all segments of an edge between crossings, ends included.
+///
+/// They are in stored coordinates, each with an inward direction in the frame of the crossings. If
+/// there are many, only some of them are returned.
 fn middles(mesh: &Mesh, mut crossings: Vec<EdgePart>) -> Vec<(Vector3<f64>, Vector3<f64>)> {
     crossings.sort_unstable_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)));
     let mut all = Vec::new();
     for on_edge in crossings.chunk_by(|x, y| x.0 == y.0) {
         let [from, to] = on_edge[0].0.each(|v| mesh.points[v as usize]);
-        // By the normals of both triangles at the edge.
+        // From the normals of both triangles at the edge.
         let inward = -on_edge.iter().map(|x| x.2).sum::<Vector3<f64>>() / on_edge.len() as f64;
         let mut last = 0.0;
         for part in on_edge.iter().map(|x| x.1).chain([1.0]) {

@@ -63,20 +63,23 @@ const HALVINGS: usize = 10;
 /// them in contact.
 pub(super) const BEYOND: f64 = 1.0 + 1.0 / 1_073_741_824.0;
 
-/// Bounds of the penetration depth of two bodies: an interval, not a distance. The depth is the
-/// length of the shortest translation of B after which the bodies share no inner point.
+/// Bounds of the penetration depth of two bodies.
+///
+/// The depth is the length of the shortest translation of B after which the bodies share no inner
+/// point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct PenetrationBounds {
-    /// No shorter translation parts the bodies; zero for bodies that are apart or touch, and if
-    /// nothing is known.
+    /// Lower bound of the depth: no shorter translation separates the bodies.
+    ///
+    /// It is zero for bodies that are separated or touch, and if nothing is known.
     pub lower: f64,
-    /// The length of [`shift`](Self::shift), rounded up.
+    /// Upper bound of the depth: the length of [`shift`](Self::shift), rounded up.
     pub upper: f64,
-    /// A translation of B, in A's frame, after which the bodies are proven apart.
+    /// A translation of B, in A's frame, after which the bodies are proven to be separated.
     pub shift: Vector3<f64>,
-    /// Queries of the bodies that were needed.
+    /// Number of queries of the bodies that were needed.
     pub queries: u32,
 }
 
