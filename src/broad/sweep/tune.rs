@@ -86,8 +86,8 @@ impl Survey {
         out
     }
 
-    /// Finds the range of most centres. A few far bodies must not make all columns wide: far bodies
-    /// are clamped into border columns instead.
+    /// Finds the range of most centres. A few far bodies must not make all columns wide; they are
+    /// clamped into border columns instead.
     fn find_extent(&mut self, k: usize, centers: &mut [f64]) {
         let (Some(last), few) = (centers.len().checked_sub(1), centers.len() / 50) else {
             return;
@@ -112,8 +112,8 @@ impl Survey {
             .at_least(f64::MIN_POSITIVE)
     }
 
-    /// Returns the axis along which bodies are spread farthest, in units of their size. The present
-    /// axis (axis 0) stays unless another is clearly better.
+    /// Returns the axis along which bodies are spread farthest, in units of their size. The current
+    /// axis (axis 0) is kept unless another is clearly better.
     pub(super) fn best_axis(&self) -> usize {
         let spread = |k: usize| self.extent(k) / self.mean[k].larger(LEAST_MEAN * self.extent(k));
         let mut best = 0;
@@ -238,10 +238,10 @@ impl StepCounts {
     }
 }
 
-/// Decides when to cut new columns.
+/// Decides when new columns are computed.
 #[derive(Clone, Debug)]
 pub(super) struct Tuning {
-    /// Number of bodies when the columns were cut.
+    /// Number of bodies when the columns were computed.
     count: usize,
     /// Steps to wait before the width is checked again, and the last waiting time: doubled at each
     /// cut.
@@ -267,7 +267,7 @@ impl Tuning {
         }
     }
 
-    /// Returns whether the coming sweep is to count.
+    /// Returns whether the next sweep must count.
     pub(super) fn wants_counts(&self) -> bool {
         self.wait <= 1
     }
@@ -277,7 +277,7 @@ impl Tuning {
         self.anew |= compared > SURGE * self.compared;
     }
 
-    /// Records the counts of a full sweep of so many entries.
+    /// Records the counts of a full sweep of this number of entries.
     pub(super) fn observe(&mut self, bodies: &Bodies, counts: StepCounts, entries: usize) {
         // Columns at rest are not swept, and count as those swept.
         let compared = counts.compared as f64 / counts.entries as f64 * entries as f64 / bodies.len() as f64;
@@ -297,7 +297,7 @@ impl Tuning {
         self.anew |= survey.best_axis() != 0;
     }
 
-    /// Returns the grid to cut before this step, if a new grid is due.
+    /// Returns the grid to use from this step, if a new grid is due.
     pub(super) fn due(&mut self, bodies: &Bodies, entries: usize) -> Option<Grid> {
         let count = bodies.len();
         let changed = count > 2 * self.count.max(8) || 4 * count < self.count;

@@ -114,7 +114,7 @@ impl Promotion<'_> {
     }
 }
 
-/// A flat round face perpendicular to the z axis, its centre on the axis.
+/// A flat round face perpendicular to the z axis, with its centre on the axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RoundFace {
     pub(crate) z: f64,
@@ -137,7 +137,7 @@ pub(crate) enum Facet<'a> {
         names: [Feature; 2],
         side: Feature,
     },
-    /// A surface that is curved both ways.
+    /// A surface that is curved in both directions.
     Point,
 }
 
@@ -162,8 +162,8 @@ pub(super) struct Circle {
     rim: Feature,
 }
 
-/// A facet in contact coordinates: vertices of a polygon, ends of a segment, points of a rim; none
-/// for a point.
+/// A facet in contact coordinates: the vertices of a polygon, the ends of a segment, or points of a
+/// rim; none for a point.
 pub(super) struct ProjectedFacet {
     pub(super) feature: Feature,
     pub(super) count: usize,
@@ -190,8 +190,9 @@ impl ProjectedFacet {
         }
     }
 
-    /// Returns a facet in contact coordinates. `axes` are in the frame of the shape, about its
-    /// witness; `closest` is the feature that contains the witness, `side` 0 for A and 1 for B.
+    /// Returns a facet in contact coordinates. `axes` are in the frame of the shape, relative to
+    /// its witness point. `closest` is the feature that contains the witness point; `side` is 0 for
+    /// A and 1 for B.
     pub(super) fn new(
         facet: &Facet,
         axes: &Axes,
@@ -293,7 +294,7 @@ impl ProjectedFacet {
         self.count > 2
     }
 
-    /// Returns the straight edges: of a segment one, of a round face none.
+    /// Returns the number of straight edges: one for a segment, none for a round face.
     pub(super) fn edge_count(&self) -> usize {
         match (self.count, &self.circle) {
             (_, Some(_)) => 0,
@@ -347,7 +348,7 @@ impl ProjectedFacet {
             let u = [q[0] - p[0], q[1] - p[1]];
             let length = sqrt(u[0] * u[0] + u[1] * u[1]);
             let inside = (u[0] * (at[1] - p[1]) - u[1] * (at[0] - p[0])) / length;
-            // NaN, of an edge without length, says nothing.
+            // NaN, from an edge without length, is ignored.
             least = if inside < least { inside } else { least };
         }
         least

@@ -18,7 +18,7 @@ use crate::base::num::extremes::Bounded;
 use crate::body::polyhedron::fans::LARGE;
 use crate::convex::contact::projection::ProjectedFeature;
 
-/// Most candidates: for two features of 24 vertices, with some doubled by rounding.
+/// Largest number of candidates: for two features of 24 vertices, with some doubled by rounding.
 const MAX_CANDIDATES: usize = 64;
 
 /// Location of a point on a projected feature: a vertex, an edge, or the interior.
@@ -53,7 +53,7 @@ impl Location {
     }
 }
 
-/// A pair of points opposite each other along the normal. Witnesses have no vertex or edge
+/// A pair of points opposite each other along the normal. Witness points have no vertex or edge
 /// location.
 //
 // The value of an empty slot is all zero bits, so an empty list is cheap to initialize.
@@ -78,11 +78,11 @@ impl ContactCandidate {
     }
 }
 
-/// Short list of the candidates no further apart than the prediction.
+/// Short list of the candidates that are no farther apart than the prediction.
 pub(super) struct Candidates {
     list: [ContactCandidate; MAX_CANDIDATES],
     count: usize,
-    /// Signed distance of the witnesses.
+    /// Signed distance of the witness points.
     distance: f64,
     /// Largest accepted separation.
     prediction: f64,
@@ -104,8 +104,8 @@ impl Candidates {
         }
     }
 
-    /// Adds a candidate with the given heights over the witnesses if near enough. The
-    /// witnesses are accepted at any separation.
+    /// Adds a candidate with the given heights over the witness points, if it is near enough. The
+    /// witness points are accepted at any separation.
     #[inline(always)]
     pub(super) fn push(&mut self, at: [f64; 2], [on_a, on_b]: [f64; 2], on: [Location; 2]) {
         let separation = self.distance + (on_b - on_a);
@@ -204,7 +204,7 @@ fn for_each_bit(mut bits: u32, mut f: impl FnMut(usize)) {
 #[inline(always)]
 pub(super) fn clip(a: &ProjectedFeature, b: &ProjectedFeature, noise: f64, candidates: &mut Candidates) {
     let of_b = OutsideTable::new(b, a, noise);
-    // An edge has no interior; its two sides would be a line.
+    // An edge has no interior: its two sides would be one line.
     let inside_b = if b.is_edge() { 0 } else { all_bits(a) & !of_b.beyond };
     for_each_bit(inside_b, |i| {
         let at = [a.x[i], a.y[i]];
@@ -251,9 +251,8 @@ pub(super) fn crossing(e: &[LocalPoint; 2], f: &[LocalPoint; 2], noise: f64) -> 
     do_cross(e, f).then(|| intersection(e, f, noise)).flatten()
 }
 
-/// Returns the crossing of an edge of A with an edge of B, whose line separates the ends of A's
-/// edge but for rounding; `None` if the edges are further apart than `noise`, as edges in one line
-/// may be.
+/// Returns the crossing of an edge of A with an edge of B whose line separates the ends of A's edge
+/// up to rounding. `None` if the edges are farther apart than `noise`, as edges on one line may be.
 #[inline(always)]
 fn intersection([p, q]: &[LocalPoint; 2], [r, s]: &[LocalPoint; 2], noise: f64) -> Option<Crossing> {
     let (u, v) = ([q[0] - p[0], q[1] - p[1]], [s[0] - r[0], s[1] - r[1]]);
@@ -268,7 +267,8 @@ fn intersection([p, q]: &[LocalPoint; 2], [r, s]: &[LocalPoint; 2], noise: f64) 
         along / (way[0] * way[0] + way[1] * way[1])
     };
     let along = foot(point(p, u, t), r, v);
-    // Edges on one line cross anywhere on both: at an end of B's if A's goes beyond.
+    // Edges on one line cross anywhere on both: use an end of B's edge if A's edge continues beyond
+    // it.
     let (t, along) = if (0.0..=1.0).contains(&along) {
         (t, along)
     } else {
@@ -294,8 +294,8 @@ fn do_cross([p, q]: &[LocalPoint; 2], [r, s]: &[LocalPoint; 2]) -> bool {
     left(r, s, p) != left(r, s, q) && left(p, q, r) != left(p, q, s)
 }
 
-/// Adds the crossing of edge `i` of A and edge `j` of B, whose lines separate each other's
-/// ends but for rounding, if the edges meet.
+/// Adds the crossing of edge `i` of A and edge `j` of B if the edges meet. Their lines separate
+/// each other's ends up to rounding.
 #[inline(always)]
 pub(super) fn push_crossing(
     a: &ProjectedFeature,
@@ -310,7 +310,8 @@ pub(super) fn push_crossing(
 }
 
 /// Adds the ends of the overlap of two nearly parallel edges, each end opposite its foot on the
-/// other edge. Adds nothing if the edges are not nearly parallel: they then cross at the witnesses.
+/// other edge. Adds nothing if the edges are not nearly parallel, because they then cross at the
+/// witness points.
 pub(super) fn overlap_edges(a: &ProjectedFeature, b: &ProjectedFeature, sine: f64, candidates: &mut Candidates) {
     let direction = |s: &ProjectedFeature| [s.x[1] - s.x[0], s.y[1] - s.y[0]];
     let (u, v) = (direction(a), direction(b));

@@ -30,15 +30,17 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 
-/// Vertices of a face boundary tried next to a hint before bisection takes over. Not measured.
+/// Number of vertices of a face boundary that are tried next to a hint before bisection. Not
+/// measured.
 const MAX_LOCAL_STEPS: usize = 4;
 
-/// Rays are cast from a point of an overlap this many times the rounding of a position off the
-/// boundaries: nearer, rounding chooses the edges by which they leave. Narrower overlaps count as
-/// lines. Not measured.
+/// Rays are cast from a point of an overlap that is this many times the rounding of a position away
+/// from the boundaries. Nearer to them, rounding would choose the edges by which the rays leave.
+/// Narrower overlaps count as lines. Not measured.
 const INSIDE: f64 = 16.0;
 
-/// Exit edges of the previous frame's rays on the faces of A and of B: the next rays exit nearby.
+/// Exit edges of the rays of the previous frame on the faces of A and of B: the next rays exit near
+/// them.
 pub(super) type Rays = [[u32; 2]; 12];
 
 /// Exit edges of rays never cast before.
@@ -66,7 +68,7 @@ impl ProjectedFeature<'_> {
     }
 
     /// Returns whether the face is no wider than rounding, so that rounding decides the exits of
-    /// rays. A large face is judged by an inscribed triangle.
+    /// rays. For a large face an inscribed triangle decides.
     fn is_sliver(&self) -> bool {
         let noise = self.axes.noise;
         let count = if self.is_large() { 3 } else { self.count };
@@ -82,8 +84,9 @@ impl ProjectedFeature<'_> {
     }
 
     /// Returns the exit of a ray from `from`, inside the face: the ray parameter in multiples of
-    /// `way`, and the exit edge; the parameter is 0 if no point of the edge found lies on the ray,
-    /// as may be if `from` is on the boundary. Fast if the exit edge is `hint` or near it.
+    /// `way`, and the exit edge. The parameter is 0 if no point of the edge found lies on the ray,
+    /// which may happen if `from` is on the boundary. The call is fast if the exit edge is `hint`
+    /// or near it.
     fn exit(&self, from: Point2, way: Point2, hint: usize) -> (f64, usize) {
         let relative = |k: usize| minus(self.position(k), from);
         let exit_at = |k: usize, p: Point2, q: Point2| {
@@ -155,8 +158,8 @@ impl ProjectedFeature<'_> {
         !(self.exit(middle, minus(at, middle), usize::MAX).0 < 1.0)
     }
 
-    /// Returns whether a point is in the face, off the boundary by several times rounding, as seen
-    /// from the interior point `middle`; an edge has no interior, and its points will do.
+    /// Returns whether a point is in the face and several times rounding away from its boundary, as
+    /// seen from the interior point `middle`. An edge has no interior; all its points are accepted.
     fn is_well_inside(&self, middle: Point2, at: Point2) -> bool {
         let (far, k) = self.exit(middle, minus(at, middle), usize::MAX);
         let (p, q) = (self.position(k), self.position(self.next(k)));
@@ -182,7 +185,7 @@ impl ProjectedFeature<'_> {
         [self.count - 1, 0, 1, 2].each(|n| (k + n) % self.count)
     }
 
-    /// Returns whether a point is in the face, or off the face by no more than rounding.
+    /// Returns whether a point is in the face, or outside it by no more than rounding.
     fn holds(&self, at: Point2) -> bool {
         let middle = self.middle();
         let (far, k) = self.exit(middle, minus(at, middle), usize::MAX);
@@ -192,9 +195,9 @@ impl ProjectedFeature<'_> {
     }
 }
 
-/// Returns a point well inside both faces, farther from their boundaries than rounding: the hint,
-/// or a point offset from the witnesses (the origin of the plane) towards the middle of a face, or
-/// away from a boundary or both. `None` if the overlap is as narrow as rounding.
+/// Returns a point well inside both faces, farther from their boundaries than rounding. It is the
+/// hint, or a point offset from the witness points (the origin of the plane) towards the middle of
+/// a face, or away from one or both boundaries. `None` if the overlap is as narrow as rounding.
 fn common_point(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>) -> Option<Point2> {
     let (of_a, of_b) = (a.middle(), b.middle());
     let both = |p: &Point2| a.is_well_inside(of_a, *p) && b.is_well_inside(of_b, *p);
@@ -215,7 +218,7 @@ fn common_point(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>
         }
         part *= 0.5;
     }
-    // A strip: half the way across.
+    // A strip: half of its width.
     let across = |way: Point2| {
         let width = [a, b].each(|face| face.exit([0.0; 2], way, usize::MAX).0);
         let half = 0.5 * width[0].smaller(width[1]);
@@ -321,7 +324,7 @@ impl RimRays<'_> {
             let (u, v) = (minus(p, middle), minus(q, middle));
             half(u).cmp(&half(v)).then(turn(v, u).total_cmp(&turn(u, v)))
         };
-        // Sorted by hand: under rounding the comparison is no total order, and library sorts may
+        // Sorted here: with rounding the comparison is not a total order, and library sorts may
         // panic.
         for end in 2..count {
             let mut k = end;

@@ -12,8 +12,8 @@ use crate::body::polyhedron::fans::LARGE;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, HalfEdgeId, VertexId};
 use crate::convex::contact::clip::Location;
 
-/// Contact axes in a body's stored frame: two directions perpendicular to the normal, the normal,
-/// and the body's witness as the origin.
+/// Contact axes in the stored frame of a body: two directions perpendicular to the normal, the
+/// normal, and the witness point of the body as the origin.
 pub(super) struct Axes {
     pub(super) tangents: [Vector3<f64>; 2],
     pub(super) normal: Vector3<f64>,
@@ -37,8 +37,8 @@ impl Axes {
     }
 }
 
-/// Plane of a face as a height field over the contact plane: height at the witness, and the descent
-/// along both axes.
+/// Plane of a face as a height field over the contact plane: the height at the witness point, and
+/// the descent along both axes.
 #[derive(Clone, Copy, Default)]
 pub(super) struct FacePlane2 {
     level: f64,
@@ -78,8 +78,8 @@ pub(super) struct LazyProjection<'a> {
 }
 
 impl<'a> LazyProjection<'a> {
-    /// Returns an unprojected feature. `backward` must be set for B: the outward normal of its face
-    /// opposes the contact normal, so its half-edges run clockwise.
+    /// Returns a feature that is not projected yet. `backward` must be set for B: the outward
+    /// normal of its face is opposite to the contact normal, so its half-edges are clockwise.
     #[inline(always)]
     pub(super) fn new(body: &'a ConvexPolyhedron, feature: Feature, axes: &'a Axes, backward: bool) -> Self {
         Self {
@@ -101,7 +101,7 @@ impl<'a> LazyProjection<'a> {
     }
 }
 
-/// The vertices of a projected face, or the ends of an edge, counter-clockwise about the normal.
+/// The vertices of a projected face, or the ends of an edge, counter-clockwise around the normal.
 ///
 /// Up to [`LARGE`] vertices are projected at once; the vertices of larger faces on demand.
 pub(super) struct ProjectedFeature<'a> {
@@ -198,7 +198,7 @@ impl<'a> ProjectedFeature<'a> {
             let m = &planes[t.half_edge(t.half_edge(h).twin).face.index()].normal;
             m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
         };
-        // Rotates about the first vertex, out of the coplanar faces.
+        // Rotates around the first vertex, out of the coplanar faces.
         let mut start = t.rim_half_edge(f);
         for _ in 0..t.fan(t.from(start)).len() {
             if !within(start) {
@@ -311,8 +311,8 @@ impl<'a> ProjectedFeature<'a> {
     }
 
     /// Returns the least and greatest plane coordinates of a small face. Beyond the apex of a
-    /// sliver a distant point may be inside every side but for rounding: the span bounds the face
-    /// there.
+    /// sliver a distant point may be inside every side up to rounding; there the span bounds the
+    /// face.
     #[inline(always)]
     pub(super) fn span(&self) -> [[f64; 2]; 2] {
         let of = |c: &[f64]| {
@@ -324,8 +324,8 @@ impl<'a> ProjectedFeature<'a> {
         [of(&self.x), of(&self.y)]
     }
 
-    /// Lower bound of a point's distance inside the face; of large faces only 0 if inside, else
-    /// minus infinity.
+    /// Lower bound of the distance by which a point is inside the face. For large faces it is only
+    /// 0 if the point is inside, and minus infinity otherwise.
     #[inline(always)]
     pub(super) fn inside_by(&self, at: [f64; 2]) -> f64 {
         if self.is_large() {

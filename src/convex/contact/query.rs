@@ -49,8 +49,8 @@ pub struct ManifoldOptions {
     /// Whether a local depth is enough; false by default. Normal and separations of an overlap then
     /// come from the nearest facet around the last one, in a fraction of the time, even if a
     /// shorter translation separates the bodies: see [`Tracker::closest_with_local_depth`]. This
-    /// applies to polyhedra, sharp or rounded. For curved shapes the normal is a local minimum of
-    /// the depth. Compounds and meshes keep the depth.
+    /// applies to polyhedra, sharp or rounded, and to curved shapes, whose normal is then that of a
+    /// local minimum of the support value. Compounds and meshes keep the depth.
     ///
     /// [`Tracker::closest_with_local_depth`]: crate::Tracker::closest_with_local_depth
     #[cfg_attr(feature = "serde", serde(default))]

@@ -26,10 +26,10 @@ impl Chosen {
 
 /// Chooses at most `most` candidates; `choices` must not be empty.
 ///
-/// The first is the deepest, the second the farthest from the first, and each further point adds
-/// the largest triangle to the polygon of the chosen points. No chosen point is within `merge` of
-/// another, or of a side. Depths within `tie` count as equal; among equals, and within a factor in
-/// size, candidates with a bit in `kept` are preferred.
+/// The first candidate is the deepest, the second is the farthest from the first, and each further
+/// one adds the largest triangle to the polygon of the chosen points. No chosen point is within
+/// `merge` of another, or of a side. Depths within `tie` count as equal. Among equals, and within a
+/// factor in size, candidates with a bit in `kept` are preferred.
 pub(crate) fn reduce(choices: &[ContactCandidate], kept: u64, most: usize, merge: f64, tie: f64) -> Chosen {
     let mut chosen = Chosen::default();
     let first = deepest(choices, kept, tie);

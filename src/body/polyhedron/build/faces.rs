@@ -356,8 +356,8 @@ impl FaceList {
 const CROWD: usize = 8;
 
 /// Returns for each face of the body the caller's face with most vertices in common, the lowest
-/// index among equals. Three vertices decide; if the caller cut a face into pieces of fewer than
-/// three common vertices, the piece in the plane of the face is taken.
+/// index among equals. Three vertices decide. If the caller divided a face into polygons with fewer
+/// than three common vertices, the polygon in the plane of the face is taken.
 ///
 /// `places` are the indices in the cloud of the body's vertices, `points` the points of the cloud.
 pub(crate) fn source_faces(
@@ -412,7 +412,7 @@ pub(crate) fn source_faces(
     result
 }
 
-/// Returns how far three spread vertices of a caller's face reach below the plane of a face of the
+/// Returns how far three spread vertices of a caller's face are below the plane of a face of the
 /// body.
 fn depth_below(corners: &[u32], body: &ConvexPolyhedron, face: FaceId, points: &[Vector3<f64>]) -> f64 {
     let plane = &body.planes[face.index()];

@@ -15,13 +15,14 @@ const NONE: u32 = u32::MAX;
 pub(crate) struct Facets {
     /// Vertices in the order of the cloud, as indices there.
     pub(crate) kept: Vec<u32>,
-    /// Rims by vertex number, counter-clockwise from outside, least vertex first, in rising order.
+    /// Boundaries of the faces by vertex number, counter-clockwise from outside, least vertex
+    /// first, in ascending order.
     pub(crate) loops: Vec<Vec<u32>>,
     /// Points of the cloud inside an edge, if they were vertices of the triangles.
     pub(crate) on_edges: Vec<u32>,
     /// Points of the cloud inside a face, if they were vertices of the triangles.
     pub(crate) on_faces: Vec<u32>,
-    /// Number of triangles merged away.
+    /// Number of triangles merged into faces.
     pub(crate) merged: usize,
     /// The face of each triangle.
     pub(crate) face_of: Vec<u32>,
@@ -166,8 +167,8 @@ fn faces_at(points: usize, triangles: &[HullTriangle], group: &[u32]) -> Vec<u8>
     degree
 }
 
-/// Returns the extreme points round the face of triangle `start`, whose edge `k` is on the rim;
-/// least vertex first.
+/// Returns the extreme points around the face of triangle `start`, whose edge `k` is on the
+/// boundary; least vertex first.
 fn rim(triangles: &[HullTriangle], group: &[u32], number: &[u32], start: u32, k: usize) -> Option<Vec<u32>> {
     let mut ring = Vec::with_capacity(3);
     let (mut t, mut e) = (start, k);
