@@ -89,7 +89,7 @@ impl<'a> MovingMesh<'a> {
     /// If the mesh does not rotate, places at both ends are rounded, within some 1e-15 of their
     /// size, and vertices are on straight paths between these places. Points of a mesh that rotates
     /// move on arcs: what is proven of them holds for the motion itself, rounding included, so that
-    /// a touch that no surface passes ends as [`Near`](crate::impact::Impact::Undecided).
+    /// a touch that no surface passes ends as [`Undecided`](crate::impact::Impact::Undecided).
     ///
     /// # Errors
     /// Returns an error if [`RelativePose::new`](crate::RelativePose::new) rejects a pose.
