@@ -65,7 +65,7 @@ pub struct Replay {
     pub b: ConvexPolyhedron,
     /// Radii by which the bodies are rounded, in the caller's unit; zero for the query of a
     /// [`Tracker`](crate::Tracker).
-    pub round: [f64; 2],
+    pub rounding_radii: [f64; 2],
     /// Relative pose of both bodies.
     pub pose: RelativePose,
     /// Features cached by the tracker; `None` for a cold start.
@@ -81,7 +81,7 @@ impl Replay {
     /// counts as zero.
     #[must_use]
     pub fn shapes(&self) -> [Shape; 2] {
-        [(&self.a, self.round[0]), (&self.b, self.round[1])].each(|(body, round)| {
+        [(&self.a, self.rounding_radii[0]), (&self.b, self.rounding_radii[1])].each(|(body, round)| {
             let sharp = Shape::from(body.clone());
             sharp.clone().rounded(round).unwrap_or(sharp)
         })
@@ -132,7 +132,7 @@ impl fmt::Display for Accuracy {
 impl fmt::Display for Replay {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{TITLE}\nlevel {}", self.accuracy)?;
-        let [round_a, round_b] = self.round;
+        let [round_a, round_b] = self.rounding_radii;
         for (which, body, round) in [(Operand::A, &self.a, round_a), (Operand::B, &self.b, round_b)] {
             writeln!(f, "body {which} {}", body.vertex_count())?;
             for p in body.vertex_points() {
@@ -213,7 +213,7 @@ impl FromStr for Replay {
             None => Ok(Self {
                 a,
                 b,
-                round: [round_a, round_b],
+                rounding_radii: [round_a, round_b],
                 pose,
                 start,
                 surface,

@@ -27,7 +27,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 #[non_exhaustive]
 pub struct Body {
     /// The geometry, in the frame of the body.
-    pub shape: Geometry,
+    pub geometry: Geometry,
     /// The group of the body; group 0 by default.
     pub group: Group,
     /// Whether the body is fixed. Two fixed bodies are never paired. A fixed body has no velocity,
@@ -43,9 +43,9 @@ impl Body {
     ///
     /// The geometry is a [`ConvexPolyhedron`](crate::ConvexPolyhedron), a [`Shape`](crate::Shape),
     /// a [`Compound`](crate::Compound), a [`Mesh`](crate::Mesh), or an `Arc` of one of these.
-    pub fn moving(shape: impl Into<Geometry>) -> Self {
+    pub fn moving(geometry: impl Into<Geometry>) -> Self {
         Self {
-            shape: shape.into(),
+            geometry: geometry.into(),
             group: Group::default(),
             fixed: false,
             user_data: 0,
@@ -53,10 +53,10 @@ impl Body {
     }
 
     /// Returns a fixed body; two fixed bodies are never paired.
-    pub fn fixed(shape: impl Into<Geometry>) -> Self {
+    pub fn fixed(geometry: impl Into<Geometry>) -> Self {
         Self {
             fixed: true,
-            ..Self::moving(shape)
+            ..Self::moving(geometry)
         }
     }
 
@@ -92,7 +92,7 @@ pub(super) struct BodySolid {
 impl BodySolid {
     /// Returns the solid of a body, or an error if the geometry is too large for a scene.
     pub(super) fn new(body: Body) -> Result<Self, SceneError> {
-        let reach = match &body.shape {
+        let reach = match &body.geometry {
             Geometry::Polyhedron(shape) => shape.vertex_points().fold(0.0, |m: f64, p| m.larger(p.coords.amax())),
             other => {
                 let (centre, radius) = other.bounding_ball();
@@ -103,8 +103,8 @@ impl BodySolid {
             return Err(SceneError::TooLarge { reach });
         }
         Ok(Self {
-            ball: Ball::about(&body.shape),
-            shape: body.shape,
+            ball: Ball::about(&body.geometry),
+            shape: body.geometry,
             group: body.group,
             fixed: body.fixed,
             boxed: true,

@@ -87,7 +87,7 @@ impl Scene {
         for g in (0..GROUPS).filter(|&g| !is_planned(g)) {
             let group = group(g);
             if self.growths[g] != self.table.growth(group) || self.partners[g] != self.table.partners(group) {
-                return Err("the boxes of a group of the scene are not what its effects call for".into());
+                return Err("the boxes of a group of the scene are not what its queries need".into());
             }
         }
         for solid in self.bodies.solids.iter().flatten() {
@@ -124,7 +124,7 @@ impl Scene {
             let table = || plan.detail as u32 - Detail::Predicates as u32;
             let detail = (plan.detail > Detail::Boxes).then(table);
             if self.pair_tables.place(pair.id.slot) != (detail, plan.boxes) {
-                return Err(format!("{} is in another table than its effects call for", pair.id));
+                return Err(format!("{} is in another table than its queries need", pair.id));
             }
             let header = self.pair_tables.get(pair.id.slot).map(|seen| *seen.header);
             if header.is_some_and(|header| header.groups != groups || !is_called(&header.state, plan)) {

@@ -37,7 +37,7 @@ pub enum SceneError {
         value: f64,
     },
     /// A coordinate of the geometry, in its frame, may be beyond 1e37.
-    #[error("the radius of the geometry about its origin is out of range: {reach:e} (expected 0..=1e37)")]
+    #[error("the geometry is too large: a coordinate may be {reach:e} (expected at most 1e37)")]
     TooLarge {
         /// The largest coordinate of a vertex of a polyhedron; for other geometries an upper bound
         /// of the largest coordinate.
@@ -92,7 +92,7 @@ pub enum SceneError {
     StepDue,
     /// No query is enabled between the two groups, so the scene has no boxes for them.
     #[error("no query is enabled between {these} and {those}; enable one with `Scene::set_queries`")]
-    NotCalledFor {
+    NotEnabled {
         /// The first group.
         these: Group,
         /// The second group.
@@ -100,7 +100,7 @@ pub enum SceneError {
     },
     /// No query is enabled for the group of the body.
     #[error("no query is enabled between {group} and any group; enable one with `Scene::set_queries`")]
-    GroupNotCalledFor {
+    GroupNotEnabled {
         /// The group of the body.
         group: Group,
     },

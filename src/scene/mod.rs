@@ -306,7 +306,7 @@ impl Scene {
         if self.table.queries(these, those) == queries {
             return Ok(());
         }
-        self.census.check_effects(these, those, &queries)?;
+        self.census.check_queries(these, those, &queries)?;
         self.table.set_queries(these, those, queries)?;
         self.replanned |= 1 << these.number() | 1 << those.number();
         Ok(())
@@ -435,7 +435,7 @@ impl Scene {
 
     /// Returns the geometry of a body.
     #[must_use]
-    pub fn shape(&self, id: BodyId) -> Option<&Geometry> {
+    pub fn geometry(&self, id: BodyId) -> Option<&Geometry> {
         let solid = self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?;
         Some(&solid.shape)
     }

@@ -473,7 +473,7 @@ impl Census {
     }
 
     /// Returns an error if bodies of two groups cannot answer the queries.
-    pub(super) fn check_effects(&self, these: Group, those: Group, queries: &PairQueries) -> Result<(), SceneError> {
+    pub(super) fn check_queries(&self, these: Group, those: Group, queries: &PairQueries) -> Result<(), SceneError> {
         let mut all = self.0.keys().filter(|key| key.0 == these);
         all.try_for_each(|key| self.check_pairs(*key, 2, |other| (other == those).then_some(*queries)))
     }

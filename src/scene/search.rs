@@ -114,7 +114,7 @@ impl Scene {
             return Err(SceneError::StepDue);
         }
         if let Some(group) = self.bodies.group(id.index).filter(|g| self.table.partners(*g) == 0) {
-            return Err(SceneError::GroupNotCalledFor { group });
+            return Err(SceneError::GroupNotEnabled { group });
         }
         if !(farthest >= 0.0) {
             return Err(SceneError::Range { value: farthest });
@@ -148,7 +148,7 @@ impl Scene {
             return Err(SceneError::StepDue);
         }
         if self.table.plan(group_pair_of(these, those)).detail == Detail::Nothing {
-            return Err(SceneError::NotCalledFor { these, those });
+            return Err(SceneError::NotEnabled { these, those });
         }
         Ok(())
     }

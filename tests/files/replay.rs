@@ -116,7 +116,7 @@ fn what_is_no_replay_is_refused_by_line() {
     assert_eq!(line(with(23, "start v0")), 23);
     assert_eq!(line(with(12, "round bff0000000000000\nbody B 8")), 12);
     let rounded = with(12, "round 3ff0000000000000\nbody B 8").unwrap();
-    assert_eq!(rounded.round, [1.0, 0.0]);
+    assert_eq!(rounded.rounding_radii, [1.0, 0.0]);
 }
 
 #[test]

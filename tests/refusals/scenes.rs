@@ -196,7 +196,7 @@ fn questions_out_of_turn_are_refused() {
     let other = Group::new(5).unwrap();
     assert!(matches!(
         scene.pairs_within(g, other, 1.0),
-        Err(SceneError::NotCalledFor { .. })
+        Err(SceneError::NotEnabled { .. })
     ));
     stage.assert_unchanged();
     let scene = &mut stage.scene;

@@ -48,7 +48,8 @@ fn scenes_say_of_bent_meshes_what_pairs_say() {
         scene.step();
         scene.check().unwrap();
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-            let (a, b): (&Geometry, &Geometry) = (scene.shape(bodies[i]).unwrap(), scene.shape(bodies[j]).unwrap());
+            let (a, b): (&Geometry, &Geometry) =
+                (scene.geometry(bodies[i]).unwrap(), scene.geometry(bodies[j]).unwrap());
             let pose = RelativePose::new(&places[i], &places[j]).unwrap();
             let truth = PairTracker::new().closest(a, b, &pose);
             let found = scene.pair(bodies[i], bodies[j]).unwrap();
@@ -74,7 +75,7 @@ fn scenes_say_of_bent_meshes_what_pairs_say() {
     assert!(overlaps > 10 && contacts > 20, "{overlaps} {contacts}");
     // The mesh that was shared is as it was.
     assert_eq!(shared.vertices(), vertices(&rest));
-    let Geometry::Mesh(other) = scene.shape(bodies[1]).unwrap() else {
+    let Geometry::Mesh(other) = scene.geometry(bodies[1]).unwrap() else {
         panic!()
     };
     assert_eq!(other.vertices(), vertices(&rest));

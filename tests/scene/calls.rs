@@ -69,8 +69,8 @@ fn questions_on_top_equal_brute_force() {
     let measure = |a: BodyId, b: BodyId| {
         let pose = RelativePose::new(scene.pose(a).unwrap(), scene.pose(b).unwrap()).unwrap();
         Tracker::new().closest(
-            scene.shape(a).and_then(|s| s.as_polyhedron()).unwrap(),
-            scene.shape(b).and_then(|s| s.as_polyhedron()).unwrap(),
+            scene.geometry(a).and_then(|s| s.as_polyhedron()).unwrap(),
+            scene.geometry(b).and_then(|s| s.as_polyhedron()).unwrap(),
             &pose,
         )
     };
@@ -152,8 +152,8 @@ fn odd_scales_and_places_lose_nothing() {
             scene.step();
             let pose = RelativePose::new(&at(0.0), scene.pose(b).unwrap()).unwrap();
             let overlaps = Tracker::new().intersects(
-                scene.shape(b).and_then(|s| s.as_polyhedron()).unwrap(),
-                scene.shape(b).and_then(|s| s.as_polyhedron()).unwrap(),
+                scene.geometry(b).and_then(|s| s.as_polyhedron()).unwrap(),
+                scene.geometry(b).and_then(|s| s.as_polyhedron()).unwrap(),
                 &pose,
             );
             for e in scene.events() {

@@ -66,8 +66,8 @@ fn truth(scene: &Scene, d: f64, trackers: &mut BTreeMap<(BodyId, BodyId), Tracke
         for &b in &ids[k + 1..] {
             let pose = RelativePose::new(scene.pose(a).unwrap(), scene.pose(b).unwrap()).unwrap();
             let (x, y) = (
-                scene.shape(a).and_then(|s| s.as_polyhedron()).unwrap(),
-                scene.shape(b).and_then(|s| s.as_polyhedron()).unwrap(),
+                scene.geometry(a).and_then(|s| s.as_polyhedron()).unwrap(),
+                scene.geometry(b).and_then(|s| s.as_polyhedron()).unwrap(),
             );
             let tracker = trackers.entry((a, b)).or_default();
             let outcome = tracker.closest(x, y, &pose);

@@ -29,7 +29,7 @@ fn crowd(rng: &mut Rng, queries: PairQueries, count: [usize; 2], room: f64) -> S
             };
             let body = Body::moving(shape.unwrap()).group(group(g));
             let body = match i % 4 {
-                1 => Body::fixed(body.shape).group(group(g)).user_data(1),
+                1 => Body::fixed(body.geometry).group(group(g)).user_data(1),
                 _ => body,
             };
             scene.insert(body, pose(rng, room)).unwrap();
@@ -48,7 +48,7 @@ fn brute(scene: &Scene, these: Group, those: Group) -> Option<(BodyId, BodyId, O
             let twice = these == those && b <= a;
             if !(twice || is_fixed(a) && is_fixed(b) || scene.is_ignored(a, b)) {
                 let pose = RelativePose::new(scene.pose(a).unwrap(), scene.pose(b).unwrap()).unwrap();
-                let [x, y] = [a, b].map(|id| scene.shape(id).unwrap().as_polyhedron().unwrap());
+                let [x, y] = [a, b].map(|id| scene.geometry(id).unwrap().as_polyhedron().unwrap());
                 pairs.push((a, b, Tracker::new().closest(x, y, &pose)));
             }
         }
@@ -141,9 +141,9 @@ fn a_scene_without_queries_is_not_silent() {
         .unwrap();
     assert_eq!(scene.step().counts.without_queries, 2);
     assert!(scene.report().to_string().contains("set_queries"), "{}", scene.report());
-    let refused = SceneError::GroupNotCalledFor { group: group(0) };
+    let refused = SceneError::GroupNotEnabled { group: group(0) };
     assert_eq!(scene.nearest(a, 1, 9.0), Err(refused));
-    let refused = SceneError::NotCalledFor {
+    let refused = SceneError::NotEnabled {
         these: group(0),
         those: group(3),
     };

@@ -167,7 +167,7 @@ impl Free {
             let of = body.as_ref()?;
             Some(Member {
                 body: BodyId(k as u32),
-                geometry: self.scene.shape(of.id)?.clone(),
+                geometry: self.scene.geometry(of.id)?.clone(),
                 pose: of.pose * of.at,
                 is_pushed: of.movement == Movement::Dynamic,
             })

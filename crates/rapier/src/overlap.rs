@@ -67,7 +67,7 @@ pub(crate) fn deepest(members: impl Iterator<Item = Member>) -> Result<Option<Ov
 /// Returns the depth of a pair; `None` if one of the two is a mesh that is not closed.
 fn measured(scene: &Scene, pair: &ClosestPair) -> Option<Overlap> {
     let pose = RelativePose::new(scene.pose(pair.a)?, scene.pose(pair.b)?).ok()?;
-    let found = PairTracker::new().penetration(scene.shape(pair.a)?, scene.shape(pair.b)?, &pose)?;
+    let found = PairTracker::new().penetration(scene.geometry(pair.a)?, scene.geometry(pair.b)?, &pose)?;
     let body = |id| Some(BodyId(scene.user_data(id)? as u32));
     Some(Overlap {
         bodies: [body(pair.a)?, body(pair.b)?],

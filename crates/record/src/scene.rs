@@ -53,7 +53,7 @@ impl<W: Write> Recorder<W> {
             }
         }
         for id in scene.bodies() {
-            let (Some(pose), Some(shape)) = (scene.pose(id), scene.shape(id)) else {
+            let (Some(pose), Some(shape)) = (scene.pose(id), scene.geometry(id)) else {
                 continue;
             };
             match self.of_scene.get(&id) {

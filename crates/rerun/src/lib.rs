@@ -18,7 +18,7 @@
 //! | the bracket of a cast | `casts`: `TextLog` with both times |
 //! | the note of a frame | `notes`: `TextLog` |
 //!
-//! The timeline is called `frame`. The columns of the broad phase (`pencils`), which are infinite,
+//! The timeline is called `frame`. The columns of the broad phase (`columns`), which are infinite,
 //! and the poses of a bracket are not converted. rerun stores numbers in single precision. If a
 //! number must be exact, read it from the recording.
 

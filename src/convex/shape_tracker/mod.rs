@@ -118,7 +118,7 @@ impl ShapeTracker {
             return None;
         };
         Some(Replay {
-            round: [a.rounding_radius(), b.rounding_radius()],
+            rounding_radii: [a.rounding_radius(), b.rounding_radius()],
             ..self.polyhedral.replay(x, y, a_from_b, Accuracy::Certified)
         })
     }

@@ -739,7 +739,7 @@ fn replay(
     Replay {
         a: a.clone(),
         b: b.clone(),
-        round: [0.0; 2],
+        rounding_radii: [0.0; 2],
         pose: *pose,
         start,
         surface,

@@ -118,7 +118,7 @@ fn print_hull_fits(robot: &Robot) {
             let (Some(fit), Some(mesh)) = (&body.hull_fit, &body.mesh) else {
                 continue;
             };
-            let void_fraction = fit.void_fraction().map_or("a surface".into(), |void_fraction| {
+            let void_fraction = fit.void_fraction().map_or("an open mesh".into(), |void_fraction| {
                 format!("{:.1} % air", 100.0 * void_fraction)
             });
             let (low, high) = (fit.gap_lower, fit.gap_upper);

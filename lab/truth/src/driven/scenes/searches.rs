@@ -48,7 +48,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         let length = [f64::INFINITY, 4.0][rng.below(2)];
         let each = ids.iter().filter_map(|&id| {
             let scene = self.main();
-            let (shape, pose) = (scene.shape(id)?, scene.pose(id)?);
+            let (shape, pose) = (scene.geometry(id)?, scene.pose(id)?);
             let found = RayCaster::new().cast(shape, pose, &ray, length);
             Some((id, found.expect("a ray").safe()?))
         });
