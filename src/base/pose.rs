@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Matrix3, Quaternion, Vector3};
 use wide::f64x2;
 
 use crate::base::callbacks;
+use crate::base::num::axis_name;
 use crate::base::num::each::Each;
 use crate::base::num::packed::{self, PackedRotation, PackedVec3};
 use crate::base::tolerance::{POSE_UNIT, REACH};
@@ -16,7 +17,7 @@ pub enum PoseError {
     ///
     /// If the bodies are so far apart that their distance may overflow f64, `body` is B and `value`
     /// is a coordinate of the translation from A to B.
-    #[error("translation of {body} is out of range: coordinate {axis} is {value}")]
+    #[error("translation of {body} is out of range: {} is {value} (expected a finite number)", axis_name(*.axis))]
     Translation {
         /// Body with the invalid pose.
         body: Operand,
@@ -30,8 +31,7 @@ pub enum PoseError {
     /// [`RelativePose::new_normalized`] accepts rotations from `f32`, from files and from products
     /// of many rotations.
     #[error(
-        "rotation of {body} is not a unit quaternion: its squared norm is {norm_squared} (call `normalize_rotation`, or use \
-         `RelativePose::new_normalized`)"
+        "rotation of {body} is not a unit quaternion: squared norm {norm_squared} (expected 1); call `normalize_rotation`"
     )]
     Rotation {
         /// Body with the invalid pose.

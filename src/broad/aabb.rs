@@ -1,6 +1,7 @@
 //! Axis-aligned boxes, as callers give them (`f64`) and as the broad phase stores them (`f32`,
 //! rounded outward).
 
+use crate::base::num::axis_name;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use nalgebra::{Point3, Vector3};
@@ -24,13 +25,13 @@ pub struct Aabb {
 #[non_exhaustive]
 pub enum AabbError {
     /// A bound on this axis is NaN or infinite.
-    #[error("a bound on axis {axis} is not finite")]
+    #[error("a bound on axis {} is not finite", axis_name(*.axis))]
     NonFinite {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
     /// The minimum exceeds the maximum on this axis.
-    #[error("the minimum exceeds the maximum on axis {axis}")]
+    #[error("the minimum exceeds the maximum on axis {}", axis_name(*.axis))]
     Inverted {
         /// 0, 1, 2 for x, y, z.
         axis: usize,

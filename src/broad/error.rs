@@ -1,14 +1,15 @@
 //! Errors of the calls of a broad phase, and their messages.
 
 use super::{AabbError, BodyId};
+use crate::base::num::axis_name;
 use thiserror::Error;
 
 /// Error of a call of a broad phase; the call changes nothing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BroadPhaseError {
     /// A bound is NaN or infinite. Only `insert_unbounded` accepts infinite boxes.
-    #[error("the box of {} has a bound on axis {axis} that is not finite", BoxName(*.body))]
+    #[error("the box of {} has a bound on axis {} that is not finite", BoxName(*.body), axis_name(*.axis))]
     NonFinite {
         /// The body whose box is invalid; `None` for a body to be inserted.
         body: Option<BodyId>,
@@ -16,7 +17,7 @@ pub enum BroadPhaseError {
         axis: usize,
     },
     /// The minimum of a box exceeds its maximum.
-    #[error("the box of {} is inverted on axis {axis}", BoxName(*.body))]
+    #[error("the box of {} is inverted on axis {}", BoxName(*.body), axis_name(*.axis))]
     Inverted {
         /// The body whose box is invalid; `None` for a body to be inserted.
         body: Option<BodyId>,
@@ -25,14 +26,19 @@ pub enum BroadPhaseError {
     },
     /// The origin of the [`Settings`](super::Settings) is NaN or infinite. Such a broad phase
     /// cannot contain a box.
-    #[error("the origin of the broad phase is not finite on axis {axis}")]
+    #[error("the origin of the broad phase is not finite on axis {}", axis_name(*.axis))]
     Origin {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
-    /// A margin is NaN, infinite or negative.
-    #[error("the margin of a body is out of range (expected a finite number that is not negative)")]
-    Margin,
+    /// The margin or the look-ahead of a body is NaN, infinite in `f32`, or negative.
+    #[error("{what} of the body is out of range: {value} (expected a finite number that is not negative)")]
+    Margin {
+        /// `margin` or `lookahead`.
+        what: &'static str,
+        /// The number.
+        value: f64,
+    },
     /// The id is not of this broad phase, or its body was removed.
     #[error("{body} does not exist in this broad phase, or was removed")]
     StaleId {
@@ -65,7 +71,7 @@ impl BroadPhaseError {
 }
 
 /// Invalid entries of a batch. Every valid entry was applied.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error("entry {index} of the batch and {} more are invalid: {first}", .refused - 1)]
 #[non_exhaustive]
 pub struct BatchError {

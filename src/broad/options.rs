@@ -47,6 +47,13 @@ pub struct BodyOptions {
     pub lookahead: f64,
 }
 
+impl Default for BodyOptions {
+    /// A moving body.
+    fn default() -> Self {
+        Self::moving()
+    }
+}
+
 impl BodyOptions {
     /// Returns a body that moves, with a tight box, and pairs with everything.
     #[must_use]
@@ -91,11 +98,12 @@ impl BodyOptions {
 
     pub(super) fn check(&self) -> Result<(), BroadPhaseError> {
         let sound = |v: f64| (0.0..f64::from(f32::MAX)).contains(&v);
-        if sound(self.margin) && sound(self.lookahead) {
-            Ok(())
-        } else {
-            Err(BroadPhaseError::Margin)
+        for (what, value) in [("margin", self.margin), ("lookahead", self.lookahead)] {
+            if !sound(value) {
+                return Err(BroadPhaseError::Margin { what, value });
+            }
         }
+        Ok(())
     }
 }
 

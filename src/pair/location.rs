@@ -12,6 +12,7 @@ use crate::body::polyhedron::{FaceId, Feature, FeaturePair};
 /// The location of a witness on a geometry: subshape, feature and parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct WitnessLocation {
     /// Index of the piece, triangle or patch, as the caller numbered it; zero for a convex
     /// geometry.

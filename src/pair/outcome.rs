@@ -80,6 +80,7 @@ impl Ask {
 /// Penetration depth that a query of two overlapping convex geometries returns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum DepthMode {
     /// No depth: the query proves only the overlap.
     None,

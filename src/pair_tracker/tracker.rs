@@ -524,6 +524,7 @@ impl core::ops::AddAssign for PairWork {
 /// Error of a query that two geometries of these kinds do not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{asked} cannot be computed for a {a} and a {b}")]
+#[non_exhaustive]
 pub struct PairError {
     /// The kind of A.
     pub a: GeometryKind,

@@ -1,6 +1,7 @@
 //! Errors of the calls of a scene, and their messages.
 
 use super::{BodyId, Group};
+use crate::base::num::axis_name;
 use crate::base::pose::PoseError;
 use crate::broad::BroadPhaseError;
 #[cfg(feature = "meshes")]
@@ -27,7 +28,7 @@ pub enum SceneError {
         error: PoseError,
     },
     /// A coordinate of the pose is beyond 1e37, measured from the origin of the world.
-    #[error("the pose of {} is out of range: coordinate {axis} is {value:e} (expected -1e37..=1e37)", BodyName(*.body))]
+    #[error("the pose of {} is out of range: {} is {value:e} (expected -1e37..=1e37)", BodyName(*.body), axis_name(*.axis))]
     TooFar {
         /// The body; `None` for a body to be inserted.
         body: Option<BodyId>,
@@ -106,7 +107,7 @@ pub enum SceneError {
     },
     /// The origin of the scene's [`Settings`](crate::broad::Settings) is NaN or infinite. Such a
     /// scene cannot contain a body.
-    #[error("the origin of the scene is not finite on axis {axis}")]
+    #[error("the origin of the scene is not finite on axis {}", axis_name(*.axis))]
     Origin {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
@@ -148,7 +149,7 @@ impl core::fmt::Display for OfOne<'_> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self.0 {
             PoseError::Translation { axis, value, .. } => {
-                write!(f, "coordinate {axis} of its translation is {value:e}")
+                write!(f, "{} of its translation is {value:e}", axis_name(*axis))
             }
             PoseError::Rotation { norm_squared, .. } => {
                 write!(

@@ -1,5 +1,7 @@
 //! Errors of patches and surfaces.
 
+use crate::base::num::axis_name;
+
 /// Error returned if numbers do not form a valid patch or surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -29,7 +31,7 @@ pub enum SurfaceError {
         expected: usize,
     },
     /// A coordinate of a control point is not finite, or beyond `2^200`.
-    #[error("control point {index} is out of range: coordinate {axis} is {value}")]
+    #[error("control point {index} is out of range: {} is {value} (expected -2^200..=2^200)", axis_name(*.axis))]
     Coordinate {
         /// Index of the control point.
         index: usize,

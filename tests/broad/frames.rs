@@ -307,7 +307,10 @@ fn refused_calls_name_the_body_and_change_nothing() {
     );
     assert_eq!(
         fed.broad.insert(&cube, BodyOptions::moving().margin(-1.0)),
-        Err(BroadPhaseError::Margin)
+        Err(BroadPhaseError::Margin {
+            what: "margin",
+            value: -1.0
+        })
     );
     fed.step();
     assert_eq!(fed.broad.pair_count(), 1);

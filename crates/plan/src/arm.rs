@@ -11,6 +11,7 @@ use crate::tree_motion::TreeSegment;
 
 /// The kind of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum JointKind {
     /// Rotates about its axis; values in radians.
     Revolute,

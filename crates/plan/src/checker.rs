@@ -23,6 +23,7 @@ const CONTACT: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// The proof that a pair stays apart on a segment: consecutive certificates from time 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PairProof {
     /// The pair.
     pub pair: WorldPair,

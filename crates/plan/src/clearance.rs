@@ -60,6 +60,7 @@ struct MeasuredPair {
 
 /// The clearance along a segment: a proven lower bound, and a distance that is attained.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SegmentClearance {
     /// Lower bound of the distance of all pairs over the whole segment; zero if nothing is proven,
     /// infinite if there is no pair.

@@ -21,6 +21,7 @@ const HOP: f64 = 4.0;
 
 /// The reason why a freeway ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FreewayEnd {
     /// The sweep coordinate reaches a bound.
     Bound,

@@ -81,6 +81,7 @@ impl PlanOptions {
 
 /// Counts of the work of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct PlanWork {
     /// Number of random slices.
     pub slices: u64,
@@ -96,6 +97,7 @@ pub struct PlanWork {
 
 /// Result of a search.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Plan {
     /// The path from start to goal, with every segment proven free in the direction of travel.
     ///

@@ -8,6 +8,7 @@ use crate::freeway::FreewayEnd;
 
 /// The kind of an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum EdgeKind {
     /// A step along a freeway.
     Freeway,
@@ -21,6 +22,7 @@ pub enum EdgeKind {
 
 /// A segment proven free between two configurations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Edge {
     /// Indices of the two configurations.
     pub ends: [usize; 2],
@@ -30,6 +32,7 @@ pub struct Edge {
 
 /// A freeway as it was traced.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Freeway {
     /// The sweep coordinate.
     pub coordinate: usize,

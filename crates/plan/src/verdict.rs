@@ -52,6 +52,7 @@ impl Verdict {
 
 /// Counts of the work of a checker since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct CheckWork {
     /// Number of segments checked.
     pub segments: u64,

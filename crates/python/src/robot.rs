@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use lin_canny_robot::{LoadOptions, MeshOptions, MeshUse, Packages, Robot as Loaded, Srdf};
+use lin_canny_robot::{LoadOptions, MeshUse, Packages, Robot as Loaded, Srdf};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -25,7 +25,7 @@ impl Files {
         Packages::new(&self.packages).with_environment()
     }
 
-    fn mesh_options(&self) -> PyResult<MeshOptions> {
+    fn options(&self) -> PyResult<LoadOptions> {
         let usage = match self.meshes.as_str() {
             "hull" => MeshUse::Hull,
             "mesh" => MeshUse::Mesh,
@@ -36,7 +36,7 @@ impl Files {
                 )));
             }
         };
-        let mut options = MeshOptions::new(usage);
+        let mut options = LoadOptions::default().meshes(usage);
         options.pieces.clone_from(&self.pieces);
         Ok(options)
     }
@@ -55,9 +55,9 @@ pub(crate) struct Robot {
 }
 
 impl Robot {
-    /// Returns the package folders and mesh options of this robot, which cells use as well.
-    pub(crate) fn mesh_sources(&self) -> PyResult<(Packages, MeshOptions)> {
-        Ok((self.files.packages(), self.files.mesh_options()?))
+    /// Returns the package folders and load options of this robot, which cells use as well.
+    pub(crate) fn mesh_sources(&self) -> PyResult<(Packages, LoadOptions)> {
+        Ok((self.files.packages(), self.files.options()?))
     }
 }
 
@@ -87,8 +87,7 @@ impl Robot {
             meshes,
             pieces,
         };
-        let mut options = LoadOptions::default();
-        options.meshes = files.mesh_options()?;
+        let options = files.options()?;
         let robot = py.detach(|| Loaded::load_with(&files.urdf, &files.packages(), &options));
         let robot = robot.map_err(file_error)?;
         let srdf = files.srdf.as_ref().map(|path| Srdf::load(path, &robot)).transpose();

@@ -78,10 +78,7 @@ fn sets() -> Vec<(&'static str, Effects, scene::PairQueries)> {
 }
 
 fn simulation(effects: Effects, observe: scene::PairQueries, bodies: usize) -> Result<Simulation, Trouble> {
-    let settings = Settings {
-        queries: observe,
-        ..Settings::default()
-    };
+    let settings = Settings::default().queries(observe);
     let mut simulation = Simulation::new(effects, settings)?;
     for (half, center) in bin(4.0, 12.0) {
         let wide = |v: [f32; 3]| Vector3::from(v.map(f64::from));
@@ -164,6 +161,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
             touching,
             iterations,
             swept,
+            ..
         } = r;
         let _ = writeln!(csv, "{name},{time:.1},{moved},{asleep},{touching},{iterations},{swept}");
         rows.push((name, time));

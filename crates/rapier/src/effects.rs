@@ -72,6 +72,7 @@ pub struct Effects {
 
 /// Which bodies are swept between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Continuous {
     /// No body is swept.
     #[default]
@@ -84,6 +85,7 @@ pub enum Continuous {
 
 /// Model of friction in the solver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FrictionModel {
     /// One friction block per manifold; the solver is a third cheaper than with `Coulomb`.
     #[default]
@@ -155,7 +157,15 @@ impl Effects {
 }
 
 /// Settings of a simulation other than effects.
+///
+/// ```
+/// use lin_canny_rapier::Settings;
+///
+/// let small_parts = Settings::default().length_unit(0.02).time_step(1.0 / 240.0);
+/// assert_eq!(small_parts.max_speed, None);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Settings {
     /// Duration of a step; 1/60 if `None` (the default).
     ///
@@ -198,12 +208,41 @@ impl Settings {
     /// Distance that a body may fall from rest in the default step, divided by its size.
     const FALL: f64 = 0.125;
 
-    pub(crate) fn time_step(&self) -> f64 {
+    /// Returns the settings with another duration of a step.
+    #[must_use]
+    pub const fn time_step(mut self, seconds: f64) -> Self {
+        self.time_step = Some(seconds);
+        self
+    }
+
+    /// Returns the settings with another diameter of an ordinary body.
+    #[must_use]
+    pub const fn length_unit(mut self, diameter: f64) -> Self {
+        self.length_unit = diameter;
+        self
+    }
+
+    /// Returns the settings with a speed limit of bodies with response.
+    #[must_use]
+    pub const fn max_speed(mut self, speed: f64) -> Self {
+        self.max_speed = Some(speed);
+        self
+    }
+
+    /// Returns the settings with pair queries of a scene without response.
+    #[must_use]
+    pub const fn queries(mut self, queries: scene::PairQueries) -> Self {
+        self.queries = queries;
+        self
+    }
+
+    /// Returns the duration of a step.
+    pub(crate) fn step(&self) -> f64 {
         self.time_step.unwrap_or(Self::STEP)
     }
 
     pub(crate) fn check(&self, reals: Reals, effects: &Effects) -> Result<(), SimulationError> {
-        reals.positive("time_step", self.time_step())?;
+        reals.positive("time_step", self.step())?;
         reals.positive("size", self.length_unit)?;
         if let Some(speed) = self.max_speed {
             reals.positive("max_speed", speed)?;
@@ -361,6 +400,7 @@ impl BodyId {
 
 /// Counts of the last step. The counts of effects that are not enabled are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Report {
     /// Number of moving bodies whose velocity was integrated.
     pub moved: usize,

@@ -46,7 +46,7 @@ pub enum SimulationError {
     ObservedResponse,
     /// Returned without response if [`lin_canny`] has no equivalent of a shape: a half-space,
     /// voxels, a custom shape, or a shape with a number out of range.
-    #[error("shape has no equivalent in lin-canny: a half-space, voxels, a custom shape or a size out of range")]
+    #[error("shape has no equivalent in lin-canny: a half-space, voxels, a custom shape or an invalid size")]
     Shape,
     /// Returned if a pose is not a rigid motion.
     #[error(transparent)]

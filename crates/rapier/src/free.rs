@@ -57,7 +57,7 @@ impl Free {
             scene,
             bodies: Vec::new(),
             effects,
-            time_step: settings.time_step(),
+            time_step: settings.step(),
             moved: 0,
         })
     }

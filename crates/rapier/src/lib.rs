@@ -11,7 +11,7 @@
 //!
 //! let effects = Effects { gravity: Some(Vector3::y() * -9.81), friction: Some(0.5), ..Effects::response() };
 //! // A coin of 2 cm, laid on a table.
-//! let settings = Settings { length_unit: 0.02, time_step: Some(1.0 / 240.0), ..Settings::default() };
+//! let settings = Settings::default().length_unit(0.02).time_step(1.0 / 240.0);
 //! let mut simulation = Simulation::new(effects, settings)?;
 //! let table = Hull::new(solids::cuboid(Vector3::new(1.0, 0.1, 1.0))?);
 //! simulation.insert(&table, Body::fixed(Isometry3::translation(0.0, -0.1, 0.0)))?;

@@ -6,7 +6,8 @@ use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{Geometry, normalize_rotation};
 
 use crate::error::{FileError, FileErrorKind};
-use crate::geometry::{self, MeshOptions, MeshUse, Solid};
+use crate::geometry::{self, MeshUse, Solid};
+use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::space::Setup;
 use crate::turn::roll_pitch_yaw;
@@ -108,7 +109,7 @@ impl Cell {
     /// # Errors
     /// Returns an error if the file cannot be read or a body is invalid. The error names the line
     /// or the body.
-    pub fn load(path: impl AsRef<Path>, packages: &Packages, options: &MeshOptions) -> Result<Self, FileError> {
+    pub fn load(path: impl AsRef<Path>, packages: &Packages, options: &LoadOptions) -> Result<Self, FileError> {
         let path = path.as_ref();
         Self::parse(&FileError::read(path)?, path, packages, options)
     }
@@ -122,7 +123,7 @@ impl Cell {
         text: &str,
         path: impl AsRef<Path>,
         packages: &Packages,
-        options: &MeshOptions,
+        options: &LoadOptions,
     ) -> Result<Self, FileError> {
         let path = path.as_ref();
         let cell: CellText = serde_json::from_str(text).map_err(|e| {
@@ -146,7 +147,7 @@ impl Cell {
 }
 
 impl BodyText {
-    fn geometry(&self, folder: &Path, packages: &Packages, options: &MeshOptions) -> Result<Geometry, FileErrorKind> {
+    fn geometry(&self, folder: &Path, packages: &Packages, options: &LoadOptions) -> Result<Geometry, FileErrorKind> {
         let mut solids = Vec::new();
         solids.extend(self.block.as_ref().map(|b| Solid::Box { size: b.size }));
         solids.extend(
@@ -169,7 +170,7 @@ impl BodyText {
             ([], Some(mesh)) => {
                 let file = packages.find(&mesh.file, folder)?;
                 let scale = Vector3::from(mesh.scale.unwrap_or([1.0; 3]));
-                let usage = mesh.usage.unwrap_or(options.all);
+                let usage = mesh.usage.unwrap_or(options.meshes);
                 Ok(geometry::of_mesh(&file, &scale, usage, options)?.0)
             }
             ([], None) => Err(FileErrorKind::Missing("box, cylinder, capsule, sphere or mesh".into())),

@@ -6,9 +6,9 @@ use lin_canny::nalgebra::Isometry3;
 
 use crate::cell::Cell;
 use crate::error::{FileError, FileErrorKind};
-use crate::geometry::MeshOptions;
+use crate::options::LoadOptions;
 use crate::packages::Packages;
-use crate::robot::{LoadOptions, Robot};
+use crate::robot::Robot;
 use crate::space::Setup;
 use crate::srdf::Srdf;
 
@@ -38,8 +38,8 @@ pub struct RobotFiles {
     pub cell: Option<PathBuf>,
     /// Folders of `package://` paths.
     pub packages: Packages,
-    /// Bodies that are made from meshes.
-    pub meshes: MeshOptions,
+    /// Options for loading the robot and the cell.
+    pub options: LoadOptions,
     /// Whether adjacent links are checked as well.
     pub check_adjacent: bool,
 }
@@ -62,14 +62,10 @@ impl RobotFiles {
     ///
     /// # Errors
     /// Returns an error if a file is invalid, or if the robot has no link of a name in
-    /// `meshes.of_links`.
+    /// `options.link_meshes`.
     pub fn load(&self) -> Result<(Robot, Setup), FileError> {
-        let options = LoadOptions {
-            meshes: self.meshes.clone(),
-            ..LoadOptions::default()
-        };
-        let robot = Robot::load_with(&self.urdf, &self.packages, &options)?;
-        for name in self.meshes.of_links.keys() {
+        let robot = Robot::load_with(&self.urdf, &self.packages, &self.options)?;
+        for name in self.options.link_meshes.keys() {
             if robot.link(name).is_none() {
                 let (kind, name) = ("link", name.clone());
                 return Err(FileError::new(
@@ -89,7 +85,7 @@ impl RobotFiles {
             setup.ignore("", &Srdf::load(file, &robot)?);
         }
         if let Some(file) = &self.cell {
-            setup.cell(&Cell::load(file, &self.packages, &self.meshes)?);
+            setup.cell(&Cell::load(file, &self.packages, &self.options)?);
         }
         Ok((robot, setup))
     }

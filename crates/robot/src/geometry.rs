@@ -1,7 +1,6 @@
 //! The geometry of a body: a solid of a URDF or cell, or a mesh.
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
@@ -9,10 +8,12 @@ use lin_canny::{Compound, ConvexPolyhedron, Geometry, HullFit, Mesh, Piece, Shap
 
 use crate::error::FileErrorKind;
 use crate::mesh_file::{self, Soup};
+use crate::options::LoadOptions;
 
 /// The body that is made from a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum MeshUse {
     /// The convex hull: the fastest queries, but the hull is larger than the mesh.
     #[default]
@@ -21,31 +22,6 @@ pub enum MeshUse {
     Mesh,
     /// Convex pieces from a separate file: the hull of each object of an OBJ.
     Pieces,
-}
-
-/// Options for the meshes of a robot or a cell.
-#[derive(Clone, Debug, Default)]
-pub struct MeshOptions {
-    /// The body that is made from a mesh.
-    pub all: MeshUse,
-    /// The bodies that are made from the meshes of single links, by link name.
-    pub of_links: BTreeMap<String, MeshUse>,
-    /// Folder of the pieces: the objects of `arm.obj` are the pieces of `arm.stl`.
-    pub pieces: Option<PathBuf>,
-    /// Whether to measure how much each hull differs from its mesh; slow for large meshes.
-    pub measure_hulls: bool,
-}
-
-impl MeshOptions {
-    /// Returns options that make the same kind of body from all meshes.
-    #[must_use]
-    pub fn new(all: MeshUse) -> Self {
-        Self { all, ..Self::default() }
-    }
-
-    pub(crate) fn of(&self, link: &str) -> MeshUse {
-        self.of_links.get(link).copied().unwrap_or(self.all)
-    }
 }
 
 /// A solid that is centred at its origin, with its axis along z.
@@ -101,7 +77,7 @@ pub(crate) fn of_mesh(
     file: &Path,
     scale: &Vector3<f64>,
     usage: MeshUse,
-    options: &MeshOptions,
+    options: &LoadOptions,
 ) -> Result<(Geometry, Option<HullFit>), FileErrorKind> {
     let of_file = |file: &Path, why: String| FileErrorKind::Geometry(format!("mesh {}: {why}", file.display()));
     if let Some(&value) = scale.iter().find(|s| **s == 0.0) {

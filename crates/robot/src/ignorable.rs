@@ -13,6 +13,7 @@ use crate::srdf::{IgnoredPair, Srdf};
 
 /// Reason why a link pair may be ignored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum IgnoreReason {
     /// One joint connects the links.
     Adjacent,

@@ -13,7 +13,7 @@
 //! setup.robot("", &robot, Isometry3::identity());
 //! setup.ignore_adjacent();
 //! setup.ignore("", &Srdf::load(format!("{folder}/gripper.srdf"), &robot)?);
-//! setup.cell(&Cell::load(format!("{folder}/cell.json"), &packages, &options.meshes)?);
+//! setup.cell(&Cell::load(format!("{folder}/cell.json"), &packages, &options)?);
 //!
 //! let motion = Trajectory::load(format!("{folder}/carry.csv"), setup.coordinates())?;
 //! let mut checker = setup.checker()?;
@@ -25,7 +25,7 @@
 //! | task | type or function |
 //! |---|---|
 //! | load the links, joints and coordinates of a URDF | [`Robot`], [`LoadOptions`] |
-//! | use meshes as hulls, as triangles, or as convex pieces | [`MeshOptions`], [`MeshUse`] |
+//! | use meshes as hulls, as triangles, or as convex pieces | [`LoadOptions::meshes`], [`MeshUse`] |
 //! | set the folders of `package://` paths | [`Packages`] |
 //! | ignore pairs of links, from an SRDF or from random configurations | [`Srdf`], [`find_ignorable`] |
 //! | load obstacles from JSON | [`Cell`] |
@@ -63,6 +63,7 @@ mod files;
 mod geometry;
 mod ignorable;
 mod mesh_file;
+mod options;
 mod packages;
 mod recorder;
 mod robot;
@@ -76,14 +77,15 @@ mod xml;
 pub use cell::{Cell, Obstacle};
 pub use error::{FileError, FileErrorKind};
 pub use files::RobotFiles;
-pub use geometry::{MeshOptions, MeshUse};
+pub use geometry::MeshUse;
 pub use ignorable::{IgnoreReason, LinkPairCount, find_ignorable};
 pub use lin_canny;
 pub use lin_canny_plan as plan;
 pub use lin_canny_record as record;
+pub use options::LoadOptions;
 pub use packages::Packages;
 pub use recorder::RobotRecorder;
-pub use robot::{Coordinate, LinkBody, LoadOptions, MotionKind, Robot, RobotJoint, RobotLink};
+pub use robot::{Coordinate, LinkBody, MotionKind, Robot, RobotJoint, RobotLink};
 pub use space::Setup;
 pub use srdf::{IgnoredPair, Srdf};
 pub use trajectory::{Trajectory, csv_text};

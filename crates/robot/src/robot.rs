@@ -7,12 +7,13 @@ use lin_canny::{Geometry, HullFit};
 use lin_canny_plan::Drive;
 
 use crate::error::FileError;
-use crate::geometry::MeshOptions;
+use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::urdf;
 
 /// The kind of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MotionKind {
     /// Rotates about its axis, with or without limits.
     Revolute,
@@ -96,30 +97,6 @@ pub struct Coordinate {
     pub name: String,
     /// Least and greatest value.
     pub limits: [f64; 2],
-}
-
-/// Options for loading a URDF.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct LoadOptions {
-    /// Bodies that are made from meshes.
-    pub meshes: MeshOptions,
-    /// Least and greatest value of a revolute joint without limits, in radians.
-    pub continuous_limits: [f64; 2],
-    /// Least and greatest position of planar and floating joints, which URDF does not limit.
-    pub floating_limits: [f64; 2],
-}
-
-impl Default for LoadOptions {
-    /// Hulls; two full turns and ten metres in both directions.
-    fn default() -> Self {
-        let turns = 4.0 * std::f64::consts::PI;
-        Self {
-            meshes: MeshOptions::default(),
-            continuous_limits: [-turns, turns],
-            floating_limits: [-10.0, 10.0],
-        }
-    }
 }
 
 /// A robot that is read from a URDF.

@@ -10,8 +10,9 @@ use urdf_rs::JointType;
 
 use crate::error::{FileError, FileErrorKind};
 use crate::geometry::{self, Solid};
+use crate::options::LoadOptions;
 use crate::packages::Packages;
-use crate::robot::{Coordinate, LinkBody, LoadOptions, MotionKind, Robot, RobotJoint, RobotLink};
+use crate::robot::{Coordinate, LinkBody, MotionKind, Robot, RobotJoint, RobotLink};
 use crate::turn::roll_pitch_yaw;
 use crate::xml::{Xml, children};
 
@@ -324,8 +325,8 @@ impl Reader<'_> {
             urdf_rs::Geometry::Mesh { filename, scale } => {
                 let file = self.packages.find(filename, self.folder)?;
                 let scale = scale.map_or(Vector3::repeat(1.0), |s| Vector3::from(*s));
-                let meshes = &self.options.meshes;
-                let (geometry, fit) = geometry::of_mesh(&file, &scale, meshes.of(link), meshes)?;
+                let usage = self.options.mesh_of(link);
+                let (geometry, fit) = geometry::of_mesh(&file, &scale, usage, self.options)?;
                 return Ok(body(geometry, Some(file), fit));
             }
         };

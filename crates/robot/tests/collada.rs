@@ -5,7 +5,7 @@ use std::path::Path;
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::Point3;
-use lin_canny_robot::{LoadOptions, MeshOptions, MeshUse, Packages, Robot};
+use lin_canny_robot::{LoadOptions, MeshUse, Packages, Robot};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -49,8 +49,7 @@ fn load(text: &str) -> Result<Robot, String> {
     let urdf = format!(
         "<robot name=\"r\"><link name=\"a\"><collision><geometry><mesh filename=\"{name}\"/></geometry></collision></link></robot>"
     );
-    let mut options = LoadOptions::default();
-    options.meshes = MeshOptions::new(MeshUse::Mesh);
+    let options = LoadOptions::default().meshes(MeshUse::Mesh);
     Robot::parse(&urdf, folder.join("r.urdf"), &Packages::default(), &options).map_err(|e| e.to_string())
 }
 

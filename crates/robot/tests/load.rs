@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use lin_canny::GeometryKind;
-use lin_canny_robot::{FileError, FileErrorKind, LoadOptions, MeshOptions, MeshUse, MotionKind, Packages, Robot};
+use lin_canny_robot::{FileError, FileErrorKind, LoadOptions, MeshUse, MotionKind, Packages, Robot};
 
 /// A folder of the examples.
 pub fn examples() -> PathBuf {
@@ -101,16 +101,15 @@ fn every_solid_and_joint_is_read() {
 
 #[test]
 fn meshes_are_hulls_meshes_or_pieces() {
-    let load = |meshes: MeshOptions| {
-        let mut options = LoadOptions::default();
-        options.meshes = meshes;
+    let load = |options: LoadOptions| {
         let robot = Robot::load_with(examples().join("gripper.urdf"), &Packages::default(), &options)?;
         let of = |name: &str| robot.links()[robot.link(name).expect("a link")].bodies[0].clone();
         Ok::<_, FileError>([of("left finger"), of("right finger")])
     };
-    let mut of_one = MeshOptions::new(MeshUse::Mesh);
-    of_one.of_links.insert("left finger".into(), MeshUse::Hull);
-    of_one.measure_hulls = true;
+    let of_one = LoadOptions::default()
+        .meshes(MeshUse::Mesh)
+        .link_meshes([("left finger".into(), MeshUse::Hull)])
+        .measure_hulls(true);
     let [left, right] = load(of_one).expect("a robot");
     assert_eq!(
         (left.geometry.kind(), right.geometry.kind()),
@@ -126,7 +125,7 @@ fn meshes_are_hulls_meshes_or_pieces() {
         panic!("a mesh")
     };
     assert!(mesh.volume() > 0.0);
-    let mut pieces = MeshOptions::new(MeshUse::Pieces);
+    let mut pieces = LoadOptions::default().meshes(MeshUse::Pieces);
     assert!(
         load(pieces.clone())
             .expect_err("no folder")
@@ -318,8 +317,7 @@ fn stl_files_of_every_kind_are_read() {
     like_text[..11].copy_from_slice(b"solid tetra");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("stl");
     std::fs::create_dir_all(&folder).expect("a folder");
-    let mut options = LoadOptions::default();
-    options.meshes = MeshOptions::new(MeshUse::Mesh);
+    let options = LoadOptions::default().meshes(MeshUse::Mesh);
     let load = |name: &str, bytes: &[u8]| {
         std::fs::write(folder.join(name), bytes).expect("a file");
         let shape = format!("<mesh filename=\"{name}\" scale=\"2 2 2\"/>");

@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::{PairTracker, Progress, RelativePose};
 use lin_canny_plan::{ConfigurationSpace, Joint, JointKind, SegmentMotion, SerialArm, Verdict};
 use lin_canny_robot::{
-    Cell, IgnoreReason, LoadOptions, MeshOptions, MeshUse, MotionKind, Packages, Robot, Setup, Srdf, find_ignorable,
+    Cell, IgnoreReason, LoadOptions, MeshUse, MotionKind, Packages, Robot, Setup, Srdf, find_ignorable,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -16,8 +16,7 @@ fn examples() -> PathBuf {
 }
 
 fn gripper(usage: MeshUse) -> Robot {
-    let mut options = LoadOptions::default();
-    options.meshes = MeshOptions::new(usage);
+    let options = LoadOptions::default().meshes(usage);
     Robot::load_with(examples().join("gripper.urdf"), &Packages::default(), &options).expect("the example")
 }
 
@@ -32,7 +31,7 @@ fn setup(robot: &Robot) -> Setup {
     let cell = Cell::load(
         examples().join("cell.json"),
         &Packages::default(),
-        &MeshOptions::default(),
+        &LoadOptions::default(),
     );
     setup.cell(&cell.expect("the example"));
     setup
@@ -61,6 +60,7 @@ fn places(robot: &Robot, base: &Isometry3<f64>, q: &[f64]) -> Vec<Isometry3<f64>
                 let angles = UnitQuaternion::from_euler_angles(q[first + 3], q[first + 4], q[first + 5]);
                 Isometry3::from_parts(Vector3::new(q[first], q[first + 1], q[first + 2]).into(), angles)
             }
+            kind => panic!("no reference for {kind:?}"),
         };
         poses.push(poses[joint.parent] * joint.origin * moved);
     }
@@ -218,7 +218,7 @@ impl Judge {
         let cell = Cell::load(
             examples().join("cell.json"),
             &Packages::default(),
-            &MeshOptions::default(),
+            &LoadOptions::default(),
         );
         for obstacle in cell.expect("the example").obstacles {
             shapes.push((obstacle.geometry, None, obstacle.pose));

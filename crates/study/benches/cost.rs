@@ -84,10 +84,7 @@ fn main() -> Result<(), Trouble> {
 }
 
 fn run(study: &Arc<Study>, folder: &Path, partitions: usize) -> Result<(), Trouble> {
-    let options = RunOptions {
-        partitions,
-        ..RunOptions::default()
-    };
+    let options = RunOptions::default().partitions(partitions);
     let run = Run {
         study,
         input: &Input::new(folder.join("in"))?,

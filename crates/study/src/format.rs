@@ -18,6 +18,7 @@ use crate::error::StudyError;
 
 /// The format of a file of rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Format {
     /// Apache Parquet, `.parquet`.
     Parquet,

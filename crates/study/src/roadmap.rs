@@ -69,6 +69,7 @@ pub fn candidates(
 
 /// Counts of connected components.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Components {
     /// Number of components.
     pub count: usize,

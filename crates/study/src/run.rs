@@ -22,6 +22,7 @@ use crate::study::Study;
 
 /// Options of a run.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct RunOptions {
     /// Number of partitions that run in parallel.
     pub partitions: usize,
@@ -45,6 +46,36 @@ impl Default for RunOptions {
     }
 }
 
+impl RunOptions {
+    /// Returns the options with another number of partitions.
+    #[must_use]
+    pub const fn partitions(mut self, partitions: usize) -> Self {
+        self.partitions = partitions;
+        self
+    }
+
+    /// Returns the options with another number of rows per part.
+    #[must_use]
+    pub const fn rows_per_part(mut self, rows: usize) -> Self {
+        self.rows_per_part = rows;
+        self
+    }
+
+    /// Returns the options with another format of the parts.
+    #[must_use]
+    pub const fn format(mut self, format: Format) -> Self {
+        self.format = format;
+        self
+    }
+
+    /// Returns the options with the scheduler of a cluster, `host:port`.
+    #[must_use]
+    pub fn scheduler(mut self, address: impl Into<String>) -> Self {
+        self.scheduler = Some(address.into());
+        self
+    }
+}
+
 /// Progress of a run; another thread may read it.
 #[derive(Debug, Default)]
 pub struct RunProgress {
@@ -56,6 +87,7 @@ pub struct RunProgress {
 
 /// Summary of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct RunSummary {
     /// Rows of the input.
     pub rows: u64,

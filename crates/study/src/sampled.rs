@@ -14,6 +14,7 @@ use crate::input::ID;
 
 /// Sampling method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Source {
     /// The sequence of J. H. Halton, "On the efficiency of certain quasi-random sequences of points
     /// in evaluating multi-dimensional integrals" (1960), section 2: joint k uses the k-th prime as

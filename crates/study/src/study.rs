@@ -10,11 +10,28 @@ use crate::error::StudyError;
 
 /// Options of a study.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct StudyOptions {
     /// Minimum distance of all pairs for `is_free` and `certify`, in the robot's unit of length.
     pub margin: f64,
     /// Whether an invalid row gives NULL instead of an error.
     pub lenient: bool,
+}
+
+impl StudyOptions {
+    /// Returns the options with another minimum distance.
+    #[must_use]
+    pub const fn margin(mut self, margin: f64) -> Self {
+        self.margin = margin;
+        self
+    }
+
+    /// Returns the options with NULL, or with an error, for an invalid row.
+    #[must_use]
+    pub const fn lenient(mut self, lenient: bool) -> Self {
+        self.lenient = lenient;
+        self
+    }
 }
 
 /// A robot in its cell, loaded once per process, with a pool of checkers.

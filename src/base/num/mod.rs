@@ -1,7 +1,7 @@
 //! The arithmetic: scalars of the solvers, double-double, packed vectors, exact signs, and
 //! fingerprints of numbers.
 //!
-//! This file holds counters and ranked items. Counters saturate, because a file may contain the
+//! This file holds names of axes, counters and ranked items. Counters saturate, because a file may contain the
 //! largest number. Ranked items serve searches that take the best item first.
 
 pub(crate) mod double_double;
@@ -13,6 +13,15 @@ pub(crate) mod scalar;
 pub(crate) mod sign;
 
 use core::cmp::Ordering;
+
+/// Returns the name of an axis in the text of an error: x, y or z.
+pub(crate) const fn axis_name(axis: usize) -> char {
+    match axis {
+        0 => 'x',
+        1 => 'y',
+        _ => 'z',
+    }
+}
 
 /// A counter that outlives one query.
 pub(crate) trait Counter {

@@ -65,15 +65,15 @@ impl Shape {
         if let Core::Polyhedron(body) = &self.core {
             return self.polyhedral_mass(body);
         }
-        (self.round == 0.0).then(|| match_core!(&self.core, body => Mass::of(body), core => core.mass()))
+        (self.rounding == 0.0).then(|| match_core!(&self.core, body => Mass::of(body), core => core.mass()))
     }
 
     fn polyhedral_mass(&self, body: &ConvexPolyhedron) -> Option<Mass> {
         match body.vertex_count() {
-            _ if self.round == 0.0 => Some(Mass::of(body)),
-            1 => Some(ball(body.centroid(), self.round)),
+            _ if self.rounding == 0.0 => Some(Mass::of(body)),
+            1 => Some(ball(body.centroid(), self.rounding)),
             2 => Some(self.capsule_mass(body)),
-            _ => Some(rounded(body, self.round)),
+            _ => Some(rounded(body, self.rounding)),
         }
     }
 
@@ -84,7 +84,7 @@ impl Shape {
             (Some(p), Some(q)) => q - p,
             _ => Vector3::zeros(),
         };
-        let (r, length) = (self.round, along.norm());
+        let (r, length) = (self.rounding, along.norm());
         let (h, axis) = (length / 2.0, along / length);
         let (tube, caps) = (PI * r * r * length, 4.0 / 3.0 * PI * r * r * r);
         // Half balls: h + 3/8 r is the mea distance of their centres of mass from the middle.

@@ -1,6 +1,6 @@
 //! Convex shapes: a core and a rounding radius.
 //!
-//! `Shape { core, round }` is the set of points at most `round` from the core: a ball is a rounded
+//! `Shape { core, rounding }` is the set of points at most `rounding` from the core: a ball is a rounded
 //! point, a capsule a rounded segment. With `P = A - B` the signed distance of two shapes is `-min
 //! over unit n of h_P(n)`, and `h_P` grows by `r` if a shape is rounded by a ball of radius `r`. So
 //! rounding needs no other solver: the signed distance of two rounded shapes is that of their cores
@@ -62,7 +62,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 )]
 pub struct Shape {
     core: Core,
-    round: f64,
+    rounding: f64,
     fingerprint: Fingerprint,
 }
 
@@ -212,15 +212,15 @@ impl Shape {
     /// Returns an error if the radius is negative, or if the sum of all rounding radii exceeds
     /// 1e100. A radius that is not zero must be at least 1e-100.
     pub fn rounded(mut self, by: f64) -> Result<Self, ShapeError> {
-        let round = self.round + by;
-        if !is_rounding(by) || round > EXTENT_MAX {
+        let rounding = self.rounding + by;
+        if !is_rounding(by) || rounding > EXTENT_MAX {
             return Err(ShapeError::BadParameter {
                 what: "rounding radius",
                 value: by,
             });
         }
-        self.round = round;
-        self.fingerprint = self.core.rounded_fingerprint(round);
+        self.rounding = rounding;
+        self.fingerprint = self.core.rounded_fingerprint(rounding);
         Ok(self)
     }
 
@@ -233,7 +233,7 @@ impl Shape {
     /// Returns the radius by which the core is rounded; zero for a shape without rounding.
     #[must_use]
     pub fn rounding_radius(&self) -> f64 {
-        self.round
+        self.rounding
     }
 
     /// Returns the fingerprint of core and rounding.
@@ -245,7 +245,7 @@ impl Shape {
         Self {
             fingerprint: core.fingerprint(),
             core,
-            round: 0.0,
+            rounding: 0.0,
         }
     }
 }
@@ -321,7 +321,7 @@ impl Shape {
             body => body.bounding_ball(),
             core => (Point3::origin(), core.reach())
         );
-        (centre, (radius + self.round) * (1.0 + 2.0 * UNIT))
+        (centre, (radius + self.rounding) * (1.0 + 2.0 * UNIT))
     }
 
     /// Returns an upper bound of `direction . x` over the shape.
@@ -337,7 +337,7 @@ impl Shape {
             return 0.0;
         }
         if let Core::Polyhedron(body) = &self.core
-            && self.round == 0.0
+            && self.rounding == 0.0
             && let Some(height) = body.scanned_height(direction)
         {
             let reach = body.radius * body.unit() + body.origin.abs().sum();
@@ -350,7 +350,7 @@ impl Shape {
             let v = body.vertex(body.extreme_vertex(&n)).unwrap_or_else(Point3::origin);
             of(n.dot(&v.coords), body.radius * body.unit() + v.coords.abs().sum(), 0.0)
         }, core => of(height(core, &n), core.reach(), core.noise()));
-        (height + self.round * (1.0 + BOX)) * length
+        (height + self.rounding * (1.0 + BOX)) * length
     }
 
     /// Returns an approximate support point of the core along a unit direction, and the vertex of a
@@ -374,11 +374,11 @@ impl Shape {
     #[must_use]
     pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
         let (low, high) = match_core!(&self.core, body => body.aabb_at(pose, hint), core => box_at(core, pose));
-        if self.round == 0.0 {
+        if self.rounding == 0.0 {
             return (low, high);
         }
         let out = |x: f64, by: f64| x + by + (x.abs() + by.abs()) * UNIT * by.signum();
-        (low.map(|x| out(x, -self.round)), high.map(|x| out(x, self.round)))
+        (low.map(|x| out(x, -self.rounding)), high.map(|x| out(x, self.rounding)))
     }
 }
 

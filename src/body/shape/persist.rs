@@ -48,7 +48,7 @@ impl From<Shape> for StoredShape {
         };
         Self {
             core,
-            round: shape.round,
+            round: shape.rounding,
         }
     }
 }

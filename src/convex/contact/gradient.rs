@@ -22,6 +22,7 @@ use super::Manifold;
 /// still the origin of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Gradient {
     /// Derivative with respect to the position of the body's origin: a unit vector.
     pub linear: Vector3<f64>,

@@ -166,6 +166,7 @@ pub enum VertexError {
 /// Whether a mesh bounds a volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum MeshKind {
     /// Closed: along every line, edges in one direction cancel edges in the other.
     ///

@@ -87,6 +87,7 @@ pub use certificate::{Certificate, free_until};
 /// Largest width of the bracket of a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Tolerance {
     /// The shapes are nearer than this at `safe`, and overlap by about a third of this at `hit`, in
     /// the caller's unit of length.

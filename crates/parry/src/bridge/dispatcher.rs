@@ -60,6 +60,29 @@ impl Default for ContactOptions {
     }
 }
 
+impl ContactOptions {
+    /// Returns the options with another sine of the largest angle between normal and contact face.
+    #[must_use]
+    pub const fn max_face_sine(mut self, sine: Real) -> Self {
+        self.max_face_sine = sine;
+        self
+    }
+
+    /// Returns the options with another factor for the prediction of the engine.
+    #[must_use]
+    pub const fn prediction_factor(mut self, factor: Real) -> Self {
+        self.prediction_factor = factor;
+        self
+    }
+
+    /// Returns the options with another largest number of points.
+    #[must_use]
+    pub const fn max_points(mut self, points: usize) -> Self {
+        self.max_points = points;
+        self
+    }
+}
+
 /// Query dispatcher that handles convex shapes with [`lin_canny`] and all others with parry.
 ///
 /// The table on the page of the crate `lin_canny_parry` lists all pairs. A manifold depends only on

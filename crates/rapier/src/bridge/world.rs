@@ -48,7 +48,7 @@ pub(super) struct World {
 
 impl World {
     pub(super) fn new(effects: Effects, settings: &Settings) -> Self {
-        let (size, step) = (settings.length_unit as Real, settings.time_step() as Real);
+        let (size, step) = (settings.length_unit as Real, settings.step() as Real);
         let mut world = certified_world(CertifiedDispatcher::default(), size, step);
         world.gravity = narrow(&effects.gravity.unwrap_or_else(Vector3::zeros));
         let parameters = &mut world.integration_parameters;

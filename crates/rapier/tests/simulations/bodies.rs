@@ -71,10 +71,7 @@ fn bodies_of_any_shape_are_observed_without_response() {
     };
     let observe = scene::PairQueries::none().distance(10.0);
     for (k, (shape, height)) in shapes().into_iter().enumerate() {
-        let settings = Settings {
-            queries: observe,
-            ..Settings::default()
-        };
+        let settings = Settings::default().queries(observe);
         let mut s = Simulation::new(effects, settings).expect("effects");
         s.insert(floor(), Body::fixed(up(-1.0))).expect("a floor");
         let id = s.insert(shape, Body::moving(up(height + 1.0), 1000.0)).expect("a body");

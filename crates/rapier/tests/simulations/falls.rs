@@ -35,11 +35,7 @@ fn thrown(settings: Settings, gravity: f64, linear: Vector3<f64>) -> (Simulation
 }
 
 fn settings(size: f64) -> Settings {
-    Settings {
-        length_unit: size,
-        time_step: Some(STEP),
-        ..Settings::default()
-    }
+    Settings::default().length_unit(size).time_step(STEP)
 }
 
 /// Where a thrown cube is after a flight.
@@ -108,10 +104,7 @@ fn bodies_fall_in_a_certified_world_of_every_size() {
 #[test]
 fn a_limit_of_the_speed_is_in_lengths_a_time_at_every_size() {
     for size in SIZES {
-        let limited = Settings {
-            max_speed: Some(2.0),
-            ..settings(size)
-        };
+        let limited = settings(size).max_speed(2.0);
         let at = flown(limited, 0.0, Vector3::x() * 10.0);
         assert!((at - Vector3::x() * 2.0).norm() < 1e-3, "size {size}: {at:?}");
         // Rapier puts a body to sleep that moves by less than a tenth of its size a second.
@@ -123,10 +116,7 @@ fn a_limit_of_the_speed_is_in_lengths_a_time_at_every_size() {
 #[test]
 fn a_limit_of_the_speed_that_is_none_is_refused() {
     for speed in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let settings = Settings {
-            max_speed: Some(speed),
-            ..Settings::default()
-        };
+        let settings = Settings::default().max_speed(speed);
         let refused = Simulation::new(Effects::response(), settings).err();
         let is_named = matches!(refused, Some(SimulationError::Number { what: "max_speed", .. }));
         assert!(is_named, "{speed}: {refused:?}");

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use lin_canny::Geometry;
-use lin_canny_robot::{MeshOptions, MeshUse, Packages, Robot, RobotFiles, Setup};
+use lin_canny_robot::{LoadOptions, MeshUse, Packages, Robot, RobotFiles, Setup};
 
 use super::ToolError;
 
@@ -70,18 +70,18 @@ fn link_geometry(text: &str) -> Result<(String, MeshGeometry), String> {
 impl RobotOptions {
     /// Returns the robot, and the setup of robot and cell for a checker.
     pub(super) fn load(&self) -> Result<(Robot, Setup), ToolError> {
-        let of_links = self.link.iter().map(|(link, kind)| (link.clone(), (*kind).into()));
+        let link_meshes = self.link.iter().map(|(link, kind)| (link.clone(), (*kind).into()));
+        let mut options = LoadOptions::default()
+            .meshes(self.geometry.into())
+            .link_meshes(link_meshes)
+            .measure_hulls(self.hull_fit);
+        options.pieces.clone_from(&self.pieces);
         let files = RobotFiles {
             urdf: self.urdf.clone(),
             srdf: self.srdf.clone(),
             cell: self.cell.clone(),
             packages: Packages::new(&self.packages).with_environment(),
-            meshes: MeshOptions {
-                all: self.geometry.into(),
-                of_links: of_links.collect(),
-                pieces: self.pieces.clone(),
-                measure_hulls: self.hull_fit,
-            },
+            options,
             check_adjacent: self.check_adjacent,
         };
         let (robot, setup) = files.load()?;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use lin_canny_study::robot::{MeshOptions, MeshUse, Packages, RobotFiles};
+use lin_canny_study::robot::{LoadOptions, MeshUse, Packages, RobotFiles};
 use lin_canny_study::{Format, RunOptions, Study, StudyError, StudyOptions};
 
 /// The body that is made from a mesh.
@@ -57,13 +57,10 @@ impl StudyArguments {
             srdf: self.srdf.clone(),
             cell: self.cell.clone(),
             packages: Packages::new(&self.packages).with_environment(),
-            meshes: MeshOptions::new(usage),
+            options: LoadOptions::default().meshes(usage),
             check_adjacent: self.check_adjacent,
         };
-        let options = StudyOptions {
-            margin: self.margin,
-            lenient: self.lenient,
-        };
+        let options = StudyOptions::default().margin(self.margin).lenient(self.lenient);
         let study = Study::load(&files, options)?;
         eprintln!("robot, cell and options: {}", study.fingerprint());
         Ok(study)
@@ -83,13 +80,12 @@ pub(super) struct WhereArguments {
 
 impl WhereArguments {
     pub(super) fn options(&self, format: Format) -> RunOptions {
-        let all = RunOptions::default();
-        RunOptions {
-            partitions: self.partitions.unwrap_or(all.partitions).max(1),
-            scheduler: self.scheduler.clone(),
-            format,
-            ..all
+        let mut options = RunOptions::default().format(format);
+        if let Some(partitions) = self.partitions {
+            options.partitions = partitions.max(1);
         }
+        options.scheduler.clone_from(&self.scheduler);
+        options
     }
 }
 

@@ -75,10 +75,7 @@ fn predicates_agree_with_clearances() {
 
 #[test]
 fn a_margin_is_kept() {
-    let margin = StudyOptions {
-        margin: 0.05,
-        ..StudyOptions::default()
-    };
+    let margin = StudyOptions::default().margin(0.05);
     let study = study(margin);
     let query =
         format!("SELECT count(*) FROM configs WHERE is_free({JOINTS}) <> (clearance({JOINTS})['distance'] > 0.05)");
@@ -171,10 +168,7 @@ fn bad_rows_are_named() {
     let found = values(&asked(&strict, 4, &fault).expect("faults"));
     assert_eq!(found, [[""], [""], ["lift is NULL"], [""]]);
 
-    let lenient = StudyOptions {
-        lenient: true,
-        ..StudyOptions::default()
-    };
+    let lenient = StudyOptions::default().lenient(true);
     let lenient = study(lenient);
     let text = format!(
         "SELECT id, c['distance'] IS NULL, c IS NULL, is_free({none}) IS NULL FROM (SELECT *, clearance({none}) AS c FROM configs)"
@@ -195,10 +189,7 @@ fn bad_rows_are_named() {
 #[test]
 fn fingerprints_tell_studies_apart() {
     let names = [0.0, 0.01].map(|margin| {
-        let options = StudyOptions {
-            margin,
-            ..StudyOptions::default()
-        };
+        let options = StudyOptions::default().margin(margin);
         study(options).fingerprint().to_owned()
     });
     assert_ne!(names[0], names[1]);

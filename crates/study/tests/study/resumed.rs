@@ -33,16 +33,9 @@ impl Place {
     }
 
     fn run(&self, margin: f64, query: &str, block: usize) -> Result<RunSummary, StudyError> {
-        let options = StudyOptions {
-            margin,
-            ..StudyOptions::default()
-        };
+        let options = StudyOptions::default().margin(margin);
         let (study, input) = (study(options), Input::new(self.folder.join("in"))?);
-        let options = RunOptions {
-            partitions: 2,
-            rows_per_part: block,
-            ..RunOptions::default()
-        };
+        let options = RunOptions::default().partitions(2).rows_per_part(block);
         let run = Run {
             study: &study,
             input: &input,

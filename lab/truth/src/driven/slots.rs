@@ -228,7 +228,7 @@ impl Body {
             let mesh = Mesh::new(&points(&self.soup), &self.soup.triangles).map_err(|e| e.to_string())?;
             return match mesh.kind() {
                 MeshKind::Solid => Ok(mesh.into()),
-                MeshKind::Open => Err(format!("not closed: {}", mesh.report())),
+                _ => Err(format!("not closed: {}", mesh.report())),
             };
         }
         let piece = |s: &Soup| -> Result<Piece, String> {

@@ -1,0 +1,102 @@
+//! Options for loading a robot or a cell.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use crate::geometry::MeshUse;
+
+/// Options for loading a robot or a cell from files.
+///
+/// ```
+/// use lin_canny_robot::{LoadOptions, MeshUse};
+///
+/// let options = LoadOptions::default()
+///     .meshes(MeshUse::Mesh)
+///     .link_meshes([("gripper".into(), MeshUse::Hull)]);
+/// assert_eq!(options.mesh_of("gripper"), MeshUse::Hull);
+/// assert_eq!(options.mesh_of("base"), MeshUse::Mesh);
+/// ```
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct LoadOptions {
+    /// The body that is made from a mesh file.
+    pub meshes: MeshUse,
+    /// The bodies that are made from the mesh files of single links, by link name.
+    ///
+    /// A cell has no links and ignores them.
+    pub link_meshes: BTreeMap<String, MeshUse>,
+    /// Folder of the convex pieces: the objects of `arm.obj` are the pieces of `arm.stl`.
+    pub pieces: Option<PathBuf>,
+    /// Whether to measure how much each hull differs from its mesh; slow for large meshes.
+    pub measure_hulls: bool,
+    /// Least and greatest value of a revolute joint without limits, in radians.
+    pub continuous_limits: [f64; 2],
+    /// Least and greatest position of planar and floating joints, which URDF does not limit, in the
+    /// unit of the file.
+    pub floating_limits: [f64; 2],
+}
+
+impl Default for LoadOptions {
+    /// Hulls that are not measured; two full turns and ten metres in both directions.
+    fn default() -> Self {
+        let turns = 4.0 * std::f64::consts::PI;
+        Self {
+            meshes: MeshUse::Hull,
+            link_meshes: BTreeMap::new(),
+            pieces: None,
+            measure_hulls: false,
+            continuous_limits: [-turns, turns],
+            floating_limits: [-10.0, 10.0],
+        }
+    }
+}
+
+impl LoadOptions {
+    /// Returns the options with another kind of body for all mesh files.
+    #[must_use]
+    pub fn meshes(mut self, usage: MeshUse) -> Self {
+        self.meshes = usage;
+        self
+    }
+
+    /// Returns the options with other kinds of bodies for the mesh files of some links.
+    #[must_use]
+    pub fn link_meshes(mut self, links: impl IntoIterator<Item = (String, MeshUse)>) -> Self {
+        self.link_meshes = links.into_iter().collect();
+        self
+    }
+
+    /// Returns the options with a folder of convex pieces.
+    #[must_use]
+    pub fn pieces(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.pieces = Some(folder.into());
+        self
+    }
+
+    /// Returns the options with or without a measurement of each hull.
+    #[must_use]
+    pub fn measure_hulls(mut self, measure: bool) -> Self {
+        self.measure_hulls = measure;
+        self
+    }
+
+    /// Returns the options with other limits for revolute joints without limits, in radians.
+    #[must_use]
+    pub fn continuous_limits(mut self, limits: [f64; 2]) -> Self {
+        self.continuous_limits = limits;
+        self
+    }
+
+    /// Returns the options with other limits for the positions of planar and floating joints.
+    #[must_use]
+    pub fn floating_limits(mut self, limits: [f64; 2]) -> Self {
+        self.floating_limits = limits;
+        self
+    }
+
+    /// Returns the kind of body that is made from the mesh files of a link.
+    #[must_use]
+    pub fn mesh_of(&self, link: &str) -> MeshUse {
+        self.link_meshes.get(link).copied().unwrap_or(self.meshes)
+    }
+}
