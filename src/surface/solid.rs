@@ -155,7 +155,7 @@ impl<'a> Feet<'a> {
         Some(ShapeFoot { at, jet, found })
     }
 
-    /// Error of a signed distance by the point and the pose.
+    /// Returns the error of a signed distance that the point and the pose cause.
     fn error(&self) -> f64 {
         self.frame.error + self.frame.points
     }
