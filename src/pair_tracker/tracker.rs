@@ -52,10 +52,10 @@ use nalgebra::{Unit, Vector3};
 /// about one pose of a hundred, at any distance. The query then uses double-double arithmetic and
 /// up to about 450 directions, or up to about 1,300 within `1e-10 L` of contact; the median is 14.
 ///
-/// The bounds of a depth of curved shapes are as close as those of a distance if balls inside the
-/// cores prove them, and for cylinders and cones with parallel axes. If the shapes have a common
-/// centre and many directions are nearly as deep, the interval may stay wider than `2^-19 L`. Both
-/// bounds hold in all cases.
+/// The bounds of a depth of curved shapes are as close as the bounds of a distance if balls inside
+/// the cores prove them, and for cylinders and cones with parallel axes. If the shapes have a
+/// common centre and many directions are nearly as deep, the interval may stay wider than
+/// `2^-19 L`. Both bounds hold in all cases.
 ///
 /// A mesh that is not closed and a Bézier surface have no inside, so a body inside one is separated
 /// from it.

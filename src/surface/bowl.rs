@@ -79,7 +79,7 @@ fn curvature(jet: &SurfaceJet, n: &Vector3<f64>, e: &[Vector3<f64>; 2]) -> Optio
 }
 
 /// Directions at a contact point along which the height of a surface is stationary, and the
-/// curvature along them. Across a border the height falls to first order, whatever the curvature.
+/// curvature along them. Across a border the height falls to first order, for any curvature.
 #[derive(Clone, Copy)]
 enum Rim {
     /// Inside a patch: all directions.

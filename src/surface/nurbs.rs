@@ -47,7 +47,7 @@ pub(crate) struct Span {
 type KnotPatch = (BezierPatch, [[f64; 2]; 2]);
 
 impl Nurbs<'_> {
-    /// Returns the Bézier patches; those of equal u follow each other.
+    /// Returns the Bézier patches; patches of equal u follow each other.
     pub(super) fn patches(&self) -> Result<Vec<KnotPatch>, SurfaceError> {
         if self.trimming_curves > 0 {
             let curves = self.trimming_curves;

@@ -1,6 +1,6 @@
-//! A convex shape as the second body. It is one node that is never split, because its support
-//! function gives its exact support value along every direction, and a tracker gives its closest
-//! point to a point of the surface.
+//! A convex shape as the second body: one node that is never split. Its support function gives the
+//! exact support value along every direction. A tracker finds its closest point to a point of the
+//! surface.
 
 use super::closest::NEWTON;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
