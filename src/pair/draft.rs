@@ -189,7 +189,7 @@ pub(crate) fn is_proven(posed: &PosedPair, draft: &Draft) -> bool {
     }
 }
 
-/// Returns whether the bounds are as close as those of a certified outcome must be.
+/// Returns whether the bounds are as close as a certified outcome requires.
 pub(crate) fn is_narrow(posed: &PosedPair, draft: &Draft) -> bool {
     draft.upper - draft.lower <= (AGREE + 2.0 * CERTIFICATE * UNIT) * posed.size()
 }

@@ -24,16 +24,16 @@ pub struct QueryOptions {
     ///
     /// A length in the caller's unit.
     ///
-    /// `None` means `2^-30` of the pair size L (the radii of both geometries about their origins,
-    /// plus the distance of the origins). A width that is NaN or below `2^-42 L` counts as
-    /// `2^-42 L`.
+    /// `None` means `2^-30` of the sum of the radii of both bounding balls. A width that is NaN or
+    /// below `2^-42 L` counts as `2^-42 L`. The pair size L is the sum of both radii about the
+    /// origins plus the distance of the origins.
     pub width: Option<f64>,
     /// Budget of a query with a Bézier surface: how many pairs of nodes it may split, at most
     /// `2^22`.
     ///
-    /// `None` means 20,000. A query that uses up its budget returns wider bounds. A query of two
-    /// surfaces also returns wider bounds if it would need several times its budget at the speed at
-    /// which its bounds approach each other.
+    /// `None` means 20,000. For a compound the budget applies to each piece. A query that uses up
+    /// its budget returns wider bounds. A query of two surfaces also returns wider bounds if it
+    /// would need several times its budget at the speed at which its bounds approach each other.
     pub splits: Option<usize>,
 }
 

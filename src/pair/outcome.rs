@@ -493,7 +493,7 @@ impl WorldWitnesses {
 impl Outcome {
     /// Returns the witness points and the normal in the common frame of the two poses.
     ///
-    /// The poses are those passed to [`RelativePose::new`]. Points in the world carry the rounding
+    /// The poses are the arguments of [`RelativePose::new`]. Points in the world carry the rounding
     /// error of the world's coordinates; the distance and its bounds do not.
     #[inline]
     #[must_use]

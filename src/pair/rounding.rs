@@ -12,7 +12,8 @@ pub(crate) fn less(s: f64, radii: [f64; 2]) -> f64 {
     (s - high) - low
 }
 
-/// Returns bounds minus both radii, rounded outward; bounds of bodies that are not rounded stay.
+/// Returns bounds minus both radii, rounded outward. Bounds of bodies that are not rounded do not
+/// change.
 ///
 /// Each of the two differences has an error of at most `UNIT` times its magnitude, and so has each
 /// operation here. A difference that is subnormal is exact, and so is zero.

@@ -44,8 +44,8 @@ pub(crate) fn fault(
     }
 }
 
-/// Returns whether the witnesses, put in f64, are as far apart as the bounds require, and along the
-/// normal.
+/// Returns whether the witnesses, transformed in f64, are as far apart as the bounds require, also
+/// along the normal.
 ///
 /// The slack covers the rounding of witnesses in the caller's coordinates, possibly far from the
 /// body.

@@ -35,7 +35,8 @@ pub(crate) struct PatchwiseContacts {
 impl PatchwiseContacts {
     /// Returns the contacts of two bodies at a pose; `None` if one of them can have no contacts.
     ///
-    /// Bodies without patches get them here once. A mesh gets new patches after it has bent.
+    /// Bodies without patches get them here once. A mesh gets new patches after its vertices have
+    /// moved.
     pub(crate) fn find(
         &mut self,
         bodies: [GeometryRef<'_>; 2],

@@ -160,8 +160,8 @@ impl Engine {
 
     /// Combines the tracker with the two geometries for which the engine was made.
     ///
-    /// Only balls are known of other geometries, and of a surface and a mesh with coordinates
-    /// beyond those of surfaces.
+    /// For other geometries, and for a surface and a mesh with coordinates that are too large for a
+    /// surface, the pair knows only balls around them.
     pub(crate) fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> LentPair<'p> {
         match each!(self, engine => engine.lend(bodies)) {
             Some(pair) => pair,
@@ -192,7 +192,7 @@ impl Engine {
         each!(self, engine => engine.report())
     }
 
-    /// Returns the bytes on the heap, without those of stand-ins.
+    /// Returns the bytes on the heap, without stand-ins.
     pub(crate) fn memory_usage(&self) -> usize {
         self.report().memory_usage
     }
@@ -209,7 +209,7 @@ pub(super) struct EngineReport {
     pub(super) work: PairWork,
     /// Entries of the front; convex pairs have none.
     pub(super) front_len: usize,
-    /// Bytes on the heap, without those of stand-ins.
+    /// Bytes on the heap, without stand-ins.
     pub(super) memory_usage: usize,
 }
 

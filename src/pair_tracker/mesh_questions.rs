@@ -25,12 +25,13 @@ impl PairTracker {
     /// Their distance is the distance of the mesh from a self-collision. `None` if any two of its
     /// triangles share a vertex.
     ///
-    /// Triangles that share a vertex always touch there and are left out. Vertices are those of the
-    /// mesh. Welded points are one vertex. Vertices that [`set_vertices`](Mesh::set_vertices) moves
-    /// to the same position remain two, so triangles around them touch. A mesh in contact with
-    /// itself is [`Touching`](crate::ContactState::Touching), whether or not its triangles cross.
-    /// The points and the normal are in the frame of the mesh, and the bounds are as close as those
-    /// of two meshes.
+    /// Triangles that share a vertex always touch there and are left out. Vertices are the vertices
+    /// of the mesh, so welded points are one vertex. Vertices that
+    /// [`set_vertices`](Mesh::set_vertices) moves to the same position remain two, so triangles
+    /// around them touch. A mesh in contact with itself is
+    /// [`Touching`](crate::ContactState::Touching), whether or not its triangles cross. The points
+    /// and the normal are in the frame of the mesh, and the bounds are as close as the bounds of
+    /// two meshes.
     ///
     /// The tracker keeps what the search has proven while the vertices move. For a mesh of 20,000
     /// triangles, this cache takes some megabytes. If all triangles are about the same size, many
@@ -177,7 +178,7 @@ mod fronts {
         /// Returns the cached front of two Bézier surfaces: pairs of nodes of A and B that are
         /// proven apart.
         ///
-        /// Empty for surfaces other than those of the last query.
+        /// Empty if the last query was of other surfaces.
         #[cfg(feature = "surfaces")]
         #[must_use]
         pub fn surface_front(&self, a: &BezierSurface, b: &BezierSurface) -> Vec<[SurfacePart; 2]> {

@@ -56,7 +56,7 @@ fn as_mesh(body: GeometryRef<'_>) -> Option<Option<Arc<Mesh>>> {
     }
 }
 
-/// What engines with a front count and serialise.
+/// Implements the report and the serialised form of engines with a front.
 macro_rules! report_front {
     ($work:ident, $stored:ident) => {
         pub(super) fn report(&self) -> EngineReport {

@@ -23,7 +23,7 @@ use crate::surface::{
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SurfaceEngine {
     pub(super) tracker: SurfaceTracker,
-    /// With the fingerprint of the mesh when the surface was made.
+    /// Each surface has the fingerprint that its mesh had when the surface was made.
     stand_ins: [Option<(Fingerprint, Arc<BezierSurface>)>; 2],
 }
 
@@ -56,7 +56,7 @@ fn surface_first<'p>([a, b]: [GeometryRef<'p>; 2]) -> Option<(&'p BezierSurface,
 }
 
 impl SurfaceEngine {
-    /// `None` for a mesh with coordinates too large for surfaces.
+    /// Returns the pair; `None` for a mesh with coordinates that are too large for a surface.
     pub(super) fn lend<'p>(&'p mut self, [a, b]: [GeometryRef<'p>; 2]) -> Option<LentPair<'p>> {
         self.follow([a, b]);
         let [x, y] = self
@@ -72,7 +72,7 @@ impl SurfaceEngine {
         }))
     }
 
-    /// Makes the surface of a mesh, and again if the mesh has bent since.
+    /// Converts a mesh to a surface, and converts it again if its vertices have moved since.
     fn follow(&mut self, bodies: [GeometryRef<'_>; 2]) {
         for (body, stand_in) in bodies.into_iter().zip(&mut self.stand_ins) {
             let Some(mesh) = body.mesh() else { continue };

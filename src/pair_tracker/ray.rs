@@ -170,8 +170,8 @@ pub struct RayHit {
 /// * Mesh, closed or open: the result is exact for the ray as given (feature `exact`), so it is
 ///   never [`RayCast::Undecided`]. The bracket is at most `2e-12 L` wide.
 /// * Polyhedron: the result is exact too (features `exact` and `meshes`) if its faces are flat to
-///   the last bit, like those of hulls. The bracket is about `1e-12 L` wide. An origin outside a
-///   polyhedron, at any distance, is never [`RayCast::Inside`] (feature `exact`).
+///   the last bit, like the faces of hulls. The bracket is about `1e-12 L` wide. An origin outside
+///   a polyhedron, at any distance, is never [`RayCast::Inside`] (feature `exact`).
 /// * Curved shape, compound: the result is proven for a point that moves along the ray, up to the
 ///   rounding of its position. The bracket of a head-on hit is about `1e-12 L` wide.
 /// * Bézier surface: the result is [`RayCast::Undecided`] if the ray meets the surface, because a
@@ -314,7 +314,7 @@ impl RayCaster {
     }
 }
 
-/// Returns the ball about a body at a pose, enlarged by the rounding of its centre at this pose.
+/// Returns the ball around a body at a pose, enlarged by the rounding of its centre at this pose.
 pub(crate) fn placed_ball(centre: &Point3<f64>, radius: f64, pose: &Isometry3<f64>) -> (Point3<f64>, f64) {
     (pose * centre, radius + PLACED_BALL * centre.coords.abs().sum())
 }

@@ -93,8 +93,8 @@ pub(super) fn entered(mesh: &Mesh, pose: &Isometry3<f64>, ray: &Ray, safe: f64, 
 
 /// Returns what the ray meets, if the result of a cast is not proven.
 ///
-/// `None` if the cast is right as it is, for bodies without faces, and for bodies whose faces are
-/// flat only up to rounding.
+/// `None` if the result of the cast is right, if the body has no faces, or if its faces are flat
+/// only up to rounding.
 pub(super) fn proven(
     hull: &ConvexPolyhedron,
     pose: &Isometry3<f64>,

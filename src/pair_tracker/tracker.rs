@@ -42,7 +42,7 @@ use nalgebra::{Unit, Vector3};
 /// | superquadric | `2e-13 L`; depths `2^-19 L` | ties count as within |
 /// | meshes, compounds whose pieces have no pose | `1e-13 L` | exact (feature `exact`) |
 /// | compounds whose pieces have poses | `1.5e-13 L` | ties count as within |
-/// | a Bézier surface | as requested, else `2^-30 L` | may be undecided |
+/// | a Bézier surface | as requested, else `2^-30` of the sum of both radii | may be undecided |
 ///
 /// The contact state of curved shapes may be [`Undecided`](crate::ContactState::Undecided), even
 /// with the feature `exact`. This happens if the bounds straddle zero and are farther apart than a
@@ -52,10 +52,10 @@ use nalgebra::{Unit, Vector3};
 /// about one pose of a hundred, at any distance. The query then uses double-double arithmetic and
 /// up to about 450 directions, or up to about 1,300 within `1e-10 L` of contact; the median is 14.
 ///
-/// The bounds of a depth of curved shapes are as close as those of a distance if balls inside the
-/// cores prove them, and for cylinders and cones with parallel axes. If the shapes have a common
-/// centre and many directions are nearly as deep, the interval may stay wider than `2^-19 L`. Both
-/// bounds hold in all cases.
+/// The bounds of a depth of curved shapes are as close as the bounds of a distance if balls inside
+/// the cores prove them, and for cylinders and cones with parallel axes. If the shapes have a
+/// common centre and many directions are nearly as deep, the interval may stay wider than
+/// `2^-19 L`. Both bounds hold in all cases.
 ///
 /// A mesh that is not closed and a Bézier surface have no inside, so a body inside one is separated
 /// from it.
@@ -401,7 +401,6 @@ impl PairTracker {
     ///
     /// Call this before the query, as [`Tracker::replay`](crate::Tracker::replay). `None` unless
     /// both geometries are polyhedra, rounded or not.
-    /// are polyhedra, rounded or not.
     #[must_use]
     pub fn replay<'g>(
         &mut self,
@@ -521,7 +520,7 @@ impl core::ops::AddAssign for PairWork {
     }
 }
 
-/// Error of a query that two geometries of these kinds do not have.
+/// Error returned if two geometries of these kinds have no such query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{asked} cannot be computed for a {a} and a {b}")]
 #[non_exhaustive]

@@ -1,13 +1,13 @@
-//! Bezier curves and tensor-product patches: values with derivatives, and halves.
+//! Bézier curves and tensor-product patches: values, derivatives and halves.
 //!
-//! de Casteljau 1959; Farin 2002, "Curves and Surfaces for CAGD", chapters 4, 5 and 13. Every step
-//! is a convex combination, so errors are relative to the control points
+//! Sources: de Casteljau 1959; Farin 2002, "Curves and Surfaces for CAGD", chapters 4, 5 and 13.
+//! Every step is a convex combination, so errors are relative to the control points
 //! ([`PATCH_POINT`](crate::tolerance::PATCH_POINT)).
 
-/// Most control points along one direction.
+/// Largest number of control points along one direction.
 pub(crate) const ORDER: usize = 8;
 
-/// Most control points of a patch.
+/// Largest number of control points of a patch.
 pub(super) const NET: usize = ORDER * ORDER;
 
 /// Value and derivatives at a point of a patch with `K` coordinates.
@@ -32,11 +32,11 @@ fn difference<const K: usize>(a: &[f64; K], b: &[f64; K], factor: f64) -> [f64; 
     core::array::from_fn(|k| factor * (b[k] - a[k]))
 }
 
-/// Returns value, first and second derivative of a Bezier curve of degree 1 or more. The points
-/// are used up.
+/// Returns value, first and second derivative of a Bézier curve of degree 1 or more. Overwrites the
+/// points.
 #[inline(always)]
 fn along<const K: usize>(points: &mut [[f64; K]], t: f64) -> [[f64; K]; 3] {
-    // Loops of a known length: the common degrees take half as many instructions.
+    // Loops of a constant length take half as many instructions for the common degrees.
     match points.len() {
         3 => along_of(&mut points[..3], t),
         4 => along_of(&mut points[..4], t),
@@ -69,7 +69,7 @@ fn along_of<const K: usize>(points: &mut [[f64; K]], t: f64) -> [[f64; K]; 3] {
     ]
 }
 
-/// Returns value and derivatives of a patch. Rows of constant u follow each other.
+/// Returns the value and derivatives of a patch. Rows of constant u follow each other in the net.
 #[inline(always)]
 pub(crate) fn jet<const K: usize>(net: &[[f64; K]], [p, q]: [usize; 2], [u, v]: [f64; 2]) -> Jet<K> {
     let mut columns = [[[0.0; K]; ORDER]; 3];
@@ -94,7 +94,7 @@ pub(crate) fn jet<const K: usize>(net: &[[f64; K]], [p, q]: [usize; 2], [u, v]: 
     }
 }
 
-/// Returns the value alone of a patch, as [`jet`] does.
+/// Returns only the value of a patch, as [`jet`] does.
 #[inline(always)]
 pub(crate) fn value<const K: usize>(net: &[[f64; K]], [p, q]: [usize; 2], [u, v]: [f64; 2]) -> [f64; K] {
     let mut column = [[0.0; K]; ORDER];
@@ -114,7 +114,7 @@ pub(crate) fn value<const K: usize>(net: &[[f64; K]], [p, q]: [usize; 2], [u, v]
     end(&mut column[..=p], u)
 }
 
-/// Splits one coordinate of a net in the middle of a direction, 0 for u and 1 for v.
+/// Splits one coordinate of a net in the middle of a direction: 0 for u, 1 for v.
 #[inline(always)]
 pub(crate) fn halves(net: &[f64], [p, q]: [usize; 2], direction: u8, low: &mut [f64], high: &mut [f64]) {
     high.copy_from_slice(net);

@@ -1,4 +1,4 @@
-//! Surfaces of many patches with a tree above them; regions of surfaces, and the work of queries.
+//! A surface of many patches with a tree above them, its parts, and the work of queries.
 
 use alloc::vec::Vec;
 use nalgebra::{Point3, Unit, Vector3};
@@ -246,7 +246,7 @@ fn is_closed(patches: &[BezierPatch], reach: f64) -> bool {
     true
 }
 
-/// A region of a surface: a node of its tree.
+/// A part of a surface: a node of its tree.
 #[cfg(feature = "__internals")]
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -275,19 +275,19 @@ impl SurfacePart {
 pub struct SurfaceWork {
     /// Number of queries.
     pub queries: u64,
-    /// Number of entries of fronts that were tested with their directions.
+    /// Number of front entries that were tested with their directions.
     pub entries: u64,
-    /// Number of entries that their directions did not prove.
+    /// Number of these entries that their directions did not prove.
     pub failed: u64,
-    /// Number of gaps of two nets along a direction that were computed.
+    /// Number of computed gaps of two nets along a direction.
     pub gaps: u64,
     /// Number of pairs that were bounded by second derivatives.
     pub caps: u64,
     /// Number of pairs that were bounded by a separating quadric.
     pub bowls: u64,
-    /// Number of surroundings of closest points that were proven at once.
+    /// Number of regions around closest points that were proven at once.
     pub regions: u64,
-    /// Number of surroundings of closest points that were tried and not proven.
+    /// Number of regions around closest points that were tried and not proven.
     pub refused: u64,
     /// Number of steps of Newton's method for two points.
     pub steps: u64,

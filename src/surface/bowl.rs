@@ -1,9 +1,9 @@
-//! A curved surface between two parts, where no plane proves them apart: nested saddles, and one
-//! surface in the hollow of another.
+//! Separating quadrics: quadratic surfaces between two parts that no plane proves apart, such as
+//! nested saddles or one surface in the hollow of another.
 //!
 //! Let n be a unit direction, S a symmetric form on the plane perpendicular to n, and
-//! `g(x) = n . x - x . S x / 2`, places seen from a point of contact o. For a quadratic function
-//! `g(b) - g(a) = grad g(m) . (b - a)` with m half-way between a and b, and
+//! `g(x) = n . x - x . S x / 2`, with x relative to a contact point o. For a quadratic function
+//! `g(b) - g(a) = grad g(m) . (b - a)`, where m is the midpoint of a and b, and
 //!
 //! `|grad g(m)| <= 1 + |S m|^2 / 2 <= 1 + |S a|^2 / 4 + |S b|^2 / 4`.
 //!
@@ -11,10 +11,11 @@
 //!
 //! `[n . b - b . (S + T S^2 / 2) b / 2] - [n . a - a . (S - T S^2 / 2) a / 2] >= T`,
 //!
-//! no point of X is nearer to a point of Y than T. Both brackets are polynomials of one part alone,
-//! of twice its degrees, bounded as heights are ([`highest`](super::height)). Near the closest
-//! points X lies below and Y above the graph of S if S is between their curvatures: at a border
-//! only along the border.
+//! no point of X is nearer to a point of Y than T. Each bracket is a polynomial of one part alone,
+//! of twice the degrees of the part. It is bounded in the same manner as a height along n
+//! ([`highest`](super::height)). Near the closest points X lies below and Y above the graph of S if
+//! S is between their curvatures. If a closest point is at a border, only the curvature along the
+//! border matters.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -28,28 +29,29 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BENT, ROUND_UP, SLOPE};
 
-/// How far a bowl stays from the curvature of a surface in directions in which the other falls away
-/// from its border, as a part of the curvature. Not measured.
+/// Margin between a separating quadric and the curvature of a surface, as a fraction of the
+/// curvature. It applies in directions in which the other surface falls away from its border. Not
+/// measured.
 const MARGIN: f64 = 1.0 / 4.0;
 
-/// Sine of the angle of two borders below which a bowl bends alike along both. Not measured.
+/// Sine of the angle between two borders below which they count as parallel. Not measured.
 const CROSSING: f64 = 1.0 / 4.0;
 
-/// A quadratic function of points.
+/// A separating quadric: the function g.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bowl {
     n: Vector3<f64>,
     /// Unit vectors perpendicular to n and to each other.
     e: [Vector3<f64>; 2],
-    /// In A's frame.
+    /// The contact point o, in A's frame.
     at: Vector3<f64>,
     /// The form S.
     form: Matrix2<f64>,
-    /// Upper bound of the length of S.
+    /// Upper bound of the norm of S.
     length: f64,
 }
 
-/// A bowl as one body sees it: heights are `n . x + x . M x / 2`, places seen from `at`.
+/// A quadric in the frame of one body: the height of x is `n . x + x . M x / 2`, relative to `at`.
 pub(super) struct BowlSide {
     n: Vector3<f64>,
     e: [Vector3<f64>; 2],
@@ -67,7 +69,7 @@ fn tangents(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
     [e, n.cross(&e)]
 }
 
-/// Returns the curvature of a surface over the plane of `e`, as a form.
+/// Returns the curvature of a surface as a form on the plane of `e`.
 fn curvature(jet: &SurfaceJet, n: &Vector3<f64>, e: &[Vector3<f64>; 2]) -> Option<Matrix2<f64>> {
     let [d, f] = e;
     let tangents = Matrix2::new(d.dot(&jet.u), d.dot(&jet.v), f.dot(&jet.u), f.dot(&jet.v));
@@ -76,15 +78,15 @@ fn curvature(jet: &SurfaceJet, n: &Vector3<f64>, e: &[Vector3<f64>; 2]) -> Optio
     Some(inverse.transpose() * Matrix2::new(uu, uv, uv, vv) * inverse)
 }
 
-/// Where a surface keeps its height about a point of contact to first order, and how it bends
-/// there. At a border it falls away across the border, whatever its curvature.
+/// Directions at a contact point along which the height of a surface is stationary, and the
+/// curvature along them. Across a border the height falls to first order, for any curvature.
 #[derive(Clone, Copy)]
 enum Rim {
-    /// Inside a patch: everywhere.
+    /// Inside a patch: all directions.
     All(Matrix2<f64>),
     /// At a border: along a unit vector of the plane, with a curvature.
     Along(Vector2<f64>, f64),
-    /// At a corner: nowhere.
+    /// At a corner: no direction.
     Point,
 }
 
@@ -98,7 +100,7 @@ impl Rim {
         };
         let f = Vector2::new(e[0].dot(&side), e[1].dot(&side));
         let square = f.norm_squared();
-        // A border that is one point, as a pole, is as good as a corner.
+        // A border of length zero, as at a pole, is equivalent to a corner.
         Some(if square > 0.0 {
             Self::Along(f / sqrt(square), bend / square)
         } else {
@@ -106,7 +108,7 @@ impl Rim {
         })
     }
 
-    /// Returns the same as seen from the other side.
+    /// Returns the same for the opposite normal.
     fn turned(self) -> Self {
         match self {
             Self::All(form) => Self::All(-form),
@@ -116,8 +118,8 @@ impl Rim {
     }
 }
 
-/// Returns a form between that of a surface below, inside a patch, and one above, whose point is at
-/// a border.
+/// Returns a form between a surface of curvature `below` and the surface above it. The contact
+/// point is inside a patch of the lower surface and at a border (`rim`) of the upper surface.
 fn above(below: Matrix2<f64>, rim: &Rim) -> Matrix2<f64> {
     let across = MARGIN * sqrt(below.norm_squared());
     match rim {
@@ -129,22 +131,23 @@ fn above(below: Matrix2<f64>, rim: &Rim) -> Matrix2<f64> {
     }
 }
 
-/// Returns a form between two borders that bend by `low`, below, along f, and by `high` along g.
+/// Returns a form between a lower border with curvature `low` along f and an upper border with
+/// curvature `high` along g.
 fn between_borders([f, g]: [Vector2<f64>; 2], [low, high]: [f64; 2]) -> Matrix2<f64> {
     let cross = f.perp(&g);
     if cross.abs() < CROSSING {
         return f * f.transpose() * (0.5 * (low + high));
     }
-    // One form has any curvatures along two directions; the surfaces need them with a margin.
+    // A form can have any two curvatures along two directions. Both get a margin.
     let margin = MARGIN * (low.abs() + high.abs());
     let (p, q) = (Vector2::new(g.y, -g.x) / cross, Vector2::new(-f.y, f.x) / cross);
     p * p.transpose() * (low + margin) + q * q.transpose() * (high - margin)
 }
 
 impl Bowl {
-    /// Returns a bowl between two surfaces at a pair of close points `distance` apart. Its form is
-    /// half-way between the curvatures, as far as the surfaces keep their heights;
-    /// `is_at_border` is for u and v of A and of B.
+    /// Returns a quadric between two surfaces at a pair of close points that are `distance` apart.
+    /// Its form is half-way between the curvatures, along the directions in which both heights are
+    /// stationary. `is_at_border` is for u and v of A and of B.
     pub(super) fn between(
         [a, b]: [&SurfaceJet; 2],
         n: &Vector3<f64>,
@@ -173,7 +176,7 @@ impl Bowl {
         })
     }
 
-    /// Returns the half that A sees, for a target T.
+    /// Returns the quadric as A uses it, for a target T.
     pub(super) fn of_a(&self, target: f64) -> BowlSide {
         BowlSide {
             n: self.n,
@@ -184,7 +187,7 @@ impl Bowl {
         }
     }
 
-    /// Returns the half that B sees, for a target T, in B's frame.
+    /// Returns the quadric as B uses it, for a target T, in B's frame.
     pub(super) fn of_b(&self, target: f64, frame: &NetFrame) -> BowlSide {
         BowlSide {
             n: -frame.direction_in_b(&self.n),
@@ -197,8 +200,9 @@ impl Bowl {
 }
 
 impl BowlSide {
-    /// Returns whether the heights of a node are worth a look: the node is no farther than its size
-    /// from the line through the points of contact, and errors of its points grow by little.
+    /// Returns whether the height of a node is worth computing. The centre of the node must be
+    /// within twice its radius of the line along n through the contact point. The slope must be at
+    /// most [`SLOPE`], so that errors of points grow little.
     pub(super) fn is_near(&self, node: &Node) -> bool {
         !node.is_group() && self.off(node) <= 2.0 * node.radius && self.slope(node) <= SLOPE
     }
@@ -210,12 +214,12 @@ impl BowlSide {
         sqrt(s * s + t * t)
     }
 
-    /// Returns the greatest gradient of the quadratic part over a node.
+    /// Returns a bound of the gradient of the quadratic part over a node.
     fn slope(&self, node: &Node) -> f64 {
         self.length * (self.off(node) + node.radius)
     }
 
-    /// Returns a height that the part of a surface below a node reaches: that of a corner.
+    /// Returns the greatest height of the corners of a node: a height that the surface attains.
     pub(super) fn least(&self, node: &Node, net: &Net) -> f64 {
         let [p, q] = node.degrees;
         let last = p * (q + 1);
@@ -228,8 +232,8 @@ impl BowlSide {
         a.larger(b).larger(c.larger(d))
     }
 
-    /// Returns an upper bound of the heights of the part of a surface below a node, errors of the
-    /// pose aside; `None` for a degree above three.
+    /// Returns an upper bound of the heights of the surface in a node, without the errors of the
+    /// pose; `None` for a degree above three.
     pub(super) fn highest(&self, node: &Node, net: &Net) -> Option<f64> {
         let [p, q] = node.degrees;
         if 2 * p >= ORDER || 2 * q >= ORDER {
@@ -253,10 +257,11 @@ impl BowlSide {
         Some(of.smaller(most) + (1.0 + slope) * node.error + rounding)
     }
 
-    /// Writes the coefficients of the numerator and the denominator of the heights.
+    /// Writes the coefficients of the numerator and the denominator of the height.
     fn fill(&self, pairs: &mut [[f64; 2]], [p, q]: [usize; 2], net: &Net) {
         let count = (p + 1) * (q + 1);
-        // Heights, coordinates along both tangents, their images, weights; times binomials.
+        // Rows, each times binomials: height along n, two tangent coordinates, their images under
+        // half the form, weight.
         let mut of = [[0.0; FEW]; 6];
         let (planes, weights) = match net.homogeneous {
             Some([x, y, z, w]) => ([x, y, z], Some(w)),
@@ -294,7 +299,7 @@ impl BowlSide {
     }
 }
 
-/// Most control points of a patch of degrees up to three.
+/// Largest number of control points of a patch of degrees up to three.
 const FEW: usize = 16;
 
 /// Binomial coefficients.
@@ -315,8 +320,8 @@ const BINOMIAL: [[f64; ORDER]; ORDER] = {
 
 #[cfg(test)]
 mod tests {
-    //! Bowls against heights in twice the digits, and against surfaces that are closer than they
-    //! look.
+    //! Separating quadrics against heights in double-double, and with surfaces that are closer than
+    //! they seem.
 
     use alloc::vec;
     use alloc::vec::Vec;
@@ -334,7 +339,7 @@ mod tests {
     use crate::surface::net::BezierPatch;
     use crate::surface::tree::{Grown, Nodes};
 
-    /// Returns a value of a patch in twice the digits, from its numbers as they are stored.
+    /// Returns a value of a patch in double-double, from its stored numbers.
     fn exact(patch: &BezierPatch, at: [f64; 2]) -> [Wide; 4] {
         let curve = |mut c: Vec<[Wide; 4]>, t: f64| {
             let (t, s) = (Wide::from(t), Wide::from(1.0) - Wide::from(t));
@@ -352,7 +357,7 @@ mod tests {
         )
     }
 
-    /// Returns the height of a point above a bowl, in twice the digits.
+    /// Returns the height of a point above a quadric, in double-double.
     fn height(half: &BowlSide, h: &[Wide; 4]) -> Wide {
         let x = [0, 1, 2].map(|k| h[k] / h[3] - Wide::from(half.at[k]));
         let dot = |n: &Vector3<f64>| (0..3).fold(Wide::from(0.0), |s, k| s + Wide::from(n[k]) * x[k]);
@@ -370,7 +375,7 @@ mod tests {
         }
     }
 
-    /// Control points over a square of size 2 at a place, with weights.
+    /// Returns a patch over a square of size 2 around `off`, mostly with weights.
     fn patch(rng: &mut Rng, off: &Vector3<f64>) -> BezierPatch {
         let [p, q] = [1 + rng.below(3), 1 + rng.below(3)];
         let at = |k: usize, d: usize| 2.0 * k as f64 / d as f64 - 1.0;
@@ -386,8 +391,8 @@ mod tests {
         }
     }
 
-    /// Returns the bound of a random node above a random bowl, less the greatest height found of
-    /// the patch itself, in the size of the pair.
+    /// Returns by how much the bound of a random node above a random quadric exceeds the greatest
+    /// height found on the patch, in units of the pair size.
     fn excess(rng: &mut Rng, far: f64) -> Option<f64> {
         let off = unit(rng) * far;
         let patch = patch(rng, &off);
@@ -404,7 +409,7 @@ mod tests {
         let at = patch.point(inside(rng, u), inside(rng, v)).coords;
         let n = unit(rng);
         let (a, b, c) = (rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), rng.range(-1.0, 1.0));
-        // From a form that hardly matters to the steepest that is looked at.
+        // From a negligible form to the steepest that `is_near` accepts.
         let form = Matrix2::new(a, b, b, c) * rng.log_range(0.1, 6.0);
         let length = sqrt(form.norm_squared()) * ROUND_UP;
         let half = BowlSide {
@@ -418,7 +423,7 @@ mod tests {
             return None;
         }
         let bound = half.highest(node, &nodes.net(id))?;
-        // The best of a grid, then of ever smaller steps about it.
+        // The best point of a grid, then of ever smaller steps around it.
         let at = |[x, y]: [f64; 2]| [u[0] + (u[1] - u[0]) * x, v[0] + (v[1] - v[0]) * y];
         let of = |p: [f64; 2]| height(&half, &exact(&patch, at(p)));
         let (mut best, mut place) = (of([0.0; 2]), [0.0; 2]);
@@ -446,8 +451,8 @@ mod tests {
         Some((Wide::from(bound) - best).value() / (1.0 + far))
     }
 
-    /// Bounds hold to the last bit, near the origin and far from it; and they are bounds worth the
-    /// name, so that one that is lower by 1e-9 of the size fails.
+    /// Bounds hold to the last bit, near the origin and far from it. Enough of them are tight that
+    /// bounds lower by 1e-9 of the size would fail.
     #[test]
     fn heights_above_a_bowl_hold() {
         for far in [0.0, 10.0, 1e6] {
@@ -468,7 +473,7 @@ mod tests {
         BezierSurface::new(vec![BezierPatch::polynomial([2, 2], &points).expect("a patch")]).expect("a surface")
     }
 
-    /// Heights `bend (x^2 + y^2) / 2 + z` over a square.
+    /// Returns the surface of heights `bend (x^2 + y^2) / 2 + z` over a square.
     fn dish(size: f64, bend: f64, z: f64) -> BezierSurface {
         // The blossom of the square of a coordinate between -size and size.
         let square = |k: usize| [1.0, -1.0, 1.0][k] * size * size;
@@ -489,9 +494,9 @@ mod tests {
         pair.descend([0, 0], [0.5; 4]).0
     }
 
-    /// One dish in another, so little flatter that the point below is no closest point: the graph
-    /// of no form proves the distance of both lowest points, whatever its curvature. The terms by
-    /// the square of the form refuse it.
+    /// One dish lies in another and has a slightly smaller curvature than the surface parallel to
+    /// the other, so the lowest points are not the closest. No form, of any curvature, proves the
+    /// distance of the lowest points. The terms with the square of the form prevent it.
     #[test]
     fn a_bowl_knows_that_parallel_surfaces_bend_more() {
         let frame = NetFrame::new(
@@ -500,7 +505,7 @@ mod tests {
             &RelativePose::from_isometry(&Isometry3::identity()).expect("a pose"),
         )
         .expect("of a size");
-        // Parallel to A at this distance is a surface that bends by 1 / (2 - 0.5) = 0.667.
+        // The surface parallel to A at this distance has the curvature 1 / (2 - 0.5) = 0.667.
         let a = dish(0.2, 0.5, 0.0);
         for (bend, holds) in [(0.55, false), (0.62, false), (0.66, false), (0.8, true), (1.0, true)] {
             let b = dish(0.2, bend, 0.5);
@@ -530,7 +535,8 @@ mod tests {
         }
     }
 
-    /// The bowl that a search makes proves the distance of a dish in a wider one, and no more.
+    /// The quadric of a search proves the distance of a dish in a wider dish, and no greater
+    /// distance.
     #[test]
     fn a_bowl_proves_a_distance_and_no_more() {
         let mut rng = Rng::new(72);

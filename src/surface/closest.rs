@@ -1,17 +1,18 @@
-//! Two points close to each other, one on each of two patches, by Newton's method, and a proof that
-//! two patches share a point.
+//! The closest two points of two patches by Newton's method, and a proof that two patches share a
+//! point.
 //!
-//! Minimises `|w|^2 / 2`, `w = b(s, t) - a(u, v)`, over the four parameters between 0 and 1:
-//! Newton's step where the second derivative is positive definite, else the step of Gauss and
-//! Newton with damping (Levenberg 1944). Parameters at a border that are pushed outward are held
-//! there. Any result is an upper bound of the distance.
+//! The descent minimises `|w|^2 / 2` with `w = b(s, t) - a(u, v)` over the four parameters between
+//! 0 and 1. A step is Newton's if the second derivative is positive definite, otherwise a damped
+//! Gauss-Newton step (Levenberg 1944). A parameter at a border stays there if the descent would
+//! push it outward. Any result proves an upper bound of the distance.
 //!
 //! The proof ([`crosses`]): with one of the four parameters fixed, `F(z) = b - a = 0` is a system
-//! of three equations in three unknowns. Let C be any matrix, and B the ball of radius rho about z0
-//! in the maximum norm. If `|C F(z0)| <= rho / 2` and `|I - C F'(z)| <= 1/2` for all z in B, then
-//! `z - C F(z)` maps B into itself and has a fixed point by Brouwer's theorem; C is not singular,
-//! since `I - C F'` is shorter than one; so F has a zero in B (Krawczyk 1969; Neumaier 1990,
-//! "Interval Methods for Systems of Equations", section 5.1). B must lie inside the patches.
+//! of three equations in three unknowns. Let C be any matrix, and B the ball of radius rho around
+//! z0 in the maximum norm. If `|C F(z0)| <= rho / 2` and `|I - C F'(z)| <= 1/2` for all z in B,
+//! then `z - C F(z)` maps B into itself. It has a fixed point by Brouwer's theorem. C is not
+//! singular, because the norm of `I - C F'` is less than one, so F has a zero in B (Krawczyk 1969;
+//! Neumaier 1990, "Interval Methods for Systems of Equations", section 5.1). B must lie inside the
+//! patches.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -26,10 +27,11 @@ use crate::base::tolerance::{AGREE, PARALLEL, PATCH_SLOPE, UNIT};
 use crate::body::polyhedron::{FaceId, Feature};
 use crate::pair::location::WitnessLocation;
 
-/// Steps of Newton's method for two points. Quadratic once near; not measured.
+/// Largest number of Newton steps for two points. Convergence is quadratic at the end. Not
+/// measured.
 pub(super) const NEWTON: usize = 24;
 
-/// A point on each surface.
+/// Two close points, one on each body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meeting {
     /// The patches of A and B.
@@ -48,24 +50,25 @@ pub(super) struct Meeting {
     pub(super) distance: f64,
     /// Upper bound of the distance of the bodies.
     pub(super) upper: f64,
-    /// A unit direction from A to B.
+    /// Unit direction from A to B, in A's frame.
     pub(super) normal: Option<Vector3<f64>>,
-    /// The same, known better where rounding turns the line of both points.
+    /// The same direction, more accurate if rounding rotates the line between the points.
     pub(super) along: Option<Vector3<f64>>,
-    /// The feature of B; of a surface, the patch.
+    /// The feature of B; for a surface, the patch.
     pub(super) feature: Feature,
-    /// A curved surface between both.
+    /// A separating quadric.
     pub(super) bowl: Option<Bowl>,
 }
 
 impl Meeting {
-    /// Returns the point of A (0) or of B (1) by its parameters.
+    /// Returns the location of the point on A (0) or on B (1).
     pub(super) fn place(&self, k: usize) -> WitnessLocation {
         WitnessLocation::on_patch(self.patches[k], [self.at[2 * k], self.at[2 * k + 1]])
     }
 
-    /// Returns a unit direction from A to B: along w, or, where w is short beside `size`, along the
-    /// normal of A or B that is nearly parallel to it and knows the direction better.
+    /// Returns a unit direction from A to B, usually along w. If w is short compared with `size`,
+    /// returns the normal of A or B that is nearly parallel to w, because it is more accurate.
+    /// `toward` gives the sense of the normal if rounding hides it.
     fn direction(&self, size: f64, toward: &Vector3<f64>) -> Option<Vector3<f64>> {
         let d = self.distance;
         if d > CLOSE * size {
@@ -88,13 +91,14 @@ impl Meeting {
     }
 }
 
-/// Distance, as a part of the size, below which rounding turns the line of two points by more than
-/// the normal of a surface.
+/// Distance, as a fraction of the pair size, below which rounding rotates the line between two
+/// points more than the normal of a surface.
 pub(super) const CLOSE: f64 = 1.0 / 65_536.0;
 
-/// Returns a normal m of any length as a unit vector along n, if a unit vector n is parallel to it
-/// but for what rounding of points may turn the line of two points, `size` lengths between them
-/// long.
+/// Returns m, of any length, as a unit vector with the sense of n; `None` if m is not nearly
+/// parallel to n. The angle may be as large as rounding may rotate the line between two points
+/// whose distance is the pair size divided by `size`. With an infinite `size` any angle is
+/// accepted, and n may have any length.
 pub(super) fn facing(m: &Vector3<f64>, n: &Vector3<f64>, size: f64) -> Option<Vector3<f64>> {
     let length = sqrt(m.norm_squared());
     let sine = sqrt(m.cross(n).norm_squared()) / length;
@@ -102,17 +106,17 @@ pub(super) fn facing(m: &Vector3<f64>, n: &Vector3<f64>, size: f64) -> Option<Ve
     is_along.then(|| m * if m.dot(n) < 0.0 { -1.0 } else { 1.0 } / length)
 }
 
-/// Close points of a pair, one on each body.
+/// Finds close points of a pair, one on each body.
 pub(super) trait Meets {
-    /// Returns two close points from a start, with the number of steps; `None` if the pair cannot
-    /// be measured there.
+    /// Returns two close points from a start, and the number of steps; `None` if the pair cannot be
+    /// measured there.
     fn descend(&mut self, patches: [u32; 2], start: [f64; 4]) -> Option<(Meeting, u64)>;
 
-    /// Returns whether the points at some parameters are less than `most` apart: no bound.
+    /// Returns whether the points at these parameters are less than `most` apart; this is no bound.
     fn is_closer(&mut self, patches: [u32; 2], at: [f64; 4], most: f64) -> bool;
 
     /// Returns the unit direction from a point of A to the closest point of B, in A's frame; `None`
-    /// if B has no closest point that is found at once.
+    /// if the closest point of B would need a search.
     fn direction(&mut self, patch: u32, at: [f64; 2]) -> Option<Vector3<f64>>;
 
     /// Returns the part of a patch of A (0) or B (1) over a box of parameters; `None` for a body
@@ -128,7 +132,7 @@ pub(super) struct Patches<'a> {
 }
 
 impl<'a> Patches<'a> {
-    /// Returns the pair of two patches.
+    /// Returns the pair of a patch of A and a patch of B.
     pub(super) fn pair(&self, [p, q]: [u32; 2]) -> PatchPair<'a> {
         PatchPair {
             a: &self.a[p as usize],
@@ -159,7 +163,7 @@ impl Meets for Patches<'_> {
     }
 }
 
-/// A point of four parameters.
+/// State of the descent at four parameters.
 struct ClosestState {
     at: [f64; 4],
     a: SurfaceJet,
@@ -181,7 +185,7 @@ pub(super) struct PatchPair<'a> {
 pub(super) type Parameters = [f64; 4];
 
 impl PatchPair<'_> {
-    /// Returns two close points from a start, with the number of steps.
+    /// Returns two close points from a start, and the number of steps.
     pub(super) fn descend(&self, patches: [u32; 2], start: Parameters) -> (Meeting, u64) {
         let mut now = self.state(start);
         let enough = AGREE * UNIT * self.frame.size * self.frame.size * AGREE;
@@ -224,7 +228,7 @@ impl PatchPair<'_> {
         }
     }
 
-    /// Returns a closer state.
+    /// Returns a closer state; `None` if no step leads to one.
     fn step(&self, now: &ClosestState, damping: &mut f64) -> Option<ClosestState> {
         let (gradient, gauss, bent) = now.derivatives();
         let held: [bool; 4] =
@@ -248,7 +252,7 @@ impl PatchPair<'_> {
         None
     }
 
-    /// Returns the state after a step or a part of it, if closer.
+    /// Returns the state after a step or a fraction of it; `None` if none is closer.
     fn tried(&self, now: &ClosestState, step: &Parameters, times: usize) -> Option<ClosestState> {
         let mut part = 1.0;
         for _ in 0..times {
@@ -309,8 +313,8 @@ impl ClosestState {
     }
 }
 
-/// Solves a symmetric system in the parameters that are not held; `None` if it is not positive
-/// definite.
+/// Solves a symmetric system for the parameters that are not `held` fixed; `None` if it is not
+/// positive definite.
 pub(super) fn solve(matrix: &[Parameters; 4], right: &Parameters, held: &[bool; 4]) -> Option<Parameters> {
     let (mut m, mut x) = (*matrix, *right);
     for k in (0..4).filter(|&k| held[k]) {
@@ -340,14 +344,15 @@ pub(super) fn solve(matrix: &[Parameters; 4], right: &Parameters, held: &[bool; 
     x.iter().all(|x| x.is_finite()).then_some(x)
 }
 
-/// Ways along the curve of intersection at which the proof is tried, for points near a border.
+/// Displacements along the curve of intersection at which the proof is tried. They help if the
+/// points are near a border.
 const ASIDE: [f64; 5] = [0.0, 0.0625, -0.0625, 0.25, -0.25];
 
-/// Returns whether two patches are proven to share a point near two points that all but coincide.
+/// Returns whether two patches are proven to share a point near two points that almost coincide.
 pub(super) fn crosses(pair: &PatchPair, meeting: &Meeting, upper: f64) -> bool {
     let [p, q, r, s] = meeting.tangents;
     let columns = [-p, -q, r, s];
-    // The parameters move along the curve by the null vector of the derivative.
+    // The null vector of the derivative moves the parameters along the curve.
     let volume = |i: usize, j: usize, k: usize| columns[i].dot(&columns[j].cross(&columns[k]));
     let null = [volume(1, 2, 3), -volume(0, 2, 3), volume(0, 1, 3), -volume(0, 1, 2)];
     let longest = null.iter().fold(0.0_f64, |m, x| m.larger(x.abs()));
@@ -365,7 +370,7 @@ pub(super) fn crosses(pair: &PatchPair, meeting: &Meeting, upper: f64) -> bool {
     })
 }
 
-/// Returns whether a zero is proven with one parameter fixed.
+/// Returns whether a zero is proven with this parameter fixed.
 fn shares(pair: &PatchPair, meeting: &Meeting, fixed: usize) -> bool {
     let [p, q, r, s] = meeting.tangents;
     let columns = [-p, -q, r, s];
@@ -379,7 +384,7 @@ fn shares(pair: &PatchPair, meeting: &Meeting, fixed: usize) -> bool {
     let [of_a, of_b] = [bends(pair.a), bends(pair.b)];
     let bend = of_a.1.larger(of_b.1);
     let error = PATCH_SLOPE * of_a.0.larger(of_b.0);
-    // A derivative moves by two second derivatives at most; one more covers roundings.
+    // A derivative changes by at most two second derivatives times rho; a third covers rounding.
     let change = 3.0 * (3.0 * bend * rho + error);
     let residual = (Matrix3::identity() - c * slope).abs() * Vector3::repeat(1.0);
     let shift = c.abs() * Vector3::repeat(change);
@@ -390,10 +395,10 @@ fn shares(pair: &PatchPair, meeting: &Meeting, fixed: usize) -> bool {
     is_inside && largest(&(residual + shift)) < 0.49
 }
 
-/// Returns bounds of all first and second derivatives of a patch. With R the reach, d the sum of
-/// the degrees and omega the ratio of the weights, for `x = N / w`: `|N_u| <= 2 d R` and `|w_u| <=
-/// d`, in units of the largest weight, give `|x_u| <= 3 d R omega`; the same once more `14 d^2 R
-/// omega^2`.
+/// Returns bounds of all first and second derivatives of a patch. Let R be the radius about the
+/// origin, d the sum of the degrees and omega the ratio of the largest to the smallest weight. For
+/// `x = N / w`, in units of the largest weight, `|N_u| <= 2 d R` and `|w_u| <= d` give
+/// `|x_u| <= 3 d R omega`. In the same manner second derivatives are at most `14 d^2 R omega^2`.
 fn bends(patch: &BezierPatch) -> (f64, f64) {
     let weights = || patch.net.iter().map(|h| h[3]);
     let ratio = weights().fold(0.0, f64::larger) / weights().fold(f64::INFINITY, f64::smaller);

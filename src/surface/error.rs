@@ -76,7 +76,7 @@ pub enum SurfaceError {
         /// Number of trimming curves.
         curves: usize,
     },
-    /// The radius of a patch from a file is not finite, or less than that of its points.
+    /// The radius of a patch from a file is out of range, or less than the radius of its points.
     #[error("radius of a patch is invalid: {value} is not finite, or less than that of its points")]
     Reach {
         /// The value.

@@ -1,5 +1,5 @@
-//! Lower bounds of the distance of two nodes, the gap between two planes, at the relative pose of
-//! their bodies ([`NetFrame`]).
+//! Lower bounds of the distance of two nodes at the relative pose of their bodies ([`NetFrame`]):
+//! gaps between two parallel planes, or separating quadrics.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -12,30 +12,32 @@ use crate::base::tolerance::{BENT_POSE, CERTIFICATE, FAR, NEAR, PATCH_LIMIT, UNI
 use crate::convex::minimum::simplex::{Indexed, Simplex};
 use crate::pair::transform::ErrorScale;
 
-/// Steps of the minimum-norm solver on two nets before a pair is split instead. Not measured.
+/// Largest number of steps of the minimum-norm solver on two nets before the pair is split. Not
+/// measured.
 const STEPS: usize = 4;
 
 /// A node of A and a node of B.
 pub(super) type NetPair = [u32; 2];
 
-/// A gap along a unit direction from A to B in A's frame: a lower bound of the distance of the
-/// parts of the surfaces below two nodes.
+/// A lower bound of the distance of the parts in two nodes, along a unit direction from A to B in
+/// A's frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gap {
     pub(super) n: Vector3<f64>,
     pub(super) gap: f64,
-    /// Whether planes perpendicular to `n` prove the gap: else a bowl does, at this pose alone.
+    /// Whether planes perpendicular to `n` prove the gap. Otherwise the gap holds at this pose
+    /// only.
     pub(super) is_plane: bool,
 }
 
-/// Counters of bounds.
+/// Numbers of computed bounds.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SearchWork {
-    /// Heights of two nets along a direction.
+    /// Gaps of two nets along a direction.
     pub(super) gaps: u64,
-    /// Heights by second derivatives.
+    /// Bounds by second derivatives.
     pub(super) caps: u64,
-    /// Heights above a bowl.
+    /// Bounds by a separating quadric.
     pub(super) bowls: u64,
 }
 
@@ -48,7 +50,7 @@ pub(super) struct Trees<'a, B> {
 }
 
 impl<B: NetSide> Trees<'_, B> {
-    /// Returns the gap along a direction by the convex sets about both parts.
+    /// Returns the gap along a direction between the convex sets that contain the parts.
     #[inline]
     fn gap(&mut self, [x, y]: NetPair, n: &Vector3<f64>) -> f64 {
         self.counts.gaps += 1;
@@ -62,7 +64,7 @@ impl<B: NetSide> Trees<'_, B> {
         self.frame.error + self.a.node(x).error + self.b.node(y).error
     }
 
-    /// Returns the gap along a direction alone.
+    /// Returns the gap along one direction, without any improvement.
     pub(super) fn along(&mut self, pair: NetPair, n: &Vector3<f64>) -> Gap {
         let gap = self.gap(pair, n);
         Gap {
@@ -72,8 +74,7 @@ impl<B: NetSide> Trees<'_, B> {
         }
     }
 
-    /// Returns the gap along `start`, or along `hint` if that is larger and the first is less than
-    /// `target`.
+    /// Returns the gap along `start`. If it is less than `target`, also tries `hint`.
     pub(super) fn bound(
         &mut self,
         pair: NetPair,
@@ -90,7 +91,7 @@ impl<B: NetSide> Trees<'_, B> {
         best
     }
 
-    /// Raises a gap below `target` along directions from the minimum-norm point of both nets.
+    /// Raises a gap that is below `target`, along the directions of a minimum-norm search.
     pub(super) fn turn(&mut self, pair: NetPair, target: f64, best: &mut Gap) {
         let along = best.n;
         self.descend(pair, target, best);
@@ -100,7 +101,7 @@ impl<B: NetSide> Trees<'_, B> {
         }
     }
 
-    /// Raises a gap by that along another direction.
+    /// Raises a gap to the gap along another direction, if that is larger.
     pub(super) fn improve(&mut self, pair: NetPair, n: &Vector3<f64>, target: f64, best: &mut Gap) {
         let of = self.along(pair, n);
         if of.gap > best.gap {
@@ -111,7 +112,7 @@ impl<B: NetSide> Trees<'_, B> {
         }
     }
 
-    /// Returns whether a bowl proves a pair at least `target` apart.
+    /// Returns whether a separating quadric proves a pair at least `target` apart.
     pub(super) fn is_about(&mut self, [x, y]: NetPair, bowl: &Bowl, target: f64) -> bool {
         let (of_a, of_b) = (bowl.of_a(target), bowl.of_b(target, self.frame));
         let least = [self.a.least_above(x, &of_a), self.b.least_above(y, &of_b)];
@@ -132,7 +133,7 @@ impl<B: NetSide> Trees<'_, B> {
         -high_a - high_b - BENT_POSE * self.frame.error >= target
     }
 
-    /// Tries the heights by second derivatives along the direction of a gap.
+    /// Tries second derivatives along the direction of a gap.
     fn cap(&mut self, [x, y]: NetPair, of: &Gap, target: f64, best: &mut Gap) {
         let (a, b) = (self.a.node(x), self.b.node(y));
         if a.is_group() || b.is_group() {
@@ -181,7 +182,7 @@ impl<B: NetSide> Trees<'_, B> {
         }
     }
 
-    /// Returns the support point of the difference against `n`, and the gap along `n`.
+    /// Returns the support point of A - B along `n`, and the gap along `n`.
     fn support(&mut self, [x, y]: NetPair, n: &Vector3<f64>) -> (Indexed<f64, [u32; 2]>, f64) {
         self.counts.gaps += 1;
         let m = -self.frame.direction_in_b(n);
@@ -197,30 +198,30 @@ impl<B: NetSide> Trees<'_, B> {
     }
 }
 
-/// `a_from_b` with the errors of points placed by it.
+/// `a_from_b`, and the errors of points that it maps.
 pub(super) struct NetFrame {
     pub(super) rotation: Matrix3<f64>,
     pub(super) translation: Vector3<f64>,
-    /// The size L of the pair: both reaches and the distance of the origins.
+    /// The pair size L: both radii about the origins, plus the distance of the origins.
     pub(super) size: f64,
-    /// Error of a height or of a distance by the pose and by dot products.
+    /// Error of a height or of a distance, caused by the pose and by dot products.
     pub(super) error: f64,
-    /// How far the pose may put points of B aside, as part of `error`: of poses that were composed.
+    /// How far a composed pose may displace points of B; included in `error`.
     pub(super) placing: f64,
-    /// Error of a distance by the points.
+    /// Error of a distance, caused by the errors of points.
     pub(super) points: f64,
-    /// Intervals are not asked to be narrower.
+    /// The narrowest interval that a search aims at.
     pub(super) limit: f64,
 }
 
 impl NetFrame {
-    /// Returns the frame of bodies with points so far from their origins, whose points err by
-    /// `points`. `None` if the bodies are so far apart, or so small, that squares of lengths leave
+    /// Returns the frame of two bodies with these radii about their origins and this error of
+    /// points. `None` if the bodies are so far apart, or so small, that squares of lengths leave
     /// the range of f64.
     pub(super) fn new(reach: [f64; 2], points: f64, pose: &RelativePose) -> Option<Self> {
         let translation = pose.translation();
         let size = reach[0] + reach[1] + sqrt(translation.norm_squared());
-        // Written so that NaN goes the safe way.
+        // Written so that NaN returns `None`.
         (size > NEAR && size < FAR).then(|| Self {
             rotation: pose.rotation(),
             translation,
@@ -232,7 +233,7 @@ impl NetFrame {
         })
     }
 
-    /// Returns the frame of a pose that puts points of B up to `placing` aside.
+    /// Returns the frame of a pose that may displace points of B by up to `placing`.
     pub(super) fn placed(self, placing: f64) -> Self {
         Self {
             error: self.error + placing,
@@ -241,13 +242,14 @@ impl NetFrame {
         }
     }
 
-    /// Returns the place of a point of B in A's frame.
+    /// Maps a point from B's frame to A's.
     #[inline(always)]
     pub(super) fn place(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * p + self.translation
     }
 
-    /// Returns the direction of B's frame along which points rise as along `n` in A's.
+    /// Maps a normal from A's frame to B's: B's points rise along the result as they rise along
+    /// `n`.
     #[inline(always)]
     pub(super) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.tr_mul(n)

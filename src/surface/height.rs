@@ -1,18 +1,24 @@
-//! The greatest height of a node along a direction, and what a search asks of a body: nodes and
-//! their heights ([`NetSide`]).
+//! Upper bounds of the height of a node along a direction, and the interface of a body in a search
+//! ([`NetSide`]).
 //!
-//! Two upper bounds. The points of the net: the hull holds the patch. And a second-order Taylor
-//! bound about the highest point of the node (the concavity cap): with coefficients `g = n . N - c
-//! w`, homogeneous points N, weights w and c the height at the highest point found, the polynomial
-//! g is positive exactly where the height exceeds c. Second differences of its coefficients bound
-//! its second derivatives a, b (from above) and c (absolutely) over the node, so
+//! There are two bounds:
 //!
-//! `g(p0 + d) <= g(p0) + grad g . d + (a du^2 + b dv^2 + 2 c |du dv|) / 2`.
+//! 1. The greatest height of the control points, because their convex hull contains the patch.
+//! 2. A second-order Taylor bound around the highest point of the node (the concavity cap).
 //!
-//! Where g is concave the last term is not positive, and where p0 is the highest point the linear
-//! term is not positive anywhere in the node, on its border either: the bound is the height of a
-//! point, whatever the size of the node. (Bernstein coefficients of derivatives: Farin 2002,
-//! section 5.3; the term for a lack of concavity: Adjiman and Floudas 1996, alpha-BB.)
+//! For the second bound let N be the homogeneous points, w the weights, and c the height at the
+//! highest point found. The polynomial g has the coefficients `n . N - c w` and is positive exactly
+//! where the height exceeds c. Second differences of its coefficients bound its second derivatives
+//! over the node: `uu` and `vv` from above, `uv` in absolute value. So
+//!
+//! `g(p0 + d) <= g(p0) + grad g . d + (uu du^2 + vv dv^2 + 2 uv |du dv|) / 2`.
+//!
+//! If g is concave, the last term is not positive. If p0 is the highest point of the node, the
+//! linear term is not positive anywhere in the node, even if p0 is on the border. Then the bound is
+//! the height of a point, for any size of the node.
+//!
+//! Sources: Bernstein coefficients of derivatives: Farin 2002, section 5.3; the term for a lack of
+//! concavity: Adjiman and Floudas 1996, alpha-BB.
 
 use nalgebra::Vector3;
 
@@ -23,11 +29,11 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{COEFFICIENT, CURVATURE, TAYLOR, UNIT};
 
-/// Steps of Newton's method for the highest point of one node. Not measured.
+/// Largest number of Newton steps for the highest point of a node. Not measured.
 const CLIMB: usize = 4;
 
 impl Net<'_> {
-    /// Returns the greatest height of the points.
+    /// Returns the greatest height of the control points.
     #[inline]
     pub(super) fn highest(&self, n: &Vector3<f64>) -> f64 {
         let [x, y, z] = self.points;
@@ -49,7 +55,7 @@ impl Net<'_> {
         if even > odd { even } else { odd }
     }
 
-    /// Returns the number of the highest point.
+    /// Returns the index of the highest control point.
     #[inline]
     fn highest_index(&self, n: &Vector3<f64>) -> usize {
         let [x, y, z] = self.points;
@@ -77,7 +83,7 @@ impl Net<'_> {
     }
 }
 
-/// Bounds of second derivatives: uu and vv from above, |uv|.
+/// Bounds of second derivatives: `uu` and `vv` from above, `uv` in absolute value.
 #[derive(Clone, Copy)]
 struct Curvature {
     uu: f64,
@@ -118,8 +124,8 @@ impl Curvature {
         }
     }
 
-    /// Returns pairs of factors k, l, not negative, each with
-    /// `a du^2 + b dv^2 + 2 c |du dv| <= k du^2 + l dv^2`.
+    /// Returns three pairs of non-negative factors k and l, each with
+    /// `uu du^2 + vv dv^2 + 2 uv |du dv| <= k du^2 + l dv^2`.
     fn excess(&self) -> [[f64; 2]; 3] {
         let Self { uu, vv, uv } = *self;
         let both = [(uu + uv).at_least(0.0), (vv + uv).at_least(0.0)];
@@ -134,9 +140,9 @@ impl Curvature {
     }
 }
 
-/// Returns an upper bound of the height of the part of a surface below a node by its second
-/// derivatives, the error of the node not counted; `None` if the bound has no hope to be below
-/// `highest`, the height of the net, by `need`.
+/// Returns an upper bound of the height of a node by its second derivatives, without the error of
+/// the node. `None` if the bound is unlikely to be below `highest`, the height of the net, by
+/// `need`.
 pub(super) fn taylor(node: &Node, net: &Net, n: &Vector3<f64>, highest: f64, need: f64) -> Option<f64> {
     let mut coefficients = [[0.0; 2]; NET];
     let pairs = &mut coefficients[..node.count as usize];
@@ -145,14 +151,15 @@ pub(super) fn taylor(node: &Node, net: &Net, n: &Vector3<f64>, highest: f64, nee
     Some(most + COEFFICIENT * node.reach)
 }
 
-/// Returns an upper bound of a quotient of two polynomials, the second positive, from coefficients
-/// of both and a place to start at: by second derivatives. `None` if the bound has no hope to be
-/// below `highest`, an upper bound, by `need`. Errors of the coefficients are not counted.
+/// Returns an upper bound of a quotient of two polynomials by second derivatives. The divisor is
+/// positive. `pairs` are the coefficients of both, `start` is the control point where the search
+/// starts. `None` if the bound is unlikely to be below the upper bound `highest` by `need`. Errors
+/// of the coefficients are not included.
 pub(super) fn bounded(pairs: &[[f64; 2]], degrees: [usize; 2], start: usize, highest: f64, need: f64) -> Option<f64> {
     let mut room = [[0.0]; NET];
     let g = &mut room[..pairs.len()];
     let size = shifted(pairs, highest, g);
-    // Half of an excess counts at most, and a quarter is left after a split.
+    // At most half of an excess counts, and a split leaves a quarter of it.
     let excess = Curvature::new(g, degrees, size).excess();
     if !excess.iter().any(|[k, l]| 0.125 * (k + l) < need) {
         return None;
@@ -174,7 +181,7 @@ pub(super) fn bounded(pairs: &[[f64; 2]], degrees: [usize; 2], start: usize, hig
     Some(c + most * (1.0 + 4.0 * UNIT))
 }
 
-/// Writes the coefficients of `g` for a height c, and returns the largest.
+/// Writes the coefficients of `g` for a height c, and returns the largest absolute value.
 #[inline(always)]
 fn shifted(pairs: &[[f64; 2]], c: f64, g: &mut [[f64; 1]]) -> f64 {
     let mut size = 0.0_f64;
@@ -198,8 +205,8 @@ fn fill(pairs: &mut [[f64; 2]], net: &Net, n: &Vector3<f64>) {
     }
 }
 
-/// Returns the parameters of a high point of the node and its height, by Newton's method within the
-/// node from a control point.
+/// Returns the parameters and the height of a high point of the node, by Newton's method from a
+/// control point.
 fn climb(degrees: [usize; 2], pairs: &[[f64; 2]], start: usize) -> ([f64; 2], f64) {
     let [p, q] = degrees;
     let mut at = [(start / (q + 1)) as f64 / p as f64, (start % (q + 1)) as f64 / q as f64];
@@ -218,7 +225,7 @@ fn climb(degrees: [usize; 2], pairs: &[[f64; 2]], start: usize) -> ([f64; 2], f6
     (at, c)
 }
 
-/// Returns the height at a point, and value and derivatives of `g` for this height.
+/// Returns the height at a point, and the value and derivatives of `g` for this height.
 #[inline(always)]
 fn level(degrees: [usize; 2], pairs: &[[f64; 2]], at: [f64; 2]) -> (f64, Jet<1>) {
     let Jet {
@@ -245,8 +252,8 @@ fn level(degrees: [usize; 2], pairs: &[[f64; 2]], at: [f64; 2]) -> (f64, Jet<1>)
     )
 }
 
-/// Returns the next parameters: Newton's step where the height is concave, else along the gradient
-/// to the border; a parameter at the border that is pushed outward stays there.
+/// Returns the next parameters: by Newton's step if the height is concave, otherwise along the
+/// gradient to the border. A parameter at the border stays there if the gradient points outward.
 fn newton(at: [f64; 2], f: &Jet<1>) -> [f64; 2] {
     let (gradient, uv) = ([f.u[0], f.v[0]], f.uv[0]);
     let bend = [f.uu[0], f.vv[0]];
@@ -274,7 +281,7 @@ fn newton(at: [f64; 2], f: &Jet<1>) -> [f64; 2] {
             if (0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v) {
                 return [u, v];
             }
-            // The parameter that leaves the node first stays at the border.
+            // The parameter that would leave the node by more goes to the border.
             if (u - u.clamped(0.0, 1.0)).abs() >= (v - v.clamped(0.0, 1.0)).abs() {
                 let u = u.clamped(0.0, 1.0);
                 [u, alone(1, gradient[1] + uv * (u - at[0]))]
@@ -286,40 +293,42 @@ fn newton(at: [f64; 2], f: &Jet<1>) -> [f64; 2] {
     }
 }
 
-/// One body of a pair: nodes below a root, number 0, each a part of the body within a convex set.
+/// One body of a pair: nodes below the root, node 0. Each node is a part of the body within a
+/// convex set.
 ///
-/// Directions are unit vectors in the frame of the body. Errors of a node
-/// ([`Node::error`]) are not part of a height.
+/// Directions are unit vectors in the frame of the body. A height does not include the error of the
+/// node ([`Node::error`]).
 pub(super) trait NetSide {
-    /// Whether the body is one convex set, whose closest point to a point is found at once.
+    /// Whether the body is one convex set, whose closest point to a point needs no search.
     const IS_CONVEX: bool;
 
     fn node(&self, id: u32) -> &Node;
 
-    /// Returns the greatest height of the convex set.
+    /// Returns the greatest height of the convex set of a node.
     fn highest(&mut self, id: u32, n: &Vector3<f64>) -> f64;
 
-    /// Returns the number and the place of a point towards which the convex set is highest, for the
-    /// search of directions, and an upper bound of the height of the convex set.
+    /// Returns the index and the position of a support point of the convex set, for the search of
+    /// directions, and an upper bound of the height of the set.
     fn support(&mut self, id: u32, n: &Vector3<f64>) -> (u32, Vector3<f64>, f64);
 
-    /// Returns a height below which no upper bound of the part can be, if the convex set reaches to
-    /// `highest`.
+    /// Returns a height that no upper bound of the part can be below. `highest` is the greatest
+    /// height of the convex set.
     fn least(&self, id: u32, n: &Vector3<f64>, highest: f64) -> f64;
 
-    /// Returns an upper bound of the height of the part by its curvature: `highest` if none is
-    /// known that is lower, or has a hope to be lower by `need`.
+    /// Returns an upper bound of the height of the part by its curvature. Returns `highest` if no
+    /// smaller bound is known, or if none is likely to be smaller by `need`.
     fn cap(&self, id: u32, n: &Vector3<f64>, highest: f64, need: f64) -> f64;
 
-    /// Returns a height above a bowl that the part reaches; `None` if [`above`](Self::above) is not
-    /// worth a try.
+    /// Returns a height above a separating quadric that the part attains; `None` if
+    /// [`above`](Self::above) is not worth trying.
     fn least_above(&self, id: u32, half: &BowlSide) -> Option<f64>;
 
-    /// Returns an upper bound of the heights of the part above a bowl, errors of the pose aside;
-    /// `None` if none is known.
+    /// Returns an upper bound of the height of the part above a separating quadric, without the
+    /// errors of the pose; `None` if no bound is known.
     fn above(&self, id: u32, half: &BowlSide) -> Option<f64>;
 
-    /// Returns the first of the two children; the second follows. Only of a node that can be split.
+    /// Returns the first of the two children; the second has the next index. The node must be one
+    /// that can be split.
     fn split(&mut self, id: u32) -> u32;
 }
 
@@ -344,7 +353,7 @@ impl NetSide for Nodes<'_> {
         (k as u32, p, n.dot(&p))
     }
 
-    /// Corners lie on the surface.
+    /// The corners of a net lie on the surface.
     #[inline]
     fn least(&self, id: u32, n: &Vector3<f64>, _: f64) -> f64 {
         self.net(id).highest_corner(self.node(id).degrees, n)
@@ -375,7 +384,7 @@ mod tests {
     use super::*;
     use crate::rng::Rng;
 
-    /// Each pair of factors bounds the second derivatives along every way over a node.
+    /// Each pair of factors bounds the second derivative along every direction over a node.
     #[test]
     fn an_excess_bounds_every_way() {
         let mut rng = Rng::new(81);

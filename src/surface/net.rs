@@ -49,12 +49,12 @@ pub struct BezierPatch {
     pub(super) net: Vec<[f64; 4]>,
     pub(super) is_rational: bool,
     pub(super) is_triangular: bool,
-    /// Error of the control points, times `reach`.
+    /// Error of the control points, as a multiple of `reach`.
     pub(super) noise: f64,
     /// The largest distance of a control point from the origin, rounded up.
     ///
-    /// If the net was computed from given control points, it is the largest distance of those,
-    /// because rounding is relative to the terms of the sums.
+    /// If the net was computed from given control points, they count too, because rounding is
+    /// relative to the terms of the sums.
     pub(super) reach: f64,
 }
 
@@ -335,7 +335,7 @@ pub(super) fn check_points(points: &[Point3<f64>], expected: usize) -> Result<()
     Ok(())
 }
 
-/// Returns the power of two that brings the largest weight near one.
+/// Checks the weights and returns the power of two that brings the largest weight near one.
 pub(super) fn check_weights(weights: &[f64], expected: usize) -> Result<f64, SurfaceError> {
     let given = weights.len();
     if given != expected {

@@ -43,11 +43,11 @@ pub(crate) struct Span {
     pub(crate) ends: [f64; 2],
 }
 
-/// A Bézier patch of a NURBS surface, and the knots in u and v that bound it.
+/// A Bézier patch of a NURBS surface, and the knots in u and v that bound the patch.
 type KnotPatch = (BezierPatch, [[f64; 2]; 2]);
 
 impl Nurbs<'_> {
-    /// Returns the Bézier patches; those of equal u follow each other.
+    /// Returns the Bézier patches; patches of equal u follow each other.
     pub(super) fn patches(&self) -> Result<Vec<KnotPatch>, SurfaceError> {
         if self.trimming_curves > 0 {
             let curves = self.trimming_curves;
@@ -96,7 +96,7 @@ impl Nurbs<'_> {
         let (knots, degree) = (self.knots[direction], self.degrees[direction]);
         for (index, &value) in knots.iter().enumerate() {
             let is_early = index > 0 && value < knots[index - 1];
-            // So many equal knots split the surface, or are one too many at an end.
+            // More than `most` equal knots tear the surface inside, and are too many at an end.
             let is_inside = value > knots[degree] && value < knots[knots.len() - degree - 1];
             let most = if is_inside { degree } else { degree + 1 };
             let is_torn = index >= most && value == knots[index - most];

@@ -1,5 +1,5 @@
-//! Serialized form of patches and surfaces (feature `serde`): nets bit for bit, checked on
-//! deserialization.
+//! The serialised form of patches and surfaces (feature `serde`). Nets keep every bit and are
+//! checked on deserialisation.
 
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ use super::net::{BezierPatch, check_degrees};
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::{KNOTS, PATCH_MAX, RAISED, WEIGHT_RATIO};
 
-/// Serialized form of a patch.
+/// The serialised form of a patch.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Patch")]
 pub(super) struct StoredPatch {
@@ -19,11 +19,11 @@ pub(super) struct StoredPatch {
     net: Vec<[f64; 4]>,
     is_triangular: bool,
     source: Source,
-    /// The farthest point of those from which the net was computed.
+    /// The largest distance from the origin of the points from which the net was computed.
     reach: f64,
 }
 
-/// What the control points were computed from, which bounds their errors.
+/// The source of the control points, which bounds their errors.
 #[derive(Serialize, Deserialize)]
 enum Source {
     Points,
@@ -31,12 +31,12 @@ enum Source {
     Knots,
 }
 
-/// Serialized form of a surface.
+/// The serialised form of a surface.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "BezierSurface")]
 pub(super) struct StoredSurface {
     patches: Vec<BezierPatch>,
-    /// The knots about each patch, in u and v.
+    /// The knots around each patch, in u and v.
     domains: Vec<[[f64; 2]; 2]>,
 }
 
@@ -59,8 +59,8 @@ impl From<BezierPatch> for StoredPatch {
     }
 }
 
-/// Rounding of a net halved again and again leaves coordinates and weights within a factor of two
-/// of their limits.
+/// Checks the weights and coordinates of a net, with limits that are a factor of two wider than for
+/// given points. Nets that were halved repeatedly exceed the limits by rounding.
 fn check_net(net: &[[f64; 4]], expected: usize) -> Result<(), SurfaceError> {
     let given = net.len();
     if given != expected {
@@ -96,7 +96,7 @@ impl TryFrom<StoredPatch> for BezierPatch {
             });
         }
         let mut patch = Self::assembled(stored.degrees, stored.net);
-        // The least that is right for the net; NaN fails the comparison.
+        // The radius of the net is the smallest valid value. NaN fails the comparison.
         if !(stored.reach >= patch.reach && stored.reach <= 4.0 * PATCH_MAX) {
             return Err(SurfaceError::Reach { value: stored.reach });
         }

@@ -1,10 +1,12 @@
-//! The surroundings of the closest points, proven far enough at once.
+//! Regions: boxes of parameters around the closest points of two patches, proven far enough apart
+//! at once.
 //!
-//! Nodes are halves of halves, so where the closest points lie near a border of a half, many pairs
-//! of nodes meet there, none of them large. A box of parameters with the closest points in its
-//! middle is cut out of each patch by de Casteljau's algorithm and bounded as a node is: by second
-//! derivatives along the normal, or by a bowl. Pairs of nodes inside the boxes need no proof of
-//! their own, and pairs outside are so much farther that their planes last for some frames.
+//! Nodes are made by repeated halving. So if the closest points lie near a border of a half, many
+//! small pairs of nodes meet there. A box of parameters with the closest points in its middle is
+//! therefore cut out of each patch by de Casteljau's algorithm. The part is bounded like a node: by
+//! second derivatives along the normal, or by a separating quadric. Pairs of nodes inside the boxes
+//! then need no proof. Pairs outside are so much farther apart that their planes stay valid for
+//! some frames.
 
 use nalgebra::Vector3;
 
@@ -46,8 +48,8 @@ impl Region {
             && inside(y, [s, t])
     }
 
-    /// Returns the boxes about two close points whose parts reach about `way` along the surfaces,
-    /// if both parts are proven at least `target` apart.
+    /// Returns the boxes around two close points, if both parts are proven at least `target` apart.
+    /// The parts extend about `way` along the surfaces.
     pub(super) fn about<B: NetSide, M: Meets>(
         best: &Meeting,
         way: f64,
@@ -58,7 +60,7 @@ impl Region {
         let n = best.along?;
         let sides = core::array::from_fn(|k| {
             let length = sqrt(best.tangents[k].norm_squared());
-            // A parameter that moves no point may have any value.
+            // A parameter that moves no point may take any value.
             let half = if way < length { way / length } else { 1.0 };
             [(best.at[k] - half).at_least(0.0), (best.at[k] + half).at_most(1.0)]
         });
@@ -70,7 +72,7 @@ impl Region {
                 (Some(bowl), Some(b)) => is_about([&a, b], bowl, target, trees),
                 _ => false,
             };
-        // Ends of the boxes err by rounding.
+        // The ends of the boxes have rounding errors.
         let inner = |[low, high]: [f64; 2]| {
             let low = if low > 0.0 { low + REGION } else { low };
             [low, if high < 1.0 { high - REGION } else { high }]
@@ -84,7 +86,8 @@ impl Region {
     }
 }
 
-/// Returns whether planes prove two parts apart, by second derivatives; B whole if not cut.
+/// Returns whether planes and second derivatives prove two parts apart; without `b`, A's part and
+/// all of B.
 fn is_apart<B: NetSide>(a: &Cut, b: Option<&Cut>, n: &Vector3<f64>, target: f64, trees: &mut Trees<'_, B>) -> bool {
     trees.counts.caps += 1;
     let frame = trees.frame;
@@ -105,7 +108,7 @@ fn is_apart<B: NetSide>(a: &Cut, b: Option<&Cut>, n: &Vector3<f64>, target: f64,
     most - top_b - top_a >= target
 }
 
-/// Returns whether a bowl proves two parts apart.
+/// Returns whether a separating quadric proves two parts apart.
 fn is_about<B: NetSide>([a, b]: [&Cut; 2], bowl: &Bowl, target: f64, trees: &mut Trees<'_, B>) -> bool {
     let (of_a, of_b) = (bowl.of_a(target), bowl.of_b(target, trees.frame));
     if !of_a.is_near(&a.node) || !of_b.is_near(&b.node) {
@@ -128,7 +131,7 @@ fn is_about<B: NetSide>([a, b]: [&Cut; 2], bowl: &Bowl, target: f64, trees: &mut
 
 #[cfg(test)]
 mod tests {
-    //! Regions against the points of their boxes.
+    //! Tests regions against the points of their boxes.
 
     use alloc::vec;
     use alloc::vec::Vec;
@@ -160,7 +163,7 @@ mod tests {
         }
     }
 
-    /// Returns the least distance found of two points of the boxes.
+    /// Returns the smallest distance found between points of the boxes.
     fn least(rng: &mut Rng, [a, b]: [&BezierPatch; 2], sides: &[[f64; 2]; 4], frame: &NetFrame) -> f64 {
         let of = |at: &[f64; 4]| {
             let (p, q) = (a.point(at[0], at[1]), b.point(at[2], at[3]));

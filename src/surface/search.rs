@@ -1,22 +1,22 @@
-//! Best-first search down two trees, the front that it leaves, and what the trackers of all pairs
-//! with a surface keep of it.
+//! Best-first search over the pairs of nodes of two trees, the front that it leaves, and the state
+//! that the trackers of all pairs with a surface keep.
 //!
-//! The open pair with the least lower bound is split, until no open pair is as close as the goal.
-//! Pairs that are far enough go to the front: together they are the proof. The front of the last
-//! answer ([`NetFront`]) holds pairs of nodes under which every pair of patches lies, each with the
-//! direction that proved it far enough.
+//! The search splits the open pair with the smallest lower bound, until no open pair is closer than
+//! the goal allows. Pairs that are far enough apart go to the front; together they are the proof.
+//! The front of the last outcome ([`NetFront`]) is a set of pairs of nodes that covers every pair
+//! of patches. Each entry has the direction that proved it far enough apart.
 //!
-//! As [`nonconvex::front`](crate::compound), in double precision: let Y, the points below a node
-//! of B, lie in the ball of radius rho about c in B's frame, and X, the points below a node of A,
-//! be at least g below Y along n in A's frame, at the pose (R0, t0). At the pose (R, t) the gap is
-//! at least
+//! An entry claims a gap at other poses, as in [`nonconvex::front`](crate::nonconvex), but in
+//! double precision. Let Y, the points in a node of B, lie in the ball of radius rho around c in
+//! B's frame. Let X, the points in a node of A, be at least g below Y along n in A's frame, at the
+//! pose (R0, t0). At the pose (R, t) the gap is at least
 //!
 //! `g + n . (R c + t) - n . (R0 c + t0) - rho |R^T n - R0^T n|`,
 //!
-//! whatever way led there. With the bodies exchanged if the node of A is the smaller. So a claim is
-//! never out of date; after a long way it merely proves nothing.
+//! for any motion between the two poses. If the node of A is the smaller one, the bodies exchange
+//! their roles. So a claim never expires; after a large displacement it merely proves nothing.
 //!
-//! The course of a query is that of [`SurfaceMemory`].
+//! [`SurfaceMemory::search`] runs a query.
 
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
@@ -34,48 +34,48 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{CARRIED, UNIT};
 
-/// Splits after which a search first looks how far apart its bounds are; at twice as many it asks
-/// whether they approach each other fast enough for its budget. Of 2,500 random pairs one in a
-/// thousand needs more than 1,848 splits.
+/// Number of splits after which a search first measures how far apart its bounds are. After twice
+/// as many splits it tests whether the bounds approach each other fast enough for its budget. Of
+/// 2,500 random pairs one in a thousand needs more than 1,848 splits.
 const FIRST_LOOK: usize = 1_024;
 
-/// A search goes on if it is expected to need at most so many times its budget: the speed of its
-/// bounds is seen only roughly. Pairs that are level along a curve need some twenty times the usual
-/// budget for an interval of 1e-9.
+/// A search continues if it is expected to need at most this many times its budget, because the
+/// speed of its bounds is known only roughly. Pairs at a constant distance along a curve need about
+/// 20 times the default budget for an interval of 1e-9.
 const LENIENT: usize = 4;
 
-/// The surroundings of the closest points are tried to be proven at once where a pair of nodes is
-/// at most so many times as large. Not measured.
+/// A region is tried if a pair of nodes is at most this many times as large as the region. Not
+/// measured.
 const SMALL: f64 = 4.0;
 
-/// How far the first region reaches, as a part of the radius of the smaller surface. Not measured.
+/// Extent of the first region, as a fraction of the radius of the smaller surface. Not measured.
 const BEGINNING: f64 = 0.25;
 
-/// A region that was proven is this much larger in the next frame. Not measured.
+/// Factor by which a proven region grows in the next frame. Not measured.
 const GROWING: f64 = 1.05;
 
-/// A region that was not proven is tried so much smaller. Not measured.
+/// Factor by which a region shrinks if it was not proven. Not measured.
 const SHRINKING: f64 = 0.5;
 
-/// See [`IMPATIENT`].
+/// Number of pairs from one unconditional descent to the next: see [`IMPATIENT`].
 const PATIENCE: usize = 32;
 
-/// A pair that may be closer than the goal, ranked by the gap.
+/// A pair that may be closer than the goal allows, ranked by its gap.
 type OpenNodePair = Ranked<NetPair, Gap>;
 
-/// What a search is for.
+/// The goal of a search.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum NetGoal {
-    /// An interval of the distance no wider than this.
+    /// An interval of the distance of at most this width.
     Width(f64),
-    /// An interval no wider than this part of the distance.
+    /// An interval of at most this fraction of the upper bound.
     Part(f64),
-    /// Whether the distance is at most this.
+    /// A decision whether the distance is at most this.
     Within(f64),
 }
 
 impl NetGoal {
-    /// Returns whether bounds are as close as asked for.
+    /// Returns whether bounds are as close as the goal requires.
     pub(super) fn is_converged(self, lower: f64, upper: f64) -> bool {
         match self {
             Self::Width(width) => upper - lower <= width,
@@ -85,18 +85,19 @@ impl NetGoal {
     }
 }
 
-/// How fast the bounds of a search approach each other.
+/// The speed at which the bounds of a search approach each other.
 ///
-/// The number of splits grows with the logarithm of the narrowness where the closest points are
-/// isolated, but with a power of it where two surfaces are equally far along a curve or over an
-/// area. There most queries could use up any budget without reaching their goal.
+/// If the closest points are isolated, the number of splits grows with log(1/width). If two
+/// surfaces are equally far apart along a curve or over an area, it grows with a power of 1/width.
+/// Most such queries could use up any budget without reaching their goal.
 #[derive(Clone, Copy, Debug)]
 struct Pace {
-    /// Splits that a query may make.
+    /// Number of splits that a query may make.
     allowed: usize,
-    /// Pairs of patches or parts of them split so far: those of groups are finite in number.
+    /// Number of splits of patches and their parts so far. Splits of groups do not count, because
+    /// their number is finite.
     splits: usize,
-    /// Splits at the last look, and how far apart the bounds were.
+    /// Number of splits at the last test, and how far apart the bounds were then.
     looked: usize,
     apart: f64,
 }
@@ -111,9 +112,10 @@ impl Pace {
         }
     }
 
-    /// Returns whether bounds that are now so far `apart` will be as close as `needed` within some
-    /// times the splits allowed, if each doubling of the splits brings them as much closer as the
-    /// last one. Looks after [`FIRST_LOOK`] splits, twice as many, and so on; true between looks.
+    /// Returns whether the bounds are expected to be as close as `needed` within [`LENIENT`] times
+    /// the budget. `apart` is how far apart they are now. Each doubling of the splits is expected
+    /// to gain as much as the last one. The test runs after [`FIRST_LOOK`] splits, twice as many,
+    /// and so on; the result is true between tests.
     fn is_enough(&mut self, apart: f64, needed: f64) -> bool {
         if self.splits < FIRST_LOOK.max(2 * self.looked) {
             return true;
@@ -128,7 +130,7 @@ impl Pace {
     }
 }
 
-/// A search under way.
+/// A search in progress.
 struct NetSearch<'a, 't, B, M> {
     trees: &'a mut Trees<'t, B>,
     points: &'a mut M,
@@ -141,23 +143,25 @@ struct NetSearch<'a, 't, B, M> {
     best: Option<Meeting>,
     /// Upper bound of the distance, errors included.
     upper: f64,
-    /// A direction from A to B at the best meeting.
+    /// A direction from A to B at the best points.
     hint: Option<Vector3<f64>>,
-    /// The surroundings of the best meeting, proven.
+    /// The proven region around the best points.
     region: Option<Region>,
-    /// How far a region reaches along the surfaces; `None` if the search has found none.
+    /// Extent of the next region along the surfaces: `None` before the first try, zero if no region
+    /// could be proven.
     way: &'a mut Option<f64>,
-    /// Pairs to be split until two points are looked for below one of them, whatever its middle.
+    /// Number of pairs until the next descent that starts whether or not the middle of the pair is
+    /// close.
     patience: usize,
-    /// Regions that may still be tried.
+    /// Number of regions that may still be tried.
     tries: usize,
-    /// The least lower bound of all pairs closed so far.
+    /// The smallest lower bound of all closed pairs.
     least: f64,
     work: &'a mut SurfaceWork,
 }
 
 impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
-    /// Pairs whose distance is at least this need no further look.
+    /// Returns the lower bound from which a pair is far enough apart.
     fn level(&self) -> f64 {
         let limit = self.trees.frame.limit;
         match self.goal {
@@ -171,7 +175,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         matches!(self.goal, NetGoal::Within(d) if self.upper <= d)
     }
 
-    /// Takes two points if they are closer than the best.
+    /// Descends from a start, and keeps the two points if they are closer than the best.
     pub(super) fn offer(&mut self, patches: [u32; 2], start: [f64; 4]) {
         let Some((meeting, steps)) = self.points.descend(patches, start) else {
             return;
@@ -185,7 +189,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         }
     }
 
-    /// Opens the pair of roots.
+    /// Starts the search at the pair of roots.
     pub(super) fn start(&mut self) {
         self.work.searches += 1;
         self.front.entries.clear();
@@ -201,7 +205,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         self.sort([0, 0], &along);
     }
 
-    /// Proves the front again at the new pose; entries that are not proven are bounded anew, or
+    /// Proves the front again at the new pose. An entry that is not proven gets a new bound, or is
     /// opened.
     pub(super) fn renew(&mut self) {
         self.work.entries += self.front.entries.len() as u64;
@@ -231,7 +235,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         }
     }
 
-    /// Puts a pair to the front or to the open ones.
+    /// Closes a pair that is far enough apart; opens any other pair.
     fn sort(&mut self, pair: NetPair, along: &Vector3<f64>) {
         let level = self.level();
         let gap = self.bound(pair, along);
@@ -248,14 +252,14 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         }
         let (level, is_near) = (self.level(), self.is_at_best(pair));
         if is_near && self.region.is_some() {
-            // Larger than what could be proven at once.
+            // The pair is larger than the region that was proven at once.
             return self.trees.along(pair, along);
         }
         let mut gap = self.trees.bound(pair, along, self.hint.as_ref(), level);
         if gap.gap < level {
             self.raise(pair, level, &mut gap);
         }
-        // Points of both parts may be known to be no farther apart than the level.
+        // If the best points lie in the pair, other directions rarely raise its gap to the level.
         if gap.gap < level && !is_near {
             self.trees.turn(pair, level, &mut gap);
         }
@@ -278,8 +282,8 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
     }
 
     /// Raises a gap to a convex body along the direction from the middle of A's node to the closest
-    /// point of B. The distance of a point from a convex body is convex, and this direction its
-    /// gradient: the gap falls short by terms of second order alone.
+    /// point of B. The distance of a point from a convex body is convex, and this direction is its
+    /// gradient. So the gap falls short only by terms of second order.
     fn raise(&mut self, pair: NetPair, level: f64, gap: &mut Gap) {
         let x = self.trees.a.node(pair[0]);
         if B::IS_CONVEX
@@ -291,12 +295,12 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
     }
 
     /// Returns a little more than the level, so that rounding leaves the interval no wider than
-    /// asked for.
+    /// requested.
     fn target(&self) -> f64 {
         self.level() + 4.0 * UNIT * self.trees.frame.size
     }
 
-    /// Returns the gap of a pair in the region.
+    /// Returns the gap of a pair in the region; `None` for any other pair.
     fn covered(&self, pair: NetPair, along: &Vector3<f64>) -> Option<Gap> {
         let region = self.region.as_ref()?;
         let (x, y) = (self.trees.a.node(pair[0]), self.trees.b.node(pair[1]));
@@ -307,7 +311,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         })
     }
 
-    /// Returns whether a pair is about as small as a region to be tried.
+    /// Returns whether a pair is small enough to try a region.
     fn is_small(&self, pair: NetPair) -> bool {
         let (x, y) = (self.trees.a.node(pair[0]), self.trees.b.node(pair[1]));
         let size = if y.can_split() {
@@ -318,7 +322,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         size <= SMALL * self.first_way()
     }
 
-    /// Returns how far a region to be tried first reaches.
+    /// Returns the extent of the first region to try.
     fn first_way(&self) -> f64 {
         self.way.unwrap_or_else(|| {
             let radius = |node: &Node| if node.can_split() { node.radius } else { f64::INFINITY };
@@ -326,7 +330,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         })
     }
 
-    /// Proves the surroundings of the best meeting, as large as may be.
+    /// Proves a region around the best points, as large as possible; returns whether one is proven.
     fn find_region(&mut self) -> bool {
         let target = self.target();
         let Some(best) = self.best.filter(|_| target > 0.0) else {
@@ -344,12 +348,12 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
             self.work.refused += 1;
             way *= SHRINKING;
         }
-        // Not tried again until a search begins at the roots.
+        // No region is tried again until a search starts at the roots.
         *self.way = Some(0.0);
         false
     }
 
-    /// Returns whether the best points lie below a pair.
+    /// Returns whether the best points lie in a pair.
     fn is_at_best(&self, pair: NetPair) -> bool {
         let (x, y) = (self.trees.a.node(pair[0]), self.trees.b.node(pair[1]));
         self.best.as_ref().is_some_and(|best| {
@@ -363,8 +367,8 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         self.front.entries.push(NetEntry::new(self.trees, pair, gap));
     }
 
-    /// Searches until the goal is reached, or the budget is used up; returns the least lower bound
-    /// of all pairs, zero at least.
+    /// Searches until the goal is reached or the budget is used up. Returns the smallest lower
+    /// bound of all pairs, at least zero.
     pub(super) fn run(&mut self) -> f64 {
         while !self.is_over() {
             let Some(open) = self.heap.pop() else { break };
@@ -392,15 +396,16 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         self.heap.push(Ranked { rank, key, item });
     }
 
-    /// Returns whether the search may reach its goal within its budget, as far as its pace tells;
-    /// `open` is the pair with the least bound. Beside a convex body, where bounds come close late
-    /// at the rims of cylinders and cones, always.
+    /// Returns whether the search is expected to reach its goal within its budget. `open` is the
+    /// pair with the smallest bound. Always true for a convex body, because at the rims of
+    /// cylinders and cones the bounds come close late.
     fn is_worth(&mut self, open: &OpenNodePair) -> bool {
         let needed = self.upper - self.level();
         B::IS_CONVEX || self.pace.is_enough(self.upper - open.rank, needed)
     }
 
-    /// Splits the larger node of a pair and sorts the two new pairs; false if nothing can be split.
+    /// Splits the larger node of a pair and sorts the two new pairs. Returns false if nothing can
+    /// be split or the budget is used up.
     fn split(&mut self, open: &OpenNodePair) -> bool {
         let [x, y] = open.key;
         if self.budget == 0 {
@@ -429,7 +434,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         true
     }
 
-    /// Looks for closer points below a pair, unless the best ones lie there.
+    /// Searches for closer points in a pair, unless the best points lie there.
     fn improve(&mut self, open: &OpenNodePair) {
         let (x, y) = (self.trees.a.node(open.key[0]), self.trees.b.node(open.key[1]));
         if x.is_group() || y.is_group() || self.is_at_best(open.key) {
@@ -437,14 +442,15 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         }
         let patches = [x.patch(), y.patch()];
         let ([u, v], [s, t]) = (x.middle(), y.middle());
-        // Bodies that cross have no bound to follow: parts that lie in each other have any.
+        // If bodies cross, no bound leads to the crossing, because parts inside each other have
+        // arbitrary bounds.
         self.patience -= 1;
         if self.patience == 0 {
             self.patience = PATIENCE;
             return self.offer(patches, [u, v, s, t]);
         }
         let frame = self.trees.frame;
-        // A body that is not split is as large as ever, however near its points are.
+        // The ball of a body that is not split does not shrink, however close its points are.
         let share = if y.can_split() { 0.5 } else { 1.0 };
         let most = self.upper + share * (x.radius + y.radius);
         let between = frame.place(&y.centre) - x.centre;
@@ -457,26 +463,26 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
     }
 }
 
-/// A pair of nodes with the claim of its gap.
+/// A pair of nodes, and what its gap claims at any pose.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NetEntry {
     pub(super) pair: NetPair,
-    /// In A's frame.
+    /// The direction in A's frame.
     n: Vector3<f64>,
-    /// In B's frame.
+    /// The direction in B's frame.
     m: Vector3<f64>,
-    /// Middle of the ball, in the frame of its body.
+    /// Centre of the ball, in the frame of its body.
     centre: Vector3<f64>,
     radius: f64,
     base: f64,
-    /// Whether the ball is that of A's node.
+    /// Whether the ball contains A's node.
     is_of_a: bool,
-    /// Whether the gap was proven by planes: else nothing is claimed at another pose.
+    /// Whether planes proved the gap. Otherwise the entry claims nothing at other poses.
     is_plane: bool,
 }
 
 impl NetEntry {
-    /// Returns the entry of a pair with a gap at this pose.
+    /// Returns the entry of a pair with this gap at this pose.
     fn new<B: NetSide>(trees: &Trees<B>, pair: NetPair, gap: &Gap) -> Self {
         let (x, y) = (trees.a.node(pair[0]), trees.b.node(pair[1]));
         let is_of_a = x.radius < y.radius;
@@ -495,7 +501,7 @@ impl NetEntry {
         entry
     }
 
-    /// Returns the height of the ball's middle as seen from the other body.
+    /// Returns the height of the centre of the ball in the frame of the other body.
     #[inline(always)]
     fn height(&self, frame: &NetFrame) -> f64 {
         if self.is_of_a {
@@ -531,33 +537,35 @@ impl NetEntry {
     }
 }
 
-/// The entries, and their number when the front was cut.
+/// The entries, and their number after the last search from the roots.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NetFront {
     pub(super) entries: Vec<NetEntry>,
     cut: usize,
 }
 
-/// Splits of nodes that one query may make by default. Two bicubic patches in general position need
-/// some hundred, surfaces that are level along a curve any number: see [`FIRST_LOOK`].
+/// Default number of splits that a query may make. Two bicubic patches in general position need of
+/// the order of a hundred; surfaces at a constant distance along a curve need any number: see
+/// [`FIRST_LOOK`].
 pub(super) const SPLITS: usize = 20_000;
 
-/// Splits that a query may be allowed: two nodes each of 448 numbers at most are counted in 32
-/// bits.
+/// Largest number of splits that a query may make. Each makes two nodes of at most 448 numbers, and
+/// 32 bits count them.
 const MOST_SPLITS: usize = 1 << 22;
 
-/// A front is cut anew if it has grown to so many times its length. Not measured.
+/// A front is built again from the roots if it has grown to more than this many times its length.
+/// Not measured.
 const GROWTH: usize = 4;
 
-/// Regions tried in one search. Not measured.
+/// Largest number of regions tried in one search. Not measured.
 const TRIES: usize = 5;
 
-/// After so many pairs split the search is taken to be stuck at a local minimum, as where bodies
-/// cross: then two points are looked for below every 32nd pair, wherever its middle is. A search
-/// for points costs as much as some six splits.
+/// Number of pairs after which a search counts as stuck at a local minimum, for example where
+/// bodies cross. From then on a descent starts at every 32nd pair, wherever its middle is. A
+/// descent costs as much as about six splits.
 const IMPATIENT: usize = 128;
 
-/// The front of the last answer, the last witnesses, and counters.
+/// The front of the last outcome, the last witnesses, and counters.
 #[derive(Clone, Debug)]
 pub(super) struct SurfaceMemory {
     fingerprints: [Fingerprint; 2],
@@ -565,7 +573,7 @@ pub(super) struct SurfaceMemory {
     pub(super) front: NetFront,
     /// Patches and parameters of the last witnesses.
     last: Option<([u32; 2], [f64; 4])>,
-    /// How far the region of the last search reached.
+    /// Extent of the next region along the surfaces, as in [`NetSearch`].
     way: Option<f64>,
     heap: BinaryHeap<OpenNodePair>,
     pub(super) work: SurfaceWork,
@@ -591,7 +599,7 @@ impl SurfaceMemory {
         self.budget = splits.min(MOST_SPLITS);
     }
 
-    /// Forgets everything but the budget.
+    /// Drops everything except the budget.
     pub(super) fn reset(&mut self) {
         let budget = self.budget;
         *self = Self {
@@ -600,8 +608,8 @@ impl SurfaceMemory {
         };
     }
 
-    /// Begins a query of two bodies: returns whether the state is theirs; if not, or if it
-    /// `is_full`, forgets it.
+    /// Starts a query of two bodies, and returns whether the state belongs to them. Otherwise, or
+    /// if the state `is_full`, drops it except for the budget and the counters.
     pub(super) fn recognises(&mut self, fingerprints: [Fingerprint; 2], is_full: bool) -> bool {
         let is_known = self.fingerprints == fingerprints && !is_full;
         if !is_known {
@@ -613,7 +621,7 @@ impl SurfaceMemory {
         is_known
     }
 
-    /// Returns the front of these bodies, empty for others.
+    /// Returns the front of these bodies; empty for other bodies.
     #[cfg(feature = "__internals")]
     pub(super) fn entries(&self, fingerprints: [Fingerprint; 2]) -> &[NetEntry] {
         if self.fingerprints == fingerprints {
@@ -627,7 +635,7 @@ impl SurfaceMemory {
         self.front.entries.capacity() * size_of::<NetEntry>() + self.heap.capacity() * size_of::<OpenNodePair>()
     }
 
-    /// Returns a lower bound of the distance and the closest points; `None` if no points were
+    /// Returns a lower bound of the distance, and the closest points; `None` if no points were
     /// found.
     pub(super) fn search<B: NetSide, M: Meets>(
         &mut self,

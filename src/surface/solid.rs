@@ -1,5 +1,6 @@
-//! A convex shape beside a surface: one node that is never split, since its support function gives
-//! its exact height along every direction, and its closest point to a point of the surface.
+//! A convex shape as the second body: one node that is never split. Its support function gives the
+//! exact support value along every direction. A tracker finds its closest point to a point of the
+//! surface.
 
 use super::closest::NEWTON;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
@@ -19,24 +20,25 @@ use crate::body::shape::Shape;
 use crate::convex::shape_tracker::ShapeTracker;
 use crate::pair::outcome::Outcome;
 
-/// The way, in parameters, over which the turn of a shape's normal is taken as its curvature. Not
-/// measured.
+/// Displacement, in parameters, over which the rotation of a shape's normal approximates its
+/// curvature. Not measured.
 const PROBE: f64 = 1.0 / 65_536.0;
 
-/// How far back a point is from which the direction to a close shape is seen without the rounding
-/// of a short line, as a part of the size. Not measured.
+/// How far back a point is moved to find the direction to a close shape without the rounding of a
+/// short line, as a fraction of the pair size. Not measured.
 const BACK: f64 = 1.0 / 256.0;
 
-/// Dampings, each eight times the one before, of a step of a point towards a shape.
+/// Number of dampings of a step towards a shape; each is eight times the one before.
 const DAMPINGS: usize = 10;
 
 /// A convex shape as one node.
 pub(super) struct ShapeNode<'a> {
     shape: &'a Shape,
     node: Node,
-    /// The last direction and the height along it: searches ask many nodes along one direction.
+    /// The last direction and the support value along it. Searches query many nodes along one
+    /// direction.
     last: (Vector3<f64>, f64),
-    /// The number of the next support point.
+    /// The index of the last support point of a curved core.
     next: u32,
 }
 
@@ -66,9 +68,9 @@ impl NetSide for ShapeNode<'_> {
         self.last.1
     }
 
-    /// The point is one of the core: a radius moves no direction between closest points, and the
-    /// minimum-norm solver ends after few steps on a polyhedral core. Points of curved cores are
-    /// all different, so each has a number of its own.
+    /// The point belongs to the core, because the rounding radius changes no direction between
+    /// closest points. The minimum-norm solver ends after few steps on a polyhedral core. Points of
+    /// curved cores are all different, so each has a new index.
     fn support(&mut self, id: u32, n: &Vector3<f64>) -> (u32, Vector3<f64>, f64) {
         self.next += 1;
         let (vertex, point) = self.shape.core_point(n);
@@ -91,13 +93,13 @@ impl NetSide for ShapeNode<'_> {
         None
     }
 
-    /// Of no use: the node cannot be split.
+    /// Never used: the node cannot be split.
     fn split(&mut self, id: u32) -> u32 {
         id
     }
 }
 
-/// Points of a surface and their closest points of a convex shape.
+/// Finds the closest points of a convex shape to points of a surface.
 pub(super) struct Feet<'a> {
     patches: &'a [BezierPatch],
     /// A point at the origin.
@@ -153,13 +155,14 @@ impl<'a> Feet<'a> {
         Some(ShapeFoot { at, jet, found })
     }
 
-    /// Error of a signed distance by the point and the pose.
+    /// Returns the error of a signed distance that the point and the pose cause.
     fn error(&self) -> f64 {
         self.frame.error + self.frame.points
     }
 
-    /// Returns a foot nearer to the shape, or deeper inside: Newton's method where the distance is
-    /// convex, else with the curvature of the shape alone and damping (Levenberg 1944).
+    /// Returns a point closer to the shape, or deeper inside; `None` if no step leads to one. Tries
+    /// the support point of a close shape, then Newton's method if the second derivative is
+    /// positive definite, then damped steps with the curvature of the shape alone (Levenberg 1944).
     fn step(&mut self, patch: &BezierPatch, now: &ShapeFoot) -> Option<ShapeFoot> {
         let (n, j) = (*now.found.normal, [now.jet.u, now.jet.v]);
         let gradient = j.each(|c| -n.dot(&c));
@@ -191,9 +194,9 @@ impl<'a> Feet<'a> {
         None
     }
 
-    /// Returns a foot nearer to a close shape, towards the point of the shape that is lowest over
-    /// the surface. Near an edge the curvature of the distance grows as 1/distance, so normals do
-    /// not predict the foot.
+    /// Returns a point closer to a close shape, by a step towards the point of the shape that is
+    /// lowest over the surface. Near an edge of the shape the curvature of the distance grows as
+    /// 1/distance, so normals do not predict the closest point.
     fn toward_top(&mut self, patch: &BezierPatch, now: &ShapeFoot, held: &[bool; 4]) -> Option<ShapeFoot> {
         if now.found.distance.abs() > CLOSE * self.frame.size {
             return None;
@@ -209,8 +212,8 @@ impl<'a> Feet<'a> {
     }
 
     /// Returns the second derivative of the distance of a point from the shape, in the parameters
-    /// of the patch: entries 00, 01, 11 of a form that is not negative, by the turn of the normal
-    /// over a small way. Steers the search alone.
+    /// of the patch. The entries are 00, 01 and 11 of a non-negative form. They come from the
+    /// rotation of the normal over a small displacement, and only steer the search.
     fn roundness(&mut self, now: &ShapeFoot) -> Option<[f64; 3]> {
         let (n, j) = (*now.found.normal, [now.jet.u, now.jet.v]);
         let mut form = [[0.0; 2]; 2];
@@ -237,9 +240,10 @@ impl<'a> Feet<'a> {
         None
     }
 
-    /// Returns the direction from a point to the shape. For a point so near that rounding turns the
-    /// line to the shape: the normal of the surface if both are nearly parallel, else the direction
-    /// from a point farther back, which sees the same place of the shape.
+    /// Returns the direction from a point to the shape. If the point is so close that rounding
+    /// rotates the line to the shape, this is the normal of the surface if it is nearly parallel to
+    /// the line. Otherwise it is the direction from a point farther back, which has the same
+    /// closest point.
     fn along(&mut self, foot: &ShapeFoot) -> Vector3<f64> {
         let (n, size) = (*foot.found.normal, self.frame.size);
         let distance = foot.found.distance.abs();
@@ -253,8 +257,9 @@ impl<'a> Feet<'a> {
         })
     }
 
-    /// A point that may lie in the shape, as far as rounding tells, is its own witness: its depth
-    /// is within rounding, and that of the shape may be farther away.
+    /// Returns the close points of a foot. If rounding hides whether the point lies in the shape,
+    /// it is the witness of both bodies: its depth is within rounding, and the witness of the shape
+    /// may be farther away.
     fn meeting(&mut self, number: u32, foot: &ShapeFoot) -> Meeting {
         let (p, found) = (foot.jet.point, &foot.found);
         let upper = (found.upper + self.error()).at_least(0.0);
@@ -281,7 +286,7 @@ impl<'a> Feet<'a> {
     }
 }
 
-/// Returns the form of two parameters as one of four.
+/// Returns a form in two parameters as a form in four.
 fn matrix([uu, uv, vv]: [f64; 3]) -> [Parameters; 4] {
     let mut m = [[0.0; 4]; 4];
     (m[0][0], m[0][1], m[1][0], m[1][1]) = (uu, uv, uv, vv);
@@ -289,7 +294,7 @@ fn matrix([uu, uv, vv]: [f64; 3]) -> [Parameters; 4] {
 }
 
 impl Meets for Feet<'_> {
-    /// Ends where the point is proven to lie in the shape: the upper bound is zero there.
+    /// Stops if the point is proven to lie in the shape, because the upper bound is then zero.
     fn descend(&mut self, [number, _]: [u32; 2], start: [f64; 4]) -> Option<(Meeting, u64)> {
         let patches = self.patches;
         let patch = &patches[number as usize];

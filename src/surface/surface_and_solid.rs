@@ -1,12 +1,12 @@
-//! A surface beside a convex shape, and beside a body of convex pieces, with a tracker for each
-//! piece: the states of both pairs, their queries, and surfaces over time.
+//! A surface and a convex shape, and a surface and a compound, with a tracker for each piece: the
+//! states of both pairs, their queries, and their motion over time.
 //!
-//! No plane separates surfaces that reach into each other's hollows, so a look ahead bounds the
-//! displacement of all points, as for compounds (Mirtich 1996, conservative advancement): bodies
-//! that are proven `d` apart stay apart until their points, seen from each other, may have moved by
-//! `d`. A measure is as narrow as a part of the distance, so looks near contact are as sharp as
-//! those far away, and the number of looks grows with the logarithm of the tolerance. This holds of
-//! two surfaces too (`two_surfaces`).
+//! No plane separates surfaces that reach into each other's hollows. So an advancement step bounds
+//! the displacement of all points, as for compounds (Mirtich 1996, conservative advancement).
+//! Bodies that are proven `d` apart stay separated until their points, seen from each other, may
+//! have moved by `d`. The width of a measurement is a fraction of the distance, so steps near
+//! contact are as effective as steps far away. The number of steps grows with the logarithm of the
+//! tolerance. The same holds for two surfaces (`two_surfaces`).
 
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
@@ -33,23 +33,24 @@ use crate::pair::options::QueryOptions;
 use crate::pair::outcome::{ContactState, Decision, Outcome};
 use crate::time::separation::{FreeSpan, Measurement, PairMotion, Proof, Separation};
 
-/// Width of a measure over time, as a part of the distance: a look of conservative advancement goes
-/// so much less far. Not measured.
+/// Width of a measurement over time, as a fraction of the distance. A step of conservative
+/// advancement is shorter by this fraction. Not measured.
 pub(super) const MEASURED: f64 = 1.0 / 4.0;
 
-/// Width of a distance of surfaces in a scene, as a part of both radii. Not measured.
+/// Default width of the bounds, as a fraction of the sum of the radii of both bounding balls. Not
+/// measured.
 const SCENE_WIDTH: f64 = 1.0 / (1u64 << 30) as f64;
 
-/// A look over time that would go less far by more than this part is measured again, narrower. Not
-/// measured.
+/// If the bound of a step leaves unproven more than this fraction of the remaining distance, the
+/// distance is measured again with a smaller width. Not measured.
 const NARROWER: f64 = 1.0 / 2.0;
 
-/// A look ahead gives up if its bound proves less than this part of the distance left: the search
-/// for a narrower one has met its limit, and each further look would cost as much for less.
-/// Measured: no cast of the tests ends so.
+/// A step gives up if its bound proves less than this fraction of the remaining distance. The
+/// search for a narrower interval has then reached its limit, and each further step would cost as
+/// much and prove less. Measured: no cast of the tests ends for this reason.
 const HOPE: f64 = 0.125;
 
-/// The tracker of a surface, as A, and a body of another kind.
+/// The tracker of a surface (A) and a body of another kind (B).
 pub(crate) trait BesideSurface {
     /// The other body.
     type Body;
@@ -57,39 +58,40 @@ pub(crate) trait BesideSurface {
     /// Returns a ball that contains the other body: centre and radius.
     fn ball(body: &Self::Body) -> (Point3<f64>, f64);
 
-    /// Returns the closest points with bounds as close as a goal asks for.
+    /// Returns the closest points with bounds as close as the goal requires.
     fn answer(&mut self, a: &BezierSurface, b: &Self::Body, a_from_b: &RelativePose, goal: NetGoal) -> PairOutcome;
 
-    /// Sets the number of nodes that a query may split; `None` for the usual budget.
+    /// Sets the number of splits that a query may make; `None` for the default budget.
     fn allow(&mut self, splits: Option<usize>);
 }
 
-/// A surface and a solid of convex shapes that can be measured over time, in either order.
+/// A surface and a convex shape or compound, in either order, that can be measured over time.
 #[derive(Debug)]
 pub(crate) struct SurfaceSolidPair<'a, T: BesideSurface> {
     pub(crate) surface: &'a BezierSurface,
     pub(crate) body: &'a T::Body,
-    /// Which of the two is the surface.
+    /// The operand that is the surface.
     pub(crate) order: Operand,
     pub(crate) tracker: &'a mut T,
 }
 
 impl<T: BesideSurface> SurfaceSolidPair<'_, T> {
-    /// Returns the closest points, with bounds of the width that the question sets.
+    /// Returns the closest points, with bounds of the width that the options set.
     pub(crate) fn closest_with(&mut self, a_from_b: &RelativePose, question: &QueryOptions) -> PairOutcome {
         let width = width_asked(self, question);
         self.tracker.allow(question.splits);
         self.answer(a_from_b, NetGoal::Width(width)).without_depth()
     }
 
-    /// Returns whether the distance is at most `d`, within the splits that the question allows.
+    /// Returns whether the distance is at most `d`, within the budget that the options set.
     pub(crate) fn decide_within(&mut self, a_from_b: &RelativePose, d: f64, question: &QueryOptions) -> Decision {
         self.tracker.allow(question.splits);
         self.is_within(a_from_b, d)
     }
 
     /// Returns whether the distance is at most `d`. Undecided only if `d` is within rounding of the
-    /// distance, or a budget is used up: pairs that merely touch stay undecided for zero.
+    /// distance, or if a budget is used up. For a `d` of zero, pairs that merely touch are
+    /// undecided.
     fn is_within(&mut self, a_from_b: &RelativePose, d: f64) -> Decision {
         if !(d >= 0.0) {
             return Decision::No;
@@ -110,7 +112,7 @@ impl<T: BesideSurface> SurfaceSolidPair<'_, T> {
     }
 }
 
-/// Returns the pose of the other body in the frame of a surface that is A or B.
+/// Returns the pose of the other body in the frame of the surface, which is A or B.
 fn from_surface(order: Operand, a_from_b: &RelativePose) -> RelativePose {
     if order == Operand::A {
         *a_from_b
@@ -119,7 +121,7 @@ fn from_surface(order: Operand, a_from_b: &RelativePose) -> RelativePose {
     }
 }
 
-/// Returns the answer of B and A as that of A and B, for the pose of B and A.
+/// Returns an outcome of B and A as an outcome of A and B, from the pose of B and A.
 fn exchanged(found: PairOutcome, pose: &RelativePose) -> PairOutcome {
     let normal = unit(&-pose.rotation().tr_mul(&found.normal));
     let o = found.outcome;
@@ -136,7 +138,7 @@ fn exchanged(found: PairOutcome, pose: &RelativePose) -> PairOutcome {
     }
 }
 
-/// Returns the width of the bounds that the question sets.
+/// Returns the width of the bounds that the options set, or the default width.
 pub(super) fn width_asked(pair: &impl Separation, question: &QueryOptions) -> f64 {
     let radius = |of| pair.ball(of).1;
     question
@@ -144,9 +146,9 @@ pub(super) fn width_asked(pair: &impl Separation, question: &QueryOptions) -> f6
         .unwrap_or_else(|| SCENE_WIDTH * (radius(Operand::A) + radius(Operand::B)))
 }
 
-/// Returns how long a lower bound lasts, where `lower` takes a width and returns a new bound: asked
-/// if the bound seen is far below the distance that is left. The answer is zero if no search comes
-/// near that distance.
+/// Returns how long a lower bound stays valid. `lower` takes a width and returns a new bound. It is
+/// called if the measured bound is far below the remaining distance. The span is zero if no search
+/// comes near that distance.
 pub(super) fn held<S: Separation>(
     pair: &mut S,
     seen: &Measurement,
@@ -194,18 +196,18 @@ impl<T: BesideSurface> Separation for SurfaceSolidPair<'_, T> {
     }
 }
 
-/// The front of the last answer for a surface and a convex [`Shape`], from which the next query
-/// starts, the nodes made so far, and counters.
+/// State of a surface and a convex [`Shape`]: the front of the last outcome, from which the next
+/// query starts, the nodes made so far, and counters.
 ///
-/// The counterpart of `SurfaceTracker` for every kind of shape: the shape
-/// is not split, and its own support function bounds it. The surface is A and the shape B; for the
-/// other order see [`RelativePose::swapped`]. The shape is solid: a surface inside it has the
-/// distance zero. Not saved to files, as `SurfaceTracker`.
+/// It is the counterpart of `SurfaceTracker` for every kind of shape. The shape is not split; its
+/// support function bounds it. The surface is A and the shape is B; for the other order see
+/// [`RelativePose::swapped`]. The shape is solid, so a surface inside it has the distance zero.
+/// Like a `SurfaceTracker`, it is not serialised.
 #[derive(Clone, Debug)]
 pub(crate) struct SurfaceShapeTracker {
     state: SurfaceMemory,
     grown: Grown,
-    /// Of a point of the surface and the shape.
+    /// The tracker of a point of the surface and the shape.
     feet: ShapeTracker,
     /// A point at the origin.
     point: Shape,
@@ -223,7 +225,7 @@ impl Default for SurfaceShapeTracker {
 }
 
 impl SurfaceShapeTracker {
-    /// Returns a tracker without a start.
+    /// Returns a tracker that starts cold.
     #[must_use]
     pub(crate) fn new() -> Self {
         Self::default()
@@ -235,19 +237,19 @@ impl SurfaceShapeTracker {
         self.state.work
     }
 
-    /// Returns the number of entries of the front that is kept.
+    /// Returns the number of entries of the cached front.
     #[must_use]
     pub(crate) fn front_len(&self) -> usize {
         self.state.front.entries.len()
     }
 
-    /// Returns the bytes kept on the heap, without those of shapes.
+    /// Returns the bytes on the heap, without shapes.
     #[must_use]
     pub(crate) fn memory_usage(&self) -> usize {
         self.grown.memory_usage() + self.state.memory_usage()
     }
 
-    /// Returns the closest points at a pose that puts points of B up to `placing` aside.
+    /// Returns the closest points at a pose that may displace points of B by up to `placing`.
     fn answer_placed(
         &mut self,
         a: &BezierSurface,
@@ -314,7 +316,8 @@ impl BesideSurface for SurfaceShapeTracker {
     }
 }
 
-/// An upper bound of zero is proven by a point of the surface within the shape.
+/// Returns the contact state. A point of the surface inside the shape proves an upper bound of
+/// zero.
 pub(super) fn state(lower: f64, upper: f64) -> ContactState {
     if lower > 0.0 {
         ContactState::Separated
@@ -331,7 +334,7 @@ fn reach(shape: &Shape) -> f64 {
     (sqrt(centre.coords.norm_squared()) + radius) * ROUND_UP * ROUND_UP
 }
 
-/// Bodies so far apart, or so small beside their distance, that only balls about their origins
+/// Returns the outcome of bodies so far apart, or so small, that only balls around their origins
 /// count.
 pub(super) fn far_apart(a: &BezierSurface, b: &Shape, a_from_b: &RelativePose) -> PairOutcome {
     let (lower, upper, n) = far([a.reach, reach(b)], a_from_b);
@@ -357,7 +360,7 @@ pub(super) fn far_apart(a: &BezierSurface, b: &Shape, a_from_b: &RelativePose) -
     }
 }
 
-/// Lowers the lower bound of an answer to that of other pieces.
+/// Lowers the lower bound of an outcome to the bound of other pieces.
 fn lower_to(answer: &mut PairOutcome, lower: f64, goal: NetGoal) {
     let o = &mut answer.outcome;
     o.lower = o.lower.smaller(lower);
@@ -368,9 +371,9 @@ fn lower_to(answer: &mut PairOutcome, lower: f64, goal: NetGoal) {
 
 /// The trackers of a surface and the pieces of a [`Compound`].
 ///
-/// The counterpart of [`SurfaceShapeTracker`] for bodies of placed convex shapes: the surface is A
-/// and the body B. A piece whose ball is farther away than the closest piece is not asked. Not
-/// saved to files.
+/// It is the counterpart of [`SurfaceShapeTracker`] for compounds: the surface is A and the
+/// compound is B. A piece is not queried if its ball is farther away than the closest piece. The
+/// state is not serialised.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SurfaceCompoundTracker {
     pieces: Vec<SurfaceShapeTracker>,
@@ -388,12 +391,12 @@ impl SurfaceCompoundTracker {
         })
     }
 
-    /// Returns the number of entries of the fronts that are kept.
+    /// Returns the number of entries of the cached fronts.
     pub(crate) fn front_len(&self) -> usize {
         self.pieces.iter().map(SurfaceShapeTracker::front_len).sum()
     }
 
-    /// Returns the bytes kept on the heap, without those of shapes.
+    /// Returns the bytes on the heap, without shapes.
     #[must_use]
     pub(crate) fn memory_usage(&self) -> usize {
         let own = self.pieces.capacity() * size_of::<SurfaceShapeTracker>();
@@ -413,7 +416,7 @@ impl BesideSurface for SurfaceCompoundTracker {
         self.splits = splits;
     }
 
-    /// Returns the closest points of all pieces with bounds as close as a goal asks for.
+    /// Returns the closest points of all pieces with bounds as close as the goal requires.
     fn answer(&mut self, a: &BezierSurface, b: &Compound, a_from_b: &RelativePose, goal: NetGoal) -> PairOutcome {
         let pieces = b.pieces();
         self.pieces.resize_with(pieces.len(), SurfaceShapeTracker::new);
@@ -451,7 +454,7 @@ impl BesideSurface for SurfaceCompoundTracker {
     }
 }
 
-/// Returns the gap of the balls about a surface and a piece, up to rounding.
+/// Returns the gap between the balls around a surface and a piece, up to rounding.
 fn apart(a: &BezierSurface, piece: &Piece, pose: &RelativePose) -> f64 {
     let ((centre, radius), (of_piece, reach)) = (a.bounding_ball(), piece.shape.bounding_ball());
     let between = pose.rotation() * of_piece.coords + pose.translation() - centre.coords;

@@ -1,12 +1,12 @@
-//! Trees of control nets: groups of patches above, halves of patches below.
+//! Trees of control nets: groups of patches in the upper part, halves of patches in the lower part.
 //!
-//! A node is a set of points whose convex hull holds a part of the surface: the corners of a box
-//! for a group of patches, a control net for a part of a patch. The upper part of the tree belongs
-//! to the surface; nodes below whole patches are made when a search splits them, and are kept by
-//! the tracker.
+//! A node is a set of points whose convex hull contains a part of the surface. For a group of
+//! patches the points are the corners of a box; for a part of a patch they are its control net. The
+//! upper part of the tree belongs to the surface. A search makes the nodes below whole patches when
+//! it splits them, and the tracker keeps them.
 //!
-//! The part of a patch over any box of parameters is a node too ([`Cut`]), cut out by de
-//! Casteljau's algorithm at both ends.
+//! The part of a patch over any box of parameters is a node too ([`Cut`]). De Casteljau's algorithm
+//! cuts it out at both ends.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -19,24 +19,24 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{NET as NET_ERROR, NET_CUT, NET_STEP, ROUND_UP};
 
-/// Splits of one node in each direction: parameters stay multiples of `2^-48`.
+/// Largest number of splits of a node in each direction. Parameters stay multiples of `2^-48`.
 const DEEPEST: u8 = 48;
 
-/// Node of no patch: a group.
+/// Patch index of a group of patches.
 const GROUP: u32 = u32::MAX;
 
 /// A part of a surface.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
-    /// First of two successive children; 0 if not split.
+    /// Index of the first of two successive children; 0 if the node is not split.
     child: u32,
-    /// The patch, or [`GROUP`].
+    /// Index of the patch, or [`GROUP`].
     patch: u32,
-    /// Where the numbers of the net begin.
+    /// Index of the first number of the net.
     at: u32,
-    /// Points of the net.
+    /// Number of points of the net.
     pub(super) count: u32,
-    /// Splits so far in u and v.
+    /// Number of splits so far in u and v.
     splits: [u8; 2],
     /// The direction to be split next: 0 for u, 1 for v.
     along: u8,
@@ -44,12 +44,12 @@ pub(super) struct Node {
     /// The lower corner in the parameters of the patch, in units of `2^-DEEPEST`.
     low: [u64; 2],
     pub(super) degrees: [usize; 2],
-    /// A ball about the net.
+    /// Centre of a ball around the net.
     pub(super) centre: Vector3<f64>,
     pub(super) radius: f64,
-    /// By how much the net may be off, and the hull with it.
+    /// Error of the points of the net, and thus of the hull.
     pub(super) error: f64,
-    /// The same for the coefficients of a height, times the weight.
+    /// Radius about the origin, which scales the errors of the coefficients of a height.
     pub(super) reach: f64,
 }
 
@@ -58,12 +58,12 @@ impl Node {
         self.patch == GROUP
     }
 
-    /// Returns the number of the patch; of no use for a group.
+    /// Returns the index of the patch; meaningless for a group.
     pub(super) fn patch(&self) -> u32 {
         self.patch
     }
 
-    /// Returns the only node of a body that is never split, with a ball about the body.
+    /// Returns the only node of a body that is never split, with a ball around the body.
     pub(super) fn whole(centre: Vector3<f64>, radius: f64, error: f64) -> Self {
         Self {
             patch: 0,
@@ -75,7 +75,7 @@ impl Node {
         }
     }
 
-    /// Returns a part of a patch that stands in no tree, without a ball.
+    /// Returns a part of a patch that belongs to no tree, without a ball.
     pub(super) fn part(patch: &BezierPatch, error: f64) -> Self {
         Self {
             patch: 0,
@@ -115,15 +115,15 @@ impl Node {
     }
 }
 
-/// Nodes and the numbers of their nets: x, y and z of the points, each together; for rational nets
-/// the homogeneous coordinates after them.
+/// Nodes and the numbers of their nets. A net stores all x, then all y, then all z of its points.
+/// The homogeneous coordinates of a rational net follow.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NetTree {
     nodes: Vec<Node>,
     numbers: Vec<f64>,
 }
 
-/// A net: the points by coordinates, the homogeneous coordinates of rational ones.
+/// A net: the coordinates of the points, and the homogeneous coordinates of a rational net.
 #[derive(Clone, Copy)]
 pub(super) struct Net<'a> {
     pub(super) points: [&'a [f64]; 3],
@@ -131,7 +131,7 @@ pub(super) struct Net<'a> {
 }
 
 impl<'a> Net<'a> {
-    /// Returns the net at the beginning of some numbers.
+    /// Returns the net at the start of a slice of numbers.
     #[inline]
     pub(super) fn of(numbers: &'a [f64], count: usize, is_rational: bool) -> Self {
         let plane = |k: usize| &numbers[k * count..][..count];
@@ -185,7 +185,7 @@ impl NetTree {
             count: 8,
             centre,
             radius,
-            // Boxes hold nets that are off by as much as any.
+            // A box contains nets of patches with any kind of error, so it gets the largest.
             error: reach * (NET_ERROR + crate::base::tolerance::KNOTS),
             reach,
             ..empty()
@@ -275,7 +275,7 @@ impl NetTree {
         }
     }
 
-    /// Returns a ball about the points of a net.
+    /// Returns a ball around the points of a net.
     fn ball(&self, at: usize, count: usize) -> (Vector3<f64>, f64) {
         let plane = |k: usize| &self.numbers[at + k * count..][..count];
         let centre = Vector3::from_fn(|k, _| {
@@ -292,7 +292,8 @@ impl NetTree {
         (centre, sqrt(most) * ROUND_UP)
     }
 
-    /// Returns the direction in which the legs of the net are longer.
+    /// Returns the direction whose longest leg of the net, times the degree, is longer: 0 for u, 1
+    /// for v.
     fn longer(&self, at: usize, count: usize, [p, q]: [usize; 2]) -> u8 {
         let width = q + 1;
         let planes = [0, 1, 2].each(|k| &self.numbers[at + k * count..][..count]);
@@ -328,16 +329,16 @@ fn empty() -> Node {
     }
 }
 
-/// The nodes that searches made of one surface.
+/// The nodes that searches made below the patches of a surface.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Grown {
     tree: NetTree,
-    /// Children of the whole patches among the surface's own nodes; 0 if not split.
+    /// First children of whole patches, by their index in the tree of the surface; 0 if not split.
     of_own: Vec<u32>,
 }
 
 impl Grown {
-    /// Returns a node of a surface's own tree or of those made of it.
+    /// Returns a node of the tree of a surface, or of the nodes made below it.
     #[inline]
     pub(super) fn node<'t>(&'t self, own: &'t NetTree, id: u32) -> &'t Node {
         let (tree, k) = self.tree(own, id);
@@ -363,7 +364,7 @@ impl Grown {
     }
 }
 
-/// A surface's tree with the nodes made of it so far.
+/// The tree of a surface, and the nodes made below it so far.
 pub(super) struct Nodes<'a> {
     own: &'a NetTree,
     grown: &'a mut Grown,
@@ -386,7 +387,7 @@ impl<'a> Nodes<'a> {
         tree.net(&tree.nodes[k])
     }
 
-    /// Returns the first of the two children, made if needed; the second follows.
+    /// Returns the first of the two children, made if needed; the second has the next index.
     pub(super) fn split(&mut self, id: u32) -> u32 {
         let own = self.own.nodes.len() as u32;
         let known = if id < own && !self.own.nodes[id as usize].is_group() {
@@ -404,7 +405,7 @@ impl<'a> Nodes<'a> {
             self.grown.of_own[id as usize] = child;
         } else {
             let parent = self.grown.tree.nodes[(id - own) as usize].clone();
-            // The numbers move while the halves are appended.
+            // The numbers may move in memory while the halves are appended.
             let mut copy = [0.0; 4 * NET];
             let count = parent.count as usize;
             let (skip, planes) = if parent.is_rational { (3, 4) } else { (0, 3) };
@@ -425,12 +426,12 @@ impl<'a> Nodes<'a> {
 /// The part of a patch over a box of parameters.
 pub(super) struct Cut {
     pub(super) node: Node,
-    /// Layout as `NetTree::numbers`.
+    /// Same layout as `NetTree::numbers`.
     numbers: [f64; 7 * NET],
 }
 
 impl Cut {
-    /// Returns the part over a box of some size.
+    /// Returns the part of a patch over a box of parameters.
     pub(super) fn new(patch: &BezierPatch, [u, v]: [[f64; 2]; 2]) -> Self {
         let [p, q] = patch.degrees;
         let count = patch.net.len();
@@ -464,7 +465,8 @@ impl Cut {
         Net::of(&self.numbers, self.node.count as usize, self.node.is_rational)
     }
 
-    /// Returns a ball that reaches as far as the part, for what is tried alone.
+    /// Returns a ball around the net, not rounded up. It decides what is tried, and scales rounding
+    /// terms.
     fn ball(&self) -> (Vector3<f64>, f64) {
         let net = self.net();
         let count = self.node.count as usize;
@@ -475,8 +477,8 @@ impl Cut {
     }
 }
 
-/// Cuts a curve, or rows of `width` numbers `step` apart as one, down to an interval of its
-/// parameter.
+/// Reduces a curve to an interval of its parameter. Also reduces several curves at once: rows of
+/// `width` numbers that are `step` apart.
 fn keep(c: &mut [f64], [degree, step, width]: [usize; 3], [low, high]: [f64; 2]) {
     if high < 1.0 {
         for level in 1..=degree {

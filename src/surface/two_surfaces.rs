@@ -1,7 +1,8 @@
 //! Two surfaces: the state of the pair and its queries ([`SurfaceTracker`]), and the pair at a pose
 //! and over time ([`SurfacePair`]).
 //!
-//! One of both may stand for a mesh, whose inside counts if the mesh is a solid.
+//! One of the surfaces may represent a mesh. If the mesh is a solid, its inside belongs to the
+//! body.
 
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -23,23 +24,23 @@ use crate::pair::options::QueryOptions;
 use crate::pair::outcome::{ContactState, Decision, Outcome};
 use crate::time::separation::{FreeSpan, Measurement, PairMotion, Separation};
 
-/// Numbers that a tracker keeps for the nets of split nodes, at most: 16 MB.
+/// If the split nodes of a surface have more numbers than this (16 MB), the next query drops them.
 pub(super) const KEPT: usize = 1 << 21;
 
-/// The front of the last answer for one pair of surfaces, from which the next query starts, the
-/// nodes made so far, and counters.
+/// State of a pair of surfaces: the front of the last outcome, from which the next query starts,
+/// the nodes made so far, and counters.
 ///
-/// Owns no surface. State changes time, never which distances an answer allows: bounds are proven
-/// anew at every pose. A tracker that comes from another pair, or is out of date, is allowed. Not
-/// saved to files: nodes are made again by one query, and a front is much larger than its surfaces.
-/// A query allocates where it splits nodes.
+/// The tracker owns no surface. Its state changes the time of a query, never which distances an
+/// outcome allows, because bounds are proven again at every pose. State of another pair, or of an
+/// old pose, does no harm. The state is not serialised: one query makes the nodes again, and a
+/// front is much larger than its surfaces. A query allocates memory if it splits nodes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SurfaceTracker {
     state: SurfaceMemory,
     grown: [Grown; 2],
 }
 
-/// What a search found.
+/// The result of a search.
 struct Found {
     lower: f64,
     upper: f64,
@@ -51,7 +52,7 @@ struct Found {
 }
 
 impl SurfaceTracker {
-    /// Sets the number of pairs of nodes that one query may split; `None` for the usual budget.
+    /// Sets the number of pairs of nodes that a query may split; `None` for the default budget.
     pub(crate) fn allow(&mut self, splits: Option<usize>) {
         self.state.allow(splits.unwrap_or(SPLITS));
     }
@@ -62,15 +63,14 @@ impl SurfaceTracker {
         self.state.work
     }
 
-    /// Returns the number of entries of the front that is kept.
+    /// Returns the number of entries of the cached front.
     #[must_use]
     pub(crate) fn front_len(&self) -> usize {
         self.state.front.entries.len()
     }
 
-    /// Returns the front that is kept for these surfaces: pairs of parts of A and of B that are
-    /// proven apart, under which every pair of patches lies. Empty for surfaces other than those of
-    /// the last query.
+    /// Returns the cached front of these surfaces: pairs of parts of A and of B that are proven
+    /// apart and cover every pair of patches. Empty if the last query was of other surfaces.
     #[cfg(feature = "__internals")]
     pub(crate) fn front<'t>(
         &'t self,
@@ -85,13 +85,13 @@ impl SurfaceTracker {
         })
     }
 
-    /// Returns the bytes kept on the heap.
+    /// Returns the bytes on the heap.
     #[must_use]
     pub(crate) fn memory_usage(&self) -> usize {
         self.grown.iter().map(Grown::memory_usage).sum::<usize>() + self.state.memory_usage()
     }
 
-    /// Returns the closest points with bounds as close as a goal asks for.
+    /// Returns the closest points with bounds as close as the goal requires.
     pub(super) fn answer(
         &mut self,
         a: &BezierSurface,
@@ -125,11 +125,11 @@ impl SurfaceTracker {
     }
 
     /// Decides whether the distance of the surfaces is at most `d`, a length in the caller's unit.
-    /// Undecided only if `d` is within rounding of the distance, or the budget is too small.
+    /// Undecided only if `d` is within rounding of the distance, or if the budget is too small.
     ///
-    /// That surfaces share a point is proven where one runs through the other inside two patches,
-    /// by an existence theorem; for a `d` of zero surfaces that merely touch stay undecided, and
-    /// those that are close all over an area and for which the budget is too small.
+    /// If one surface crosses the other inside two patches, an existence theorem proves that they
+    /// share a point. For a `d` of zero, surfaces that merely touch stay undecided. So do surfaces
+    /// that are close over an area, if the budget is too small.
     pub(crate) fn within(&mut self, a: &BezierSurface, b: &BezierSurface, a_from_b: &RelativePose, d: f64) -> Decision {
         if !(d >= 0.0) {
             return Decision::No;
@@ -178,7 +178,7 @@ impl SurfaceTracker {
     }
 }
 
-/// Surfaces so far apart, or so small beside their distance, that only balls about their origins
+/// Returns the result for surfaces so far apart, or so small, that only balls around their origins
 /// count.
 fn apart(a: &BezierSurface, b: &BezierSurface, a_from_b: &RelativePose) -> Found {
     let (lower, upper, n) = far([a.reach, b.reach], a_from_b);
@@ -198,29 +198,29 @@ fn apart(a: &BezierSurface, b: &BezierSurface, a_from_b: &RelativePose) -> Found
 pub(crate) struct SurfacePair<'a> {
     pub(crate) a: &'a BezierSurface,
     pub(crate) b: &'a BezierSurface,
-    /// The mesh for which one of the surfaces stands, and which one.
+    /// The mesh that one of the surfaces represents, and the operand.
     pub(crate) mesh: Option<(Operand, &'a Mesh)>,
     pub(crate) tracker: &'a mut SurfaceTracker,
 }
 
-/// Where a surface lies that does not meet the triangles of a mesh.
+/// The side of a mesh on which a surface lies that does not meet the triangles.
 enum Side {
     Outside,
-    /// In the mesh, with this point.
+    /// Inside the mesh, with this point.
     Inside(WitnessLocation, Point3<f64>),
     /// A point is too close to the triangles, or every segment to the outside met an edge.
     Unclear,
 }
 
 impl SurfacePair<'_> {
-    /// Returns the closest points, with bounds of the width that the question sets.
+    /// Returns the closest points, with bounds of the width that the options set.
     pub(crate) fn closest_with(&mut self, pose: &RelativePose, question: &QueryOptions) -> PairOutcome {
         let width = width_asked(self, question);
         self.tracker.allow(question.splits);
         self.answer(pose, NetGoal::Width(width)).without_depth()
     }
 
-    /// Returns whether the distance is at most `d`, within the splits that the question allows.
+    /// Returns whether the distance is at most `d`, within the budget that the options set.
     pub(crate) fn decide_within(&mut self, pose: &RelativePose, d: f64, question: &QueryOptions) -> Decision {
         self.tracker.allow(question.splits);
         self.is_within(pose, d)
@@ -237,7 +237,7 @@ impl SurfacePair<'_> {
             Side::Inside(..) => Decision::Yes,
             Side::Unclear => match decision {
                 Decision::Undecided { upper, .. } => Decision::Undecided { lower: 0.0, upper },
-                // Farther apart than d, or inside.
+                // Farther apart than `d`, or inside.
                 _ => Decision::Undecided {
                     lower: 0.0,
                     upper: self.tracker.answer(self.a, self.b, pose, NetGoal::Part(MEASURED)).upper,
@@ -266,7 +266,7 @@ impl SurfacePair<'_> {
         }
     }
 
-    /// Returns the answer of a surface that has a point within the mesh.
+    /// Returns the outcome of a surface that has a point inside the mesh.
     fn inside(
         &self,
         found: PairOutcome,
@@ -292,8 +292,8 @@ impl SurfacePair<'_> {
         answer
     }
 
-    /// Returns where the surface lies beside the mesh: a patch that does not meet the triangles
-    /// lies on one side of them, so one point of each patch tells.
+    /// Returns the side of the mesh on which the surface lies. A patch that does not meet the
+    /// triangles lies on one side of them, so one point of each patch decides.
     fn side(&self, pose: &RelativePose) -> Side {
         let Some((operand, mesh)) = self.mesh.filter(|(_, mesh)| mesh.is_solid()) else {
             return Side::Outside;
@@ -301,7 +301,7 @@ impl SurfacePair<'_> {
         let is_mesh_a = operand == Operand::A;
         let surface = if is_mesh_a { self.b } else { self.a };
         let reach = sqrt(pose.translation().norm_squared()) + surface.reach;
-        // The rounding of a point of the surface, and of its place in the frame of the mesh.
+        // The rounding of a point of the surface, and of its position in the frame of the mesh.
         let doubt = surface.reach * SURFACE_POINT + CERTIFICATE * UNIT * reach;
         let unit = mesh.unit();
         let mut is_clear = true;

@@ -194,7 +194,7 @@ impl<'a> From<LentBody<'a, Shape>> for GeometryRef<'a> {
     }
 }
 
-/// Borrows bodies of a kind whose every body is of the same variant.
+/// Converts borrowed bodies, for types whose bodies all have the same variant.
 macro_rules! lend {
     ($kind:ident, $body:ty) => {
         impl<'a> From<LentBody<'a, $body>> for GeometryRef<'a> {

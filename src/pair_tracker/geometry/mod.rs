@@ -21,7 +21,7 @@ use alloc::borrow::Cow;
 use alloc::sync::Arc;
 use nalgebra::{Isometry3, Point3};
 
-/// Matches a geometry, owned or borrowed, by an expression for a body of any kind.
+/// Evaluates one expression for the body of a geometry of any kind, owned or borrowed.
 macro_rules! match_kind {
     ($all:ident, $geometry:expr, $body:ident => $result:expr) => {
         match $geometry {
@@ -68,9 +68,9 @@ use match_kind;
 ///
 /// The patches for contacts are made once per shape, in the step after contacts are enabled.
 ///
-/// Distances of Bézier surfaces have bounds that are at most `2^-30` of the pair size apart. Two
-/// surfaces that the bounds cannot distinguish from a threshold count as within. A surface has no
-/// inside: a body inside a closed surface does not overlap it.
+/// Distances of Bézier surfaces have bounds that are at most `2^-30` of the sum of both radii
+/// apart. Two surfaces that the bounds cannot distinguish from a threshold count as within. A
+/// surface has no inside: a body inside a closed surface does not overlap it.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -168,7 +168,7 @@ impl Geometry {
     }
 }
 
-/// Makes geometries of bodies of a kind whose every body is of the same variant.
+/// Converts bodies to geometries, for types whose bodies all have the same variant.
 macro_rules! of_body {
     ($kind:ident, $body:ty) => {
         impl From<$body> for Geometry {

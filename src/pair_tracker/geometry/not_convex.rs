@@ -73,7 +73,7 @@ impl OfKind for BezierSurface {
     }
 }
 
-/// Returns the box about a posed box.
+/// Returns the axis-aligned box that contains a box at a pose.
 fn turned_box(low: Point3<f64>, high: Point3<f64>, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
     let q = pose.rotation.coords;
     let matrix = rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared());
