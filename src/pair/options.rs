@@ -24,9 +24,11 @@ pub struct QueryOptions {
     ///
     /// A length in the caller's unit.
     ///
-    /// `None` means `2^-30` of the sum of the radii of both bounding balls. A width that is NaN or
-    /// below `2^-42 L` counts as `2^-42 L`. The pair size L is the sum of both radii about the
-    /// origins plus the distance of the origins.
+    /// `None` means `2^-30` of the sum of the radii of both bounding balls, but at least `2^-38` of
+    /// the largest coordinate of the translation. Rounding keeps the bounds about `2^-42 L` apart:
+    /// for a smaller width, or one that is NaN,
+    /// [`PairOutcome::is_converged`](crate::PairOutcome::is_converged) is false. The pair size L is
+    /// the sum of both radii about the origins plus the distance of the origins.
     pub width: Option<f64>,
     /// Budget of a query with a Bézier surface: how many pairs of nodes it may split, at most
     /// `2^22`.

@@ -39,7 +39,12 @@ pub(super) const MEASURED: f64 = 1.0 / 4.0;
 
 /// Default width of the bounds, as a fraction of the sum of the radii of both bounding balls. Not
 /// measured.
-const SCENE_WIDTH: f64 = 1.0 / (1u64 << 30) as f64;
+const DEFAULT_WIDTH: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// Least default width, as a fraction of the largest offset of the origins. The rounding of the
+/// poses keeps the bounds of bodies far apart about `2^-42` of this distance apart; pairs of
+/// surfaces at `1e4` to `1e16` radii reached `2^-39`.
+const DEFAULT_WIDTH_FAR: f64 = 1.0 / (1u64 << 38) as f64;
 
 /// If the bound of a step leaves unproven more than this fraction of the remaining distance, the
 /// distance is measured again with a smaller width. Not measured.
@@ -78,7 +83,7 @@ pub(crate) struct SurfaceSolidPair<'a, T: BesideSurface> {
 impl<T: BesideSurface> SurfaceSolidPair<'_, T> {
     /// Returns the closest points, with bounds of the width that the options set.
     pub(crate) fn closest_with(&mut self, a_from_b: &RelativePose, question: &QueryOptions) -> PairOutcome {
-        let width = width_asked(self, question);
+        let width = width_of(self, a_from_b, question);
         self.tracker.allow(question.splits);
         self.answer(a_from_b, NetGoal::Width(width)).without_depth()
     }
@@ -139,11 +144,13 @@ fn exchanged(found: PairOutcome, pose: &RelativePose) -> PairOutcome {
 }
 
 /// Returns the width of the bounds that the options set, or the default width.
-pub(super) fn width_asked(pair: &impl Separation, question: &QueryOptions) -> f64 {
+pub(super) fn width_of(pair: &impl Separation, pose: &RelativePose, options: &QueryOptions) -> f64 {
     let radius = |of| pair.ball(of).1;
-    question
-        .width
-        .unwrap_or_else(|| SCENE_WIDTH * (radius(Operand::A) + radius(Operand::B)))
+    let default = || {
+        let near = DEFAULT_WIDTH * (radius(Operand::A) + radius(Operand::B));
+        near.larger(DEFAULT_WIDTH_FAR * pose.translation().amax())
+    };
+    options.width.unwrap_or_else(default)
 }
 
 /// Returns how long a lower bound stays valid. `lower` takes a width and returns a new bound. It is

@@ -10,7 +10,7 @@ use super::bezier_surface::{BezierSurface, SurfaceWork};
 use super::closest::{Patches, crosses};
 use super::gap::{NetFrame, SearchWork, Trees};
 use super::search::{NetGoal, SPLITS, SurfaceMemory};
-use super::surface_and_solid::{MEASURED, held, width_asked};
+use super::surface_and_solid::{MEASURED, held, width_of};
 use super::tree::{Grown, Nodes};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
@@ -215,7 +215,7 @@ enum Side {
 impl SurfacePair<'_> {
     /// Returns the closest points, with bounds of the width that the options set.
     pub(crate) fn closest_with(&mut self, pose: &RelativePose, question: &QueryOptions) -> PairOutcome {
-        let width = width_asked(self, question);
+        let width = width_of(self, pose, question);
         self.tracker.allow(question.splits);
         self.answer(pose, NetGoal::Width(width)).without_depth()
     }

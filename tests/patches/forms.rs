@@ -3,7 +3,7 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierPatch, BezierSurface};
-use lin_canny::{ContactState, PairOutcome, PairTracker, QueryOptions, Shape, Tracker};
+use lin_canny::{ContactState, PairOutcome, PairTracker, QueryOptions, RelativePose, Shape, Tracker};
 use truth::rng::Rng;
 
 use crate::bodies::{place, pose, sphere, tube};
@@ -132,5 +132,31 @@ fn a_cylinder_lies_along_a_plane() {
         let o = tracker.closest_with(&floor, &side, &pose(&at), &QueryOptions::new().width(1e-9));
         holds(&o, at.translation.z - 0.5, 1e-9);
         assert!(tracker.work().surfaces.splits < 2000, "{:?}", tracker.work());
+    }
+}
+
+#[test]
+fn default_bounds_converge_at_any_distance() {
+    let at = |k: usize| {
+        let (x, y) = ((k / 3) as f64 - 1.0, (k % 3) as f64 - 1.0);
+        Point3::new(x, y, -x.abs() - y.abs())
+    };
+    let points: Vec<_> = (0..9).map(at).collect();
+    let patch = BezierPatch::polynomial([2, 2], &points).expect("a patch");
+    let dome = BezierSurface::new(vec![patch]).expect("a dome");
+    let ball = Shape::ball(0.5).expect("a ball");
+    for exponent in 0..17 {
+        let z = 10f64.powi(exponent) + 2.0;
+        let pose = Isometry3::translation(0.1 * z, 0.2, z);
+        let pose = RelativePose::from_isometry(&pose).expect("a pose");
+        let of_ball = PairTracker::new().closest(&dome, &ball, &pose);
+        let of_dome = PairTracker::new().closest(&dome, &dome, &pose);
+        for found in [of_ball, of_dome] {
+            let width = found.upper - found.lower;
+            assert!(
+                found.is_converged && width <= 1e-8 + 4e-12 * 1.2 * z,
+                "{z:e}: {found:?}"
+            );
+        }
     }
 }

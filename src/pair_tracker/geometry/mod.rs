@@ -68,9 +68,10 @@ use match_kind;
 ///
 /// The patches for contacts are made once per shape, in the step after contacts are enabled.
 ///
-/// Distances of Bézier surfaces have bounds that are at most `2^-30` of the sum of both radii
-/// apart. Two surfaces that the bounds cannot distinguish from a threshold count as within. A
-/// surface has no inside: a body inside a closed surface does not overlap it.
+/// Distances of Bézier surfaces have bounds that are at most `2^-30` of the sum of both radii,
+/// or `2^-38` of the distance of the bodies, apart. Two surfaces that the bounds cannot distinguish
+/// from a threshold count as within. A surface has no inside: a body inside a closed surface does
+/// not overlap it.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
