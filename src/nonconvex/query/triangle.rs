@@ -277,9 +277,10 @@ fn is_same_place(at: &Vector3<f64>, inside: &Vector3<f64>, from: &Vector3<f64>, 
     (at - inside).norm_squared() <= SAME_PLACE * SAME_PLACE * size
 }
 
-/// Sets the closest points to a point where an edge of one triangle passes through the other, if any.
+/// Sets the closest points to a point where an edge of one triangle passes through the other.
 ///
-/// `over_q` are the heights of the vertices of `p` above the plane of `q`, `over_p` the reverse.
+/// Changes nothing if no edge does. `over_q` are the heights of the vertices of `p` above the plane
+/// of `q`, and `over_p` the heights of `q` above the plane of `p`.
 fn pierce(
     [p, q]: [&Triangle; 2],
     [of_p, of_q]: [&Vector3<f64>; 2],
