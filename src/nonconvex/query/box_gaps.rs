@@ -133,12 +133,11 @@ fn combined(w: [f32x8; 3], v: &[[f32x8; 3]; 3]) -> [f32x8; 3] {
     ]
 }
 
-/// Returns the gap along an excess vector, the inverse of its length, and the vector in the axes of
-/// the first box.
+/// Returns the gap along an excess vector, the inverse of its length, and the vector.
 ///
-/// `d` is the difference of the centres in the axes of the first box. `h` and `g` are the half
-/// extents of the first and of the other box. `m` has the products of the axes, by the axis of the
-/// first box. If the excess vector is zero, the gap is `-f32::MAX`.
+/// The vector and `d`, the difference of the centres, are in the axes of the first box. `h` and `g`
+/// are the half extents of the first and of the other box. `m` has the products of the axes, by the
+/// axis of the first box. If the excess vector is zero, the gap is `-f32::MAX`.
 #[inline(always)]
 fn excess(d: [f32x8; 3], h: [f32x8; 3], g: [f32x8; 3], m: &[[f32x8; 3]; 3]) -> (f32x8, f32x8, [f32x8; 3]) {
     let over = [d[0].abs() - h[0], d[1].abs() - h[1], d[2].abs() - h[2]];

@@ -91,9 +91,9 @@ impl Probe<'_> {
         ))
     }
 
-    /// Returns 1 if the point is left of the edge from `a` to `b`, -1 if it is right of it.
+    /// Returns 1 if the point is left of the edge from `a` to `b`, and -1 if right.
     ///
-    /// Seen from the positive end of `axis`. Returns 0 if the edge hides the point.
+    /// The sides are seen from the positive end of `axis`. Returns 0 if the edge hides the point.
     fn turn(&self, axis: usize, a: &Vector3<f64>, b: &Vector3<f64>) -> i32 {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let p = &self.rounded;

@@ -376,8 +376,9 @@ pub(super) fn common(p: &Triangle, q: &Triangle, slack: f64) -> CommonPart {
     }
 }
 
-/// Returns the ends of the part of a triangle that lies in a plane, the lower one along `s` first.
+/// Returns the ends of the part of a triangle that lies in a plane; `None` if there is none.
 ///
+/// The lower end along `s` is first.
 /// `heights` are the heights of the vertices above the plane.
 fn trace(t: &Triangle, heights: &[f64; 3], s: &Vector3<f64>, slack: f64) -> Option<[Vector3<f64>; 2]> {
     let mut ends: Option<[Vector3<f64>; 2]> = None;

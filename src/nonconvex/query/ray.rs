@@ -167,8 +167,9 @@ impl MeshRay {
         })
     }
 
-    /// Returns the bracket of a distance, or a miss; `None` if an end of the ray is within the
-    /// bracket.
+    /// Returns the bracket of a distance, or a miss.
+    ///
+    /// Returns `None` if an end of the ray is within the bracket.
     fn clipped(&self, low: f64, high: f64) -> Option<RayTriangle> {
         if high < 0.0 || low > self.length {
             return Some(RayTriangle::Miss);

@@ -381,8 +381,10 @@ mod tests {
         }
     }
 
-    /// Returns the squared distance by all pairs of edges, all vertices above the other triangle,
-    /// and all edges through it.
+    /// Returns the squared distance by brute force.
+    ///
+    /// It tests all pairs of edges, all vertices above the other triangle, and all edges through
+    /// it.
     fn brute(p: &Triangle, q: &Triangle) -> f64 {
         let edge = |x: &Triangle, k: usize| [x[k], x[(k + 1) % 3]];
         let mut least = f64::INFINITY;

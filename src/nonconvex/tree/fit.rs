@@ -12,8 +12,9 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BOX_EXTENT, SLAB_HEIGHT, UNIT};
 
-/// Least number of items of a node with a slab; the vertices of smaller nodes are tested one by
-/// one.
+/// Least number of items of a node with a slab.
+///
+/// The vertices of smaller nodes are tested one by one.
 const SLAB_ITEMS: usize = 32;
 
 /// A node gets a slab if it is thinner than this fraction of the tree's size.

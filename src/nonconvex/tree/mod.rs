@@ -141,8 +141,7 @@ pub(crate) struct Tree {
     links: Vec<u32>,
     /// Slabs of nearly flat nodes: of the topmost ones, and of nodes below that are much thinner.
     slabs: Vec<Slab>,
-    /// The slab of each node or of its nearest ancestor that has one; empty if the tree has no
-    /// slab.
+    /// The slab of each node or of its nearest ancestor with a slab; empty without slabs.
     nearest: Vec<u32>,
     /// The tree's origin in stored coordinates of the body.
     pub(crate) centre: Vector3<f64>,

@@ -179,8 +179,9 @@ mod tests {
     use super::*;
     use crate::nonconvex::mesh::Mesh;
 
-    /// Returns a strip of 80 by 20 squares of side 1 / 40, with the origin in the middle of a long
-    /// side.
+    /// Returns a strip of 80 by 20 squares of side 1 / 40.
+    ///
+    /// The origin is in the middle of a long side.
     fn strip() -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
         let at = |i: u32, j: u32| Point3::new(f64::from(i) / 40.0 - 1.0, f64::from(j) / 40.0, 0.0);
         let points = (0..=80).flat_map(|i| (0..=20).map(move |j| at(i, j))).collect();

@@ -323,7 +323,7 @@ fn rotation_of(frame: &Matrix3<f64>, [x, y]: [Vector3<f64>; 2]) -> Option<[f32; 
 /// Largest number of items of a group; all nodes of a group have the axes of its root.
 pub(super) const GROUP: usize = 16;
 
-/// The corners of every triangle, as indices of the vertices of its group.
+/// The vertices of every triangle, as indices into the vertices of its group.
 ///
 /// The consecutive vertices of the group come first, then the others.
 #[derive(Clone, Debug)]
