@@ -299,7 +299,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Tests for common inner points if many pairs are nearly in contact.
     ///
-    /// There may be as many such pairs as items, and none of them may certainly cross.
+    /// There may be as many such pairs as items, although none of them certainly crosses.
     #[cold]
     fn judge_crowd(&mut self) {
         let Some(best) = &mut self.best else { return };
@@ -671,10 +671,10 @@ fn bits(mut left: u32) -> impl Iterator<Item = u32> {
 }
 
 impl<J: Judge> TreeSearch<'_, J> {
-    /// Tests all items of two leaves: along the known directions, along that of the boxes, by
-    /// measuring.
+    /// Tests all items of two leaves, first along directions, then by measuring them.
     ///
-    /// Returns the best single direction, even if it does not prove the pair far enough apart.
+    /// The directions come from the closest pairs and from the boxes. Returns the best single
+    /// direction, even if it does not prove the pair far enough apart.
     fn judge_leaves(&mut self, pair: NodePair, normal: [f32; 3]) -> GapProof {
         self.work.leaves += 1;
         let (Below::Leaf(i, m), Below::Leaf(j, n)) = (self.a.below(pair[0]), self.b.below(pair[1])) else {
@@ -760,7 +760,7 @@ pub struct TreeWork {
     pub queries: u64,
     /// Entries of fronts that were tested again at a new pose.
     pub entries: u64,
-    /// Tested entries that were not proven again without a search.
+    /// Tested entries that were not proven again.
     pub failed: u64,
     /// Pairs of boxes bounded in single precision.
     pub bounds: u64,
