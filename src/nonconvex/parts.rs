@@ -251,7 +251,9 @@ pub(crate) struct Placed<'a> {
 }
 
 impl<'a> Placed<'a> {
-    /// `is_in_place`: whether the frames of all members of both bodies equal those of the bodies.
+    /// Takes the pose of two bodies.
+    ///
+    /// `is_in_place` is true if the frames of all members of both bodies equal the bodies' frames.
     pub(crate) fn new(pose: &'a RelativePose, is_in_place: bool) -> Self {
         let composed = (!is_in_place).then(|| relative(pose));
         Self { pose, composed }

@@ -6,11 +6,11 @@
 //! points may have moved by `d` relative to each other (Mirtich 1996, conservative advancement).
 //! The longer of the two times is used.
 //!
-//! Let n be a unit direction that rotates with one body P, let Q be the other body, c the centre of
-//! a ball of radius rho around the node of Q, and `g` the gap of the two nodes along n at the
-//! start. With the velocities of a [`PairMotion`], let `D` be the vector from P's pivot to c, `V`
-//! the velocity of c minus that of P's pivot, and `a` the arm of c about Q's pivot. In time s the
-//! height of c above P's pivot along n changes by at least
+//! Let n be a unit direction that rotates with one body P, and let Q be the other body. Let c be
+//! the centre of a ball of radius rho around the node of Q, and `g` the gap of the two nodes along
+//! n at the start. Let `wP` and `wQ` be the angular velocities of a [`PairMotion`], `D` the vector
+//! from P's pivot to c, and `a` the arm of c about Q's pivot. Let `V` be the velocity of c minus
+//! the velocity of P's pivot. In time s the height of c above P's pivot along n changes by at least
 //!
 //! `s ((wP x n) . D + n . V) - s^2 / 2 (|wP|^2 |D| + 2 |wP| |V| + |acceleration| + |wQ|^2 |a|)`
 //!
@@ -22,8 +22,10 @@
 //! than the closest pair are split.
 //!
 //! Sources: conservative advancement with the speed along the closest direction, Mirtich 1996; over
-//! pairs of nodes, Tang, Kim and Manocha 2009. Departures: 1. the direction of each pair is the
-//! one that separates its boxes; 2. the bound holds with acceleration and drift, second order kept.
+//! pairs of nodes, Tang, Kim and Manocha 2009. Departures:
+//!
+//! 1. The direction of each pair is the one that separates its boxes.
+//! 2. The bound includes accelerations and drift, with second-order terms.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -90,7 +92,7 @@ impl MeshPair<'_> {
     }
 }
 
-/// Returns the ball about a bounding box that is right up to rounding.
+/// Returns the ball around a bounding box that is exact up to rounding.
 pub(crate) fn ball_about(low: Point3<f64>, high: Point3<f64>) -> (Point3<f64>, f64) {
     let half: Vector3<f64> = (high - low) * 0.5;
     let centre = low + half;
@@ -98,7 +100,10 @@ pub(crate) fn ball_about(low: Point3<f64>, high: Point3<f64>) -> (Point3<f64>, f
     (centre, sqrt(half.norm_squared()) + BOX_TURNED * far)
 }
 
-/// Returns how long the lower bound of a distance lasts, or the pairs of nodes stay apart.
+/// Returns how long two bodies stay separated.
+///
+/// This is the longer of two times: until the displacement of all points may use up the distance,
+/// and until a pair of nodes may meet.
 fn ahead<S: Separation, A: Parted, B: Parted>(
     pair: &S,
     a: &A,
@@ -134,7 +139,7 @@ impl Separation for CompoundPair<'_> {
         Measurement::from(&self.tracker.closest(&self.a, &self.b, a_from_b))
     }
 
-    /// By `CompoundTracker::within`: ties count as met.
+    /// Uses `CompoundTracker::within`; a tie counts as met.
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measurement) -> bool {
         self.tracker.within(&self.a, &self.b, a_from_b, distance)
     }
@@ -154,7 +159,7 @@ impl Separation for MeshPair<'_> {
         Measurement::from(&self.tracker.closest(self.a, self.b, a_from_b))
     }
 
-    /// By `MeshTracker::within`: ties count as met.
+    /// Uses `MeshTracker::within`; a tie counts as met.
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measurement) -> bool {
         self.tracker.within(self.a, self.b, a_from_b, distance)
     }
@@ -164,23 +169,24 @@ impl Separation for MeshPair<'_> {
     }
 }
 
-/// Pairs of nodes that a look ahead splits at most. Not measured.
+/// Largest number of pairs of nodes that a look-ahead splits. Not measured.
 const AHEAD_PAIRS: usize = 2048;
 
-/// Parts of a node that are few enough to be looked at one by one in a look ahead. Not measured.
+/// Largest number of items of a node that a look-ahead tests one by one. Not measured.
 const AHEAD_ITEMS: u32 = 8;
 
-/// Horizons over which the second order of a look ahead is bounded, each a half of the last or
-/// less. Not measured.
+/// Largest number of horizons for the second-order bound, each at most half the one before.
+///
+/// Not measured.
 const HORIZONS: usize = 6;
 
-/// One body at the instant.
+/// One body at the start of the motion.
 struct Mover {
     pose: Isometry3<f64>,
     model: MotionModel,
-    /// The pivot in the world, from the origin of A's frame.
+    /// The pivot in the world, relative to the origin of A's frame.
     pivot: Vector3<f64>,
-    /// The origin of the body's frame in the world, from that of A's.
+    /// The origin of the body's frame in the world, relative to the origin of A's frame.
     origin: Vector3<f64>,
     rate: f64,
 }
@@ -197,13 +203,13 @@ impl Mover {
     }
 }
 
-/// The bodies on a flight.
+/// Two bodies in motion, for a look-ahead over their pairs of nodes.
 struct LookAhead<'a, A, B> {
     posed: &'a PosedTrees<'a, A, B>,
     flight: &'a PairMotion,
     movers: [Mover; 2],
     drift: Remainder,
-    /// The distance to stay beyond, and what rounding takes.
+    /// The distance to exceed, with the effect of rounding.
     keep: f64,
     /// Pairs of nodes that may still be split.
     left: usize,
@@ -213,7 +219,7 @@ struct LookAhead<'a, A, B> {
 type Claim = (NodePair, Vector3<f64>, f64);
 
 impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
-    /// `noise` is the effect of rounding on a distance, `radii` those about the pivots.
+    /// `noise` is the effect of rounding on a distance; `radii` are the radii around the pivots.
     pub(super) fn new(posed: &'a PosedTrees<'a, A, B>, flight: &'a PairMotion, noise: f64, radii: [f64; 2]) -> Self {
         let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
         let (a, b) = (&flight.model_a, &flight.model_b);
@@ -230,7 +236,8 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         }
     }
 
-    /// Returns the time for which all pairs of parts are proven apart: at most the flight's span.
+    /// Returns the time for which all pairs of members are proven separated, at most the flight's
+    /// span.
     pub(super) fn span(&mut self, kept: &FrontMemory, seen: &Measurement) -> f64 {
         let goal = self.goal(seen);
         let mut stack: Vec<Claim> = Vec::new();
@@ -258,8 +265,10 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         least
     }
 
-    /// Returns the time of the closest points along their own direction: no pair needs more. The
-    /// whole span if they do not come nearer.
+    /// Returns the time until the closest points may meet along their direction; no pair needs
+    /// more.
+    ///
+    /// Returns the flight's span if the points do not approach fast enough.
     fn goal(&self, seen: &Measurement) -> f64 {
         let [a, b] = &self.movers;
         let n = a.pose.rotation * seen.normal.into_inner();
@@ -275,7 +284,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         }
     }
 
-    /// Returns the time of a pair; infinite if the pair lasts for `goal`, or was split.
+    /// Returns the time of a pair; infinity if the pair lasts for `goal` or was split.
     fn settle(&mut self, (pair, n, gap): Claim, seen: &Measurement, goal: f64, stack: &mut Vec<Claim>) -> f64 {
         let mut time = self.time(pair, &n, gap);
         if time >= goal {
@@ -308,8 +317,9 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         f64::INFINITY
     }
 
-    /// Returns the gap of two nodes along a unit direction, by boxes and slabs, or by the parts if
-    /// they are few.
+    /// Returns the gap of two nodes along a unit direction.
+    ///
+    /// Boxes and slabs bound the heights, or the items of a node if they are few.
     fn gap(&self, [x, y]: NodePair, n: &Vector3<f64>) -> f64 {
         let PosedTrees { a, b, frame, .. } = self.posed;
         let (of_a, of_b) = (a.side().tree, b.side().tree);
@@ -322,8 +332,9 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         (low + n.dot(&frame.translation) - 2.0 * frame.error - high) * a.stored_unit()
     }
 
-    /// Returns the time for which two nodes stay apart along a direction, by the gap at the
-    /// instant: at most the flight's span.
+    /// Returns the time for which two nodes stay separated along a direction.
+    ///
+    /// `gap` is their gap at the start. The time is at most the flight's span.
     fn time(&self, [x, y]: NodePair, n: &Vector3<f64>, gap: f64) -> f64 {
         let way = gap - self.keep;
         if !(way > 0.0) {
@@ -338,7 +349,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         let (of_a, radius_a) = ball(a.side().tree, x, a.stored_unit());
         let (of_b, radius_b) = ball(b.side().tree, y, b.stored_unit());
         let n = self.movers[0].pose.rotation * n;
-        // The direction turns with the body of the larger node.
+        // The direction rotates with the body of the larger node.
         if radius_b <= radius_a {
             self.time_with([0, 1], &n, &of_b, radius_b, way)
         } else {
@@ -346,8 +357,10 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         }
     }
 
-    /// Returns the time of a ball of Q, by its centre in the body's frame and its radius, over a
-    /// node of P along a direction in the world that leads from P to Q.
+    /// Returns the time for which a ball of Q stays separated from a node of P.
+    ///
+    /// `centre` is in the frame of Q's body. `n` is a direction in the world that leads from P to
+    /// Q.
     fn time_with(&self, [p, q]: [usize; 2], n: &Vector3<f64>, centre: &Vector3<f64>, radius: f64, way: f64) -> f64 {
         let (p, q) = (&self.movers[p], &self.movers[q]);
         let place = q.origin + q.pose.rotation * centre;
@@ -375,10 +388,12 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
     }
 }
 
-/// Returns the first time at which `way - pace s - bend s^2 / 2` is zero, for a bend that is not
-/// negative; infinite if never, zero if the way is not positive or the square of the way is lost.
+/// Returns the first time at which `way - pace s - bend s^2 / 2` is zero.
+///
+/// `bend` must not be negative. Returns infinity if there is no such time. Returns zero if `way` is
+/// not positive or its square is at most [`LEAST_SQUARE`].
 fn first_root(way: f64, pace: f64, bend: f64) -> f64 {
-    // Written so that NaN is zero.
+    // Written so that NaN returns zero.
     if !(way > 0.0 && way * way > LEAST_SQUARE) {
         return 0.0;
     }

@@ -1,9 +1,9 @@
-//! The state between queries, for every kind of leaves, and whether a front pays: the work of the
-//! queries that kept one beside the work of a search without ([`FrontWorth`]).
+//! The state between queries, for all kinds of leaves, and the decision whether to keep a front.
 //!
-//! Bodies held in several places, and long parts that turn fast, lose so many directions from frame
-//! to frame that a front costs more than a search anew. Such a front is dropped, and after some
-//! searches, twice as many each time, another one is tried.
+//! The decision compares the work of queries that kept a front with the work of a search without
+//! one ([`FrontWorth`]). If bodies touch at several points, or long bodies rotate fast, so many
+//! directions fail from frame to frame that a front costs more than a new search. Such a front is
+//! dropped. The next front is tried after some searches, about twice as many each time.
 
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
@@ -17,36 +17,44 @@ use crate::nonconvex::query::frame::{TreeFrame, TreeMoves};
 use crate::nonconvex::query::search::TreeWork;
 use crate::nonconvex::query::search::{GapProof, Judge, TreeSearch};
 
-/// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth a
-/// front: some 2.4 degrees. At 2 degrees a frame a front and a new search cost about the same.
+/// Largest motion for which a front is worthwhile, about 2.4° of rotation.
+///
+/// A motion is the rotation, in radians for small angles, plus the translation as a fraction of L.
+/// At 2° per frame, a front and a new search cost about the same.
 const NEAR: f64 = 1.0 / 24.0;
 
-/// Motions beyond this begin anew: above some 5 degrees the pair that was closest is a bad start,
-/// which costs up to five times the bounds.
+/// Motion from which the search does not start from the last closest pair, about 5° of rotation.
+///
+/// Beyond it, this pair is a bad start that costs up to five times as many bounds.
 const JUMP: f64 = 1.0 / 12.0;
 
-/// A front is cut anew if it has grown to so many times its length: splits are never undone. A cut
-/// costs thousands of bounds, a long front a test for each entry. Rocks of 20k triangles at 0.5
-/// degrees a frame: 313, 284 and 274 bounds a query with 2, 3 and 5.
+/// A front is built again if it has grown by this factor, because splits are never undone.
+///
+/// Building a front costs thousands of bounds, and a long front costs a test per entry. For rocks
+/// of 20,000 triangles at 0.5° per frame, a query takes 313 bounds with 2, 284 with 3 and 274 with
+/// 5.
 const GROWTH: usize = 3;
 
-/// If the pairs that were closest are farther apart than so many times the last distance, a new
-/// pair is looked for before the front is proven again: with a distance that is too large a front
-/// is split in vain. Bodies that slide on each other leave a pair every few frames.
+/// A new pair is searched if the last pairs are farther apart than this multiple of their distance.
+///
+/// That is the distance of the last answer. The new pair is found before the front is proven again,
+/// because with too large a distance the front would be split in vain. Bodies that slide on each
+/// other leave a pair every few frames.
 const STALE: f64 = 4.0;
 
-/// Fronts of more entries than this are given up if the directions of over half of them fail.
-/// Plates in flush contact have some 30 entries, half of which only double precision can prove.
-/// Fronts of no more are never cut.
+/// Largest number of entries of a front that is never dropped or built again because of its work.
+///
+/// A longer front is dropped if the directions of more than half its entries fail. Plates in flush
+/// contact have about 30 entries, and only double precision proves half of them.
 const FEW_ENTRIES: usize = 64;
 
-/// Front, last pairs and buffers.
+/// The front, the last closest pairs, and buffers.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FrontMemory {
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) front: Front,
-    /// The two closest pairs of items of the last answers.
+    /// The pairs of items that the next query measures first: closest pairs of the last answers.
     #[cfg_attr(feature = "serde", serde(skip))]
     last: [Option<NodePair>; 2],
     /// The last distance, in A's stored units.
@@ -54,11 +62,12 @@ pub(crate) struct FrontMemory {
     distance: f64,
     #[cfg_attr(feature = "serde", serde(skip))]
     pose: Option<(Matrix3<f64>, Vector3<f64>)>,
-    /// How far points of the bodies have moved in their own frames since the last answer, in A's
-    /// stored units.
+    /// How far points have moved in the frames of their bodies since the last answer.
+    ///
+    /// In A's stored units.
     #[cfg_attr(feature = "serde", serde(skip))]
     bent: f64,
-    /// The sums of all such moves that the front has taken.
+    /// The path sums of both bodies up to which the front has followed.
     #[cfg_attr(feature = "serde", serde(skip))]
     taken: [u64; 2],
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -79,7 +88,7 @@ impl FrontMemory {
         }
     }
 
-    /// Takes from every claim of the front how far points have moved since it was last taken.
+    /// Reduces every claim of the front by how far points have moved since the last call.
     pub(crate) fn follow(&mut self, moves: &TreeMoves) {
         match moves.since(self.taken) {
             Some(length) => {
@@ -100,7 +109,7 @@ impl FrontMemory {
             + self.failed.capacity() * size_of::<EntryId>()
     }
 
-    /// Finds the closest pair of items, by the front if there is one.
+    /// Finds the closest pair of items, from the front if there is one.
     pub(crate) fn closest<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
         let motion = self.motion(search.frame);
         self.pose = Some((search.frame.rotation, search.frame.translation));
@@ -112,7 +121,8 @@ impl FrontMemory {
         }
         if !search.is_over() {
             if motion < NEAR && !self.front.is_empty() {
-                // After contact the old directions predict nothing: start anew.
+                // After contact, the old directions predict nothing. So the search starts from a
+                // new pair.
                 if search.level() > STALE * self.distance + search.frame.tie {
                     search.seed();
                 }
@@ -129,8 +139,9 @@ impl FrontMemory {
         self.conclude(search);
     }
 
-    /// Returns whether any pair of items is within the distance that the search asks for. Unless
-    /// the roots are far apart, the pairs that decided last are tried first.
+    /// Returns whether any pair of items is within the distance of the search.
+    ///
+    /// Unless the roots are proven farther apart, the pairs of the last answers are tested first.
     pub(crate) fn is_within<J: Judge>(&mut self, search: &mut TreeSearch<J>) -> bool {
         search.start(&mut self.stack, None);
         if !self.stack.is_empty() {
@@ -156,7 +167,8 @@ impl FrontMemory {
         let Some(best) = &search.best else { return };
         self.distance = best.distance;
         match search.directions[0] {
-            // Of pairs that are equally close, the one whose direction proves the others.
+            // Of several pairs that are equally close, this is the one whose direction proves the
+            // others.
             Some((pair, _)) if pair != best.pair => self.last = [Some(pair), Some(best.pair)],
             _ => self.remember(best.pair),
         }
@@ -168,8 +180,10 @@ impl FrontMemory {
         }
     }
 
-    /// Returns how far the pose is from that of the last query: the norm of the difference of
-    /// rotations, the shift as a part of L, and so the moves of points in the bodies' frames.
+    /// Returns the motion since the last query.
+    ///
+    /// It is the sum of the rotation, as a norm of the difference of the matrices, and the
+    /// translation and displacement of points as fractions of L.
     fn motion(&self, frame: &TreeFrame) -> f64 {
         self.pose.as_ref().map_or(f64::INFINITY, |(r, t)| {
             let turn = sqrt(0.5 * (frame.rotation - r).norm_squared());
@@ -177,7 +191,7 @@ impl FrontMemory {
         })
     }
 
-    /// Returns whether a front is worth its cut: there is none and fronts pay, or it has grown too
+    /// Returns whether to build a front: there is none and fronts are worthwhile, or it is too
     /// long.
     fn is_cut_due(&mut self) -> bool {
         if self.front.is_empty() {
@@ -187,7 +201,7 @@ impl FrontMemory {
         }
     }
 
-    /// A search without a front.
+    /// Searches without a front.
     fn begin<J: Judge>(&mut self, search: &mut TreeSearch<J>, motion: f64) {
         let before = FrontWorth::work(&search.work);
         self.front.clear();
@@ -203,8 +217,9 @@ impl FrontMemory {
         }
     }
 
-    /// Proves the front again, or searches anew if too many directions fail; drops a front that
-    /// took more work than a search.
+    /// Proves the front again, or searches without it if too many directions fail.
+    ///
+    /// Drops a front that took more work than a search.
     fn renew<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
         self.test(search);
         let (failed, len) = (self.failed.len(), self.front.len());
@@ -224,7 +239,7 @@ impl FrontMemory {
         }
     }
 
-    /// Finds the entries that their directions do not prove.
+    /// Collects the entries that are not proven at this pose.
     fn test<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
         self.front.meet(&search.frame.single);
         self.failed.clear();
@@ -237,9 +252,11 @@ impl FrontMemory {
         search.work.failed += self.failed.len() as u64;
     }
 
-    /// Proves entries that failed by the boxes as they are, and leaves by their items, along the
-    /// direction that they have: for bodies that bend, whose claims lose the paths of all points,
-    /// in whatever direction.
+    /// Proves failed entries from the current boxes, and leaves from their items, along their
+    /// directions.
+    ///
+    /// This is for bodies that bend: their claims lose the path lengths of all points, in every
+    /// direction.
     fn hold_by_boxes<J: Judge>(&mut self, search: &mut TreeSearch<J>, level: f32) {
         let (single, trees, front) = (&search.frame.single, [search.a, search.b], &mut self.front);
         let mut left = 0;
@@ -269,7 +286,7 @@ impl FrontMemory {
         self.failed.truncate(left);
     }
 
-    /// Gives the entries that failed new directions, or splits them.
+    /// Finds new directions for the failed entries, or splits them.
     fn repair<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
         self.stack.clear();
         for batch in self.failed.rchunks(8) {
@@ -295,7 +312,7 @@ impl FrontMemory {
         search.descend(&mut self.stack, Some(&mut self.front));
     }
 
-    /// Cuts a new front, with the distance known.
+    /// Builds a new front from the roots, with the known distance.
     fn cut<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
         search.work.cuts += 1;
         self.front.clear();
@@ -312,23 +329,25 @@ impl FrontMemory {
     }
 }
 
-/// Entries of a front that are tested in the time of one bound of boxes; and how many such bounds a
-/// pair of leaves and a pair of triangles take: by profiles of tumbling gears, roughly.
+/// Costs in units of one bound of a pair of boxes, roughly, from profiles of tumbling gears.
+///
+/// In the time of one bound, 16 entries of a front are tested. A pair of leaves takes 4 bounds, and
+/// a pair of triangles 8.
 const ENTRY_WORK: u64 = 16;
 const LEAF_WORK: u64 = 4;
 const MEASURE_WORK: u64 = 8;
 
-/// Most searches between a front that did not pay and the next one that is tried. Not measured.
+/// Largest number of searches between a front that was dropped and the next one. Not measured.
 const LONGEST_WAIT: u32 = 63;
 
-/// What fronts have been worth lately.
+/// Records whether fronts were worthwhile lately.
 #[derive(Clone, Copy, Debug, Default)]
 struct FrontWorth {
     /// The work of the last search without a front; zero before the first.
     search: u64,
-    /// Searches to go before a front is tried.
+    /// Number of searches until a front is tried.
     left: u32,
-    /// Searches between the last front and this one.
+    /// Number of searches between the last front and this one.
     wait: u32,
 }
 
@@ -338,35 +357,35 @@ impl FrontWorth {
         done.bounds + done.entries / ENTRY_WORK + LEAF_WORK * done.leaves + MEASURE_WORK * done.measured
     }
 
-    /// Returns whether the search to come is to keep a front.
+    /// Returns whether the next search must build a front.
     fn is_due(&mut self) -> bool {
         let is_due = self.left == 0;
         self.left = self.left.saturating_sub(1);
         is_due
     }
 
-    /// Takes the work of a search without a front.
+    /// Records the work of a search without a front.
     fn searched(&mut self, work: u64) {
         self.search = work;
     }
 
-    /// Returns whether work with a front is more than a search takes.
+    /// Returns whether work with a front exceeds the work of a search.
     fn is_dearer(&self, work: u64) -> bool {
         self.search > 0 && work > self.search
     }
 
-    /// A front paid: the next one is tried at once.
+    /// Records that a front was worthwhile: the next one is tried at once.
     fn paid(&mut self) {
         self.wait = 0;
     }
 
-    /// A front did not pay.
+    /// Records that a front was not worthwhile.
     fn lost(&mut self) {
         self.wait = (2 * self.wait + 1).min(LONGEST_WAIT);
         self.left = self.wait;
     }
 
-    /// A front grew too long before it was whole: the next one is far off.
+    /// Records that a front was too long before it was complete: the next one is tried much later.
     fn overflowed(&mut self) {
         self.wait = LONGEST_WAIT;
         self.left = self.wait;

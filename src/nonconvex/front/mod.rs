@@ -1,28 +1,29 @@
-//! The front of the last answer: pairs of nodes, each with the direction that proved the pair far
-//! enough.
+//! The front of the last answer: pairs of nodes, each with the direction that proved it far enough
+//! apart.
 //!
-//! Let Y be the points below one node, in the ball of radius rho about c in the frame of their own
-//! body, and X the points below the other node, `y -> R y + t` the map from the frame of Y to the
-//! frame of X. If the gap along a unit direction n in the frame of X is at least g at the pose
-//! (R0, t0), the gap at (R1, t1) is at least
+//! Let X and Y be the points below two nodes, each in the frame of its body. Let Y lie in the ball
+//! of radius rho around c, and let `y -> R y + t` map the frame of Y to the frame of X. If the gap
+//! along a unit direction n in the frame of X is at least g at the pose (R0, t0), the gap at (R1,
+//! t1) is at least
 //!
 //! `g + n . (R1 c + t1) - n . (R0 c + t0) - rho |R1^T n - R0^T n|`,
 //!
-//! because nothing of X moves in its own frame and `n . (R1 - R0) v >= -|(R1 - R0)^T n| |v|`. So an
-//! entry is the eleven numbers n, `m = R0^T n`, c, rho and `base = g - n . (R0 c + t0)`. The bound
-//! depends on both poses alone, however far and by what way the bodies moved in between, and is not
-//! weakened by a turn about n.
+//! because no point of X moves in its own frame and `n . (R1 - R0) v >= -|(R1 - R0)^T n| |v|`. So
+//! an entry consists of the eleven numbers n, `m = R0^T n`, c, rho and
+//! `base = g - n . (R0 c + t0)`. The bound depends only on the two poses, not on the path or the
+//! distance that the bodies moved in between. A rotation about n does not weaken it.
 //!
-//! A long node is not a ball. If all points of Y are within rho of a segment, c plus and minus u,
-//! the last term is `|u . w| + rho |w|` with `w = R1^T n - R0^T n`, small if the node turns about
-//! its length. So an entry is those eleven numbers and u, zero if the ball will do, as it will for
-//! nearly all: blocks of entries without a segment leave its term out.
+//! If a node is long, a ball fits it badly. If all points of Y are within rho of the segment from
+//! `c - u` to `c + u`, the last term is `|u . w| + rho |w|` with `w = R1^T n - R0^T n`. It is small
+//! if the node rotates about its length. So an entry consists of the eleven numbers and u. For
+//! nearly all entries the ball is enough and u is zero. Blocks of entries without a segment skip
+//! its term.
 //!
-//! X is the larger of the two nodes: rho is the radius of the smaller. A budget of path length
-//! instead of a direction fails ten times as often.
+//! X is the larger of the two nodes, so rho is the radius of the smaller. A budget of path length
+//! in place of a direction fails ten times as often.
 //!
-//! At the end of the file stands a check for debugging ([`audit`]): it compares every claim of the
-//! front with all vertices below the entry's nodes, and looks whether the front covers all pairs.
+//! For debugging, [`audit`] compares every claim of the front with all vertices below the nodes of
+//! the entry, and checks that the front covers all pairs.
 
 pub(super) mod memory;
 pub(super) mod self_front;
@@ -42,39 +43,43 @@ use crate::nonconvex::query::frame::{Single, TreeFrame, TreeMoves, Way};
 use crate::nonconvex::query::search::GapProof;
 use crate::nonconvex::tree::{OrientedBox, Paths, Tree};
 
-/// Most entries of a front, of 64 bytes each: 2 MB, twice that while vectors grow. A longer front
-/// is dropped. Linked rings of 100,000 triangles at the middle of each other's hole have some
-/// 30,000.
+/// Largest number of entries of a front; a longer front is dropped.
+///
+/// An entry takes 64 bytes, so a front takes 2 MB, and twice as much while vectors grow. If each of
+/// two linked rings of 100,000 triangles is in the middle of the other's hole, the front has about
+/// 30,000 entries.
 const MOST_ENTRIES: usize = 1 << 15;
 
 /// A node of A and a node of B.
 pub(super) type NodePair = [u32; 2];
 
-/// The numbers of an entry.
+/// Number of components of an entry.
 const NUMBERS: usize = 14;
 
-/// The place of the base among them.
+/// Index of the base in the components.
 const BASE: usize = 10;
 
-/// Eight entries by component: n, m, c, the radius, the base, u.
+/// Eight entries by component: n, m, c, the radius, the base and u.
 #[derive(Clone, Debug, PartialEq)]
 struct FrontBlock {
     numbers: [[f32; WIDTH]; NUMBERS],
-    /// Whether an entry has, or had, a segment.
+    /// Whether an entry of the block has a segment, or had one.
     has_rods: bool,
 }
 
-/// Entries with the larger node on one side.
+/// The entries whose larger node belongs to one of the bodies.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct FrontHalf {
     blocks: Vec<FrontBlock>,
     pairs: Vec<NodePair>,
-    /// The paths of both nodes that are counted in the bases, zero for entries beyond the last:
-    /// empty for bodies that do not bend.
+    /// The paths of both nodes that are already subtracted from the bases.
+    ///
+    /// They are zero for entries beyond the end of the list. The list is empty for bodies that do
+    /// not bend.
     paths: Vec<[u32; 2]>,
 }
 
-/// The place of an entry: the half, and the number there.
+/// The position of an entry: the half, and the index in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct EntryId {
     half: u8,
@@ -83,12 +88,14 @@ pub(super) struct EntryId {
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Front {
-    /// Entries with directions in A's frame, then those with directions in B's.
+    /// Entries with directions in A's frame, then entries with directions in B's frame.
     halves: [FrontHalf; 2],
-    /// The largest error of single precision since the front was empty: entries carry the rounding
-    /// of the pose at which they were made.
+    /// The largest error of single precision since the front was empty.
+    ///
+    /// It is the largest because entries contain the rounding of the pose at which they were
+    /// created.
     error: f32,
-    /// Entries at the last cut.
+    /// Number of entries when the front was last built from the roots.
     pub(super) cut: usize,
 }
 
@@ -110,8 +117,9 @@ impl Front {
         self.len() == 0
     }
 
-    /// Returns whether no more entries are taken: the front does not cover all pairs any more and
-    /// must be cleared at the end of the query.
+    /// Returns whether the front takes no more entries.
+    ///
+    /// Then it does not cover all pairs and must be cleared at the end of the query.
     pub(super) fn is_full(&self) -> bool {
         self.len() >= MOST_ENTRIES
     }
@@ -133,20 +141,22 @@ impl Front {
         self.halves.iter().map(of).sum()
     }
 
-    /// Takes the error of a pose. Must be called before entries are tested or made.
+    /// Takes the error of a pose; must be called before entries are tested or created.
     pub(super) fn meet(&mut self, frame: &Single) {
         self.error = self.error.larger(frame.error);
     }
 
-    /// Returns whether points below entries may have moved since they were made.
+    /// Returns whether points below entries may have moved in their frames since they were created.
     pub(super) fn has_moved(&self) -> bool {
         self.halves.iter().any(|h| !h.paths.is_empty())
     }
 
-    /// Lowers the base of every entry by how far points below both of its nodes have moved since
-    /// their paths were last counted: heights along a unit direction change by no more. The
-    /// direction may be longer than one by some UNIT_SINGLE, which
-    /// [`BOXES`](crate::tolerance::BOXES) has room for: an entry that loses more than L fails.
+    /// Reduces the base of every entry by how far points below its nodes have moved since the last
+    /// call.
+    ///
+    /// Heights along a unit direction change by no more. The direction may be longer than one by
+    /// some UNIT_SINGLE. [`BOXES`](crate::tolerance::BOXES) has room for this, because an entry
+    /// that loses more than L fails.
     pub(super) fn follow(&mut self, moves: &TreeMoves) {
         let [a, b] = moves.trees;
         for half in &mut self.halves {
@@ -164,8 +174,9 @@ impl Front {
         }
     }
 
-    /// Calls `failed` with the place of every entry that is not proven to be at least `distance`
-    /// apart: the places in each half rise.
+    /// Calls `failed` with every entry that is not proven to be at least `distance` apart.
+    ///
+    /// In each half, the indices rise.
     pub(super) fn test(&self, frame: &Single, distance: f32, mut failed: impl FnMut(EntryId)) {
         let level = f32x8::splat(distance + self.error);
         for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
@@ -182,7 +193,7 @@ impl Front {
         }
     }
 
-    /// Calls `each` with every entry, its pair and the proven gap at this pose.
+    /// Calls `each` with every entry, its pair and the gap that it proves at this pose.
     pub(super) fn gaps(&self, frame: &Single, mut each: impl FnMut(EntryId, NodePair, f32)) {
         for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
             for (k, (block, pairs)) in (0u32..).zip(entries.blocks.iter().zip(entries.pairs.chunks(WIDTH))) {
@@ -208,7 +219,7 @@ impl Front {
         self.set(frame, trees, EntryId { half, at }, proof);
     }
 
-    /// Gives an entry another direction.
+    /// Replaces the direction and the gap of an entry.
     pub(super) fn set(&mut self, frame: &Single, [a, b]: [&Tree; 2], place: EntryId, proof: GapProof) {
         let GapProof { normal, gap } = proof;
         let entries = &mut self.halves[place.half as usize];
@@ -231,7 +242,7 @@ impl Front {
         }
     }
 
-    /// Removes an entry; the last one of the half takes its place.
+    /// Removes an entry; the last entry of its half moves to its index.
     pub(super) fn remove(&mut self, place: EntryId) {
         let (entries, k) = (&mut self.halves[place.half as usize], place.at as usize);
         let last = entries.pairs.len() - 1;
@@ -250,14 +261,14 @@ impl Front {
         }
     }
 
-    /// Spoils an entry, so that a test can see it found.
+    /// Increases the claim of an entry, so that a test can check the audit.
     #[cfg(test)]
     pub(super) fn corrupt(&mut self, place: EntryId, by: f32) {
         self.halves[place.half as usize].blocks[place.at as usize / WIDTH].numbers[BASE][place.at as usize % WIDTH] +=
             by;
     }
 
-    /// Returns the place of an entry by its number.
+    /// Returns the position of an entry by its index in the whole front.
     #[cfg(test)]
     pub(super) fn place(&self, k: usize) -> EntryId {
         let first = self.halves[0].pairs.len();
@@ -284,8 +295,9 @@ fn claim(way: &Way, n: [f32; 3], centre: [f32; 3], gap: f32) -> ([f32; 3], f32) 
     (way.back(n), gap - (n[0] * x + n[1] * y + n[2] * z))
 }
 
-/// Returns direction and base of an entry, and the gap that it proves at another pose, for the
-/// tests of the error bounds. The last two are the radius and a segment.
+/// Returns the direction and base of an entry, and the gap that it proves at another pose.
+///
+/// The tests of the error bounds use it. The last two arguments are the radius and a segment.
 #[cfg(feature = "__proofs")]
 pub(crate) fn entry_at(
     [made, now]: [Way; 2],
@@ -305,7 +317,7 @@ pub(crate) fn entry_at(
     (m, base, block.gaps(&now).to_array()[0])
 }
 
-/// Returns where the entry of a pair stands: with the larger node.
+/// Returns the half to which the entry of a pair belongs: the half of the larger node.
 fn half(frame: &Single, [a, b]: [&Tree; 2], [x, y]: NodePair) -> u8 {
     let radius = |b: &OrientedBox, scale: f32| b.radius() * scale;
     u8::from(radius(&a.boxes[x as usize], frame.scale_a) < radius(&b.boxes[y as usize], frame.scale_b))
@@ -317,7 +329,7 @@ impl FrontBlock {
         has_rods: false,
     };
 
-    /// Writes the numbers of one entry.
+    /// Writes the components of one entry.
     fn set(&mut self, lane: usize, values: [f32; NUMBERS]) {
         for (slot, value) in self.numbers.iter_mut().zip(values) {
             slot[lane] = value;
@@ -348,11 +360,11 @@ impl FrontBlock {
     }
 }
 
-/// What is wrong with a front.
+/// An error in a front.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub(crate) enum FrontFault {
-    /// An entry claims a gap along its direction that some vertices do not have.
+    /// An entry claims a larger gap along its direction than the vertices have.
     #[error("nodes {} and {} are claimed {claimed} apart and are {gap} apart", pair[0], pair[1])]
     Claim {
         /// A node of A's tree and one of B's.
@@ -362,7 +374,7 @@ pub(crate) enum FrontFault {
         /// The gap of all vertices along the entry's direction.
         gap: f64,
     },
-    /// A pair of leaves under no entry, or an entry twice or under another.
+    /// A pair of leaves is under no entry, or an entry is stored twice or is under another entry.
     #[error("nodes {} and {} are not covered exactly once", pair[0], pair[1])]
     Cover {
         /// A node of A's tree and one of B's.
@@ -391,9 +403,11 @@ pub(super) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &TreeFrame) -> Res
     covers_once(&entries, a, b)
 }
 
-/// Checks that every pair of triangles lies under exactly one entry: no two entries have a pair in
-/// common, and together they have all. Which of two boxes is split first is of no matter, as boxes
-/// of a mesh that bends change their order of size.
+/// Checks that every pair of triangles is under exactly one entry.
+///
+/// No two entries may have a pair in common, and together they must have all pairs. The order in
+/// which boxes are split does not matter, because boxes of a mesh that bends change their order of
+/// size.
 fn covers_once(entries: &BTreeMap<NodePair, ()>, a: &Mesh, b: &Mesh) -> Result<(), FrontFault> {
     let ranges = |&pair: &NodePair| (pair, a.tree.range(pair[0]), b.tree.range(pair[1]));
     let mut all: Vec<_> = entries.keys().map(ranges).collect();
@@ -414,8 +428,9 @@ fn covers_once(entries: &BTreeMap<NodePair, ()>, a: &Mesh, b: &Mesh) -> Result<(
     Err(FrontFault::Cover { pair })
 }
 
-/// Returns the gap of all vertices below two nodes along a direction that is nearly unit. A claim
-/// with a zero direction claims nothing.
+/// Returns the gap of all vertices below two nodes along a direction that is nearly unit.
+///
+/// Returns zero for a zero direction, with which an entry claims nothing.
 fn true_gap(a: &Mesh, b: &Mesh, frame: &TreeFrame, [x, y]: NodePair, n: &Vector3<f64>) -> f64 {
     let length = sqrt(n.norm_squared());
     if length == 0.0 {
@@ -446,7 +461,7 @@ mod tests {
     use crate::base::pose::RelativePose;
     use crate::nonconvex::mesh::tracker::MeshTracker;
 
-    /// Returns a torus of `n` times `m` squares about z, its tube `thick` and wavy by `wave`.
+    /// Returns a torus of `n` times `m` squares around z, with a tube of radius `thick` and waves.
     fn torus(n: u32, m: u32, thick: f64, wave: f64) -> Mesh {
         let angle = |k: u32, of: u32| f64::from(k) * core::f64::consts::TAU / f64::from(of);
         let point = |k: u32| {

@@ -1,20 +1,20 @@
-//! The front of a body against itself: pairs of nodes of its tree, each with a distance that its
-//! items had at least at some instant.
+//! The front of a body against itself: pairs of nodes of its tree, each with a claimed distance.
 //!
-//! Every pair of items that is asked for lies under one claim: the roots of the front are the two
-//! children of every node, and every leaf with itself. Items share vertices, so no direction parts
-//! the leaves about a vertex; and both nodes are always in one frame. So a claim is a distance,
-//! without a direction, and holds as long as the body does not bend.
+//! A claim is a distance that the items of the nodes had at least at some instant. Every pair of
+//! items that the query includes is under one claim: the roots of the front are the two children of
+//! every node, and every leaf with itself. Items share vertices, so no direction separates the
+//! leaves around a vertex, and both nodes are always in one frame. So a claim is a distance without
+//! a direction, and it holds as long as the body does not bend.
 //!
-//! When vertices move, let `c` be some displacement of a node and `r` the largest distance of a
-//! displacement of one of its vertices from `c`, both since the front was begun. A point of a
-//! triangle is a mean of its vertices, so the vector from a point below X to a point below Y has
-//! changed since a claim by at most
+//! When vertices move, let `c` be a displacement that represents a node. Let `r` be the largest
+//! distance of the displacement of one of its vertices from `c`. Both are measured since the front
+//! was started. A point of a triangle is a weighted mean of its vertices. So the vector from a
+//! point below X to a point below Y has changed since a claim by at most
 //!
 //! `|(c_X - c_Y) now - (c_X - c_Y) then| + r_X + r_Y now + r_X + r_Y then`.
 //!
-//! Neighbours move together: near nodes lose what the body is stretched between them, not what they
-//! move. Nothing adds up over frames: a body that swings is where it was.
+//! Adjacent nodes move together, so a claim loses the stretch between its nodes, not their
+//! displacement. Losses do not add up over frames: if a body swings back, its claims lose nothing.
 
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -28,18 +28,21 @@ use crate::nonconvex::query::search::AT_ONCE;
 use crate::nonconvex::query::search::{GapProof, Judge, ProofKeeper, TreeSearch};
 use crate::nonconvex::tree::{Below, Tree, up};
 
-/// Most claims of a front of a mesh against itself, for each of its triangles; a longer front is
-/// dropped. Not measured.
+/// Largest number of claims of a front, per triangle of the mesh; a longer front is dropped.
+///
+/// A mesh of fewer than 64 triangles counts as one of 64. Not measured.
 const SELF_CLAIMS: usize = 64;
 
-/// A front of a mesh against itself is begun anew if so many times its claims have failed since it
-/// was begun: what a claim has lost while vertices moved is not won back. A sheet of 20,000
-/// triangles, folded thrice, whose layers move by a quarter of their distance a frame: 8.2 ms a
-/// frame with 1, 7.0 with 4.
+/// A front is started again if this multiple of its claims has failed since it was started.
+///
+/// The reason is that a claim does not recover what it lost while vertices moved. For a sheet of
+/// 20,000 triangles, folded three times, whose layers move by a quarter of their distance per
+/// frame, a frame takes 8.2 ms with 1 and 7.0 ms with 4.
 const SELF_FAILED: usize = 4;
 
-/// Displacements of the points below a node since the front was begun, in lengths of the tree: none
-/// is farther than `spread` from `middle`.
+/// Displacements of the points below a node since the front was started, in units of the tree.
+///
+/// No displacement is farther than `spread` from `middle`.
 #[derive(Clone, Copy, Debug, Default)]
 struct NodeDrift {
     middle: [f32; 3],
@@ -50,28 +53,28 @@ struct NodeDrift {
 #[derive(Clone, Copy, Debug)]
 struct DistanceClaim {
     pair: NodePair,
-    /// The distance, less the spreads and roundings at the instant of the claim.
+    /// The distance, reduced by the spreads and the rounding at the time of the claim.
     base: f64,
-    /// The difference of both middles then, rounded.
+    /// The difference of both middles at that time, rounded.
     between: [f32; 3],
 }
 
-/// The claims of a body against itself.
+/// The claims of a body against itself, with the state that they need.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SelfFront {
     claims: Vec<DistanceClaim>,
-    /// The vertices when the front was begun, in stored units.
+    /// The vertices when the front was started, in stored units.
     begun: Vec<Vector3<f64>>,
-    /// Of every node, since then; empty if no vertex has moved.
+    /// The displacements of every node since then; empty if no vertex has moved.
     drifts: Vec<NodeDrift>,
-    /// Claims that did not hold, since the front was begun.
+    /// Number of claims that have failed since the front was started.
     failed: usize,
     stack: Vec<NodePair>,
-    /// Claims that are to be proven anew.
+    /// Claims that must be proven again.
     open: Vec<NodePair>,
 }
 
-/// The vertices of a body, and those of each of its items.
+/// The vertices of a body, and the vertices of each of its items.
 #[derive(Clone, Copy)]
 pub(crate) struct ItemVertices<'a> {
     pub(crate) points: &'a [Vector3<f64>],
@@ -97,7 +100,7 @@ impl SelfFront {
             + (self.stack.capacity() + self.open.capacity()) * size_of::<NodePair>()
     }
 
-    /// Takes the vertices as they are.
+    /// Takes the current vertices.
     pub(crate) fn follow(&mut self, tree: &Tree, now: ItemVertices<'_>) {
         if self.begun.len() != now.points.len() {
             return self.clear();
@@ -117,7 +120,7 @@ impl SelfFront {
         }
     }
 
-    /// Proves the claims again that do not hold, or all anew, and searches below them.
+    /// Proves failed claims again, or all claims of a new front, and searches the rest.
     pub(crate) fn search<J: Judge>(&mut self, search: &mut TreeSearch<J>, now: ItemVertices<'_>) {
         if search.is_over() {
             return;
@@ -139,7 +142,7 @@ impl SelfFront {
         }
     }
 
-    /// Opens all pairs, from the vertices as they are.
+    /// Starts the front again from the current vertices, and opens all pairs.
     fn begin(&mut self, tree: &Tree, now: ItemVertices<'_>) {
         self.clear();
         self.begun.extend(now.points);
@@ -148,11 +151,11 @@ impl SelfFront {
             Below::Children(c) => [c, c + 1],
             Below::Leaf(..) => [node; 2],
         });
-        // The last are the first to be looked at: those at the leaves.
+        // The last pairs are taken first: the pairs near the leaves.
         self.open.extend(roots);
     }
 
-    /// Opens the claims that do not hold.
+    /// Removes the claims that do not hold and opens their pairs.
     fn test<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
         let (unit, error) = (search.a.unit(), search.frame.error);
         let (drifts, open) = (&self.drifts, &mut self.open);
@@ -165,7 +168,7 @@ impl SelfFront {
         });
     }
 
-    /// Checks every claim by the distance of its items, for debugging.
+    /// Checks every claim against the distance of its items, for debugging.
     pub(crate) fn audit(&self, unit: f64, error: f64, distance: impl Fn(NodePair) -> f64) -> Result<(), FrontFault> {
         for claim in &self.claims {
             let (claimed, gap) = (claim.lower(&self.drifts, unit, error), distance(claim.pair));
@@ -196,17 +199,17 @@ impl SelfFront {
             search.settle_all(&batch[..count], &mut stack, Some(self));
             search.descend(&mut stack, Some(self));
         }
-        // What is left is not known.
+        // Nothing is known about the remaining pairs.
         for pair in open.drain(..).chain(stack.drain(..)) {
             self.claim(search.a, pair, f64::NEG_INFINITY);
         }
         (self.open, self.stack) = (open, stack);
     }
 
-    /// Adds a claim of a distance as it is now.
+    /// Adds a claim of the current distance.
     fn claim(&mut self, tree: &Tree, pair: NodePair, distance: f64) {
         if distance == f64::INFINITY {
-            // Two leaves that have no pair of items that is asked for, now or ever.
+            // Two leaves without a pair of items that the query includes.
             return;
         }
         let (mut between, mut base) = ([0.0; 3], distance);
@@ -219,13 +222,13 @@ impl SelfFront {
 }
 
 impl DistanceClaim {
-    /// Returns the distance that is proven now, with the unit of the tree.
+    /// Returns the distance that is proven now; `unit` is the unit of the tree.
     #[inline(always)]
     fn lower(&self, drifts: &[NodeDrift], unit: f64, error: f64) -> f64 {
         if drifts.is_empty() {
             return self.base;
         }
-        // Drifts are numbers of single precision, so all roundings are some of double precision.
+        // Drifts are in single precision, so the only rounding here is that of double precision.
         self.base - loss(drifts, self.pair, self.between) * unit - error
     }
 }
@@ -248,8 +251,9 @@ fn between(drifts: &[NodeDrift], [x, y]: NodePair) -> [f64; 3] {
     [0, 1, 2].each(|k| f64::from(p[k]) - f64::from(q[k]))
 }
 
-/// Returns by how much two nodes may be nearer than with this difference of their middles and no
-/// spread.
+/// Returns an upper bound of the loss of distance since the middles had the difference `then`.
+///
+/// The spreads at that time are not included.
 #[inline(always)]
 fn loss(drifts: &[NodeDrift], pair: NodePair, then: [f32; 3]) -> f64 {
     let now = between(drifts, pair);
@@ -259,7 +263,7 @@ fn loss(drifts: &[NodeDrift], pair: NodePair, then: [f32; 3]) -> f64 {
 }
 
 impl NodeDrift {
-    /// Displacements of vertices, in lengths of the tree.
+    /// Returns a bound of the displacements of some vertices, in units of the tree.
     fn of_vertices<I: Iterator<Item = Vector3<f64>>>(all: impl Fn() -> I) -> Self {
         let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
         for way in all() {
@@ -272,7 +276,7 @@ impl NodeDrift {
         Self { middle, spread }
     }
 
-    /// The displacements of two nodes.
+    /// Returns a bound of the displacements of two nodes.
     fn of_both(x: &Self, y: &Self) -> Self {
         let middle = [0, 1, 2].each(|k| 0.5 * (x.middle[k] + y.middle[k]));
         let reach = |of: &Self| {

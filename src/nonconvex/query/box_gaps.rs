@@ -1,15 +1,16 @@
-//! Lower bounds of the distance of pairs of boxes, eight at once.
+//! Lower bounds of the distances of pairs of boxes, eight pairs at once.
 //!
-//! Three directions are tried: the line of centres, and the excess vector in the axes of either
-//! box, with the amounts by which the centres are farther apart along each axis than both
-//! boxes reach. The best of the three is 5 to 20 % above the least number of pairs that the exact
-//! distance of boxes would leave, unless the boxes are long. Of two long boxes that cross, such as
-//! those of long thin triangles, none of the three is perpendicular to both lengths, and each loses
-//! half a length times a sine. So where the three do not suffice two more are tried for long boxes:
-//! the cross product of the longest axes, and the direction of the closest pair so far.
+//! 1. Three directions are always tried: the line of the centres, and the excess vector in the axes
+//!    of either box. Along each axis of its box, the excess vector has the amount by which the
+//!    distance of the centres exceeds the sum of both extents. With the best of the three, a search
+//!    leaves 5 to 20 % more pairs than with the exact distance of boxes, unless the boxes are long.
+//! 2. If two long boxes cross, such as the boxes of long thin triangles, none of the three
+//!    directions is perpendicular to both lengths. Each gap then loses half a length times a sine.
+//!    So two more directions are tried for long boxes if the three do not suffice: the cross
+//!    product of the longest axes, and the direction of the closest pair so far.
 //!
-//! The gap along each direction is taken of the axes as stored, so that the gap is a proof whether
-//! or not the axes are orthonormal and whatever the direction is. The error term is
+//! The gap along each direction is computed from the axes as stored. So the gap is a proof for any
+//! direction, even if the axes are not orthonormal. The error term is
 //! [`BOXES`](crate::tolerance::BOXES).
 
 use crate::base::num::each::Each;
@@ -21,14 +22,19 @@ use crate::nonconvex::front::NodePair;
 use crate::nonconvex::query::frame::Single;
 use crate::nonconvex::tree::{OrientedBox, Tree};
 
-/// Boxes so many times as long as wide are long: directions across their lengths are tried.
+/// A box whose longest side exceeds its second side by this factor is long.
 const LONG_BOX: f32 = 4.0;
 
-/// Pairs of boxes bounded at once: a register of x86-64-v3, two of other targets, where eight lanes
-/// take the time of four twice. The operations of a lane are the same, so bits are.
+/// Number of pairs of boxes that are bounded at once.
+///
+/// Eight lanes are one register on x86-64-v3. On other targets they are two registers and take
+/// twice the time of four lanes. The operations of a lane are the same on all targets, so the
+/// results are bit-identical.
 pub(crate) const WIDTH: usize = 8;
 
-/// Gaps along unit directions in A's frame, in the unit of the frame in single precision.
+/// Gaps of eight pairs of boxes along unit directions in A's frame.
+///
+/// The gaps are in the unit of the frame in single precision.
 #[derive(Clone, Copy)]
 pub(crate) struct BoxGaps {
     pub(crate) gap: [f32; WIDTH],
@@ -36,30 +42,30 @@ pub(crate) struct BoxGaps {
 }
 
 impl BoxGaps {
-    /// Of pairs about which nothing is known.
+    /// Gaps and directions of pairs about which nothing is proven.
     pub(super) const NONE: Self = Self {
         gap: [-f32::MAX; WIDTH],
         normal: [[0.0; 3]; WIDTH],
     };
 }
 
-/// What is asked of bounds.
+/// Gap that the bounds should prove, and a direction that may prove it.
 #[derive(Clone, Copy)]
 pub(crate) struct BoundAim {
-    /// The gap that is enough: no more directions are tried once all pairs have it.
+    /// Sufficient gap. If all pairs with a long box have it, no more directions are tried.
     pub(super) level: f32,
-    /// A direction in A's frame that may prove it.
+    /// Direction in A's frame that may prove the gap.
     pub(super) known: Option<[f32; 3]>,
 }
 
 impl BoundAim {
-    /// Returns a gap that is enough, without a direction that may prove it.
+    /// Returns the aim of a sufficient gap, without a known direction.
     pub(crate) const fn to(level: f32) -> Self {
         Self { level, known: None }
     }
 }
 
-/// Eight boxes by component.
+/// Eight boxes, stored by component.
 struct EightBoxes {
     axes: [[f32x8; 3]; 3],
     centre: [f32x8; 3],
@@ -87,14 +93,14 @@ impl EightBoxes {
         }
     }
 
-    /// Returns the half extents, with the axes in a frame.
+    /// Returns the half extents together with the axes in a given frame.
     #[inline(always)]
     fn reach<'a>(&'a self, axes: &'a [[f32x8; 3]; 3]) -> AxesOf<'a> {
         AxesOf { half: &self.half, axes }
     }
 }
 
-/// Returns both halves of a register.
+/// Joins the two halves of a register.
 #[inline(always)]
 fn joined(low: f32x4, high: f32x4) -> f32x8 {
     let mut both = [0.0; WIDTH];
@@ -112,7 +118,7 @@ fn turned(r: &[f32x8; 9], v: [f32x8; 3]) -> [f32x8; 3] {
     ]
 }
 
-/// `x` with the sign of `s`, for `x` not negative.
+/// Returns `x` with the sign of `s`; `x` must not be negative.
 #[inline(always)]
 fn signed(x: f32x8, s: f32x8) -> f32x8 {
     x | (s & f32x8::splat(-0.0))
@@ -127,9 +133,11 @@ fn combined(w: [f32x8; 3], v: &[[f32x8; 3]; 3]) -> [f32x8; 3] {
     ]
 }
 
-/// Returns the gap along an excess vector, and its length: coordinates of the centres' difference
-/// in the axes of one box, half extents of that box and of the other, and the products of the axes,
-/// by the axis of the first.
+/// Returns the gap along an excess vector, the inverse of its length, and the vector.
+///
+/// The vector and `d`, the difference of the centres, are in the axes of the first box. `h` and `g`
+/// are the half extents of the first and of the other box. `m` has the products of the axes, by the
+/// axis of the first box. If the excess vector is zero, the gap is `-f32::MAX`.
 #[inline(always)]
 fn excess(d: [f32x8; 3], h: [f32x8; 3], g: [f32x8; 3], m: &[[f32x8; 3]; 3]) -> (f32x8, f32x8, [f32x8; 3]) {
     let over = [d[0].abs() - h[0], d[1].abs() - h[1], d[2].abs() - h[2]];
@@ -156,7 +164,7 @@ struct AxesOf<'a> {
     axes: &'a [[f32x8; 3]; 3],
 }
 
-/// The best gap of eight pairs so far, and its unit direction.
+/// Best gaps of eight pairs so far, and their unit directions.
 struct BestGaps {
     gap: f32x8,
     normal: [f32x8; 3],
@@ -172,9 +180,11 @@ impl BestGaps {
         }
     }
 
-    /// Takes the gaps along directions `c` of any length, where they are greater and positive:
-    /// boxes that overlap are looked at in the order of the other directions. `d` is the difference
-    /// of the centres, `boxes` are half extents and axes of both boxes.
+    /// Takes the gap along a direction `c` of any length if it is positive and greater than the
+    /// best.
+    ///
+    /// So pairs of boxes that overlap keep the gaps of the earlier directions, by which the search
+    /// orders them. `d` is the difference of the centres.
     #[inline(always)]
     fn offer(&mut self, c: [f32x8; 3], d: [f32x8; 3], boxes: [AxesOf<'_>; 2]) {
         let (square, height) = (dot(&c, &c), dot(&c, &d));
@@ -193,13 +203,13 @@ impl BestGaps {
     }
 }
 
-/// Returns the best gap of each of up to eight pairs of nodes, and its direction.
+/// Returns the best gap and its direction for up to eight pairs of nodes.
 pub(crate) fn bounds(frame: &Single, [a, b]: [&Tree; 2], pairs: &[NodePair], aim: &BoundAim) -> BoxGaps {
     debug_assert!(pairs.len() <= WIDTH, "{} pairs", pairs.len());
     let Some(last) = pairs.len().checked_sub(1).filter(|_| frame.error.is_finite()) else {
         return BoxGaps::NONE;
     };
-    // The last pair again in the lanes that are left.
+    // The last pair fills the remaining lanes.
     let at: [NodePair; WIDTH] = core::array::from_fn(|k| pairs[k.min(last)]);
     let of_a = at.each(|[x, _]| &a.boxes[x as usize]);
     let of_b = at.each(|[_, y]| &b.boxes[y as usize]);
@@ -232,8 +242,9 @@ impl EightPairs {
     }
 }
 
-/// Returns the gaps of eight pairs of nodes, each along a direction of its own in A's frame, and
-/// the directions as unit vectors from A to B.
+/// Returns the gaps of eight pairs of nodes, each along its given direction in A's frame.
+///
+/// The returned directions are unit vectors from A to B.
 pub(crate) fn along(
     frame: &Single,
     [a, b]: [&Tree; 2],
@@ -255,7 +266,7 @@ pub(crate) fn along(
     best.gaps()
 }
 
-/// Returns the best gap of each of eight pairs, and its direction.
+/// Returns the best gap and its direction for eight pairs of boxes.
 #[inline(never)]
 fn bound_eight(frame: &Single, boxes: [[&OrientedBox; WIDTH]; 2], aim: &BoundAim) -> BestGaps {
     let EightPairs { a, b, axes, d } = EightPairs::new(frame, boxes);
@@ -312,8 +323,9 @@ fn bound_eight(frame: &Single, boxes: [[&OrientedBox; WIDTH]; 2], aim: &BoundAim
     best
 }
 
-/// Returns the gap of a pair of boxes (axes, centre, half extents), for the tests of the error
-/// bounds. All directions are tried.
+/// Returns the gap of a pair of boxes along all directions, for the tests of the error bounds.
+///
+/// A box is given by its axes, its centre and its half extents.
 #[cfg(feature = "__proofs")]
 pub(crate) fn gap_of(
     rotation: [f32; 9],

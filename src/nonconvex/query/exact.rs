@@ -1,12 +1,12 @@
-//! What is decided over the integers: on which side of a mesh a point lies that is as near as
-//! rounding, and where a ray meets a triangle.
+//! Exact integer arithmetic for meshes: the side of a point within rounding of the surface, and
+//! where a ray meets a triangle.
 //!
-//! To find the side, a ray along an axis from the point crosses the mesh; crossings count +1
-//! outward and -1 inward. The ray starts at the point moved by an infinitesimal (e, e^2) across the
-//! axis, so it meets no edge and no vertex, and no attempt fails. Signs come from floating point if
-//! rounding leaves no doubt, else from integers.
+//! The side of a point comes from a ray along an axis. Each crossing with the mesh counts +1
+//! outward and -1 inward. The ray starts at the point moved by an infinitesimal (e, e^2)
+//! perpendicular to the axis, so it meets no edge and no vertex, and one ray is enough. Signs come
+//! from floating point if rounding leaves no doubt, otherwise from integers.
 //!
-//! Source: simulation of simplicity: Edelsbrunner and Muecke 1990.
+//! Source: simulation of simplicity, Edelsbrunner and Muecke 1990.
 
 use core::cmp::Ordering;
 use dashu_int::IBig;
@@ -24,7 +24,7 @@ use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::query::ray::{RayBody, RayTriangle};
 use crate::nonconvex::query::triangle::Triangle;
 
-/// Where a point is.
+/// Side of a mesh on which a point is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PointSide {
     Outside,
@@ -33,7 +33,7 @@ pub(crate) enum PointSide {
     Inside,
 }
 
-/// A triangle over the integers, in units of `2^exponent`.
+/// A triangle with integer coordinates, in units of `2^exponent`.
 struct IntegerTriangle {
     corners: [Big3; 3],
     exponent: i32,
@@ -58,12 +58,12 @@ impl IntegerTriangle {
 struct Probe<'a> {
     exact: &'a ExactVector,
     rounded: Vector3<f64>,
-    /// By how much a coordinate of the rounded point may be off.
+    /// Largest error of a coordinate of the rounded point.
     error: f64,
 }
 
 impl Probe<'_> {
-    /// Returns the sign of the height of the point over the plane of a triangle.
+    /// Returns the sign of the height of the point above the plane of a triangle.
     fn height(&self, corners: &Triangle) -> i32 {
         let [a, b, c] = corners;
         let (u, v, w) = (b - a, c - a, self.rounded - a);
@@ -75,7 +75,7 @@ impl Probe<'_> {
             size += (x.abs() + y.abs()) * w[k].abs();
             sum += x.abs() + y.abs();
         }
-        // The second: the point may be off, twice for the rounding of the sum.
+        // The second term is the error of the point, doubled for the rounding of the sum.
         let bound = SIDE_ERROR * size + 2.0 * self.error * sum + f64::MIN_POSITIVE;
         if height.abs() > bound {
             return sign::sign(height);
@@ -91,8 +91,9 @@ impl Probe<'_> {
         ))
     }
 
-    /// Returns whether the edge from `a` to `b` passes the point on its right or left, seen from
-    /// the positive end of an axis: -1 or 1, 0 if the edge hides the point.
+    /// Returns 1 if the point is left of the edge from `a` to `b`, and -1 if right.
+    ///
+    /// The sides are seen from the positive end of `axis`. Returns 0 if the edge hides the point.
     fn turn(&self, axis: usize, a: &Vector3<f64>, b: &Vector3<f64>) -> i32 {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let p = &self.rounded;
@@ -110,13 +111,14 @@ impl Probe<'_> {
         order(compare(&through, exact.exponent, &level, exponent))
     }
 
-    /// Returns the turns of the three edges about the point.
+    /// Returns the sides of the three edges on which the point is.
     fn turns(&self, axis: usize, [a, b, c]: &Triangle) -> [i32; 3] {
         [(a, b), (b, c), (c, a)].each(|(x, y)| self.turn(axis, x, y))
     }
 
-    /// Returns whether a triangle of whose plane the point is one holds the point. A triangle
-    /// without area does not: what it might close, its neighbours close.
+    /// Returns whether a triangle contains a point of its plane.
+    ///
+    /// A triangle without area contains none: its neighbours cover what it might cover.
     fn is_on(&self, corners: &Triangle) -> bool {
         let [a, b, c] = corners;
         sign::projection(a, b, c).is_some_and(|axis| !are_mixed(&self.turns(axis, corners)))
@@ -132,14 +134,15 @@ fn are_mixed(turns: &[i32; 3]) -> bool {
 }
 
 impl Mesh {
-    /// Returns on which side of the mesh a point in stored coordinates lies. A surface has no
-    /// inside.
+    /// Returns the side of the mesh on which a point in stored coordinates lies.
+    ///
+    /// An open mesh has no inside.
     pub(crate) fn side_of(&self, exact: &ExactVector) -> PointSide {
         let rounded = exact.rounded();
         let error = EXACT_PLACE * rounded.amax() + f64::MIN_POSITIVE;
         let probe = Probe { exact, rounded, error };
         let p = &probe.rounded;
-        // Written so that what is not finite is outside: too far for f64.
+        // Written so that a point too far for f64, which is not finite, is outside.
         if (0..3).any(|k| !(p[k] >= self.low[k] - error && p[k] <= self.high[k] + error)) {
             return PointSide::Outside;
         }
@@ -178,14 +181,15 @@ impl Mesh {
     }
 }
 
-/// Returns the turn of a triangle about the point moved by (e, e^2) across the axis: 0 if the
-/// triangle does not hide the moved point.
+/// Returns the turn of a triangle around the point moved by (e, e^2) perpendicular to the axis.
+///
+/// Returns 0 if the triangle does not hide the moved point.
 fn moved(axis: usize, corners: &Triangle, turns: [i32; 3]) -> i32 {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let turn = |k: usize| {
         let (a, b) = (&corners[k], &corners[(k + 1) % 3]);
         match turns[k] {
-            // The derivatives along u, then along v.
+            // The signs of the derivatives along u, then along v.
             0 if a[v] != b[v] => sign::sign(a[v] - b[v]),
             0 => sign::sign(b[u] - a[u]),
             turn => turn,
@@ -195,25 +199,25 @@ fn moved(axis: usize, corners: &Triangle, turns: [i32; 3]) -> i32 {
     if turn(1) == first && turn(2) == first { first } else { 0 }
 }
 
-/// A ray as the caller gave it, in stored coordinates of a body.
+/// The ray that the caller gave, without rounding, in stored coordinates of a body.
 pub(crate) struct ExactRay {
-    /// From the body to the origin of the ray.
+    /// Maps the origin of the ray to the body.
     pose: RelativePose,
     direction: Vector3<f64>,
-    /// Made when floating point first leaves a doubt.
+    /// Computed when floating point first leaves a doubt.
     integers: Option<IntegerRay>,
 }
 
 struct IntegerRay {
     origin: ExactVector,
     direction: ExactVector,
-    /// Of the line about the origin, over the denominators of both.
+    /// The moment of the line about the origin of the body, times the denominators of both vectors.
     moment: Big3,
     /// The direction times the denominator of the origin.
     weighed: Big3,
 }
 
-/// A distance along the ray: `num 2^exponent / den`, `den` positive.
+/// A distance along the ray: `num 2^exponent / den` with a positive `den`.
 struct RayLength {
     num: IBig,
     den: IBig,
@@ -250,7 +254,7 @@ impl ExactRay {
         origin_of(&self.pose, exponent)
     }
 
-    /// Returns where the ray meets a triangle, of which some sides are known.
+    /// Returns where the ray meets a triangle; `sides` are the known signs of its edges.
     pub(super) fn meets(
         &mut self,
         corners: &Triangle,
@@ -268,7 +272,7 @@ impl ExactRay {
             }
         }
         let along = match signs {
-            // Of a closed surface another triangle holds the first point.
+            // On a closed surface, another triangle contains the first point.
             [0, 0, 0] if body.is_closed => None,
             [0, 0, 0] => {
                 projection(&corners[0], &corners[1], &corners[2]).and_then(|axis| ray.first_of_edges(&triangle, axis))
@@ -285,14 +289,14 @@ fn origin_of(pose: &RelativePose, exponent: i32) -> ExactVector {
 }
 
 impl IntegerRay {
-    /// Returns on which side of an edge the line passes.
+    /// Returns the side of an edge on which the line passes.
     fn side(&self, t: &IntegerTriangle, k: usize) -> i32 {
         let (a, b) = (&t.corners[k], &t.corners[(k + 1) % 3]);
         let (turn, lift) = (dot(&self.weighed, &cross(a, b)), dot(&sub(a, b), &self.moment));
         compare(&turn, t.exponent, &lift, self.origin.exponent) as i32
     }
 
-    /// Returns how far the plane of a triangle is that the line crosses.
+    /// Returns the distance at which the line crosses the plane of a triangle.
     fn to_plane(&self, t: &IntegerTriangle) -> Option<RayLength> {
         let n = t.normal();
         let (o, d) = (&self.origin, &self.direction);
@@ -305,8 +309,10 @@ impl IntegerRay {
         self.along(height, t.exponent, dot(&n, &d.at))
     }
 
-    /// Returns the distance `height / rise` of a height over the denominator of the origin and a
-    /// rise over that of the direction; `None` if it is negative.
+    /// Returns the distance `height / rise`; `None` if it is negative.
+    ///
+    /// `height` is a numerator over the denominator of the origin, `rise` one over the denominator
+    /// of the direction.
     fn along(&self, height: IBig, exponent: i32, rise: IBig) -> Option<RayLength> {
         let (o, d) = (&self.origin, &self.direction);
         let (h, r) = (sign(&height), sign(&rise));
@@ -322,14 +328,15 @@ impl IntegerRay {
         })
     }
 
-    /// Returns how far the first point is of a triangle in a plane through the line: where the line
-    /// crosses an edge.
+    /// Returns the distance of the first point of a triangle whose plane contains the line.
+    ///
+    /// At this point the line crosses an edge.
     fn first_of_edges(&self, t: &IntegerTriangle, axis: usize) -> Option<RayLength> {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let (o, d) = (&self.origin, &self.direction);
         let flat = |a: &[&IBig; 2], b: &[&IBig; 2]| a[0] * b[1] - a[1] * b[0];
         let way = [&d.at[u], &d.at[v]];
-        // Of a corner minus the origin, over the denominator of the origin.
+        // The vertex minus the origin, times the denominator of the origin.
         let place = |c: &Big3| [u, v].each(|k| difference(&(&c[k] * &o.over), t.exponent, &o.at[k], o.exponent));
         let places = t.corners.each_ref().each(place);
         let aside = places.each_ref().each(|p| sign(&flat(&way, &[&p[0], &p[1]])));
@@ -348,14 +355,15 @@ impl IntegerRay {
     }
 }
 
-/// Returns `x 2^e - y 2^f`, in units of the lesser power.
+/// Returns `x 2^e - y 2^f`, in units of the smaller power.
 fn difference(x: &IBig, e: i32, y: &IBig, f: i32) -> IBig {
     let least = e.min(f);
     (x << (e - least) as usize) - (y << (f - least) as usize)
 }
 
 impl RayLength {
-    /// Returns the bracket of the distance in the caller's unit, if the ray gets there.
+    /// Returns the bracket of the distance in the caller's unit, or a miss beyond the end of the
+    /// ray.
     fn bracket(&self, unit: i32, length: f64) -> RayTriangle {
         let exponent = self.exponent + unit;
         let [low, high] = quotient(self.num.clone(), &self.den, exponent);

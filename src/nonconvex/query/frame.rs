@@ -1,5 +1,5 @@
-//! A pair of trees at one relative pose: the maps between the frames, in both precisions, with the
-//! errors of each.
+//! A pair of trees at one relative pose: the maps between the frames in single and double
+//! precision, with their error bounds.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -13,61 +13,62 @@ use crate::nonconvex::front::NodePair;
 use crate::nonconvex::tree::{Below, Paths, Tree, up};
 use crate::pair::draft::origins_apart;
 
-/// A body as its tree sees it.
+/// A body as the tree searches use it.
 #[derive(Clone, Copy)]
 pub(crate) struct TreeSide<'a> {
     pub(crate) tree: &'a Tree,
-    /// Stored lengths times `2^exponent` are the caller's.
+    /// A stored length times `2^exponent` is the caller's length.
     pub(crate) exponent: i32,
     /// Largest distance of a point from the body's origin, in stored units.
     pub(crate) radius: f64,
-    /// How far a stored point may be off its place in the body, in stored units.
+    /// Largest error of the position of a stored point, in stored units.
     pub(crate) off: f64,
 }
 
-/// Sizes beyond this, in the unit of single precision, are left to double precision. Squares stay
-/// far inside the range of f32.
+/// Largest size for single precision, in its unit.
+///
+/// Larger sizes are left to double precision, so that squares stay far inside the range of f32.
 const SINGLE_MOST: f32 = (1u64 << 30) as f32;
 
-/// Lengths that vanish in the products of single precision are below this.
+/// Upper bound of lengths that underflow in the products of single precision.
 const LEAST: f32 = 1.0 / (1u64 << 60) as f32;
 
-/// `a_from_b` between stored frames, and between the frames of the trees.
+/// The map `a_from_b` between the stored frames, and between the frames of the trees.
 pub(crate) struct TreeFrame {
-    /// A rotation times the unit of B's stored frame in A's.
+    /// The rotation times one unit of B's stored frame in A's stored units.
     pub(super) matrix: Matrix3<f64>,
     pub(crate) translation: Vector3<f64>,
-    /// The rotation alone.
+    /// The rotation without the unit.
     pub(crate) rotation: Matrix3<f64>,
-    /// One unit of B's stored frame in A's.
+    /// One unit of B's stored frame in A's stored units.
     pub(crate) scale: f64,
-    /// L in A's stored units.
+    /// Pair size L in A's stored units.
     pub(crate) size: f64,
-    /// How far stored points of both bodies may be off their places, in A's stored units.
+    /// Largest position error of the stored points of both bodies, in A's stored units.
     pub(crate) off: f64,
-    /// Error of a distance and of a height in double precision, with the points' own.
+    /// Error of a distance and of a height in double precision, position errors included.
     pub(crate) error: f64,
-    /// Tolerance below the distance within which a proven gap still prunes.
+    /// A proven gap prunes a pair if it is at most this much less than the distance.
     pub(crate) tie: f64,
     pub(crate) single: Single,
 }
 
 /// The frame in single precision, in a unit in which the larger tree has a size of about one.
 pub(crate) struct Single {
-    /// The unit in A's stored units, a power of two, and its inverse.
+    /// The unit in A's stored units, a power of two; then its inverse.
     pub(crate) unit: f64,
     pub(super) per_unit: f64,
-    /// From B's tree to A's, and back.
+    /// From B's tree to A's tree, and back.
     pub(crate) ways: [Way; 2],
     pub(crate) scale_a: f32,
     pub(crate) scale_b: f32,
-    /// Error of a gap; infinite if single precision cannot help.
+    /// Error of a gap; infinite if the sizes are too large for single precision.
     pub(crate) error: f32,
 }
 
 /// A map `x -> R x + t` in single precision.
 pub(crate) struct Way {
-    /// Row by row.
+    /// The rotation matrix, row by row.
     pub(crate) rotation: [f32; 9],
     pub(crate) translation: [f32; 3],
 }
@@ -91,7 +92,7 @@ impl Way {
         ]
     }
 
-    /// Returns the direction that the map turns to `n`.
+    /// Returns the direction that the map rotates to `n`.
     #[inline(always)]
     pub(crate) fn back(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let r = &self.rotation;
@@ -104,14 +105,16 @@ impl Way {
 }
 
 impl TreeFrame {
-    /// `None` if the bodies are so far apart, or so small, that squares of lengths leave the
-    /// range of f64.
+    /// Creates the frame of two bodies at a pose.
+    ///
+    /// Returns `None` if the bodies are so far apart, or so small, that squares of lengths leave
+    /// the range of f64.
     pub(crate) fn new(a: TreeSide, b: TreeSide, pose: &RelativePose) -> Option<Self> {
         let scale = ratio(a, b);
         let rotation = pose.rotation();
         let translation = pose.translation() * power_of_two(-a.exponent);
         let size = a.radius + scale * b.radius + sqrt(translation.norm_squared());
-        // Written so that NaN goes the safe way.
+        // Written so that NaN returns `None`.
         if !(size > NEAR && size < FAR) {
             return None;
         }
@@ -131,19 +134,20 @@ impl TreeFrame {
         })
     }
 
-    /// Returns the place of a stored point of B in A's stored frame.
+    /// Returns the position of a stored point of B in A's stored frame.
     #[inline(always)]
     pub(crate) fn point(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.matrix * p + self.translation
     }
 
-    /// Returns the direction of B's stored frame along which points rise as along `n` in A's.
+    /// Returns the gradient of `n . x` in B's stored frame, where `n` and `x` are in A's stored
+    /// frame.
     #[inline(always)]
     pub(crate) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
         self.matrix.tr_mul(n)
     }
 
-    /// Lengths in A's stored units in the unit of single precision, rounded up.
+    /// Converts a length from A's stored units to the unit of single precision, rounded up.
     #[inline(always)]
     pub(crate) fn single_up(&self, length: f64) -> f32 {
         up(length * self.single.per_unit)
@@ -163,8 +167,8 @@ impl Single {
         let (unit, [scale_a, scale_b]) = units_of(a, b, scale);
         let shift = (matrix * b.tree.centre + translation - a.tree.centre) / unit;
         let reach = a.tree.reach * scale_a + b.tree.reach * scale_b + sqrt(shift.norm_squared()) as f32;
-        // The second: the shift's own error where bodies are far from their origins, points that
-        // are off their places, and scales that vanish.
+        // The second term covers the error of the shift if bodies are far from their origins, and
+        // the position errors of points. The third covers scales that underflow.
         let error = BOXES as f32 * reach + (2.0 * error / unit) as f32 + LEAST;
         Self {
             unit,
@@ -187,10 +191,10 @@ fn units_of(a: TreeSide, b: TreeSide, scale: f64) -> (f64, [f32; 2]) {
     (unit, [(of_a / unit) as f32, (of_b / unit) as f32])
 }
 
-/// How far the points of two bodies have moved in their own frames, by the paths of their trees.
+/// How far the points of two bodies have moved in their frames, by the paths of their trees.
 pub(crate) struct TreeMoves<'a> {
     pub(crate) trees: [&'a Tree; 2],
-    /// The units of both trees in that of single precision.
+    /// The units of both trees in the unit of single precision.
     pub(crate) scales: [f32; 2],
     /// The units of both trees in A's stored units.
     units: [f64; 2],
@@ -206,13 +210,15 @@ impl<'a> TreeMoves<'a> {
         }
     }
 
-    /// Returns the sums of the longest moves of all points.
+    /// Returns the path sums of both roots: over all moves, the longest displacement of a point.
     pub(crate) fn totals(&self) -> [u64; 2] {
         self.trees.each(|tree| tree.paths.total)
     }
 
-    /// Returns how far points of both bodies may have moved since the sums were others, in A's
-    /// stored units, up to rounding; `None` if too far for the paths of nodes to tell.
+    /// Returns how far points of both bodies may have moved since their path sums were `before`.
+    ///
+    /// The length is in A's stored units, up to rounding. Returns `None` if the difference is too
+    /// large for the 32-bit paths of the nodes.
     pub(crate) fn since(&self, before: [u64; 2]) -> Option<f64> {
         let [a, b] = self.totals();
         let least = |now: u64, then: u64| u32::try_from(now.checked_sub(then)?).ok();
@@ -222,21 +228,24 @@ impl<'a> TreeMoves<'a> {
     }
 }
 
-/// Returns one unit of B's stored frame in A's.
+/// Returns one unit of B's stored frame in A's stored units.
 fn ratio(a: TreeSide, b: TreeSide) -> f64 {
     power_of_two((b.exponent - a.exponent).clamp(-1000, 1000))
 }
 
-/// Returns the distance of two bodies' origins in the caller's unit, by how much the distance of
-/// the bodies may differ, and the direction.
+/// Returns the distance of the origins, the error as a distance of the bodies, and the direction.
+///
+/// The lengths are in the caller's unit.
 pub(super) fn far(a: TreeSide, b: TreeSide, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
     let (distance, n) = origins_apart(pose);
     let reach = a.radius * power_of_two(a.exponent) + b.radius * power_of_two(b.exponent);
     (distance, distance * (CERTIFICATE * UNIT) + reach, n)
 }
 
-/// Returns the two halves of a pair: of the box with the larger surface, unless that is a leaf. Not
-/// of the longer box: parts of a long thin one may be as long.
+/// Returns the two halves of a pair of nodes; `None` for a pair of leaves.
+///
+/// The node whose box has the larger surface is split, unless it is a leaf. The longer box is not
+/// preferred, because the children of a long thin box may be as long as the box.
 pub(crate) fn split_pair([a, b]: [&Tree; 2], frame: &TreeFrame, [x, y]: NodePair) -> Option<[NodePair; 2]> {
     let is_a_larger = || {
         let (of_a, of_b) = (&a.boxes[x as usize], &b.boxes[y as usize]);

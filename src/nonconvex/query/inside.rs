@@ -1,12 +1,13 @@
-//! Inside or outside of a closed mesh, by exact winding numbers, and the triangles that a segment
-//! passes through, by exact predicates.
+//! Point inside a closed mesh, by exact winding numbers, and triangles that a segment passes
+//! through, by exact predicates.
 //!
-//! A segment from the point to a place outside the bounding box crosses the mesh; crossings count
-//! +1 outward and -1 inward, right for parts that overlap or lie in each other, for which
-//! parity and the normal of the nearest triangle are wrong. Every sign is an exact predicate; if
-//! a sign is zero, another segment is taken.
+//! 1. A segment leads from the point to a position outside the bounding box.
+//! 2. Each crossing of the segment with the mesh counts +1 outward and -1 inward. The sum is right
+//!    even if components overlap or contain each other. Parity and the normal of the nearest
+//!    triangle are wrong in these cases.
+//! 3. Every sign is an exact predicate. If a sign is zero, another segment is tried.
 //!
-//! Source: the winding number by signed crossings is classical; orientation predicates: Shewchuk
+//! Sources: the winding number by signed crossings is classical; orientation predicates, Shewchuk
 //! 1997.
 
 use alloc::vec;
@@ -20,19 +21,23 @@ use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::query::triangle;
 use crate::nonconvex::tree::{Below, OrientedBox, Tree};
 
-/// Segments tried for a winding number. A first zero is rare already, and the ends are in general
-/// position against anything made of round numbers.
+/// Number of segments tried for a winding number.
+///
+/// A zero sign is rare even at the first segment, because the ends of the segments are in general
+/// position to anything made of round numbers.
 const SEGMENTS: usize = 24;
 
 impl Mesh {
-    /// Returns the winding number about a point in stored coordinates that does not lie on the
-    /// surface. `None` if every segment met an edge or passed through a vertex.
+    /// Returns the winding number of a point in stored coordinates that is not on the surface.
+    ///
+    /// Returns `None` if every segment met an edge or a vertex.
     pub(crate) fn winding(&self, point: &Vector3<f64>) -> Option<i32> {
         self.winding_of(point, |_| true)
     }
 
-    /// Returns the winding number of some of the triangles, which close a surface on which the
-    /// point does not lie.
+    /// Returns the winding number of the triangles for which `counts` returns true.
+    ///
+    /// These triangles must form a closed surface that does not contain the point.
     pub(crate) fn winding_of(&self, point: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
         let flush = power_of_two(exponent_of(self.radius) - FLUSH_EXPONENT);
         let p = point.map(|x| if x.abs() < flush { 0.0 } else { x });
@@ -42,7 +47,7 @@ impl Mesh {
         (0..SEGMENTS).find_map(|k| self.crossings(&p, &self.outside(&p, k), &counts))
     }
 
-    /// Returns a place outside the bounding box, near the side that is nearest.
+    /// Returns a position outside the bounding box, near the side that is nearest to `p`.
     fn outside(&self, p: &Vector3<f64>, attempt: usize) -> Vector3<f64> {
         let (up, down) = (self.high - p, p - self.low);
         let (x, y) = (up.imin(), down.imin());
@@ -52,7 +57,7 @@ impl Mesh {
             (y, -1.0, down[y])
         };
         let size = largest(&(self.high - self.low));
-        // Slants that no round number divides, another for each attempt.
+        // No round number divides these slopes, and they differ for each attempt.
         let slant = 0.137 + 0.618_033_988 * attempt as f64;
         let (s, t) = (
             slant - libm::floor(slant) - 0.5,
@@ -66,7 +71,8 @@ impl Mesh {
         p + step
     }
 
-    /// Signed crossings of a segment with the mesh; `None` if a sign is zero.
+    /// Returns the sum of the signed crossings of a segment with the mesh; `None` if a sign is
+    /// zero.
     fn crossings(&self, from: &Vector3<f64>, to: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
         let mut sum = 0;
         let is_doubtful = self.any_along(from, to, 0.0, |t| {
@@ -81,8 +87,9 @@ impl Mesh {
         (!is_doubtful).then_some(sum)
     }
 
-    /// Returns whether the surface is certainly farther than `error` from a point in stored
-    /// coordinates.
+    /// Returns whether the surface is proven farther than `error` from a point.
+    ///
+    /// The point and `error` are in stored units.
     fn is_clear_of(&self, point: &Vector3<f64>, error: f64) -> bool {
         !self.tree.any_near(point, error, |t| {
             let (square, _) = triangle::nearest(point, &self.corners(t));
@@ -90,9 +97,11 @@ impl Mesh {
         })
     }
 
-    /// Returns whether a point that may be off its place by `doubt`, both in stored units, is
-    /// inside a solid, or on a surface; `None` if the mesh is as near as the doubt, or if every
-    /// segment to the outside met an edge.
+    /// Returns whether a point with a position error of `doubt` is inside a solid; false for open
+    /// meshes.
+    ///
+    /// Both are in stored units. Returns `None` if the surface, of a solid or of an open mesh, is
+    /// no farther than `doubt`, or if every segment to the outside met an edge.
     pub(crate) fn held_by_rounding(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
         if !self.is_clear_of(point, doubt) {
             return None;
@@ -103,9 +112,11 @@ impl Mesh {
         self.winding(point).map(|w| w != 0)
     }
 
-    /// Returns whether a point that may be off its place by `doubt`, both in stored units, is
-    /// inside a solid; `None` if the surface is as near as the doubt, or if every segment to the
-    /// outside met an edge.
+    /// Returns whether a point with a position error of `doubt` is inside a solid; false for open
+    /// meshes.
+    ///
+    /// Both are in stored units. Returns `None` if the surface of a solid is no farther than
+    /// `doubt`, or if every segment to the outside met an edge.
     pub(crate) fn holds_point(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
         if !self.is_solid() {
             return Some(false);
@@ -118,8 +129,8 @@ impl Mesh {
 }
 
 impl Mesh {
-    /// Returns whether a segment certainly passes through a triangle from which its first end is
-    /// no nearer than `skin`.
+    /// Returns whether a segment certainly passes through a triangle that is at least `skin` from
+    /// its start.
     pub(crate) fn is_crossed(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> bool {
         self.any_along(from, to, 0.0, |t| {
             let corners = self.corners(t);
@@ -127,9 +138,10 @@ impl Mesh {
         })
     }
 
-    /// Returns the part of a segment before it first meets a triangle, or an edge of one, farther
-    /// along than the part `least`, right up to rounding; triangles in whose plane the segment lies
-    /// are left out.
+    /// Returns the fraction of a segment before it first meets a triangle or an edge of one.
+    ///
+    /// Meetings at fractions up to `least` are ignored, and so are triangles whose plane contains
+    /// the segment. The fraction is right up to rounding.
     pub(super) fn first_meeting(&self, from: &Vector3<f64>, to: &Vector3<f64>, least: f64) -> Option<f64> {
         let mut first = None;
         self.any_along(from, to, 0.0, |t| {
@@ -144,8 +156,10 @@ impl Mesh {
         first
     }
 
-    /// Asks about the triangles whose boxes a segment may meet, the points of which may be off by
-    /// `error`, until an answer is true.
+    /// Calls `is_found` with each triangle whose box the segment may meet, until a call returns
+    /// true.
+    ///
+    /// The points of the segment may be off by `error`. Returns whether a call returned true.
     pub(super) fn any_along(
         &self,
         from: &Vector3<f64>,
@@ -177,8 +191,10 @@ fn is_crossed(corners: &triangle::Triangle, from: &Vector3<f64>, to: &Vector3<f6
     matches!(crossing(corners, from, to), Some(1 | -1))
 }
 
-/// +1 if the segment leaves through a triangle, -1 if it enters, 0 if it misses; `None` if it meets
-/// an edge or the plane at an end. A triangle whose corners are on a line is missed.
+/// Returns +1 if the segment leaves through a triangle, -1 if it enters, and 0 if it misses.
+///
+/// Returns `None` if the segment meets an edge, or if an end lies on the plane. A triangle whose
+/// vertices are collinear is missed.
 pub(super) fn crossing([a, b, c]: &triangle::Triangle, from: &Vector3<f64>, to: &Vector3<f64>) -> Option<i32> {
     let turns = [
         sign::side(from, to, a, b),
@@ -193,14 +209,14 @@ pub(super) fn crossing([a, b, c]: &triangle::Triangle, from: &Vector3<f64>, to: 
         return Some(0);
     }
     if ends == [0.0; 2] && sign::projection(a, b, c).is_none() {
-        // Without area: what it might close, its neighbours close along the same line.
+        // No area: its neighbours cover what it might cover, along the same line.
         return Some(0);
     }
     let doubtful = turns.iter().chain(&ends).any(|x| *x == 0.0);
     (!doubtful).then_some(if ends[0] < 0.0 { 1 } else { -1 })
 }
 
-/// Returns the part of a segment before it meets a triangle, edges counted.
+/// Returns the fraction of a segment before it meets a triangle, edges included.
 fn meeting([a, b, c]: &triangle::Triangle, from: &Vector3<f64>, to: &Vector3<f64>) -> Option<f64> {
     let turns = [
         sign::side(from, to, a, b),
@@ -218,11 +234,11 @@ fn meeting([a, b, c]: &triangle::Triangle, from: &Vector3<f64>, to: &Vector3<f64
     Some(n.dot(&(a - from)) / n.dot(&(to - from)))
 }
 
-/// A segment in the tree's coordinates: its middle and half its length as a vector.
+/// A segment in the tree's coordinates: its middle, and half of it as a vector.
 struct Segment {
     middle: Vector3<f64>,
     half: Vector3<f64>,
-    /// By how much the points may be off.
+    /// Position error of the points.
     error: f64,
 }
 
@@ -237,15 +253,17 @@ impl Segment {
         }
     }
 
-    /// Returns whether the segment certainly misses a box: apart along one of its axes, or along
-    /// the normal of one and the segment.
+    /// Returns whether the segment certainly misses a box.
+    ///
+    /// They are separated along an axis of the box, or along the cross product of an axis and the
+    /// segment.
     fn misses(&self, b: &OrientedBox) -> bool {
         let offset = self.middle - b.centre();
         let (mut m, mut e) = (Vector3::zeros(), Vector3::zeros());
         for k in 0..3 {
             (m[k], e[k]) = (b.axis(k).dot(&offset), b.axis(k).dot(&self.half));
         }
-        // Axes as stored are orthonormal within 8 UNIT_SINGLE.
+        // The axes as stored are orthonormal within 8 UNIT_SINGLE.
         let length = m.abs().sum() + e.abs().sum();
         let slack = 32.0 * UNIT_SINGLE * (length + 1.0) + 4.0 * self.error;
         let h = b.half().add_scalar(slack);

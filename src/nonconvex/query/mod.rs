@@ -1,5 +1,5 @@
-//! Two bodies of parts at a pose: the search down both trees to the closest pair, and what it asks
-//! of boxes, leaves and triangles.
+//! Queries of two meshes or compounds at a pose: the search down both trees to the closest pair,
+//! and the bounds and tests of boxes, leaves and triangles.
 
 pub(crate) mod box_gaps;
 #[cfg(feature = "exact")]

@@ -1,15 +1,18 @@
-//! Whether two solids whose surfaces touch, and do not certainly cross, share inner points.
+//! Decides whether two solids share inner points if their surfaces touch and do not certainly
+//! cross.
 //!
-//! If a part of one surface is inside the other body, then either a whole connected part of the
-//! surface is, or the part ends where the surfaces meet: along a segment that two triangles have in
-//! common, from which one of the two goes on inside the other body. If no part of either surface is
-//! inside the other body, the bodies share inner points only where they fill the same place: there
-//! two triangles lie in one plane with normals that point the same way, and both bodies are behind
-//! them. So the pairs of triangles in contact decide, with a point of each connected part. What two
-//! triangles have in common up to rounding, and where one leaves the other, says where to look
-//! ([`common`], [`leaving`]). Every point is proven inside both bodies by exact winding numbers.
-//!
-//! Bodies that a plane parts share no inner points: this is tried first, as most contacts are such.
+//! 1. Most solids in contact are separated by a plane and share no inner points. So planes are
+//!    tried first.
+//! 2. If a part of one surface is inside the other body, either a whole connected component is, or
+//!    the part ends where the surfaces meet. There two triangles have a segment in common, from
+//!    which one of the two continues inside the other body.
+//! 3. If no part of either surface is inside the other body, the bodies share inner points only
+//!    where they fill the same space. There two triangles lie in one plane with normals of the same
+//!    direction, and both bodies are behind them.
+//! 4. So the pairs of triangles in contact decide, together with a point of each connected
+//!    component. [`common`] returns what two triangles have in common up to rounding, and
+//!    [`leaving`] where one leaves the other. Points near there are tested.
+//! 5. Exact winding numbers prove every such point inside both bodies.
 
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
@@ -29,21 +32,22 @@ use crate::nonconvex::query::state::{Inside, PosedTrees};
 use crate::nonconvex::query::triangle::{self, Triangle};
 use crate::nonconvex::tree::{Below, height};
 
-/// Pairs of triangles in contact that are looked at for inner points. Not measured.
+/// Number of pairs of triangles in contact that are tested for inner points. Not measured.
 const TOUCHES: usize = 128;
 
-/// Planes that are tried to part two solids in contact. Not measured.
+/// Number of planes that are tried to separate two solids in contact. Not measured.
 const PARTINGS: usize = 8;
 
-/// Cosine of the angle of two normals that count as one among these planes. Not measured.
+/// Cosine of the angle of two normals that count as the same among these planes. Not measured.
 const SAME_NORMAL: f64 = 1.0 - 1.0 / (1u64 << 40) as f64;
 
-/// Pairs of boxes and winding numbers after which bodies in contact that no plane parts are no
-/// longer searched for common inner points. Not measured.
+/// Limits of the search for common inner points if no plane separates the bodies.
+///
+/// They count pairs of boxes and winding numbers. Not measured.
 const MEETING_BOXES: usize = 16_384;
 const LOOKS: u64 = 1024;
 
-/// Pairs of items at distance zero, up to rounding.
+/// Pairs of items at distance zero up to rounding.
 pub(crate) struct Touching {
     pairs: [NodePair; TOUCHES],
     count: usize,
@@ -74,8 +78,9 @@ struct NearBall {
 }
 
 impl Mesh {
-    /// Returns whether no point of the solid in a ball is higher along a unit vector than `level`,
-    /// up to rounding of the heights.
+    /// Returns whether no point of the solid in a ball is higher than `level` along a unit vector.
+    ///
+    /// The result is right up to rounding of the heights.
     fn is_below(&self, n: &Vector3<f64>, level: f64, near: &NearBall) -> bool {
         let unit = self.tree.unit();
         let mut stack = alloc::vec![0];
@@ -100,7 +105,8 @@ impl Mesh {
                 }
             }
         }
-        // No triangle is in the cap of the ball above the level, which so is all inside or outside.
+        // No triangle is in the cap of the ball above the level, so all of the cap is inside or
+        // outside.
         let rise = level - n.dot(&near.centre);
         if rise >= near.radius {
             return true;
@@ -115,16 +121,18 @@ struct SolidContact<'a, A, B> {
     posed: &'a PosedTrees<'a, A, B>,
     a: &'a Mesh,
     b: &'a Mesh,
-    /// By how much a place may be off.
+    /// Position error of a point.
     doubt: f64,
-    /// Triangles of A and of B whose middles were looked at.
+    /// Triangles of A and of B whose centroids were tested.
     seen: [BTreeSet<u32>; 2],
-    /// Winding numbers taken.
+    /// Number of winding numbers computed.
     windings: u64,
 }
 
 impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
-    /// Returns whether a plane parts the bodies: that of a contact, or one through a triangle in
+    /// Returns whether a plane separates the bodies.
+    ///
+    /// The planes tried are the plane of the contact `found` and the planes of triangles in
     /// contact.
     fn is_parted<F>(&self, touching: &Touching, found: &Measured<F>) -> bool {
         let mut tried = [Vector3::zeros(); PARTINGS];
@@ -148,10 +156,11 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
         })
     }
 
-    /// Returns whether the plane through a point with the normal `n` parts the bodies, A below.
+    /// Returns whether the plane through `at` with normal `n` separates the bodies, A below it.
     fn parts(&self, n: &Vector3<f64>, at: &Vector3<f64>) -> bool {
         let (frame, ratio) = (&self.posed.frame, self.a.unit() / self.b.unit());
-        // With both errors less than 1e-13 L: what is nearer counts as touching.
+        // Both slacks with their rounding sum to less than 1e-13 L. Shallower overlaps count as
+        // touching.
         let slack = 3.0 * frame.error;
         let ball = |mesh: &Mesh| (mesh.tree.centre, f64::from(mesh.tree.reach) * mesh.tree.unit());
         let (of_a, of_b) = (ball(self.a), ball(self.b));
@@ -188,8 +197,9 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
         held == Some(true)
     }
 
-    /// Returns the part of a segment before it meets a surface farther along than some doubts; one
-    /// if it meets none.
+    /// Returns the fraction of a segment before it meets a surface; 1 if it meets none.
+    ///
+    /// Meetings within four position errors of the start are ignored.
     fn free(&self, of: Operand, from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
         let least = 4.0 * self.doubt / sqrt((to - from).norm_squared());
         let first = match of {
@@ -201,13 +211,13 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
         first.unwrap_or(1.0)
     }
 
-    /// Returns whether a segment that begins at the surface of a body goes on inside the body.
+    /// Returns whether a segment from a point of a body's surface continues inside the body.
     fn enters(&mut self, into: Operand, from: &Vector3<f64>, to: &Vector3<f64>) -> bool {
         let part = 0.5 * self.free(into, from, to);
         self.is_held(into, &(from + (to - from) * part))
     }
 
-    /// Returns whether both bodies are behind a point of both surfaces, against the normal `n`.
+    /// Returns whether both bodies are behind a point of both surfaces, in direction `-n`.
     fn are_behind(&mut self, at: &Vector3<f64>, n: &Vector3<f64>) -> bool {
         let to = at - n * sqrt((self.a.high - self.a.low).norm_squared());
         let part = 0.5 * self.free(Operand::A, at, &to).smaller(self.free(Operand::B, at, &to));
@@ -215,10 +225,12 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
         self.is_held(Operand::A, &point) && self.is_held(Operand::B, &point)
     }
 
-    /// Returns whether the bodies certainly share inner points next to what two triangles have in
-    /// common. If that is a point, the middles of both and points behind them are looked at: a part
-    /// of a surface that touches the other one at points alone may be inside the other body, and of
-    /// bodies that fill the same place neighbours may be met first.
+    /// Returns whether the bodies certainly share inner points near the common part of two
+    /// triangles.
+    ///
+    /// If this part is a point, the centroids of both triangles and points behind them are tested.
+    /// A part of a surface that touches the other surface only at points may be inside the other
+    /// body. If the bodies fill the same space, the search may meet adjacent triangles first.
     fn is_shared_at(&mut self, pair: NodePair) -> bool {
         let ((p, q), slack) = (self.corners(pair), self.doubt);
         match common(&p, &q, slack) {
@@ -236,8 +248,11 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
         }
     }
 
-    /// Returns whether the middle of a triangle is certainly inside the other body, or a point
-    /// behind it inside both, if that was not looked at before.
+    /// Returns whether the centroid of a triangle, or a point behind it, certainly is a common
+    /// inner point.
+    ///
+    /// The centroid must be inside the other body, the point behind it inside both. Returns false
+    /// for a triangle that was tested before.
     fn is_shared_behind(&mut self, other: Operand, t: u32, corners: &Triangle) -> bool {
         if !self.seen[usize::from(other == Operand::A)].insert(t) {
             return false;
@@ -246,7 +261,7 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
         self.is_held(other, &middle) || unit_normal(corners).is_some_and(|n| self.are_behind(&middle, &n))
     }
 
-    /// Looks at all pairs of triangles whose boxes meet, up to a limit.
+    /// Tests the pairs of triangles whose boxes meet, up to the limits.
     fn is_shared_anywhere(&mut self) -> bool {
         let frame = &self.posed.frame;
         let trees = [&self.a.tree, &self.b.tree];
@@ -277,8 +292,11 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
 }
 
 impl<A: Parted, B: Parted> PosedTrees<'_, A, B> {
-    /// Returns whether two solids certainly share inner points, and the winding numbers taken.
-    /// `found`: a contact. `is_last`: whether no contact is to come.
+    /// Returns whether two solids certainly share inner points, and how many winding numbers it
+    /// took.
+    ///
+    /// `found` is a contact. `is_last` is true if the search is over, so that no more contacts will
+    /// come. Then connected components and all pairs of triangles are tested too.
     pub(crate) fn shares_inside<F>(&self, touching: &Touching, found: &Measured<F>, is_last: bool) -> (bool, u64) {
         if !(self.a.is_solid() && self.b.is_solid()) {
             return (false, 0);
@@ -308,18 +326,20 @@ impl<A: Parted, B: Parted> PosedTrees<'_, A, B> {
     }
 }
 
-/// The part of a segment, and of the sides of a target, at which points are taken: no round number,
-/// so that a point rarely lies on an edge of a third triangle.
+/// Fraction of a segment, or of a side of a triangle, at which points are taken.
+///
+/// It is not a round number, so a point rarely lies on an edge of a third triangle.
 const GENERIC: f64 = 0.438_7;
 
-/// What two triangles have in common.
+/// Common part of two triangles.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum CommonPart {
-    /// At most a point, or a stretch of edges in one plane.
+    /// At most a point or, in one plane, a part of an edge.
     Point,
-    /// A point of a common segment, and the unit direction of the segment.
+    /// A point of the common segment, and the unit direction of the segment.
     Segment(Vector3<f64>, Vector3<f64>),
-    /// A point inside a common part of a plane, and whether both normals point the same way.
+    /// A point inside the common part of one plane, and whether the normals have the same
+    /// direction.
     Flat(Vector3<f64>, bool),
 }
 
@@ -330,8 +350,9 @@ pub(crate) fn unit_normal(t: &Triangle) -> Option<Vector3<f64>> {
     (length > 0.0 && length.is_finite()).then(|| n / length)
 }
 
-/// Returns what two triangles have in common. Heights up to `slack` count as none, and so do
-/// lengths up to four times as much.
+/// Returns the common part of two triangles.
+///
+/// Heights up to `slack` count as zero, and so do lengths up to four times `slack`.
 pub(super) fn common(p: &Triangle, q: &Triangle, slack: f64) -> CommonPart {
     let (Some(n), Some(m)) = (unit_normal(p), unit_normal(q)) else {
         return CommonPart::Point;
@@ -355,8 +376,10 @@ pub(super) fn common(p: &Triangle, q: &Triangle, slack: f64) -> CommonPart {
     }
 }
 
-/// Returns the ends of the part of a triangle that lies in a plane, the lower one along `s` first.
-/// `heights`: of the corners over the plane.
+/// Returns the ends of the part of a triangle that lies in a plane; `None` if there is none.
+///
+/// The lower end along `s` is first.
+/// `heights` are the heights of the vertices above the plane.
 fn trace(t: &Triangle, heights: &[f64; 3], s: &Vector3<f64>, slack: f64) -> Option<[Vector3<f64>; 2]> {
     let mut ends: Option<[Vector3<f64>; 2]> = None;
     let mut take = |x: Vector3<f64>| {
@@ -380,10 +403,12 @@ fn trace(t: &Triangle, heights: &[f64; 3], s: &Vector3<f64>, slack: f64) -> Opti
     ends
 }
 
-/// Returns a point inside the common part of two triangles in one plane with the normal `n` of the
-/// first; `None` if the part is no wider than some slack.
+/// Returns a point inside the common part of two triangles in one plane.
 ///
-/// Source: clipping by half-planes: Sutherland and Hodgman 1974.
+/// `n` is the unit normal of the first triangle. Returns `None` if the part is no wider than a few
+/// `slack`.
+///
+/// Source: clipping by half-planes, Sutherland and Hodgman 1974.
 fn flat(p: &Triangle, q: &Triangle, n: &Vector3<f64>, slack: f64) -> Option<Vector3<f64>> {
     let mut polygon = q.to_vec();
     for k in 0..3 {
@@ -416,8 +441,10 @@ fn flat(p: &Triangle, q: &Triangle, n: &Vector3<f64>, slack: f64) -> Option<Vect
     Some(first + sum / weights)
 }
 
-/// Returns segments of `t` from a point of a common segment, one to each side on which `t` goes on
-/// and may be behind `other`: not in front of it, where `other` goes on to both sides.
+/// Returns ends of segments in `t` that start at a point of a common segment and may enter `other`.
+///
+/// There is at most one for each side of the common segment on which `t` continues. If `other`
+/// continues on both sides, an end must lie behind its plane.
 pub(super) fn leaving(
     t: &Triangle,
     other: &Triangle,

@@ -1,9 +1,9 @@
 //! A ray and a mesh: where the ray first meets a triangle.
 //!
-//! A ray meets a closed triangle if its line passes no edge on one side and another edge on the
-//! other. So a ray through an edge meets both triangles of the edge, and none is missed. Signs and
-//! distances come from floating point if rounding leaves no doubt, else from integers: the ray is
-//! the one that the caller gave, to the bit.
+//! A ray meets a closed triangle if its line does not pass one edge on one side and another edge on
+//! the other side. So a ray through an edge meets both triangles of the edge, and none is missed.
+//! Signs and distances come from floating point if rounding leaves no doubt. Otherwise they come
+//! from integers, which represent the caller's ray without rounding.
 
 use nalgebra::Vector3;
 
@@ -16,42 +16,43 @@ use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::query::exact::ExactRay;
 use crate::nonconvex::query::triangle::{self, Triangle};
 
-/// A part of a ray, in stored coordinates of a body of triangles. Distances from the origin of the
-/// ray are the caller's.
+/// A part of a ray, in stored coordinates of a mesh or of a polyhedron.
+///
+/// Distances are measured from the origin of the ray, in the caller's unit.
 pub(crate) struct MeshRay {
-    /// The ends of the part, up to `error`.
+    /// The ends of the part, with a position error of at most `error`.
     pub(crate) ends: [Vector3<f64>; 2],
     pub(crate) error: f64,
-    /// The direction, off by at most 80 UNIT.
+    /// The direction, with an error of at most 80 UNIT.
     pub(crate) direction: Vector3<f64>,
-    /// How far the ends are from the origin.
+    /// The distances of the ends from the origin.
     pub(crate) span: [f64; 2],
-    /// How far the ray goes.
+    /// The length of the ray.
     pub(crate) length: f64,
-    /// By how much a distance may be off.
+    /// Largest error of a distance.
     pub(crate) width: f64,
     #[cfg(feature = "exact")]
     pub(crate) exact: ExactRay,
 }
 
-/// The body of a triangle.
+/// Properties of the body to which a triangle belongs.
 #[derive(Clone, Copy)]
 pub(crate) struct RayBody {
-    /// Stored lengths times `2^exponent` are the caller's.
+    /// A stored length times `2^exponent` is the caller's length.
     pub(crate) exponent: i32,
-    /// Whether another triangle holds every edge too.
+    /// Whether every edge of the triangle belongs to another triangle too.
     pub(crate) is_closed: bool,
 }
 
-/// What the ray meets.
+/// What the ray meets first.
 #[derive(Clone, Copy)]
 pub(crate) enum Met {
     Nothing,
-    /// Nothing up to the first distance, something up to the second.
+    /// Nothing before the first distance, something before or at the second.
     Between(f64, f64),
 }
 
-/// A ray and a triangle.
+/// Where a ray meets a triangle.
 pub(crate) enum RayTriangle {
     Miss,
     Between(f64, f64),
@@ -61,8 +62,9 @@ pub(crate) enum RayTriangle {
 }
 
 impl Mesh {
-    /// Returns what a ray meets first, unless the origin is on the mesh. `None` if rounding hides
-    /// it: never with the feature `exact`.
+    /// Returns what a ray meets first, unless the origin is on the mesh.
+    ///
+    /// Returns `None` if rounding hides it, never with the feature `exact`.
     pub(crate) fn first_met(&self, ray: &mut MeshRay) -> Option<Met> {
         let (mut met, mut is_clear) = (Met::Nothing, true);
         let ([from, to], error) = (ray.ends, ray.error);
@@ -79,7 +81,7 @@ impl Mesh {
 }
 
 impl Met {
-    /// Takes in another triangle; returns whether rounding does not hide it.
+    /// Adds another triangle; returns false if rounding hides the answer.
     pub(crate) fn add(&mut self, triangle: RayTriangle) -> bool {
         match (triangle, *self) {
             (RayTriangle::Unclear, _) => return false,
@@ -122,8 +124,8 @@ impl MeshRay {
                 .is_some_and(|(at, off)| at - off - noise > from && at + off + noise < until)
     }
 
-    /// Returns on which sides of the edges of a triangle the line passes: `None` if rounding hides
-    /// it.
+    /// Returns the sides on which the line passes the edges of a triangle; `None` for a doubtful
+    /// side.
     fn sides(&self, corners: &Triangle) -> [Option<i32>; 3] {
         let from = &self.ends[0];
         let seen = corners.each(|x| x - from);
@@ -143,8 +145,9 @@ impl MeshRay {
         })
     }
 
-    /// Returns at which distance the line meets the plane of a triangle, and by how much it may be
-    /// off beside the rounding of the distance itself.
+    /// Returns the distance at which the line meets the plane of a triangle, and its error.
+    ///
+    /// The error is without the rounding of the distance itself.
     fn to_plane(&self, corners: &Triangle) -> Option<(f64, f64)> {
         let [from, to] = &self.ends;
         let (seen, way) = (corners[0] - from, to - from);
@@ -157,14 +160,16 @@ impl MeshRay {
         let error = |x: &Vector3<f64>| own * self.error + RAY_PLANE * size * x.abs().sum();
         let (of_height, of_rise) = (error(&seen), 2.0 * error(&way));
         let least = rise.abs() - of_rise;
-        // Written so that NaN is none.
+        // Written so that NaN returns `None`.
         (least > 0.0).then(|| {
             let off = (of_height + part.abs() * of_rise) * length / least;
             (self.span[0] + part * length, off)
         })
     }
 
-    /// Returns the bracket of a distance if its ends leave no doubt that the ray gets there.
+    /// Returns the bracket of a distance, or a miss.
+    ///
+    /// Returns `None` if an end of the ray is within the bracket.
     fn clipped(&self, low: f64, high: f64) -> Option<RayTriangle> {
         if high < 0.0 || low > self.length {
             return Some(RayTriangle::Miss);
@@ -176,8 +181,8 @@ impl MeshRay {
     #[cold]
     fn exactly(&mut self, corners: &Triangle, body: RayBody, sides: [Option<i32>; 3]) -> RayTriangle {
         match self.exact.meets(corners, body, sides, self.length) {
-            // As far before the body as by floating point: rounding leaves a side of the surface to
-            // it.
+            // The lower bound is `width` before the surface, as in floating point. So a point at
+            // this distance is before the surface even after rounding.
             RayTriangle::Between(low, high) if low > self.width => RayTriangle::Between(low - self.width, high),
             found => found,
         }

@@ -1,10 +1,13 @@
-//! Down both trees to the closest pair, with everything else proven farther, and the counters of
-//! the work.
+//! The search down both trees to the closest pair, with every other pair proven farther, and the
+//! work counters.
 //!
-//! A search begins with a close pair of items ([`TreeSearch::seed`]): no proof, but a distance
-//! beyond which boxes are passed by. It ends at pairs of leaves, item by item
-//! ([`TreeSearch::judge_leaves`]): along directions first, as a gap along one costs far less than a
-//! distance.
+//! 1. The search starts with a close pair of items ([`TreeSearch::seed`]). This pair proves
+//!    nothing, but pairs of boxes farther apart than its distance are pruned.
+//! 2. Pairs of nodes that are not proven far enough are split, the nearest first
+//!    ([`TreeSearch::descend`]).
+//! 3. The search ends at pairs of leaves, which are tested item by item
+//!    ([`TreeSearch::judge_leaves`]). Directions are tried first, because a gap along a direction
+//!    costs far less than a distance.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -19,38 +22,41 @@ use crate::nonconvex::query::frame::{TreeFrame, split_pair};
 use crate::nonconvex::query::overlap::Touching;
 use crate::nonconvex::tree::{Below, LEAF, Tree, height, near_unit};
 
-/// Pairs taken off the stack at once: both halves of each make eight, the width of the kernel.
+/// Number of pairs taken off the stack at once.
+///
+/// Both halves of each give eight pairs, the width of the kernel.
 pub(crate) const AT_ONCE: usize = 4;
 
-/// Items of a node that are few enough to be looked at one by one in double precision. Not
-/// measured.
+/// Largest number of items of a node that are tested one by one in double precision. Not measured.
 const FEW_ITEMS: u32 = 64;
 
-/// Pairs measured in contact after which a search looks for inner points that the bodies share.
-/// Bodies in one place have more contacts than triangles, and hardly a pair that crosses for
-/// certain: of 280 queries of such bodies the longest measured 649 pairs with the look, 58,000
-/// without.
+/// Number of pairs in contact after which a search tests whether the bodies share inner points.
+///
+/// Bodies in the same position have more contacts than triangles, and hardly a pair that certainly
+/// crosses. Of 280 queries of such bodies, the longest measured 649 pairs with this test, and
+/// 58,000 pairs without it.
 const CROWD: u32 = 128;
 
-/// The contents of two leaves: triangles or convex pieces, by the number of the tree's items.
+/// Tests of two items: triangles or convex pieces, by their index in the tree.
 pub(crate) trait Judge {
-    /// The features of a pair, told with points and bounds.
+    /// The features of a pair, returned with points and bounds.
     type Features: Copy;
 
-    /// Whether both trees are one, and so are the poses: the items of a body against each other.
+    /// Whether both trees and poses are the same: the items of a body against each other.
     const IS_SELF: bool = false;
 
-    /// Returns whether a pair of items is asked for: all are, unless a body is asked against
-    /// itself.
+    /// Returns whether the query includes a pair of items.
+    ///
+    /// It includes all pairs, except if a body is queried against itself.
     #[inline(always)]
     fn is_asked(&self, _: NodePair) -> bool {
         true
     }
 
-    /// Returns the greatest `n . x` of an item of A, in A's stored frame.
+    /// Returns the greatest `n . x` over an item of A, in A's stored frame.
     fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64;
 
-    /// Returns the least `n . y` of an item of B, in B's stored frame.
+    /// Returns the least `n . y` over an item of B, in B's stored frame.
     fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64;
 
     /// Returns how many pairs needed a certified query of two polygons.
@@ -58,26 +64,30 @@ pub(crate) trait Judge {
         0
     }
 
-    /// Returns whether the bodies certainly share inner points, looked for about pairs in contact,
-    /// and the winding numbers taken. `found`: a contact.
+    /// Returns whether the bodies certainly share inner points, and how many winding numbers it
+    /// took.
+    ///
+    /// Points near the pairs in contact are tested. `found` is a contact.
     fn shares_inside(&self, touching: &Touching, found: &Measured<Self::Features>) -> (bool, u64);
 
-    /// Returns the distance of two items, with bounds that are proven: the lower one at most the
-    /// frame's `tie` below the lesser of the distance and `known`, if any arithmetic can.
+    /// Returns the distance of two items with proven bounds.
+    ///
+    /// If any arithmetic can, the lower bound is at most the frame's `tie` below the lesser of the
+    /// distance and `known`.
     fn measure(&mut self, frame: &TreeFrame, pair: NodePair, known: f64) -> Measured<Self::Features>;
 }
 
-/// Two items and how far they are apart, in A's stored units.
+/// Two items and their distance, in A's stored units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measured<F> {
     pub(crate) pair: NodePair,
-    /// The distance as computed.
+    /// The distance as computed, without its error.
     pub(crate) distance: f64,
     pub(crate) lower: f64,
     pub(crate) upper: f64,
     /// Unit direction from A to B, in A's frame.
     pub(crate) normal: Vector3<f64>,
-    /// In A's and B's stored frames.
+    /// Witness points, in A's stored frame and in B's.
     pub(crate) on_a: Vector3<f64>,
     pub(crate) on_b: Vector3<f64>,
     pub(crate) features: F,
@@ -86,24 +96,24 @@ pub(crate) struct Measured<F> {
 }
 
 impl<F> Measured<F> {
-    /// Returns whether the items are in contact as far as rounding can tell.
+    /// Returns whether the items are in contact up to rounding.
     fn is_contact(&self, frame: &TreeFrame) -> bool {
         self.lower == 0.0 && self.upper <= 2.0 * frame.error
     }
 }
 
-/// The question.
+/// The goal of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum MeshGoal {
-    /// The least distance.
+    /// Finds the least distance.
     Least,
-    /// Whether any pair is at most this far apart, in A's stored units.
+    /// Decides whether any pair is at most this far apart, in A's stored units.
     Within(f64),
-    /// All pairs that are at most this far apart, in stored units: of a body against itself.
+    /// Finds all pairs of a body and itself that are at most this far apart, in stored units.
     All(f64),
 }
 
-/// What keeps the pairs of nodes that a search proves.
+/// Stores the pairs of nodes that a search proves.
 pub(crate) trait ProofKeeper {
     fn keep<J: Judge>(&mut self, search: &TreeSearch<J>, pair: NodePair, proof: GapProof);
 }
@@ -124,25 +134,27 @@ pub(crate) struct TreeSearch<'a, J: Judge> {
     pub(crate) goal: MeshGoal,
     /// The closest pair so far.
     pub(crate) best: Option<Measured<J::Features>>,
-    /// Lower bound over all pairs pruned so far.
+    /// Lower bound over the pairs that were pruned in double precision or measured, without `best`.
     pub(super) lower: f64,
-    /// The pairs found, if all are asked for.
+    /// The pairs found, if the goal is all pairs.
     pub(crate) found: Vec<Measured<J::Features>>,
-    /// Of a body against itself: lower bound over all pairs of the two leaves that were judged
-    /// last, minus infinity if the search was over before.
+    /// Lower bound over all pairs of the two leaves tested last, for a body against itself.
+    ///
+    /// It is minus infinity if the search was over before all pairs were tested.
     pub(crate) leaf_gap: f64,
-    /// Directions of the latest best pairs; two, because flush contact alternates.
+    /// Directions of the latest best pairs. There are two, because they alternate in flush contact.
     pub(crate) directions: [Option<(NodePair, TriedDirection)>; 2],
-    /// Pairs at distance zero, up to rounding, that were met.
+    /// Pairs met at distance zero up to rounding.
     pub(super) touching: Touching,
-    /// Whether contact without a crossing is all that is asked of the least distance: of surfaces,
-    /// which share no inner points.
+    /// Whether a contact without a crossing ends the search for the least distance.
+    ///
+    /// It does if one of the bodies is an open mesh, because then the bodies share no inner points.
     pub(crate) ends_in_contact: bool,
-    /// Pairs measured that are in contact, or as near as a tie.
+    /// Number of measured pairs that are in contact, or closer than a tie.
     close: u32,
-    /// The level in single precision.
+    /// The pruning level in single precision.
     single: f32,
-    /// The least gap that single precision has proven.
+    /// The least gap that was proven in single precision.
     least: f32,
     pub(crate) work: TreeWork,
 }
@@ -150,10 +162,10 @@ pub(crate) struct TreeSearch<'a, J: Judge> {
 /// A unit direction from A to B.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TriedDirection {
-    /// In A's stored frame and in B's.
+    /// In A's stored frame, and in B's.
     in_a: Vector3<f64>,
     in_b: Vector3<f64>,
-    /// The height of the origin of B's frame.
+    /// The height of the origin of B's frame above the origin of A's.
     lift: f64,
 }
 
@@ -168,7 +180,7 @@ impl TriedDirection {
     }
 }
 
-/// A direction and a gap along it that are proven, in single precision.
+/// A direction and a proven gap along it, in single precision.
 #[derive(Clone, Copy)]
 pub(crate) struct GapProof {
     /// From A to B, in A's frame.
@@ -207,7 +219,8 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         search
     }
 
-    /// Returns the gap that a pair must exceed to be passed by, in A's stored units.
+    /// Returns the pruning level in A's stored units: the distance of the goal, or the least so
+    /// far.
     pub(crate) fn level(&self) -> f64 {
         match self.goal {
             MeshGoal::Within(d) | MeshGoal::All(d) => d,
@@ -215,15 +228,16 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         }
     }
 
-    /// Lower bound of the distance of all pairs, in A's stored units, at the end of a search that
-    /// is not over.
+    /// Returns a lower bound of the distance of all pairs, in A's stored units.
+    ///
+    /// It holds at the end of a search that is not over.
     pub(crate) fn proven(&self) -> f64 {
         let measured = self.best.as_ref().map_or(f64::INFINITY, |b| b.lower);
         let proven = self.lower.smaller(f64::from(self.least) * self.frame.single.unit);
         proven.smaller(measured)
     }
 
-    /// Pruning level in f32, rounded up; the next number if equality does not prune.
+    /// Returns the pruning level in f32, rounded up; the next number if equality does not prune.
     fn single_level(&self) -> f32 {
         let level = self.frame.single_up(self.level());
         match self.goal {
@@ -232,7 +246,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         }
     }
 
-    /// Returns whether the answer is known already.
+    /// Returns whether the measured pairs decide the goal.
     pub(crate) fn is_over(&self) -> bool {
         let Some(best) = &self.best else { return false };
         match self.goal {
@@ -242,7 +256,9 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         }
     }
 
-    /// Measures a pair of items and keeps it if it is closer than any before.
+    /// Measures a pair of items and stores it if it is the closest so far.
+    ///
+    /// Returns the normal and the lower bound.
     pub(crate) fn measure(&mut self, pair: NodePair) -> (Vector3<f64>, f64) {
         self.work.measured += 1;
         let found = self.judge.measure(self.frame, pair, self.level());
@@ -281,8 +297,9 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         result
     }
 
-    /// Looks for inner points of bodies of which a crowd of pairs is nearly in contact: there may
-    /// be as many such pairs as items, and none of them crosses for certain.
+    /// Tests for common inner points if many pairs are nearly in contact.
+    ///
+    /// There may be as many such pairs as items, although none of them certainly crosses.
     #[cold]
     fn judge_crowd(&mut self) {
         let Some(best) = &mut self.best else { return };
@@ -293,7 +310,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         }
     }
 
-    /// Returns whether a proven gap prunes the pair, and remembers the gap.
+    /// Returns whether a proven gap prunes a pair, and records the gap if it does.
     #[inline(always)]
     pub(crate) fn passes(&mut self, gap: f64) -> bool {
         let passes = match self.goal {
@@ -306,7 +323,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         passes
     }
 
-    /// Bounds up to eight pairs of boxes.
+    /// Returns the gaps of up to eight pairs of boxes.
     pub(crate) fn bound(&mut self, pairs: &[NodePair]) -> BoxGaps {
         self.work.bounds += pairs.len() as u64;
         let single = |(_, n): &(NodePair, TriedDirection)| [n.in_a.x as f32, n.in_a.y as f32, n.in_a.z as f32];
@@ -317,7 +334,10 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         bounds(&self.frame.single, [self.a, self.b], pairs, &aim)
     }
 
-    /// Tries to prove a pair: by its gap, in double precision if the gap is close, or item by item.
+    /// Tries to prove a pair far enough apart.
+    ///
+    /// The gap in single precision is tried first. If it is nearly sufficient, directions are tried
+    /// in double precision. Two leaves are tested item by item.
     #[inline(always)]
     pub(crate) fn settle(&mut self, pair: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
         let proven = gap - self.frame.single.error;
@@ -347,8 +367,10 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         }
     }
 
-    /// Tries to prove a node of one body against the only item of the other, by the height of the
-    /// item itself: a box about a round body is much larger than the body.
+    /// Tries to prove a node of one body against the only item of the other.
+    ///
+    /// The height of the item itself is used, because the box of a round body is much larger than
+    /// the body.
     fn by_support(&mut self, [x, y]: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
         let (is_a, is_b) = (self.a.is_alone(), self.b.is_alone());
         let reach = match (is_a, is_b) {
@@ -380,7 +402,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         None
     }
 
-    /// Tries to prove two leaves along a direction in A's frame, by the items themselves.
+    /// Tries to prove two leaves along a direction in A's frame, by the heights of their items.
     pub(crate) fn by_items(&mut self, [x, y]: NodePair, normal: [f32; 3]) -> Option<GapProof> {
         if !(self.a.is_leaf(x) && self.b.is_leaf(y)) {
             return None;
@@ -392,28 +414,28 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         self.passes(gap).then(|| self.proof(&n.in_a, gap))
     }
 
-    /// Returns the least height of items of B.
+    /// Returns the least height of the given items of B.
     fn lowest(&self, items: Range<u32>, n: &TriedDirection) -> f64 {
         items.fold(f64::INFINITY, |low, k| low.smaller(self.judge.lowest_in_b(k, &n.in_b)))
     }
 
-    /// Returns the greatest height of items of A.
+    /// Returns the greatest height of the given items of A.
     fn highest(&self, items: Range<u32>, n: &TriedDirection) -> f64 {
         items.fold(f64::NEG_INFINITY, |high, k| {
             high.larger(self.judge.highest_in_a(k, &n.in_a))
         })
     }
 
-    /// Returns the direction along which two boxes are parted best.
+    /// Returns the direction along which a pair of boxes has its best gap.
     fn own_direction(&self, normal: [f32; 3]) -> Option<TriedDirection> {
         let n = near_unit(&Vector3::from(normal.each(f64::from)))?;
         Some(TriedDirection::new(self.frame, &n))
     }
 
-    /// Returns a direction and a gap in double precision, as an entry of the front keeps them.
+    /// Converts a direction and a gap in double precision to the form in a front.
     pub(super) fn proof(&self, n: &Vector3<f64>, gap: f64) -> GapProof {
-        // Rounding the direction moves heights by v L, the gap by v of itself: the error of single
-        // precision is far more.
+        // Rounding the direction changes heights by v L, and rounding the gap changes it by v of
+        // itself. The error of single precision is far larger.
         let gap = (gap * self.frame.single.per_unit) as f32 - self.frame.single.error;
         GapProof {
             normal: [n.x as f32, n.y as f32, n.z as f32],
@@ -421,9 +443,10 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         }
     }
 
-    /// Returns the gap of two nodes along a direction in double precision, error taken off: by
-    /// boxes and slabs, and if the gap is short by no more than single precision can hide, by the
-    /// vertices of small nodes.
+    /// Returns the gap of two nodes along a direction in double precision, reduced by its error.
+    ///
+    /// Boxes and slabs bound the heights. If the gap is short by no more than the error of single
+    /// precision, the items of small nodes do.
     fn look(&mut self, [x, y]: NodePair, n: &TriedDirection) -> f64 {
         self.work.looks += 1;
         let lift = n.lift - 2.0 * self.frame.error;
@@ -444,8 +467,10 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         low + lift - high
     }
 
-    /// Splits the pairs on the stack until each is proven, nearest first. Proven pairs go to the
-    /// front, if one is kept.
+    /// Splits the pairs on the stack, the nearest first, until all are proven or the search is
+    /// over.
+    ///
+    /// Proven pairs are added to the front, if there is one.
     pub(crate) fn descend<K: ProofKeeper>(&mut self, stack: &mut Vec<NodePair>, mut front: Option<&mut K>) {
         while !stack.is_empty() && !self.is_over() {
             let mut halves = [[0; 2]; 2 * AT_ONCE];
@@ -466,7 +491,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         }
     }
 
-    /// Proves up to eight pairs, or puts them on the stack, the nearest last.
+    /// Proves up to eight pairs, and puts the others on the stack, the nearest last.
     #[inline(always)]
     pub(crate) fn settle_all<K: ProofKeeper>(
         &mut self,
@@ -491,12 +516,12 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
             }
         }
         let open = &mut open[..left];
-        // A stable sort: pairs of equal bounds keep their order.
+        // The sort is stable, so pairs of equal bounds keep their order.
         open.sort_by(|p, q| q.0.total_cmp(&p.0));
         stack.extend(open.iter().map(|p| p.1));
     }
 
-    /// Both roots, settled or on the stack.
+    /// Proves the pair of the roots, or puts it on the stack.
     pub(crate) fn start(&mut self, stack: &mut Vec<NodePair>, front: Option<&mut Front>) {
         stack.clear();
         let root = [0, 0];
@@ -512,14 +537,15 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 }
 
-/// Returns the items of a node, if they are few.
+/// Returns the items of a node if they are few.
 fn few(tree: &Tree, node: u32) -> Option<Range<u32>> {
     let items = tree.range(node);
     (items.end - items.start <= FEW_ITEMS).then_some(items)
 }
 
 impl<J: Judge> TreeSearch<'_, J> {
-    /// Finds a close pair of items: the few most promising pairs of nodes, level by level.
+    /// Measures a close pair of items, found by a beam search of [`AT_ONCE`] pairs of nodes per
+    /// level.
     pub(crate) fn seed(&mut self) {
         let mut beam = [[0u32; 2]; AT_ONCE];
         let mut width = 1;
@@ -566,7 +592,7 @@ impl<J: Judge> TreeSearch<'_, J> {
     }
 }
 
-/// A pair of nodes by its gap along a direction: a seed where the gap is least.
+/// A candidate of the beam search: the pair with the least gap is the best.
 #[derive(Clone, Copy)]
 struct SeedPair {
     gap: f32,
@@ -575,7 +601,7 @@ struct SeedPair {
 }
 
 impl SeedPair {
-    /// A place of the list that is free.
+    /// An unused entry of a list.
     const NONE: Self = Self {
         gap: f32::INFINITY,
         pair: [0; 2],
@@ -583,7 +609,7 @@ impl SeedPair {
     };
 }
 
-/// Puts a pair into a list sorted by gap; the last one falls out.
+/// Inserts a pair into a list sorted by gap, which drops its last entry.
 fn keep(list: &mut [SeedPair; AT_ONCE], new: SeedPair) {
     if new.gap < list[AT_ONCE - 1].gap {
         list[AT_ONCE - 1] = new;
@@ -595,9 +621,9 @@ fn keep(list: &mut [SeedPair; AT_ONCE], new: SeedPair) {
 struct OpenLeafPair {
     of_a: Range<u32>,
     of_b: Range<u32>,
-    /// A bit for each pair, four to an item of A.
+    /// One bit per pair, four bits per item of A.
     left: u32,
-    /// The direction with the greatest least gap.
+    /// The direction along which the least gap of all pairs is greatest, and this gap.
     best: Option<(Vector3<f64>, f64)>,
     /// Lower bound over the pairs that are proven.
     proven: f64,
@@ -616,7 +642,7 @@ impl OpenLeafPair {
         }
     }
 
-    /// Takes a distance that is proven of some pairs, if it is of use.
+    /// Records a lower bound of some pairs, for a body against itself.
     #[inline(always)]
     fn prove<J: Judge>(&mut self, distance: f64) {
         if J::IS_SELF {
@@ -624,7 +650,7 @@ impl OpenLeafPair {
         }
     }
 
-    /// Leaves out pairs that are not asked for.
+    /// Removes the pairs that the query does not include.
     fn only_asked<J: Judge>(&mut self, judge: &J) {
         for bit in bits(self.left) {
             if !judge.is_asked([self.of_a.start + bit / 4, self.of_b.start + bit % 4]) {
@@ -634,7 +660,7 @@ impl OpenLeafPair {
     }
 }
 
-/// Returns the numbers of the bits that are set.
+/// Returns the indices of the bits that are set.
 #[inline(always)]
 fn bits(mut left: u32) -> impl Iterator<Item = u32> {
     core::iter::from_fn(move || {
@@ -645,9 +671,10 @@ fn bits(mut left: u32) -> impl Iterator<Item = u32> {
 }
 
 impl<J: Judge> TreeSearch<'_, J> {
-    /// Judges all items of two leaves: along the best direction so far, along the boxes' own, by
-    /// measuring. The proof returned is the best single direction, whether it proves the pair far
-    /// enough or not.
+    /// Tests all items of two leaves, first along directions, then by measuring them.
+    ///
+    /// The directions come from the closest pairs and from the boxes. Returns the best single
+    /// direction, even if it does not prove the pair far enough apart.
     fn judge_leaves(&mut self, pair: NodePair, normal: [f32; 3]) -> GapProof {
         self.work.leaves += 1;
         let (Below::Leaf(i, m), Below::Leaf(j, n)) = (self.a.below(pair[0]), self.b.below(pair[1])) else {
@@ -687,7 +714,7 @@ impl<J: Judge> TreeSearch<'_, J> {
         }
     }
 
-    /// Passes by the pairs of items that a direction proves.
+    /// Removes the pairs of items that a direction proves.
     #[inline(always)]
     fn along(&mut self, open: &mut OpenLeafPair, n: &TriedDirection) {
         let (i, j) = (open.of_a.start, open.of_b.start);
@@ -724,30 +751,30 @@ impl<J: Judge> TreeSearch<'_, J> {
     }
 }
 
-/// Work done by queries.
+/// Work of queries, as counters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct TreeWork {
-    /// Queries.
+    /// Number of queries.
     pub queries: u64,
-    /// Entries of the front that were proven again, or not, by their direction.
+    /// Entries of fronts that were tested again at a new pose.
     pub entries: u64,
-    /// Entries whose direction no longer proved them.
+    /// Tested entries that were not proven again.
     pub failed: u64,
-    /// Pairs of boxes bounded anew.
+    /// Pairs of boxes bounded in single precision.
     pub bounds: u64,
-    /// Pairs of boxes bounded in double precision.
+    /// Pairs of nodes bounded in double precision.
     pub looks: u64,
-    /// Pairs of leaves judged.
+    /// Pairs of leaves tested item by item.
     pub leaves: u64,
-    /// Pairs of triangles or pieces measured.
+    /// Pairs of triangles or pieces whose distance was computed.
     pub measured: u64,
-    /// Pairs settled by a certified query of two polygons.
+    /// Pairs of triangles that needed a certified query of two polygons.
     pub settled: u64,
-    /// Fronts cut.
+    /// Fronts that were built from the roots.
     pub cuts: u64,
-    /// Winding numbers taken.
+    /// Winding numbers computed.
     pub windings: u64,
 }
 

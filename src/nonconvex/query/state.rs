@@ -1,4 +1,4 @@
-//! The queries of two bodies of parts, for every kind of parts.
+//! The queries of two meshes or compounds at a pose, and the state between queries.
 
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -20,27 +20,29 @@ use crate::nonconvex::query::search::{Judge, Measured, MeshGoal, TreeSearch};
 use crate::pair::location::{PairOutcome, WitnessLocation, features_on};
 use crate::pair::outcome::{ContactState, Outcome};
 
-/// The state of a tracker between queries. Saving a state (feature `serde`) keeps the counters
-/// alone: claims in a file prove nothing.
+/// The state of a tracker between queries.
+///
+/// Saving a state (feature `serde`) saves only the counters, because claims in a file prove
+/// nothing.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct TreeState {
     #[cfg_attr(feature = "serde", serde(skip))]
     fingerprints: [Fingerprint; 2],
     pub(crate) kept: FrontMemory,
-    /// Last proof that the bodies do not contain each other: clearance and B's pose.
+    /// The last proof that neither body contains the other: clearance, and B's pose.
     #[cfg_attr(feature = "serde", serde(skip))]
     free: Option<(f64, BallAtPose)>,
 }
 
-/// What a state was before a query.
+/// The bodies to which a state belonged before a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Recognised {
-    /// Of these bodies as they are.
+    /// These bodies, unchanged.
     Same,
-    /// Of these bodies, of which some points have moved since.
+    /// These bodies, but some points have moved since.
     Moved,
-    /// Of other bodies.
+    /// Other bodies.
     Other,
 }
 
@@ -52,13 +54,13 @@ pub(crate) struct PosedTrees<'a, A, B> {
     pub(crate) frame: TreeFrame,
 }
 
-/// The closest points, in the caller's units and the bodies' own frames.
+/// The closest points, in the caller's units and in the frames of the bodies.
 pub(crate) struct TreeAnswer<F> {
     pub(super) state: ContactState,
     pub(super) distance: f64,
     pub(crate) lower: f64,
     pub(super) upper: f64,
-    /// The closest items and their features; `None` for bodies too far apart to look at.
+    /// The closest items and their features; `None` if the bodies were too far apart for a search.
     pub(crate) of: Option<(NodePair, F)>,
     pub(super) point_on_a: Point3<f64>,
     pub(super) point_on_b: Point3<f64>,
@@ -68,22 +70,25 @@ pub(crate) struct TreeAnswer<F> {
 /// Whether one body is inside the other.
 pub(crate) enum Inside {
     No,
-    /// At a point of the inner one, in A's frame and in B's.
+    /// At this point of the inner body, in A's frame and in B's.
     At(Vector3<f64>, Vector3<f64>),
-    /// The points looked at are too near a surface, or every segment met an edge.
+    /// Undecided: a surface is too near all points tested, or every segment met an edge.
     Unclear,
 }
 
 impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
-    /// `None` if the bodies are so far apart, or so small, that squares of lengths leave the range
-    /// of f64.
+    /// Creates a pair of bodies at a pose.
+    ///
+    /// Returns `None` if the bodies are so far apart, or so small, that squares of lengths leave
+    /// the range of f64.
     pub(crate) fn new(a: &'a A, b: &'a B, pose: &'a RelativePose) -> Option<Self> {
         let frame = TreeFrame::new(a.side(), b.side(), pose)?;
         Some(Self { a, b, pose, frame })
     }
 
-    /// Returns whether the pair is answered as B and A: lengths leave the range in the unit of A,
-    /// and B's is larger.
+    /// Returns whether the query must be answered with A and B swapped.
+    ///
+    /// It must if lengths leave the range in A's unit and B's unit is larger.
     pub(crate) fn is_turned(a: &A, b: &B, pose: &RelativePose) -> bool {
         a.side().exponent < b.side().exponent && TreeFrame::new(a.side(), b.side(), pose).is_none()
     }
@@ -94,7 +99,7 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
         search
     }
 
-    /// Returns the ball of B about its tree's origin, as seen from A, in A's stored units.
+    /// Returns the ball of B around the origin of its tree, seen from A, in A's stored units.
     fn place(&self) -> BallAtPose {
         let (tree, frame) = (self.b.side().tree, &self.frame);
         let radius = f64::from(tree.reach) * tree.unit() * frame.scale;
@@ -102,17 +107,19 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
         BallAtPose::new(Operand::B, &centre, radius, &frame.rotation, &frame.translation)
     }
 
-    /// Returns a point of A in B's stored frame.
+    /// Maps a point from A's stored frame to B's.
     pub(crate) fn back(&self, p: &Vector3<f64>) -> Vector3<f64> {
         let ratio = self.a.stored_unit() / self.b.stored_unit();
         self.frame.rotation.tr_mul(&(p - self.frame.translation)) * ratio
     }
 
-    /// Returns whether a part of one body is inside the other, whose surfaces are proven to be
-    /// `lower` apart; and the winding numbers taken.
+    /// Returns whether a part of one body is inside the other, and how many winding numbers it
+    /// took.
+    ///
+    /// The surfaces are proven to be at least `lower` apart.
     pub(crate) fn inside(&self, lower: f64) -> (Inside, u64) {
-        // A point moved to the other frame is off its place by the error of the frame: on its side
-        // of a surface that is farther.
+        // A point moved to the other frame is off by the error of the frame. If the surface is
+        // farther than twice this error, the point is still on its side of the surface.
         let error = self.frame.error;
         let doubt = if lower > 2.0 * error { 0.0 } else { 2.0 * error };
         let ratio = self.a.stored_unit() / self.b.stored_unit();
@@ -150,9 +157,11 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
         (found, windings)
     }
 
-    /// Returns whether the other body holds a connected part of a body, whose surface does not meet
-    /// its own, by a point of the part without rounding; and the point in the frames of A and B.
-    /// `None` if the point is on the surface after all.
+    /// Returns whether the other body contains a connected component, and a point of the component.
+    ///
+    /// The surfaces of the bodies do not meet. One point of the component decides, without
+    /// rounding, and is returned in the frames of A and B. Returns `None` if the point is on the
+    /// surface.
     #[cfg(feature = "exact")]
     #[cold]
     fn held_exactly(&self, of: Operand, k: usize) -> Option<(bool, Vector3<f64>, Vector3<f64>)> {
@@ -183,14 +192,15 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
         })
     }
 
-    /// Without exact arithmetic a part as near as rounding stays undecided.
+    /// Without exact arithmetic, a component within rounding of the surface is undecided.
     #[cfg(not(feature = "exact"))]
     fn held_exactly(&self, _: Operand, _: usize) -> Option<(bool, Vector3<f64>, Vector3<f64>)> {
         None
     }
 
-    /// Bodies so far apart, or so small beside their distance, that only balls about their origins
-    /// count.
+    /// Returns the bounds of bodies that are too far apart or too small for a search.
+    ///
+    /// Only balls around their origins are used.
     pub(crate) fn far<F>(a: &A, b: &B, pose: &RelativePose) -> TreeAnswer<F> {
         let (distance, slack, normal) = crate::nonconvex::query::frame::far(a.side(), b.side(), pose);
         let lower = (distance - slack).at_least(0.0);
@@ -212,14 +222,15 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
     }
 }
 
-/// Points of a connected part, one of which is to decide on which side of a surface the part is.
+/// Returns points of a connected component, to be tested until one decides the side of the
+/// component.
 fn probes<A: Parted>(body: &A, part: usize) -> impl Iterator<Item = Vector3<f64>> + '_ {
     let middles = (0..).map_while(|k| body.further_probe(k));
     body.probe(part).into_iter().chain(middles)
 }
 
 impl TreeState {
-    /// Forgets the state of other bodies, and what moved points make untrue.
+    /// Drops the state of other bodies and every claim that moved points may have made false.
     pub(crate) fn recognise<A: Parted, B: Parted>(&mut self, a: &A, b: &B) -> Recognised {
         let (before, now) = (self.fingerprints, [a.fingerprint(), b.fingerprint()]);
         if before == now {
@@ -240,7 +251,7 @@ impl TreeState {
         Recognised::Other
     }
 
-    /// Returns the closest points, by the front if there is one.
+    /// Returns the closest points, from the stored front if there is one.
     pub(crate) fn closest<A: Parted, B: Parted, J: Judge>(
         &mut self,
         posed: &PosedTrees<A, B>,
@@ -261,7 +272,7 @@ impl TreeState {
         answer
     }
 
-    /// From the closest parts of bodies that do not cross to the contact state of the bodies.
+    /// Sets the contact state of bodies whose closest items do not certainly cross.
     fn conclude<A: Parted, B: Parted, F>(
         &mut self,
         posed: &PosedTrees<A, B>,
@@ -286,10 +297,10 @@ impl TreeState {
         }
     }
 
-    /// Returns whether one body is inside the other, whose surfaces are proven to be `lower` apart.
+    /// Returns whether one body is inside the other; their surfaces are proven to be `lower` apart.
     fn held<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>, lower: f64) -> Inside {
         let now = posed.place();
-        // The bodies moved less than the proven clearance, so the old proof holds.
+        // The bodies moved by less than the proven clearance, so the last proof holds.
         let carried = self
             .free
             .as_ref()
@@ -305,7 +316,7 @@ impl TreeState {
         inside
     }
 
-    /// Returns whether solids that touch certainly share inner points.
+    /// Returns whether solids in contact certainly share inner points.
     fn shares_inside<A: Parted, B: Parted, F>(
         &mut self,
         posed: &PosedTrees<A, B>,
@@ -317,7 +328,9 @@ impl TreeState {
         is_shared
     }
 
-    /// Returns whether the bodies are at most `d` apart, in A's stored units; the judge knows `d`.
+    /// Returns whether the bodies are at most `d` apart, in A's stored units.
+    ///
+    /// The judge was created for the same `d`.
     pub(crate) fn within<A: Parted, B: Parted, J: Judge>(
         &mut self,
         posed: &PosedTrees<A, B>,
@@ -333,14 +346,14 @@ impl TreeState {
         if self.kept.is_within(&mut search) {
             return true;
         }
-        // Now all parts are proven farther apart than `d`, and one body may hold the other.
+        // All items are proven farther apart than `d`, but one body may contain the other.
         let lower = search.proven().larger(d);
         let is_apart = matches!(self.inside(posed, lower), Inside::No);
         self.free = is_apart.then(|| (lower, posed.place()));
         !is_apart
     }
 
-    /// Returns a lower bound of the distance in the caller's unit, by the state alone.
+    /// Returns a lower bound of the distance in the caller's unit, from the stored state alone.
     pub(crate) fn lower_bound<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>) -> f64 {
         let moved = |(lower, then): &(f64, BallAtPose)| lower - posed.place().displacement(then);
         let carried = self.free.as_ref().map_or(0.0, moved);
@@ -360,8 +373,9 @@ impl TreeState {
 }
 
 impl<F: Copy> TreeAnswer<F> {
-    /// Returns two items and a lower bound of the distance of the bodies, in A's stored units, in
-    /// those of the caller: as of bodies that touch.
+    /// Converts two items and a lower bound of the distance to the caller's units.
+    ///
+    /// The contact state is touching; the caller may change it.
     fn of_pair(best: &Measured<F>, lower: f64, [unit, unit_b]: [f64; 2]) -> Self {
         Self {
             state: ContactState::Touching,
@@ -375,7 +389,9 @@ impl<F: Copy> TreeAnswer<F> {
         }
     }
 
-    /// Returns two items of one body, which has no inside, and a lower bound of their distance.
+    /// Returns the answer for two items of one body, which has no inside.
+    ///
+    /// `lower` is a lower bound of their distance.
     pub(crate) fn of_one_body(best: &Measured<F>, lower: f64, unit: f64, frame: &TreeFrame) -> Self {
         let mut answer = Self::of_pair(best, lower, [unit; 2]);
         if best.crosses {
@@ -390,7 +406,7 @@ impl<F: Copy> TreeAnswer<F> {
 }
 
 impl<F> TreeAnswer<F> {
-    /// Returns the answer with the places of the witnesses.
+    /// Returns the outcome with the locations of the witness points.
     pub(crate) fn on(&self, locations: [WitnessLocation; 2]) -> PairOutcome {
         let outcome = Outcome {
             state: self.state,
@@ -409,7 +425,8 @@ impl<F> TreeAnswer<F> {
         }
     }
 
-    /// The bodies share points; only solids share inner ones.
+    /// Sets the contact state of bodies that share points: overlapping for solids, otherwise
+    /// touching.
     fn share(&mut self, are_solid: bool) {
         self.state = if are_solid {
             ContactState::Overlapping

@@ -1,16 +1,18 @@
-//! The distance of two triangles: a proposal by closed formulas, with the features it lies on.
+//! The distance of two triangles, by closed formulas, with the closest features.
 //!
-//! Two disjoint triangles are closest at two edges, or at a vertex and the inside of the other
-//! triangle. In the second case the whole triangle of the vertex lies beyond the plane through it,
-//! so it is the vertex nearest the other plane; of several that are equally near, an edge is
-//! parallel to the plane, and if one of its ends lies over the triangle and the other does not,
-//! an edge pair is as close. The caller judges the proposal along its own directions.
+//! Two disjoint triangles are closest at two edges, or at a vertex and a point inside the other
+//! triangle. In the second case, the triangle of the vertex lies beyond the plane through the
+//! vertex that is parallel to the other triangle. So the vertex is the one nearest to the plane of
+//! the other triangle. If several vertices are equally near, an edge between them is parallel to
+//! this plane. If one end of this edge projects into the other triangle and the other end does not,
+//! an edge pair is equally close. The result is a proposal. The caller proves it along its own
+//! directions.
 //!
 //! The points lie in their triangles by construction: on an edge, or at non-negative weights of the
-//! three vertices. The normal of a triangle whose vertices are nearly on a line is rounding, and
-//! would otherwise place a point outside. So the distance of the points is an upper bound whatever
-//! the normals are; where they are rounding, an edge pair may be the proposal although a foot is
-//! closer, by at most the thickness of the triangle.
+//! three vertices. Without this, a point could lie outside a triangle whose vertices are nearly
+//! collinear, because its normal consists of rounding errors. So the distance of the points is an
+//! upper bound for any normals. If a normal consists of rounding errors, an edge pair may be
+//! proposed although the foot of a vertex is closer, by at most the thickness of the triangle.
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
@@ -20,8 +22,9 @@ use wide::f64x4;
 
 use crate::base::tolerance::SAME_PLACE;
 
-/// A feature of a triangle by the number of its vertex, of its edge (from the vertex of that number
-/// to the next), or the inside.
+/// A feature of a triangle.
+///
+/// Edge k leads from vertex k to the next vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TriangleSpot {
     Vertex(u8),
@@ -29,20 +32,20 @@ pub(crate) enum TriangleSpot {
     Inside,
 }
 
-/// The closest points found.
+/// The closest points found, with their squared distance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Closest {
     pub(crate) square: f64,
     pub(crate) on_p: Vector3<f64>,
     pub(crate) on_q: Vector3<f64>,
     pub(crate) spots: [TriangleSpot; 2],
-    /// Whether an edge of one passes through the other, as far as rounding can tell.
+    /// Whether an edge of one triangle passes through the other, up to rounding.
     pub(crate) pierces: bool,
 }
 
 pub(crate) type Triangle = [Vector3<f64>; 3];
 
-/// Returns the normal of a triangle, with twice its area as length.
+/// Returns the normal of a triangle; its length is twice the area.
 #[inline(always)]
 pub(crate) fn normal([a, b, c]: &Triangle) -> Vector3<f64> {
     (b - a).cross(&(c - a))
@@ -61,7 +64,7 @@ pub(crate) fn closest(p: &Triangle, q: &Triangle) -> Closest {
     let (of_p, of_q) = (normal(p), normal(q));
     let over_q = p.each(|x| of_q.dot(&(x - q[0])));
     let over_p = q.each(|x| of_p.dot(&(x - p[0])));
-    // A vertex in the plane touches, and does not pierce.
+    // A vertex in the plane touches and does not pierce.
     let one_side = |h: &[f64; 3]| h.iter().all(|x| *x >= 0.0) || h.iter().all(|x| *x <= 0.0);
     match (one_side(&over_q), one_side(&over_p)) {
         (false, false) => pierce([p, q], [&of_p, &of_q], [&over_p, &over_q], &mut best),
@@ -89,7 +92,7 @@ pub(crate) fn foot_of(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>)
     (best.square, best.on_q)
 }
 
-/// A point and the closest point of a triangle.
+/// Returns the closest points of a point and a triangle.
 fn closest_to(point: &Vector3<f64>, y: &Triangle) -> Closest {
     let mut best = Closest {
         square: f64::INFINITY,
@@ -106,7 +109,7 @@ fn closest_to(point: &Vector3<f64>, y: &Triangle) -> Closest {
     best
 }
 
-/// The closest points of the nine pairs of edges.
+/// Updates the closest points with the nine pairs of edges.
 #[inline(always)]
 fn edges(p: &Triangle, q: &Triangle, best: &mut Closest) {
     let sides = TriangleSides::new(q);
@@ -115,7 +118,7 @@ fn edges(p: &Triangle, q: &Triangle, best: &mut Closest) {
     }
 }
 
-/// The three edges of a triangle, side by side.
+/// The three edges of a triangle, in the lanes of registers.
 struct TriangleSides<'a> {
     corners: &'a Triangle,
     from: [f64x4; 3],
@@ -139,14 +142,15 @@ impl<'a> TriangleSides<'a> {
         }
     }
 
-    /// The closest points of an edge, the `i`-th of another triangle, and the three.
+    /// Updates the closest points with one edge, the `i`-th of another triangle, and the three
+    /// edges.
     #[inline(always)]
     fn closest_to(&self, from: &Vector3<f64>, along: &Vector3<f64>, i: usize, best: &mut Closest) {
         let (zero, one) = (f64x4::splat(0.0), f64x4::splat(1.0));
         let (v, vv) = (&self.along, self.square);
         let u = [f64x4::splat(along.x), f64x4::splat(along.y), f64x4::splat(along.z)];
         let uu = f64x4::splat(along.norm_squared());
-        // An edge without length has the products zero.
+        // If an edge has no length, its products are zero.
         let least = f64x4::splat(f64::MIN_POSITIVE);
         let w = [
             f64x4::splat(from.x) - self.from[0],
@@ -188,8 +192,9 @@ fn spot(edge: usize, s: f64) -> TriangleSpot {
     }
 }
 
-/// The foot of the vertex of `x` nearest the plane of `y`, if it is closer than the best so far
-/// and lies in `y`.
+/// Updates the closest points with the foot of the vertex of `x` nearest to the plane of `y`.
+///
+/// The foot counts if it lies in `y` and is closer than the best so far.
 #[inline(always)]
 fn foot(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>, swapped: bool, best: &mut Closest) {
     let mut k = 0;
@@ -210,9 +215,10 @@ fn foot(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>, swappe
     }
 }
 
-/// Returns the foot of a point on a triangle with normal `n`, of which it is `height` times the
-/// length of `n` away, and its squared distance, if the foot lies in the triangle and is closer
-/// than `nearest`, a squared distance.
+/// Returns the squared distance of a point from its foot on a triangle, and the foot.
+///
+/// The height of the point is `height` divided by the length of the normal `n`. Returns `None` if
+/// the foot is outside the triangle or no closer than `nearest`, a squared distance.
 #[inline(always)]
 fn foot_inside(
     point: &Vector3<f64>,
@@ -234,14 +240,16 @@ fn foot_inside(
     (square < nearest).then_some((square, inside))
 }
 
-/// Returns the weights of the vertices at a point that projects into a triangle, up to a factor.
+/// Returns the barycentric weights of the projection of a point into a triangle, up to a factor.
+///
+/// Returns `None` if the point projects outside the triangle.
 #[inline(always)]
 fn weights(point: &Vector3<f64>, y: &Triangle, n: &Vector3<f64>) -> Option<[f64; 3]> {
     let mut all = [0.0; 3];
     for i in 0..3 {
         let (from, to) = (&y[i], &y[(i + 1) % 3]);
         let weight = n.dot(&(to - from).cross(&(point - from)));
-        // Written so that NaN is none.
+        // Written so that NaN returns `None`.
         if !(weight >= 0.0) {
             return None;
         }
@@ -250,24 +258,29 @@ fn weights(point: &Vector3<f64>, y: &Triangle, n: &Vector3<f64>) -> Option<[f64;
     Some(all)
 }
 
-/// Returns the point of a triangle at weights that are not negative: inside, or on an edge,
-/// whatever they are. NaN if all are zero.
+/// Returns the point of a triangle at non-negative weights.
+///
+/// It lies inside the triangle or on an edge for any such weights. It is NaN if all weights are
+/// zero.
 #[inline(always)]
 fn combined([a, b, c]: &Triangle, [u, v, w]: [f64; 3]) -> Vector3<f64> {
     let sum = u + v + w;
     a + (b - a) * (v / sum) + (c - a) * (w / sum)
 }
 
-/// Returns whether a foot or a crossing `at` is at a place inside a triangle up to rounding of the
-/// differences from which both were computed ([`SAME_PLACE`]).
+/// Returns whether a foot or crossing `at` equals the point `inside` of a triangle up to rounding.
+///
+/// The rounding is that of the differences from which both were computed ([`SAME_PLACE`]).
 #[inline(always)]
 fn is_same_place(at: &Vector3<f64>, inside: &Vector3<f64>, from: &Vector3<f64>, [a, b, c]: &Triangle) -> bool {
     let size = (from - a).norm_squared() + (b - a).norm_squared() + (c - a).norm_squared();
     (at - inside).norm_squared() <= SAME_PLACE * SAME_PLACE * size
 }
 
-/// Looks for an edge of one triangle that passes through the other: by their normals, and by the
-/// heights of the other's corners over each.
+/// Sets the closest points to a point where an edge of one triangle passes through the other.
+///
+/// Changes nothing if no edge does. `over_q` are the heights of the vertices of `p` above the plane
+/// of `q`, and `over_p` the heights of `q` above the plane of `p`.
 fn pierce(
     [p, q]: [&Triangle; 2],
     [of_p, of_q]: [&Vector3<f64>; 2],
@@ -288,8 +301,9 @@ fn pierce(
     }
 }
 
-/// Returns the point at which an edge of `x`, whose vertices have these heights, passes through
-/// `y`.
+/// Returns the point at which an edge of `x` passes through `y`, and the index of the edge.
+///
+/// `heights` are the heights of the vertices of `x`.
 fn crossing(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>) -> Option<(Vector3<f64>, u8)> {
     (0..3).find_map(|i| {
         let j = (i + 1) % 3;
@@ -301,16 +315,18 @@ fn crossing(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>) ->
     })
 }
 
-/// Returns whether two triangles certainly cross, each of whose vertices may be off its place by
-/// `error`: an edge of one has its ends on different sides of the other and passes inside its three
-/// edges, each sign beyond doubt.
+/// Returns whether two triangles certainly cross if each vertex has a position error of `error`.
 ///
-/// A determinant of three differences up to `s` of points that are each off by `error` is off by
-/// `6 error s^2` to first order, its rounding by `14 UNIT s^3`; `error` is more than `64 UNIT s`.
+/// They cross if an edge of one has its ends on different sides of the other and passes inside its
+/// three edges. Every sign must exceed its error.
+///
+/// Take a determinant of three differences of length at most `s`, of points with an error of
+/// `error`. Its error from the points is `6 error s^2` to first order, and its rounding error is
+/// `14 UNIT s^3`. `error` is more than `64 UNIT s`.
 pub(crate) fn certainly_cross(p: &Triangle, q: &Triangle, error: f64) -> bool {
     let s = p.iter().chain(q).fold(0.0, |m: f64, x| m.larger((x - p[0]).amax()));
-    // Differences between any two of the six are at most twice the largest from one of them, and
-    // 1.8 times their largest coordinate.
+    // Differences between any two of the six vertices are at most twice the largest difference from
+    // one vertex, and at most 1.8 times their largest coordinate.
     let doubt = 8.0 * error * (4.0 * s) * (4.0 * s);
     let volume =
         |a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, d: &Vector3<f64>| (b - a).cross(&(c - a)).dot(&(d - a));
@@ -334,7 +350,7 @@ mod tests {
     use crate::rng::Rng;
 
     fn clamp(x: f64) -> f64 {
-        // NaN, of edges without length, becomes zero.
+        // Edges without length give NaN, which becomes zero.
         if x > 0.0 { x.min(1.0) } else { 0.0 }
     }
 
@@ -342,7 +358,7 @@ mod tests {
         [(); 3].map(|()| Vector3::new(corner(), corner(), corner()))
     }
 
-    /// Squared distance of two segments, by the six ways in which two are closest.
+    /// Returns the squared distance of two segments, by the six cases in which two are closest.
     fn of_segments([p, q]: [Vector3<f64>; 2], [r, s]: [Vector3<f64>; 2]) -> f64 {
         let to_segment = |x: &Vector3<f64>, [a, b]: [Vector3<f64>; 2]| {
             let along = b - a;
@@ -365,8 +381,10 @@ mod tests {
         }
     }
 
-    /// Squared distance by all pairs of edges, all vertices over the other triangle, and all edges
-    /// through it.
+    /// Returns the squared distance by brute force.
+    ///
+    /// It tests all pairs of edges, all vertices above the other triangle, and all edges through
+    /// it.
     fn brute(p: &Triangle, q: &Triangle) -> f64 {
         let edge = |x: &Triangle, k: usize| [x[k], x[(k + 1) % 3]];
         let mut least = f64::INFINITY;

@@ -1,4 +1,4 @@
-//! Extents of the boxes, rounded outward.
+//! Computes the extents of the boxes, rounded outward.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -12,30 +12,36 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BOX_EXTENT, SLAB_HEIGHT, UNIT};
 
-/// Nodes of fewer items have no slab: their corners are looked at one by one.
+/// Least number of items of a node with a slab.
+///
+/// The vertices of smaller nodes are tested one by one.
 const SLAB_ITEMS: usize = 32;
 
-/// A node thinner than this part of the tree's size gets a slab: about as thin as single precision
-/// can say.
+/// A node gets a slab if it is thinner than this fraction of the tree's size.
+///
+/// This is about the least thickness that single precision can represent.
 const SLAB: f64 = 1.0 / 131_072.0;
 
-/// Below a node with a slab, only nodes thinner by this factor get a slab of their own: memory for
-/// the ties that only they prove.
+/// Below a node with a slab, a node gets a slab only if it is thinner by this factor.
+///
+/// The memory is spent for the ties that only such slabs prove.
 const THINNER: f64 = 1.0 / 16.0;
 
-/// Square of the least sine of the angle of an axis in a plane and the plane's normal, before it is
-/// made perpendicular: what rounding leaves grows with the cosine.
+/// Least squared sine of the angle between an axis in a plane and the plane's normal.
+///
+/// It applies before the axis is made perpendicular, because the error that remains after this
+/// grows with the cosine.
 const FLAT: f64 = 0.99;
 
-/// Vertices in the tree's coordinates, by the range of triangles or pieces that use them.
+/// Vertices in the tree's coordinates, found by the range of items that use them.
 struct Vertices<'a, I> {
     places: Vec<Vector3<f64>>,
-    /// The same in stored coordinates of the body.
+    /// The vertices in stored coordinates of the body.
     stored: &'a [Vector3<f64>],
-    /// By how much a height of a stored vertex may be off.
+    /// Error of a height of a stored vertex.
     doubt: f64,
     items: &'a [I],
-    /// The number of vertices that the items before each use.
+    /// For each item, the number of vertices that the items before it use.
     before: Vec<u32>,
 }
 
@@ -56,8 +62,10 @@ impl<'a, I: AsRef<[u32]>> Vertices<'a, I> {
         }
     }
 
-    /// Calls `visit` with every vertex of a range of items: those that come up there first are
-    /// consecutive, and corners of earlier ones are few.
+    /// Calls `visit` with every vertex of a range of items.
+    ///
+    /// Vertices that the range uses first are consecutive. It shares few vertices with earlier
+    /// items.
     fn visit(&self, range: &Range<usize>, visit: impl FnMut(&Vector3<f64>)) {
         self.visit_of(&self.places, range, visit);
     }
@@ -78,8 +86,10 @@ impl<'a, I: AsRef<[u32]>> Vertices<'a, I> {
 }
 
 impl Tree {
-    /// Sets the extents of every box. Triangles or pieces are in the tree's order, vertices in the
-    /// order in which these use them. No vertex is off its place by more than `error`.
+    /// Computes the extents of every box.
+    ///
+    /// Items are in the tree's order, and vertices in the order in which the items use them.
+    /// `error` bounds the position error of a vertex.
     pub(crate) fn fit<I: AsRef<[u32]>>(
         &mut self,
         points: &[Vector3<f64>],
@@ -104,8 +114,7 @@ impl Tree {
         self.set_reach();
     }
 
-    /// Sets the extents of the boxes of some nodes as [`fit`](Self::fit) does, of a tree without
-    /// slabs.
+    /// Computes the extents of some boxes like [`fit`](Self::fit), and drops all slabs.
     pub(crate) fn fit_again<I: AsRef<[u32]>>(&mut self, points: &[Vector3<f64>], items: &[I], nodes: &[u32]) {
         let (vertices, slack) = self.vertices(points, items, 0.0);
         let ranges = self.ranges();
@@ -117,7 +126,7 @@ impl Tree {
         self.set_reach();
     }
 
-    /// Returns vertices in the tree's coordinates, and by how much they may be off.
+    /// Returns the vertices in the tree's coordinates, and their position error there.
     fn vertices<'a, I: AsRef<[u32]>>(
         &self,
         points: &'a [Vector3<f64>],
@@ -126,7 +135,7 @@ impl Tree {
     ) -> (Vertices<'a, I>, f64) {
         let scale = crate::body::polyhedron::power_of_two(-self.exponent);
         let places: Vec<_> = points.iter().map(|p| (p - self.centre) * scale).collect();
-        // The rounding of the shift to the tree's origin.
+        // The error of the shift to the tree's origin.
         let farthest = points.iter().fold(self.centre.amax(), |m, p| m.larger(p.amax()));
         let slack = BOX_EXTENT * (1.0 + farthest * scale) + error * scale;
         let farthest = points.iter().fold(0.0, |m: f64, p| m.larger(p.norm_squared()));
@@ -140,7 +149,7 @@ impl Tree {
         self.reach = up(reach * (1.0 + 8.0 * UNIT));
     }
 
-    /// Returns the items below every node. Children have higher numbers than their parents.
+    /// Returns the items below every node; children have higher indices than their parents.
     pub(super) fn ranges(&self) -> Vec<Range<usize>> {
         let mut ranges = vec![0..0; self.links.len()];
         for node in (0..self.links.len()).rev() {
@@ -156,7 +165,7 @@ impl Tree {
         let [mut low, mut high] = extents(&self.boxes[node], range, vertices);
         let sides = high - low;
         if sides[2] < sides[0] / 64.0 {
-            // Nearly flat: the normal of the largest triangle is as good an axis as there is.
+            // For a nearly flat node, the normal of the largest triangle is as good as any axis.
             if let Some(axes) = self.flat_axes(node, range, vertices) {
                 self.boxes[node].set_axes(&axes);
                 [low, high] = extents(&self.boxes[node], range, vertices);
@@ -169,9 +178,10 @@ impl Tree {
         self.store_extents(node, &low, &high, range, vertices, slack);
     }
 
-    /// Returns the normal of the largest triangle as the third axis; the first is the axis of the
-    /// spread or an edge of that triangle, whichever gives the rectangle of least area and
-    /// circumference.
+    /// Returns axes of a nearly flat node; the third is the normal of its largest triangle.
+    ///
+    /// The first is the axis of the spread or an edge of that triangle. Its rectangle has the least
+    /// product of area and perimeter.
     fn flat_axes<I: AsRef<[u32]>>(
         &self,
         node: usize,
@@ -182,7 +192,8 @@ impl Tree {
         let flat = [self.boxes[node].axis(0), b - a, c - b, a - c].each(|v| {
             let across = v - normal * normal.dot(&v);
             let square = across.norm_squared();
-            // The normal of a sliver may be rounding, and not perpendicular to its edges.
+            // The normal of a sliver may consist of rounding errors and not be perpendicular to its
+            // edges.
             let is_flat = square > FLAT * v.norm_squared();
             let long = across / if is_flat { sqrt(square) } else { f64::NAN };
             [long, normal.cross(&long)]
@@ -196,8 +207,8 @@ impl Tree {
                 }
             }
         });
-        // Rectangles about a triangle along any of its edges have one area: the shortest round it
-        // is the one that a right triangle fills.
+        // Rectangles around a triangle along any of its edges have the same area. A right triangle
+        // fills the one of least perimeter.
         let size = |k: &usize| {
             let (length, width) = (high[*k][0] - low[*k][0], high[*k][1] - low[*k][1]);
             length * width * (length + width)
@@ -209,8 +220,9 @@ impl Tree {
         Some([long, wide, normal])
     }
 
-    /// Keeps a slab, in stored coordinates of the body, if the node is thin, and much thinner than
-    /// the nearest ancestor with a slab. Heights are off by at most `slack`.
+    /// Stores a slab if the node is thin, and much thinner than the nearest ancestor with a slab.
+    ///
+    /// Heights are in stored units of the body and have an error of at most `slack`.
     fn push_slab(&mut self, node: usize, axes: &[Vector3<f64>; 3], [low, high]: [Vector3<f64>; 2], slack: f64) {
         let (unit, thickness) = (self.unit(), high.z - low.z);
         let above = self.slab(node as u32).map(|s| s.high[2] - s.low[2]);
@@ -226,7 +238,7 @@ impl Tree {
         });
     }
 
-    /// Puts the axis of the longest side first, and the others in order.
+    /// Sorts the axes by falling length of their sides.
     fn sort_axes(&mut self, node: usize, low: &mut Vector3<f64>, high: &mut Vector3<f64>) {
         let sides = *high - *low;
         let mut order = [0, 1, 2];
@@ -236,9 +248,11 @@ impl Tree {
         (*low, *high) = (order.each(|k| low[k]).into(), order.each(|k| high[k]).into());
     }
 
-    /// Centre and half extents: the centre is rounded first, then every point's coordinates about
-    /// it are taken along the dual axes, so that the axes as stored, which are not quite
-    /// orthonormal, span every point.
+    /// Stores the centre, the half extents and the radius.
+    ///
+    /// The centre is rounded first. Then the coordinates of every point relative to it are computed
+    /// along the dual axes. So the axes as stored, which are not exactly orthonormal, span every
+    /// point.
     fn store_extents<I: AsRef<[u32]>>(
         &mut self,
         node: usize,
@@ -269,7 +283,7 @@ impl Tree {
     }
 }
 
-/// Coordinates along the axes that hold all vertices.
+/// Returns the least and greatest coordinates of all vertices along the axes of a box.
 fn extents<I: AsRef<[u32]>>(b: &OrientedBox, range: &Range<usize>, vertices: &Vertices<I>) -> [Vector3<f64>; 2] {
     let dual = dual_axes(b);
     let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
@@ -280,7 +294,7 @@ fn extents<I: AsRef<[u32]>>(b: &OrientedBox, range: &Range<usize>, vertices: &Ve
     [low, high]
 }
 
-/// Least and greatest heights along three axes, in stored coordinates of the body.
+/// Returns the least and greatest heights along three axes, in stored coordinates of the body.
 fn heights<I: AsRef<[u32]>>(
     axes: &[Vector3<f64>; 3],
     range: &Range<usize>,
@@ -294,14 +308,16 @@ fn heights<I: AsRef<[u32]>>(
     [low, high]
 }
 
-/// Vectors of which each is perpendicular to two of the axes and has product one with the third.
+/// Returns the dual axes: each is perpendicular to two axes and has product one with the third.
 fn dual_axes(b: &OrientedBox) -> [Vector3<f64>; 3] {
     let [x, y, z] = [0, 1, 2].each(|k| b.axis(k));
     let volume = x.dot(&y.cross(&z));
     [y.cross(&z) / volume, z.cross(&x) / volume, x.cross(&y) / volume]
 }
 
-/// Returns the largest triangle of a range, of a piece's first three corners, and its unit normal.
+/// Returns the largest triangle of a range and its unit normal.
+///
+/// Of a convex piece, the triangle of its first three vertices is used.
 fn largest_triangle<I: AsRef<[u32]>>(
     range: &Range<usize>,
     vertices: &Vertices<I>,
@@ -317,7 +333,7 @@ fn largest_triangle<I: AsRef<[u32]>>(
     unit.iter().all(|x| x.is_finite()).then_some((corners, unit))
 }
 
-/// Returns the least number of single precision that is not below `x`.
+/// Returns the least number in single precision that is not less than `x`.
 pub(crate) fn up(x: f64) -> f32 {
     let near = x as f32;
     if f64::from(near) < x { near.next_up() } else { near }
@@ -333,8 +349,8 @@ mod tests {
     use nalgebra::{Matrix3, Point3};
     use std::vec::Vec;
 
-    /// Triangles whose corners all but lie on a line: their normals are rounding, some parallel to
-    /// their edges.
+    /// The vertices of these triangles are nearly collinear. Their normals consist of rounding
+    /// errors, and some are parallel to their edges.
     #[test]
     fn axes_of_slivers_are_orthonormal() {
         let mut rng = Rng::new(5);

@@ -1,12 +1,15 @@
 //! A tree of oriented boxes over triangles or convex pieces, and the heights of its nodes along a
 //! direction.
 //!
-//! Oriented boxes, because a box in the body's axes is as thick as its piece of surface is long if
-//! the surface is oblique, an oriented one only as thick as the surface is curved: near contact the
-//! first cost pairs in proportion to size over gap, the second its logarithm.
+//! If the surface is oblique to the body's axes, a box along these axes is as thick as its part of
+//! the surface is long. An oriented box is only as thick as the surface is curved. Near contact,
+//! the number of pairs grows in proportion to size / gap with axis-aligned boxes, and with the
+//! logarithm of size / gap with oriented boxes.
 //!
-//! `split` puts the items in order, `fit` takes the first boxes, `refit` those of points that have
-//! moved; `rebuild` tells when a new tree is worth it and makes the upper part of one.
+//! - `split` orders the items and creates the nodes.
+//! - `fit` computes the first boxes.
+//! - `refit` computes the boxes of points that have moved.
+//! - `rebuild` measures whether a new tree is worth its cost, and creates a new upper part.
 
 mod fit;
 mod rebuild;
@@ -26,12 +29,13 @@ use crate::base::num::fingerprint::Fingerprinter;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT_SINGLE;
 
-/// A box in single precision: every point below the node is `centre + sum of s_k axis_k` with
-/// `|s_k| <= half_k`, exactly, for the numbers as stored. Coordinates are those of the tree
-/// ([`Tree::centre`], [`Tree::exponent`]).
+/// A box in single precision.
 ///
-/// Sixteen numbers, a line of the cache, so that four boxes are read by one transposition a row:
-/// three axes, the longest side's first, the centre, the half extents, the radius.
+/// Every point below the node is exactly `centre + sum of s_k axis_k` with `|s_k| <= half_k`, for
+/// the numbers as stored. Coordinates are those of the tree ([`Tree::centre`], [`Tree::exponent`]).
+///
+/// The sixteen numbers fill a cache line, so that one transposition per row reads four boxes. They
+/// are three axes, that of the longest side first, the centre, the half extents and the radius.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[repr(align(64))]
 pub(crate) struct OrientedBox {
@@ -39,7 +43,7 @@ pub(crate) struct OrientedBox {
 }
 
 impl OrientedBox {
-    /// Turns the box to axes.
+    /// Stores the axes.
     pub(crate) fn set_axes(&mut self, axes: &[Vector3<f64>; 3]) {
         for (k, x) in axes.iter().flat_map(|r| r.iter()).enumerate() {
             self.rows[k / 4][k % 4] = *x as f32;
@@ -61,9 +65,11 @@ impl OrientedBox {
         Vector3::new(x, y, z)
     }
 
-    /// Returns a segment `-u` to `u` about the centre, and how far from it points below the node
-    /// are at most; no segment if the ball about the centre is not four times as large, so that
-    /// few have one. Lengths are times `scale`, a power of two.
+    /// Returns a radius and a segment from `-u` to `u` around the centre.
+    ///
+    /// Every point below the node is within the radius of the segment. `u` is zero, and the radius
+    /// that of the box, unless the radius of the box is more than four times the radius around the
+    /// segment. So few boxes have a segment. Lengths are multiplied by `scale`, a power of two.
     #[inline(always)]
     pub(crate) fn rod(&self, scale: f32) -> (f32, [f32; 3]) {
         let [long, wide, deep, radius] = self.rows[3].each(|h| h * scale);
@@ -71,58 +77,60 @@ impl OrientedBox {
         if 16.0 * square >= radius * radius {
             return (radius, [0.0; 3]);
         }
-        // The factor: axes that are orthonormal within 8 units, 6 of the length, and rounding, 3.
+        // The factor covers axes that are orthonormal within 8 units, 6 of the length, and 3 of
+        // rounding.
         let around = sqrt(f64::from(square)) as f32 * (1.0 + 16.0 * f32::EPSILON);
         let [x, y, z, _] = self.rows[0];
         (around, [x * long, y * long, z * long])
     }
 
-    /// Returns how far the box reaches from the tree's origin, up to rounding.
+    /// Returns the radius of the box around the tree's origin, up to rounding.
     #[inline(always)]
     pub(super) fn reach(&self) -> f32 {
         let [_, x, y, z] = self.rows[2];
         sqrt(f64::from(x * x + y * y + z * z)) as f32 + self.radius()
     }
 
-    /// Returns an eighth of the surface of the box.
+    /// Returns an eighth of the surface area of the box.
     #[inline(always)]
     pub(crate) fn area(&self) -> f32 {
         let [x, y, z, _] = self.rows[3];
         x * (y + z) + y * z
     }
 
-    /// No point below the node is farther than this from the centre.
+    /// Returns the largest distance of a point below the node from the centre of the box.
     #[inline(always)]
     pub(crate) fn radius(&self) -> f32 {
         self.rows[3][3]
     }
 }
 
-/// A box of a nearly flat node in double precision, which single precision cannot hold: the
-/// `heights` of every point below the node along the `axes` lie from `low` to `high`, in stored
+/// A box of a nearly flat node in double precision, because single precision is too coarse for it.
+///
+/// The heights of every point below the node along `axes` are from `low` to `high`, in stored
 /// coordinates of the body. The third axis is the normal of the node's largest triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slab {
     pub(crate) axes: [Vector3<f64>; 3],
     pub(crate) low: [f64; 3],
     pub(crate) high: [f64; 3],
-    /// By how much the sum of three heights' parts of a unit vector may be off.
+    /// Error of the sum of three heights, weighted by the components of a unit vector.
     pub(crate) doubt: f64,
 }
 
-/// The children of a node, or the triangles of a leaf.
+/// The children of a node, or the items of a leaf.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Below {
-    /// The first of two children; the second follows.
+    /// The first of two children, whose indices are consecutive.
     Children(u32),
-    /// First and count of triangles.
+    /// First item and number of items.
     Leaf(u32, u32),
 }
 
-/// Most triangles of a leaf.
+/// Largest number of items of a leaf.
 pub(crate) const LEAF: usize = 4;
 
-/// The mark of a leaf in [`Tree::links`], and where its count stands.
+/// The mark of a leaf in [`Tree::links`], and the position of its count in the link.
 const LEAF_MARK: u32 = 1 << 31;
 const COUNT_SHIFT: u32 = 28;
 
@@ -131,18 +139,19 @@ const COUNT_SHIFT: u32 = 28;
 pub(crate) struct Tree {
     pub(crate) boxes: Vec<OrientedBox>,
     links: Vec<u32>,
-    /// Slabs of nearly flat nodes: of the highest ones, and of nodes that are much thinner still.
+    /// Slabs of nearly flat nodes: of the topmost ones, and of nodes below that are much thinner.
     slabs: Vec<Slab>,
-    /// The slab of each node or of its nearest ancestor that has one; empty if there is no slab.
+    /// The slab of each node or of its nearest ancestor with a slab; empty without slabs.
     nearest: Vec<u32>,
-    /// Where the tree's origin is in stored coordinates of the body.
+    /// The tree's origin in stored coordinates of the body.
     pub(crate) centre: Vector3<f64>,
-    /// The tree's lengths times `2^exponent` are stored lengths of the body: the tree's radius is
-    /// about one.
+    /// The tree's lengths times `2^exponent` are stored lengths of the body.
+    ///
+    /// The radius of the tree is about one of its units.
     pub(crate) exponent: i32,
-    /// No corner of a box is farther than this from the tree's origin.
+    /// Upper bound of the distance of all boxes from the tree's origin.
     pub(crate) reach: f32,
-    /// How far the points below the nodes have moved.
+    /// Path lengths of the points below the nodes.
     pub(crate) paths: Paths,
 }
 
@@ -153,7 +162,7 @@ impl Tree {
         to.indices(self.links.iter().copied());
     }
 
-    /// Replaces what is below a node.
+    /// Replaces the link of a node.
     #[cfg(test)]
     pub(crate) fn set_link(&mut self, node: usize, link: u32) {
         self.links[node] = link;
@@ -175,7 +184,7 @@ impl Tree {
         self.links[node as usize] & LEAF_MARK != 0
     }
 
-    /// Returns whether nodes have the same children and items as those of another tree.
+    /// Returns whether all nodes have the same children and items as the nodes of another tree.
     pub(crate) fn is_laid_out_as(&self, other: &Self) -> bool {
         self.links == other.links
     }
@@ -219,16 +228,18 @@ impl Tree {
         self.slabs.get(*self.nearest.get(node as usize)? as usize)
     }
 
-    /// One length of the tree in stored lengths of the body.
+    /// Returns one unit of the tree in stored units of the body.
     pub(crate) fn unit(&self) -> f64 {
         crate::body::polyhedron::power_of_two(self.exponent)
     }
 
-    /// Asks about the items whose boxes are at most twice `reach` from a point in stored
-    /// coordinates of the body, until an answer is true.
+    /// Calls `is_found` with each item near a point, until a call returns true.
+    ///
+    /// Items are near if their box is at most twice `reach` from the point. The point and `reach`
+    /// are in stored coordinates of the body. Returns whether a call returned true.
     pub(crate) fn any_near(&self, point: &Vector3<f64>, reach: f64, mut is_found: impl FnMut(u32) -> bool) -> bool {
         let place = (point - self.centre) / self.unit();
-        // Twice for the rounding of all that follows.
+        // Doubled for the rounding of everything below.
         let reach = 2.0 * reach / self.unit() + 16.0 * UNIT_SINGLE;
         let mut stack = alloc::vec![0];
         while let Some(node) = stack.pop() {
@@ -255,14 +266,15 @@ impl Tree {
     }
 }
 
-/// Returns a vector divided by its length if the length is near one.
+/// Returns a vector divided by its length; `None` unless its squared length is from 0.5 to 2.
 pub(super) fn near_unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
     let square = v.norm_squared();
     (square > 0.5 && square < 2.0).then(|| v / sqrt(square))
 }
 
-/// Returns an upper bound of the height along `n` of all points below a node, in stored units of
-/// the body.
+/// Returns an upper bound of the height along `n` of all points below a node.
+///
+/// The height is in stored units of the body.
 pub(super) fn height(tree: &Tree, node: u32, n: &Vector3<f64>) -> f64 {
     let b = &tree.boxes[node as usize];
     let (unit, half) = (tree.unit(), b.half());
@@ -274,8 +286,9 @@ pub(super) fn height(tree: &Tree, node: u32, n: &Vector3<f64>) -> f64 {
     let Some(slab) = tree.slab(node) else { return of_box(n) };
     let part = |k: usize, along: f64| along * if along > 0.0 { slab.high[k] } else { slab.low[k] };
     let [x, y, s] = slab.axes.each(|a| a.dot(n));
-    // n = s m + rest with the normal m: the slab bounds what m contributes, the box the rest, which
-    // is next to nothing if n is m. The slab alone is better for its own node.
+    // n = s m + rest with the normal m. The slab bounds the height along m, the box that along the
+    // rest, which is nearly zero if n is nearly m. For the node that owns the slab, the slab alone
+    // is better.
     let top = part(2, s);
     let rest = of_box(&(n - slab.axes[2] * s));
     top + rest.smaller(part(0, x) + part(1, y) + slab.doubt)

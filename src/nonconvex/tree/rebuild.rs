@@ -1,16 +1,16 @@
-//! When a tree whose points have moved is worth a new one, and a new upper part over its lower
+//! Decides when a tree whose points have moved needs a new upper part, and builds it over the lower
 //! parts.
 //!
-//! A tree is loose if many of its boxes hold a point of the surface, against how many did when the
-//! tree was made: a search near a point of the surface goes down into all boxes that hold it. Areas
-//! of boxes are no measure: they also grow where a surface becomes rough, which no other tree
-//! mends, and not where sheets slide into each other. The count is taken of the vertices alone,
-//! never of queries.
+//! A search near a point of the surface descends into all boxes that contain it. So the quality of
+//! a tree is the number of its boxes that contain points of the surface, now compared with when the
+//! tree was built. Areas of boxes are no measure. They also grow where a surface becomes rough,
+//! which no other tree improves, and they do not grow where sheets slide into each other. The count
+//! depends on the vertices alone, never on queries.
 //!
-//! Small parts of a surface remain small when it bends, large ones come to lie in each other. So
-//! the upper part alone is made anew. A whole new tree is better at first, but puts triangles
-//! together that are near each other by chance and part again: of a sheet that is crumpled further
-//! it soon has five times the bounds.
+//! Small parts of a surface remain small when it bends, but large parts come to overlap each other.
+//! So only the upper part is rebuilt. A whole new tree is better at first, but it joins triangles
+//! that are near each other by chance and separate again. If a sheet is crumpled further, such a
+//! tree soon needs five times as many bounds.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -22,15 +22,17 @@ use super::{Below, COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
 use crate::base::callbacks::Watch;
 use crate::base::num::each::Each;
 
-/// How far beyond a box a point is still held, in units of the tree, which is one or two in size.
-/// With 0.03 and 0.1 boxes of the size of the reach hide what is too many.
+/// Distance from a box up to which a point still counts as contained, in units of the tree.
+///
+/// The tree has a size of one or two units. With 0.03 and 0.1, boxes of about this size hide the
+/// excess.
 const SURFACE_REACH: f32 = 1.0 / 128.0;
 
-/// Items whose middles are counted. Not measured.
+/// Number of items whose centroids are counted. Not measured.
 const SURFACE_SAMPLES: usize = 512;
 
 impl Tree {
-    /// Returns how many boxes hold the middles of some of the items, in all.
+    /// Returns how many boxes contain the centroids of some of the items, summed over the items.
     pub(crate) fn held(&self, points: &[Vector3<f64>], items: &[[u32; 3]]) -> u64 {
         let (samples, scale) = (items.len().min(SURFACE_SAMPLES), 1.0 / self.unit());
         let (mut held, mut stack) = (0, vec![]);
@@ -51,7 +53,7 @@ impl Tree {
         held
     }
 
-    /// Returns whether a point is in a box, or not far from it, up to rounding.
+    /// Returns whether a point is in a box or within [`SURFACE_REACH`] of it, up to rounding.
     fn holds(&self, node: u32, point: &Vector3<f32>) -> bool {
         let [[xx, xy, xz, yx], [yy, yz, zx, zy], [zz, cx, cy, cz], [a, b, c, _]] = self.boxes[node as usize].rows;
         let (x, y, z) = (point.x - cx, point.y - cy, point.z - cz);
@@ -61,21 +63,23 @@ impl Tree {
     }
 }
 
-/// The upper part of a tree is what is above nodes of so many items.
+/// Largest number of items of a lower part; the upper part is above these nodes.
 const LOWER_PART: usize = 64;
 
-/// Where a node comes from.
+/// The tree from which a node is copied.
 #[derive(Clone, Copy)]
 enum NodeOrigin {
-    /// The new upper part, by its own number.
+    /// The new upper part, with the index of the node there.
     Top(u32),
-    /// The tree before.
+    /// The old tree, with the index of the node there.
     Old(u32),
 }
 
 impl Tree {
-    /// Divides the largest nodes of few items among new nodes above them: the tree, the order of
-    /// the items, and the new nodes, which have axes and no extents.
+    /// Returns a tree with new nodes above the lower parts, the order of the items, and the new
+    /// nodes.
+    ///
+    /// The new nodes have axes but no extents.
     pub(crate) fn with_new_top(&self, points: &[Vector3<f64>], items: &[[u32; 3]]) -> (Self, Vec<u32>, Vec<u32>) {
         let lower = self.lower_parts();
         let vertices = |&node: &u32| {
@@ -134,7 +138,7 @@ impl Tree {
         (tree, of_items, fresh)
     }
 
-    /// Adds a node and returns its number.
+    /// Adds a node and returns its index.
     fn push(&mut self) -> u32 {
         self.boxes.push(OrientedBox::default());
         self.links.push(0);
@@ -153,12 +157,12 @@ impl Tree {
         parts
     }
 
-    /// Returns the highest number of a node below a node: the nodes below it are consecutive.
+    /// Returns the highest index of a node below a node; these nodes are consecutive.
     pub(super) fn last_below(&self, node: u32) -> u32 {
         let (mut last, mut at) = (node, node);
         while let Below::Children(c) = self.below(at) {
             last = c + 1;
-            // The nodes below the right child come last, or those below the left if that is a leaf.
+            // The nodes below the right child come last, unless it is a leaf.
             at = if self.is_leaf(c + 1) { c } else { c + 1 };
         }
         last
@@ -175,7 +179,9 @@ mod tests {
     use super::*;
     use crate::nonconvex::mesh::Mesh;
 
-    /// A strip of 80 by 20 squares of side 1 / 40 about the origin.
+    /// Returns a strip of 80 by 20 squares of side 1 / 40.
+    ///
+    /// The origin is in the middle of a long side.
     fn strip() -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
         let at = |i: u32, j: u32| Point3::new(f64::from(i) / 40.0 - 1.0, f64::from(j) / 40.0, 0.0);
         let points = (0..=80).flat_map(|i| (0..=20).map(move |j| at(i, j))).collect();
@@ -189,7 +195,7 @@ mod tests {
         )
     }
 
-    /// Rolls up what is beyond x = 0 by so many turns: a spiral whose layers are some way apart.
+    /// Rolls up the part beyond x = 0 by some turns, to a spiral whose layers do not touch.
     fn rolled(p: &Point3<f64>, turns: f64) -> Point3<f64> {
         if p.x <= 0.0 || turns == 0.0 {
             return *p;
@@ -200,7 +206,7 @@ mod tests {
         Point3::new(radius * angle.sin(), p.y, start - radius * angle.cos())
     }
 
-    /// Checks that all boxes hold their vertices and that the leaves have every triangle once.
+    /// Checks that all boxes contain their vertices and that the leaves have every triangle once.
     fn check(mesh: &Mesh) {
         let tree = &mesh.tree;
         let mut next = 0;
@@ -237,7 +243,7 @@ mod tests {
             check(&mesh);
             anew += u32::from(before != mesh.source_triangles);
             assert_eq!(mesh.vertices(), now);
-            // The same calls, with a tracker's queries or without: the same bits.
+            // The same calls give the same bits, with a tracker's queries or without.
             other.set_vertices(&now).unwrap();
             assert!(other.tree == mesh.tree && other.fingerprint == mesh.fingerprint);
         }

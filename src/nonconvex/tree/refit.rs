@@ -1,16 +1,17 @@
-//! Boxes over the same tree for points that have moved.
+//! Boxes of the same tree for points that have moved.
 //!
-//! Order and links of the tree stay. A node keeps three of its vertices that are far from each
-//! other; its axes turn as the triangle of the three turns, and extents are taken of all vertices
-//! below the node, never of the boxes of its children: boxes about boxes grow by a half at each
-//! level. Only nodes with a vertex that moved are fitted anew, eight boxes at once
-//! ([`EightAtRest`]).
+//! 1. The order and the links of the tree stay. Only nodes with a vertex that moved are fitted
+//!    again, eight boxes at once ([`EightAtRest`]).
+//! 2. A node stores three of its vertices that are far from each other. Its axes rotate with the
+//!    triangle of the three.
+//! 3. The extents of a node come from all vertices below it, never from the boxes of its children:
+//!    boxes around boxes grow by half at each level.
+//! 4. All nodes below a node of few items, the root of a group, have its axes ([`GroupFit`]). So
+//!    the heights of a vertex are computed once for all of them. The extents of a node are the
+//!    union of the extents of its children. Along the same axes this loses nothing.
 //!
-//! All nodes below one of few items, the root of a group, have its axes ([`GroupFit`]). So the
-//! heights of a vertex are taken once for all of them, and the extents of a node are those of its
-//! children, which do not grow as boxes about boxes of other axes do.
-//!
-//! Source: refitting of bounding volumes: van den Bergen 1997; the frame of three vertices is ours.
+//! Source: refitting of bounding volumes, van den Bergen 1997. Departure: the frame of three
+//! vertices.
 
 use alloc::sync::Arc;
 use alloc::vec;
@@ -25,22 +26,23 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::{cross, dot, sqrt, sub};
 use crate::base::tolerance::{BOX_EXTENT, BOX_SKEW, REFIT_HEIGHT, UNIT, UNIT_SINGLE};
 
-/// Triangles of a node among which three vertices far from each other are looked for. Not measured.
+/// Number of triangles of a node that are searched for three distant vertices. Not measured.
 const FAR_SAMPLES: usize = 128;
 
-/// One length of the tree in units of a path.
+/// Path units per unit of length of the tree.
 const PATH_UNITS: f64 = (1u32 << 24) as f64;
 
-/// The longest path of a vertex in one move, in units of a path: 64 lengths of the tree.
+/// Limit of the path of a vertex in one move, in path units: 64 units of the tree.
 const LONGEST_STEP: u32 = 1 << 30;
 
-/// How far the points below the nodes of a tree have moved since the tree was made: the sum, over
-/// all moves, of the longest displacement of a point. Sums wrap around. Empty for a body that has
-/// never bent.
+/// How far the points below the nodes have moved since the tree was built.
+///
+/// The path of a node is the sum, over all moves, of the longest displacement of a point below it.
+/// Sums wrap around. There are no paths if the body has never bent.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub(crate) struct Paths {
     of_node: Vec<u32>,
-    /// That of the root, which does not wrap around.
+    /// The path of the root, which does not wrap around.
     pub(crate) total: u64,
 }
 
@@ -51,17 +53,16 @@ impl Paths {
         self.of_node.get(node as usize).copied().unwrap_or(0)
     }
 
-    /// Returns a difference of paths in lengths of the tree, rounded up.
+    /// Converts a difference of paths to a length in units of the tree, rounded up.
     #[inline]
     pub(crate) fn length(units: u32) -> f32 {
         up(f64::from(units) * (1.0 / PATH_UNITS))
     }
 
-    /// Returns the least number of units that is not less than a length of the tree; `None` beyond
-    /// the longest.
+    /// Converts a length in units of the tree to path units, rounded up; `None` from 64 units on.
     pub(crate) fn units(length: f64) -> Option<u32> {
         let units = length * (PATH_UNITS * (1.0 + 8.0 * UNIT));
-        // Written so that NaN is none.
+        // Written so that NaN returns `None`.
         (units < f64::from(LONGEST_STEP)).then(|| {
             let whole = units as u32;
             whole + u32::from(f64::from(whole) < units)
@@ -69,36 +70,36 @@ impl Paths {
     }
 }
 
-/// A node that has axes of its own, as it was when the tree was made.
+/// A node that has its own axes, as it was when the tree was built.
 struct NodeAtRest {
     number: u32,
     items: Range<usize>,
     own: [u32; 2],
-    /// Its vertices that triangles before it use.
+    /// Its vertices that earlier triangles use too.
     others: Vec<u32>,
-    /// The number after the last node below it, of the root of a group; zero for larger nodes.
+    /// For the root of a group, the index after the last node below it; zero for larger nodes.
     end: u32,
     three: [u32; 3],
-    /// The rotation from the frame of the three to the axes.
+    /// The rotation from the frame of the three vertices to the axes.
     rotation: [f32; 4],
 }
 
-/// What fits the boxes of a tree to other places of the same vertices.
+/// Computes the boxes of a tree from new positions of the same vertices.
 #[derive(Clone, Debug)]
 pub(crate) struct Refit {
-    /// Large nodes, then the roots of groups.
+    /// Large nodes, then roots of groups.
     eights: Arc<[EightAtRest]>,
-    /// How many of these are of large nodes.
+    /// The number of entries of large nodes.
     large: usize,
     others: Arc<[u32]>,
     corners: GroupCorners,
     places: Places,
-    /// The longest step of a vertex below each node.
+    /// The longest step of a vertex below each node, in path units.
     steps: Vec<u32>,
 }
 
 impl Refit {
-    /// Takes a tree at rest: the places of its vertices, and its triangles in the tree's order.
+    /// Takes a tree at rest: the positions of its vertices, and its triangles in the tree's order.
     pub(crate) fn new(tree: &Tree, points: &[Vector3<f64>], items: &[[u32; 3]]) -> Self {
         let mut most = 0;
         let mut before = vec![0];
@@ -140,8 +141,10 @@ impl Refit {
         }
     }
 
-    /// Fits the boxes of a tree, which are lent, to the places; heights err by `slack`. Returns how
-    /// far those reach that were fitted from the tree's origin, and whether all were.
+    /// Computes the boxes of nodes with a moved vertex; heights have an error of at most `slack`.
+    ///
+    /// `boxes` are the boxes of the tree, which does not contain them meanwhile. Returns the radius
+    /// of the computed boxes around the tree's origin, and whether all boxes were computed.
     fn fit(&self, tree: &Tree, slack: f32, boxes: &mut [OrientedBox]) -> (f32, bool) {
         let (mut reach, mut is_whole) = (0.0f32, true);
         let groups = GroupFit {
@@ -164,7 +167,7 @@ impl Refit {
         (up(f64::from(reach) * (1.0 + 8.0 * UNIT_SINGLE)), is_whole)
     }
 
-    /// Sets the longest step of every node, by the steps of the vertices.
+    /// Sets the longest step of every node from the steps of the vertices.
     fn spread_steps(&mut self, tree: &Tree, of_vertex: &[u32], items: &[[u32; 3]]) {
         self.steps.clear();
         self.steps.resize(tree.len(), 0);
@@ -180,7 +183,7 @@ impl Refit {
     }
 }
 
-/// Returns a node with its items and consecutive vertices as it is.
+/// Returns a node at rest with its items and vertices.
 fn node_at_rest(
     tree: &Tree,
     points: &[Vector3<f64>],
@@ -208,7 +211,7 @@ fn node_at_rest(
     }
 }
 
-/// Returns up to eight nodes side by side; the last one stands in the lanes that are left.
+/// Packs up to eight nodes; the last one fills the remaining lanes.
 fn eight_at_rest(nodes: &[NodeAtRest], others: &mut Vec<u32>) -> EightAtRest {
     let node = |lane: usize| &nodes[lane.min(nodes.len() - 1)];
     EightAtRest {
@@ -228,19 +231,21 @@ fn eight_at_rest(nodes: &[NodeAtRest], others: &mut Vec<u32>) -> EightAtRest {
 }
 
 impl Tree {
-    /// Puts the tree's origin and unit where points between two corners, in stored coordinates, are
-    /// now: all nodes must be fitted then.
+    /// Sets the tree's origin and unit to fit a bounding box in stored coordinates.
+    ///
+    /// All nodes must be fitted after this call.
     pub(crate) fn centre_on(&mut self, low: &Vector3<f64>, high: &Vector3<f64>) {
         (self.centre, self.exponent) = Self::place_of(low, high);
         self.reach = 0.0;
     }
 
-    /// Fits the boxes to other places of the vertices, in stored coordinates; `steps` bounds how
-    /// far each vertex has moved, in units of a path. Slabs are dropped.
+    /// Fits the boxes to new positions of the vertices, in stored coordinates, and drops all slabs.
+    ///
+    /// `steps` bounds how far each vertex has moved, in path units.
     pub(crate) fn refit(&mut self, refit: &mut Refit, points: &[Vector3<f64>], items: &[[u32; 3]], steps: &[u32]) {
         let scale = crate::body::polyhedron::power_of_two(-self.exponent);
         let far = refit.places.take(points, &self.centre, scale);
-        // Coordinates are at most those of the origin and `far`.
+        // Coordinates are at most the coordinates of the origin plus `far`.
         let slack = up(BOX_EXTENT * (1.0 + 2.0 * far + self.centre.amax() * scale) + REFIT_HEIGHT * far);
         refit.spread_steps(self, steps, items);
         (self.slabs, self.nearest) = (Vec::new(), Vec::new());
@@ -256,8 +261,9 @@ impl Tree {
     }
 }
 
-/// Returns a vertex, the farthest from it, and the farthest from the line of both, among those of
-/// some of the items.
+/// Returns three distant vertices of some of the items.
+///
+/// The second is the farthest from the first, the third the farthest from the line of both.
 fn far_apart(points: &[Vector3<f64>], items: &[[u32; 3]]) -> [u32; 3] {
     let step = items.len().div_ceil(FAR_SAMPLES).max(1);
     let all = || items.iter().step_by(step).flatten().copied();
@@ -273,13 +279,14 @@ fn far_apart(points: &[Vector3<f64>], items: &[[u32; 3]]) -> [u32; 3] {
     [a, b, c]
 }
 
-/// Returns the orthonormal frame of three points as columns: along the first side, and along the
-/// normal last. `None` for points on a line.
+/// Returns the orthonormal frame of three points as columns; `None` for collinear points.
+///
+/// The first column is along the first side, the last along the normal.
 fn frame_of([a, b, c]: [Vector3<f64>; 3]) -> Option<Matrix3<f64>> {
     let (side, other) = (b - a, c - a);
     let normal = side.cross(&other);
     let (square, area) = (side.norm_squared(), normal.norm_squared());
-    // Written so that NaN is none.
+    // Written so that NaN returns `None`.
     if !(area > NARROW * square * other.norm_squared() && area > f64::MIN_POSITIVE) {
         return None;
     }
@@ -287,8 +294,9 @@ fn frame_of([a, b, c]: [Vector3<f64>; 3]) -> Option<Matrix3<f64>> {
     Some(Matrix3::from_columns(&[x, z.cross(&x), z]))
 }
 
-/// Returns the rotation from a frame to two axes and the third that is right-handed, as a
-/// quaternion: the vector part first (Shepperd 1978).
+/// Returns the rotation from a frame to two axes and their cross product, as a quaternion.
+///
+/// The vector part is first (Shepperd 1978).
 fn rotation_of(frame: &Matrix3<f64>, [x, y]: [Vector3<f64>; 2]) -> Option<[f32; 4]> {
     let m = frame.transpose() * Matrix3::from_columns(&[x, y, x.cross(&y)]);
     let trace = m.trace();
@@ -312,16 +320,17 @@ fn rotation_of(frame: &Matrix3<f64>, [x, y]: [Vector3<f64>; 2]) -> Option<[f32; 
     (length > 0.5).then(|| q.each(|x| (x / length) as f32))
 }
 
-/// Nodes of up to so many items have the axes of the largest node above them that has no more.
+/// Largest number of items of a group; all nodes of a group have the axes of its root.
 pub(super) const GROUP: usize = 16;
 
-/// The corners of every triangle by their number among the vertices of its group: the consecutive
-/// ones, then the others.
+/// The vertices of every triangle, as indices into the vertices of its group.
+///
+/// The consecutive vertices of the group come first, then the others.
 #[derive(Clone, Debug)]
 struct GroupCorners(Arc<[[u8; 3]]>);
 
 impl GroupCorners {
-    /// Takes the groups of a tree: their items, their consecutive vertices, the others.
+    /// Takes the groups of a tree: their items, their consecutive vertices, and the others.
     fn new(items: &[[u32; 3]], groups: impl Iterator<Item = (Range<usize>, [u32; 2], Vec<u32>)>) -> Self {
         let mut corners = vec![[0; 3]; items.len()];
         for (range, own, others) in groups {
@@ -337,7 +346,7 @@ impl GroupCorners {
     }
 }
 
-/// Fits the boxes of groups.
+/// Computes the boxes of groups.
 struct GroupFit<'a> {
     tree: &'a Tree,
     places: &'a Places,
@@ -350,7 +359,7 @@ struct GroupFit<'a> {
 /// Extents along three axes.
 type Extents = (f32x4, f32x4);
 
-/// Room for the work on a group: heights of its vertices, and extents of its nodes.
+/// Buffers for a group: heights of its vertices, and extents of its nodes.
 struct GroupRoom {
     heights: [f32x4; 3 * GROUP],
     extents: [Extents; 2 * GROUP],
@@ -366,7 +375,7 @@ impl GroupRoom {
 }
 
 impl GroupFit<'_> {
-    /// Fits the boxes of eight groups. Returns how far they reach from the tree's origin.
+    /// Computes the boxes of eight groups. Returns their radius around the tree's origin.
     fn fit(&self, eight: &EightAtRest, boxes: &mut [OrientedBox], room: &mut GroupRoom) -> f32 {
         let (axes, mut reach) = (eight.stored_axes(self.places, boxes), 0.0f32);
         for (lane, (&node, below)) in eight.nodes.iter().zip(&eight.below).enumerate() {
@@ -392,7 +401,7 @@ impl GroupFit<'_> {
         for (heights, vertex) in heights.iter_mut().zip(vertices) {
             *heights = self.places.heights_of(vertex, axes);
         }
-        // The root, then the nodes below it, whose children have higher numbers.
+        // The root, then the nodes below it. Children have higher indices than their parents.
         let first = match self.tree.below(root) {
             Below::Children(c) => c,
             Below::Leaf(..) => below.end,
@@ -423,10 +432,10 @@ impl GroupFit<'_> {
     }
 }
 
-/// Boxes fitted at once.
+/// Number of boxes that are fitted at once.
 pub(super) const LANES: usize = 8;
 
-/// Square of the least sine of the angle of two sides of three vertices that have a frame.
+/// Least squared sine of the angle between two sides of three vertices that have a frame.
 const NARROW: f64 = 1.0 / (1u64 << 40) as f64;
 
 type Lanes = [f32x8; 3];
@@ -435,8 +444,9 @@ type StoredAxes = [[[f32; LANES]; 3]; 3];
 
 type Columns = [[f64x8; 3]; 3];
 
-/// The places of the vertices in the tree's coordinates, in single precision: by vertex and by
-/// coordinate.
+/// The positions of the vertices in the tree's coordinates, in single precision.
+///
+/// They are stored both by vertex and by coordinate.
 #[derive(Clone, Debug, Default)]
 struct Places {
     rows: Vec<f32x4>,
@@ -444,7 +454,7 @@ struct Places {
 }
 
 impl Places {
-    /// Takes the places; returns an upper bound of their distances from the tree's origin.
+    /// Takes new positions; returns an upper bound of their distances from the tree's origin.
     fn take(&mut self, points: &[Vector3<f64>], centre: &Vector3<f64>, scale: f64) -> f64 {
         self.rows.resize(points.len(), f32x4::ZERO);
         self.columns.iter_mut().for_each(|c| c.resize(points.len(), 0.0));
@@ -466,7 +476,7 @@ impl Places {
         axes.heights(self.rows[vertex as usize])
     }
 
-    /// Returns the places of eight vertices.
+    /// Returns the positions of eight vertices.
     #[inline(always)]
     fn gather(&self, vertices: &[u32; LANES]) -> Lanes {
         let row = |k: usize| self.rows[vertices[k] as usize];
@@ -506,7 +516,7 @@ impl Places {
     }
 }
 
-/// Returns the least or the greatest of the lanes of each of three.
+/// Returns the least or greatest lane of each of three registers.
 #[inline(always)]
 fn across(of: Lanes, better: impl Fn(f32x4, f32x4) -> f32x4) -> f32x4 {
     let halves = of.each(|v| {
@@ -517,32 +527,34 @@ fn across(of: Lanes, better: impl Fn(f32x4, f32x4) -> f32x4) -> f32x4 {
     better(better(p, q), better(r, s))
 }
 
-/// Where the vertices of a node stand.
+/// Indices of the vertices below a node.
 #[derive(Clone, Copy, Debug)]
 struct VerticesBelow {
-    /// Consecutive ones, from one number to the next.
+    /// The range of the consecutive vertices.
     own: [u32; 2],
-    /// The others, as part of a list.
+    /// The range of the others in the list of others.
     others: [u32; 2],
-    /// Of a group, the number after the last node below it.
+    /// For the root of a group, the index after the last node below it.
     end: u32,
 }
 
-/// Eight nodes as they were when their tree was made.
+/// Eight nodes as they were when their tree was built.
 #[derive(Clone, Debug)]
 struct EightAtRest {
     nodes: [u32; LANES],
-    /// Three vertices of each, far from each other.
+    /// Three vertices of each node, far from each other.
     three: [[u32; LANES]; 3],
-    /// The rotation from the frame of the three to the axes, as quaternions; zero if there is none.
+    /// The rotations from the frames of the three to the axes, as quaternions; zero if there is
+    /// none.
     rotation: [[f32; LANES]; 4],
     below: [VerticesBelow; LANES],
 }
 
 impl EightAtRest {
-    /// Fits the boxes of the nodes to the places of their vertices, of which `others` lists those
-    /// that are not consecutive; heights err by `slack`. Returns how far the boxes reach from the
-    /// tree's origin.
+    /// Computes the boxes of the nodes; heights have an error of at most `slack`.
+    ///
+    /// `others` lists the vertices that are not consecutive. Returns the radius of the boxes around
+    /// the tree's origin.
     fn fit(&self, places: &Places, others: &[u32], slack: f32, boxes: &mut [OrientedBox]) -> f32 {
         let (axes, mut reach) = (self.stored_axes(places, boxes), 0.0f32);
         for (lane, below) in self.below.iter().enumerate() {
@@ -557,8 +569,10 @@ impl EightAtRest {
         reach
     }
 
-    /// Returns the axes as they are stored, by axis, coordinate and lane: turned with the three
-    /// vertices, or as they were if these have no frame now.
+    /// Returns the axes in single precision, by axis, coordinate and lane.
+    ///
+    /// They are rotated with the three vertices. If these have no frame now, the previous axes
+    /// stay.
     #[inline(always)]
     fn stored_axes(&self, places: &Places, boxes: &[OrientedBox]) -> StoredAxes {
         let (axes, exists) = self.axes(places);
@@ -584,13 +598,13 @@ impl EightAtRest {
         let (square, area) = (dot(&side, &side), dot(&normal, &normal));
         let narrow = (f64x8::splat(NARROW) * square * dot(&other, &other)).to_array();
         let (areas, norms) = (area.to_array(), norm.to_array());
-        // Written so that NaN is none.
+        // Written so that NaN gives no frame.
         let exists = core::array::from_fn(|k| areas[k] > narrow[k] && areas[k] > f64::MIN_POSITIVE && norms[k] > 0.5);
         let one = f64x8::splat(1.0);
         let (per_side, per_area) = (one / square.sqrt(), one / area.sqrt());
         let (e, n) = (side.each(|x| x * per_side), normal.each(|x| x * per_area));
         let f = cross(&n, &e);
-        // The columns of the rotation in the frame of the three.
+        // The columns of the rotation, in the frame of the three vertices.
         let s = f64x8::splat(2.0) / norm;
         let (xs, ys, zs) = (x * s, y * s, z * s);
         let rotated = [
@@ -608,7 +622,7 @@ fn double(x: f32x8) -> f64x8 {
     f64x8::new(x.to_array().each(f64::from))
 }
 
-/// Three axes in single precision: by axis, and the same by coordinate.
+/// Three axes in single precision, stored by axis and by coordinate.
 struct BoxAxes {
     rows: [[f32; 3]; 3],
     columns: [f32x4; 3],
@@ -628,14 +642,16 @@ impl BoxAxes {
         self.columns[0] * x + self.columns[1] * y + self.columns[2] * z
     }
 
-    /// Returns a box that holds all points whose heights along the axes as stored are at least
-    /// `low` and at most `high`, up to `slack`, the longest side first.
+    /// Returns a box of all points whose heights along the stored axes are from `low` to `high`.
     ///
-    /// Heights `h` about the centre are the coordinates `s` of a point, `p = sum of s_k axis_k`, up
-    /// to the products of the axes: `h = G s` with the matrix G of products, which is the unit
-    /// matrix up to `e = 8 UNIT_SINGLE` in every place. So `|s_k - h_k| <= e sum |s_j|`, and `sum
-    /// |s_j| <= sum |h_j| / (1 - 3 e)`; `|p|^2 = s . G s <= (1 + 3 e) |s|^2`. The last factors hold
-    /// the roundings of the sums of positive numbers.
+    /// The heights have an error of at most `slack`. The longest side is first.
+    ///
+    /// Let h be the heights of a point p about the centre and s its coordinates,
+    /// `p = sum of s_k axis_k`. Then `h = G s` with the matrix G of products of the axes. Each
+    /// entry of G differs from the unit matrix by at most `e = 8 UNIT_SINGLE`. So
+    /// `|s_k - h_k| <= e sum |s_j|` with `sum |s_j| <= sum |h_j| / (1 - 3 e)`, and
+    /// `|p|^2 = s . G s <= (1 + 3 e) |s|^2`. The last factors cover the rounding of the sums of
+    /// positive numbers.
     #[inline(always)]
     fn fitted(&self, low: f32x4, high: f32x4, slack: f32) -> OrientedBox {
         let up = 1.0 + 8.0 * f32::EPSILON;
@@ -663,10 +679,10 @@ impl BoxAxes {
     }
 }
 
-/// Returns the order of the first three numbers, the greatest first.
+/// Returns the indices of the first three numbers, the greatest first.
 #[inline(always)]
 fn descending([a, b, c, _]: [f32; 4]) -> [usize; 3] {
-    // Ranks by three comparisons: how many of the others come first.
+    // Ranks from three comparisons: the number of the others that come first.
     let (ba, ca, cb) = (usize::from(b > a), usize::from(c > a), usize::from(c > b));
     let mut order = [0; 3];
     order[ba + ca] = 0;

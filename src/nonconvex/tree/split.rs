@@ -1,9 +1,15 @@
-//! The order of triangles or pieces: cut at the mean, perpendicular to the longest axis of their
-//! spread, at the median if that is lopsided; along another axis if that hardly shortens the parts.
-//! The middles of long thin triangles side by side lie in two rows: a cut between the rows leaves
-//! two parts as large as the whole.
+//! The order of triangles or pieces, and the nodes of their tree.
 //!
-//! The axes of a spread are the eigenvectors of its matrix, at the end of the file.
+//! A node is cut in this order of preference:
+//!
+//! 1. Items in one plane, if they are enough, are separated from the others.
+//! 2. A cut at the mean, perpendicular to the longest axis of the spread.
+//! 3. A cut at the median, if the cut at the mean is lopsided.
+//! 4. A cut along another axis, if the first cut hardly shortens the parts. The centroids of long
+//!    thin triangles side by side lie in two rows, and a cut between the rows leaves two parts as
+//!    large as the whole.
+//!
+//! The axes of a spread are the eigenvectors of its matrix; the end of the file computes them.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -17,45 +23,57 @@ use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT;
 use crate::body::polyhedron::{bounding_box, exponent_of, power_of_two};
 
-/// A leaf of several triangles is no thicker than this part of its length: coarse bodies have thin
-/// leaves of one triangle, fine bodies save two thirds of the boxes.
+/// Largest thickness of a leaf of several items, as a fraction of its length.
+///
+/// So coarse bodies have thin leaves of one triangle, and fine bodies save two thirds of the boxes.
 const THIN: f64 = 1.0 / 16.0;
 
-/// From so many triangles on, a leaf of several need not be thin if it is compact, its middle axis
-/// at least this part of its longest. A terrain of a million triangles as rough as they are long
-/// takes 75 bytes a triangle instead of 154, 355 meshes of robots 88 instead of 95, the largest
-/// mean of one 112 instead of 143; a knot of 20,000 is a fifth faster. Tori of 1,280 are twice as
-/// slow: forty pairs of triangles that only boxes of their own prove are measured instead of five.
-/// Slivers, which are not compact, make a gear of 20,000 a seventh slower.
+/// Number of items from which a compact leaf of several items need not be thin.
+///
+/// A leaf is compact if its middle axis is at least [`COMPACT`] of its longest. Bytes per triangle
+/// without and with this rule:
+///
+/// - a terrain of a million triangles as rough as they are long: 154 and 75;
+/// - 355 meshes of robots: 95 and 88, with a largest mean of one mesh of 143 and 112.
+///
+/// A knot of 20,000 triangles is a fifth faster. A gear of 20,000 triangles is a seventh slower,
+/// because of slivers, which are not compact. The rule does not pay for smaller meshes: with it,
+/// tori of 1,280 triangles are twice as slow. 40 pairs of triangles are then measured instead of 5,
+/// because only their own boxes prove them.
 const MANY_ITEMS: usize = 2048;
 const COMPACT: f64 = 0.5;
 
-/// A cut of a node leaves at least one part in this many on each side, so that the depth is a
-/// logarithm.
+/// A cut at the mean leaves at least one item in this many on each side.
+///
+/// A plane that is cut off must contain as many. So the depth is logarithmic.
 const LOPSIDED: usize = 8;
 
-/// A cut that leaves a part longer than this part of the node is compared with cuts along the other
-/// axes. Shafts of 1,000 sides that cross at 10 degrees: 8,700 bounds a query without the direction
-/// across both lengths and without the comparison, 190 with both.
+/// A cut is compared with the other axes if a part is longer than this fraction of the node.
+///
+/// For shafts of 1,000 sides that cross at 10°, a query needs 190 bounds with this comparison and
+/// the direction perpendicular to both lengths, and 8,700 bounds without both.
 const HARDLY: f64 = 0.95;
 
-/// A cut along another axis must leave less than this part of the area that the first leaves. Not
+/// A cut along another axis must leave less than this fraction of the first cut's area. Not
 /// measured.
 const ACROSS: f64 = 0.8;
 
-/// Items that reach farther from their middles than so many standard deviations of the node are
-/// long: a cut may hardly shorten the parts. Not measured.
+/// Radius of a long item around its centroid, in standard deviations of the node.
+///
+/// If a node has a long item, a cut may hardly shorten the parts. Not measured.
 const LONG: f64 = 0.5;
 
-/// Middles whose heights differ by less than this part of the tree's size are level: the rounding
-/// of single precision.
+/// Largest difference of the heights of centroids in one plane, as a fraction of the tree's size.
+///
+/// It is the rounding of single precision.
 const LEVEL: f32 = 8.0 * f32::EPSILON;
 
-/// From so few triangles on a node's axes are found by corners, not by middles: a few middles have
-/// no spread of their own.
+/// Number of items up to which the axes come from the vertices, not from the centroids.
+///
+/// A few centroids have no significant spread.
 const FEW_CORNERS: usize = 16;
 
-/// A triangle or a piece while it is sorted, in the tree's coordinates.
+/// A triangle or a piece during the sort, in the tree's coordinates.
 #[derive(Clone, Copy)]
 struct Item {
     middle: [f32; 3],
@@ -63,13 +81,14 @@ struct Item {
     number: u32,
 }
 
-/// Items still to be divided: the node, the first and the number of its items.
+/// Items still to be split: their node, the index of the first, and their number.
 type Task = (u32, usize, usize);
 
 impl Tree {
-    /// Divides triangles or pieces, given by their corners, until they are leaves of at most
-    /// `most`: the tree with axes and without extents, and the order of the items. Nothing of use
-    /// if the caller stops it.
+    /// Splits items, given by their vertices, down to leaves of at most `most` items.
+    ///
+    /// Returns the tree, with axes but without extents, and the order of the items. If the callback
+    /// stops the call, the result is meaningless.
     pub(crate) fn split<I: AsRef<[u32]>>(
         points: &[Vector3<f64>],
         given: &[I],
@@ -82,9 +101,9 @@ impl Tree {
         Splitter::new(centre, exponent, points, given, most).divided(watch)
     }
 
-    /// Returns the origin and the exponent of the unit of a tree over points between two corners.
+    /// Returns the origin and the exponent of the unit of a tree over a bounding box.
     pub(super) fn place_of(low: &Vector3<f64>, high: &Vector3<f64>) -> (Vector3<f64>, i32) {
-        // No smaller than the rounding of the place.
+        // At least the rounding of the position.
         let place = low.amax().larger(high.amax()) * UNIT;
         let size = sqrt(((high - low) * 0.5).norm_squared()).larger(place);
         (low * 0.5 + high * 0.5, exponent_of(size))
@@ -102,7 +121,7 @@ pub(super) struct Splitter<'a, I> {
 }
 
 impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
-    /// Takes points and items, and the origin and the exponent of the unit of the tree.
+    /// Takes the origin and the exponent of the tree's unit, the points and the items.
     pub(super) fn new(
         centre: Vector3<f64>,
         exponent: i32,
@@ -125,7 +144,8 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
         }
     }
 
-    /// Divides the items: the tree, with axes and without extents, and their order.
+    /// Splits the items; returns the tree, with axes but without extents, and the order of the
+    /// items.
     pub(super) fn divided(mut self, watch: &mut Watch<'_>) -> (Tree, Vec<u32>) {
         let count = self.given.len();
         self.items.reserve_exact(count);
@@ -149,7 +169,7 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
             let corners = self.corners(number);
             let count = self.given[number as usize].as_ref().len().max(1) as f64;
             let middle = corners.clone().sum::<Vector3<f64>>() / count;
-            // Weighs as its area does, up to its shape.
+            // The weight is proportional to the area, up to a factor by shape.
             let spread: f64 = corners.map(|c| (c - middle).norm_squared()).sum();
             self.items.push(Item {
                 middle: [middle.x as f32, middle.y as f32, middle.z as f32],
@@ -172,14 +192,14 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
             self.tree.boxes[node as usize].set_axes(&rows);
             if count == 1 || count <= self.most && self.is_leaf(&values) {
                 self.tree.links[node as usize] = LEAF_MARK | (count as u32 - 1) << COUNT_SHIFT | first as u32;
-                // Tasks are taken in the order of the items.
+                // Tasks are processed in the order of the items.
                 if !watch.done(first + count) {
                     break;
                 }
                 continue;
             }
             let left = match self.cut_plane(first, count, &rows[2]) {
-                // A weight is at least the square of the item's reach from its middle.
+                // A weight is at least the square of the item's radius around its centroid.
                 0 if heaviest > LONG * LONG * values[0] => self.cut_across(first, count, &rows, &mean),
                 0 => self.cut(first, count, &rows[0], &mean),
                 left => left,
@@ -192,8 +212,8 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
         }
     }
 
-    /// Returns whether items of a spread, few enough, are better left together: thin ones anywhere,
-    /// compact ones where memory counts.
+    /// Returns whether few items should form a leaf: if thin always, if compact only in large
+    /// bodies.
     fn is_leaf(&self, [long, wide, deep]: &[f64; 3]) -> bool {
         *deep <= THIN * THIN * long || self.items.len() >= MANY_ITEMS && *wide >= COMPACT * COMPACT * long
     }
@@ -228,9 +248,11 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
         }
     }
 
-    /// Puts the items in the plane of the highest or lowest one along the shortest axis first and
-    /// returns their number: zero if they are few. Items in one plane have a box without
-    /// thickness, which proves all of a flush contact at once.
+    /// Puts the items in the plane of an extreme item first and returns their number.
+    ///
+    /// The extreme items are the highest and the lowest along the shortest axis. Returns 0 if the
+    /// plane has one item, too few items or all items. Items in one plane have a box without
+    /// thickness, which proves a whole flush contact at once.
     fn cut_plane(&mut self, first: usize, count: usize, axis: &Vector3<f64>) -> usize {
         let items = &self.items[first..first + count];
         let along =
@@ -239,8 +261,8 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
         let by_height = |a: &&Item, b: &&Item| height(a).total_cmp(&height(b));
         let ends = [items.iter().max_by(by_height), items.iter().min_by(by_height)].each(|e| e.copied());
         for end in ends.into_iter().flatten() {
-            // Of the item, not of the spread, which the way a plane is cut into triangles tilts a
-            // little.
+            // The normal of the item, not the axis of the spread: the triangulation of a plane
+            // tilts this axis a little.
             let height = along(single(&self.normal(end.number)));
             let level = height(&end);
             let is_level = |i: &Item| (height(i) - level).abs() <= LEVEL;
@@ -260,7 +282,7 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
         0
     }
 
-    /// Returns the unit normal of an item's first three corners; zero if they are collinear.
+    /// Returns the unit normal of an item's first three vertices; zero if they are collinear.
     fn normal(&self, item: u32) -> Vector3<f64> {
         let mut corners = self.corners(item);
         let (Some(a), Some(b), Some(c)) = (corners.next(), corners.next(), corners.next()) else {
@@ -286,8 +308,9 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
         [0, 1, 2].each(|k| high[k] - low[k])
     }
 
-    /// Cuts along the first axis, or, if that hardly shortens a part, along the axis that leaves
-    /// the least area, weighed by items.
+    /// Cuts along the first axis, or along another one if the first hardly shortens a part.
+    ///
+    /// The cut with the least area is used, weighted by the number of items.
     fn cut_across(&mut self, first: usize, count: usize, rows: &[Vector3<f64>; 3], mean: &Vector3<f64>) -> usize {
         let most = HARDLY * self.sides(first, count, rows)[0];
         let area = |[x, y, z]: [f64; 3]| x * y + y * z + z * x;
@@ -311,8 +334,9 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
         }
     }
 
-    /// Puts the items on the lower side of the cut first and returns their number: at least one, at
-    /// most all but one.
+    /// Puts the items on the lower side of the cut first and returns their number.
+    ///
+    /// At least one item is on each side.
     fn cut(&mut self, first: usize, count: usize, axis: &Vector3<f64>, mean: &Vector3<f64>) -> usize {
         let axis = [axis.x as f32, axis.y as f32, axis.z as f32];
         let height = |i: &Item| axis[0] * i.middle[0] + axis[1] * i.middle[1] + axis[2] * i.middle[2];
@@ -339,9 +363,9 @@ fn single(v: &Vector3<f64>) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
-/// How items are spread.
+/// Spread of items.
 struct Spread {
-    /// Axes, the longest first, the mean and the eigenvalues.
+    /// Axes, the longest first; then the mean and the eigenvalues.
     rows: [Vector3<f64>; 3],
     mean: Vector3<f64>,
     values: [f64; 3],
@@ -365,12 +389,14 @@ impl SplitMoments {
     }
 }
 
-/// Sweeps after which a symmetric matrix of three is diagonal to rounding: convergence is
-/// quadratic. Not a matter of soundness.
+/// Number of sweeps after which a symmetric matrix of order three is diagonal up to rounding.
+///
+/// Convergence is quadratic. Soundness does not depend on it.
 const SWEEPS: usize = 6;
 
-/// Returns the eigenvectors of a symmetric matrix as orthonormal rows by falling eigenvalue, and
-/// the eigenvalues (Jacobi's rotations, 1846).
+/// Returns the eigenvectors of a symmetric matrix by falling eigenvalue, and the eigenvalues.
+///
+/// The eigenvectors are orthonormal (Jacobi's rotations, 1846).
 pub(super) fn axes(matrix: &Matrix3<f64>) -> ([Vector3<f64>; 3], [f64; 3]) {
     let (mut m, mut v) = (*matrix, Matrix3::identity());
     for _ in 0..SWEEPS {
@@ -387,7 +413,7 @@ pub(super) fn axes(matrix: &Matrix3<f64>) -> ([Vector3<f64>; 3], [f64; 3]) {
     (order.each(|k| v.column(k).into_owned()), order.each(|k| m[(k, k)]))
 }
 
-/// One rotation in the plane of axes p and q that makes their entry zero.
+/// Rotates in the plane of axes p and q so that their entry becomes zero.
 fn rotate(m: &mut Matrix3<f64>, v: &mut Matrix3<f64>, p: usize, q: usize) {
     let off = m[(p, q)];
     if off == 0.0 {
