@@ -5,10 +5,10 @@
 //! that the nearest point needs:
 //!
 //! ```text
-//!   1 point:   vertex    any edge of the set may exclude a normal
-//!   2 points:  line      a normal is perpendicular to d: search the plane of e and f
-//!   3 points:  plane     only n and -n are possible normals
-//!   4 points:  interior
+//!   1 point kept:  vertex    any edge of the set may rule a normal out
+//!   2 points:      line      a normal is perpendicular to d: search the plane of e and f
+//!   3 points:      plane     only n and -n are possible normals
+//!   4 points:      interior
 //! ```
 
 use crate::base::num::each::Each;
@@ -215,7 +215,7 @@ fn on_plane(highest: &dyn Fn(&Big3) -> ExactPoint, n: Big3) -> Origin {
 /// ```text
 ///   start   f
 ///       \   |       top      A support point `top` excludes every n with n . top > 0.
-///        \  |     .'         Not excluded: the directions counter-clockwise from start to end.
+///        \  |     .'         Not excluded: the directions from start, turning left, to end.
 ///         \ |  .'
 ///           o------- e
 ///            \

@@ -18,9 +18,9 @@
 //! points. If the proposed features are the closest ones, one more support point proves it.
 //!
 //! ```text
-//!   v_k+1 .------. v_k        Face and vertex: the triangle v_0 v_k v_k+1 of the face that contains
-//!         |`.  x |            the witness x, minus the vertex. Two edges: the half of the
-//!         |   `. |            parallelogram of their differences that contains the crossing.
+//!   v_k+1 .------. v_k        Face and vertex: of the triangles v_0 v_k v_k+1 of the face, the one
+//!         |`.  x |            that holds the witness x, minus the vertex. Two edges: the half of
+//!         |   `. |            the parallelogram of their differences that holds the crossing.
 //!         '-----`. v_0
 //! ```
 //!
