@@ -2,10 +2,10 @@
 //!
 //! The sweep searches not for overlap but for *change* of overlap, which the new boxes alone show.
 //! Let the separation of two boxes be the largest, over both sides of all axes, of the lower bound
-//! of one box minus the upper bound of the other. It is not positive exactly if the boxes overlap.
-//! If no face of box i moved farther than `d_i`, the separation changed by at most `d_i + d_j`. So
-//! only pairs whose separation is this close to zero may have changed: few, for any number of
-//! overlaps. Unchanged pairs cost a few SIMD lanes of arithmetic and no memory.
+//! of one box minus the upper bound of the other. It is at most zero if and only if the boxes
+//! overlap. If no face of box i moved farther than `d_i`, the separation changed by at most
+//! `d_i + d_j`. So only pairs whose separation is this close to zero may have changed: few, for any
+//! number of overlaps. Unchanged pairs cost a few SIMD lanes of arithmetic and no memory.
 //!
 //! ```text
 //!    box i   [-----------]                    start_i, end_i on the swept axis

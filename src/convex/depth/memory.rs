@@ -17,13 +17,13 @@ use crate::pair::posed::PosedPair;
 
 use crate::convex::depth::polytope::EnclosingSurface;
 
-/// Largest number of triangles of a polytope that is kept between queries; their numbers fit a
-/// byte. Larger polytopes are built again, because their memory costs more than the time saved. Not
-/// measured.
+/// Largest number of triangles of a polytope that is cached between queries, so that the index of a
+/// triangle fits a byte. Larger polytopes are built again, because their memory costs more than the
+/// time saved. Not measured.
 pub(super) const MAX_TRIANGLES: usize = 256;
 
-/// Number of triangles that a kept polytope may gain over the number at its build before it is
-/// built again. An old polytope contains triangles that give no bound. Not measured.
+/// Number of triangles that a cached polytope may gain after its build before it is built again. An
+/// old polytope contains triangles that give no bound. Not measured.
 const GAIN: usize = 24;
 
 /// Largest number of points of a cached polytope: a closed surface of `MAX_TRIANGLES` triangles has

@@ -143,7 +143,7 @@ mod tests {
         }
     }
 
-    /// Returns an integer of about a thousand bits or more, or zero.
+    /// Returns an integer of up to about 1,300 bits, or zero.
     fn long(rng: &mut Rng) -> IBig {
         // Near the size at which a coordinate is too small for f64, and well below.
         let shift = *rng.pick(&[0.0, 90.0, 600.0, 1180.0, 1250.0]) + rng.range(0.0, 20.0);

@@ -122,7 +122,7 @@ pub(crate) fn quotient(num: IBig, den: &IBig, exponent: i32) -> [f64; 2] {
     if low >= f64::MIN_POSITIVE {
         [low, high]
     } else {
-        // The scaling may have rounded once more.
+        // A subnormal number was rounded once more by the scaling.
         [low.next_down().at_least(0.0), high.next_up()]
     }
 }

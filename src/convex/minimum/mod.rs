@@ -1,8 +1,9 @@
 //! GJK: finds the point of the Minkowski difference A - B closest to the origin.
 //!
 //! [`solve`] replaces the walk if the walk fails. [`OverlapProof`] is the proof of an overlap that
-//! a tracker caches. Source: Gilbert, Johnson and Keerthi 1988, in f64 and in double-double.
-//! Departures:
+//! a tracker caches.
+//!
+//! Source: Gilbert, Johnson and Keerthi 1988, here in f64 and in double-double. Departures:
 //! 1. The solver starts from the features on which the walk ended ([`about_witnesses`]), so one or
 //!    a few support points decide most cases.
 //! 2. The direction of a triangle is its normal. The direction of an edge is orthogonalised twice,
@@ -48,7 +49,7 @@ use crate::pair::transform::Transform;
 use nalgebra::{Point3, Vector3};
 
 /// Largest number of support points of one solve. Measured: correct answers took at most 24, or
-/// about 90 if the boundaries of nearly parallel faces of 32,768 vertices cross.
+/// about 90 if the boundaries of two nearly parallel faces of 32,768 vertices lie over each other.
 const SUPPORTS: u32 = 256;
 
 /// Result of a solve.

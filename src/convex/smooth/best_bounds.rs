@@ -210,7 +210,7 @@ impl<T: Scalar> ProvenBounds<T> {
         }
     }
 
-    /// Updates the lower bound by a support; returns the support value along the unit direction.
+    /// Updates the lower bound by a support point; returns the support value along the direction.
     #[inline(always)]
     pub(super) fn prove(&mut self, toward: &Toward<T>, piece: &DifferencePoint<T>) -> T {
         let height = dot(&toward.n, &piece.w);

@@ -76,7 +76,7 @@ pub(super) struct Deep {
 }
 
 /// Searches the depth from a direction and branches. Grows a polytope only if `corners` around the
-/// origin are given and a local depth is not enough.
+/// origin are given and the bounds are not tight enough for `until`.
 pub(super) fn deepen<A: CoreKind, B: CoreKind>(
     posed: &PosedCores<A, B, f64>,
     known: &ProvenBounds<f64>,
@@ -170,8 +170,8 @@ fn from_faces(posed: &PosedCores<Any, Any, f64>, corners: &[DifferencePoint<f64>
 
 /// Returns whether the bounds are tight enough for the requested depth.
 ///
-/// Bounds that agree are always enough. Otherwise an overlap must be proven, and the width must be
-/// at most that of a polytope, unless a local depth is requested.
+/// Bounds that agree are always enough. Otherwise an overlap must be proven, and, unless a local
+/// depth is requested, the width must be at most [`DEPTH_GOAL`] times L.
 pub(super) fn is_enough<A: Support, B: Support>(
     posed: &PosedCores<A, B, f64>,
     best: &ProvenBounds<f64>,

@@ -21,7 +21,7 @@ const POINTS: usize = 96;
 /// twice as many steps, because an attempt costs as much as many steps. A heuristic.
 const ATTEMPT: usize = 4;
 
-/// Steps of a first approach: a heuristic.
+/// Largest number of support points of a first approach.
 const APPROACH: usize = 6;
 
 /// Goal of a solve.

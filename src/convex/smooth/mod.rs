@@ -4,8 +4,8 @@
 //! ([`Support`](crate::shape::Support)). One solver handles all pairs of kinds; there is no table
 //! of pairs. The solvers run in this order (`ladder`):
 //! 1. `warm_start` proves the support sets of the last answer again.
-//! 2. `newton_gjk`, the main solver, is GJK whose direction step uses the curvature, with the model
-//!    of `model`.
+//! 2. `newton_gjk`, the main solver, is GJK whose direction step uses the curvature by the local
+//!    model in `model`.
 //! 3. `gjk` is GJK on fixed support points.
 //! 4. If the bounds still disagree, all of them run again in double-double.
 //!

@@ -167,8 +167,8 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
         centre
     }
 
-    /// Returns the step of the model at the centre. The weighted points become witness points, both
-    /// unmoved and moved along their surfaces by the step.
+    /// Returns the step of the model at the centre. The weighted points, both unmoved and moved
+    /// along their surfaces by the step, update the upper bound.
     fn advance(&mut self, centre: &mut Centre<T>) -> Option<PlaneStep<T>> {
         let (toward, mut planes) = (centre.toward, [ModelPlane::default(); MOST]);
         for (plane, piece) in planes.iter_mut().zip(centre.pieces()) {

@@ -5,6 +5,8 @@
 //! origin, and the difference contains the ball around the origin that touches the nearest plane of
 //! a triangle. The distance of this plane is a lower bound of the depth. The support value along
 //! any direction is an upper bound.
+//!
+//! Source: van den Bergen 2001, "Proximity queries and penetration depth computation on 3D game
 //! objects". Departures:
 //! 1. The orientation of each triangle is proven against rounding when the triangle is made. A
 //!    point is rejected if it would make a triangle whose orientation is in doubt.

@@ -16,7 +16,7 @@
 //! 2. If their distance agrees with the height of the sets, compute both support points.
 //! 3. If the height of the support points agrees as well, the answer is proven. Otherwise a branch
 //!    that is higher joins its set.
-//! 4. If the nearest point is beyond a branch, this branch leaves its set.
+//! 4. A branch that has a negative weight at the nearest point leaves its set.
 //!
 //! Steps are neither cut nor undone. If the bounds do not agree, `newton_gjk` continues.
 

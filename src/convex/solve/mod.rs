@@ -255,7 +255,7 @@ mod tests {
     use crate::body::polyhedron::FeaturePair;
     use crate::body::polyhedron::solids::cuboid;
 
-    /// Two bounds that are rounded apart may cross by a last bit: no clamp panics of that.
+    /// Two bounds that are rounded separately may cross in the last bit. No clamp may panic then.
     #[test]
     fn bounds_that_cross_are_written_in_order() {
         let cube = cuboid(Vector3::repeat(0.5)).unwrap();
