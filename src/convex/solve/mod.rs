@@ -154,8 +154,8 @@ fn refine_in_double_double(posed: &PosedPair, draft: &mut Draft) {
     if !is_proven(posed, draft) {
         decide(posed, draft);
     } else if draft.state == ContactState::Overlapping && coarse.state == ContactState::Touching {
-        // Closest features, witnesses and direction in f64 hold for the overlap too; a combination
-        // of four points names no feature.
+        // Closest features, witness points and direction in f64 hold for the overlap too. A
+        // combination of four points has no feature.
         (draft.features, draft.normal) = (coarse.features, coarse.normal);
         (draft.point_on_a, draft.point_on_b) = (coarse.point_on_a, coarse.point_on_b);
     }
