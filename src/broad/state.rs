@@ -148,7 +148,7 @@ pub(super) fn nearest(
         };
         out.clear();
         out.extend(found.iter().map(distance).filter(|n| n.distance <= reach));
-        // Beyond the clamp of stored boxes a larger reach finds nothing new.
+        // Beyond the clamp of stored boxes a larger distance finds nothing new.
         if out.len() >= count || reach >= farthest || reach > 1e39 {
             break;
         }

@@ -62,8 +62,8 @@
 //! | few pairs, always the same | one [`Tracker`](crate::Tracker) for each pair | 17 to 31 |
 //! | distances of all pairs | enable `distance` with an infinite range | 30 to 45 |
 //!
-//! The times are medians for an arm of seven links among thirty boxes: 195 pairs, those of two
-//! links included. The range is 0.2 m, and the bodies move at 1 kHz.
+//! The times are medians for an arm of seven links among thirty boxes: 195 pairs, including the
+//! pairs of two links. The range is 0.2 m, and the bodies move at 1 kHz.
 //!
 //! A step computes a distance up to a range, and the least distance that it finds is the clearance.
 //! The results of a pair are in the frames of the two bodies, as in [`Outcome`](crate::Outcome);

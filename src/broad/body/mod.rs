@@ -1,8 +1,8 @@
 //! The table of bodies: ids with generations, the stored boxes of this step and the last, and the
 //! lists of moved bodies.
 //!
-//! A box that a caller sets, alone or in a batch, is checked, grown by the margins of its body,
-//! stored, and noted if it changed.
+//! A box that a caller sets, alone or in a batch, is checked, grown by the margins of its body and
+//! stored. If it changed, the body is listed.
 
 mod record;
 #[cfg(feature = "serde")]
@@ -299,7 +299,7 @@ impl Bodies {
         self.grid = grid;
     }
 
-    /// Decides for every noted body which entries it has in its columns in this step.
+    /// Decides for every listed body which entries it has in its columns in this step.
     pub(crate) fn classify(&mut self) {
         let (step, grid) = (self.step, &self.grid);
         for &index in &self.marks.noted {

@@ -66,8 +66,8 @@ pub(super) fn index_of(entry: Entry) -> usize {
     (entry as u32 >> 1) as usize
 }
 
-/// The entries of a column. Between steps: sorted, one entry a body, no flags, keys of the bodies'
-/// last boxes.
+/// The entries of a column. Between steps they are sorted, there is one entry per body, no flag is
+/// set, and the keys belong to the last boxes of the bodies.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Column {
     pub(super) entries: Vec<Entry>,

@@ -174,7 +174,7 @@ impl SweepAndPrune {
         self.list_arrivals();
     }
 
-    /// Lists the bodies noted for this step in their new columns.
+    /// Adds the bodies that may have changed columns to their new columns.
     fn list_arrivals(&mut self) {
         let bodies = &self.state.bodies;
         for &index in &bodies.marks.noted {
@@ -187,8 +187,7 @@ impl SweepAndPrune {
         }
     }
 
-    /// Returns the number of entries of all columns after the noted bodies are listed in their new
-    /// columns.
+    /// Returns the number of entries of all columns after [`list_arrivals`](Self::list_arrivals).
     fn entries_to_be(&self) -> usize {
         let records = &self.state.bodies.records;
         let coming: usize = self

@@ -124,9 +124,9 @@ impl Worker {
         }
     }
 
-    /// Notes the changes of one entry with all entries that may meet its boxes. Every moved body is
-    /// scanned in this way, so two such entries meet twice; only the entry with the lower index
-    /// reports.
+    /// Records the changes between one entry and all entries that may meet its boxes. Every moved
+    /// body is scanned in this way, so two such entries meet twice. Only the entry with the lower
+    /// index reports the change.
     fn scan_one(&mut self, column: &Column, active: u64, cell: [u16; 2], bodies: &Bodies) {
         let who = active as u32;
         let record = &bodies.records[index_of(active)];
@@ -146,7 +146,7 @@ impl Worker {
             if index_of(e) == index_of(active) {
                 continue; // itself, or the other entry of a body that jumps
             }
-            // Most entries of the window are apart on another axis, then and now.
+            // Most entries of the window are separated on another axis, both before and now.
             let near = cover.overlaps(&other.now()) || (other.moved(step) && cover.overlaps(&other.before(step)));
             if !near {
                 continue;

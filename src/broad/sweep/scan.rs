@@ -2,10 +2,10 @@
 //!
 //! The sweep searches not for overlap but for *change* of overlap, which the new boxes alone show.
 //! Let the separation of two boxes be the largest, over both sides of all axes, of the lower bound
-//! of one box minus the upper bound of the other. It is not positive exactly if the boxes overlap.
-//! If no face of box i moved farther than `d_i`, the separation changed by at most `d_i + d_j`. So
-//! only pairs whose separation is this close to zero may have changed: few, for any number of
-//! overlaps. Unchanged pairs cost a few SIMD lanes of arithmetic and no memory.
+//! of one box minus the upper bound of the other. It is at most zero if and only if the boxes
+//! overlap. If no face of box i moved farther than `d_i`, the separation changed by at most
+//! `d_i + d_j`. So only pairs whose separation is this close to zero may have changed: few, for any
+//! number of overlaps. Unchanged pairs cost a few SIMD lanes of arithmetic and no memory.
 //!
 //! ```text
 //!    box i   [-----------]                    start_i, end_i on the swept axis
@@ -143,7 +143,7 @@ pub(super) struct Worker {
 }
 
 impl Worker {
-    /// Updates a column and notes the changes that the column owns.
+    /// Updates a column and records the changes that the column owns.
     pub(super) fn sweep(&mut self, index: usize, column: &mut Column, bodies: &Bodies) {
         let cell = bodies.grid.column(index);
         self.swaps += column.reorder(cell, &bodies.records, bodies.step);
@@ -217,8 +217,8 @@ impl Worker {
         } = &self.boxes;
         let (start, end, moved, floor) = (&start[..padded], &end[..padded], &moved[..padded], &floor[..padded]);
         let (lo_u, hi_u, lo_v, hi_v) = (&lo_u[..padded], &hi_u[..padded], &lo_v[..padded], &hi_v[..padded]);
-        // Room for the windows of one entry more, so that no window has to wait until another is
-        // settled.
+        // Room for the windows of one more entry, so that no window has to wait until another is
+        // tested.
         self.pending.resize(PENDING + padded / LANES + 1, (0, 0, 0));
         let pending = &mut self.pending[..];
         let (mut waiting, mut scanned) = (0, 0);

@@ -137,21 +137,21 @@ impl Survey {
         1.0 + (self.mean[1] + self.mean[2]) / width + self.product[0] / (width * width)
     }
 
-    /// Returns the growth of the number of tests with the width: two boxes share on average this
-    /// many columns, summed over all offsets of the two boxes.
+    /// Returns a number proportional to the number of tests at this width: the average number of
+    /// columns that two boxes share, summed over all offsets of the two boxes.
     fn overlap_of_columns(&self, width: f64) -> f64 {
         let shared = |mean: f64| (width + mean) * (width + mean) / width;
         shared(self.mean[1]) * shared(self.mean[2])
     }
 
-    /// Returns the tests a body if all bodies were spread evenly over their range.
+    /// Returns the number of tests per body if all bodies were spread evenly over their range.
     fn even_tests(&self, width: f64) -> f64 {
         let volume = self.extent(0) * self.extent(1) * self.extent(2);
         self.count / volume * self.mean[0] * self.overlap_of_columns(width)
     }
 
-    /// Returns the cost of a sweep, a body, if columns of this width give so many tests a body and
-    /// so many columns hold bodies.
+    /// Returns the cost of a sweep per body, if columns of this width give `tests` tests per body
+    /// and `held` columns contain bodies.
     fn cost(&self, width: f64, tests: f64, held: f64) -> f64 {
         let entries = self.entries(width);
         let window = tests / entries;
@@ -168,15 +168,15 @@ impl Survey {
         (self.extent(1) / width + 1.0) * (self.extent(2) / width + 1.0)
     }
 
-    /// Returns the best width if `tests` a body were counted with columns of width `known`, of
-    /// which `held` held bodies, and the share of the present cost at the best width.
+    /// Returns the best width, and the ratio of the cost at the best width to the present cost.
+    /// `tests` per body were counted with columns of width `known`, of which `held` contain bodies.
     fn best_width(&self, known: f64, tests: f64, held: f64) -> (f64, f64) {
         let scale = tests / self.overlap_of_columns(known);
         let present = self.cost(known, tests, held);
         let mut best = (known, 1.0);
         for k in -16..=16 {
             let width = known * libm::exp2(f64::from(k) / 4.0);
-            // Each column is cut into as many as fit.
+            // Each column is divided into as many as fit.
             let held = held * (known / width) * (known / width);
             let share = self.cost(width, scale * self.overlap_of_columns(width), held) / present;
             if share < best.1 {
@@ -187,9 +187,11 @@ impl Survey {
     }
 
     /// Returns how far a body may move along the swept axis without a jump: a mean length, or the
-    /// mea distance to the next entry of its column if larger. Windows widened by two such moves
-    /// hold about two entries more or are three times as long, and a jump costs about as much as
-    /// two entries: however far bodies move, a sweep costs a few times the cost at rest.
+    /// mean distance to the next entry of its column if that is larger.
+    ///
+    /// Windows widened by two such moves contain about two entries more, or are three times as
+    /// long. A jump costs about as much as two entries. So a sweep costs at most a few times the
+    /// cost at rest, however far bodies move.
     fn leap(&self, width: f64, columns: f64) -> f32 {
         let listed = (self.count * self.entries(width) / columns).at_least(1.0);
         self.mean[0].larger(self.extent(0) / listed) as f32
@@ -224,7 +226,7 @@ pub(super) struct StepCounts {
     /// Entries inside the windows of a sample of the entries.
     pub(super) tests: u64,
     pub(super) sampled: u64,
-    /// Columns swept that hold bodies.
+    /// Swept columns that contain bodies.
     pub(super) columns: u64,
 }
 
@@ -243,13 +245,13 @@ impl StepCounts {
 pub(super) struct Tuning {
     /// Number of bodies when the columns were computed.
     count: usize,
-    /// Steps to wait before the width is checked again, and the last waiting time: doubled at each
-    /// cut.
+    /// Steps to wait before the width is checked again. The next field is the last waiting time,
+    /// which doubles at each check.
     wait: u32,
     patience: u32,
     /// The width that promised to be clearly better, if any.
     wanted: Option<f64>,
-    /// Entries compared, a body, when the width was last checked: of a sweep of all columns.
+    /// Entries compared per body, in a sweep of all columns, when the width was last checked.
     compared: f64,
     /// Whether axis and width are to be chosen as for a new world.
     anew: bool,
@@ -272,14 +274,15 @@ impl Tuning {
         self.wait <= 1
     }
 
-    /// Ends the calm if a step compared several times the entries, a body, of the last check.
+    /// Requests new columns if a step compared several times as many entries per body as the last
+    /// check.
     pub(super) fn watch(&mut self, compared: f64) {
         self.anew |= compared > SURGE * self.compared;
     }
 
     /// Records the counts of a full sweep of this number of entries.
     pub(super) fn observe(&mut self, bodies: &Bodies, counts: StepCounts, entries: usize) {
-        // Columns at rest are not swept, and count as those swept.
+        // Columns at rest are not swept. They are counted at the average of the swept columns.
         let compared = counts.compared as f64 / counts.entries as f64 * entries as f64 / bodies.len() as f64;
         self.watch(compared);
         self.wait = self.wait.saturating_sub(1);
@@ -316,7 +319,7 @@ impl Tuning {
     }
 }
 
-/// Returns the grid for a known good width, or the best guess for bodies never swept.
+/// Returns the grid for a known good width, or the best guess for bodies that were never swept.
 fn choose(bodies: &Bodies, survey: Survey, width: Option<f64>) -> Grid {
     let turn = if width.is_some() { 0 } else { survey.best_axis() };
     let survey = survey.rotated(turn);
@@ -335,7 +338,7 @@ fn choose(bodies: &Bodies, survey: Survey, width: Option<f64>) -> Grid {
     grid
 }
 
-/// Counts the entries all bodies would take in the grid; counting stops beyond `most`.
+/// Counts the entries that all bodies would have in the grid. Counting stops beyond `most`.
 fn entries_of(bodies: &Bodies, grid: &Grid, turn: usize, most: usize) -> usize {
     let mut total = 0;
     for record in bodies

@@ -24,8 +24,8 @@ use crate::pair::outcome::{Outcome, Solver};
 /// more. So contacts do not move up to a tilt of 2e-4. Not measured.
 const ROUND: f64 = 1.0 / 65_536.0;
 
-/// Steps of Newton's method to a crossing of two rims: quadratic from an error of the squared sine
-/// of the angle between the faces.
+/// Number of Newton steps to a crossing of two rims. Convergence is quadratic, from an error of the
+/// order of the squared sine of the angle between the faces.
 const NEWTON: usize = 3;
 
 /// Returns the contacts of two facets, for the outcome of two cores.
@@ -86,8 +86,11 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
 }
 
 /// Returns the contact axes in the frame of each shape, and the signed distance of their origins
-/// along the normal. The origins are the witness on A and the point opposite, at the height of the
-/// witness on B: witnesses prove a length to rounding, and a direction to its root only.
+/// along the normal.
+///
+/// The origins are the witness on A and the point opposite, at the height of the witness on B.
+/// Witness points determine a length to within rounding, but a direction only to the square root of
+/// rounding.
 fn axes_of(query: &Query, outcome: &Outcome) -> ([Axes; 2], f64) {
     let normal = outcome.normal.into_inner();
     let (on_a, on_b) = (outcome.point_on_a.coords, outcome.point_on_b.coords);
@@ -197,7 +200,7 @@ fn cross_rim(of: &ProjectedFacet, edge: usize, round: &ProjectedFacet, mut take:
     let dot = |u: &[f64; 3], v: &[f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
     let (squared, half) = (dot(&d, &d), dot(&from, &d));
     let inner = half * half - squared * (dot(&from, &from) - circle.radius * circle.radius);
-    // A tangent has no crossing, and NaN none.
+    // A tangent has no crossing, and NaN has none.
     if !(inner > 0.0 && squared > 0.0) {
         return;
     }
@@ -220,7 +223,7 @@ fn cross_rims(a: &ProjectedFacet, b: &ProjectedFacet, mut take: impl FnMut([f64;
     let squared = d[0] * d[0] + d[1] * d[1];
     let along = 0.5 * (squared + r * r - s * s) / squared;
     let across = r * r / squared - along * along;
-    // NaN, of one centre, is no crossing.
+    // NaN, if both centres coincide, is not a crossing.
     if !(across > 0.0) {
         return;
     }

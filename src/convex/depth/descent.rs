@@ -1,5 +1,5 @@
 //! Descent over the facets of the Minkowski difference P = A - B, to a facet that contains the foot
-//! of the origin: a local minimum of the height, and a proposal for the depth.
+//! of the origin. This facet is a local minimum of the height, and a proposal for the depth.
 //!
 //! ```text
 //!      F'    ridge    F           o   origin, at height r beneath the plane of F
@@ -49,7 +49,7 @@ const DESCENTS: usize = 12;
 /// A fan with more edges ends a descent. Not measured.
 const FAN: usize = 64;
 
-/// A facet that holds the foot of the origin, up to rounding.
+/// A facet that contains the foot of the origin, up to rounding.
 pub(super) struct LowFacet {
     pub(super) facet: DifferenceFacet,
     /// Outward unit normal and proven support value of the difference along the normal, if the test
@@ -59,11 +59,11 @@ pub(super) struct LowFacet {
 
 /// The end of a descent.
 pub(super) enum Descent {
-    /// At a facet that holds the foot of the origin.
+    /// At a facet that contains the foot of the origin.
     Facet(LowFacet),
     /// At a facet with the origin outside: the bodies seem to be separated.
     Outside(DifferenceFacet),
-    /// Nowhere: too many facets, long fans, parallel edges, or no facets at all.
+    /// Without a facet: too many facets, large fans, parallel edges, or no facets at all.
     Lost,
 }
 
@@ -196,7 +196,7 @@ fn leaving_edge(
     Some(met.map(|h| t.edge(h)))
 }
 
-/// The facet of two edges.
+/// The facet spanned by an edge of A and an edge of B.
 pub(super) struct EdgeFacet<'a, 'b> {
     posed: &'a PosedPair<'b>,
     names: (EdgeId, EdgeId),
@@ -207,9 +207,10 @@ pub(super) struct EdgeFacet<'a, 'b> {
     u_in_b: PackedVec3,
     /// From the tail of the edge of A to the tail of the edge of B.
     between: PackedVec3,
-    /// Outward normal of the facet, as long as the sine of the edges times both lengths.
+    /// Outward normal of the facet. Its length is the sine of the angle of the edges times both
+    /// lengths.
     normal: PackedVec3,
-    /// Weights of the normal over the faces of each edge: none negative if the facet exists.
+    /// Weights of the normal over the two faces of each edge. None is negative if the facet exists.
     weights: [[f64; 2]; 2],
 }
 
@@ -356,8 +357,8 @@ fn face_of(body: &ConvexPolyhedron, edge: EdgeId, left: bool) -> FaceId {
     }
 }
 
-/// Faces of up to this many edges are tried edge by edge for the features of a depth, the product
-/// of two such numbers in all. Not measured.
+/// Largest number of edges of a face whose edges are tested one by one for the features of a depth.
+/// Each edge of one face is tested with each edge of the other. Not measured.
 const SMALL: usize = 8;
 
 /// A point of A and a point of B, in their stored frames.
@@ -384,9 +385,11 @@ pub(super) fn foot(posed: &PosedPair, facet: DifferenceFacet, best: &Best<f64>) 
     Some([p.into(), q.into()])
 }
 
-/// Returns witnesses on two flush faces, the facet naming either face, and the features that
-/// contain the witnesses: a vertex of a face over the opposite face or, if both faces are small,
-/// two crossing edges.
+/// Returns witness points on two flush faces, one of which belongs to the facet, and the features
+/// that contain them.
+///
+/// The features are a vertex of one face over the other face or, if both faces are small, two
+/// crossing edges.
 #[cold]
 pub(super) fn flush(
     posed: &PosedPair,

@@ -203,7 +203,7 @@ mod tests {
         .into()
     }
 
-    /// The surface and the list of all facets share nothing but the bodies.
+    /// The polytope and the list of all facets share nothing but the bodies.
     #[test]
     fn all_facets_give_the_depth_of_the_surface() {
         let (mut closed, mut exact) = (0, 0);

@@ -109,9 +109,11 @@ impl DifferenceFacet {
     }
 }
 
-/// Returns normal and support of a facet spanned by two edges if the edges are extreme along the
-/// normal: by the signs of a descent, else by the planes of the adjacent faces, the test of the
-/// walk, with the edge of A ahead.
+/// Returns normal and support value of a facet spanned by two edges, if both edges are extreme
+/// along the normal.
+///
+/// The signs of a descent prove this, or otherwise the planes of the adjacent faces, as in the
+/// walk. The edge of A is ahead along the normal.
 fn height_of_edges(posed: &PosedPair, e: EdgeId, g: EdgeId) -> Option<(Vec3<f64>, f64)> {
     if !posed.same_scale() {
         return None;
@@ -294,8 +296,8 @@ mod tests {
     use alloc::vec::Vec;
     use nalgebra::{Isometry3, Point3, UnitQuaternion};
 
-    /// Random triangles a little beneath a ball: a ray through a triangle leaves the ball no
-    /// further from the axis than the returned radius.
+    /// Tests random triangles slightly below a ball: a ray through a triangle leaves the ball no
+    /// farther from the axis than the returned radius.
     #[test]
     fn rays_through_low_triangles_leave_the_ball_near_the_axis() {
         let mut rng = Rng::new(91);

@@ -17,20 +17,20 @@ use crate::pair::posed::PosedPair;
 
 use crate::convex::depth::polytope::EnclosingSurface;
 
-/// Largest number of triangles of a polytope that is kept between queries; their numbers fit a
-/// byte. Larger polytopes are built again, because their memory costs more than the time saved. Not
-/// measured.
+/// Largest number of triangles of a polytope that is cached between queries, so that the index of a
+/// triangle fits a byte. Larger polytopes are built again, because their memory costs more than the
+/// time saved. Not measured.
 pub(super) const MAX_TRIANGLES: usize = 256;
 
-/// Number of triangles that a kept polytope may gain over the number at its build before it is
-/// built again. An old polytope contains triangles that give no bound. Not measured.
+/// A polytope with more triangles than twice their number at its build plus this number is not
+/// cached, but built again. An old polytope contains triangles that give no bound. Not measured.
 const GAIN: usize = 24;
 
 /// Largest number of points of a cached polytope: a closed surface of `MAX_TRIANGLES` triangles has
 /// no more.
 pub(super) const MAX_POINTS: usize = MAX_TRIANGLES / 2 + 2;
 
-/// A closed surface without coordinates: each edge of a triangle is the reverse of an edge of the
+/// A polytope without coordinates: each edge of a triangle is the reverse of an edge of the
 /// adjacent triangle.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(
@@ -47,7 +47,7 @@ pub(crate) struct Memory {
     pub(super) facet: Option<FeaturePair>,
     /// Features of the last witnesses, if different from `facet`.
     pub(super) witness_features: Option<FeaturePair>,
-    /// Number of triangles when the surface was built.
+    /// Number of triangles when the polytope was built.
     pub(super) built: u32,
     /// Working memory, allocated at the first overlap; not part of the cached state.
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -92,7 +92,7 @@ impl PartialEq for Memory {
     }
 }
 
-/// Cached surface as deserialized: not yet known to be closed.
+/// Cached polytope as deserialised: not yet known to be closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize))]
 pub(crate) struct RawMemory {
@@ -250,7 +250,7 @@ impl Memory {
         [i, j, k].each(usize::from)
     }
 
-    /// Loads the cached surface, with the points at `positions`, into the working memory.
+    /// Loads the cached polytope, with the points at `positions`, into the working memory.
     pub(super) fn recall(&self, scratch: &mut Scratch, positions: &[Vec3<f64>], target: f64) {
         let surface = &mut scratch.surface;
         surface.clear(target);
@@ -266,8 +266,8 @@ impl Memory {
         }
     }
 
-    /// Caches the facet and also the surface, if the surface is small and has not outgrown its
-    /// initial number of triangles.
+    /// Caches the facet, and also the polytope if it is small and has not gained too many triangles
+    /// since its build.
     pub(super) fn keep(&mut self, surface: &EnclosingSurface<f64>, facet: FeaturePair, built: Option<u32>) {
         self.clear();
         self.facet = Some(facet);

@@ -3,7 +3,7 @@
 //! With P = A - B and h(n) the support value of P along the unit vector n, the depth is the minimum
 //! of h(n) over all n: the radius of the largest ball around the origin inside P. Any n gives an
 //! upper bound. The polytope, a closed surface of triangles on points of P with winding number one
-//! around the origin ([`surface`]), gives a lower bound: the least distance of a triangle. The
+//! around the origin ([`polytope`]), gives a lower bound: the least distance of a triangle. The
 //! search grows the polytope at the nearest triangle until both bounds agree; the depth is then
 //! proven globally. If the bounds are not tight in f64, the search is repeated in double-double,
 //! and then in exact arithmetic, facet by facet ([`exhaustive`]).

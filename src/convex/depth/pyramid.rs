@@ -43,7 +43,7 @@ const CORNERS: usize = 5;
 /// Largest number of support points that one pyramid may add to its apex. Not measured.
 const SUPPORTS: u32 = 6;
 
-/// A facet joined to a point deep in A - B. Over a face of B all points are those of B - A, so that
+/// A facet joined to a point deep in A - B. For a face of B all points are points of B - A, so that
 /// the facet has the orientation of the face.
 pub(super) struct Pyramid<'a, 'b> {
     posed: &'a PosedPair<'b>,
@@ -56,8 +56,9 @@ pub(super) struct Pyramid<'a, 'b> {
 impl<'a, 'b> Pyramid<'a, 'b> {
     #[inline(always)]
     pub(super) fn new(posed: &'a PosedPair<'b>, facet: DifferenceFacet, best: &Best<f64>) -> Self {
-        // The means of the vertices lie in the bodies up to rounding, which the error term of the
-        // depth covers like that of a vertex, and off the surface of solid bodies.
+        // Up to rounding, the mean of the vertices lies in its body, and not on the surface of a
+        // solid body. The error term of the depth covers this rounding like the rounding of a
+        // vertex.
         let (p, q) = (PackedVec3::new(&posed.a.vertex_mean), &posed.b.vertex_mean);
         let apex = p - (posed.rotation.times(PackedVec3::new(q)) + posed.translation);
         let normal = PackedVec3::new(&best.normal.into());
@@ -76,8 +77,8 @@ impl<'a, 'b> Pyramid<'a, 'b> {
     }
 
     /// Returns whether `side` is true for every edge of the facet, counter-clockwise seen from
-    /// outside, and whether all vertices lie in the plane of the facet up to rounding. For a face,
-    /// about `most` vertices stand for all.
+    /// outside, and whether all vertices lie in the plane of the facet up to rounding. Of a face,
+    /// only about `most` vertices are used.
     #[inline(always)]
     fn all_sides(&self, most: usize, side: impl FnMut(PackedVec3, PackedVec3) -> bool) -> bool {
         let (a, b) = (self.posed.a, self.posed.b);
@@ -222,8 +223,8 @@ impl FarSides<'_, '_, '_> {
         }
     }
 
-    /// Returns whether three triangles to the support point along a failed side's normal lie beyond
-    /// the target. The origin lies behind them, so the surface still encloses the origin.
+    /// Returns whether three triangles to the support point along the normal of a failed side lie
+    /// beyond the target. The origin lies behind them, so the surface still encloses the origin.
     #[cold]
     fn is_far_beyond(&mut self, side: &[Vec3<f64>; 3]) -> bool {
         let Some(left) = self.supports.checked_sub(1) else {

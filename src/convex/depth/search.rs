@@ -329,9 +329,10 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
         false
     }
 
-    /// Returns a point outside the plane of a triangle, which keeps the surface convex: `top` or,
-    /// if `top` was found along a foreign direction and lies inside, the support point along the
-    /// normal.
+    /// Returns a point outside the plane of a triangle, so that the polytope stays convex.
+    ///
+    /// This is `top`, or the support point along the normal if `top` was found along another
+    /// direction and lies inside. If neither is outside, returns `top`.
     fn visible_point(&mut self, t: u32, top: MinkowskiPoint<T>) -> MinkowskiPoint<T> {
         if self.surface.is_visible(t, &top.w, &self.filter) {
             return top;

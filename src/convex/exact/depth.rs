@@ -1,4 +1,4 @@
-//! Exact depth: the deepest facet of a list known to contain it.
+//! Exact depth: finds the deepest facet in a list that is known to contain it.
 
 use dashu_base::Signed;
 use dashu_base::UnsignedAbs;
@@ -16,7 +16,7 @@ use crate::pair::draft::{unit, walk_state};
 use crate::pair::outcome::{ContactState, Solver};
 use crate::pair::posed::PosedPair;
 
-/// A facet of A - B: a normal, and the height along the normal times the normal's length.
+/// A facet of A - B: a normal of any length, and the height along the normal times this length.
 struct ExactFacet {
     normal: Big3,
     height: IBig,
@@ -32,8 +32,8 @@ impl ExactFacet {
 }
 
 impl RotatedBody<'_> {
-    /// Returns an outward normal of a face, of any length; `None` if the face's vertices are not
-    /// coplanar.
+    /// Returns an outward normal of a face, of any length. Returns `None` if the vertices of the
+    /// face are not coplanar.
     fn normal(&self, face: FaceId, exponent: i32) -> Option<Big3> {
         let t = &self.body.topology;
         let vertex = |h: HalfEdgeId| self.to_user(t.from(h), exponent);
@@ -56,8 +56,9 @@ impl RotatedBody<'_> {
 }
 
 impl ScaledPair<'_> {
-    /// Returns the facet spanned by a feature pair: `Ok(None)` if the facet is not lower than the
-    /// best, `Err` if the true facets are unknown.
+    /// Returns the facet spanned by a feature pair, or `Ok(None)` if it is not lower than the best.
+    ///
+    /// Returns an error if the face is not flat, so that the true facets are unknown.
     fn facet(
         &self,
         posed: &PosedPair,
@@ -70,7 +71,7 @@ impl ScaledPair<'_> {
             DifferenceFacet::VertexFace(_, f) => neg(&self.b.normal(f, self.exponent).ok_or(NotFlat)?),
             DifferenceFacet::Edges(e, f) => {
                 let n = cross(&self.a.edge(e, self.exponent), &self.b.edge(f, self.exponent));
-                // The origin is inside, so the facet is ahead of the origin.
+                // The origin is inside, so the normal points to the side of the facet.
                 let ahead = dot(&n, &self.corner(hint[0], hint[1]).w);
                 let (normal, height) = match sign(&ahead) {
                     0 => return Ok(None),
@@ -90,12 +91,15 @@ impl ScaledPair<'_> {
     }
 }
 
-/// A face with vertices that are not coplanar: it stands for several unlisted faces.
+/// Error: a face with vertices that are not coplanar replaces several faces that are not in the
+/// list.
 struct NotFlat;
 
-/// Computes the depth from the deepest facet among the candidate pairs, for bodies with
-/// intersecting interiors; returns whether the depth was resolved. The depth is correct to less
-/// than one unit in the last place of the stored unit, with bounds one such unit on either side.
+/// Computes the depth from the deepest facet of the candidate pairs. Returns whether the depth was
+/// found.
+///
+/// The interiors of the bodies must intersect. The error of the depth is less than one unit in the
+/// last place of the stored unit, and the bounds are one such unit on either side.
 pub(crate) fn deepest(posed: &PosedPair, facets: &[DifferenceFacet], draft: &mut Draft) -> bool {
     let pair = ScaledPair::new(posed.a, posed.b, posed.pose);
     let mut best: Option<ExactFacet> = None;
@@ -109,8 +113,10 @@ pub(crate) fn deepest(posed: &PosedPair, facets: &[DifferenceFacet], draft: &mut
     best.is_some_and(|facet| write_facet(posed, &pair, &facet, draft))
 }
 
-/// Writes the depth, normal, features and witnesses of a facet to the outcome. The foot of the
-/// origin on the facet, `n height / n . n`, is a point of A - B: its vertices give the witnesses.
+/// Writes depth, normal, features and witness points of a facet to the draft.
+///
+/// The foot of the origin on the facet, `n height / n . n`, is a point of A - B, and the vertices
+/// around it give the witness points.
 fn write_facet(posed: &PosedPair, pair: &ScaledPair, facet: &ExactFacet, draft: &mut Draft) -> bool {
     let ExactFacet { normal, height, hint } = facet;
     let squared = dot(normal, normal);
@@ -135,7 +141,7 @@ fn write_facet(posed: &PosedPair, pair: &ScaledPair, facet: &ExactFacet, draft: 
     (draft.point_on_a, draft.point_on_b) = witnesses(pair, &at);
     draft.normal = unit(&pair.a.rounded.tr_mul(&direction(normal)));
     draft.distance = -depth;
-    // The upper bound stays nonpositive if the depth underflows.
+    // The upper bound must not be positive, even if the depth underflows.
     (draft.lower, draft.upper) = (-depth.next_up(), (-depth.next_down()).at_most(0.0));
     true
 }

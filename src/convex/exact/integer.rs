@@ -11,7 +11,7 @@ use crate::body::polyhedron::{odd_part, power_of_two};
 /// Vector of three integers.
 pub(crate) type Big3 = [IBig; 3];
 
-/// Returns `x / 2^e`; no bit of `x` may be lower than `2^e`.
+/// Returns `x / 2^e`. The lowest bit of `x` must not be below `2^e`.
 pub(crate) fn integer(x: f64, e: i32) -> IBig {
     if x == 0.0 {
         return IBig::ZERO;
@@ -52,9 +52,10 @@ pub(crate) fn sign(x: &IBig) -> i32 {
     }
 }
 
-/// Returns a multiple of `a` in f64 with the largest coordinate between a half and one: each
-/// coordinate is correct to one rounding, or of size `2^-901` if below that. The sign is always
-/// right, and a coordinate is zero only if it is zero exactly.
+/// Returns a multiple of `a` in f64 whose largest coordinate is between 1/2 and 1.
+///
+/// Each coordinate is rounded once, or has the size `2^-901` if it is below about `2^-900`. The
+/// signs are always right, and a coordinate is zero only if it is exactly zero.
 pub(super) fn direction(a: &Big3) -> Vector3<f64> {
     let bits = a.iter().map(BitTest::bit_len).max().unwrap_or(0);
     let coordinate = |x: &IBig| {
@@ -68,21 +69,23 @@ pub(super) fn direction(a: &Big3) -> Vector3<f64> {
     Vector3::new(coordinate(&a[0]), coordinate(&a[1]), coordinate(&a[2]))
 }
 
-/// Returns `num / den` in f64, for `0 <= num <= den`, correct to two roundings.
+/// Returns `num / den` in f64, for `0 <= num <= den`, rounded at most three times.
 pub(super) fn fraction(num: &IBig, den: &IBig) -> f64 {
     let shift = den.bit_len().saturating_sub(1000);
     (num >> shift).to_f64().value() / (den >> shift).to_f64().value()
 }
 
-/// Returns `sqrt(num / den) 2^e` for `num >= 0` and `den > 0`, correctly rounded if the result is a
-/// normal number. A subnormal result is rounded twice and errs by less than `1/2 + 2^-52` units of
-/// the least f64.
+/// Returns `sqrt(num / den) 2^e` for `num >= 0` and `den > 0`, correctly rounded if the result is
+/// normal.
+///
+/// A subnormal result is rounded twice, and its error is less than `1/2 + 2^-52` units of the least
+/// f64.
 pub(super) fn root(num: &UBig, den: &UBig, e: i32) -> f64 {
     if num.is_zero() {
         return 0.0;
     }
-    // Scaled by 4^h: the integer root gets at least 64 bits, and its last bit stands for all bits
-    // below.
+    // Scaled by 4^h, so that the integer root has at least 64 bits. A last bit is appended that
+    // represents all lower bits.
     let bits = num.bit_len() as i64 - den.bit_len() as i64;
     let h = ((132 - bits).max(0) / 2) as usize;
     let (quotient, rest) = (num << (2 * h)).div_rem(den);
@@ -97,7 +100,7 @@ pub(super) fn root(num: &UBig, den: &UBig, e: i32) -> f64 {
         mantissa
     };
     let exponent = e - h as i32 - 1 + cut as i32;
-    // Two half exponents keep either factor within the range of powers of two.
+    // Two half exponents, so that each factor is within the range of powers of two.
     mantissa.to_f64().value() * power_of_two(exponent / 2) * power_of_two(exponent - exponent / 2)
 }
 
@@ -140,9 +143,9 @@ mod tests {
         }
     }
 
-    /// Returns an integer of some thousand bits, or zero.
+    /// Returns an integer of up to about 1,300 bits, or zero.
     fn long(rng: &mut Rng) -> IBig {
-        // Near the top, where a coordinate leaves f64, and below.
+        // Near the size at which a coordinate is too small for f64, and well below.
         let shift = *rng.pick(&[0.0, 90.0, 600.0, 1180.0, 1250.0]) + rng.range(0.0, 20.0);
         IBig::from(rng.range(-9e15, 9e15) as i64) << shift as usize
     }

@@ -1,11 +1,13 @@
-//! Exact solver: contact state and distance in rational arithmetic, for pairs undecidable in
-//! floating point.
+//! Exact solver: contact state and distance in rational arithmetic.
 //!
-//! Both bodies are placed in the world, relative to A's origin, as integers over a common
-//! denominator `D = |qa|^2 |qb|^2` times a power of two, from the bits of vertices and poses. The
-//! minimum-norm search of `minimum` runs on the integers with exact signs, from the final features
-//! of floating point, so a step or two suffice. Support vertices are found by hill climbing;
-//! vertices are compared exactly only if f64 is not certain of a sign.
+//! It decides the pairs that floating point cannot decide.
+//! 1. From the bits of vertices and poses, both bodies are put into the world, relative to A's
+//!    origin. Coordinates are integers over a common denominator `D = |qa|^2 |qb|^2` times a power
+//!    of two.
+//! 2. The minimum-norm search of `minimum` runs on these integers with exact signs. It starts from
+//!    the last features found in floating point, so one or two steps are enough.
+//! 3. Support vertices are found by hill climbing. Vertices are compared exactly only if f64 cannot
+//!    prove a sign.
 
 mod depth;
 pub(crate) mod integer;
@@ -38,7 +40,7 @@ use simplex::{Origin, PointSet, locate};
 struct RotatedBody<'a> {
     body: &'a ConvexPolyhedron,
     matrix: [Big3; 3],
-    /// The matrix in f64, used transposed only: takes world directions into the body frame.
+    /// The matrix in f64. Only its transpose is used: it maps world directions to the body frame.
     rounded: Matrix3<f64>,
 }
 
@@ -108,15 +110,15 @@ impl<'a> RotatedBody<'a> {
         }
     }
 
-    /// Returns the support vertex along `n`; among exact ties the lowest number.
+    /// Returns the support vertex along `n`; among exact ties, the vertex of lowest index.
     fn support_exact(&self, n: &Big3, hint: VertexId, exponent: i32) -> VertexId {
         let (body, along) = (self.body, self.along(n, exponent));
         let start = body.support_climb(&along.rounded, body.start_vertex(&along.rounded, hint));
         body.support_exact(&along, start)
     }
 
-    /// Returns an edge at `v`, rotated, and its end vertex: an edge that rises along `n` if there
-    /// is any, else a level edge if there is any.
+    /// Returns an edge at `v`, rotated, with its end vertex. Prefers an edge that rises along `n`,
+    /// then a level edge.
     fn rising(&self, n: &Big3, v: VertexId, exponent: i32) -> Option<(VertexId, Big3)> {
         let h = self.body.rising(&self.along(n, exponent), v)?;
         let to = self.body.topology.half_edge(h).to;
@@ -262,13 +264,14 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, draft: &mut Draft) {
         draft.state = ContactState::Separated;
         draft.distance = d;
         draft.normal = normal(&neg(&at.direction));
-        // Zero if the distance underflows. A single rounding, also of a subnormal, is at most half
-        // a unit in the last place.
+        // Zero if the distance underflows. A single rounding, even to a subnormal number, errs by
+        // at most half a unit in the last place.
         (draft.lower, draft.upper) = (d.next_down().at_least(0.0), d.next_up());
         return;
     }
     match pair.locate(&at, hint) {
-        // A - B lies below the normal, A behind and B in front: the normal points from A to B.
+        // A - B lies below the plane: A is behind it and B in front, so the normal points from A to
+        // B.
         Origin::Boundary(n) => {
             draft.state = ContactState::Touching;
             draft.distance = 0.0;
@@ -279,17 +282,19 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, draft: &mut Draft) {
     }
 }
 
-/// Returns the distance in units of `2^unit` of the caller's, rounded at most twice, to less than
-/// one unit in the last place.
+/// Returns the distance in units of `2^unit` times the caller's unit. It is rounded at most twice,
+/// and its error is less than one unit in the last place.
 fn distance(pair: &ScaledPair, at: &NearestPoint, unit: i32) -> f64 {
     let (num, den) = at.squared();
     let den = den * &pair.denominator * &pair.denominator;
     root(&num.unsigned_abs(), &den.unsigned_abs(), pair.exponent - unit)
 }
 
-/// Returns the contact state, and the distance in the caller's units to less than one unit in the
-/// last place: zero if the bodies touch or overlap, and possibly if the distance of separated
-/// bodies underflows.
+/// Returns the contact state, and the distance in the caller's unit to less than one unit in the
+/// last place.
+///
+/// The distance is zero if the bodies touch or overlap. It may also be zero if the distance of
+/// separated bodies underflows.
 pub(crate) fn separation(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
@@ -307,7 +312,7 @@ pub(crate) fn separation(
     })
 }
 
-/// Returns the witnesses in stored coordinates: convex combinations of the simplex vertices,
+/// Returns the witness points in stored coordinates: convex combinations of the simplex vertices,
 /// rounded.
 fn witnesses(pair: &ScaledPair, at: &NearestPoint) -> (Point3<f64>, Point3<f64>) {
     let (mut on_a, mut on_b) = (Point3::origin(), Point3::origin());
@@ -330,8 +335,8 @@ pub(crate) fn within(
     d == f64::INFINITY || compare(a, b, pose, hint, &[d]).is_le()
 }
 
-/// Returns the distance of the closed bodies against a sum of finite numbers that are not negative,
-/// exactly.
+/// Compares the distance of the closed bodies with a sum of finite numbers, exactly. No number of
+/// the sum may be negative.
 pub(crate) fn compare(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,

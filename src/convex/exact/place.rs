@@ -1,5 +1,5 @@
-//! Exact places and directions in the frame of another body, and the signs of sums of integers over
-//! different powers of two.
+//! Exact points and directions in the frame of another body, and exact comparison of integers times
+//! powers of two.
 
 use core::cmp::Ordering;
 
@@ -33,7 +33,7 @@ impl ExactVector {
         }
     }
 
-    /// Returns the vector turned by `R(q) / |q|^2`, or by the transpose.
+    /// Returns the vector rotated by `R(q) / |q|^2`, or by its inverse.
     fn turned(self, q: &[f64; 4], is_back: bool) -> Self {
         let [x, y, z, w] = *q;
         let (rows, norm) = turn(&[x, y, z, if is_back { -w } else { w }]);
@@ -58,24 +58,24 @@ impl ExactVector {
         }
     }
 
-    /// Returns the place of a point of a part in the body in which the part has a pose.
+    /// Maps a point from the frame of a piece to the frame of its body.
     pub(crate) fn placed(self, pose: &Isometry3<f64>) -> Self {
         let pose = PoseBits::new(pose);
         self.turned(&pose.q(), false).shifted(&pose.t(), false)
     }
 
-    /// Returns the place of a point of B in A's frame.
+    /// Maps a point of B to A's frame.
     pub(crate) fn in_a(self, pose: &RelativePose) -> Self {
         let in_world = self.turned(&pose.b.q(), false).shifted(&pose.b.t(), false);
         in_world.shifted(&pose.a.t(), true).turned(&pose.a.q(), true)
     }
 
-    /// Returns a direction of B's frame in A's.
+    /// Maps a direction from B's frame to A's.
     pub(crate) fn direction_in_a(self, pose: &RelativePose) -> Self {
         self.turned(&pose.b.q(), false).turned(&pose.a.q(), true)
     }
 
-    /// Returns the same in units of `2^unit`.
+    /// Returns the same vector in units of `2^unit`.
     pub(crate) fn in_units(self, unit: i32) -> Self {
         Self {
             exponent: self.exponent - unit,
@@ -83,7 +83,8 @@ impl ExactVector {
         }
     }
 
-    /// Returns the vector in f64: each coordinate is off by less than two units in the last place.
+    /// Returns the vector in f64. The error of each coordinate is less than two units in the last
+    /// place.
     pub(crate) fn rounded(&self) -> Vector3<f64> {
         let number = |x: &IBig| {
             let [low, high] = quotient(if *x < IBig::ZERO { -x } else { x.clone() }, &self.over, self.exponent);
@@ -93,14 +94,15 @@ impl ExactVector {
     }
 }
 
-/// Returns two numbers of f64 about `num / den 2^exponent`, for `num >= 0` and `den > 0`: the first
-/// is less, unless both are zero, and the second is not; they are neighbours but for two units in
-/// the last place.
+/// Returns two f64 numbers that enclose `num / den 2^exponent`, for `num >= 0` and `den > 0`.
+///
+/// The first number is less than the quotient, unless both are zero; the second is not less. They
+/// are at most a few units in the last place apart.
 pub(crate) fn quotient(num: IBig, den: &IBig, exponent: i32) -> [f64; 2] {
     if num.is_zero() {
         return [0.0; 2];
     }
-    // The whole quotient has 64 or 65 bits.
+    // The integer quotient has 64 or 65 bits.
     let up = 64 + den.bit_len() as i64 - num.bit_len() as i64;
     let whole = if up >= 0 {
         (num << up as usize).div_euclid(den)
@@ -112,7 +114,7 @@ pub(crate) fn quotient(num: IBig, den: &IBig, exponent: i32) -> [f64; 2] {
     if power > 1000 {
         return [f64::MAX, f64::INFINITY];
     }
-    // Three factors keep each within the range of powers of two.
+    // Three factors, so that each is within the range of powers of two.
     let power = power.max(-2400) as i32;
     let scale = |x: f64| x * power_of_two(power / 3) * power_of_two(power / 3) * power_of_two(power - 2 * (power / 3));
     let (low, high) = ((whole as f64).next_down(), ((whole + 1) as f64).next_up());
@@ -120,7 +122,7 @@ pub(crate) fn quotient(num: IBig, den: &IBig, exponent: i32) -> [f64; 2] {
     if low >= f64::MIN_POSITIVE {
         [low, high]
     } else {
-        // Rounded once more.
+        // A subnormal number was rounded once more by the scaling.
         [low.next_down().at_least(0.0), high.next_up()]
     }
 }

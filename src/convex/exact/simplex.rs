@@ -1,5 +1,8 @@
-//! The minimum-norm search with exact signs, and the exact location of the origin in a convex set
-//! that contains the origin: interior or boundary.
+//! Minimum-norm search with exact signs, and location of the origin in a convex set that contains
+//! it.
+//!
+//! The origin lies in the interior or on the boundary. The search depends on the number of points
+//! that the nearest point needs:
 //!
 //! ```text
 //!   1 point kept:  vertex    any edge of the set may rule a normal out
@@ -16,7 +19,7 @@ use alloc::vec::Vec;
 use dashu_base::Signed;
 use dashu_int::IBig;
 
-/// A point of the searched set: vertex numbers and position.
+/// A point of the searched set: its two vertices and its position.
 #[derive(Clone, Debug)]
 pub(super) struct ExactPoint {
     pub(super) a: VertexId,
@@ -103,9 +106,9 @@ fn inside(s: &[&ExactPoint]) -> Option<(Vec<IBig>, IBig, Big3)> {
 
 /// Returns the nearest point of the hull of one to four points.
 ///
-/// A subset is optimal if the nearest point of its affine hull lies in the subset's relative
-/// interior and no point is beyond the plane through the nearest point (the optimality condition of
-/// the minimum-norm point), so the first subset to pass is the answer.
+/// The first subset that satisfies both conditions of the minimum-norm point is the answer. First,
+/// the nearest point of its affine hull lies in its relative interior. Second, no other point is
+/// closer to the origin than the plane through the nearest point.
 pub(super) fn nearest(vertices: &[ExactPoint]) -> Option<NearestPoint> {
     let n = vertices.len();
     for size in 1..=n.min(4) {
@@ -131,9 +134,10 @@ pub(super) fn nearest(vertices: &[ExactPoint]) -> Option<NearestPoint> {
     None
 }
 
-/// Returns the point of a convex set nearest to the origin; `lowest(n)` must return an extreme
-/// point least along `n`. Terminates because each round is strictly nearer and the number of
-/// simplices is finite.
+/// Returns the point of a convex set nearest to the origin.
+///
+/// `lowest(n)` must return an extreme point that is least along `n`. The search terminates because
+/// each round is strictly nearer and the number of simplices is finite.
 pub(super) fn minimize(start: Vec<ExactPoint>, lowest: &dyn Fn(&Big3) -> ExactPoint) -> Option<NearestPoint> {
     let mut vertices = start;
     loop {
@@ -162,33 +166,34 @@ pub(super) enum Origin {
 pub(super) struct PointSet<'a> {
     /// Returns a support point along a direction.
     pub(super) highest: &'a dyn Fn(&Big3) -> ExactPoint,
-    /// Returns an edge at a vertex, from the edges that span the set as seen from the vertex: an
-    /// edge that rises along a direction if there is any, else a level edge if there is any, else
-    /// an arbitrary edge. `None` if there is no edge.
+    /// Returns an edge at a vertex, from the edges that span the set as seen from the vertex.
+    /// Prefers an edge that rises along a direction, then a level edge, then any edge. Returns
+    /// `None` if there is no edge.
     pub(super) rising: &'a dyn Fn(&ExactPoint, &Big3) -> Option<ExactPoint>,
 }
 
-/// Locates the origin, which must be `at`, in the relative interior of the kept points.
+/// Locates the origin, which must be `at` and in the relative interior of its kept points.
 pub(super) fn locate(set: &PointSet, at: &NearestPoint) -> Origin {
     let w = |k: usize| &at.kept[k].w;
     match at.kept.len() {
         1 => at_vertex(&|n| (set.rising)(&at.kept[0], n)),
-        // The two points are opposite, so either gives the line through both.
+        // The two points are on opposite sides of the origin, so either of them gives the line
+        // through both.
         2 => on_line(set.highest, w(1)),
-        // With the origin inside the triangle, no two of its vertices are parallel.
+        // Because the origin is inside the triangle, no two of its vertices are parallel.
         3 => on_plane(set.highest, cross(w(0), w(1))),
         _ => Origin::Interior,
     }
 }
 
-/// Returns whether no point of the set rises along `n`; if a point does, the support point.
+/// Returns `Ok` if no point of the set rises along `n`, otherwise the support point.
 fn supports(highest: &dyn Fn(&Big3) -> ExactPoint, n: &Big3) -> Result<(), ExactPoint> {
     let top = highest(n);
     if sign(&dot(n, &top.w)) <= 0 { Ok(()) } else { Err(top) }
 }
 
-/// Locates the origin in a set that contains a neighbourhood of the origin in the plane
-/// perpendicular to `n`: only `n` and `-n` can be outward normals.
+/// Locates the origin in a set that contains a neighbourhood of it in the plane perpendicular to
+/// `n`. Only `n` and `-n` can be outward normals.
 fn on_plane(highest: &dyn Fn(&Big3) -> ExactPoint, n: Big3) -> Origin {
     let opposite = neg(&n);
     if supports(highest, &n).is_ok() {
@@ -200,11 +205,12 @@ fn on_plane(highest: &dyn Fn(&Big3) -> ExactPoint, n: Big3) -> Origin {
     }
 }
 
-/// Locates the origin in a set that contains a neighbourhood of the origin on the line along `d`.
+/// Locates the origin in a set that contains a neighbourhood of it on the line along `d`.
 ///
 /// A normal is perpendicular to `d`, so the search is in the plane of `e` and `f`. The directions
-/// not yet excluded by a support point are the ones from `start`, turning left, to `end`; `start`
-/// is tried and moved until no point of the set rises along `start` or no direction is left.
+/// that no support point has excluded yet are those from `start` counter-clockwise to `end`. If a
+/// point of the set rises along `start`, `start` moves. The search ends if no point rises or no
+/// direction is left.
 ///
 /// ```text
 ///   start   f
@@ -239,18 +245,19 @@ fn on_line(highest: &dyn Fn(&Big3) -> ExactPoint, d: &Big3) -> Origin {
         }
         let turn = sign(&(&start[0] * &end[1] - &start[1] * &end[0]));
         let ahead = sign(&(&start[0] * &end[0] + &start[1] * &end[1]));
-        // Past the end, or turned right round: no direction is left.
+        // Past the end, or at the direction opposite to it: no direction is left.
         if turn < 0 || (turn == 0 && ahead < 0) {
             return Origin::Interior;
         }
     }
 }
 
-/// Locates the origin at a vertex of the set: a normal must not rise along any edge at the vertex,
-/// so the question becomes the location of the origin in the hull of the edge directions.
+/// Locates the origin at a vertex of the set.
 ///
-/// Any rising edge serves as well as the steepest: with each edge the nearest point of the hull so
-/// far comes strictly nearer to the origin, and if no edge rises, the set stays on one side.
+/// A normal must not rise along any edge at the vertex, so the problem is to locate the origin in
+/// the hull of the edge directions. Any rising edge is as good as the steepest. With each edge the
+/// nearest point of the hull comes strictly nearer to the origin. If no edge rises, the set stays
+/// on one side.
 fn at_vertex(rising: &dyn Fn(&Big3) -> Option<ExactPoint>) -> Origin {
     let mut normal = [IBig::ONE, IBig::ZERO, IBig::ZERO];
     let mut vertices = Vec::new();
@@ -262,8 +269,8 @@ fn at_vertex(rising: &dyn Fn(&Big3) -> Option<ExactPoint>) -> Origin {
         // One to four points always have a nearest point.
         let Some(at) = nearest(&vertices) else { break };
         if is_zero(&at.direction) {
-            // No edge is zero, so the origin is no vertex of the edges' hull and the recursion ends
-            // here.
+            // No edge has length zero, so the origin is not a vertex of the hull of the edges, and
+            // the recursion ends here.
             let highest = |n: &Big3| rising(n).unwrap_or_else(|| at.kept[0].clone());
             let edges = PointSet {
                 highest: &highest,

@@ -1,19 +1,22 @@
-//! The point of the Minkowski difference A - B closest to the origin: GJK, the solver that stands
-//! in for the walk ([`solve`]), and the proof of overlap that a tracker caches ([`OverlapProof`]).
+//! GJK: finds the point of the Minkowski difference A - B closest to the origin.
 //!
-//! Gilbert, Johnson and Keerthi 1988, in f64 and in double-double. Departures:
-//! 1. The solver starts from the features on which the walk ended ([`about_witnesses`]), so one
-//!    support or a few settle most cases.
-//! 2. The direction of a triangle is the normal, and the direction of an edge is orthogonalised
-//!    once more (never the rounded nearest point), so the last support is also the certificate.
-//! 3. Supports are proven (see [`support`]). The solver ends if the support is in the simplex
-//!    already or nothing is gained, and then returns bounds.
-//! 4. Origin inside means four signed volumes beyond rounding: a proof of overlap.
+//! [`solve`] replaces the walk if the walk fails. [`OverlapProof`] is the proof of an overlap that
+//! a tracker caches.
+//!
+//! Source: Gilbert, Johnson and Keerthi 1988, here in f64 and in double-double. Departures:
+//! 1. The solver starts from the features on which the walk ended ([`about_witnesses`]), so one or
+//!    a few support points decide most cases.
+//! 2. The direction of a triangle is its normal. The direction of an edge is orthogonalised twice,
+//!    and is never the rounded nearest point. So the last support point is also the certificate.
+//! 3. Support points are proven (see [`support`]). The solver ends and returns bounds if the
+//!    support point is in the simplex already or brings no gain.
+//! 4. The origin counts as inside only if four signed volumes exceed rounding. This proves the
+//!    overlap.
 //!
 //! # The first simplex
 //!
-//! Vertices of the features of a proposal, about its witnesses. If the features of the proposal are
-//! the closest ones, one support more is the proof.
+//! The first simplex consists of vertices of the proposed features, chosen around the witness
+//! points. If the proposed features are the closest ones, one more support point proves it.
 //!
 //! ```text
 //!   v_k+1 .------. v_k        Face and vertex: of the triangles v_0 v_k v_k+1 of the face, the one
@@ -22,12 +25,13 @@
 //!         '-----`. v_0
 //! ```
 //!
-//! # The cached proof of overlap
+//! # The cached proof of an overlap
 //!
-//! A point of the difference is a vertex pair, and stays a point of the difference at any pose.
-//! After most small motions the tetrahedron of the four points at the new pose still contains the
-//! origin, which four signed volumes prove; if not, the solver starts from the points closest to
-//! the origin. Only for answers without a depth: an answer with a depth keeps a whole surface.
+//! A vertex pair gives a point of the difference at every pose. After most small motions, the
+//! tetrahedron of the four cached points still contains the origin at the new pose, which four
+//! signed volumes prove. Otherwise the solver starts from the points closest to the origin. This
+//! proof is used only for answers without a depth, because an answer with a depth caches a whole
+//! polytope.
 
 pub(crate) mod simplex;
 
@@ -44,21 +48,21 @@ use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use nalgebra::{Point3, Vector3};
 
-/// Support points of one solve, at most. Measured: right answers took at most 24, and some 90 if
-/// nearly parallel faces of 32,768 vertices lie boundary over boundary.
+/// Largest number of support points of one solve. Measured: correct answers took at most 24, or
+/// about 90 if the boundaries of two nearly parallel faces of 32,768 vertices lie over each other.
 const SUPPORTS: u32 = 256;
 
 /// Result of a solve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Minimum<T> {
-    /// The origin is outside, or on the surface up to rounding: `direction . w / |direction|` is at
-    /// least `lower` over the whole difference (before the error term).
+    /// The origin is outside, or on the surface up to rounding. Over the whole difference,
+    /// `direction . w / |direction|` is at least `lower`, before the error term.
     Outside {
         simplex: Simplex<T>,
         lower: T,
         direction: Vec3<T>,
     },
-    /// The tetrahedron contains the origin, proven.
+    /// The tetrahedron is proven to contain the origin.
     Inside { simplex: Simplex<T> },
 }
 
@@ -80,7 +84,8 @@ pub(crate) fn solve<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, mut simp
         if height > lower {
             (lower, direction) = (height, d);
         }
-        // The support is no closer than the simplex: another vertex of the same face, for example.
+        // The support point is no closer than the simplex (for example, another vertex of the same
+        // face).
         let is_closest = simplex.points().iter().all(|p| dot(&d, &p.w) <= reach);
         if is_closest || simplex.contains(c.a, c.b) || !simplex.add(c, scale) {
             break;
@@ -96,13 +101,13 @@ pub(crate) fn solve<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, mut simp
     }
 }
 
-/// Returns the simplex of one vertex of each feature.
+/// Returns the simplex of a single point, from one vertex of each feature.
 pub(crate) fn vertex_of<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, from: FeaturePair) -> Simplex<T> {
     let (a, b) = from.vertices_of(posed.a, posed.b);
     Simplex::vertex(difference_point(posed, frame, a, b))
 }
 
-/// Returns the simplex of the features of a draft whose witnesses lie on these features.
+/// Returns the first simplex from the features of a draft, whose witness points must lie on them.
 pub(crate) fn about_witnesses<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, draft: &Draft) -> Simplex<T> {
     let point = |a, b| difference_point(posed, frame, a, b);
     let (x, y) = (&draft.point_on_a.coords, &draft.point_on_b.coords);
@@ -131,15 +136,15 @@ fn ends(body: &ConvexPolyhedron, edge: EdgeId, x: &Vector3<f64>) -> [VertexId; 2
     }
 }
 
-/// Returns three vertices of a face around `x`: the first vertex, and the ends of the edge by which
-/// the ray from the first vertex through `x` leaves the face.
+/// Returns three vertices of a face around `x`: the first vertex of the face, and the ends of the
+/// edge at which the ray from the first vertex through `x` leaves the face.
 pub(crate) fn triangle(body: &ConvexPolyhedron, face: FaceId, x: &Vector3<f64>) -> [VertexId; 3] {
     let t = &body.topology;
     let first = t.from(t.rim_half_edge(face));
     let origin = body.points[first.index()];
     let left = body.planes[face.index()].normal.cross(&(x - origin));
     let to = |h: HalfEdgeId| t.half_edge(h).to;
-    // The vertices turn about the first one, from right of the ray to left of it.
+    // Seen from the first vertex, the vertices go from the right of the ray to its left.
     let ends_right = |h: &HalfEdgeId| left.dot(&(body.points[to(*h).index()] - origin)) < 0.0;
     let exit = if let Some(ring) = t.ring(face) {
         let opposite = &ring[1..ring.len() - 1];
@@ -158,7 +163,7 @@ pub(crate) fn triangle(body: &ConvexPolyhedron, face: FaceId, x: &Vector3<f64>) 
     [first, t.from(exit), to(exit)]
 }
 
-/// Returns the witnesses: the convex combinations of the vertices of each body, in stored frames.
+/// Returns the witness points: convex combinations of the vertices of each body, in stored frames.
 pub(crate) fn witnesses<T: Scalar>(posed: &PosedPair, simplex: &Simplex<T>) -> [Point3<f64>; 2] {
     let (mut on_a, mut on_b) = ([T::from(0.0); 3], [T::from(0.0); 3]);
     for (c, &w) in simplex.points().iter().zip(simplex.weights()) {
@@ -180,8 +185,10 @@ pub(crate) fn features<T: Scalar>(posed: &PosedPair, simplex: &Simplex<T>) -> Fe
     walk_state(posed, &a[..simplex.len()], &b[..simplex.len()])
 }
 
-/// Four vertex pairs (a tetrahedron of A - B). The default, four equal pairs, is never a valid
-/// proof; it marks that the previous query overlapped.
+/// Four vertex pairs, a tetrahedron of A - B.
+///
+/// The default, four equal pairs, is never a valid proof. It marks that the previous query
+/// overlapped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct OverlapProof([[VertexId; 2]; 4]);
@@ -204,10 +211,12 @@ impl OverlapProof {
         Self(points)
     }
 
-    /// Proves the overlap at this pose and writes it, by the four points or, if they do not contain
-    /// the origin, by the solver, which starts from those closest to the origin. Returns the new
-    /// proof; `None` if the bodies are not proven to overlap. `from`, the features of the last
-    /// answer, are the start if the four points are of no use.
+    /// Proves the overlap at this pose and writes it to the draft. Returns the new proof, or `None`
+    /// if the bodies are not proven to overlap.
+    ///
+    /// The four points may still prove it. Otherwise the solver starts from those of them closest
+    /// to the origin, or, if the four points are of no use, from the features `from` of the last
+    /// answer.
     #[inline]
     pub(crate) fn renewed(&self, posed: &PosedPair, from: FeaturePair, draft: &mut Draft) -> Option<Self> {
         let frame = Transform::of(posed);
@@ -225,7 +234,8 @@ impl OverlapProof {
                 return Some(*self);
             }
         }
-        // Four points around the origin whose witnesses differ are no start: no point is closer.
+        // Four points around the origin whose witness points differ are no start, because no point
+        // is closer.
         let start = start.unwrap_or_else(|| vertex_of(posed, &frame, from));
         solve_overlap(posed, &frame, start, draft)
     }
@@ -247,8 +257,8 @@ fn solve_overlap(
     write_overlap(posed, &simplex, draft).then(|| OverlapProof::from_simplex(&simplex))?
 }
 
-/// Writes the overlap and the witnesses of a tetrahedron around the origin; features stay as in the
-/// last answer. Returns whether the overlap is settled.
+/// Writes the overlap and the witness points of a tetrahedron around the origin. The features stay
+/// those of the last answer. Returns whether the overlap is proven.
 fn write_overlap(posed: &PosedPair, simplex: &Simplex<f64>, draft: &mut Draft) -> bool {
     [draft.point_on_a, draft.point_on_b] = witnesses(posed, simplex);
     set_overlapping(draft);
@@ -261,7 +271,7 @@ mod tests {
     use crate::body::polyhedron::solids;
     use crate::rng::Rng;
 
-    /// Points of small and of large faces: the triangle holds them.
+    /// Tests points of small and of large faces.
     #[test]
     fn the_triangle_holds_the_point() {
         let mut rng = Rng::new(7);

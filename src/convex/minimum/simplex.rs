@@ -1,8 +1,8 @@
 //! The point of a simplex closest to the origin, in any arithmetic.
 //!
-//! Signed volumes (Montanari, Petrinic, Barbieri 2017) with one departure: if the signs put the
-//! origin beyond more than one face, or rounding hides a sign, each such face is tried and the
-//! closest point of all is taken.
+//! Source: signed volumes (Montanari, Petrinic, Barbieri 2017). Departure: if the origin is beyond
+//! more than one face, or if rounding hides a sign, each such face is tried and the closest point
+//! of all is used.
 
 use crate::base::num::each::Each;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
@@ -11,7 +11,7 @@ use crate::body::polyhedron::VertexId;
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::ErrorScale;
 
-/// A point with what the solver knows the point by: vertices of two bodies, or an index.
+/// A point with the identity that its solver uses: vertices of two bodies, or an index.
 pub(crate) trait Corner<T>: Copy {
     fn position(&self) -> &Vec3<T>;
 }
@@ -23,7 +23,7 @@ impl<T: Scalar> Corner<T> for MinkowskiPoint<T> {
     }
 }
 
-/// A point with its index in a list of the solver, or a pair of indices.
+/// A point with its index, or pair of indices, in a list of the solver.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Indexed<T, I> {
     pub(crate) index: I,
@@ -52,8 +52,8 @@ struct ClosestPoint<T> {
     len: u8,
     /// Barycentric weights of the points in `ids`: positive, with a sum of 1 up to rounding.
     weights: [T; 4],
-    /// Direction from the origin towards the simplex: the closest point or, better conditioned, a
-    /// multiple of the normal.
+    /// Direction from the origin to the simplex: the closest point, or for a triangle a multiple of
+    /// its normal, which is better conditioned.
     direction: Vec3<T>,
     /// Squared distance from the origin.
     squared: T,
@@ -77,7 +77,7 @@ impl<T: Scalar> ClosestPoint<T> {
         let d = sub(qw, pw);
         let (t, dd) = (-dot(pw, &d), dot(&d, &d));
         let zero = T::from(0.0);
-        // Voronoi regions V(p), V(q); a zero edge is a vertex.
+        // Voronoi regions V(p), V(q). An edge of length zero is a vertex.
         if !(t > zero) {
             return Self::vertex(c, p);
         }
@@ -129,8 +129,8 @@ impl<T: Scalar> ClosestPoint<T> {
         }
     }
 
-    /// Tests a tetrahedron: the origin inside (`len` 4, proven against rounding), or the closest
-    /// point of the faces that may separate the origin.
+    /// Tests a tetrahedron. If the origin is proven to be inside, `len` is 4. Otherwise returns the
+    /// closest point of the faces that may separate the origin.
     fn tetrahedron(c: &[impl Corner<T>; 4], scale: ErrorScale) -> Self {
         let det = |i: usize, j: usize, k: usize| dot(c[i].position(), &cross(c[j].position(), c[k].position()));
         let mut volume = [det(1, 2, 3), -det(0, 2, 3), det(0, 1, 3), -det(0, 1, 2)];
@@ -166,7 +166,7 @@ impl<T: Scalar> ClosestPoint<T> {
     }
 }
 
-/// Bound of the rounding in the volume of three points with the origin, see [`VOLUME`].
+/// Bound of the rounding error in the volume of three points and the origin; see [`VOLUME`].
 #[cold]
 fn rounding_bound<T: Scalar>(c: &[impl Corner<T>; 4], face: &[u8; 3], scale: ErrorScale) -> f64 {
     let sum = |v: Vec3<T>| v.iter().fold(0.0, |sum, x| sum + x.value().abs());
@@ -207,14 +207,14 @@ impl<T: Scalar, P: Corner<T>> Simplex<T, P> {
         }
     }
 
-    /// Returns the simplex of a tetrahedron: four points if the origin is inside, proven against
-    /// rounding.
+    /// Returns the simplex of a tetrahedron. It has four points if and only if the origin is proven
+    /// to be inside.
     pub(crate) fn tetrahedron(points: [P; 4], scale: ErrorScale) -> Self {
         Self::reduced(points, ClosestPoint::tetrahedron(&points, scale))
     }
 
-    /// Adds a point, and returns whether the hull comes closer to the origin or contains the
-    /// origin. If not, nothing changes.
+    /// Adds a point. Returns whether the hull comes closer to the origin or contains it; if not,
+    /// nothing changes.
     pub(crate) fn add(&mut self, c: P, scale: ErrorScale) -> bool {
         let mut points = self.points;
         points[self.len()] = c;
@@ -230,7 +230,7 @@ impl<T: Scalar, P: Corner<T>> Simplex<T, P> {
         better
     }
 
-    /// Returns the number of points that span the closest point; four contain the origin.
+    /// Returns the number of points that span the closest point. Four points contain the origin.
     #[inline]
     pub(crate) fn len(&self) -> usize {
         self.closest.len as usize
@@ -257,10 +257,11 @@ impl<T: Scalar, P: Corner<T>> Simplex<T, P> {
         self.closest.squared
     }
 
-    /// Returns the distance of the point given by the weights, an upper bound. The weights are
-    /// positive and sum to 1, so they give a point of the difference, whatever rounding did to
-    /// them. The root of `squared` is no upper bound: the plane of a needle-shaped triangle may be
-    /// closer than the triangle.
+    /// Returns the distance of the point that the weights give, an upper bound.
+    ///
+    /// The weights are positive and sum to 1, so they give a point of the difference despite their
+    /// rounding. The square root of `squared` is not an upper bound, because the plane of a
+    /// needle-shaped triangle may be closer than the triangle.
     pub(crate) fn witness_distance(&self) -> T {
         let at = |k: usize| {
             let parts = self.points().iter().zip(self.weights());

@@ -74,7 +74,8 @@ impl ShapeTracker {
         }
     }
 
-    /// Makes the witnesses of an outcome of the cores the only contact, new in `manifold`.
+    /// Makes the witness points of an outcome of the cores the only contact of `manifold`, as a new
+    /// contact.
     pub(crate) fn manifold_of_witnesses(
         [a, b]: [&Shape; 2],
         a_from_b: &RelativePose,
@@ -122,7 +123,7 @@ fn extent(shape: &Shape) -> Extent {
     }
 }
 
-/// How close to perpendicular to the normal a facet must be.
+/// Largest accepted tilt of a facet against the plane perpendicular to the normal.
 struct Bearing {
     /// Sine of the largest angle.
     sine: f64,

@@ -2,7 +2,7 @@
 //!
 //! The outcome of the cores becomes the outcome of the rounded shapes ([`grow`]), or the outcome
 //! along the normal of a face, independent of the closest features ([`along_face`]). This file also
-//! tests points in a shape. `manifold` makes contacts of the outcomes.
+//! tests points in a shape. `manifold` computes contacts from the outcomes.
 
 mod manifold;
 
@@ -178,8 +178,8 @@ impl Shape {
 /// Returns the gap between the plane of a face of A and a core B, along the outward normal of the
 /// face, as an outcome.
 ///
-/// The gap is a lower bound of the signed distance, right up to rounding. `upper` holds the gap
-/// too, but is no bound. `None` for a face that A does not have.
+/// The gap is a lower bound of the signed distance, correct up to rounding. `upper` is also set to
+/// the gap, but is not a bound. Returns `None` if A does not have the face.
 pub(crate) fn along_face(a: &ConvexPolyhedron, face: FaceId, b: &Core, a_from_b: &RelativePose) -> Option<Outcome> {
     let (normal, offset) = a.face_plane(face)?;
     let rotation = a_from_b.rotation();

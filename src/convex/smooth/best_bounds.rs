@@ -1,4 +1,4 @@
-//! Best bounds of a solve so far, and the points and directions that attain them.
+//! The best bounds of a solve so far, with the points and directions that attain them.
 
 use super::posed::{DifferencePoint, PosedCores, Toward, add};
 use crate::base::num::each::Each;
@@ -10,15 +10,15 @@ use crate::pair::transform::ErrorScale;
 #[cfg(feature = "__proofs")]
 use crate::pair::transform::Transform;
 
-/// Most pieces that hold the closest points: one for a vertex of the difference, two for an edge,
-/// three for a face.
+/// Largest number of branch pairs that contain the closest points: one for a vertex of the
+/// difference, two for an edge, three for a face.
 const KEPT: usize = 3;
 
-/// Branches along directions that are turned by this belong to a start of which the direction alone
-/// is known: a heuristic.
+/// Tilt of the directions whose branches are added to a start that has only a direction: a
+/// heuristic.
 const TILT: f64 = 1.0 / 32.0;
 
-/// Branches of the pieces that hold the closest points.
+/// Branch pairs that contain the closest points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct BranchSet {
@@ -33,8 +33,9 @@ impl BranchSet {
         &self.of[..usize::from(self.len).min(KEPT)]
     }
 
-    /// Returns the branches, or if none are known those of the supports along a direction and about
-    /// it: too many branches cost a step each, and one too few a solver.
+    /// Returns the branches. If none are known, returns the branches of the support points along a
+    /// direction and around it. Each superfluous branch costs a step; a missing branch may cost a
+    /// solver.
     #[inline(always)]
     pub(super) fn or_about<A: Support, B: Support>(self, posed: &PosedCores<A, B, f64>, n: Vec3<f64>) -> Self {
         if self.is_empty() { Self::about(posed, n) } else { self }
@@ -58,7 +59,7 @@ impl BranchSet {
         self.len == 0
     }
 
-    /// Returns the pair of branches to begin with.
+    /// Returns the branch pair to start with.
     #[inline(always)]
     pub(super) fn first(&self) -> [u32; 2] {
         self.of[0]
@@ -69,12 +70,12 @@ impl BranchSet {
         usize::from(self.flat).checked_sub(1).filter(|&side| side < 2)
     }
 
-    /// Notes that a point lies in a flat round face of core `side`.
+    /// Records that a point lies in a flat round face of core `side`.
     pub(super) fn lie(&mut self, side: usize) {
         self.flat = side as u8 + 1;
     }
 
-    /// Returns the branches of each core.
+    /// Returns the support set of each core.
     #[inline(always)]
     pub(super) fn parts(&self) -> [EqualBranches; 2] {
         let [a, b] = self.of[0];
@@ -86,7 +87,7 @@ impl BranchSet {
         parts
     }
 
-    /// Returns the pairs of the branches of two parts, as many as are needed to name all branches.
+    /// Returns branch pairs of two support sets, as many as are needed to contain all branches.
     #[inline(always)]
     pub(super) fn of_parts([a, b]: &[EqualBranches; 2]) -> Self {
         let mut set = Self {
@@ -99,7 +100,7 @@ impl BranchSet {
         set
     }
 
-    /// Adds a pair of branches, unless the pair is in the set or the set is full.
+    /// Adds a branch pair, unless the set contains it already or is full.
     pub(super) fn add(&mut self, of: [u32; 2]) {
         if !self.branches().contains(&of) {
             self.push(of);
@@ -115,7 +116,7 @@ impl BranchSet {
     }
 }
 
-/// Branches of one core that are equally high: one for a point, two for a ridge, three for a face.
+/// Support set of one core: one branch for a point, two for a ridge, three for a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct EqualBranches {
     of: [u32; KEPT],
@@ -138,7 +139,7 @@ impl EqualBranches {
         self.of[0]
     }
 
-    /// Returns the first `N` branches; there must be as many.
+    /// Returns the first `N` branches. There must be at least `N`.
     #[inline(always)]
     pub(super) fn all<const N: usize>(&self) -> [u32; N] {
         let mut all = [0; N];
@@ -150,7 +151,7 @@ impl EqualBranches {
         &self.of[..usize::from(self.len).min(KEPT)]
     }
 
-    /// Adds a branch; returns whether the part holds it.
+    /// Adds a branch. Returns false if the set is full and does not contain it.
     #[inline(always)]
     pub(super) fn add(&mut self, of: u32) -> bool {
         if self.branches().contains(&of) {
@@ -165,7 +166,7 @@ impl EqualBranches {
         false
     }
 
-    /// Keeps one branch alone.
+    /// Keeps only one branch.
     pub(super) fn keep(&mut self, k: usize) {
         *self = Self::only(self.of[k % KEPT]);
     }
@@ -180,18 +181,18 @@ impl EqualBranches {
     }
 }
 
-/// Bounds of the signed distance before their error terms.
+/// Bounds of the signed distance, without their error terms.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ProvenBounds<T> {
     pub(super) lower: T,
     /// Direction that proves the lower bound.
     pub(super) n: Vec3<T>,
     pub(super) upper: T,
-    /// Points that prove the upper bound, each in the frame of the core.
+    /// Points that prove the upper bound, each in the frame of its core.
     pub(super) on_a: Vec3<T>,
     pub(super) on_b: Vec3<T>,
     pub(super) set: BranchSet,
-    /// Number of directions whose supports were taken.
+    /// Number of directions whose support points were computed.
     pub(super) evaluations: u32,
 }
 
@@ -209,7 +210,7 @@ impl<T: Scalar> ProvenBounds<T> {
         }
     }
 
-    /// Takes a support; returns the least height along the unit direction.
+    /// Updates the lower bound by a support point; returns the support value along the direction.
     #[inline(always)]
     pub(super) fn prove(&mut self, toward: &Toward<T>, piece: &DifferencePoint<T>) -> T {
         let height = dot(&toward.n, &piece.w);
@@ -217,7 +218,7 @@ impl<T: Scalar> ProvenBounds<T> {
         height
     }
 
-    /// Takes the least height along a direction.
+    /// Updates the lower bound by the support value along a direction.
     #[inline(always)]
     pub(super) fn prove_height(&mut self, height: T, toward: &Toward<T>) {
         self.evaluations += 1;
@@ -226,7 +227,7 @@ impl<T: Scalar> ProvenBounds<T> {
         }
     }
 
-    /// Takes the points of one piece; returns their distance.
+    /// Updates the upper bound by the points of one branch pair; returns their distance.
     #[inline(always)]
     pub(super) fn point(&mut self, piece: &DifferencePoint<T>) -> T {
         let distance = root(dot(&piece.w, &piece.w));
@@ -241,8 +242,11 @@ impl<T: Scalar> ProvenBounds<T> {
         distance
     }
 
-    /// Takes a weighted sum of pieces, a point of each core, and returns the vector between them.
-    /// Weights are not negative; they are made to sum to one. Zero if they are all zero.
+    /// Updates the upper bound by a weighted sum of branch pairs. Returns the vector between the
+    /// two points.
+    ///
+    /// Weights must not be negative; they are normalised to sum to one. Returns zero if all are
+    /// zero.
     #[inline(always)]
     pub(super) fn mixture<A: Support, B: Support>(
         &mut self,
@@ -274,7 +278,7 @@ impl<T: Scalar> ProvenBounds<T> {
         mixed.w
     }
 
-    /// Takes the points nearest to each other in the hull of up to three pieces.
+    /// Updates the upper bound by the nearest points in the hull of up to three branch pairs.
     pub(super) fn nearest<A: Support, B: Support>(
         &mut self,
         posed: &PosedCores<A, B, T>,
@@ -302,7 +306,7 @@ impl<T: Scalar> ProvenBounds<T> {
         self.mixture(posed, pieces, &weights);
     }
 
-    /// Returns whether the points lie opposite each other along the direction.
+    /// Returns whether the points are opposite each other along the direction.
     pub(super) fn is_opposite<A: Support, B: Support>(&self, posed: &PosedCores<A, B, T>) -> bool {
         let w = posed.piece([0; 2], self.on_a, self.on_b).w;
         let aside = sub(&w, &scaled(&self.n, dot(&self.n, &w)));
@@ -310,10 +314,10 @@ impl<T: Scalar> ProvenBounds<T> {
         dot(&aside, &aside).value() <= most * most
     }
 
-    /// Returns how far apart bounds that agree may be.
+    /// Returns the largest difference of bounds that agree.
     #[inline(always)]
     pub(super) fn agreement<A, B>(posed: &PosedCores<A, B, T>) -> T {
-        // In finer arithmetic well below what is added for f64.
+        // In finer arithmetic the tolerance is far below the error terms of f64.
         let share = if T::UNIT == UNIT { 1.0 } else { 1.0 / 64.0 };
         T::from((AGREE_CURVED * share + 0.5 * posed.noise * T::UNIT) * posed.size)
     }
@@ -325,12 +329,14 @@ impl<T: Scalar> ProvenBounds<T> {
     }
 }
 
-/// Direction, height and distance of support points of two directions; distance of a mixture.
+/// Direction, height and distance of the support points for two directions; distance of a mixture.
 #[cfg(feature = "__proofs")]
 type ToldAlong = ([(Vec3<f64>, f64, f64); 2], f64);
 
-/// What two unit directions tell of a pair, for the tests of the error bounds: the direction, the
-/// height and the distance of its support points for each, and the distance of their mixture.
+/// Returns the bounds that two unit directions give, for the tests of the error bounds.
+///
+/// For each direction: the direction, and height and distance of its support points. Then the
+/// distance of their mixture.
 #[cfg(feature = "__proofs")]
 pub(crate) fn bounds_along<A: Support, B: Support>(
     a: &A,

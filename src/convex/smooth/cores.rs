@@ -1,7 +1,8 @@
-//! The cores that the solvers of this module know besides those of [`shape`](crate::shape):
-//! polyhedra as cores of curved pairs ([`PolyhedralCore`]), and a core of any kind ([`Any`]), for
-//! slow paths where one match is free (finer arithmetic, extreme sizes, the global search of a
-//! depth).
+//! Cores of this module's solvers, in addition to those of [`shape`](crate::shape).
+//!
+//! [`PolyhedralCore`] is a polyhedron as a core of a curved pair. [`Any`] is a core of any kind,
+//! for slow paths where a match costs nothing in comparison (finer arithmetic, extreme sizes, the
+//! global search of a depth).
 
 use nalgebra::Vector3;
 
@@ -17,7 +18,7 @@ pub(super) struct PolyhedralCore<'a> {
     pub(super) unit: f64,
 }
 
-/// Branches are the vertices.
+/// The branches of a polyhedron are its vertices.
 impl Support for PolyhedralCore<'_> {
     fn reach(&self) -> f64 {
         self.body.radius * self.unit
@@ -102,7 +103,7 @@ pub(super) enum Any<'a> {
     Point,
 }
 
-/// A core that can be put behind the match.
+/// A core that can be converted to [`Any`].
 pub(super) trait CoreKind: Support {
     fn any(&self) -> Any<'_>;
 }

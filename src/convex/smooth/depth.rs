@@ -1,41 +1,42 @@
-//! Depth of an overlap, and its witnesses.
+//! Depth of an overlap of curved cores, and its witness points.
 //!
-//! From the best direction known, the main solver descends to the nearest local minimum of the
-//! depth. Balls inside both cores that touch the surfaces at the deepest points prove a global
-//! minimum if the balls are larger than the depth: if A contains a ball of radius `rA` about `cA`
-//! and B a ball of radius `rB` about `cB`, the depth is at least `rA + rB - |cB - cA|`. Cylinders
-//! and cones about parallel axes have the depth of two polygons. Otherwise a surface around the
-//! origin gives an interval ([`surface`]).
+//! 1. From the best known direction, the main solver finds the nearest local minimum of the depth.
+//! 2. Balls inside both cores may prove that this minimum is global.
+//! 3. For cylinders and cones about parallel axes, the depth is that of two polygons.
+//! 4. Otherwise a polytope around the origin bounds the depth ([`polytope`]).
 //!
 //! # Balls inside both cores
 //!
-//! The same balls bound the signed distance of an overlap from above ([`take_balls`]): it is at
-//! most `|cB - cA| - rA - rB`. Balls that touch the surfaces at the deepest points prove the depth.
-//! At a vertex or a rim no ball touches; on a flat or straight part of a surface any other point of
-//! the part is as deep, and the points are moved to the middle of the parts.
+//! If A contains a ball of radius `rA` about `cA`, and B a ball of radius `rB` about `cB`, the
+//! depth is at least `rA + rB - |cB - cA|`. So the signed distance is at most `|cB - cA| - rA - rB`
+//! ([`take_balls`]). Balls that touch the surfaces at the deepest points prove the depth if the sum
+//! of their radii exceeds it. At a vertex or a rim no ball touches. On a flat or straight part of a
+//! surface every point is equally deep, and the points are moved to the middle of the part.
 //!
 //! # Parallel axes
 //!
-//! A cylinder or a cone is swept by a polygon, its meridian, that turns about the axis. About
-//! parallel axes the difference of two such bodies is swept by the sum of both meridians, turning
-//! about an axis as well. A point inside is nearest to an edge of the meridian in its half-plane,
-//! and the normal of the edge is that of an edge of either summand. So the depth is the least
-//! height along six normals, without a search, even if the least directions form a circle.
+//! A cylinder or a cone is swept by its meridian, a polygon that rotates about the axis. If the
+//! axes are parallel, the difference of two such bodies is swept by the sum of both meridians,
+//! which also rotates about an axis. A point inside is nearest to an edge of the meridian in its
+//! half-plane, and the normal of this edge is the normal of an edge of one of the two meridians. So
+//! the depth is the least height along six normals. No search is needed, even if the best
+//! directions form a circle.
 //!
-//! B about an axis with a tilt is off the body about the parallel axis by at most the chord of the
-//! tilt times its reach: once for the depth, and once for each height.
+//! If the axis of B is tilted, B differs from the body about the parallel axis by at most the chord
+//! of the tilt times the radius of B. The bound adds this difference twice: once for the depth and
+//! once for the heights.
 //!
-//! # Witnesses
+//! # Witness points
 //!
-//! The witnesses of an overlap are the points at which the cores touch when B has been moved out
-//! ([`witnesses`]).
+//! The witness points of an overlap are the points at which the cores touch after B has been moved
+//! out ([`witnesses`]).
 //!
-//! The depth is the length of the shortest translation that parts the cores, and the translation
-//! leads along the normal. Moved by the depth and a gap `g` more, the cores are apart, and their
-//! closest points `a` and `b` are found as those of any pair. At the pose given, `b - a` is the
-//! normal times the signed distance, up to `s - g` along the normal and to `s` times the sine
-//! between both normals across, where `s` is the distance of the moved cores: `g` itself if the
-//! normal is that of a local minimum of the depth.
+//! The depth is the length of the shortest translation that separates the cores. Its direction is
+//! the normal. If B moves by the depth plus a gap `g`, the cores are separated, and their closest
+//! points `a` and `b` are found as for any pair. Let `s` be the distance of the moved cores. At the
+//! given pose, `b - a` equals the normal times the signed distance, with an error of `s - g` along
+//! the normal, and perpendicular to it of `s` times the sine of the angle between both normals. If
+//! the normal belongs to a local minimum of the depth, `s = g`.
 //!
 //! ```text
 //!      A        B             A         B moved
@@ -44,8 +45,8 @@
 //!   |_____|____|_|         |_____|
 //! ```
 //!
-//! Points of balls or of facets that prove the depth are no witnesses: equally deep ones may lie
-//! on different sides of a core.
+//! Points of balls or facets that prove the depth are not witness points, because equally deep
+//! points may lie on different sides of a core.
 
 use alloc::vec::Vec;
 
@@ -65,17 +66,17 @@ use crate::convex::smooth::{gjk, polytope};
 use crate::pair::outcome::{DepthMode, Solver};
 use crate::pair::transform::{ErrorScale, Transform};
 
-/// Bounds of the depth of cores that overlap or seem to.
+/// Bounds of the depth of cores that overlap or seem to overlap.
 pub(super) struct Deep {
     pub(super) best: ProvenBounds<f64>,
     /// Whether four points of the difference are proven to contain the origin.
     pub(super) inside: bool,
-    /// Whether a surface was grown.
+    /// Whether a polytope was grown.
     pub(super) grown: bool,
 }
 
-/// Searches the depth from a direction and branches; by a surface only from `corners` that contain
-/// the origin, and only if a local depth will not do.
+/// Searches the depth from a direction and branches. Grows a polytope only if `corners` around the
+/// origin are given and the bounds are not tight enough for `until`.
 pub(super) fn deepen<A: CoreKind, B: CoreKind>(
     posed: &PosedCores<A, B, f64>,
     known: &ProvenBounds<f64>,
@@ -108,7 +109,7 @@ pub(super) fn deepen<A: CoreKind, B: CoreKind>(
     deep
 }
 
-/// Searches the depth by a surface from corners that contain the origin.
+/// Grows a polytope from corners that contain the origin, to bound the depth.
 #[cold]
 #[inline(never)]
 fn grow(posed: &PosedCores<Any, Any, f64>, corners: &Around<f64>, deep: &mut Deep) {
@@ -127,8 +128,8 @@ fn grow(posed: &PosedCores<Any, Any, f64>, corners: &Around<f64>, deep: &mut Dee
     }
 }
 
-/// Searches four points of the difference about the origin, for a local depth that no balls prove
-/// to be one of an overlap: that of two rims or edges.
+/// Searches for four points of the difference around the origin. Needed for a local depth of two
+/// rims or edges, where no balls prove that the cores overlap.
 #[inline(never)]
 fn prove_overlap(posed: &PosedCores<Any, Any, f64>, deep: &mut Deep) {
     let mut apart = ProvenBounds::new();
@@ -140,10 +141,10 @@ fn prove_overlap(posed: &PosedCores<Any, Any, f64>, deep: &mut Deep) {
 
 /// Searches the depth from the normals of flat faces and of the triangles between the corners.
 ///
-/// No surface is certain if the origin is on the boundary of the difference but for rounding. Then
-/// it lies in the hull of corners that all lie on the supporting plane through the origin: a flat
-/// face of a core that bears contains branches of such corners, and if there is none, three corners
-/// are close to the plane.
+/// If the origin is within rounding of the boundary of the difference, no polytope can be proven.
+/// The origin then lies in the hull of corners that are all on the supporting plane through the
+/// origin. If this plane supports a flat face of a core, the face contains branches of these
+/// corners. Otherwise three corners are close to the plane.
 fn from_faces(posed: &PosedCores<Any, Any, f64>, corners: &[DifferencePoint<f64>], best: &mut ProvenBounds<f64>) {
     let mut prove = |n: Vec3<f64>, of: [u32; 2]| {
         let toward = posed.toward(n);
@@ -167,8 +168,10 @@ fn from_faces(posed: &PosedCores<Any, Any, f64>, corners: &[DifferencePoint<f64>
     }
 }
 
-/// Returns whether the bounds agree, or an overlap is proven and its depth to the accuracy of a
-/// surface, or from above if a local depth will do.
+/// Returns whether the bounds are tight enough for the requested depth.
+///
+/// Bounds that agree are always enough. Otherwise an overlap must be proven, and, unless a local
+/// depth is requested, the width must be at most [`DEPTH_GOAL`] times L.
 pub(super) fn is_enough<A: Support, B: Support>(
     posed: &PosedCores<A, B, f64>,
     best: &ProvenBounds<f64>,
@@ -190,9 +193,11 @@ pub(super) fn local<A: Support, B: Support>(
     SolverRun { posed, best, deep }.run(n, set);
 }
 
-/// Takes balls at the weighted points of the pieces; if the bounds do not agree, also balls in the
-/// middle of the flat or straight parts about the points. The points prove the bound alone: equal
-/// balls may touch the surfaces on different sides, so they are no [`witnesses`].
+/// Bounds the depth by balls at the weighted points of the branch pairs.
+///
+/// If the bounds do not agree, also tries balls in the middle of the flat or straight parts at
+/// these points. The points only prove the bound. Equal balls may touch the surfaces on different
+/// sides, so the points are not [`witnesses`].
 pub(super) fn take_balls<A: Support, B: Support, T: Scalar>(
     posed: &PosedCores<A, B, T>,
     toward: &Toward<T>,
@@ -239,8 +244,8 @@ fn upper_at<A: Support, B: Support, T: Scalar>(
     root(dot(&between, &between)) - T::from(ra) - T::from(rb)
 }
 
-/// Returns points of the flat or straight parts about two points, opposite each other near the
-/// middle of the parts; `None` if no part faces along the direction.
+/// Returns points of the flat or straight parts at two points, opposite each other near the middle
+/// of the parts. Returns `None` if no such part faces along the direction.
 fn middles<A: Support, B: Support, T: Scalar>(
     posed: &PosedCores<A, B, T>,
     toward: &Toward<T>,
@@ -270,7 +275,7 @@ fn middles<A: Support, B: Support, T: Scalar>(
     Some([a, b])
 }
 
-/// Returns the point nearest to a place between up to three points of pieces.
+/// Returns the point nearest to `place` in the hull of up to three points.
 #[inline(never)]
 fn nearest<T: Scalar>(
     pieces: &[DifferencePoint<T>],
@@ -304,8 +309,8 @@ fn nearest<T: Scalar>(
     Some(sum)
 }
 
-/// Takes the depth of cores that are cylinders or cones about parallel axes, or about axes with a
-/// tilt that is below the goal of a depth.
+/// Bounds the depth of two cylinders or cones whose axes are parallel, or tilted by less than the
+/// accuracy of a depth.
 #[inline(never)]
 fn prove_parallel(posed: &PosedCores<Any, Any, f64>, best: &mut ProvenBounds<f64>) {
     let (Some(of_a), Some(of_b)) = (posed.a.meridian(), posed.b.meridian()) else {
@@ -338,26 +343,27 @@ fn prove_parallel(posed: &PosedCores<Any, Any, f64>, best: &mut ProvenBounds<f64
         }
     }
     let upper = top + off;
-    // Only a point inside is nearest to an edge for certain.
+    // Only for a point inside is it certain that an edge is nearest.
     if upper < -CERTIFICATE * UNIT * posed.size && upper < best.upper {
         (best.upper, best.set) = (upper, set);
     }
 }
 
-/// Gap to which the cores are moved apart, times L: small against the cores, and large against the
+/// Gap between the moved cores, times L. Small compared with the cores, and large compared with the
 /// rounding of the normal between the moved cores. A heuristic.
 const GAP: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// Distances of the moved cores that exceed the gap by less than this times L are the gap itself.
-/// Not a matter of soundness.
+/// A distance of the moved cores that exceeds the gap by less than this times L counts as the gap.
+/// Does not affect soundness.
 const NEAR: f64 = 1.0 / (1u64 << 34) as f64;
 
-/// Directions that are tried: a heuristic.
+/// Largest number of directions that are tried: a heuristic.
 const TRIES: u32 = 16;
 
-/// Returns the closest points of the cores, with B moved out along the best direction. If the moved
-/// cores are further apart than the gap, the direction between them is less deep: the local minimum
-/// of the depth from there is the next direction.
+/// Returns the closest points of the cores after B has been moved out along the best direction.
+///
+/// If the distance of the moved cores exceeds the gap, the direction between them is less deep. The
+/// next direction is the local minimum of the depth from there.
 #[inline(never)]
 pub(super) fn witnesses<A: Support, B: Support>(
     posed: &PosedCores<A, B, f64>,
@@ -379,7 +385,8 @@ pub(super) fn witnesses<A: Support, B: Support>(
     found
 }
 
-/// Returns the closest points of the cores, with B moved out along the best direction to a gap.
+/// Returns the closest points of the cores after B has been moved out along the best direction, to
+/// a gap.
 fn moved_apart<A: Support, B: Support>(
     posed: &PosedCores<A, B, f64>,
     deep: &mut ProvenBounds<f64>,

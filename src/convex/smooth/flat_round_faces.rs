@@ -1,14 +1,15 @@
-//! Flat round faces: caps and bases along their own axes.
+//! Flat round faces: tries the axes of caps and bases.
 //!
-//! The support point of a rim leaps around the circle as the direction crosses the axis. There the
-//! axis itself is tried: with the support point of the other core over the face the bounds close.
+//! As the direction crosses the axis, the support point of a rim jumps around the circle. So the
+//! axis itself is tried. If the support point of the other core is over the face, the bounds then
+//! agree.
 
 use super::best_bounds::ProvenBounds;
 use super::posed::{DifferencePoint, PlaneStep, PosedCores, Toward, tangent, values};
 use crate::base::num::scalar::{Scalar, Vec3, neg, sub};
 use crate::body::shape::{Disc, Support};
 
-/// Flat round faces that a solve has tried: at most one of each core.
+/// Flat round faces that a solve has tried: at most one per core.
 #[derive(Clone, Copy)]
 pub(super) struct Flush {
     tried: [bool; 2],
@@ -34,16 +35,16 @@ fn disc<A: Support, B: Support, T: Scalar>(
     }
 }
 
-/// Returns the squared part of a direction perpendicular to the z axis, and the dot product of that
-/// part with the same part of a step.
+/// Returns the squared length of the part of `v` perpendicular to the z axis, and the dot product
+/// of this part with the same part of `d`.
 #[inline(always)]
 fn off_axis<T: Scalar>(v: &Vec3<T>, d: &Vec3<T>) -> [f64; 2] {
     let (v, d) = (values(v), values(d));
     [v[0] * v[0] + v[1] * v[1], v[0] * d[0] + v[1] * d[1]]
 }
 
-/// Tries the axes that a step crosses or that are close to the direction, with a squared sine below
-/// `around`, each once. Returns the nearest points found if they are nearer than those known.
+/// Tries, once each, the axes that a step crosses or whose squared sine with the direction is below
+/// `around`. Returns the nearest points found if they are nearer than the known ones.
 #[inline(always)]
 pub(super) fn near<A: Support, B: Support, T: Scalar>(
     posed: &PosedCores<A, B, T>,
@@ -71,8 +72,8 @@ pub(super) fn near<A: Support, B: Support, T: Scalar>(
     found
 }
 
-/// Tries the axis of the flat round face of core `side` that faces along the direction, once.
-/// Returns the nearest points found if they are nearer than those known.
+/// Tries, once, the axis of the flat round face of core `side` that faces along the direction.
+/// Returns the nearest points found if they are nearer than the known ones.
 #[inline(never)]
 pub(super) fn of_side<A: Support, B: Support, T: Scalar>(
     posed: &PosedCores<A, B, T>,

@@ -1,9 +1,9 @@
-//! Solver behind the main one: GJK on fixed support points, curvature ignored (Gilbert, Johnson and
-//! Keerthi 1988).
+//! Fallback of the main solver: GJK on fixed support points, without curvature (Gilbert, Johnson
+//! and Keerthi 1988).
 //!
-//! On curved cores GJK converges slowly, but from anywhere. After ever more steps the main solver
-//! tries to finish from the simplex. GJK also proves overlaps: by four points of the difference
-//! around the origin.
+//! On curved cores GJK converges slowly, but from any start. At steps 4, 8, 16 and so on the main
+//! solver tries to finish from the simplex. GJK also proves overlaps, by four points of the
+//! difference around the origin.
 
 use super::best_bounds::{BranchSet, ProvenBounds};
 use super::newton_gjk::{RunEnd, SolverRun};
@@ -14,20 +14,20 @@ use crate::body::shape::Support;
 use crate::convex::minimum::simplex::{Indexed, Simplex};
 use crate::pair::transform::ErrorScale;
 
-/// Support points one solve may take.
+/// Largest number of support points of one solve.
 const POINTS: usize = 96;
 
-/// Steps before the first attempt to finish; each further one comes after twice as many, as an
-/// attempt costs as much as many steps: a heuristic.
+/// Steps before the first attempt of the main solver to finish. Each further attempt follows after
+/// twice as many steps, because an attempt costs as much as many steps. A heuristic.
 const ATTEMPT: usize = 4;
 
-/// Steps of a first approach.
+/// Largest number of support points of a first approach.
 const APPROACH: usize = 6;
 
 /// Goal of a solve.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum SolveGoal {
-    /// A direction right to some 60 degrees: a start for the main solver.
+    /// A direction within about 60° of the normal: a start for the main solver.
     Approach,
     /// Bounds that agree.
     Close,
@@ -41,8 +41,8 @@ pub(super) struct Around<T> {
 }
 
 impl<T: Scalar> Around<T> {
-    /// Returns four points, proven to contain the origin; or six, up and down three axes, not yet
-    /// proven.
+    /// Returns four points that are proven to contain the origin, or six points, up and down three
+    /// axes, that are not proven to do so.
     pub(super) fn points(&self) -> &[DifferencePoint<T>] {
         &self.points[..self.len]
     }
@@ -54,8 +54,9 @@ impl<T: Scalar> Around<T> {
         }
     }
 
-    /// Returns the support points up and down three axes, off the symmetries of the cores: along an
-    /// axis of symmetry many points are equally high, and the six may lie in one plane.
+    /// Returns the support points up and down three axes, rotated away from the symmetries of the
+    /// cores. Along an axis of symmetry many points are equally high, and the six might lie in one
+    /// plane.
     fn six<A: Support, B: Support>(posed: &PosedCores<A, B, T>, n: Vec3<T>) -> Self {
         let n = askew(&n);
         let [d, e] = tangents(&n);
@@ -71,11 +72,11 @@ impl<T: Scalar> Around<T> {
 pub(super) enum Frozen<T> {
     Closed,
     Open,
-    /// The difference contains the origin, or seems to.
+    /// The difference contains the origin, or seems to contain it.
     Inside(Around<T>),
 }
 
-/// Solves from a direction. The branches of the simplex become the set of the best answer.
+/// Runs GJK from a direction. The branches of the simplex become the branch set of `best`.
 pub(super) fn solve<A: Support, B: Support, T: Scalar>(
     posed: &PosedCores<A, B, T>,
     n: Vec3<T>,
@@ -147,7 +148,8 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
     Frozen::Open
 }
 
-/// Ends a solve that the origin ends on a simplex of support points: other points contain it.
+/// Ends a solve whose simplex touches the origin, so that no direction is left: other points
+/// contain it.
 fn inside<A: Support, B: Support, T: Scalar>(
     posed: &PosedCores<A, B, T>,
     n: Vec3<T>,

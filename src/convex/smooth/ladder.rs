@@ -1,4 +1,4 @@
-//! One pair of cores: solver after solver until the bounds agree ([`separate`]), and the outcome.
+//! Runs solver after solver on one pair of cores until the bounds agree ([`separate`]).
 
 use nalgebra::{Unit, Vector3};
 
@@ -20,10 +20,10 @@ use crate::pair::draft::round_outward;
 use crate::pair::outcome::{ContactState, DepthMode, Outcome, Solver};
 use crate::pair::transform::{StoredFrame, Transform};
 
-/// A direction that turned by less in each coordinate is extrapolated: a heuristic.
+/// The direction is extrapolated if each coordinate changed by less than this: a heuristic.
 const SLIGHT: f64 = 0.25;
 
-/// A turn that changed by less than this share is extrapolated with its change: a heuristic.
+/// The change is extrapolated with its own change if that is below this share: a heuristic.
 const STEADY: f64 = 0.25;
 
 /// State of a pair between queries.
@@ -31,15 +31,15 @@ const STEADY: f64 = 0.25;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WarmStart {
     start: Option<(Vec3<f64>, BranchSet)>,
-    /// Turn of the direction from the answer before to the last answer, and the turn before.
+    /// Change of the direction between the last two answers, and the change before it.
     turn: Vec3<f64>,
     #[cfg_attr(feature = "serde", serde(default))]
     before: Vec3<f64>,
 }
 
 impl WarmStart {
-    /// Returns a start along a direction from A to B, in the frame of A, of which no branches are
-    /// known: the supports along it stand for them.
+    /// Returns a start along a direction from A to B, in the frame of A. Its branches are unknown;
+    /// those of the support points along the direction are used instead.
     pub(crate) fn along(n: &Vector3<f64>) -> Self {
         Self {
             start: Some(((*n).into(), BranchSet::default())),
@@ -47,7 +47,7 @@ impl WarmStart {
         }
     }
 
-    /// Turns a direction without branches into that of the cores in the other order.
+    /// Converts a direction without branches to the cores in swapped order.
     #[inline(always)]
     pub(super) fn swap(&mut self, swapped: &RelativePose) {
         if let Some((n, set)) = &mut self.start
@@ -57,15 +57,15 @@ impl WarmStart {
         }
     }
 
-    /// Returns a direction to begin with, of a length close to one, and branches. A deserialized
-    /// state may contain no direction.
+    /// Returns a direction to start with, of a length close to one, and branches. A deserialised
+    /// state may contain no valid direction.
     fn start(&self) -> Option<(Vec3<f64>, BranchSet)> {
         let (n, set) = self.start?;
         let is_small = n.iter().all(|x| x.abs() <= 2.0);
         is_small.then(|| (self.ahead(n), set))
     }
 
-    /// Extrapolates the direction: by the turn, and by the change of the turn if that is small.
+    /// Extrapolates the direction by its last change, and by the change of that if it is small.
     #[inline(always)]
     fn ahead(&self, n: Vec3<f64>) -> Vec3<f64> {
         let most = |v: &Vec3<f64>| v[0].abs().larger(v[1].abs()).larger(v[2].abs());
@@ -82,7 +82,7 @@ impl WarmStart {
         }
     }
 
-    /// Remembers an answer.
+    /// Stores an answer.
     fn keep(&mut self, n: Vec3<f64>, set: BranchSet) {
         self.before = self.turn;
         self.turn = self.start.map_or([0.0; 3], |(before, _)| sub(&n, &before));
@@ -90,15 +90,15 @@ impl WarmStart {
     }
 }
 
-/// Frame and unit in which a pair is solved.
+/// Frame and unit of length in which a pair is solved.
 #[derive(Clone, Copy)]
 pub(super) struct SolverSetting<'p> {
     pose: &'p RelativePose,
     cores: [&'p Core; 2],
     until: DepthMode,
-    /// Translation of the pose, if both cores are stored as given and of an ordinary size.
+    /// Translation of the pose, if both cores are stored unscaled and the sizes are ordinary.
     plain: Option<Vec3<f64>>,
-    /// Lengths of the solvers times `2^exponent` are the caller's.
+    /// A length of the solvers times `2^exponent` is in the caller's unit.
     exponent: i32,
     /// Distance of the stored origins from the origins of the frames, in the unit of the solvers.
     offsets: f64,
@@ -215,7 +215,7 @@ pub(super) fn closest_of<A: CoreKind, B: CoreKind>(
     outcome
 }
 
-/// Searches the depth of cores that seem to overlap; returns the branches of the deepest points if
+/// Searches the depth of cores that seem to overlap. Returns the branches of the deepest points if
 /// the cores overlap or touch.
 #[inline(never)]
 fn deepen<A: CoreKind, B: CoreKind>(
@@ -314,8 +314,9 @@ fn separate_in_double_double(
     separate(posed, start, best, solver, deep)
 }
 
-/// Copies the bounds and witnesses of a solver to the outcome. Returns false, and copies nothing,
-/// if the solver has failed: a point that is no number, or bounds that contradict each other.
+/// Copies the bounds and witness points of a solver to the outcome. Returns false, and copies
+/// nothing, if the solver has failed: a coordinate is not finite, or the bounds contradict each
+/// other.
 #[inline(always)]
 fn take<A: Support, B: Support, T: Scalar>(
     posed: &PosedCores<A, B, T>,
@@ -339,7 +340,7 @@ fn take<A: Support, B: Support, T: Scalar>(
     true
 }
 
-/// Copies all but the features; bounds apart by at most `agree` touch.
+/// Copies everything except the features. Bounds that differ by at most `agree` count as touching.
 #[inline]
 fn take_bounds<T: Scalar>(best: &ProvenBounds<T>, term: f64, agree: f64, outcome: &mut Outcome) -> bool {
     let upper = round_outward(best.upper, term).at_most(f64::MAX);
@@ -368,8 +369,8 @@ fn take_bounds<T: Scalar>(best: &ProvenBounds<T>, term: f64, agree: f64, outcome
     true
 }
 
-/// Returns the outcome of a pair of extreme sizes or places, solved in a unit of the pair; a core
-/// too small to matter counts as a point.
+/// Returns the outcome of a pair of extreme sizes or positions, solved in a unit chosen for the
+/// pair. A core that is negligibly small counts as a point.
 #[cold]
 pub(super) fn extreme(a: &Core, b: &Core, setting: &SolverSetting, memory: &mut WarmStart) -> Outcome {
     let [ra, rb] = setting.radii();
@@ -425,8 +426,8 @@ fn scaled(core: &Core, exponent: i32) -> Any<'_> {
     }), core => core.scaled(by).into())
 }
 
-/// Returns the outcome of cores so far apart that the sizes are below the rounding of the distance;
-/// `t` and `apart` are in sixteenths.
+/// Returns the outcome of cores so far apart that their sizes are below the rounding of the
+/// distance. `t` and `apart` are in sixteenths.
 fn far(setting: &SolverSetting, t: &Vector3<f64>, apart: f64, offsets: f64) -> Outcome {
     let mut outcome = Outcome::starting_at(FeaturePair::FIRST);
     let radii: f64 = setting.radii().iter().sum();
@@ -446,7 +447,7 @@ fn far(setting: &SolverSetting, t: &Vector3<f64>, apart: f64, offsets: f64) -> O
     outcome
 }
 
-/// End of the solvers of one arithmetic.
+/// How the solvers of one arithmetic ended.
 #[derive(PartialEq)]
 pub(super) enum Ended {
     /// The bounds agree.
@@ -456,12 +457,12 @@ pub(super) enum Ended {
     Deep,
 }
 
-/// Proves an overlap from bounds, and from points of the difference around the origin if some are
-/// known; returns whether the proof has succeeded.
+/// Proves an overlap from bounds and, if known, from points of the difference around the origin.
+/// Returns whether the proof has succeeded.
 type ProveOverlap<'f, T> = dyn FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool + 'f;
 
-/// Runs solver after solver until the bounds agree. `deep` proves an overlap: of cores that seem to
-/// overlap, or whose difference contains the origin between four points.
+/// Runs solver after solver until the bounds agree. If the cores seem to overlap, or if points of
+/// the difference are around the origin, `deep` tries to prove the overlap.
 #[inline(always)]
 pub(super) fn separate<A: Support, B: Support, T: Scalar>(
     posed: &PosedCores<A, B, T>,
@@ -477,7 +478,7 @@ pub(super) fn separate<A: Support, B: Support, T: Scalar>(
             if end == Err(RunEnd::Closed) {
                 return Ended::Closed;
             }
-            // A lower bound goes with its own direction; a start is about of length one.
+            // A lower bound keeps the direction that proves it. A start has a length of about one.
             let is_proven = best.lower > T::from(f64::NEG_INFINITY);
             let n = unit(&n).filter(|_| !is_proven).unwrap_or(best.n);
             if end == Err(RunEnd::Inside) && closed.is_none() && deep(&ProvenBounds { n, set, ..*best }, None) {
@@ -492,12 +493,12 @@ pub(super) fn separate<A: Support, B: Support, T: Scalar>(
         if ended != Ended::Closed || best.is_opposite(posed) {
             return ended;
         }
-        // Bounds that agree leave the direction open to the root of the tolerance.
+        // Bounds that agree determine the direction only to the square root of the tolerance.
         (start, closed) = (Some((best.n, best.set)), Some(*best));
     }
 }
 
-/// Runs the solvers behind the first one of a warm query.
+/// Runs the solvers after the first solver of a warm query.
 #[inline(never)]
 pub(super) fn search<A: Support, B: Support, T: Scalar>(
     posed: &PosedCores<A, B, T>,
@@ -530,8 +531,8 @@ pub(super) fn search<A: Support, B: Support, T: Scalar>(
     }
 }
 
-/// Runs the main solver from a direction and the best pieces; returns `None` if the bounds stay
-/// open.
+/// Runs the main solver from a direction and the best branch pairs. Returns `None` if the bounds do
+/// not agree and no overlap is proven.
 fn bend<A: Support, B: Support, T: Scalar>(
     posed: &PosedCores<A, B, T>,
     n: Vec3<T>,
@@ -551,8 +552,8 @@ fn bend<A: Support, B: Support, T: Scalar>(
     }
 }
 
-/// Returns the direction between the nearest points known; if the points coincide, a direction off
-/// the symmetries that put them there.
+/// Returns the direction between the nearest known points. If the points coincide, returns a
+/// direction away from the symmetries that caused this.
 fn toward_witness<A: Support, B: Support, T: Scalar>(posed: &PosedCores<A, B, T>, best: &ProvenBounds<T>) -> Vec3<T> {
     let w = posed.piece([0; 2], best.on_a, best.on_b).w;
     let least = T::from(AGREE_CURVED * posed.size);

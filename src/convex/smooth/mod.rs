@@ -1,23 +1,28 @@
-//! Curved cores: signed distance with proven bounds, tracked.
+//! Signed distance of curved cores, with proven bounds, tracked from query to query.
 //!
-//! One solver for all pairs: GJK whose direction step knows the curvature (`bent`, on the model of
-//! `model`). Before it, the parts of the last answer are proved again (`warm`); behind it stand GJK
-//! on fixed support points (`frozen`), then both in double-double (`ladder`, the order of all).
-//! Overlaps and their witnesses are the work of `depth` and `surface`. A core is a support map with
-//! branches and second derivatives ([`Support`](crate::shape::Support)); there is no table of pairs
-//! of kinds.
+//! A core is a support map with branches and second derivatives
+//! ([`Support`](crate::shape::Support)). One solver handles all pairs of kinds; there is no table
+//! of pairs. The solvers run in this order (`ladder`):
+//! 1. `warm_start` proves the support sets of the last answer again.
+//! 2. `newton_gjk`, the main solver, is GJK whose direction step uses the curvature by the local
+//!    model in `model`.
+//! 3. `gjk` is GJK on fixed support points.
+//! 4. If the bounds still disagree, all of them run again in double-double.
 //!
-//! For any unit direction the height of the difference is a lower bound of the signed distance, the
-//! distance of any two points an upper bound; both are taken at every step, with the error terms of
-//! [`CERTIFICATE`](crate::tolerance::CERTIFICATE).
+//! `depth` computes the depth and the witness points of an overlap; `polytope` bounds the depth if
+//! no local method proves it.
 //!
-//! Sources: Gilbert, Johnson and Keerthi 1988; Newton's method on the dual as in Lin 1993, chapter
-//! 4, and Montaut et al. 2022 for the acceleration of GJK. Departures:
-//! 1. The step uses the second derivative of the support function, so it is quadratic on smooth
-//!    cores and that of GJK on flat ones.
-//! 2. Kinks (edges, sides of cylinders, flat faces) are up to three branches with weights, as a
-//!    face of a simplex.
-//! 3. Every answer carries both bounds, whatever the solver.
+//! For any unit direction the support value of the difference is a lower bound of the signed
+//! distance. The distance of any two points is an upper bound. Both are computed at every step,
+//! with the error terms of [`CERTIFICATE`](crate::tolerance::CERTIFICATE).
+//!
+//! Sources: Gilbert, Johnson and Keerthi 1988; Lin 1993, chapter 4, for Newton's method on the
+//! dual; Montaut et al. 2022 for the acceleration of GJK. Departures:
+//! 1. The step uses the second derivative of the support function. It converges quadratically on
+//!    smooth cores, and equals the step of GJK on flat ones.
+//! 2. A kink (an edge, the side of a cylinder, a flat face) is represented by up to three weighted
+//!    branches, like a face of a simplex.
+//! 3. Every solver returns both bounds.
 
 mod best_bounds;
 mod cores;
@@ -44,17 +49,17 @@ use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, match_core, order_of};
 use crate::pair::outcome::{DepthMode, Outcome};
 
-/// Returns the place of a kind in the order in which a pair is solved.
+/// Returns the rank of a kind in the order in which a pair is solved.
 fn rank(core: &Core) -> u32 {
     match_core!(core, _ => 0, core => order_of(core))
 }
 
 /// Returns the closest points of two cores, at least one of them curved.
 ///
-/// The cores are solved in the order of kinds, so that A-B and B-A are one problem, and matched
-/// once. All further code knows both kinds; slow paths alone see [`Any`](cores::Any). A local depth
-/// is the height of a direction that is highest in its neighbourhood, of cores that are proven to
-/// overlap.
+/// The cores are solved in the order of their kinds, so that A-B and B-A are the same problem.
+/// Their kinds are matched once: all further code knows both, and only slow paths see
+/// [`Any`](cores::Any). A local depth is the support value of a locally best direction, of cores
+/// that are proven to overlap.
 #[inline]
 pub(crate) fn closest(a: &Core, b: &Core, pose: &RelativePose, until: DepthMode, memory: &mut WarmStart) -> Outcome {
     if rank(a) <= rank(b) {

@@ -1,20 +1,20 @@
-//! Model of the height near a direction, and the maximum of the model.
+//! Model of the support value near a direction, and the maximum of the model.
 //!
-//! With the direction turned by `d` in the tangent plane, piece `i` has height `c_i + g_i . d` less
-//! the bend `d . M d / 2`, where `M` is the weighted sum of the second derivatives of all pieces
-//! and `mu` times the identity. The model is the least over the pieces. Its greatest value over `d`
-//! is, by duality, the least over the weights `l` (not negative, of sum one) of
-//! `l . c + |sum of l_i y_i|^2 / 2`, with `y_i = L^-1 g_i` and `M = L L^T`: a least-norm problem in
-//! the plane, in which at most three weights are positive.
+//! If the direction moves by `d` in the tangent plane, branch pair `i` has the height
+//! `c_i + g_i . d - d . M d / 2`. `M` is the weighted sum of the second derivatives of all pairs,
+//! plus `mu` times the identity. The model is the minimum over the pairs. By duality, its maximum
+//! over `d` is the minimum of `l . c + |sum of l_i y_i|^2 / 2` over weights `l` that are not
+//! negative and sum to one, with `y_i = L^-1 g_i` and `M = L L^T`. This is a least-norm problem in
+//! the plane, so at most three weights are positive.
 
 use super::posed::PlaneStep;
 use crate::base::num::each::Each;
 use crate::base::num::scalar::Scalar;
 
-/// Most pieces of a model.
+/// Largest number of branch pairs in a model.
 pub(super) const MOST: usize = 4;
 
-/// One piece of the model.
+/// One branch pair of the model.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ModelPlane<T> {
     /// Height along the direction.
@@ -33,7 +33,7 @@ pub(super) struct Top<T> {
 }
 
 /// Factors `M = L D L^T`; returns the entry of `L` below the unit diagonal and the inverse of `D`.
-/// Without a square root, so that lengths scaled by a power of two scale all results.
+/// No square root is taken, so if lengths are scaled by a power of two, all results scale exactly.
 fn factor<T: Scalar>(m: &[T; 3]) -> Option<(T, [T; 2])> {
     let zero = T::from(0.0);
     if !(m[0] > zero) {
@@ -42,7 +42,7 @@ fn factor<T: Scalar>(m: &[T; 3]) -> Option<(T, [T; 2])> {
     let l = m[1] / m[0];
     let rest = m[2] - l * m[1];
     let one = T::from(1.0);
-    // More than rounding.
+    // The pivot exceeds rounding.
     (rest.value() > crate::base::tolerance::PIVOT * m[2].value()).then(|| (l, [one / m[0], one / rest]))
 }
 
@@ -58,8 +58,8 @@ fn matrix<T: Scalar>(planes: &[ModelPlane<T>], prior: &[T], mu: T) -> [T; 3] {
     m
 }
 
-/// Returns the step of Newton's method for one piece. If `M` is not positive, the step is not
-/// finite or leads to a minimum.
+/// Returns the step of Newton's method for one branch pair. If `M` is not positive definite, the
+/// step is not finite or leads to a minimum.
 #[inline(always)]
 pub(super) fn newton<T: Scalar>(plane: &ModelPlane<T>, mu: T) -> PlaneStep<T> {
     let ([b, off, e], g) = (plane.bend, &plane.g);
@@ -68,7 +68,8 @@ pub(super) fn newton<T: Scalar>(plane: &ModelPlane<T>, mu: T) -> PlaneStep<T> {
     [(e * g[0] - off * g[1]) * inverse, (b * g[1] - off * g[0]) * inverse]
 }
 
-/// Returns the maximum, with `M` from the weights `prior`; `None` if `M` is not positive.
+/// Returns the maximum, with `M` from the weights `prior`, or `None` if `M` is not positive
+/// definite.
 pub(super) fn top<T: Scalar>(planes: &[ModelPlane<T>], prior: &[T; MOST], mu: T) -> Option<Top<T>> {
     let zero = T::from(0.0);
     let m = matrix(planes, prior, mu);
@@ -83,9 +84,9 @@ pub(super) fn top<T: Scalar>(planes: &[ModelPlane<T>], prior: &[T; MOST], mu: T)
     Some(at_kink(planes, &m, &weights).unwrap_or(Top { weights, step }))
 }
 
-/// Returns step and weights of the two or three pieces that carry weight, from the kink at which
-/// the pieces are equally high. The sum of the `y` cancels, over a `mu` that vanishes with the
-/// height; the kink does not.
+/// Returns step and weights of the two or three weighted branch pairs, from the kink where they are
+/// equally high. The weighted sum of the `y` cancels, and is divided by a `mu` that vanishes with
+/// the height; the kink has neither problem.
 fn at_kink<T: Scalar>(planes: &[ModelPlane<T>], m: &[T; 3], kept: &[T; MOST]) -> Option<Top<T>> {
     let zero = T::from(0.0);
     let mut positive = (0..planes.len()).filter(|&k| kept[k] > zero);
@@ -121,7 +122,7 @@ fn bent<T: Scalar>(m: &[T; 3], d: &PlaneStep<T>) -> PlaneStep<T> {
     [m[0] * d[0] + m[1] * d[1], m[1] * d[0] + m[2] * d[1]]
 }
 
-/// Returns the highest point of the kink of two pieces, and weights of sum one.
+/// Returns the highest point on the kink of two branch pairs, and weights that sum to one.
 #[inline(always)]
 fn between_two<T: Scalar>([p, q]: [&ModelPlane<T>; 2], m: &[T; 3]) -> (PlaneStep<T>, [T; 3]) {
     let (g, h) = (&p.g, &q.g);
@@ -135,7 +136,7 @@ fn between_two<T: Scalar>([p, q]: [&ModelPlane<T>; 2], m: &[T; 3]) -> (PlaneStep
     (step, [weight, T::from(1.0) - weight, T::from(0.0)])
 }
 
-/// Returns the point at which three pieces are equally high, and weights of sum one.
+/// Returns the point at which three branch pairs are equally high, and weights that sum to one.
 #[inline(always)]
 fn between_three<T: Scalar>([p, q, r]: [&ModelPlane<T>; 3], m: &[T; 3]) -> (PlaneStep<T>, [T; 3]) {
     let (u, v) = (plane_sub(&p.g, &r.g), plane_sub(&q.g, &r.g));
@@ -148,7 +149,7 @@ fn between_three<T: Scalar>([p, q, r]: [&ModelPlane<T>; 3], m: &[T; 3]) -> (Plan
     (step, [first, second, T::from(1.0) - first - second])
 }
 
-/// Returns the weights of least `l . c + y . D^-1 y / 2`, with `y` the weighted sum, and `y`.
+/// Returns the weights that minimise `l . c + y . D^-1 y / 2`, and `y`, the weighted sum.
 fn least_norm<T: Scalar>(planes: &[ModelPlane<T>], y: &[PlaneStep<T>; MOST], d: &[T; 2]) -> ([T; MOST], PlaneStep<T>) {
     let (zero, one) = (T::from(0.0), T::from(1.0));
     let base = planes[0].c;
@@ -179,7 +180,8 @@ fn least_norm<T: Scalar>(planes: &[ModelPlane<T>], y: &[PlaneStep<T>; MOST], d: 
             for k in 0..j {
                 let (u, v) = (sub(&y[i], &y[k]), sub(&y[j], &y[k]));
                 let area = u[0] * v[1] - u[1] * v[0];
-                // The point at which all three are equally high, from the products with u and v.
+                // The point at which all three are equally high, in terms of the products with u
+                // and v.
                 let (p, q) = (c(k) - c(i), c(k) - c(j));
                 let at = [
                     (p * v[1] - q * u[1]) / (area * d[0]),

@@ -1,8 +1,8 @@
-//! Main solver: GJK whose direction step knows the curvature.
+//! Main solver: GJK whose direction step uses the curvature.
 //!
-//! From a unit direction the model of `model` gives the next direction: without curvature the step
-//! of GJK, with one smooth branch on each core Newton's method on the normal. The supports at the
-//! next direction are both the next step and the certificate.
+//! From a unit direction, [`model`](super::model) gives the next direction. Without curvature this
+//! is the step of GJK; with one smooth branch per core it is Newton's method on the normal. The
+//! support points at the next direction serve both the next step and the certificate.
 
 use super::best_bounds::{BranchSet, ProvenBounds};
 use super::depth;
@@ -13,18 +13,18 @@ use crate::base::num::scalar::{Scalar, Vec3, dot, root};
 use crate::base::tolerance::{AGREE_CURVED, UNIT};
 use crate::body::shape::Support;
 
-/// Directions that a run may take: a heuristic.
+/// Largest number of directions of a run: a heuristic.
 const STEPS: u32 = 24;
 
-/// Cuts of a step, to a third each, before the run ends: a heuristic.
+/// Largest number of cuts of a step, to a third each, before the run ends: a heuristic.
 const CUTS: u32 = 6;
 
-/// The axis of a flat round face is tried if the squared sine of the angle between axis and
-/// direction is below this: a heuristic.
+/// The axis of a flat round face is tried if the squared sine of its angle with the direction is
+/// below this: a heuristic.
 const NEAR_AXIS: f64 = 1.0 / 64.0;
 
-/// A run for a depth ends after two steps whose squares are below this: what they gain is rounding,
-/// and the second knows the branches that the first came upon. A heuristic.
+/// A depth run ends after two steps whose squares are below this: such steps gain only rounding,
+/// and the second step knows the branches that the first one found. A heuristic.
 const SETTLED: f64 = 4.0 * UNIT * UNIT;
 
 /// End of a run.
@@ -34,18 +34,18 @@ pub(super) enum RunEnd {
     Closed,
     /// The cores seem to overlap: the best direction is close to a local minimum of the depth.
     Inside,
-    /// The bounds are apart.
+    /// The bounds do not agree.
     Open,
 }
 
-/// Returns whether the points that a vector joins lie behind each other, from the part of the
-/// vector along the direction and the length of the vector.
+/// Returns whether two points lie behind each other, from the component along the direction and the
+/// length of the vector between them.
 #[inline(always)]
 pub(super) fn far_behind<T: Scalar>(along: &T, length: &T) -> bool {
     *along < T::from(0.0) && *along < *length * T::from(-0.98)
 }
 
-/// A direction and the pieces known there.
+/// A direction and the branch pairs known there.
 #[derive(Clone, Copy)]
 struct Centre<T> {
     toward: Toward<T>,
@@ -64,7 +64,8 @@ impl<T: Scalar> Centre<T> {
         self.pieces().iter().any(|p| p.of == of)
     }
 
-    /// Adds a piece without weight; if there is no room, in place of another piece without weight.
+    /// Adds a branch pair without weight. If there is no room, it replaces another pair without
+    /// weight.
     fn add(&mut self, piece: DifferencePoint<T>) {
         let zero = T::from(0.0);
         if self.len < MOST {
@@ -76,7 +77,7 @@ impl<T: Scalar> Centre<T> {
         }
     }
 
-    /// Returns the weighted sum of the pieces.
+    /// Returns the weighted sum of the branch pairs.
     fn between(&self) -> Vec3<T> {
         let mut v = [T::from(0.0); 3];
         for (piece, &weight) in self.pieces().iter().zip(&self.weights) {
@@ -88,7 +89,7 @@ impl<T: Scalar> Centre<T> {
     }
 }
 
-/// One run from a direction and the branches expected there.
+/// One run, from a direction and the branches expected there.
 pub(super) struct SolverRun<'r, 'p, A, B, T> {
     pub(super) posed: &'r PosedCores<'p, A, B, T>,
     pub(super) best: &'r mut ProvenBounds<T>,
@@ -132,7 +133,7 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
                     return RunEnd::Closed;
                 }
                 if let Some(n) = unit(&piece.w) {
-                    // Next to the face: on from the direction of the nearest point.
+                    // Next to the face: continue from the direction of the nearest point.
                     centre = self.evaluate(n, &[piece.of], piece.of);
                     let share = T::from(1.0) / T::from(centre.len as f64);
                     (centre.weights, kept_back) = ([share; MOST], None);
@@ -147,7 +148,7 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
         RunEnd::Open
     }
 
-    /// Takes both supports along `n`, and the points of the branches expected there.
+    /// Computes both support points along `n`, and the points of the branches expected there.
     fn evaluate(&mut self, n: Vec3<T>, of: &[[u32; 2]], hint: [u32; 2]) -> Centre<T> {
         let toward = self.posed.toward(n);
         let hint = of.first().copied().unwrap_or(hint);
@@ -166,8 +167,8 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
         centre
     }
 
-    /// Returns the step of the model at the centre. The points that carry weight are taken as
-    /// witnesses, fixed and moved along their surfaces by the step.
+    /// Returns the step of the model at the centre. The weighted points, both unmoved and moved
+    /// along their surfaces by the step, update the upper bound.
     fn advance(&mut self, centre: &mut Centre<T>) -> Option<PlaneStep<T>> {
         let (toward, mut planes) = (centre.toward, [ModelPlane::default(); MOST]);
         for (plane, piece) in planes.iter_mut().zip(centre.pieces()) {
@@ -186,7 +187,7 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
             half
         };
         let planes = &planes[..centre.len];
-        // With a height below zero the model is concave only if the bend outweighs the height.
+        // If the height is negative, the model is concave only if the bend outweighs the height.
         let top = top(planes, &centre.weights, mu).or_else(|| top(planes, &centre.weights, half))?;
         centre.weights = top.weights;
         let weighted = centre.pieces.into_iter().zip(centre.weights);
@@ -207,7 +208,8 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
         Some(top.step)
     }
 
-    /// Returns whether the closest points of the pieces lie behind each other along the direction.
+    /// Returns whether the closest points of the branch pairs lie behind each other along the
+    /// direction.
     fn seems_inside(&self, centre: &Centre<T>, step: &PlaneStep<T>) -> bool {
         let far = (step[0] * step[0] + step[1] * step[1]).value() > 0.0625;
         if far || centre.height > T::from(0.0) {
@@ -217,8 +219,8 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
         far_behind(&dot(&v, &centre.toward.n), &root(dot(&v, &v)))
     }
 
-    /// Takes the step if the height does not fall. If the height falls, a new branch joins the
-    /// pieces, a bent kink is followed for one more step, and any other step is cut.
+    /// Makes the step if the height does not fall. If it falls, a new branch pair is added, or a
+    /// curved kink is followed for one more step; any other step is cut.
     fn follow(
         &mut self,
         centre: &mut Centre<T>,
@@ -249,13 +251,13 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
             }
             let new = trial.pieces[0].of;
             if !centre.knows(new) {
-                // The model did not know this piece: solve again with the piece.
+                // The model did not contain this branch pair: solve again with it.
                 let piece = self.posed.of_branches(new, &centre.toward, centre.pieces());
                 centre.add(piece);
                 return Some(*centre);
             }
             match kept_back.take() {
-                // Along a bent kink the height falls by the square of the step, and rises in the
+                // Along a curved kink the height falls by the square of the step, and rises in the
                 // next step (Maratos effect).
                 None if len > 1 => {
                     *kept_back = Some((*centre, step));
@@ -282,7 +284,7 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
         None
     }
 
-    /// Copies the weights of pieces that stay.
+    /// Copies the weights of branch pairs that both centres contain.
     fn carry(&self, from: &Centre<T>, to: &mut Centre<T>) {
         let mut any = false;
         for k in 0..to.len {
@@ -312,8 +314,9 @@ mod tests {
         (n / n.norm()).into()
     }
 
-    /// Runs from random directions on cores apart, and compares the bounds with heights along other
-    /// directions and distances of other points. Returns the share of runs that close.
+    /// Runs from random directions on separated cores, and compares the bounds with heights along
+    /// other directions and distances of other points. Returns the share of runs whose bounds
+    /// agree.
     fn share_closed(a: &impl Support, b: &impl Support) -> f64 {
         let (mut rng, mut closed) = (Rng::new(11), 0);
         for _ in 0..500 {

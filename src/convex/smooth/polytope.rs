@@ -1,15 +1,16 @@
-//! Depth of an overlap by a surface around the origin of the Minkowski difference `A - B`.
+//! Depth of an overlap by a polytope around the origin of the Minkowski difference `A - B`.
 //!
-//! A closed surface of triangles whose corners are points of the difference, each counter-clockwise
-//! as seen from the far side of the origin, meets every ray from the origin: the difference
-//! contains the ball about the origin that touches the nearest of the planes. The distance of that
-//! plane is a lower bound of the depth, the support height along any direction an upper bound.
+//! The polytope is a closed surface of triangles whose vertices are points of the difference. Each
+//! triangle is counter-clockwise as seen from outside. So the surface intersects every ray from the
+//! origin, and the difference contains the ball around the origin that touches the nearest plane of
+//! a triangle. The distance of this plane is a lower bound of the depth. The support value along
+//! any direction is an upper bound.
 //!
 //! Source: van den Bergen 2001, "Proximity queries and penetration depth computation on 3D game
 //! objects". Departures:
-//! 1. The orientation of each triangle is proven against rounding when the triangle is made; a
-//!    point with a triangle in doubt is not taken.
-//! 2. Both bounds are returned, whatever the end of the search.
+//! 1. The orientation of each triangle is proven against rounding when the triangle is made. A
+//!    point is rejected if it would make a triangle whose orientation is in doubt.
+//! 2. Both bounds are returned, no matter how the search ends.
 
 use alloc::vec::Vec;
 
@@ -21,46 +22,47 @@ use crate::base::num::scalar::{Vec3, cross, dot, neg, root, sub};
 use crate::base::tolerance::{DEPTH_GOAL, ORIENTATION};
 use crate::body::shape::Support;
 
-/// Points that a surface may have: a heuristic.
+/// Largest number of points of a polytope: a heuristic.
 const POINTS: usize = 256;
 
-/// A triangle of the surface.
+/// A triangle of the polytope.
 struct SurfaceFacet {
     corners: [u16; 3],
-    /// Unit up to rounding, away from the origin.
+    /// Of unit length up to rounding, pointing away from the origin.
     normal: Vec3<f64>,
     /// Distance of the plane from the origin, rounded down.
     distance: f64,
-    /// Whether no further point is taken over the facet.
+    /// Whether no further point is added over the facet.
     done: bool,
 }
 
-/// The surface.
+/// The polytope.
 struct DifferenceSurface<'s, 'p, A, B> {
     posed: &'s PosedCores<'p, A, B, f64>,
     points: Vec<DifferencePoint<f64>>,
     facets: Vec<SurfaceFacet>,
-    /// The point that the surface is around: the origin, but for a surface still to reach it.
+    /// Point that the polytope contains: the origin, or a point inside until the polytope has grown
+    /// around the origin.
     about: Vec3<f64>,
 }
 
-/// Bound that a surface proves, and the facet nearest to the origin.
+/// Bound that a polytope proves, and the facet nearest to the origin.
 pub(super) struct Depth {
     /// Lower bound of the depth.
     pub(super) least: f64,
     /// Normal of the facet nearest to the origin.
     pub(super) n: Vec3<f64>,
-    /// Branches of the corners of the facet.
+    /// Branches of the vertices of the facet.
     pub(super) of: [[u32; 2]; 3],
 }
 
 impl<A: Support, B: Support> DifferenceSurface<'_, '_, A, B> {
-    /// Returns a point of `A - B`, from the point that the surface is around.
+    /// Returns a point of `A - B`, relative to `about`.
     fn place(&self, k: u16) -> Vec3<f64> {
         sub(&neg(&self.points[usize::from(k)].w), &self.about)
     }
 
-    /// Returns the triangle if certainly counter-clockwise.
+    /// Returns the triangle if its orientation is proven to be counter-clockwise.
     fn facet(&self, corners: [u16; 3]) -> Option<SurfaceFacet> {
         let [p, q, r] = corners.each(|k| self.place(k));
         let (u, v) = (sub(&q, &p), sub(&r, &p));
@@ -76,14 +78,14 @@ impl<A: Support, B: Support> DifferenceSurface<'_, '_, A, B> {
         })
     }
 
-    /// Returns the facet nearest to the origin, among all or among the facets that still grow.
+    /// Returns the facet nearest to the origin, of all facets or only of those that still grow.
     fn nearest(&self, open: bool) -> Option<usize> {
         let of = |k: &usize| self.facets[*k].distance;
         let all = (0..self.facets.len()).filter(|&k| !(open && self.facets[k].done));
         all.min_by(|i, j| of(i).total_cmp(&of(j)))
     }
 
-    /// Takes a point over one facet; returns whether all new triangles are certain.
+    /// Adds a point over one facet. Returns whether all new triangles are proven.
     fn grow(&mut self, piece: DifferencePoint<f64>) -> bool {
         let top = self.points.len() as u16;
         self.points.push(piece);
@@ -118,7 +120,7 @@ impl<A: Support, B: Support> DifferenceSurface<'_, '_, A, B> {
     }
 
     /// Makes the facets of a tetrahedron, or of an octahedron of points up and down three axes, if
-    /// certainly around the point; one of the two orders is right for all.
+    /// they are proven to be around `about`. One of the two vertex orders is right for all facets.
     fn begin(&mut self) -> bool {
         let tetrahedron = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
         let octahedron = [
@@ -141,8 +143,8 @@ impl<A: Support, B: Support> DifferenceSurface<'_, '_, A, B> {
         })
     }
 
-    /// Begins again with a tetrahedron around its own middle: three of the points far apart, and
-    /// the support over or under their plane.
+    /// Starts again with a tetrahedron around its centroid: three points far apart, and the support
+    /// point above or below their plane.
     fn begin_inside(&mut self) -> bool {
         let all = core::mem::take(&mut self.points);
         let from_first = |p: &DifferencePoint<f64>| sub(&all[0].w, &p.w);
@@ -166,8 +168,8 @@ impl<A: Support, B: Support> DifferenceSurface<'_, '_, A, B> {
         self.begin()
     }
 
-    /// Takes points over the facets that the origin lies over or on, until the surface is certainly
-    /// around the origin.
+    /// Adds points over the facets that have the origin on or above their plane, until the polytope
+    /// is proven to contain the origin.
     fn reach_origin(&mut self) -> bool {
         let about = self.about;
         while self.points.len() < POINTS {
@@ -203,8 +205,8 @@ impl<A: Support, B: Support> DifferenceSurface<'_, '_, A, B> {
     }
 }
 
-/// Grows a surface from four points around the origin until the bounds agree, or the points are
-/// used up.
+/// Grows a polytope from points around the origin until the bounds agree or no more points are
+/// allowed.
 pub(super) fn deepen<A: Support, B: Support>(
     posed: &PosedCores<A, B, f64>,
     corners: &[DifferencePoint<f64>],

@@ -1,5 +1,6 @@
-//! Two cores at a relative pose, in the arithmetic of a solver: the Minkowski difference `B - A`,
-//! piece by piece.
+//! Two cores at a relative pose, in the arithmetic of a solver.
+//!
+//! The Minkowski difference `B - A` is evaluated one branch pair at a time.
 
 use crate::base::num::scalar::{Scalar, Vec3, dot, neg, root, scaled, sub};
 use crate::body::shape::Support;
@@ -11,13 +12,13 @@ pub(super) struct PosedCores<'a, A, B, T> {
     pub(super) a: &'a A,
     pub(super) b: &'a B,
     pub(super) frame: Transform<T>,
-    /// Size L: both radii and the distance of the origins.
+    /// Pair size L: both radii plus the distance of the origins.
     pub(super) size: f64,
-    /// Error of heights beyond the common term, in UNIT L.
+    /// Error of heights beyond the common term, in units of `UNIT * L`.
     pub(super) noise: f64,
 }
 
-/// A point of each core.
+/// A pair of branches, one per core, with a point on each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct DifferencePoint<T> {
     /// The branches of A and of B.
@@ -39,7 +40,7 @@ pub(super) struct Toward<T> {
     pub(super) tangents: [Vec3<T>; 2],
 }
 
-/// Weights of up to four pieces, and a step within the tangent plane.
+/// A step in the tangent plane of a direction.
 pub(super) type PlaneStep<T> = [T; 2];
 
 impl<T: Scalar, A: Support, B: Support> PosedCores<'_, A, B, T> {
@@ -64,7 +65,7 @@ impl<T: Scalar, A: Support, B: Support> PosedCores<'_, A, B, T> {
         [turned[0] + t[0], turned[1] + t[1], turned[2] + t[2]]
     }
 
-    /// Returns the support points of both cores: `n . w` is the least over the difference.
+    /// Returns the support points of both cores: they minimise `n . w` over the difference.
     #[inline(always)]
     pub(super) fn support(&self, toward: &Toward<T>, hint: [u32; 2]) -> DifferencePoint<T> {
         let (a, on_a) = self.a.support(&toward.n, hint[0]);
@@ -72,8 +73,8 @@ impl<T: Scalar, A: Support, B: Support> PosedCores<'_, A, B, T> {
         self.piece([a, b], on_a, on_b)
     }
 
-    /// Returns the points of two branches; points of branches that a `known` piece shares are
-    /// copied from there.
+    /// Returns the points of two branches. The point of a branch that a `known` pair contains is
+    /// copied from it.
     #[inline(always)]
     pub(super) fn of_branches(
         &self,
@@ -92,8 +93,8 @@ impl<T: Scalar, A: Support, B: Support> PosedCores<'_, A, B, T> {
         self.piece(of, on_a, on_b)
     }
 
-    /// Returns the second derivative of the height of a piece in the tangent plane: entries 00, 01,
-    /// 11.
+    /// Returns the second derivative of the height of a branch pair in the tangent plane (entries
+    /// 00, 01, 11).
     #[inline(always)]
     pub(super) fn bend(&self, piece: &DifferencePoint<T>, toward: &Toward<T>) -> [T; 3] {
         let (a, b) = (self.bend_of_a(piece, toward), self.bend_of_b(piece, toward));
@@ -117,8 +118,8 @@ impl<T: Scalar, A: Support, B: Support> PosedCores<'_, A, B, T> {
         form(&d, &e, &bent(&d), &bent(&e))
     }
 
-    /// Returns the points of a piece after the direction has turned by a step in the tangent plane:
-    /// each moves along the surface of the core.
+    /// Returns the points of a branch pair after a step of the direction in the tangent plane. Each
+    /// point moves along the surface of its core.
     pub(super) fn slid(
         &self,
         piece: &DifferencePoint<T>,
@@ -136,7 +137,7 @@ impl<T: Scalar, A: Support, B: Support> PosedCores<'_, A, B, T> {
 }
 
 impl<A: CoreKind, B: CoreKind> PosedCores<'_, A, B, f64> {
-    /// Calls a slow path with both cores behind a match, so that it is compiled once for all pairs.
+    /// Runs a slow path with both cores as [`Any`], so that it is compiled once for all pairs.
     #[inline(always)]
     pub(super) fn with_any<R>(&self, slow: impl FnOnce(&PosedCores<Any, Any, f64>) -> R) -> R {
         let (a, b) = (&self.a.any(), &self.b.any());
@@ -151,8 +152,8 @@ impl<A: CoreKind, B: CoreKind> PosedCores<'_, A, B, f64> {
     }
 }
 
-/// Returns two tangents of a unit direction, those of Duff et al. 2017, "Building an orthonormal
-/// basis, revisited".
+/// Returns two unit tangents of a unit direction (Duff et al. 2017, "Building an orthonormal basis,
+/// revisited").
 #[inline(always)]
 pub(super) fn tangents<T: Scalar>(n: &Vec3<T>) -> [Vec3<T>; 2] {
     let one = T::from(1.0);
@@ -165,7 +166,7 @@ pub(super) fn tangents<T: Scalar>(n: &Vec3<T>) -> [Vec3<T>; 2] {
     ]
 }
 
-/// Returns a unit direction off all planes of symmetry that contain a unit direction.
+/// Returns a unit direction near `n` that lies in no plane of symmetry that contains `n`.
 pub(super) fn askew<T: Scalar>(n: &Vec3<T>) -> Vec3<T> {
     let [d, e] = tangents(n);
     let off = add(&scaled(&d, T::from(0.37)), &scaled(&e, T::from(0.61)));

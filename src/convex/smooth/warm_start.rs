@@ -1,22 +1,24 @@
-//! First solver of a warm query: the parts of the last answer are proved again.
+//! First solver of a warm query: proves the support sets of the last answer again.
 //!
-//! Each core takes part by a point (one branch), a ridge (two branches) or a face (three branches,
-//! or a flat round face). Two branches are equally high along the directions of a circle,
-//! `n . u = c` with a constant unit vector `u` of the core ([`Support::ridge`]). So a ridge takes
-//! one degree of freedom from the direction:
+//! The support set of a core is a point (one branch), a ridge (two branches) or a face (three
+//! branches, or a flat round face). Two branches are equally high along the directions of a circle,
+//! `n . u = c`, with a constant unit vector `u` of the core ([`Support::ridge`]). So a ridge
+//! removes one degree of freedom from the direction:
 //!
-//! | parts | direction |
+//! | support sets | direction |
 //! |---|---|
 //! | point and point | two unknowns: Newton's method on the normal |
 //! | ridge and point | one unknown: Newton's method on the circle |
-//! | ridge and ridge | where both circles meet |
-//! | face and point | the normal of the face |
+//! | ridge and ridge | intersection of both circles |
+//! | face and point | normal of the face |
 //!
-//! At each direction the points of the parts nearest to each other are taken. If their distance
-//! agrees with the height of the parts, both supports are taken: if the height of the supports
-//! agrees as well, the answer is proven, and if not, a higher branch joins its part. A branch that
-//! the nearest point is beyond leaves its part. Steps are neither cut nor taken back. What this
-//! solver does not close is the work of `bent`.
+//! 1. At each direction, compute the nearest points of the two support sets.
+//! 2. If their distance agrees with the height of the sets, compute both support points.
+//! 3. If the height of the support points agrees as well, the answer is proven. Otherwise a branch
+//!    that is higher joins its set.
+//! 4. A branch that has a negative weight at the nearest point leaves its set.
+//!
+//! Steps are neither cut nor undone. If the bounds do not agree, `newton_gjk` continues.
 
 use core::convert::Infallible;
 
@@ -30,20 +32,20 @@ use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub}
 use crate::base::tolerance::ASIDE;
 use crate::body::shape::Support;
 
-/// Directions that a warm query may take before `bent` takes over: a heuristic.
+/// Directions that a warm query may try before `newton_gjk` continues: a heuristic.
 const STEPS: u32 = 8;
 
 /// Below this squared angle a step is close to rounding, and points move along their surfaces.
 const SLID: f64 = 1.0 / (1u64 << 62) as f64;
 
-/// A squared angle from which a step is no longer one of a warm query.
+/// Above this squared angle a step is too long for a warm query.
 const TURN: f64 = 1.0;
 
-/// Further steps until the points lie along the direction: a heuristic.
+/// Largest number of further steps until the points are along the direction: a heuristic.
 const LATE: u32 = 3;
 
-/// Squared lengths of directions are from this to its inverse; two circles whose axes have a
-/// smaller squared sine are solved by `bent`.
+/// Squared lengths of directions must lie between `LEAST` and its inverse. Two circles whose axes
+/// have a squared sine below `PARALLEL` are left to `newton_gjk`.
 const LEAST: f64 = 1.0 / 16.0;
 const PARALLEL: f64 = 1.0 / (1u64 << 40) as f64;
 
@@ -51,26 +53,27 @@ const PARALLEL: f64 = 1.0 / (1u64 << 40) as f64;
 struct Warm<'r, 'p, A, B, T> {
     posed: &'r PosedCores<'p, A, B, T>,
     best: &'r mut ProvenBounds<T>,
-    /// The branches of A and of B that hold the closest points.
+    /// Support sets of A and of B: the branches that contain the closest points.
     parts: [EqualBranches; 2],
     flush: Flush,
-    /// Bounds agree if apart by at most this.
+    /// Bounds agree if they differ by at most this.
     agree: T,
-    /// Directions at which the distance agreed with the height, not yet those of the points.
+    /// Number of steps at which the distance agreed with the height, but the points were not along
+    /// the direction.
     late: u32,
 }
 
-/// A unit direction in both frames, with the height of the parts.
+/// A unit direction in both frames, with the height of the support sets.
 struct At<T> {
     n: Vec3<T>,
     m: Vec3<T>,
     height: T,
-    /// The direction as the points were taken, of any length, in both frames.
+    /// The direction for which the points were computed, of any length, in both frames.
     along: [Vec3<T>; 2],
 }
 
-/// Proves the parts of the last answer again, from a direction close to the normal; returns how the
-/// attempt ended.
+/// Proves the support sets of the last answer again, from a direction close to the normal. Returns
+/// how the attempt ended.
 #[inline(always)]
 pub(super) fn track<A: Support, B: Support, T: Scalar>(
     posed: &PosedCores<A, B, T>,
@@ -104,7 +107,7 @@ pub(super) fn track<A: Support, B: Support, T: Scalar>(
 }
 
 impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
-    /// Hands direction and parts over to the next solver.
+    /// Passes direction and support sets on to the next solver.
     #[cold]
     fn open(&mut self, n: &Vec3<T>) -> RunEnd {
         if !(self.best.lower.value() > f64::NEG_INFINITY)
@@ -116,7 +119,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         RunEnd::Open
     }
 
-    /// Returns a unit direction in both frames, the height not yet known.
+    /// Returns a unit direction in both frames; the height is not yet known.
     #[inline(always)]
     fn at(&mut self, n: Vec3<T>) -> At<T> {
         self.best.evaluations += 1;
@@ -129,15 +132,16 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         }
     }
 
-    /// Takes points of both cores, `w` apart, at a direction along which the parts have the height
-    /// noted. Returns the distance, or `None` if a higher branch has joined the parts.
+    /// Compares the distance of two points, `w` apart, with the height of the support sets. Returns
+    /// the distance, or `None` if a branch has joined a support set.
     ///
-    /// Supports are taken only if the distance agrees with the height of the parts; once the points
-    /// must lie along the direction as well, if a step `can_turn` it.
+    /// Support points are computed only if the distance agrees with the height. If a further step
+    /// can rotate the direction (`can_turn`), the points must also be along the direction; after
+    /// [`LATE`] such steps this condition is dropped.
     ///
     /// # Errors
     ///
-    /// [`RunEnd::Closed`] if the distance agrees with the height of the supports,
+    /// Returns [`RunEnd::Closed`] if the distance agrees with the height of the support points, and
     /// [`RunEnd::Inside`] if the points lie behind each other.
     #[inline(always)]
     fn between(&mut self, at: &At<T>, points: [&Vec3<T>; 2], w: &Vec3<T>, can_turn: bool) -> Result<Option<T>, RunEnd> {
@@ -161,7 +165,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
     #[inline(always)]
     fn certify(&mut self, at: &At<T>, points: [&Vec3<T>; 2], length: T) -> Result<Option<T>, RunEnd> {
         let of = [self.parts[0].first(), self.parts[1].first()];
-        // The point of a smooth core is the support.
+        // The point of a smooth core is its support point.
         let (a, on_a) = if A::IS_SMOOTH {
             (of[0], *points[0])
         } else {
@@ -186,7 +190,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         self.join(at, height, [a, b])
     }
 
-    /// Adds the branches of the supports to the parts.
+    /// Adds the branches of the support points to the support sets.
     #[cold]
     #[inline(never)]
     fn join(&mut self, at: &At<T>, height: T, of: [u32; 2]) -> Result<Option<T>, RunEnd> {
@@ -197,12 +201,13 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         if has_joined { Ok(None) } else { Err(self.open(&at.n)) }
     }
 
-    /// Takes a step of Newton's method on the normal, along a direction of a length close to one.
-    /// The length is divided out at the end, so that no point waits for a square root.
+    /// Makes a step of Newton's method on the normal, along a direction whose length is close to
+    /// one. The length is divided out at the end, so that the points do not wait for the square
+    /// root.
     #[inline(always)]
     fn of_points(&mut self, along: &Vec3<T>) -> Result<Vec3<T>, RunEnd> {
         let squared = dot(along, along);
-        // NaN is no length.
+        // NaN is not a length.
         if !(squared.value() > LEAST && squared.value() < 1.0 / LEAST) {
             return Err(self.open(along));
         }
@@ -225,8 +230,8 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         }
     }
 
-    /// Returns the next direction of a piece by Newton's method on the normal, not of unit length.
-    /// After a step close to rounding, the points move along their surfaces as well.
+    /// Returns the next direction of Newton's method on the normal, not of unit length. If the step
+    /// is close to rounding, the points also move along their surfaces.
     #[inline(always)]
     fn turn(&mut self, at: &At<T>, piece: &DifferencePoint<T>, length: T) -> Result<Vec3<T>, RunEnd> {
         let (n, m) = (at.n, at.m);
@@ -243,7 +248,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         if squared < SLID && self.late == 0 {
             self.slide(&toward, piece, &step)?;
         }
-        // NaN is no step.
+        // NaN is not a step.
         if !(squared < TURN) {
             return Err(self.open(&at.n));
         }
@@ -265,7 +270,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         Ok(())
     }
 
-    /// Returns axis and level of the circle of the ridge of one core, in the frame of A.
+    /// Returns axis and level of the circle of the ridge of core `SIDE`, in the frame of A.
     #[inline(always)]
     fn circle<const SIDE: usize>(&self) -> Option<(Vec3<T>, T)> {
         let of = self.parts[SIDE].all::<2>();
@@ -286,7 +291,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         self.posed.piece(of, on_a, self.posed.b.of_branch(of[1], &at.m))
     }
 
-    /// Takes a step along the circle of a ridge of core `SIDE`, a point of the other core.
+    /// Makes a step along the circle of a ridge of core `SIDE`, with a point of the other core.
     #[inline(never)]
     fn of_ridge<const SIDE: usize>(&mut self, along: &Vec3<T>) -> Result<Vec3<T>, RunEnd> {
         let (one, zero) = (T::from(1.0), T::from(0.0));
@@ -321,14 +326,14 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
             + dot(&t_in_b, &self.posed.b.bent(p.of[1], &p.on_b, &at.m, &t_in_b));
         let down = bend + (floor(at.height, length) - c * dot(&p.w, &u));
         let step = dot(&t, &p.w) / down;
-        // NaN is no step.
+        // NaN is not a step.
         if !(down > zero && step.value() * step.value() < TURN) {
             return Err(self.open(&at.n));
         }
         Ok(add(&at.n, &scaled(&t, step)))
     }
 
-    /// Tries the direction in which the circles of two ridges meet.
+    /// Tries the direction in which the circles of two ridges intersect.
     #[inline(never)]
     fn of_ridges(&mut self, along: &Vec3<T>) -> Result<Vec3<T>, RunEnd> {
         let (one, zero) = (T::from(1.0), T::from(0.0));
@@ -366,7 +371,8 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         Ok(at.n)
     }
 
-    /// Tries the normal of a face of core `SIDE` by three vertices, a point of the other core.
+    /// Tries the normal of a face of core `SIDE`, given by three vertices, with a point of the
+    /// other core.
     #[inline(never)]
     fn of_face<const SIDE: usize>(&mut self, along: &Vec3<T>) -> Result<Vec3<T>, RunEnd> {
         let (one, zero) = (T::from(1.0), T::from(0.0));
@@ -403,7 +409,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         let point = |p: &Vec3<T>, q: &Vec3<T>, r: &Vec3<T>| add(&mix(p, q, s), &scaled(&sub(r, p), t));
         let (on_a, on_b) = (point(&p.on_a, &q.on_a, &r.on_a), point(&p.on_b, &q.on_b, &r.on_b));
         self.between(&at, [&on_a, &on_b], &w, false)?;
-        // The other core has another lowest point.
+        // The lowest point of the other core is another one.
         if [self.parts[SIDE].len(), self.parts[1 - SIDE].len()] == [3, 2] {
             self.parts[1 - SIDE].keep(1);
             return Ok(at.n);
@@ -420,7 +426,8 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         self.beyond(&found)
     }
 
-    /// Returns the direction between the nearest points found along the axis of a flat round face.
+    /// Returns the direction between the nearest points that were found along the axis of a flat
+    /// round face.
     fn beyond(&mut self, found: &DifferencePoint<T>) -> Result<Vec3<T>, RunEnd> {
         if self.best.closes(self.posed) {
             return Err(RunEnd::Closed);
@@ -430,21 +437,21 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
     }
 }
 
-/// Returns the larger of the height and half the length of the vector between the points: the
-/// height of a direction far from the normal says little.
+/// Returns the larger of the height and half the distance of the points. Far from the normal the
+/// height of a direction is a poor estimate of the distance.
 #[inline(always)]
 fn floor<T: Scalar>(height: T, length: T) -> T {
     let half = length * T::from(0.5);
     if height > half { height } else { half }
 }
 
-/// Returns the point at a share of the way from `p` to `q`.
+/// Returns the point at `share` of the segment from `p` to `q`.
 #[inline(always)]
 fn mix<T: Scalar>(p: &Vec3<T>, q: &Vec3<T>, share: T) -> Vec3<T> {
     add(p, &scaled(&sub(q, p), share))
 }
 
-/// Returns the shares `s` and `t` of the foot of the origin, `p + s e + t f`.
+/// Returns the coordinates `s` and `t` of the foot of the origin on the plane `p + s e + t f`.
 #[inline(always)]
 fn foot<T: Scalar>(p: &Vec3<T>, e: &Vec3<T>, f: &Vec3<T>) -> [T; 2] {
     let (ee, ef, ff) = (dot(e, e), dot(e, f), dot(f, f));

@@ -59,7 +59,7 @@ pub(crate) fn closed_form(posed: &PosedPair, draft: &Draft) -> Option<ClosedForm
     }
 }
 
-/// Two vertices.
+/// Returns the closed form of two vertices.
 fn vertices<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, v: VertexId) -> Option<ClosedForm> {
     let w = turned::<P>(posed).between(at(pair.second(), v), at(pair.first(), p));
     let n = rounded(&w);
@@ -67,7 +67,7 @@ fn vertices<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, v: VertexI
     is_proven.then(|| finish(pair, root(dot(&w, &w)), 1.0, &n))
 }
 
-/// A vertex over an edge.
+/// Returns the closed form of a vertex over an edge.
 fn vertex_edge<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, edge: EdgeId) -> Option<ClosedForm> {
     let (body, [v, head]) = (pair.second(), ends(pair.second(), edge));
     let w = turned::<P>(posed).between(at(body, v), at(pair.first(), p));
@@ -79,13 +79,13 @@ fn vertex_edge<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, edge: E
         return None;
     }
     let area = cross(&w, &u);
-    // What is left of `w` at right angles to the edge, in double-double, as most of it may cancel.
+    // The part of `w` perpendicular to the edge, in double-double, because most of it may cancel.
     let n = rounded(&cross(&u, &area));
     let is_proven = is_support(body, &[v, head], &n) && is_support_of_first(pair, &[p], &n);
     is_proven.then(|| finish(pair, root(dot(&area, &area) / dot(&u, &u)), 1.0, &n))
 }
 
-/// A vertex over a face; `x` is the witness on the face.
+/// Returns the closed form of a vertex over a face; `x` is the witness on the face.
 fn vertex_face<P: OrderedPair>(
     posed: &PosedPair,
     pair: &P,
@@ -106,12 +106,13 @@ fn vertex_face<P: OrderedPair>(
     let inside = beside_f > doubt * f_near.norm()
         && beside_e > doubt * e_near.norm()
         && normal * normal - beside_f - beside_e > doubt * (e_near.norm() + f_near.norm());
-    // Out of the face, to the vertex: the loop of a face turns counter-clockwise.
+    // The boundary of a face is counter-clockwise, so the normal points out of the face, to the
+    // vertex.
     let is_proven = inside && height.value() > 0.0 && is_support_of_first(pair, &[p], &n_near);
     is_proven.then(|| finish(pair, height / root(dot(&n, &n)), lengths / normal, &n_near))
 }
 
-/// Two edges.
+/// Returns the closed form of two edges.
 fn edges<P: OrderedPair>(posed: &PosedPair, pair: &P, first: EdgeId, second: EdgeId) -> Option<ClosedForm> {
     let ([p, p_head], [v, v_head]) = (ends(pair.first(), first), ends(pair.second(), second));
     let turned = turned::<P>(posed);
@@ -189,8 +190,8 @@ fn is_support(body: &ConvexPolyhedron, level: &[VertexId], n: &Vector3<f64>) -> 
     })
 }
 
-/// Returns the same for the vertices of `first`, along the direction opposite to `n` of the frame
-/// of `second`.
+/// Does the same for the vertices of `first`, along the direction opposite to `n`, which is in the
+/// frame of `second`.
 fn is_support_of_first<P: OrderedPair>(pair: &P, level: &[VertexId], n: &Vector3<f64>) -> bool {
     is_support(pair.first(), level, &-pair.direction_in_first(n))
 }

@@ -154,8 +154,8 @@ fn refine_in_double_double(posed: &PosedPair, draft: &mut Draft) {
     if !is_proven(posed, draft) {
         decide(posed, draft);
     } else if draft.state == ContactState::Overlapping && coarse.state == ContactState::Touching {
-        // Closest features, witnesses and direction in f64 hold for the overlap too; a combination
-        // of four points names no feature.
+        // Closest features, witness points and direction in f64 hold for the overlap too. A
+        // combination of four points has no feature.
         (draft.features, draft.normal) = (coarse.features, coarse.normal);
         (draft.point_on_a, draft.point_on_b) = (coarse.point_on_a, coarse.point_on_b);
     }
@@ -255,7 +255,7 @@ mod tests {
     use crate::body::polyhedron::FeaturePair;
     use crate::body::polyhedron::solids::cuboid;
 
-    /// Two bounds that are rounded apart may cross by a last bit: no clamp panics of that.
+    /// Two bounds that are rounded separately may cross in the last bit. No clamp may panic then.
     #[test]
     fn bounds_that_cross_are_written_in_order() {
         let cube = cuboid(Vector3::repeat(0.5)).unwrap();

@@ -27,8 +27,7 @@ use crate::pair::star::falls_into_both_faces;
 enum Fault {
     /// The walk ends on random vertices and reports their distance.
     RandomVertices(u64),
-    /// The walk ends on random vertices and reports their distance, and a direction of no relation
-    /// to them.
+    /// The walk ends on random vertices and reports their distance, with an unrelated direction.
     WrongNormal(u64),
     /// The distance is off by this factor.
     ScaledDistance(f64),

@@ -88,14 +88,13 @@ impl Tracker {
         Self::default()
     }
 
-    /// Returns the closest features, their witnesses and proven bounds of the distance.
+    /// Returns the closest features, their witness points and proven bounds of the distance.
     ///
-    /// Separated bodies get bounds at most `1e-13 L` apart, where `L` is the pair size ([front
-    /// page](crate#guarantees)). Overlapping bodies get their depth as a negative distance, with
-    /// bounds as well. Queries of separated bodies allocate only if they need exact arithmetic. The
-    /// depth of an overlap needs memory that the tracker keeps, or has allocated before
-    /// ([`reserve`](Self::reserve)).
-    /// ([`reserve`](Self::reserve)).
+    /// Separated bodies get bounds at most `1e-13 L` apart, where `L` is the pair size
+    /// ([front page](crate#guarantees)). Overlapping bodies get their depth as a negative distance,
+    /// with bounds as well. Queries of separated bodies allocate only if they need exact
+    /// arithmetic. The depth of an overlap needs memory, which the tracker keeps and can allocate
+    /// in advance ([`reserve`](Self::reserve)).
     ///
     /// A query tests a few vertices, even if faces or fans of thousands of edges lie flush. One
     /// query is an exception: the depth of an overlap whose centre is equally deep under all these
@@ -106,14 +105,14 @@ impl Tracker {
         self.checked(a, b, a_from_b, DepthMode::Full)
     }
 
-    /// Returns the closest features and a distance right to the last place.
+    /// Returns the closest features and a distance correct to one unit in the last place.
     ///
-    /// The distance of separated bodies is within one unit in the last place of the truth. The
-    /// query costs about ten times [`closest`](Self::closest). Features that are certainly the
-    /// closest have a distance in closed form, in double-double arithmetic. Other pairs, such as
-    /// parallel faces, are solved in that arithmetic or in exact integers, in microseconds. The
-    /// depth of an overlap keeps the bounds of `closest` unless its facets are decided over
-    /// integers ([`Solver::Exact`](crate::Solver)).
+    /// The distance of separated bodies differs from the true distance by at most one unit in the
+    /// last place. The query costs about ten times as much as [`closest`](Self::closest). Features
+    /// that are certainly the closest have a distance in closed form, in double-double arithmetic.
+    /// Other pairs, such as parallel faces, are solved in that arithmetic or in exact integers, in
+    /// microseconds. The depth of an overlap keeps the bounds of `closest` unless its facets are
+    /// decided over integers ([`Solver::Exact`](crate::Solver)).
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
@@ -710,8 +709,8 @@ impl Tracker {
     fn count(&mut self, warm: bool, a: &ConvexPolyhedron, b: &ConvexPolyhedron, draft: &Draft) {
         self.starts.learn(warm, &draft.work);
         self.totals.note(warm, draft.solver, &draft.work);
-        // Longer walks, and walks that started at extrapolated features: on long face boundaries
-        // and around large fans.
+        // Only for bodies with long face boundaries or large fans, after a longer walk or a walk
+        // that started at extrapolated features.
         if (a.has_large_rings | b.has_large_rings) && (draft.work.steps > STEADY || self.next != self.last) {
             let now = draft.features;
             let next = self.last.map_or(now, |before| predict(a, b, before, now));
@@ -820,9 +819,9 @@ mod path {
         ///
         /// The pairs are in the order of the walk.
         ///
-        /// The flag is true if the walk ends on the last pair, and false if it hands over there to
-        /// another solver. Nothing is changed or counted. The path is empty for bodies on which no
-        /// walk is tried: too far apart, or of sizes too different.
+        /// The flag is true if the walk ends on the last pair, and false if another solver
+        /// continues from there. Nothing is changed or counted. The path is empty for bodies on
+        /// which no walk is tried, because they are too far apart or their sizes differ too much.
         #[must_use]
         pub fn trace(
             &self,

@@ -287,8 +287,8 @@ enum Landing {
 }
 
 impl NewtonJump<'_, '_> {
-    /// Returns the pair from which to continue: at the end of Newton's method, or a part of the way
-    /// there. `None` if a jump leads no closer or hardly moves.
+    /// Returns the pair from which to continue: at the end of Newton's method, or on the segment to
+    /// it. Returns `None` if a jump leads no closer or hardly moves.
     fn target(&self) -> Option<FeaturePair> {
         let (start, before, mut at) = newton(self.a, self.b)?;
         for _ in 0..TRIES {
@@ -377,8 +377,8 @@ fn height_over_face(body: &ConvexPolyhedron, face: FaceId, x: &Vector3<f64>, siz
     }
 }
 
-/// Runs Newton's method, first along the lines alone, then in all variables. Returns the start, the
-/// squared distance there, and the end.
+/// Runs Newton's method, first in the variables along lines only, then in all variables. Returns
+/// the start, the squared distance there, and the end.
 fn newton(a: &RingSide, b: &RingSide) -> Option<(Variables, f64, Variables)> {
     let mut at = [0.0, 0.5, 0.0, 0.5];
     let lines = [false, a.has_lines(), false, b.has_lines()];
