@@ -12,10 +12,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let pose = Isometry3::translation(2.5 - 0.3 * f64::from(frame), 1.5, 0.5);
         let wedge_from_part = RelativePose::new(&Isometry3::identity(), &pose)?;
         let c = pair.closest(&wedge, &part, &wedge_from_part);
-        println!(
-            "{:>7}  {:.6} in [{:.15}, {:.15}]",
-            c.features, c.distance, c.lower, c.upper
-        );
+        let (distance, lower, upper) = (c.distance, c.lower, c.upper);
+        println!("{:>7}  {distance:.6} in [{lower:.15}, {upper:.15}]", c.features);
     }
     Ok(())
 }

@@ -1,8 +1,9 @@
 //! Collision detection with proven bounds: tracks the closest features of moving bodies from frame
 //! to frame.
 //!
-//! Two bodies at a pose have a signed distance: how far apart they are or, if they overlap, minus
-//! the length of the shortest translation that separates them. A [`Tracker`] remembers the closest
+//! Two bodies at a pose have a signed distance. If they are apart, it is the distance of their
+//! closest points. If they overlap, it is the negative penetration depth: the length of the
+//! shortest translation that separates them. A [`Tracker`] remembers the closest
 //! features of one pair and finds the features of the next frame in a few steps. Every distance and
 //! depth comes with a lower and an upper bound that hold for the given poses, rounding included.
 //! Curved shapes, meshes, scenes and times of impact use the same bounds.
@@ -74,7 +75,7 @@
 //!
 //! **Coherence.** Between two frames bodies move a little, so the closest features of the last
 //! frame are still closest, or a step away from the closest. A [`Tracker`] remembers the features
-//! of the last answer and, for an overlap, the surface that proved the depth. The chart on top
+//! of the last answer and, for an overlap, the polytope that proved the depth. The chart on top
 //! counts the pairs tested: hardly more than one for small motions, whatever the number of
 //! vertices.
 //!
@@ -103,17 +104,20 @@
 //!
 //! # Which function?
 //!
+//! A [`Tracker`] takes two convex polyhedra. A [`PairTracker`] takes any two geometries: polyhedra,
+//! curved or rounded shapes, meshes, compounds and Bézier surfaces.
+//!
 //! **One pair**
 //!
 //! | question | call | answer |
 //! |---|---|---|
-//! | Do two bodies share a point? Are they at most `d` apart? | [`Tracker::intersects`], [`within`](Tracker::within) | `bool`, exact; touching counts |
-//! | What is the signed distance? | [`Tracker::distance`] | [`Distance`]: value and bounds; negative for an overlap |
+//! | Do two polyhedra share a point? Are they at most `d` apart? | [`Tracker::intersects`], [`within`](Tracker::within) | `bool`, exact; touching counts |
+//! | How far apart are two polyhedra, or how deep do they overlap? | [`Tracker::distance`] | [`Distance`]: value and bounds; minus the depth for an overlap |
 //! | Which points and features are closest? | [`Tracker::closest`] | [`Outcome`]: features, witness points, normal, distance, bounds |
-//! | How far apart are two bodies, to within one unit in the last place? | `Tracker::closest_exact` (feature `exact`) | contact state exact, distance within one unit in the last place; depths as by `closest` |
-//! | Which features are closest, as fast as possible and without bounds? | [`Tracker::propose`] | [`Proposal`]: features and witness points |
-//! | What is an upper bound of the depth, at about three times the cost of a distance? | [`Tracker::closest_with_local_depth`] | as `closest`; the bound is often the depth itself |
-//! | Where do two bodies touch? | [`Tracker::manifold`] | [`Manifold`]: contact points with ids that last over frames |
+//! | How far apart are they, to within 1 ulp? | `Tracker::closest_exact` (feature `exact`) | contact state exact, distance within 1 ulp; depths as by `closest` |
+//! | Which features does the walk end on, without bounds? | [`Tracker::propose`] | [`Proposal`]: features and witness points |
+//! | How deep do two polyhedra overlap at most, in a fraction of the time? | [`Tracker::closest_with_local_depth`] | as `closest`, with an upper bound of the depth that is often the depth |
+//! | Where do two polyhedra touch, for a solver of contacts? | [`Tracker::manifold`] | [`Manifold`]: contact points with ids that last over frames |
 //! | How does the distance change with the poses? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`]: derivative of the signed distance by either pose |
 //! | How do I report a query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds the query bit for bit |
 //!
@@ -121,16 +125,16 @@
 //!
 //! | question | call | answer |
 //! |---|---|---|
-//! | How do I ask the same of any two geometries (curved, rounded, meshes, compounds, Bézier surfaces)? | [`PairTracker`] | [`PairOutcome`]: an outcome, and the piece, triangle or patch of each witness |
-//! | Where do any two solids touch, and how deep do they overlap? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`ContactGroup`]: points by direction, with ids that last; [`PenetrationBounds`]: an interval |
+//! | The same for any two geometries: do two meshes overlap, how far apart are a mesh and a ball? | [`PairTracker`]: the same four calls | `bool`, [`Distance`], [`PairOutcome`]: an outcome, and the piece, triangle or patch of each witness |
+//! | Where do two meshes or compounds touch, and how deep do they overlap? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`ContactGroup`]: points by direction, with ids that last; [`PenetrationBounds`]: an interval |
 //! | How far is a mesh from itself, and which of its triangles are close? | [`PairTracker::self_closest`], [`self_within`](PairTracker::self_within), [`self_pairs`](PairTracker::self_pairs) | [`PairOutcome`]s, for triangles that share no vertex |
-//! | Where does a ray enter a body? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a proven bracket, point, normal, feature |
+//! | Where does a ray enter a body of any kind, a mesh for example? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a hit with a proven bracket, point, normal and feature; a miss; inside; or undecided |
 //!
 //! **Over time**
 //!
 //! | question | call | answer |
 //! |---|---|---|
-//! | When do two moving bodies meet? | [`impact::cast`], [`cast_within`](impact::cast_within) | a proven bracket, or a proven miss |
+//! | When do two moving bodies first touch? | [`impact::cast`], [`cast_within`](impact::cast_within) | [`Impact`](impact::Impact): a hit with a proven bracket, a proven miss, or undecided from a proven time on |
 //! | When do triangles or meshes meet whose vertices move on straight paths, or a mesh and itself? | [`continuous::cast_triangles`], [`vertex_face`](continuous::cast_vertex_face), [`edge_edge`](continuous::cast_edge_edge), [`meshes`](continuous::cast_meshes), [`self_contact`](continuous::cast_self) | a proven bracket, or a proven miss; touching is decided |
 //! | When must a pair be queried again? | [`schedule::Schedule`] | due pairs, by integer ticks |
 //! | Is a motion of a robot free over its whole length? Is there a path? | `Checker` of the crate `lin-canny-plan` | proven free, or the time and the pair that collide; a path |
@@ -139,7 +143,7 @@
 //!
 //! | question | call | answer |
 //! |---|---|---|
-//! | Which of many bodies overlap, come close or meet? What is the closest pair of two groups? | [`scene::Scene`] | events, impacts and results of the enabled queries |
+//! | Which of many bodies overlap, come near or meet? What is the closest pair of two groups? | [`scene::Scene`] | events, impacts and results of the enabled queries |
 //! | Which boxes overlap? | [`broad::SweepAndPrune`] | pairs, events, stable ids |
 //!
 //! **Bodies and poses**
@@ -165,8 +169,8 @@
 //! * **A tracker changes the time, never the answer.** Contact state and predicates of polyhedra
 //!   are the same warm and cold, A to B and B to A, and distances agree within their bounds. A
 //!   tracker that last followed other bodies costs time only. If several feature pairs are exactly
-//!   equally close, earlier queries may decide which one is reported. The table below has the
-//!   other kinds.
+//!   equally close, earlier queries may decide which one is reported. The section
+//!   [Limits](#limits) has the other kinds of geometry.
 //! * **No absolute tolerance.** Scale a scene by a power of two, and every length in the answer
 //!   scales exactly. Exception: if the scaled sizes of the two bodies lie on opposite sides of a
 //!   storage limit (2^105, 2^-105, ...), bits may differ; contact state and bounds still agree.
@@ -199,9 +203,9 @@
 //! | geometry | width of bounds | near contact | depth | contacts |
 //! |---|---|---|---|---|
 //! | polyhedra, rounded or not | `1e-13 L` | exact (feature `exact`) | bounded both ways | [`Tracker::manifold`] |
-//! | curved shapes | `1e-13 L` | within `3e-14 L` touching or undecided; `intersects` and `within` return true unless a search proves the shapes apart | if no ball inside the shapes proves the depth, searched to `2^-19 L`, and wider about a common centre | [`PairTracker::manifold`] |
+//! | curved shapes | `1e-13 L` | within `3e-14 L` touching or undecided; `intersects` and `within` return true unless a search proves the shapes apart | bounded both ways to `1e-13 L` if a ball inside the shapes proves the depth, else to about `2^-19 L`; wider if both have one centre | [`PairTracker::manifold`] |
 //! | superquadrics | `2e-13 L` | as curved shapes, within `1e-13 L` | as curved shapes | [`PairTracker::manifold`] |
-//! | meshes, compounds | `1e-13 L`; compounds whose pieces have poses `1.5e-13 L` | predicates of meshes and of compounds whose pieces have no pose exact (feature `exact`); within `1e-13 L` the contact state may be one of two neighbours | [`PairTracker::penetration`]: an interval that may stay wide | [`PairTracker::contacts`], for shallow overlap |
+//! | meshes, compounds | `1e-13 L`; compounds whose pieces have poses `1.5e-13 L` | predicates of meshes and of compounds whose pieces have no pose exact (feature `exact`); within `1e-13 L` of contact, the contact state may be touching instead of separated or overlapping | [`PairTracker::penetration`]: an interval that may stay wide | [`PairTracker::contacts`], for shallow overlap |
 //! | Bézier surfaces | you choose | undecided if the interval allows both answers, at one pose perhaps warm and not cold | none | none |
 //!
 //! * **Sizes.** The extent of a body is from 1e-100 to 1e100; one body may be any number of times
@@ -210,8 +214,9 @@
 //!   pairs with surfaces and L below 2^-300 (5e-91) are measured by their origins alone.
 //! * **Witnesses of an overlap** lie on the supporting planes of the named features, not always on
 //!   the features: see [`Outcome::features`].
-//! * **Time of a depth.** 0.5 to 2 µs if motions are small, 10 µs at random poses of bodies of 40
-//!   vertices, milliseconds for round bodies of thousands of faces about one centre.
+//! * **Time of a depth.** 0.7 to 2 µs for small motions of bodies of 8 to 512 vertices, 10 µs at
+//!   random poses of bodies of 40 vertices, milliseconds for round bodies of thousands of faces
+//!   about one centre.
 //! * **Degenerate depths** that no floating-point arithmetic decides (two needles a billionth as
 //!   thick as long, one inside the other) are decided facet by facet over integers with the feature
 //!   `exact`: below a millisecond for boxes, 0.1 s for two plates of 59 sides. The faces must be
@@ -229,7 +234,7 @@
 //! | feature | default | adds |
 //! |---|---|---|
 //! | `std` | yes | square roots of the machine; without it the crate is `no_std` and needs `alloc` |
-//! | `exact` | yes | exact integer arithmetic if the floating-point filters fail: state and predicates of polyhedra are always decided, distances are right to the last bit |
+//! | `exact` | yes | exact integer arithmetic if the floating-point filters fail: it decides contact state and predicates of polyhedra, and adds `closest_exact` |
 //! | `meshes` | yes | compounds and meshes: queries, contacts, bounds of penetration depths |
 //! | `surfaces` | yes | Bézier and NURBS surfaces; needs `meshes` |
 //! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and results in files; bodies are checked when read; `serde_json` needs its feature `float_roundtrip` to keep every bit |

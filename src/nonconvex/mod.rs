@@ -7,7 +7,7 @@
 //! - `pieces`: from shapes and poses to a compound; two compounds at a pose; the state of a pair.
 //! - `parts`: meshes and compounds as convex members, and their poses.
 //! - `tree`: oriented boxes in single precision.
-//! - `meet`: two trees at a pose. It has the bounds of eight pairs of boxes at once, the search
+//! - `query`: two trees at a pose. It has the bounds of eight pairs of boxes at once, the search
 //!   down both trees and its counters, triangles, winding numbers, and the queries.
 //! - `front`: the proof of the last answer, kept from frame to frame.
 //! - `contact`: manifolds of convex patches.
