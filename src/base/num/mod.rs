@@ -1,8 +1,8 @@
 //! The arithmetic: scalars of the solvers, double-double, packed vectors, exact signs, and
 //! fingerprints of numbers.
 //!
-//! This file holds names of axes, counters and ranked items. Counters saturate, because a file may contain the
-//! largest number. Ranked items serve searches that take the best item first.
+//! This file holds names of axes, counters and ranked items. Counters saturate, because a file may
+//! contain the largest number. Ranked items serve searches that take the best item first.
 
 pub(crate) mod double_double;
 pub(crate) mod each;

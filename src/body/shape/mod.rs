@@ -1,10 +1,10 @@
 //! Convex shapes: a core and a rounding radius.
 //!
-//! `Shape { core, rounding }` is the set of points at most `rounding` from the core: a ball is a rounded
-//! point, a capsule a rounded segment. With `P = A - B` the signed distance of two shapes is `-min
-//! over unit n of h_P(n)`, and `h_P` grows by `r` if a shape is rounded by a ball of radius `r`. So
-//! rounding needs no other solver: the signed distance of two rounded shapes is that of their cores
-//! minus both radii, for separated and for overlapping shapes.
+//! `Shape { core, rounding }` is the set of points at most `rounding` from the core: a ball is a
+//! rounded point, a capsule a rounded segment. With `P = A - B` the signed distance of two shapes
+//! is `-min over unit n of h_P(n)`, and `h_P` grows by `r` if a shape is rounded by a ball of
+//! radius `r`. So rounding needs no other solver: the signed distance of two rounded shapes is that
+//! of their cores minus both radii, for separated and for overlapping shapes.
 //!
 //! Sources: the parallel body of a convex body, Steiner 1840 and Schneider 2014, "Convex Bodies:
 //! The Brunn-Minkowski Theory", section 4.2; the convex radius of the engines (van den Bergen 2003,
