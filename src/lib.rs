@@ -301,6 +301,7 @@ pub mod __proofs;
 pub mod guide;
 mod pair;
 mod pair_tracker;
+mod ray;
 #[cfg(test)]
 #[allow(dead_code, unreachable_pub)]
 #[path = "../tests/support/rng.rs"]
@@ -344,8 +345,8 @@ pub use pair::options::QueryOptions;
 pub use pair::outcome::WorldWitnesses;
 pub use pair::outcome::{Accuracy, ContactState, Decision, DepthMode, Distance, Outcome, Proposal, Solver, Work};
 pub use pair_tracker::geometry::{Geometry, GeometryKind, GeometryRef};
-pub use pair_tracker::ray::{Ray, RayCast, RayCaster, RayError, RayHit};
 pub use pair_tracker::{MovingPair, PairError, PairTracker, PairWork};
+pub use ray::{Ray, RayCast, RayCaster, RayError, RayHit};
 pub use time::{impact, schedule, separation};
 
 /// Runs the README as a test.

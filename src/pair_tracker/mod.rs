@@ -21,9 +21,6 @@ mod mesh_questions;
 mod of_parts;
 #[cfg(feature = "surfaces")]
 mod of_surfaces;
-pub(crate) mod ray;
-#[cfg(feature = "meshes")]
-mod ray_mesh;
 
 pub use lent_pair::MovingPair;
 pub use tracker::{PairError, PairTracker, PairWork};

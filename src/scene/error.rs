@@ -7,7 +7,7 @@ use crate::broad::BroadPhaseError;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::mesh::VertexError;
 use crate::pair_tracker::geometry::GeometryKind;
-use crate::pair_tracker::ray::RayError;
+use crate::ray::RayError;
 
 /// Error of a call of a scene; the scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

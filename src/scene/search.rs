@@ -25,7 +25,7 @@ use crate::pair::options::QueryOptions;
 use crate::pair::outcome::{DepthMode, Outcome};
 use crate::pair_tracker::Engine;
 use crate::pair_tracker::geometry::GeometryRef;
-use crate::pair_tracker::ray::{Ray, RayCast, RayCaster, placed_ball};
+use crate::ray::{Ray, RayCast, RayCaster, placed_ball};
 use crate::scene::body::box_of;
 use crate::scene::body::{BodyTable, least_distance};
 use crate::scene::queries::{Detail, GROUPS, Group, group_pair_of};

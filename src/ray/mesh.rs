@@ -16,7 +16,7 @@ use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::query::exact::{ExactRay, PointSide};
 use crate::nonconvex::query::ray::{MeshRay, Met, RayBody};
 use crate::pair_tracker::geometry::GeometryRef;
-use crate::pair_tracker::ray::{Ray, RayCast, RayHit, placed};
+use crate::ray::{Ray, RayCast, RayHit, placed};
 use nalgebra::{Isometry3, Unit, Vector3};
 
 /// Returns the result of a mesh by the triangle that a segment of the ray meets first.

@@ -1,5 +1,8 @@
 //! Ray casts: the first point of a ray that lies in a body, between two proven bounds.
 
+#[cfg(feature = "meshes")]
+mod mesh;
+
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 use crate::base::motion::{MotionError, Steady, Velocity};
@@ -251,7 +254,7 @@ impl RayCaster {
         let width = RAY_WIDTH * (radius + sqrt((place - ray.origin).norm_squared()));
         #[cfg(feature = "meshes")]
         if let Some(mesh) = body.mesh()
-            && let Some(found) = super::ray_mesh::pierce(mesh, pose, ray, [from, until], length, width)
+            && let Some(found) = mesh::pierce(mesh, pose, ray, [from, until], length, width)
         {
             return Ok(found);
         }
@@ -274,7 +277,7 @@ impl RayCaster {
         let found = self.with_origin(found, body, pose, ray);
         #[cfg(feature = "meshes")]
         if let Some(hull) = body.polyhedron()
-            && let Some(met) = super::ray_mesh::proven(hull, pose, ray, [from, until], length, width, &found)
+            && let Some(met) = mesh::proven(hull, pose, ray, [from, until], length, width, &found)
         {
             return Ok(match met {
                 Met::Nothing => RayCast::Miss,
@@ -286,7 +289,7 @@ impl RayCaster {
         }
         #[cfg(feature = "meshes")]
         if let (RayCast::Hit(hit), Some(mesh)) = (found, body.mesh()) {
-            return Ok(super::ray_mesh::entered(mesh, pose, ray, hit.safe, hit.hit));
+            return Ok(mesh::entered(mesh, pose, ray, hit.safe, hit.hit));
         }
         Ok(found)
     }
