@@ -162,8 +162,8 @@
 //! # Guarantees
 //!
 //! * **Bounds hold.** The true signed distance lies in `lower..=upper`. Inputs count as exact: a
-//!   vertex v at the pose (q, t) is the rational point `R(q) v / |q|^2 + t`. The page [`tolerance`]
-//!   derives every constant.
+//!   vertex v at the pose (q, t) is the rational point `R(q) v / |q|^2 + t`. The source of
+//!   the module `tolerance` derives every constant.
 //! * **One signed distance.** Distance and penetration depth are one continuous function with one
 //!   normal, from one algorithm, so nothing jumps at contact.
 //! * **A tracker changes the time, never the answer.** Contact state and predicates of polyhedra
@@ -195,8 +195,8 @@
 //! The pair size L is the sum of both bounding radii plus the distance between the reference
 //! points. The reference point of a body is its origin. If the middle of the body's box is more
 //! than two half diagonals from the origin in a coordinate, the reference point has that coordinate
-//! of the middle; then 2^-49 of the distance from the origin is added to L. The page [`cost`] has
-//! the time of each level.
+//! of the middle; then 2^-49 of the distance from the origin is added to L. The chapter
+//! [accuracy](guide::accuracy) has the time of each level.
 //!
 //! # Limits
 //!
@@ -312,9 +312,10 @@ pub mod surface;
 mod time;
 
 pub use base::callbacks::Progress;
+pub use base::motion;
 pub use base::motion::Velocity;
 pub use base::pose::{Operand, PoseError, RelativePose, normalize_rotation};
-pub use base::{cost, motion, tolerance};
+pub use base::tolerance::{EXTENT_MAX, POSE_UNIT};
 pub use body::polyhedron::{
     BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,
 };

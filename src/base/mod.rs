@@ -1,8 +1,7 @@
-//! Foundations: arithmetic, poses, motions and bounds of rounding errors; also the page of costs.
+//! Foundations: arithmetic, poses, motions and bounds of rounding errors.
 
 pub(crate) mod callbacks;
-pub mod cost;
 pub mod motion;
 pub(crate) mod num;
 pub(crate) mod pose;
-pub mod tolerance;
+pub(crate) mod tolerance;

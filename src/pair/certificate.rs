@@ -25,7 +25,7 @@
 //!   and hence no vertex is.
 //!
 //! If rounding leaves one support value unproven, both are searched and proven
-//! ([`support_distance`]). The error terms are in [`tolerance`](crate::tolerance).
+//! ([`support_distance`]). The error terms are in `tolerance`.
 //!
 //! Source: the duality gap of Gilbert, Johnson and Keerthi 1988. Its use as an acceptance test of a
 //! feature walk is ours.

@@ -2,7 +2,7 @@
 //!
 //! Sources: de Casteljau 1959; Farin 2002, "Curves and Surfaces for CAGD", chapters 4, 5 and 13.
 //! Every step is a convex combination, so errors are relative to the control points
-//! ([`PATCH_POINT`](crate::tolerance::PATCH_POINT)).
+//! (`tolerance::PATCH_POINT`).
 
 /// Largest number of control points along one direction.
 pub(crate) const ORDER: usize = 8;

@@ -5,7 +5,7 @@
 //! produces between the knots (Boehm 1980; Piegl and Tiller 1997, "The NURBS Book", algorithms A5.6
 //! and A5.7). De Boor's algorithm with one argument per step computes a value of the blossom by
 //! convex combinations, so errors are relative to the control points
-//! ([`KNOTS`](crate::tolerance::KNOTS)).
+//! (`tolerance::KNOTS`).
 
 use alloc::vec::Vec;
 use nalgebra::Point3;

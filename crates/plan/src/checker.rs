@@ -14,8 +14,8 @@ use crate::world::{World, WorldId, WorldPair};
 use lin_canny::Operand;
 use lin_canny::impact::{Cast, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
 
+use lin_canny::EXTENT_MAX;
 use lin_canny::separation::Separation;
-use lin_canny::tolerance::EXTENT_MAX;
 
 /// Width of the bracket of a contact, in units of the sum of both radii. Free segments that come
 /// closer than this need more queries. Not measured.

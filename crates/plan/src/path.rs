@@ -8,7 +8,7 @@ use crate::extremes::Extremes;
 use crate::random::Random;
 use crate::space::ConfigurationSpace;
 use crate::verdict::Verdict;
-use lin_canny::tolerance::EXTENT_MAX;
+use lin_canny::EXTENT_MAX;
 
 /// A path: configurations that are joined by segments.
 pub type Path = Vec<Vec<f64>>;

@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vect
 use crate::error::PlanError;
 use crate::space::{ConfigurationSpace, SegmentMotion, check, check_bounds, within};
 use lin_canny::motion::{Motion, MotionModel, Steady, Velocity};
-use lin_canny::tolerance::{EXTENT_MAX, POSE_UNIT};
+use lin_canny::{EXTENT_MAX, POSE_UNIT};
 
 /// Largest angle of a planar configuration, in radians. Sums and remainders of angles err by UNIT
 /// of their size, so a thousand radians keep thirteen digits.

@@ -239,7 +239,7 @@ pub(crate) fn check(configuration: &[f64], coordinates: usize, bounds: &[[f64; 2
 
 /// Returns an error if bounds are empty or not finite.
 pub(crate) fn check_bounds(what: &'static str, bounds: &[[f64; 2]]) -> Result<(), PlanError> {
-    use lin_canny::tolerance::EXTENT_MAX;
+    use lin_canny::EXTENT_MAX;
     for [low, high] in bounds {
         for &value in [low, high] {
             if !(value.abs() <= EXTENT_MAX) {

@@ -1,7 +1,7 @@
-//! Bounds of rounding errors of robot motions. [`lin_canny::tolerance`] gives the rules of their
+//! Bounds of rounding errors of robot motions. the module `tolerance` of lin-canny gives the rules of their
 //! derivations.
 
-use lin_canny::tolerance::POSE_UNIT;
+use lin_canny::POSE_UNIT;
 
 /// Unit roundoff of f64.
 const UNIT: f64 = f64::EPSILON / 2.0;
@@ -17,13 +17,13 @@ pub(crate) const PLACED: f64 = 64.0 * UNIT;
 /// centre in the body's frame.
 ///
 /// The caller may give the pose. If the squared norm of its quaternion differs from one by
-/// `POSE_UNIT` of `lin_canny::tolerance`, the position errs by twice as much. The rest is reserve.
+/// [`POSE_UNIT`], the position errs by twice as much. The rest is reserve.
 pub(crate) const PLACED_BALL: f64 = 3.0 * POSE_UNIT;
 
 /// Error of the angle of a link of an arm by one joint.
 ///
 /// As a vector of a quaternion, the product with the fixed rotation of the joint's frame errs by 8
-/// UNIT, the quaternion of the joint's value by 5.4 (see `TURN` of `lin_canny::tolerance`), the
+/// UNIT, the quaternion of the joint's value by 5.4 (see `TURN` of the module `tolerance` of lin-canny), the
 /// product with it by 8, and the norm by 2. Together this is 24 UNIT. An error of a quaternion
 /// rotates by twice as much.
 pub(crate) const ARM_TURN: f64 = 64.0 * UNIT;

@@ -10,7 +10,7 @@ use crate::extremes::Extremes;
 use crate::space::{ConfigurationSpace, check, check_bounds, within};
 use crate::tree_motion::{LinkTree, TreeSegment};
 use lin_canny::motion::Velocity;
-use lin_canny::tolerance::{EXTENT_MAX, POSE_UNIT};
+use lin_canny::{EXTENT_MAX, POSE_UNIT};
 use lin_canny::{RelativePose, normalize_rotation};
 
 /// Sets the value of a joint: `factor` times a coordinate of the configuration, plus `offset`.

@@ -3,7 +3,7 @@
 //! A [`Motion`] returns the pose of its body at any time, and a [`MotionModel`]: the velocities at
 //! that time, and a proven bound of how far the body can deviate from them. The bounds hold for the
 //! mathematical motion and for the poses that [`Motion::pose`] returns, rounding included
-//! (`PLACED_*` and `TURN` in [`tolerance`](crate::tolerance)).
+//! (`PLACED_*` and `TURN` in `tolerance`).
 //!
 //! | motion | kind |
 //! |---|---|

@@ -11,7 +11,7 @@ use crate::base::tolerance::SQUARE_MIN;
 ///
 /// The rate and its product with a time are kept in double-double. So a body that has rotated
 /// thousands of times gets a pose as accurate as a body that has not (`TURN` in
-/// [`crate::tolerance`]).
+/// `tolerance`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spin {
     /// Unit vector up to rounding; zero for a rate of zero.

@@ -71,7 +71,7 @@ pub(crate) trait Support {
     fn reach(&self) -> f64;
 
     /// Returns the error of a support value beyond that of
-    /// [`CERTIFICATE`](crate::tolerance::CERTIFICATE), in UNIT times the radius.
+    /// `tolerance::CERTIFICATE`, in UNIT times the radius.
     fn noise(&self) -> f64 {
         0.0
     }

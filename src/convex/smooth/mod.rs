@@ -14,7 +14,7 @@
 //!
 //! For any unit direction the support value of the difference is a lower bound of the signed
 //! distance. The distance of any two points is an upper bound. Both are computed at every step,
-//! with the error terms of [`CERTIFICATE`](crate::tolerance::CERTIFICATE).
+//! with the error terms of `tolerance::CERTIFICATE`.
 //!
 //! Sources: Gilbert, Johnson and Keerthi 1988; Lin 1993, chapter 4, for Newton's method on the
 //! dual; Montaut et al. 2022 for the acceleration of GJK. Departures:

@@ -155,7 +155,7 @@ impl Front {
     /// call.
     ///
     /// Heights along a unit direction change by no more. The direction may be longer than one by
-    /// some UNIT_SINGLE. [`BOXES`](crate::tolerance::BOXES) has room for this, because an entry
+    /// some UNIT_SINGLE. `tolerance::BOXES` has room for this, because an entry
     /// that loses more than L fails.
     pub(super) fn follow(&mut self, moves: &TreeMoves) {
         let [a, b] = moves.trees;

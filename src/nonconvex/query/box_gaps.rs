@@ -11,7 +11,7 @@
 //!
 //! The gap along each direction is computed from the axes as stored. So the gap is a proof for any
 //! direction, even if the axes are not orthonormal. The error term is
-//! [`BOXES`](crate::tolerance::BOXES).
+//! `tolerance::BOXES`.
 
 use crate::base::num::each::Each;
 use crate::base::num::scalar::{cross, dot};

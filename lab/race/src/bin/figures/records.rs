@@ -26,17 +26,16 @@ pub(crate) fn text(chart: &Chart) -> Result<String, Trouble> {
     Ok(lines.flat_map(|l| [l, "\n"]).collect())
 }
 
-/// Names and texts of the pictures, and of the table beside them.
+/// Names and texts of the pictures. Prints the table of BENCHMARKS.md.
 pub(crate) fn pictures(folder: &Path) -> Result<Vec<(&'static str, String)>, Trouble> {
     let files = [newest(folder, "-accuracy.csv")?, newest(folder, "-shapes.csv")?];
     let rows = record::read(&files[0])?;
     let shapes = record::read(&files[1])?;
     println!("from {} and {}", files[0].display(), files[1].display());
+    println!("The table of *What accuracy costs* in BENCHMARKS.md:");
+    let sizes = [8, 32, 128, 512, 2048, 8192];
+    println!("{}", accuracy::table(&rows, "sphere 0.5deg", &sizes));
     Ok(vec![
-        (
-            "cost.md",
-            accuracy::table(&rows, "sphere 0.5deg", &[8, 32, 128, 512, 2048, 8192]),
-        ),
         (
             "accuracy.svg",
             text(&accuracy::error_and_time(&rows, "sphere 0.05deg", 512))?,
