@@ -1,0 +1,67 @@
+//! The error of a file.
+
+use std::path::PathBuf;
+
+/// Error of a mesh file: the file, the line and the reason.
+#[derive(Debug, thiserror::Error)]
+#[error("{}{}: {fault}", file.display(), at_line(*line))]
+#[non_exhaustive]
+pub struct MeshFileError {
+    /// The file.
+    pub file: PathBuf,
+    /// The line, counted from 1, if known.
+    pub line: Option<usize>,
+    /// The reason.
+    pub fault: MeshFault,
+}
+
+/// Reason of a [`MeshFileError`].
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshFault {
+    /// Returned if the file cannot be read.
+    #[error("cannot be read: {0}")]
+    Read(#[from] std::io::Error),
+    /// Returned if the file is no mesh of a known format.
+    #[error("{0}")]
+    Unknown(String),
+    /// Returned if the text or the bytes do not have the format of the file.
+    #[error("{0}")]
+    Malformed(String),
+    /// Returned if the file contains geometry that this crate does not read.
+    #[error("{0} is not supported")]
+    Unsupported(String),
+    /// Returned if no object of the file has a triangle.
+    #[error("the file contains no triangle")]
+    Empty,
+}
+
+fn at_line(line: Option<usize>) -> String {
+    line.map_or(String::new(), |line| format!(", line {line}"))
+}
+
+/// What a reader returns: a reason and its line. The caller adds the file.
+#[derive(Debug)]
+pub(crate) struct Fault {
+    pub(crate) line: Option<usize>,
+    pub(crate) fault: MeshFault,
+}
+
+impl Fault {
+    /// Returns the fault of a line: the text does not have the format.
+    pub(crate) fn malformed(line: impl Into<Option<usize>>, why: impl Into<String>) -> Self {
+        Self {
+            line: line.into(),
+            fault: MeshFault::Malformed(why.into()),
+        }
+    }
+
+    /// Returns the fault of a line with geometry that is not supported.
+    #[allow(dead_code)]
+    pub(crate) fn unsupported(line: impl Into<Option<usize>>, what: impl Into<String>) -> Self {
+        Self {
+            line: line.into(),
+            fault: MeshFault::Unsupported(what.into()),
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! A mesh file: its objects, and what was skipped.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use crate::error::{Fault, MeshFault, MeshFileError};
+use crate::{stl, text};
+
+/// Format of a mesh file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum MeshFormat {
+    /// STL, text or binary.
+    Stl,
+    /// Wavefront OBJ.
+    Obj,
+    /// COLLADA 1.4 or 1.5.
+    Collada,
+    /// glTF 2.0, as JSON or as GLB.
+    Gltf,
+    /// PLY, text or binary.
+    Ply,
+}
+
+/// A mesh file as read.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct MeshFile {
+    /// The format.
+    pub format: MeshFormat,
+    /// The objects with triangles, in the order of the file.
+    pub objects: Vec<MeshObject>,
+    /// What the reader has passed over because it is no part of a body.
+    pub skipped: Vec<Skipped>,
+}
+
+/// An object of a mesh file: a solid of an STL, an object of an OBJ, a geometry of a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct MeshObject {
+    /// The name in the file; empty if it has none.
+    pub name: String,
+    /// The points that triangles use, in the unit of the file (metres for COLLADA and glTF).
+    pub points: Vec<[f64; 3]>,
+    /// Three indices of points per triangle, counter-clockwise as seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Something that a reader has passed over.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Skipped {
+    /// The line, counted from 1, if known. Of several in a row, the first.
+    pub line: Option<usize>,
+    /// What it is: `normals`, `l (lines)`, `usemtl`.
+    pub what: String,
+}
+
+impl MeshFile {
+    /// Returns the mesh of a file.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read, has no known format, is malformed, contains
+    /// geometry that is not supported, or contains no triangle. The error names file and line.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, MeshFileError> {
+        let path = path.as_ref();
+        let bytes = std::fs::read(path).map_err(|e| MeshFileError {
+            file: path.to_owned(),
+            line: None,
+            fault: MeshFault::Read(e),
+        })?;
+        Self::parse(&bytes, path)
+    }
+
+    /// Returns the mesh of the bytes of a file. Errors name the file `path`; its extension matters
+    /// if the content does not decide the format, and its folder is the folder of further files.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn parse(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, MeshFileError> {
+        let path = path.as_ref();
+        let error = |fault: Fault| MeshFileError {
+            file: path.to_owned(),
+            line: fault.line,
+            fault: fault.fault,
+        };
+        let file = match format_of(bytes, path).map_err(error)? {
+            MeshFormat::Stl => stl::read(bytes),
+            other => Err(Fault::unsupported(None, format!("{other:?}"))),
+        };
+        let mut file = file.map_err(error)?;
+        file.objects.retain(|object| !object.triangles.is_empty());
+        if file.objects.is_empty() {
+            let (line, fault) = (None, MeshFault::Empty);
+            return Err(error(Fault { line, fault }));
+        }
+        Ok(file)
+    }
+
+    /// Returns the points and triangles of all objects as one mesh.
+    #[must_use]
+    pub fn whole(&self) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+        let (mut points, mut triangles) = (Vec::new(), Vec::new());
+        for object in &self.objects {
+            let first = points.len() as u32;
+            points.extend(&object.points);
+            triangles.extend(object.triangles.iter().map(|t| t.map(|k| k + first)));
+        }
+        (points, triangles)
+    }
+}
+
+/// Returns the format of a file: by its content, or else by its extension.
+fn format_of(bytes: &[u8], path: &Path) -> Result<MeshFormat, Fault> {
+    let unknown = |why: &str| Fault {
+        line: None,
+        fault: MeshFault::Unknown(why.into()),
+    };
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(unknown("the file is empty"));
+    }
+    let start = text::start(bytes);
+    if start.starts_with("version https://git-lfs") {
+        let why = "the file is a pointer of Git LFS; `git lfs pull` replaces it by the mesh";
+        return Err(unknown(why));
+    }
+    let lower = start.to_ascii_lowercase();
+    if lower.starts_with("<!doctype html") || lower.starts_with("<html") {
+        return Err(unknown("the file is a page of HTML, not a mesh"));
+    }
+    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    Ok(match extension.as_deref() {
+        _ if stl::is_binary(bytes) => MeshFormat::Stl,
+        _ if bytes.starts_with(b"glTF") => MeshFormat::Gltf,
+        _ if lower.starts_with("ply\n") || lower.starts_with("ply\r") => MeshFormat::Ply,
+        _ if start.contains("<COLLADA") => MeshFormat::Collada,
+        Some("stl") => MeshFormat::Stl,
+        Some("obj") => MeshFormat::Obj,
+        Some("dae") => MeshFormat::Collada,
+        Some("gltf" | "glb") => MeshFormat::Gltf,
+        Some("ply") => MeshFormat::Ply,
+        _ if lower.starts_with("solid") => MeshFormat::Stl,
+        _ => {
+            let why = "unknown file extension (expected .stl, .obj, .dae, .gltf, .glb or .ply)";
+            return Err(unknown(why));
+        }
+    })
+}
+
+/// Collects the triangles of one object; points that no triangle uses are left out.
+#[derive(Debug, Default)]
+pub(crate) struct ObjectBuilder {
+    object: MeshObject,
+    /// The new index of each point of the file that a triangle uses.
+    indices: HashMap<u64, u32>,
+}
+
+impl ObjectBuilder {
+    pub(crate) fn new(name: impl Into<String>) -> Self {
+        let mut builder = Self::default();
+        builder.object.name = name.into();
+        builder
+    }
+
+    /// Adds a triangle whose corners are points of a list of the file; `None` if an object has more
+    /// points than 32 bits name.
+    pub(crate) fn triangle(&mut self, corners: [u64; 3], point: impl Fn(u64) -> [f64; 3]) -> Option<()> {
+        let mut triangle = [0; 3];
+        for (index, corner) in triangle.iter_mut().zip(corners) {
+            *index = match self.indices.get(&corner) {
+                Some(&known) => known,
+                None => {
+                    let new = u32::try_from(self.object.points.len()).ok()?;
+                    self.object.points.push(point(corner));
+                    self.indices.insert(corner, new);
+                    new
+                }
+            };
+        }
+        self.object.triangles.push(triangle);
+        Some(())
+    }
+
+    pub(crate) fn build(self) -> MeshObject {
+        self.object
+    }
+}
+
+/// Collects what a reader passes over: one entry for each kind, with its first line.
+#[derive(Debug, Default)]
+pub(crate) struct SkippedList(Vec<Skipped>);
+
+impl SkippedList {
+    pub(crate) fn add(&mut self, line: impl Into<Option<usize>>, what: &str) {
+        if self.0.iter().all(|known| known.what != what) {
+            self.0.push(Skipped {
+                line: line.into(),
+                what: what.into(),
+            });
+        }
+    }
+
+    pub(crate) fn build(self) -> Vec<Skipped> {
+        self.0
+    }
+}

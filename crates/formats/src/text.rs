@@ -1,0 +1,57 @@
+//! Text in the encodings of mesh files: UTF-8, UTF-16 and Latin-1, with or without a byte order
+//! mark.
+
+/// Number of bytes that decide a format.
+const START: usize = 4096;
+
+/// Returns the beginning of a file as text, without a byte order mark and white space in front.
+pub(crate) fn start(bytes: &[u8]) -> String {
+    let start = &bytes[..bytes.len().min(START)];
+    decode(start).trim_start().to_owned()
+}
+
+/// Returns the text of a file.
+///
+/// A byte order mark decides between UTF-8 and UTF-16. Without one, bytes that are not valid UTF-8
+/// are read as Latin-1, which gives every byte a letter.
+pub(crate) fn decode(bytes: &[u8]) -> String {
+    let wide = |pairs: &[u8], unit: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = pairs.as_chunks::<2>().0.iter().map(|&pair| unit(pair)).collect();
+        String::from_utf16_lossy(&units)
+    };
+    match bytes {
+        [0xff, 0xfe, rest @ ..] => wide(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => wide(rest, u16::from_be_bytes),
+        [0xef, 0xbb, 0xbf, rest @ ..] => utf8_or_latin1(rest),
+        _ => utf8_or_latin1(bytes),
+    }
+}
+
+fn utf8_or_latin1(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_owned(),
+        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
+    }
+}
+
+/// Returns a finite number; `None` for anything else.
+pub(crate) fn number(word: &str) -> Option<f64> {
+    word.parse().ok().filter(|x: &f64| x.is_finite())
+}
+
+/// Returns the lines of a text, counted from 1. A line ends with LF, CR or CR LF.
+pub(crate) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut rest = Some(text);
+    std::iter::from_fn(move || {
+        let now = rest?;
+        let Some(end) = now.find(['\n', '\r']) else {
+            rest = None;
+            return Some(now);
+        };
+        let after = &now[end..];
+        rest = Some(after.strip_prefix("\r\n").unwrap_or(&after[1..]));
+        Some(&now[..end])
+    })
+    .enumerate()
+    .map(|(k, line)| (k + 1, line))
+}
