@@ -274,7 +274,7 @@ pub fn geometry(rows: &[Row]) -> Chart {
     chart
 }
 
-/// The numbers of vertices or parts in the rows of a family, in order.
+/// Returns the numbers of vertices or pieces in the rows of a family, in order.
 fn sizes(rows: &[Row], family: &str) -> Vec<usize> {
     let mut sizes: Vec<usize> = rows.iter().filter(|r| r.family == family).map(|r| r.n).collect();
     sizes.sort_unstable();

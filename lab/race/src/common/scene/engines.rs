@@ -19,9 +19,9 @@ pub const RANGE: f64 = 0.02;
 pub trait Engine {
     /// Name in tables and records.
     fn name(&self) -> &'static str;
-    /// Preparation that is not timed: the poses in the engine's own form.
+    /// Converts the poses into the engine's form; not timed.
     fn prepare(&mut self, poses: &[Pose]);
-    /// The timed part.
+    /// Runs the timed part.
     fn step(&mut self);
     /// Returns the number of near pairs.
     fn pairs(&self) -> usize;
