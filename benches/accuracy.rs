@@ -1,7 +1,8 @@
-//! What accuracy costs: the axes of the instrument `accuracy_cost`, for following one of them over time.
+//! Benchmarks of accuracy levels: follow one level of the instrument `accuracy_cost` over time.
 //!
-//! `cargo bench --bench accuracy`, with `-- --save-baseline NAME` before a change and `-- --baseline NAME` after it. Errors,
-//! and all engines interleaved: `cargo run --release -p race --bin accuracy_cost`.
+//! Run `cargo bench --bench accuracy`, with `-- --save-baseline NAME` before a change and
+//! `-- --baseline NAME` after it. `cargo run --release -p race --bin accuracy_cost` measures errors
+//! too and interleaves all engines.
 
 use std::hint::black_box;
 
@@ -14,7 +15,7 @@ const FRAMES: usize = 500;
 
 type Group<'a> = BenchmarkGroup<'a, WallTime>;
 
-/// One measurement is one query, the frames in turn.
+/// Measures one query; successive measurements use successive frames.
 fn each<T>(group: &mut Group, name: &str, n: usize, pair: &Pair, mut ask: impl FnMut(&RelativePose) -> T) {
     let mut k = 0;
     group.bench_function(BenchmarkId::new(name, n), |bench| {
@@ -55,7 +56,7 @@ fn levels(c: &mut Criterion) {
     }
 }
 
-/// A sphere replaced by hulls of ever more vertices.
+/// Benchmarks a sphere replaced by hulls of more and more vertices.
 fn geometry(c: &mut Criterion) {
     let mut group = c.benchmark_group("geometry/ball-0.5deg");
     for n in [12, 120, 1200, 12_000, 100_000] {
@@ -69,7 +70,7 @@ fn geometry(c: &mut Criterion) {
     }
 }
 
-/// One motion, every question.
+/// Benchmarks every question on one motion.
 fn asking(c: &mut Criterion) {
     for degrees in [0.05, 1.0] {
         let mut group = c.benchmark_group(format!("asking/flat-{degrees}deg"));

@@ -1,7 +1,8 @@
-//! A step of the broad phase, all scenes: `cargo bench --bench broad`. Against other libraries: `race`.
+//! Benchmarks a step of the broad phase on all scenes: `cargo bench --bench broad`.
 //!
-//! What threads do: `RAYON_NUM_THREADS=2 cargo bench --features parallel --bench broad -- 'columns/(uniform|pile)/10*$'`, and the same
-//! with one.
+//! The race `boxes` compares it with other libraries. To measure the effect of threads, run
+//! `RAYON_NUM_THREADS=2 cargo bench --features parallel --bench broad -- 'columns/(uniform|pile)/10*$'`,
+//! and the same with one thread.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lin_canny::broad::{Aabb, BodyId, BodyOptions, SweepAndPrune};
@@ -49,7 +50,7 @@ fn step(criterion: &mut Criterion, sizes: &[usize]) {
     group.finish();
 }
 
-/// Insertion of a whole scene and its first step.
+/// Benchmarks the insertion of a whole scene and its first step.
 fn build(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("build");
     group.sample_size(20);

@@ -1,8 +1,8 @@
-//! Bodies in contact: depth and manifold, beside parry's.
+//! Benchmarks of bodies in contact: depth and manifold, with parry for comparison.
 //!
-//! `cargo bench --bench contact`. Scenes, shapes, sizes and engines are those of the race
-//! (`cargo run --release -p race --bin race -- contact`), which runs the engines interleaved and compares their answers; these
-//! benches are for following one of them over time.
+//! Run `cargo bench --bench contact`. Scenes, shapes, sizes and engines are those of the race
+//! (`cargo run --release -p race --bin race -- contact`), which interleaves the engines and
+//! compares their answers. These benchmarks follow one engine over time.
 
 use std::hint::black_box;
 
@@ -18,7 +18,7 @@ fn hull(body: &ConvexPolyhedron) -> Option<parry::Hull> {
     parry::mesh(&points, &faces)
 }
 
-/// One measurement is one query, the frames in turn.
+/// Measures one query; successive measurements use successive frames.
 fn contacts(c: &mut Criterion) {
     for scene in SCENES {
         for (shape, n) in shapes(scene) {

@@ -1,7 +1,9 @@
-//! Pairs of bodies: tracked and cold queries, the build of a hull and its box, beside parry.
+//! Benchmarks of pairs: tracked and cold queries, the build of a hull and its box, with parry for
+//! comparison.
 //!
-//! `cargo bench --bench pairs`. The race (`cargo run --release -p race --bin race -- pairs`) runs the same motions with all
-//! engines interleaved; these benches are for following one of them over time.
+//! Run `cargo bench --bench pairs`. The race (`cargo run --release -p race --bin race -- pairs`)
+//! runs the same motions with all engines interleaved. These benchmarks follow one engine over
+//! time.
 
 use std::hint::black_box;
 
@@ -45,7 +47,7 @@ fn frames(a: &ConvexPolyhedron, b: &ConvexPolyhedron, degrees: Option<f64>, rng:
     })
 }
 
-/// One measurement is one query, the frames in turn.
+/// Measures one query; successive measurements use successive frames.
 fn queries(c: &mut Criterion) {
     for (scene, degrees) in [("coherent-0.5", Some(0.5)), ("coherent-5", Some(5.0)), ("random", None)] {
         for shape in ["sphere", "flat"] {
@@ -93,7 +95,7 @@ fn queries(c: &mut Criterion) {
     }
 }
 
-/// Queries that the minimum-norm solver answers, with the walk that failed before it.
+/// Benchmarks queries that the minimum-norm solver answers, including the failed walk before it.
 fn fallbacks(c: &mut Criterion) {
     let mut group = c.benchmark_group("fallback");
     for (shape, n) in [
@@ -153,7 +155,7 @@ fn builds(c: &mut Criterion) {
     }
 }
 
-/// Boxes of bodies that turn a little every time, beside parry's in f32.
+/// Benchmarks boxes of bodies that rotate slightly each time, ours and parry's.
 fn boxes(c: &mut Criterion) {
     let mut group = c.benchmark_group("box");
     for n in [8, 32, 256, 1024] {

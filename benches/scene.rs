@@ -1,4 +1,6 @@
-//! A step of a scene, by what is enabled: `cargo bench --bench scene`. Against other libraries: `race scene`.
+//! Benchmarks a step of a scene for several sets of queries: `cargo bench --bench scene`.
+//!
+//! The race `scene` compares it with other libraries.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lin_canny::ManifoldOptions;
@@ -7,7 +9,7 @@ use truth::crowd::{Crowd, Kind};
 
 const NONE: PairQueries = PairQueries::none();
 
-/// One trajectory, growing sets of queries.
+/// Growing sets of queries for one motion.
 const SETS: [(&str, PairQueries); 7] = [
     ("boxes", NONE.boxes(true)),
     ("overlap", NONE.overlap(true)),
@@ -18,7 +20,7 @@ const SETS: [(&str, PairQueries); 7] = [
     ("manifold", NONE.manifold(ManifoldOptions::with_prediction(0.02))),
 ];
 
-/// A crowd in a scene, some steps after its beginning.
+/// Returns a crowd in a scene after 20 steps.
 fn scene(crowd: &mut Crowd, queries: PairQueries) -> (Scene, Vec<BodyId>) {
     let shapes = crowd.hulls();
     let mut scene = Scene::new();
@@ -45,7 +47,7 @@ fn advance(scene: &mut Scene, ids: &[BodyId], crowd: &mut Crowd) {
     scene.step();
 }
 
-/// The poses of the next step are made inside the measurement: a few nanoseconds a body.
+/// The measurement includes the poses of the next step: a few nanoseconds per body.
 fn moving(criterion: &mut Criterion) {
     for (kind, name) in [(Kind::Sparse, "sparse"), (Kind::Pile, "pile")] {
         for vertices in [32, 256] {
@@ -65,7 +67,7 @@ fn moving(criterion: &mut Criterion) {
     }
 }
 
-/// A step in which nothing was set, beside one in which a body in a hundred was.
+/// Benchmarks a step in which no pose was set, and a step in which one body in a hundred was moved.
 fn resting(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("scene/rest");
     let mut crowd = Crowd::new(Kind::Pile, 10_000, 32);

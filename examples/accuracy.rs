@@ -1,12 +1,14 @@
-//! What accuracy costs: two hulls of 128 vertices turn by half a degree per frame, and every level of accuracy answers the same
-//! frames. `cargo run --release --example accuracy`; a debug build checks every answer and shows other times.
+//! Cost of accuracy: every level of accuracy answers the same frames of two hulls of 128 vertices.
+//!
+//! The pair rotates by half a degree per frame. Run `cargo run --release --example accuracy`; a
+//! debug build checks every answer and shows longer times.
 
 use std::time::Instant;
 
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::{RelativePose, Tracker, polyhedron::solids};
 
-/// Distance and width of its bounds; infinite for a level without bounds.
+/// A distance, and the width of its bounds; the width is infinite for a level without bounds.
 type Answer = (f64, f64);
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -18,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let away = 2.02 + 0.3 * (f64::from(frame) * 0.01).sin().powi(2);
         RelativePose::from_isometry(&Isometry3::from_parts(Vector3::new(away, 0.1, 0.0).into(), turn))
     };
-    // Turning by half a degree per frame, coming near and going away.
+    // The pair rotates by half a degree per frame while it approaches and recedes.
     let poses = (0..10_000).map(pose).collect::<Result<Vec<_>, _>>()?;
     let bounded = |o: lin_canny::Outcome| (o.distance, o.upper - o.lower);
     type Ask<'a> = &'a dyn Fn(&mut Tracker, &RelativePose) -> Answer;

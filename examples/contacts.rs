@@ -1,4 +1,5 @@
-//! A box slides over the rim of a round plate: the contact points of each frame, with names that last from frame to frame.
+//! A box slides over the edge of a round plate: contact points of each frame, with ids that persist
+//! from frame to frame.
 
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{Manifold, ManifoldOptions, RelativePose, Tracker, polyhedron::solids};
@@ -8,7 +9,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let part = solids::cuboid(Vector3::new(0.35, 0.25, 0.2))?; // half extents
     // One tracker and one manifold for each pair of bodies.
     let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
-    // Points that are at most this far apart count, so that a solver sees them before they touch.
+    // Points at most this far apart count, so that a solver receives them before they touch.
     let options = ManifoldOptions::with_prediction(0.01);
     for frame in 0..8 {
         let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, 0.4);
@@ -17,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         pair.manifold(&plate, &part, &plate_from_part, &options, &mut manifold);
         println!("frame {frame}: {} points", manifold.points().len());
         for contact in manifold.points() {
-            // A solver finds what it kept for a contact, such as an impulse, by the id.
+            // A solver looks up what it stored for a contact, such as an impulse, by its id.
             let [x, y, z] = contact.point_on_a.into();
             println!(
                 "  id {:<8} depth {:.4} at [{x:+.3}, {y:+.3}, {z:+.3}]",

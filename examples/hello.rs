@@ -1,4 +1,5 @@
-//! The ten lines of the README: a small body passes a large one, and the closest features are tracked.
+//! The example of the README: a small body passes a larger one, and a tracker follows their closest
+//! features.
 
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, polyhedron::solids};

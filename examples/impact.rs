@@ -1,5 +1,5 @@
-//! A spinning rod flies at a wall that is a millimetre thick: the time of impact as a proven bracket, where checks at every frame
-//! see nothing.
+//! A spinning rod flies at a wall 1 mm thick: `cast` returns the time of impact as a proven
+//! bracket, but checks at every frame see no overlap.
 
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let y = 0.3 * f64::from(lane);
         let flight = Steady::new(&Isometry3::translation(-0.5, y, 0.0), velocity)?;
         let mut pair = Tracker::new();
-        // What a loop at 60 frames a second sees.
+        // Overlaps that a loop at 60 frames per second sees.
         let mut frames = 0;
         for frame in 0..=2 {
             let t = f64::from(frame) / 60.0;

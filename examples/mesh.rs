@@ -1,10 +1,11 @@
-//! A block moves into the corner of an L: a mesh that is not convex, from the points and triangles that a file reader returns.
+//! A block moves into the corner of an L, a nonconvex mesh made from the points and triangles that
+//! a file reader returns.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{Geometry, ManifoldOptions, Mesh, PairTracker, RelativePose, polyhedron::solids};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // The outline of the L, and its copy one unit above.
+    // The outline of the L, and a copy one unit above it.
     let outline = [[0., 0.], [3., 0.], [3., 1.], [1., 1.], [1., 3.], [0., 3.]];
     let points: Vec<_> = [0.0, 1.0]
         .iter()

@@ -1,5 +1,6 @@
-//! A gripper passes a shelf of six parcels: a scene finds the pairs that are near, and reports who comes within three centimetres
-//! of whom and who overlaps.
+//! A gripper passes a shelf of six parcels: a scene finds near pairs and reports events.
+//!
+//! The events: a body comes within 3 cm of another, leaves it, starts or stops to overlap.
 
 use std::sync::Arc;
 
@@ -12,7 +13,8 @@ const ROBOT: Group = Group::new(2).unwrap();
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut scene = Scene::new();
-    // Only these queries run, and only between these groups: parcels are never compared with each other.
+    // Only these queries run, and only between these groups: parcels are never compared with each
+    // other.
     let queries = PairQueries::none().overlap(true).within(0.03).distance(0.2);
     scene.set_queries(ROBOT, SHELF, queries)?;
     let parcel = Arc::new(solids::cuboid(Vector3::new(0.1, 0.15, 0.12))?); // one shape, shared

@@ -76,7 +76,7 @@
 //! **Coherence.** Between two frames bodies move a little, so the closest features of the last
 //! frame are still closest, or a step away from the closest. A [`Tracker`] remembers the features
 //! of the last answer and, for an overlap, the polytope that proved the depth. The chart on top
-//! counts the pairs tested: hardly more than one for small motions, whatever the number of
+//! counts the pairs tested: hardly more than one for small motions, for any number of
 //! vertices.
 //!
 //! **The certificate.** The criterion holds for real numbers. With rounding, borders blur: nearly

@@ -1,4 +1,4 @@
-//! Poses from a file, answers to a file: meshes as they are, convex or not.
+//! Reads poses from a file and writes the answers to a file, for meshes as they are, convex or not.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -8,10 +8,10 @@ use lin_canny::{ContactState, Mesh, PairTracker, RelativePose};
 
 use crate::Trouble;
 
-/// Squared norms of quaternions nearer one than this are taken as they are.
+/// A quaternion is not normalised if its squared norm differs from one by at most this.
 const UNIT: f64 = 1e-12;
 
-/// Names of the columns, which the first line may hold.
+/// Names of the columns; the first line may contain them.
 const HEADER: [&str; 7] = ["x", "y", "z", "qx", "qy", "qz", "qw"];
 
 /// Answers every pose of the file, in order, with one tracker.
@@ -59,12 +59,12 @@ fn load(letter: char, path: &Path) -> Result<Mesh, Trouble> {
     Ok(mesh)
 }
 
-/// Words of a line, with commas or blanks between them.
+/// Returns the words of a line, separated by commas or blanks.
 fn words(line: &str) -> impl Iterator<Item = &str> {
     line.split([' ', '\t', ',']).map(str::trim).filter(|w| !w.is_empty())
 }
 
-/// A pose from seven numbers. A quaternion that was rounded to few digits is normalised.
+/// Returns a pose from seven numbers. A quaternion rounded to few digits is normalised.
 fn pose(line: &str) -> Option<Isometry3<f64>> {
     let numbers: Result<Vec<f64>, _> = words(line).map(str::parse).collect();
     let [x, y, z, i, j, k, w] = numbers.ok()?.try_into().ok()?;

@@ -1,4 +1,4 @@
-//! From a file to a body, and what the user should know about it.
+//! Reads a body from a file, and reports its properties to the user.
 
 use std::path::Path;
 
@@ -7,21 +7,22 @@ use lin_canny::polyhedron::BuildError;
 use lin_canny::{ConvexPolyhedron, Feature, Mesh, MeshError, MeshKind};
 use truth::meshes;
 
-/// A mesh is called convex if its hull adds at most this share of air: files in single precision round flat faces by
-/// some 1e-7 of the size.
+/// A mesh counts as convex if the void fraction of its hull is at most this: files in single
+/// precision round flat faces by about 1e-7 of the size.
 const CONVEX_TO: f64 = 1e-4;
 
-/// Corners of a face that are printed.
+/// Vertices of a face that are printed.
 const CORNERS: usize = 3;
 
-/// A body and the numbers its file gives to its points.
+/// A body, and the numbers of its points in the file.
 pub(crate) struct Loaded {
     pub(crate) body: ConvexPolyhedron,
     numbers: Vec<u32>,
 }
 
 impl Loaded {
-    /// A feature by the numbers of its points in the file: `v7`, `e7-9`, `f7-9-4`, `f7-9-4..` for more corners.
+    /// Returns the name of a feature by the numbers of its points in the file: `v7`, `e7-9`,
+    /// `f7-9-4`, or `f7-9-4..` for more vertices.
     pub(crate) fn name(&self, feature: Feature) -> String {
         let number = |v| {
             self.body
@@ -65,7 +66,8 @@ pub(crate) fn load(letter: char, path: &Path) -> Result<Loaded, Box<dyn std::err
     })
 }
 
-/// What the hull makes of the mesh: whether the mesh is closed and convex, and how much the hull adds.
+/// Describes how the hull differs from the mesh: whether the mesh is closed and convex, and how
+/// much the hull adds.
 fn convexity(mesh: &truth::meshes::Mesh, body: &ConvexPolyhedron) -> Result<String, MeshError> {
     if body.volume() == 0.0 {
         return Ok("the mesh is flat and is taken as a polygon".into());

@@ -28,26 +28,26 @@ type Trouble = Box<dyn std::error::Error>;
 /// Lines of the table.
 const LINES: usize = 24;
 
-/// Frames between two looks at the clock and the progress bar.
+/// Frames between two readings of the clock and updates of the progress bar.
 const BLOCK: usize = 512;
 
-/// Most points of a curve.
+/// Largest number of points of a curve.
 const CURVE: usize = 2000;
 
-/// Every so many frames a query without memory is asked too.
+/// Every 16th frame is also queried by a new tracker.
 const COLD: usize = 16;
 
-/// What a motion gave.
+/// The results of a motion.
 struct Run {
     outcomes: Vec<Outcome>,
     tracker: Tracker,
     time: Duration,
-    /// Mean steps of queries that start from nothing.
+    /// Mean number of steps of cold queries.
     cold: f64,
 }
 
 impl Run {
-    /// The frame of the least distance.
+    /// Returns the frame with the least distance.
     fn closest(&self) -> Option<(usize, &Outcome)> {
         let frames = self.outcomes.iter().enumerate();
         frames.min_by(|x, y| x.1.distance.total_cmp(&y.1.distance))
@@ -76,10 +76,11 @@ fn track(options: &Options) -> Result<(), Trouble> {
     Ok(())
 }
 
-/// Asks every frame, keeping the tracker.
+/// Queries every frame with one tracker.
 fn follow(a: &ConvexPolyhedron, b: &ConvexPolyhedron, poses: &[[Isometry3<f64>; 2]]) -> Result<Run, Trouble> {
     let (mut tracker, mut outcomes, mut time) = (Tracker::new(), Vec::with_capacity(poses.len()), Duration::ZERO);
-    // Answers of a block are put where memory is warm, so that the clock sees queries and no page faults.
+    // Answers of a block are stored in warm memory, so that the clock measures queries and no page
+    // faults.
     let mut answers = Vec::with_capacity(BLOCK);
     for block in poses.chunks(BLOCK) {
         let began = Instant::now();
@@ -106,7 +107,7 @@ fn follow(a: &ConvexPolyhedron, b: &ConvexPolyhedron, poses: &[[Isometry3<f64>; 
     })
 }
 
-/// Says how far the run is, if a person looks at it; after the last frame takes the line away.
+/// Shows the progress if stderr is a terminal; removes the line after the last frame.
 fn progress(done: usize, all: usize) {
     let mut err = stderr();
     if err.is_terminal() {
@@ -138,7 +139,8 @@ fn record(file: &Path, bodies: [&ConvexPolyhedron; 2], poses: &[[Isometry3<f64>;
     Ok(())
 }
 
-/// A line for every frame of a short motion, else for groups of frames: the first of the group, and its steps.
+/// Prints a line for every frame of a short motion, or for groups of frames: the first of the
+/// group, and the steps of all.
 fn table(a: &Loaded, b: &Loaded, run: &Run) {
     let group = run.outcomes.len().div_ceil(LINES);
     println!("\nNames: v vertex, e edge, f face, by the numbers of their points in the files.");
@@ -168,7 +170,7 @@ fn table(a: &Loaded, b: &Loaded, run: &Run) {
     }
 }
 
-/// The contact state where it is not the ordinary one, else the layer that answered.
+/// Returns the contact state if the bodies are not separated, otherwise the solver that answered.
 fn word(outcome: &Outcome) -> String {
     match outcome.state {
         ContactState::Separated => format!("{:?}", outcome.solver).to_lowercase(),
@@ -210,7 +212,7 @@ fn summary(run: &Run) {
     );
 }
 
-/// The closest frame with the curves of distance and steps.
+/// Draws the closest frame with the curves of distance and steps.
 fn draw(
     options: &Options,
     bodies: [&ConvexPolyhedron; 2],

@@ -1,17 +1,19 @@
-//! How the two bodies move: frames about the origin of `truth::motion`, turned into poses of bodies that stand anywhere.
+//! Motion of the two bodies: frames of `truth::motion` about the origin, converted to poses of
+//! bodies centred anywhere.
 
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3};
 use truth::motion::{Frame, tumble_past};
 use truth::rng::Rng;
 
-/// Degrees that A turns over the whole motion; B turns less, about another axis.
+/// Rotation of A over the whole motion, in degrees; B rotates less, about another axis.
 const TURN: f64 = 360.0;
 
-/// Bounding balls pass each other with this part of the sum of their radii between them, so the bodies stay apart.
+/// Gap between the passing bounding balls, as a fraction of the sum of their radii, so that the
+/// bodies stay separated.
 const CLEARANCE: f64 = 0.02;
 
-/// World poses of A and B, frame by frame: they tumble past each other on parallel lines.
+/// Returns world poses of A and B, frame by frame: they tumble past each other on parallel lines.
 pub(crate) fn poses(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frames: usize) -> Vec<[Isometry3<f64>; 2]> {
     let ((centre_a, radius_a), (centre_b, radius_b)) = (a.bounding_ball(), b.bounding_ball());
     let reach = radius_a + radius_b;
@@ -26,7 +28,8 @@ pub(crate) fn poses(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frames: usize) -
     motion.iter().map(placed).collect()
 }
 
-/// The pose that turns a body about `centre` and puts it where `pose` puts the origin.
+/// Returns the pose that rotates a body about `centre` and moves `centre` to the position of
+/// `pose`.
 fn about(centre: &Point3<f64>, pose: &truth::Pose) -> Isometry3<f64> {
     pose.isometry() * Translation3::from(-centre.coords)
 }

@@ -1,4 +1,4 @@
-//! What the command line asks for.
+//! Options of the command line.
 
 use std::path::PathBuf;
 
@@ -37,7 +37,7 @@ pub(crate) struct Options {
 }
 
 impl Options {
-    /// Returns the two meshes: those given, or ours.
+    /// Returns the two given meshes, or the built-in meshes.
     pub(crate) fn pair(&self) -> [PathBuf; 2] {
         let ours = |name: &str| {
             PathBuf::from(env!("CARGO_MANIFEST_DIR"))

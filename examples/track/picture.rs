@@ -1,5 +1,5 @@
-//! The picture of a run: both bodies in the closest frame with their closest features, and the curves of distance and
-//! steps below.
+//! Picture of a run: both bodies in the closest frame with their closest features, above the curves
+//! of distance and steps.
 
 use std::path::Path;
 
@@ -16,10 +16,10 @@ const VIEW: f64 = 520.0;
 /// Height of a chart.
 const CHART: f64 = 150.0;
 
-/// Where the light comes from, in the axes of the view: right, up, towards the reader.
+/// Direction to the light, in the axes of the view: right, up, towards the reader.
 const LIGHT: [f64; 3] = [-0.3, 0.6, 0.74];
 
-/// The two bodies, their world poses and the answer in the frame that is shown.
+/// The two bodies, their world poses and the outcome in the shown frame.
 pub(crate) struct Shown<'a> {
     pub(crate) bodies: [&'a ConvexPolyhedron; 2],
     pub(crate) poses: &'a [Isometry3<f64>; 2],
@@ -37,7 +37,7 @@ pub(crate) struct Curve {
 /// Writes the picture.
 ///
 /// # Errors
-/// The file cannot be written.
+/// Returns an error if the file cannot be written.
 pub(crate) fn draw(shown: &Shown<'_>, curves: &[Curve], file: &Path) -> Result<(), String> {
     let height = VIEW + CHART * curves.len() as f64;
     let mut svg = Svg::new(WIDTH as u32, height as u32, &shown.title);
@@ -49,7 +49,8 @@ pub(crate) fn draw(shown: &Shown<'_>, curves: &[Curve], file: &Path) -> Result<(
     truth::command::write(file, &svg.finish())
 }
 
-/// Both bodies seen along a direction perpendicular to the normal, so that the gap between them is seen at full width.
+/// Draws both bodies seen perpendicular to the normal, so that the gap between them has its full
+/// width.
 fn bodies(svg: &mut Svg, shown: &Shown<'_>) {
     let normal = shown.poses[0] * shown.outcome.normal.into_inner();
     let up = normal.cross(&least_axis(&normal)).normalize();
@@ -116,14 +117,14 @@ fn bodies(svg: &mut Svg, shown: &Shown<'_>) {
     svg.words([20.0, VIEW - 12.0], 13, "start", words);
 }
 
-/// The axis of the world that is least along a direction.
+/// Returns the axis of the world along which a direction has its least component.
 fn least_axis(n: &Vector3<f64>) -> Vector3<f64> {
     let mut axis = Vector3::zeros();
     axis[n.iamin()] = 1.0;
     axis
 }
 
-/// One curve from zero, with its largest value and the number of frames at its axes.
+/// Draws one curve from zero, with its largest value and the number of frames at its axes.
 fn chart(svg: &mut Svg, top: f64, curve: &Curve) {
     let [left, right, base, roof] = [70.0, WIDTH - 20.0, top + CHART - 28.0, top + 24.0];
     let frames = curve.points.last().map_or(0, |p| p.0);

@@ -498,7 +498,7 @@ pub(crate) const SMALL_PAIR: f64 = f64::from_bits((1023 - 140) << 52);
 
 // Motions, impacts and compounds.
 
-/// Error of the posed pivot of a body on a motion, twice (once at the begin of a bound, once at the
+/// Error of the posed pivot of a body on a motion, twice (once at the start of a bound, once at the
 /// end), in units of the 1-norms of the pivot's position at time zero, and of the displacements by
 /// velocity and acceleration until then: `v t` has one rounding, `a t^2 / 2` three, their sums two,
 /// the last difference one, and the velocity at a later time two more times the displacement: 6
@@ -521,7 +521,7 @@ pub(crate) const TURN: f64 = 64.0 * UNIT;
 
 /// Deviation of the squared norm of a quaternion that was divided by its norm: the square errs by 4
 /// UNIT, the root by half of that and UNIT, the quotient by UNIT: 8 of the square, and 4 of the
-/// square taken anew.
+/// square taken again.
 #[cfg(feature = "serde")]
 pub(crate) const NORMALISED: f64 = 16.0 * UNIT;
 
@@ -580,7 +580,7 @@ pub(crate) const TICK: f64 = 1.0 / (1u64 << 30) as f64;
 /// below 4 (1 + 8 + 3) + 2.
 pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
 
-/// Error of the height of a vertex over the centre of a box that is fitted anew, along an axis of
+/// Error of the height of a vertex over the centre of a box that is fitted again, along an axis of
 /// the box, in units of the farthest vertex's distance from the tree's origin, with v =
 /// UNIT_SINGLE: the place of the vertex is rounded, v of it; a sum of three products errs by 3 v of
 /// the product of the lengths, and the axis is longer than one by 2 v. The centre, which three
@@ -588,7 +588,7 @@ pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
 /// v; the difference of both by 1 + sqrt 3. Sum: below 12 v.
 pub(crate) const REFIT_HEIGHT: f64 = 16.0 * UNIT_SINGLE;
 
-/// Largest deviation of the products of the axes of a box that is fitted anew from those of
+/// Largest deviation of the products of the axes of a box that is fitted again from those of
 /// orthonormal vectors: axes are rounded once, or kept as the build left them, within 8
 /// UNIT_SINGLE; the quotient by `1 - 24 UNIT_SINGLE` and roundings in double precision add far less
 /// than a hundredth.

@@ -144,7 +144,7 @@ impl PairTracker {
         "<PairTracker>"
     }
 
-    /// A tracker that was pickled begins anew.
+    /// A tracker that was pickled starts again.
     fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, ()) {
         (py.get_type::<Self>().into_any(), ())
     }

@@ -59,10 +59,10 @@ pub fn save(recording: &Recording, path: impl AsRef<Path>) -> Result<(), SaveErr
     Ok(stream.flush_blocking()?)
 }
 
-/// Logs a recording to a stream of rerun: a file, a viewer that runs, memory.
+/// Logs a recording to a stream of rerun: a file, a running viewer, or memory.
 ///
 /// # Errors
-/// What the stream refuses.
+/// Returns the error of the stream.
 pub fn log(recording: &Recording, stream: &RecordingStream) -> Result<(), RecordingStreamError> {
     let (mut cursor, mut before) = (Cursor::default(), Vec::new());
     let mut entities = BTreeSet::new();
@@ -72,7 +72,7 @@ pub fn log(recording: &Recording, stream: &RecordingStream) -> Result<(), Record
         bodies(recording, stream, &before, &cursor.poses)?;
         before.clone_from(&cursor.poses);
         let present = things(recording, stream, frame, &cursor.poses)?;
-        // What was shown in the frame before lasts until it is cleared.
+        // Content of the previous frame persists until it is cleared.
         for entity in entities.difference(&present) {
             stream.log(EntityPath::clone(entity), &rerun::Clear::flat())?;
         }
@@ -81,7 +81,7 @@ pub fn log(recording: &Recording, stream: &RecordingStream) -> Result<(), Record
     Ok(())
 }
 
-/// Bodies that come, go or have moved.
+/// Logs bodies that appear, disappear or have moved.
 fn bodies(
     recording: &Recording,
     stream: &RecordingStream,
@@ -129,7 +129,7 @@ fn things(
                 ("upper", outcome.upper),
             ] {
                 let parts = ["distances", &name, what].map(EntityPathPart::new);
-                // A depth that is not known has no lower bound: a plot has no minus infinity.
+                // An unknown depth has no lower bound, and a plot cannot show minus infinity.
                 if value.is_finite() {
                     stream.log(EntityPath::new(parts.to_vec()), &rerun::Scalars::single(value))?;
                 }
@@ -160,7 +160,7 @@ fn things(
     Ok(present)
 }
 
-/// The closest points of a pair in the world.
+/// Returns the closest points of a pair in the world frame.
 fn closest_points(pair: &PairLine, poses: &[Option<Isometry3<f64>>]) -> Option<[Point3<f64>; 2]> {
     let outcome = pair.outcome.as_ref()?;
     let pose = |k: u32| poses.get(k as usize).copied().flatten();
@@ -172,7 +172,7 @@ fn pair_name(recording: &Recording, pair: &PairLine) -> String {
     format!("{a} - {b}")
 }
 
-/// Returns the entity of a body; numbers tell bodies of the same name apart.
+/// Returns the entity of a body; numbers distinguish bodies with the same name.
 #[must_use]
 pub fn body_path(recording: &Recording, body: usize) -> EntityPath {
     let name = format!("{body} {}", recording.bodies[body].name);

@@ -1,4 +1,4 @@
-//! What is logged of bodies, pairs and boxes.
+//! Logging of bodies, pairs and boxes.
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -12,7 +12,7 @@ use rerun::{
 const RED: [u8; 3] = [204, 0, 0];
 const ORANGE: [u8; 3] = [230, 130, 0];
 
-/// Colours of bodies, one after the other by the entity's name (Okabe and Ito 2008).
+/// Colours of bodies, selected by the name of the entity (Okabe and Ito 2008).
 const COLOURS: [[u8; 3]; 6] = [
     [86, 180, 233],
     [230, 159, 0],
@@ -36,7 +36,7 @@ pub(crate) fn transform(pose: &Isometry3<f64>) -> Transform3D {
     Transform3D::from_translation_rotation(direction(&pose.translation.vector), turn)
 }
 
-/// Triangles of a body, or its edges if it has none.
+/// Logs the triangles of a body, or its edges if it has none.
 pub(crate) fn body(
     stream: &RecordingStream,
     entity: &EntityPath,
@@ -63,7 +63,7 @@ pub(crate) fn body(
     stream.log(entity.clone(), &mesh)
 }
 
-/// The closest points and the segment between.
+/// Logs the closest points and the segment between them.
 pub(crate) fn closest(
     stream: &RecordingStream,
     entity: &EntityPath,
@@ -76,7 +76,7 @@ pub(crate) fn closest(
     stream.log(entity.clone(), &Points3D::new(ends).with_colors([red]))
 }
 
-/// Contact points with their names, and normals from A to B.
+/// Logs contact points with their names, and normals from A to B.
 pub(crate) fn contacts(
     stream: &RecordingStream,
     entity: &EntityPath,

@@ -1,5 +1,5 @@
 //! The program behind the example of studies: an arm of six axes with links of hulls, among 40 bodies. `LIN_CANNY_WRITE=1` writes its
-//! files anew.
+//! files again.
 
 use std::fmt::Write as _;
 use std::fs;

@@ -103,7 +103,7 @@ pub enum RowError {
     Name {
         /// The name.
         name: String,
-        /// How many bodies have it.
+        /// Number of bodies with this name.
         count: usize,
     },
     /// The checker rejected the row.

@@ -1,4 +1,4 @@
-//! Configurations as they stand in the arguments of a function.
+//! Configurations in the arguments of a function.
 
 use datafusion::arrow::array::{Array, ArrayRef, AsArray, Float64Array, ListArray};
 use datafusion::arrow::datatypes::{DataType, Field, Float64Type};
@@ -9,14 +9,14 @@ use std::sync::Arc;
 use crate::error::RowError;
 use lin_canny_robot::Coordinate;
 
-/// One vector of numbers a row: a column for each number, or a column of lists.
+/// One vector of numbers per row: a column for each number, or a column of lists.
 pub(crate) enum Vectors {
     Columns(Vec<Float64Array>),
     Lists(ListArray),
 }
 
 impl Vectors {
-    /// Returns the vectors in arguments that [`vector_types`] has settled.
+    /// Returns the vectors in arguments of the types that [`vector_types`] returns.
     pub(crate) fn new(arguments: &[ArrayRef]) -> Self {
         match arguments {
             [one] if matches!(one.data_type(), DataType::List(_)) => Self::Lists(one.as_list().clone()),
@@ -27,7 +27,8 @@ impl Vectors {
         }
     }
 
-    /// Reads the vector of a row; `name` tells the name of each number, and of the list without one.
+    /// Reads the vector of a row; `name` returns the name of each number, or of the whole list for
+    /// `None`.
     pub(crate) fn read<'n>(
         &self,
         row: usize,
@@ -77,7 +78,7 @@ pub(crate) fn configuration(
     vectors.read(row, coordinates.len(), name, into)?;
     for (&value, coordinate) in into.iter().zip(coordinates) {
         let [lower, upper] = coordinate.limits;
-        // NaN is not within.
+        // NaN is outside.
         if !(lower..=upper).contains(&value) {
             let name = coordinate.name.clone();
             return Err(RowError::Limits {
@@ -91,12 +92,12 @@ pub(crate) fn configuration(
     Ok(())
 }
 
-/// The type of a list of numbers.
+/// Returns the type of a list of numbers.
 pub(crate) fn list_type() -> DataType {
     DataType::List(Arc::new(Field::new_list_field(DataType::Float64, true)))
 }
 
-/// Returns the types to which the arguments of a vector are cast: so many numbers, or one list.
+/// Returns the types to which the arguments of a vector are cast: `count` numbers, or one list.
 pub(crate) fn vector_types(arguments: &[DataType], count: usize, what: &str) -> Result<Vec<DataType>> {
     let is_number = |t: &DataType| t.is_numeric() || t.is_null();
     match arguments {

@@ -1,4 +1,4 @@
-//! Mouse and picture. The same in a window, on a page and without a display.
+//! Mouse and picture: the same in a window, on a page and without a display.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,7 +19,7 @@ use crate::panel;
 use crate::player::Player;
 use crate::stage::Stage;
 
-/// What the stage shows.
+/// Source of the stage.
 pub enum Source {
     /// A recording.
     Recording(Player),
@@ -27,21 +27,21 @@ pub enum Source {
     Demo(usize, Box<dyn Demo>),
 }
 
-/// Everything on the screen.
+/// The viewer: stage, camera and settings.
 pub struct Viewer {
     /// Bodies and pairs.
     pub stage: Stage,
-    /// Where they come from.
+    /// Source of the bodies and pairs.
     pub source: Source,
     /// The camera.
     pub camera: Camera,
     /// What is drawn.
     pub show: Show,
-    /// The body that was picked last.
+    /// The body picked last.
     pub picked: Option<usize>,
     /// Whether the panel is shown.
     pub panel: bool,
-    /// Times of the last frame on the processor: stage, list, commands.
+    /// Processor times of the last frame: stage, list, commands.
     pub times: [Duration; 3],
     /// Frames drawn so far.
     pub frames: u64,
@@ -51,15 +51,16 @@ pub struct Viewer {
     drag: Option<Drag>,
 }
 
-/// What the mouse holds.
+/// What the mouse drags.
 enum Drag {
     Camera,
-    /// A body, held at a depth from the eye.
+    /// A body, dragged at a depth from the eye.
     Body(usize, f64),
 }
 
 impl Viewer {
-    /// Draws with one or four samples a pixel; unless told, with four if there is a graphics card.
+    /// Returns a viewer that draws one or four samples per pixel; by default four if there is a
+    /// graphics card.
     #[must_use]
     pub fn new(context: &egui::Context, state: &RenderState, samples: Option<u32>) -> Self {
         context.set_fonts(fonts());
@@ -92,7 +93,7 @@ impl Viewer {
     /// Opens a demonstration by its number in [`demo::NAMES`].
     ///
     /// # Errors
-    /// If there is none of that number, or its bodies cannot be built.
+    /// Returns an error if the number does not exist or the bodies cannot be built.
     pub fn open_demo(&mut self, number: usize) -> Result<(), String> {
         let mut stage = Stage::default();
         let demo = demo::open(number, &mut stage)?;
@@ -109,13 +110,13 @@ impl Viewer {
         self.look_at_all();
     }
 
-    /// Puts the camera where it sees all bodies.
+    /// Moves the camera so that it shows all bodies.
     pub fn look_at_all(&mut self) {
         let (centre, radius) = self.stage.ball();
         self.camera = Camera::looking_at(centre, 3.6 * radius);
     }
 
-    /// The pair that the panel speaks of: the closest one of the body picked, or of all.
+    /// Returns the pair of the panel: the closest pair of the picked body, or of all bodies.
     #[must_use]
     pub fn chosen(&self) -> Option<usize> {
         let distance = |k: usize| self.stage.pairs[k].outcome.map_or(f64::INFINITY, |o| o.distance);
@@ -125,13 +126,13 @@ impl Viewer {
         nearest(&mut all.clone().filter(of_picked)).or_else(|| nearest(&mut all.clone()))
     }
 
-    /// The answer of the chosen pair.
+    /// Returns the outcome of the chosen pair.
     #[must_use]
     pub fn outcome(&self) -> Option<Outcome> {
         self.stage.pairs[self.chosen()?].outcome
     }
 
-    /// One frame.
+    /// Draws one frame.
     pub fn ui(&mut self, ui: &mut egui::Ui, state: &RenderState) {
         let start = Instant::now();
         let is_held = matches!(self.drag, Some(Drag::Body(..)));
@@ -183,7 +184,7 @@ impl Viewer {
         self.times[2] = listed.elapsed();
     }
 
-    /// Names of contacts, beside their normals.
+    /// Draws the names of contacts next to their normals.
     fn texts(&self, ui: &egui::Ui, rect: egui::Rect, view: &View) {
         for (place, text) in &self.list.texts {
             let p = (place - self.camera.target).cast::<f32>();
@@ -243,7 +244,7 @@ impl Viewer {
     }
 }
 
-/// The texture's name in egui.
+/// Registers the texture in egui and returns its id.
 fn register(
     known: &mut Option<egui::TextureId>,
     state: &RenderState,
@@ -263,7 +264,7 @@ fn register(
     }
 }
 
-/// Two fonts. The other two that egui can bring, of emoji, are 0.7 MB on the page.
+/// Returns two fonts. The other two fonts of egui, for emoji, would add 0.7 MB to the page.
 fn fonts() -> FontDefinitions {
     let mut fonts = FontDefinitions::empty();
     for (family, data) in [

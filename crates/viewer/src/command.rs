@@ -66,7 +66,7 @@ impl Arguments {
     }
 }
 
-/// What to open and how to show it.
+/// What to open, and how to show it.
 struct Options {
     demo: Option<usize>,
     file: Option<String>,
@@ -171,7 +171,8 @@ fn answer(headless: &Headless) -> String {
     headless.viewer.outcome().map_or("no answer".into(), |o| o.to_string())
 }
 
-/// Plays so many frames and prints medians.
+/// Plays the given number of frames and prints the least, median and 95th percentile of their
+/// times.
 fn times(headless: &mut Headless, frames: usize) -> Result<(), Trouble> {
     if let Source::Recording(player) = &mut headless.viewer.source {
         player.plays = true;

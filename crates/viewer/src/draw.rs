@@ -1,5 +1,5 @@
-//! What lies over the bodies, as triangles and strokes in single precision relative to the target
-//! of the camera.
+//! Overlays of the bodies as triangles and strokes, in single precision relative to the target of
+//! the camera.
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{ContactState, Outcome};
@@ -23,7 +23,7 @@ const SAFE: Colour = [40, 150, 70, 200];
 const HIT: Colour = [210, 50, 40, 200];
 const PATH: Colour = [120, 60, 200, 255];
 
-/// Words of a corner: position, normal, colour.
+/// Words of a vertex: position, normal, colour.
 pub const CORNER_WORDS: usize = 7;
 /// Words of a stroke: two ends, colour, width in pixels.
 pub const STROKE_WORDS: usize = 8;
@@ -33,7 +33,7 @@ pub const STROKE_WORDS: usize = 8;
 pub struct Show {
     /// Closest points, segment and features.
     pub witnesses: bool,
-    /// Closest points of all pairs, not of the chosen one alone.
+    /// Closest points of all pairs, not only of the chosen pair.
     pub all: bool,
     /// Voronoi regions of the features of the chosen pair.
     pub regions: bool,
@@ -67,22 +67,22 @@ impl Default for Show {
     }
 }
 
-/// What the graphics card gets: words of 32 bits.
+/// Data for the graphics card, in words of 32 bits.
 #[derive(Default)]
 pub struct DrawList {
-    /// Corners of triangles.
+    /// Vertices of triangles.
     pub corners: Vec<u32>,
-    /// Strokes hidden by what is in front.
+    /// Strokes that bodies in front of them hide.
     pub strokes: Vec<u32>,
     /// Strokes that nothing hides.
     pub marks: Vec<u32>,
-    /// Texts and their places in the world.
+    /// Texts and their positions in the world.
     pub texts: Vec<(Point3<f64>, String)>,
     origin: Vector3<f64>,
 }
 
 impl DrawList {
-    /// Begins a list relative to a point.
+    /// Starts a list relative to a point.
     pub fn begin(&mut self, origin: &Point3<f64>) {
         self.corners.clear();
         self.strokes.clear();
@@ -91,7 +91,7 @@ impl DrawList {
         self.origin = origin.coords;
     }
 
-    /// Adds everything but the bodies.
+    /// Adds everything except the bodies.
     pub fn add(&mut self, stage: &Stage, show: &Show, chosen: Option<usize>) {
         let size = if stage.pairs.len() <= 2 { 1.0 } else { 0.5 };
         for (k, pair) in stage.pairs.iter().enumerate() {
@@ -150,7 +150,7 @@ impl DrawList {
         }
     }
 
-    /// A face, lifted along its normal.
+    /// Adds a face, lifted along its normal.
     fn face(&mut self, rim: &[Point3<f64>], normal: &Vector3<f64>, lift: f64) {
         let up = normal * lift;
         self.fan(rim, normal, &up, LIT);
@@ -218,7 +218,7 @@ impl DrawList {
         self.aabb(&[low, high], PENCIL);
     }
 
-    /// Both bodies at both ends of the bracket, by their edges.
+    /// Adds the edges of both bodies at both ends of the bracket.
     fn bracket(&mut self, stage: &Stage, bracket: &Bracket) {
         for (poses, colour) in [(&bracket.at_safe, SAFE), (&bracket.at_hit, HIT)] {
             for (body, pose) in bracket.bodies.iter().zip(poses) {
@@ -241,7 +241,7 @@ impl DrawList {
     }
 }
 
-/// The witnesses in the world.
+/// Returns the witnesses in the world frame.
 fn ends(outcome: &Outcome, [a, b]: [&lin_canny::nalgebra::Isometry3<f64>; 2]) -> [Point3<f64>; 2] {
     [a * outcome.point_on_a, b * outcome.point_on_b]
 }

@@ -1,7 +1,7 @@
-//! Draws bodies and a list into a texture of its own. Nothing here knows of windows.
+//! Draws bodies and a list into a texture, independent of windows.
 //!
-//! Triangles and edges of each geometry lie in one buffer, written once; a frame sends a matrix and
-//! a colour for each body.
+//! Triangles and edges of all geometries are in one buffer each, written once. A frame sends a
+//! matrix and a colour for each body.
 
 use eframe::egui_wgpu::wgpu;
 use lin_canny::nalgebra::{Matrix4, Point3};
@@ -11,7 +11,7 @@ use crate::draw::{CORNER_WORDS, DrawList, STROKE_WORDS};
 use crate::pipelines::{INSTANCE_WORDS, Pipelines, RIM_WORDS};
 use crate::stage::Stage;
 
-/// Colours are written as they shall be shown: egui works in gamma space.
+/// Colours are written as displayed: egui works in gamma space.
 pub(crate) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth24Plus;
 const BACKGROUND: wgpu::Color = wgpu::Color {
@@ -38,7 +38,7 @@ pub struct Gpu {
     words: Vec<u32>,
 }
 
-/// Where a geometry lies in the buffers, in vertices.
+/// Range of a geometry in the buffers, in vertices.
 struct Ranges {
     triangles: std::ops::Range<u32>,
     edges: std::ops::Range<u32>,
@@ -52,22 +52,22 @@ struct Target {
     depth: wgpu::TextureView,
 }
 
-/// What the camera says of a frame.
+/// The camera of a frame.
 pub struct View {
-    /// From the world, with the target of the camera as its origin, to clip space.
+    /// Map from the world, with the target of the camera as its origin, to clip space.
     pub clip: Matrix4<f32>,
     /// Unit direction to the light.
     pub light: [f32; 3],
-    /// Pixels.
+    /// Size in pixels.
     pub size: [u32; 2],
-    /// Pixels of a point of the screen.
+    /// Pixels per point of the screen.
     pub scale: f32,
     /// The target of the camera.
     pub origin: Point3<f64>,
 }
 
 impl Gpu {
-    /// One or four samples a pixel: every driver has these two.
+    /// Uses one or four samples per pixel: every driver supports both.
     #[must_use]
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, samples: u32) -> Self {
         Self {
@@ -87,7 +87,7 @@ impl Gpu {
         }
     }
 
-    /// Takes the geometries of another stage.
+    /// Uploads the geometries of another stage.
     pub fn upload(&mut self, solids: &[RenderMesh]) {
         let (mut triangles, mut edges) = (Vec::new(), Vec::new());
         let push = |words: &mut Vec<u32>, p: [f64; 3]| words.extend(p.map(|x| (x as f32).to_bits()));
@@ -112,7 +112,8 @@ impl Gpu {
         self.edges.fill(&self.device, &self.queue, &edges);
     }
 
-    /// Writes the instances, ordered by geometry; returns how many of each.
+    /// Writes the instances, ordered by geometry; returns where each geometry's instances start and
+    /// end.
     fn place(&mut self, stage: &Stage, origin: &Point3<f64>) -> Vec<u32> {
         let mut ends = vec![0u32; self.meshes.len() + 1];
         let shown = || stage.bodies.iter().filter(|b| b.shown);
@@ -140,8 +141,7 @@ impl Gpu {
         ends
     }
 
-    /// Draws, and returns the picture; and whether it is another texture than that of the last
-    /// call.
+    /// Draws, and returns the picture and whether its texture differs from that of the last call.
     pub fn draw(&mut self, stage: &Stage, list: &DrawList, view: &View) -> (&wgpu::TextureView, bool) {
         let fresh = self.target.as_ref().is_none_or(|t| t.size != view.size);
         let target = match self.target.take() {
@@ -208,7 +208,8 @@ impl Gpu {
             for (mesh, slots) in self.meshes.iter().zip(ends.windows(2)) {
                 let range = if is_solid { &mesh.triangles } else { &mesh.edges };
                 if slots[0] < slots[1] && !range.is_empty() {
-                    // The slice begins at the first instance: WebGL 2 knows no other first instance than 0.
+                    // The slice starts at the first instance, because WebGL 2 supports only 0 as
+                    // the first instance.
                     let stride = 4 * INSTANCE_WORDS as u64;
                     let [from, to] = [slots[0], slots[1]].map(|k| u64::from(k) * stride);
                     pass.set_vertex_buffer(1, instances.slice(from..to));
@@ -255,7 +256,7 @@ impl Target {
     }
 }
 
-/// A vertex buffer that is replaced by a larger one when it is too small.
+/// A vertex buffer that is replaced by a larger one if it is too small.
 #[derive(Default)]
 struct Growing {
     buffer: Option<wgpu::Buffer>,

@@ -1,9 +1,11 @@
-//! Shows pairs, scenes and robots with their closest features: one source for a window, for
-//! pictures without a display, and for a web page.
+//! Shows pairs, scenes and robots with their closest features in a window, in pictures without a
+//! display, and on a web page.
 //!
-//! `stage`, `lit`, `player` and `bits` know nothing of graphics; `camera` and `draw` are
-//! plain arithmetic; `gpu` draws a stage into a texture; `app` is panel, mouse and the picture in
-//! egui; `demo` holds what the page shows.
+//! - `stage`, `lit`, `player` and `bits` are independent of graphics.
+//! - `camera` and `draw` are plain arithmetic.
+//! - `gpu` draws a stage into a texture.
+//! - `app` has the panel, the mouse and the picture in egui.
+//! - `demo` has the demonstrations of the page.
 
 pub mod app;
 pub mod bits;

@@ -1,4 +1,4 @@
-//! The feature that holds a witness, and its Voronoi region, as points in the world.
+//! The feature that contains a witness, and its Voronoi region, as points in the world frame.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, Vector3};
 use lin_canny::shape::Core;
@@ -10,7 +10,7 @@ pub enum Lit {
     Vertex(Point3<f64>),
     /// An edge.
     Edge([Point3<f64>; 2]),
-    /// A face: its rim, and its unit normal.
+    /// A face: its boundary and its unit normal.
     Face(Vec<Point3<f64>>, Vector3<f64>),
 }
 
@@ -87,7 +87,7 @@ fn walls(body: &ConvexPolyhedron, pose: &Isometry3<f64>, at: Feature, height: f6
     })
 }
 
-/// The polyhedron that holds the features of a part.
+/// Returns the polyhedron that has the features of a subshape.
 fn polyhedron<'g>(
     geometry: &'g Geometry,
     pose: &Isometry3<f64>,

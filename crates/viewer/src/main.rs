@@ -1,4 +1,4 @@
-//! A window; or, without a display, a picture, times or a digest of answers.
+//! A window or, without a display, a picture, times or a digest of outcomes.
 
 #[cfg(not(target_arch = "wasm32"))]
 mod command;
@@ -14,6 +14,6 @@ fn main() -> std::process::ExitCode {
     }
 }
 
-/// The page enters the library, not this program.
+/// The page uses the library, not this program.
 #[cfg(target_arch = "wasm32")]
 fn main() {}

@@ -1,4 +1,5 @@
-//! The panel: controls of the source, the answer of the chosen pair, what is drawn.
+//! The panel: controls of the source, the outcome of the chosen pair, and the switches of the
+//! picture.
 
 use eframe::egui::{self, Color32, RichText};
 use lin_canny::Feature;
@@ -30,7 +31,7 @@ pub(crate) fn panel(viewer: &mut Viewer, ui: &mut egui::Ui) {
         }
     }
     if let Some(number) = open {
-        // The list holds only numbers that exist, and their bodies are built in tests.
+        // The list has only existing numbers, and tests build their bodies.
         viewer.open_demo(number).unwrap_or_else(|text| viewer.stage.note = text);
     }
     ui.separator();
@@ -105,7 +106,7 @@ fn answer(viewer: &Viewer, ui: &mut egui::Ui) {
     });
 }
 
-/// Fixed digits where they tell enough, else all of them.
+/// Formats a number with fixed digits if these are sufficient, otherwise with an exponent.
 pub(crate) fn number(x: f64) -> String {
     if x == 0.0 || (1e-4..1e6).contains(&x.abs()) {
         format!("{x:.15}")

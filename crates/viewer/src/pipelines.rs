@@ -5,7 +5,7 @@ use eframe::egui_wgpu::wgpu;
 use crate::draw::{CORNER_WORDS, STROKE_WORDS};
 use crate::gpu::{COLOUR, DEPTH, View};
 
-/// Words of an instance of a body: three rows of a matrix, colour.
+/// Words of an instance of a body: three rows of a matrix, and a colour.
 pub(crate) const INSTANCE_WORDS: usize = 13;
 
 /// Words of an end of an edge.
@@ -67,7 +67,7 @@ impl Pipelines {
         }
     }
 
-    /// Sends what the camera says.
+    /// Sends the camera of a frame.
     pub(crate) fn look(&self, queue: &wgpu::Queue, view: &View) {
         let mut words = [0f32; VIEW_WORDS];
         words[..16].copy_from_slice(view.clip.as_slice());
@@ -124,7 +124,7 @@ fn uniform(device: &wgpu::Device) -> (wgpu::Buffer, wgpu::BindGroupLayout, wgpu:
     (view, layout, group)
 }
 
-/// What all pipelines share while they are made.
+/// Shared parameters for creating the pipelines.
 struct Maker<'a> {
     device: &'a wgpu::Device,
     samples: u32,

@@ -1,24 +1,24 @@
-//! A recording on the stage, frame by frame.
+//! Plays a recording on the stage, frame by frame.
 
 use lin_canny_record::{Cursor, Recording};
 
 use crate::stage::{Pair, Stage};
 
-/// A recording and the frame that is shown.
+/// A recording and its shown frame.
 #[derive(Default)]
 pub struct Player {
     /// The recording.
     pub recording: Recording,
-    /// The frame that is shown.
+    /// The shown frame.
     pub frame: usize,
-    /// Whether the frames go on by themselves.
+    /// Whether the frames advance automatically.
     pub plays: bool,
     cursor: Cursor,
     /// Whether the vertices of a mesh change.
     bends: bool,
 }
 
-/// Said under every frame of a recording in which a mesh bends.
+/// Text under every frame of a recording in which a mesh deforms.
 const BENDS: &str = "Meshes whose vertices change are drawn as they are at first.";
 
 impl Player {
@@ -41,7 +41,7 @@ impl Player {
         (player, stage)
     }
 
-    /// Shows a frame; past the last one, the last.
+    /// Shows a frame, or the last frame if the number is too large.
     pub fn show(&mut self, frame: usize, stage: &mut Stage) {
         self.frame = frame.min(self.recording.frames.len().saturating_sub(1));
         self.cursor.seek(&self.recording, self.frame);
@@ -72,7 +72,7 @@ impl Player {
         }
     }
 
-    /// Goes one frame on if the recording plays; from the last to the first.
+    /// Advances by one frame if the recording plays; the first frame follows the last.
     pub fn advance(&mut self, stage: &mut Stage) {
         if self.plays && !self.recording.frames.is_empty() {
             self.show((self.frame + 1) % self.recording.frames.len(), stage);

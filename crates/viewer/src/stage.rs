@@ -1,5 +1,4 @@
-//! What is on the stage: bodies, the pairs that are watched, and everything a frame shows beside
-//! them.
+//! The stage: bodies, watched pairs, and everything else that a frame shows.
 
 use std::collections::HashMap;
 
@@ -7,36 +6,36 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{Geometry, ManifoldOptions, Outcome, PairTracker, RelativePose};
 use lin_canny_record::{Bracket, ColumnLine, Contact, RenderMesh};
 
-/// A body and where it stands.
+/// A body and its pose.
 #[derive(Clone, Debug)]
 pub struct Body {
-    /// The name.
+    /// Name.
     pub name: String,
-    /// The number of the geometry.
+    /// Number of the geometry.
     pub geometry: usize,
-    /// The pose in the world.
+    /// Pose in the world frame.
     pub pose: Isometry3<f64>,
-    /// Whether the body is drawn, picked and measured.
+    /// Whether the body is drawn and may be picked.
     pub shown: bool,
     /// Red, green, blue, opacity.
     pub colour: [u8; 4],
 }
 
-/// A pair and what is known of it.
+/// A pair and its results.
 #[derive(Clone, Debug)]
 pub struct Pair {
     /// The two bodies.
     pub bodies: [usize; 2],
     /// Closest points and bounds.
     pub outcome: Option<Outcome>,
-    /// The piece, triangle or patch of each.
+    /// The piece, triangle or patch of each body.
     pub subshapes: [u32; 2],
-    /// Contact points in the world.
+    /// Contact points in the world frame.
     pub contacts: Vec<Contact>,
 }
 
 impl Pair {
-    /// Returns a pair of which nothing is known yet.
+    /// Returns a pair without results.
     #[must_use]
     pub fn of(a: usize, b: usize) -> Self {
         Self {
@@ -53,11 +52,11 @@ impl Pair {
 pub struct Stage {
     /// All geometries.
     pub geometries: Vec<Geometry>,
-    /// Their pictures, by the same number.
+    /// Their render meshes, by the same number.
     pub solids: Vec<RenderMesh>,
     /// All bodies.
     pub bodies: Vec<Body>,
-    /// The pairs that are watched.
+    /// The watched pairs.
     pub pairs: Vec<Pair>,
     /// Boxes of the broad phase.
     pub boxes: Vec<[Point3<f64>; 2]>,
@@ -83,7 +82,7 @@ pub const PALETTE: [[u8; 4]; 6] = [
 ];
 
 impl Stage {
-    /// Adds a geometry.
+    /// Adds a geometry and returns its number.
     pub fn geometry(&mut self, geometry: impl Into<Geometry>) -> usize {
         let geometry = geometry.into();
         self.solids.push(RenderMesh::from_geometry(&geometry));
@@ -91,7 +90,7 @@ impl Stage {
         self.geometries.len() - 1
     }
 
-    /// Adds a body in the next colour.
+    /// Adds a body in the next colour and returns its number.
     pub fn body(&mut self, name: impl Into<String>, geometry: usize, pose: Isometry3<f64>) -> usize {
         self.bodies.push(Body {
             name: name.into(),
@@ -140,8 +139,8 @@ impl Stage {
         (0..self.pairs.len()).for_each(|k| self.measure(k));
     }
 
-    /// Measures the pairs of a body that has been moved. A body without a pair gets one with the
-    /// body that is closest.
+    /// Measures the pairs of a body that has moved. A body without a pair gets one with the closest
+    /// body.
     pub fn moved(&mut self, body: usize) {
         let is_mine = |p: &Pair| p.bodies.contains(&body);
         if !self.pairs.iter().any(is_mine)
@@ -171,7 +170,7 @@ impl Stage {
         others.min_by(|x, y| gap(x.1).total_cmp(&gap(y.1))).map(|(k, _)| k)
     }
 
-    /// Returns the body that a ray meets first, and how far along the ray.
+    /// Returns the first body along a ray, and the distance along the ray.
     #[must_use]
     pub fn pick(&self, from: &Point3<f64>, along: &Vector3<f64>) -> Option<(usize, f64)> {
         let shown = self.bodies.iter().enumerate().filter(|(_, b)| b.shown);
@@ -189,7 +188,7 @@ impl Stage {
         hits.min_by(|x, y| x.1.total_cmp(&y.1))
     }
 
-    /// Returns the middle and the radius of a ball about all bodies that are shown.
+    /// Returns centre and radius of a ball around all shown bodies.
     #[must_use]
     pub fn ball(&self) -> (Point3<f64>, f64) {
         let shown = || self.bodies.iter().filter(|b| b.shown);
@@ -212,7 +211,7 @@ impl Stage {
     }
 }
 
-/// How far along the ray a triangle is met.
+/// Returns the distance along the ray to a triangle; `None` if it is missed.
 fn meets([p, q, r]: &[Point3<f64>; 3], from: &Point3<f64>, along: &Vector3<f64>) -> Option<f64> {
     let (e, f) = (q - p, r - p);
     let across = along.cross(&f);

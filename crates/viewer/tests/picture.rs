@@ -1,6 +1,7 @@
-//! Pictures without a display: what is on the stage is seen in the pixels. Needs a graphics driver,
-//! if only one in software; the tests fail without, and `.ci/viewer` leaves them out then and says
-//! so.
+//! Pictures without a display: the pixels show what is on the stage.
+//!
+//! The tests need a graphics driver, possibly one in software, and fail without it. `.ci/viewer`
+//! then skips them and reports it.
 
 use lin_canny_record::Recording;
 use lin_canny_viewer::app::{Source, Viewer};
@@ -61,7 +62,7 @@ fn bodies_features_and_segment_are_seen() {
     let pixels = draw(&mut headless);
     assert!(count(&pixels, is_blue) > 3000, "{} blue", count(&pixels, is_blue));
     assert!(count(&pixels, is_orange) > 1500, "{} orange", count(&pixels, is_orange));
-    // Both ends are some 70 pixels, the segment between as many.
+    // Both ends cover about 70 pixels, and the segment between them as many.
     assert!(
         count(&pixels, is_gap) > 100,
         "{} of the segment",
@@ -81,7 +82,7 @@ fn bodies_features_and_segment_are_seen() {
     headless.viewer.show.witnesses = false;
     let without = draw(&mut headless);
     assert!(count(&without, is_gap) + count(&without, is_lit) < 20);
-    // Another frame is another picture, the same frame the same.
+    // Another frame gives another picture; the same frame gives the same picture.
     show(&mut headless.viewer, 70);
     assert_ne!(draw(&mut headless), without);
     show(&mut headless.viewer, 20);
@@ -109,7 +110,7 @@ fn a_drag_changes_the_answer() {
     show(&mut headless.viewer, 20);
     draw(&mut headless);
     let before = headless.viewer.outcome().unwrap();
-    // The place of the second body on the screen, by its colour.
+    // The position of the second body on the screen, by its colour.
     let pixels = headless.pixels().unwrap();
     let places: Vec<[f32; 2]> = (0..pixels.len() / 4)
         .filter(|i| {

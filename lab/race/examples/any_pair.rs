@@ -1,5 +1,7 @@
-//! A hull, a cylinder, a mesh and a Bézier surface: every pair in both orders by one type of tracker, the distance, the time of
-//! impact, and the contacts then, if the two bear any.
+//! Casts every pair of a hull, a cylinder, a mesh and a Bézier surface with one type of tracker.
+//!
+//! Prints the distance, the time of impact and the number of contacts at impact, for both orders of
+//! each pair.
 //!
 //! ```text
 //! cargo run --release -p race --example any_pair

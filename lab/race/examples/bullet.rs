@@ -1,15 +1,14 @@
-//! Small spinning bodies fly at a thin plate, one step of a game at a time: who notices, and who
-//! lets them through.
+//! Small spinning bodies fly at a thin plate: which methods detect the hits of one time step?
 //!
 //! ```text
 //! cargo run --release -p race --example bullet -- [--out FILE.svg] [--throws N]
 //! ```
 //!
-//! Rods and discs of ten centimetres, spinning at up to 300 radians a second, fly past and into a
-//! plate of 2 mm, in steps of 1/60 s. Four ways to look at the step: both ends of it (discrete),
-//! parry's sweep between end poses (what rapier 0.36 uses for fast bodies), parry's nonlinear cast,
-//! and `impact::cast`. Each is judged on the motion that it follows; the cast itself by four
-//! hundred instants of every miss.
+//! Rods and discs of 10 cm, spinning at up to 300 radians per second, fly past and into a plate of
+//! 2 mm, in steps of 1/60 s. Four methods test each step: the end pose alone (discrete), parry's
+//! sweep between the end poses (rapier 0.36 uses it for fast bodies), parry's nonlinear cast, and
+//! `impact::cast`. Each is judged on the motion that it follows. For `impact::cast`, every miss is
+//! checked at 400 instants.
 
 use clap::Parser;
 use lin_canny::impact::{Impact, Tolerance, cast};
@@ -51,7 +50,7 @@ fn main() -> ExitCode {
     truth::command::main(run)
 }
 
-/// A body for both libraries.
+/// A body in the form of each library.
 struct Body {
     ours: ConvexPolyhedron,
     hull: parry::Hull,
@@ -72,11 +71,11 @@ fn parry_pose(pose: &Isometry3<f64>) -> ParryPose {
     })
 }
 
-/// A step of a body that is near the plate somewhere in it.
+/// Returns the start and the velocity of a body that comes near the plate during the step.
 fn throw(rng: &mut Rng, speed: f64) -> (Isometry3<f64>, Velocity) {
     let direction = (Vector3::x() + Vector3::from(rng.in_ball()) * 0.3).normalize();
     let velocity = direction * speed;
-    // In the plane of the plate at some instant of the step, inside or beside it.
+    // A position in the plane of the plate at some instant of the step, on the plate or next to it.
     let place = Vector3::new(0.0, rng.range(-0.25, 0.25), rng.range(-0.25, 0.25));
     let start = place - velocity * (STEP * rng.range(0.05, 0.95)) - Vector3::x() * 0.11;
     let spin = Vector3::from(rng.unit()) * rng.range(0.0, 300.0);
@@ -84,8 +83,8 @@ fn throw(rng: &mut Rng, speed: f64) -> (Isometry3<f64>, Velocity) {
     (Isometry3::from_parts(start.into(), turn), Velocity::new(velocity, spin))
 }
 
-/// What each way makes of the hits of one speed: how many were missed, of how many; and instants
-/// that contradict our misses.
+/// Counts, for each method, the missed hits and all hits at one speed, and the instants that
+/// contradict a miss proven by `impact::cast`.
 fn judge(bodies: &[Body], plate: &Body, speed: f64, throws: usize) -> Result<([[u32; 2]; 4], u32), Trouble> {
     let mut rng = Rng::new(speed.to_bits());
     let (mut tally, mut wrong) = ([[0; 2]; 4], 0);
@@ -194,7 +193,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
         .size(860, 400)
         .legend_beside();
     for ((name, line), [missed, of]) in WAYS.into_iter().zip(lines).zip(totals) {
-        // Lines at zero cover each other: the numbers are in the legend.
+        // Lines at zero cover each other, so the legend gives the numbers.
         chart = chart.line(format!("{name}: {missed} of {of}"), line);
     }
     if let Some(folder) = options.out.parent() {

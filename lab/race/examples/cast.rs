@@ -1,10 +1,10 @@
-//! Casts of a file: one case a line, one answer a line.
+//! Runs the casts of a file, one case per line, and prints one result per line.
 //!
 //! ```text
 //! cargo run --release -p race --example cast -- FILE
 //! ```
 //!
-//! `--help` describes a line.
+//! `--help` describes the format of a line.
 
 use clap::Parser;
 use lin_canny::Tracker;
@@ -53,7 +53,7 @@ fn run(file: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// The numbers of a text, which spaces and commas separate.
+/// Returns the numbers of a text, separated by spaces and commas.
 fn numbers(text: &str) -> Result<Vec<f64>, Trouble> {
     let words = text
         .split(|c: char| c == ',' || c.is_whitespace())
@@ -63,7 +63,7 @@ fn numbers(text: &str) -> Result<Vec<f64>, Trouble> {
         .collect()
 }
 
-/// A hull or, of points that have none, a polygon, a segment or a point.
+/// Returns the hull of the points or, if they have no hull, a polygon, a segment or a point.
 fn body(text: &str) -> Result<ConvexPolyhedron, Trouble> {
     let list = numbers(text)?;
     if list.is_empty() || list.len() % 3 != 0 {
@@ -94,7 +94,7 @@ fn motion(text: &str) -> Result<Steady, Trouble> {
     })
 }
 
-/// Names the part of the line in which a fault lies.
+/// Adds to an error the part of the line that caused it.
 fn named<T>(part: &str, read: Result<T, Trouble>) -> Result<T, Trouble> {
     read.map_err(|e| format!("{part}: {e}").into())
 }

@@ -1,9 +1,11 @@
-//! Draws the columns, the sweep and the pairs of a small scene:
-//! `cargo run --release -p race --example columns`.
+//! Draws the columns, the sweep and the pairs of a small scene.
 //!
-//! Above: the columns seen from the side, shaded by how many bodies they list, and the pairs.
-//! Below: the busiest column, its boxes in sorted order, each from start to end; pairs are joined
-//! by lines.
+//! `cargo run --release -p race --example columns` draws two pictures, one above the other:
+//!
+//! - Above: the columns seen from the side, shaded by the number of bodies they list, and the
+//!   pairs.
+//! - Below: the busiest column, with its boxes in sorted order, each from start to end. Lines join
+//!   the boxes of a pair.
 
 use clap::Parser;
 use lin_canny::broad::{BodyId, BodyOptions, ColumnBounds, StoredBox, SweepAndPrune};
@@ -77,14 +79,14 @@ fn picture(broad: &SweepAndPrune) -> String {
     )
 }
 
-/// A broad phase from the side: the swept axis to the right, the first of the others upward.
+/// A broad phase seen from the side: the swept axis to the right, the next axis upward.
 struct View<'a> {
     broad: &'a SweepAndPrune,
     columns: Vec<ColumnBounds>,
     boxes: Vec<(BodyId, StoredBox)>,
     axis: usize,
     up: usize,
-    /// Least and greatest coordinates of boxes, along both.
+    /// Least and greatest coordinates of the boxes, along both axes.
     across: [f32; 2],
     height: [f32; 2],
 }
@@ -139,7 +141,7 @@ impl<'a> View<'a> {
                 r##"<rect x="20" y="{:.1}" width="{width:.1}" height="{height:.1}" fill="rgb({shade:.0},{shade:.0},255)" stroke="#88a" stroke-dasharray="4 3"/>"##,
                 self.y(top)
             );
-            // One at the border may be too narrow for its words.
+            // A column at the border may be too narrow for its label.
             if height < 12.0 {
                 continue;
             }
@@ -183,8 +185,8 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The busiest column: its boxes as intervals in sorted order, with a bar for each entry a
-    /// window looks at. Where it ends.
+    /// Draws the busiest column: its boxes as intervals in sorted order, with a bar for each entry
+    /// that the sweep compares. Returns the y coordinate of its lower end.
     fn sweep(&self, top: f32, svg: &mut String) -> f32 {
         let Some(p) = self.columns.iter().max_by_key(|p| p.listed) else {
             return top;

@@ -1,7 +1,7 @@
-//! Two interlocked rings tumble: the front of one frame with the closest points as a picture, and
-//! what a frame takes, beside parry.
+//! Two interlocked rings tumble: time per frame compared with parry, and a picture of one front.
 //!
-//! `cargo run --release -p race --example interlocked`
+//! `cargo run --release -p race --example interlocked` prints the table, and draws the front of one
+//! frame with the closest points.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -24,10 +24,10 @@ type Trouble = Box<dyn std::error::Error>;
 
 const FRAMES: usize = 720;
 
-/// parry is asked every so many frames.
+/// parry is queried once in this many frames.
 const SPARSE: usize = 90;
 
-/// Towards the viewer, to the right and up.
+/// Axes of the view: towards the viewer, to the right, and up.
 const VIEW: [Point; 3] = [[0.36, -0.80, 0.48], [0.91, 0.41, 0.0], [-0.20, 0.44, 0.88]];
 
 /// Measure the time per frame of two interlocked rings, compared with parry, and draw the front of
@@ -56,7 +56,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
     Ok(write(&options.out, &picture(&ring)?)?)
 }
 
-/// One ring through the other, half a degree a frame.
+/// Returns the pose of one ring through the other, at half a degree per frame.
 fn pose(k: usize) -> Pose {
     let phase = (0.5 * k as f64).to_radians();
     let upright = quat([1.0, 0.0, 0.0], 1.4);
@@ -72,7 +72,7 @@ fn mesh(soup: &Soup) -> Result<Mesh, Trouble> {
     Ok(Mesh::new(&points, &soup.triangles)?)
 }
 
-/// A line of the table.
+/// Prints one line of the table.
 fn race(ring: &Soup) -> Result<(), Trouble> {
     let m = mesh(ring)?;
     let at: Vec<_> = (0..FRAMES)
@@ -108,7 +108,7 @@ fn race(ring: &Soup) -> Result<(), Trouble> {
     Ok(())
 }
 
-/// Where a point is drawn, and how near the viewer.
+/// Returns the position of a point on the page, and its depth towards the viewer.
 fn project(p: Point) -> (f64, f64, f64) {
     (
         330.0 + 190.0 * dot(p, VIEW[1]),
@@ -117,7 +117,7 @@ fn project(p: Point) -> (f64, f64, f64) {
     )
 }
 
-/// Both rings, the boxes of the front, and the closest points.
+/// Draws both rings, the boxes of the front, and the closest points.
 fn picture(ring: &Soup) -> Result<String, Trouble> {
     let m = mesh(ring)?;
     let mut tracker = PairTracker::new();
@@ -163,7 +163,7 @@ fn picture(ring: &Soup) -> Result<String, Trouble> {
     Ok(svg)
 }
 
-/// A triangle that faces the viewer.
+/// Returns a triangle as a polygon with its depth, if it faces the viewer.
 fn face(t: [Point; 3], hue: u32) -> Option<(f64, String)> {
     let n = unit(cross(sub(t[1], t[0]), sub(t[2], t[0])));
     let light = dot(n, VIEW[0]);
@@ -179,7 +179,7 @@ fn face(t: [Point; 3], hue: u32) -> Option<(f64, String)> {
     (light > 0.0).then_some((depth, polygon))
 }
 
-/// The edges of a box, unless it is too small to be seen.
+/// Returns the edges of a box with its depth, unless the box is too small to be seen.
 fn frame(corners: [Point; 8], hue: u32) -> Option<(f64, String)> {
     let at = corners.map(project);
     let edges = (0..8)

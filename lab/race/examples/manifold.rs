@@ -1,4 +1,4 @@
-//! A box slides over the rim of a round plate: its contacts frame by frame, with the names they keep.
+//! Prints the contacts of a box that slides over the edge of a round plate, with their `id`s.
 
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{Manifold, ManifoldOptions, RelativePose, Tracker, polyhedron::solids};
@@ -9,7 +9,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     let plate = solids::prism(24, 0.2, 1.0)?;
     let part = solids::cuboid(Vector3::new(0.35, 0.25, 0.2))?;
-    // One of each for a pair of bodies.
+    // One tracker and one manifold per pair of bodies.
     let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
     let options = ManifoldOptions::with_prediction(0.01);
     println!("name (the features it was first seen on), features now, depth, place on the plate");
@@ -20,7 +20,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         pair.manifold(&plate, &part, &plate_from_part, &options, &mut manifold);
         println!("frame {frame}, {} points", manifold.points().len());
         for contact in manifold.points() {
-            // What a solver keeps for a contact from frame to frame is found by `id`; `features` is where it is now.
+            // Look up what a solver keeps for a contact by `id`; `features` are the current
+            // features.
             println!(
                 "  {:>8}  now {:>8}  {:.4} deep at [{:+.3}, {:+.3}]",
                 contact.id, contact.features, -contact.separation, contact.point_on_a.x, contact.point_on_a.y

@@ -1,8 +1,8 @@
-//! Answers a recorded query at every level: `replay [--trace] [FILE]`, from the standard input
-//! without a file.
+//! Repeats a recorded query at every level of accuracy: `replay [--trace] [FILE]`.
 //!
-//! The text is what [`Tracker::replay`] writes and what a failed debug assertion prints; lines
-//! before its title are passed over, so the message of a panic can be given as it is.
+//! Without a file it reads the standard input. The text is the output of [`Tracker::replay`] or of
+//! a failed debug assertion. Text before its title is skipped, so the whole message of a panic is
+//! accepted.
 
 use std::io::{IsTerminal, Read};
 use std::path::{Path, PathBuf};

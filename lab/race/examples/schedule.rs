@@ -1,14 +1,15 @@
-//! Who is looked at when: a swarm of spinning hulls, each pair asleep until its certificate runs
-//! out.
+//! Schedules the pairs of a swarm of spinning hulls: each pair sleeps until its certificate
+//! expires.
 //!
 //! ```text
 //! cargo run --release -p race --example schedule -- [--bodies N] [--ticks N] [--rate HZ] [--out FILE.svg]
 //! ```
 //!
-//! Bodies fly straight through each other and bounce off the walls of a cube. Every pair is looked
-//! at when it is due, and again by brute force at every tick: the overlaps that begin and end are
-//! the same. The picture has a dot for every look: how long the pair was let sleep, against how
-//! long it truly stayed apart. Dots above the diagonal would be overlaps slept through.
+//! Bodies fly straight through each other and bounce off the walls of a cube. A pair is queried
+//! only when it is due. Brute force queries every pair at every tick for comparison: the overlaps
+//! that start and end must be the same. The picture has a dot for every query of a separated pair:
+//! the ticks until the next query against the ticks until the pair overlaps. A dot above the
+//! diagonal would be a missed overlap.
 
 use clap::Parser;
 use lin_canny::impact::free_until;
@@ -26,11 +27,11 @@ use truth::rng::Rng;
 
 type Trouble = Box<dyn std::error::Error>;
 
-/// Ticks that a look proves at most.
+/// Largest number of ticks that one query proves.
 const AHEAD: f64 = 64.0;
 
-/// What poses that are moved tick by tick may be off those of one motion, far more than 64
-/// roundings.
+/// Bound on the difference between poses advanced tick by tick and the poses of one motion, far
+/// more than 64 roundings.
 const DRIFT: f64 = 1e-10;
 
 /// Count the queries of a swarm of spinning hulls, where each pair sleeps until its certificate
@@ -61,14 +62,14 @@ struct Swarm {
     shapes: Vec<ConvexPolyhedron>,
     poses: Vec<Isometry3<f64>>,
     velocities: Vec<Velocity>,
-    /// Half the edge of the cube.
+    /// Half the edge length of the cube.
     half: f64,
 }
 
 impl Swarm {
     fn new(count: usize) -> Result<Self, Trouble> {
         let mut rng = Rng::new(19);
-        // Two parts in a hundred of the cube are filled by balls of radius one.
+        // Balls of radius 1 fill 2 % of the cube.
         let half = 0.5 * (count as f64 * 4.19 / 0.02).cbrt();
         let mut swarm = Self {
             shapes: vec![],
@@ -92,7 +93,7 @@ impl Swarm {
         Ok(swarm)
     }
 
-    /// Moves all bodies; those that bounced.
+    /// Moves all bodies, and returns the bodies that bounced.
     fn advance(&mut self, dt: f64) -> Vec<u32> {
         let mut bounced = vec![];
         for (k, (pose, velocity)) in self.poses.iter_mut().zip(&mut self.velocities).enumerate() {
@@ -114,7 +115,7 @@ impl Swarm {
         Ok(tracker.intersects(&self.shapes[a], &self.shapes[b], &relative))
     }
 
-    /// For how many ticks a pair is proven apart.
+    /// Returns the number of ticks for which a pair is proven separated.
     fn free(&self, (a, b): (u32, u32), dt: f64) -> Result<u64, Trouble> {
         let (a, b) = (a as usize, b as usize);
         let motion = |k: usize| Steady::new(&self.poses[k], self.velocities[k]);
@@ -135,7 +136,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
     let (mut looks, mut total) = (vec![], 0u64);
     let (mut now, mut truth) = (BTreeSet::new(), BTreeSet::new());
     let mut trackers: BTreeMap<(u32, u32), Tracker> = BTreeMap::new();
-    // When each pair overlaps by brute force, and when each was looked at.
+    // Ticks at which each pair overlaps by brute force, and ticks at which it was queried.
     let mut ends: BTreeMap<(u32, u32), Vec<u64>> = BTreeMap::new();
     let mut looked: BTreeMap<(u32, u32), Vec<u64>> = BTreeMap::new();
     let (mut events, mut differences) = (0, 0);

@@ -1,9 +1,8 @@
-//! Parts below a centimetre: penetration depths of parry in `f32`, which is what rapier uses,
-//! against certified ones.
+//! Compares depths of parry in `f32`, rapier's precision, with certified depths, for small parts.
 //!
-//! Hulls of 24 points in pairs, metres as the unit. Both engines get the same hull (the points that
-//! parry keeps, so that a vertex it drops is no error here) and the same `f32` poses; the certified
-//! depth is proven to 1e-13 of the size.
+//! The parts are pairs of hulls of 24 points, from 1 m down to 2 mm. Both engines get the same hull
+//! and the same `f32` poses. The hull has the points that parry keeps, so a vertex that parry drops
+//! is not an error here. The certified depth is proven to 1e-13 of the size.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -38,7 +37,7 @@ struct Options {
 /// Diameters of the parts in metres.
 const SIZES: [f64; 10] = [1.0, 0.3, 0.1, 0.05, 0.03, 0.02, 0.01, 0.006, 0.003, 0.002];
 
-/// Poses of one pair of hulls.
+/// Poses per pair of hulls.
 const POSES_PER_PAIR: usize = 25;
 
 fn main() -> ExitCode {
@@ -52,7 +51,7 @@ struct Part {
 }
 
 impl Part {
-    /// Returns the hull of 24 random points on a sphere; `None` if an engine refuses the points.
+    /// Returns the hull of 24 random points on a sphere; `None` if an engine rejects the points.
     fn random(rng: &mut Rng, diameter: f64) -> Option<Self> {
         let on_sphere = |rng: &mut Rng| {
             let [x, y, z] = rng.unit().map(|c| (0.5 * diameter * c) as f32);
@@ -70,20 +69,20 @@ fn wide(v: &Vector) -> [f64; 3] {
     v.to_array().map(f64::from)
 }
 
-/// The depths of one size.
+/// Counts and errors of the depths at one size.
 #[derive(Default)]
 struct Tally {
     overlaps: usize,
     wrong: usize,
     missed: usize,
-    /// Certified answers whose bounds are more than 1e-12 of the size apart.
+    /// Certified results whose bounds differ by more than 1e-12 of the size.
     open: usize,
-    /// The greatest error over the diameter.
+    /// Greatest error, divided by the diameter.
     worst: f64,
 }
 
 impl Tally {
-    /// Poses one pair and compares the depths, if the parts overlap by more than 1 % of their size.
+    /// Compares the depths at one random pose, if the parts overlap by more than 1 % of their size.
     fn compare(&mut self, a: &Part, b: &Part, diameter: f64, rng: &mut Rng) -> Result<(), String> {
         let [x, y, z, w] = rng.quat().map(|c| c as f32);
         let rotation = Rotation::from_xyzw(x, y, z, w).normalize();
@@ -106,7 +105,7 @@ impl Tally {
             return Ok(());
         };
         let error = (f64::from(found.dist) - truth.value).abs() / diameter;
-        // A NaN is wrong as well.
+        // A NaN counts as wrong.
         self.wrong += usize::from(!(error <= 0.01));
         self.worst = self.worst.max(error);
         Ok(())

@@ -1,4 +1,4 @@
-//! A probe flies through ten thousand fixed bodies, and only `within` is enabled: is anything
+//! A probe flies through ten thousand fixed bodies, and only `within` is enabled: is any body
 //! nearer than 0.25?
 //!
 //! `cargo run --release -p race --example walkthrough -- [--out FILE.svg] [--bodies N] [--frames N]`
@@ -24,7 +24,7 @@ type Trouble = Box<dyn std::error::Error>;
 const PROBE: Group = Group::new(0).unwrap();
 const WORLD: Group = Group::new(1).unwrap();
 
-/// The distance to keep.
+/// Clearance to keep.
 const CLEARANCE: f64 = 0.25;
 
 /// Frames between two points of the picture.
@@ -61,10 +61,10 @@ fn walkthrough(options: &Options) -> Result<(), Trouble> {
     draw(options, &flight, &field.slab)
 }
 
-/// A scene of fixed bodies, and those among them that are about as high as the probe.
+/// A scene of fixed bodies, and a list of the bodies at about the height of the probe.
 struct Field {
     scene: Scene,
-    /// The field reaches so far to each side.
+    /// Half the side of the field.
     half: f64,
     slab: Vec<(BodyId, (f64, f64))>,
 }
@@ -72,7 +72,7 @@ struct Field {
 impl Field {
     fn new(bodies: usize) -> Result<Self, Trouble> {
         let mut rng = Rng::new(7);
-        // Eight cubic units a body.
+        // Eight cubic units per body.
         let half = 0.5 * (8.0 * bodies as f64 / HEIGHT).sqrt();
         let mut scene = Scene::new();
         let near = PairQueries::none().within(CLEARANCE);
@@ -98,14 +98,14 @@ impl Field {
     }
 }
 
-/// What became of the probe.
+/// Results of the flight.
 #[derive(Default)]
 struct Flight {
     reports: Vec<Report>,
-    /// Frames in which it was too close to something, and to what all.
+    /// Number of frames in which the probe was too close to a body, and the set of these bodies.
     too_close: usize,
     met: BTreeSet<BodyId>,
-    /// Its way where it was free, and where it was not.
+    /// Path of the probe where it was free, and where it was not.
     free: Vec<(f64, f64)>,
     close: Vec<(f64, f64)>,
 }
@@ -132,7 +132,7 @@ fn fly(field: &mut Field, frames: usize) -> Result<Flight, Trouble> {
         let is_free = within.is_empty();
         if frame % EVERY == 0 {
             let at = (pose.translation.x, pose.translation.y);
-            // A line breaks where it is no number.
+            // A line is interrupted at a NaN.
             flight.free.push(if is_free { at } else { (f64::NAN, f64::NAN) });
             flight.close.extend((!is_free).then_some(at));
         }
@@ -195,7 +195,7 @@ fn draw(options: &Options, flight: &Flight, slab: &[(BodyId, (f64, f64))]) -> Re
     Ok(())
 }
 
-/// A Lissajous curve through the field, the probe turned along it.
+/// Returns a pose on a Lissajous curve through the field, with the probe rotated along the curve.
 fn path(t: f64, half: f64) -> Isometry3<f64> {
     let angle = t * TAU;
     let at = Vector3::new(

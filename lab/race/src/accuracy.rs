@@ -1,18 +1,23 @@
-//! The pictures of what accuracy costs, from the rows of a record.
+//! Charts of time and error of each accuracy level, from the rows of a record.
 //!
-//! Families name bodies and motion: `sphere 0.5deg`, `sphere random`, `motion 0.1deg` (spheres too), `sphere gap 1e-3`, `ball`
-//! (a sphere replaced by a hull), `curved cylinder-cone` (n = 0: as themselves), `nonconvex rings`
-//! (n: triangles or pieces), `asking 0.05deg`. Engines and levels are those of the instrument
-//! `accuracy_cost`.
+//! Families name bodies and motion:
+//!
+//! - `sphere 0.5deg`, `sphere random`, `motion 0.1deg` (spheres too) and `sphere gap 1e-3`
+//! - `ball`: a sphere replaced by a hull
+//! - `curved cylinder-cone`: curved shapes (n = 0) or their hulls
+//! - `nonconvex rings`: n is the number of triangles or pieces
+//! - `asking 0.05deg`: one motion, every question
+//!
+//! Engines and levels are defined by the instrument `accuracy_cost`.
 
 use crate::plot::{Chart, Spread};
 use crate::record::{Row, spread};
 use std::collections::BTreeMap;
 
-/// Errors below this, zero too, are drawn here.
+/// Lower limit of the drawn errors; smaller errors and zero are drawn here.
 pub const FLOOR: f64 = 1e-18;
 
-/// Engines in the order of their colours, and what a legend calls them.
+/// Engines in the order of their colours, with their names in legends.
 const ENGINES: [(&str, &str); 6] = [
     ("ours", "ours, tracked"),
     ("ours-cold", "ours, nothing kept"),
@@ -22,7 +27,7 @@ const ENGINES: [(&str, &str); 6] = [
     ("parry-f32", "parry f32"),
 ];
 
-/// The lines of a picture of times: engine, level, legend.
+/// The lines of a time chart: engine, level, legend.
 const LINES: [(&str, &str, &str); 6] = [
     ("ours", "certified", "ours, certified"),
     ("ours", "walk", "ours, the walk alone"),
@@ -35,13 +40,13 @@ const LINES: [(&str, &str, &str); 6] = [
 /// Time and error of one engine and level on one family.
 #[derive(Clone, Debug)]
 pub struct Cell {
-    /// Least, middle and greatest nanoseconds a query.
+    /// Least, median and greatest nanoseconds per query.
     pub ns: [f64; 3],
-    /// Of the error over the size of the pair.
+    /// Least, median and greatest error, relative to the size of the pair.
     pub err: [f64; 3],
 }
 
-/// The cell of some rows; `None` where there are none.
+/// Returns the cell of the matching rows; `None` if there are none.
 pub fn cell(rows: &[Row], engine: &str, level: &str, family: &str, n: usize) -> Option<Cell> {
     let of = |r: &&Row| r.engine == engine && r.level == level && r.family == family && r.n == n;
     let mine: Vec<&Row> = rows.iter().filter(of).collect();
@@ -51,7 +56,7 @@ pub fn cell(rows: &[Row], engine: &str, level: &str, family: &str, n: usize) -> 
     })
 }
 
-/// Levels of an engine on a family, in the order of the record.
+/// Returns the levels of an engine on a family, in the order of the record.
 fn levels(rows: &[Row], engine: &str, family: &str, n: usize) -> Vec<String> {
     let mut all = Vec::new();
     for r in rows
@@ -65,7 +70,7 @@ fn levels(rows: &[Row], engine: &str, family: &str, n: usize) -> Vec<String> {
     all
 }
 
-/// A family in the words of a title.
+/// Returns a family as words of a title.
 fn told(family: &str) -> String {
     let (what, motion) = family.split_once(' ').unwrap_or((family, ""));
     match motion.strip_suffix("deg") {
@@ -82,7 +87,7 @@ fn told(family: &str) -> String {
     }
 }
 
-/// Error against time: one point for each engine and level, with its spread.
+/// Draws error against time: one point for each engine and level, with its spread.
 pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
     let mut chart = Chart::new(format!(
         "error and time of a query: {}, {n} vertices a body",
@@ -119,7 +124,7 @@ pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
     chart
 }
 
-/// The rows of the table: engine, level, words.
+/// The rows of the table: engine, level, description.
 const TABLE: [(&str, &str, &str); 7] = [
     ("ours", "walk", "`propose`, tracked"),
     ("ours", "certified", "`closest`, tracked"),
@@ -130,7 +135,8 @@ const TABLE: [(&str, &str, &str); 7] = [
     ("parry-f32", "distance", "parry f32"),
 ];
 
-/// Nanoseconds a query and the greatest error over the size of the pair, as a table in Markdown.
+/// Returns a Markdown table of nanoseconds per query, and the greatest error relative to the size
+/// of the pair.
 pub fn table(rows: &[Row], family: &str, sizes: &[usize]) -> String {
     let mut out = String::from("| |");
     sizes.iter().for_each(|n| out += &format!(" n = {n} |"));
@@ -152,7 +158,7 @@ pub fn table(rows: &[Row], family: &str, sizes: &[usize]) -> String {
     out
 }
 
-/// Adds a line for each engine and level over the families that `x` gives a place.
+/// Adds a line for each engine and level, over the rows for which `x` returns an abscissa.
 fn lines(mut chart: Chart, rows: &[Row], x: impl Fn(&Row) -> Option<f64>) -> Chart {
     for (engine, level, name) in LINES {
         let mut at: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
@@ -172,7 +178,7 @@ fn lines(mut chart: Chart, rows: &[Row], x: impl Fn(&Row) -> Option<f64>) -> Cha
     chart
 }
 
-/// Time against the number of vertices.
+/// Draws time against the number of vertices.
 pub fn time_and_size(rows: &[Row], family: &str) -> Chart {
     let chart = Chart::new(format!("time of a query: {}", told(family)))
         .axes("vertices a body", "nanoseconds a query")
@@ -183,7 +189,7 @@ pub fn time_and_size(rows: &[Row], family: &str) -> Chart {
     lines(chart, rows, |r| (r.family == family).then_some(r.n as f64))
 }
 
-/// Time against motion a frame: families `motion Xdeg` of `n` vertices.
+/// Draws time against motion per frame: families `motion Xdeg` of `n` vertices.
 pub fn time_and_motion(rows: &[Row], n: usize) -> Chart {
     let chart = Chart::new(format!("time of a query: spheres of {n} vertices"))
         .axes("degrees that B orbits and turns a frame", "nanoseconds a query")
@@ -197,12 +203,12 @@ pub fn time_and_motion(rows: &[Row], n: usize) -> Chart {
     })
 }
 
-/// Where a row of `family gap X` has its gap.
+/// Returns the gap X of a row of `family gap X`.
 fn gap_of(row: &Row, family: &str) -> Option<f64> {
     row.family.strip_prefix(family)?.strip_prefix(" gap ")?.parse().ok()
 }
 
-/// Time against the gap: families `family gap X`.
+/// Draws time against the gap: families `family gap X`.
 pub fn time_and_gap(rows: &[Row], family: &str, n: usize) -> Chart {
     let chart = Chart::new(format!("time of a query near contact: {family}, {n} vertices a body"))
         .axes("gap over the size of the pair", "nanoseconds a query")
@@ -213,7 +219,7 @@ pub fn time_and_gap(rows: &[Row], family: &str, n: usize) -> Chart {
     lines(chart, rows, |r| gap_of(r, family).filter(|_| r.n == n))
 }
 
-/// Error against the gap, relative to the gap.
+/// Draws error against the gap, both relative to the size of the pair.
 pub fn error_and_gap(rows: &[Row], family: &str, n: usize) -> Chart {
     let mut chart = Chart::new(format!("error near contact: {family}, {n} vertices a body"))
         .axes("gap over the size of the pair", "error over the size of the pair")
@@ -241,7 +247,7 @@ pub fn error_and_gap(rows: &[Row], family: &str, n: usize) -> Chart {
     chart.line("(as large as the gap)", [(least, least), (most, most)])
 }
 
-/// What geometric accuracy costs: spheres replaced by hulls, time against the error that the hulls make.
+/// Draws the cost of geometric accuracy: time against the error of hulls that replace spheres.
 pub fn geometry(rows: &[Row]) -> Chart {
     let mut chart = Chart::new("a sphere replaced by a hull of 12 to 100,000 vertices")
         .axes(
@@ -268,7 +274,7 @@ pub fn geometry(rows: &[Row]) -> Chart {
     chart
 }
 
-/// The numbers of vertices or parts in the rows of a family, in order.
+/// Returns the numbers of vertices or pieces in the rows of a family, in order.
 fn sizes(rows: &[Row], family: &str) -> Vec<usize> {
     let mut sizes: Vec<usize> = rows.iter().filter(|r| r.family == family).map(|r| r.n).collect();
     sizes.sort_unstable();
@@ -276,8 +282,8 @@ fn sizes(rows: &[Row], family: &str) -> Vec<usize> {
     sizes
 }
 
-/// What it costs to be exact about a mesh that is not convex: the mesh, its hull, and pieces of a
-/// decomposition, time against error.
+/// Draws the cost of an exact nonconvex mesh: time against error for the mesh, its hull, and pieces
+/// of a decomposition.
 pub fn nonconvex(rows: &[Row], scene: &str) -> Chart {
     let family = format!("nonconvex {scene}");
     let mut chart = Chart::new(format!("{scene}: as a mesh, as its hull, and as convex pieces"))
@@ -316,7 +322,7 @@ pub fn nonconvex(rows: &[Row], scene: &str) -> Chart {
     chart
 }
 
-/// What it costs to be curved: a pair as itself, and replaced by hulls, time against error.
+/// Draws the cost of curved shapes: time against error for a pair as itself, and replaced by hulls.
 pub fn curved(rows: &[Row], pair: &str) -> Chart {
     let family = format!("curved {pair}");
     let of = |engine: &str, level: &str, n: usize| cell(rows, engine, level, &family, n);
@@ -352,7 +358,7 @@ pub fn curved(rows: &[Row], pair: &str) -> Chart {
     chart
 }
 
-/// What each question costs: a line each, with the error of its answers.
+/// Draws the cost of each question: one line each, with the error of its answers.
 pub fn asking(rows: &[Row], family: &str, n: usize) -> Chart {
     let mut chart = Chart::new(format!("what asking less saves: {}, {n} vertices a body", told(family)))
         .axes(

@@ -1,12 +1,13 @@
-//! How `lin-canny` is measured: the competitors, the workloads that they are timed on, and what the instruments share. The
-//! instruments are the programs of this package, each by `cargo run --release -p race --bin NAME`; the examples that need more
-//! than the library are its examples.
+//! Benchmarks of `lin-canny`: rivals, workloads, and shared parts of the instruments.
 //!
-//! | module | what it gives |
+//! The instruments are the programs of this package; `cargo run --release -p race --bin NAME` runs
+//! one. Examples that need more than the library are the examples of this package.
+//!
+//! | module | contents |
 //! |---|---|
-//! | [`common`] | what the races here and the race with rapier share |
+//! | [`common`] | shared parts of these races and of the race with rapier |
 //! | [`parry_f32`] | parry in single precision; in double precision it is the reference engine of the package `truth` |
-//! | [`record`], [`accuracy`] | measurements as CSV, and the pictures of what accuracy costs |
+//! | [`record`], [`accuracy`] | measurements as CSV, and charts of the cost of accuracy |
 //! | [`plot`], [`progress`] | charts as SVG, progress bars |
 
 pub mod accuracy;

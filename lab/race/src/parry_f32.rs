@@ -1,6 +1,6 @@
-//! parry3d in f32: what single precision saves and costs.
+//! parry3d in `f32`: what single precision saves and costs.
 //!
-//! Bodies and world poses are rounded to f32 first, as a user of that crate has them.
+//! Bodies and world poses are rounded to `f32` first, as a user of that crate has them.
 
 use parry3d::math::{Pose as ParryPose, Rotation, Vector};
 use parry3d::query::ClosestPoints;
@@ -10,7 +10,7 @@ use truth::parry::Witnesses;
 use truth::shapes::triangles;
 use truth::{Face, Point, Pose};
 
-/// A body of parry's own.
+/// A body of parry.
 pub type Hull = ConvexPolyhedron;
 
 fn vector(p: Point) -> Vector {
@@ -27,12 +27,12 @@ fn pose(p: &Pose) -> ParryPose {
     ParryPose::from_parts(vector(p.t), Rotation::from_xyzw(x, y, z, w).normalize())
 }
 
-/// The body parry makes of points and faces, cut into triangles.
+/// Returns parry's body of points and faces, triangulated.
 pub fn mesh(points: &[Point], faces: &[Face]) -> Option<ConvexPolyhedron> {
     ConvexPolyhedron::from_convex_mesh(points.iter().map(|&p| vector(p)).collect(), &triangles(faces))
 }
 
-/// Its closest points, cold; `None` when overlapping.
+/// Returns parry's closest points, cold; `None` if the bodies overlap.
 pub fn closest_points(a: &Hull, pose_a: &Pose, b: &Hull, pose_b: &Pose) -> Option<Witnesses> {
     let (world_a, world_b) = (pose(pose_a), pose(pose_b));
     let a_from_b = world_a.inv_mul(&world_b);

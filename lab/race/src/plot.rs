@@ -1,7 +1,7 @@
 //! Line charts as SVG files.
 //!
-//! A white ground with dark text, so that a chart reads on light and dark pages alike; colours differ in lightness as well
-//! as in hue (Okabe and Ito 2008), so that they read in grey too.
+//! Text is dark on a white background, so a chart is readable on light and dark pages. Colours
+//! differ in lightness as well as in hue (Okabe and Ito 2008), so they are distinct in grey too.
 
 mod draw;
 
@@ -18,28 +18,29 @@ enum Mark {
     Backdrop,
 }
 
-/// A measured point with its ends, and a word beside it (or none).
+/// A measured point with its range, and an optional word next to it.
 #[derive(Clone, Debug)]
 pub struct Spread {
-    /// Least, middle and greatest x.
+    /// Least, median and greatest x.
     pub x: [f64; 3],
-    /// Least, middle and greatest y.
+    /// Least, median and greatest y.
     pub y: [f64; 3],
-    /// The word.
+    /// The word, or empty.
     pub word: String,
 }
 
-/// One curve.
+/// One series.
 #[derive(Clone, Debug)]
 struct Series {
     name: String,
     mark: Mark,
-    /// For spreads three each: the middle, the least ends, the greatest.
+    /// Three points for each spread: the median, the least ends, the greatest ends.
     points: Vec<(f64, f64)>,
     words: Vec<String>,
 }
 
-/// A chart in the making: `Chart::new("t").axes("n", "ns").log_x().line("a", points).save("a.svg")`.
+/// A chart under construction:
+/// `Chart::new("t").axes("n", "ns").log_x().line("a", points).save("a.svg")`.
 #[derive(Clone, Debug)]
 pub struct Chart {
     title: String,
@@ -56,7 +57,7 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// An empty chart of 860 by 480 pixels with linear axes.
+    /// Returns an empty chart of 860 by 480 pixels with linear axes.
     pub fn new(title: impl Into<String>) -> Self {
         let (x_label, y_label) = (String::new(), String::new());
         Self {
@@ -74,25 +75,25 @@ impl Chart {
         }
     }
 
-    /// The chart with another title, made of the title it has.
+    /// Returns the chart with a title computed from its title.
     pub fn titled(mut self, title: impl FnOnce(&str) -> String) -> Self {
         self.title = title(&self.title);
         self
     }
 
-    /// Words along the axes.
+    /// Sets the labels of the axes.
     pub fn axes(mut self, x: impl Into<String>, y: impl Into<String>) -> Self {
         (self.x_label, self.y_label) = (x.into(), y.into());
         self
     }
 
-    /// Logarithmic x axis: points with `x <= 0` are left out.
+    /// Makes the x axis logarithmic: points with `x <= 0` are left out.
     pub fn log_x(mut self) -> Self {
         self.log.0 = true;
         self
     }
 
-    /// Logarithmic y axis: points with `y <= 0` are left out.
+    /// Makes the y axis logarithmic: points with `y <= 0` are left out.
     pub fn log_y(mut self) -> Self {
         self.log.1 = true;
         self
@@ -116,45 +117,46 @@ impl Chart {
         self
     }
 
-    /// Lines of words: y counts them, and its axis has no numbers.
+    /// Makes the chart a list of rows: y is the row number, and its axis has no numbers.
     pub fn rows(mut self) -> Self {
         self.rows = true;
         self
     }
 
-    /// Numbers of the y axis are counts: fractions are not written.
+    /// Declares the values of y as counts: its axis has no fractions.
     pub fn counts(mut self) -> Self {
         self.whole = true;
         self
     }
 
-    /// Small pale dots behind everything that is added later.
+    /// Adds small pale dots behind all later series.
     pub fn backdrop(self, name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         self.add(name, Mark::Backdrop, points)
     }
 
-    /// Width and height in pixels.
+    /// Sets width and height in pixels.
     pub fn size(mut self, width: u32, height: u32) -> Self {
         self.size = (width, height);
         self
     }
 
-    /// A line; it breaks where a value is not finite.
+    /// Adds a line, interrupted where a value is not finite.
     pub fn line(self, name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         self.add(name, Mark::Line, points)
     }
 
-    /// Dots.
+    /// Adds dots.
     pub fn dots(self, name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         self.add(name, Mark::Dots, points)
     }
 
-    /// A line through dots: few measured points.
+    /// Adds a line through dots, for a few measured points.
     pub fn curve(self, name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         self.add(name, Mark::LineAndDots, points)
     }
 
-    /// Dots with bars from the least to the greatest of both coordinates, and words beside them.
+    /// Adds dots with bars from the least to the greatest of both coordinates, and words next to
+    /// them.
     pub fn spreads(mut self, name: impl Into<String>, list: impl IntoIterator<Item = Spread>) -> Self {
         let list: Vec<Spread> = list.into_iter().collect();
         let places = |s: &Spread| [1, 0, 2].map(|k| (s.x[k], s.y[k]));
@@ -175,12 +177,13 @@ impl Chart {
         self
     }
 
-    /// True if the axes can show the point.
+    /// Returns whether the axes can show the point.
     fn shows(&self, (x, y): (f64, f64)) -> bool {
         x.is_finite() && y.is_finite() && (!self.log.0 || x > 0.0) && (!self.log.1 || y > 0.0)
     }
 
-    /// The least interval that holds one coordinate of all shown points, a little wider on y.
+    /// Returns the least interval that contains one coordinate of all shown points, widened by a
+    /// margin.
     fn range(
         &self,
         pick: impl Fn((f64, f64)) -> f64,
@@ -201,7 +204,7 @@ impl Chart {
         match (log, lo < hi) {
             _ if lo > hi => 1.0..10.0, // nothing to show
             (true, _) => {
-                // At least a factor of three, so that some numbers fall on the axis.
+                // At least a factor of three, so that the axis has some numbers.
                 let wide = (3.0 * lo / hi).max(1.0).sqrt() * (hi / lo).powf(margin);
                 lo / wide..hi * wide
             }
@@ -214,24 +217,24 @@ impl Chart {
     /// Writes the chart.
     ///
     /// # Errors
-    /// What kept the file from being written, with its name.
+    /// Returns an error with the name of the file if it cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), String> {
         save_stack(&[self], path)
     }
 
-    /// The chart as SVG text.
+    /// Returns the chart as SVG text.
     ///
     /// # Errors
-    /// What the drawing library has to complain of.
+    /// Returns the error of the drawing library.
     pub fn svg(&self) -> Result<String, String> {
         stack(&[self])
     }
 }
 
-/// Charts beneath one another as SVG text, as wide as the widest.
+/// Returns charts stacked vertically as SVG text, as wide as the widest.
 ///
 /// # Errors
-/// What the drawing library has to complain of.
+/// Returns the error of the drawing library.
 pub fn stack(charts: &[&Chart]) -> Result<String, String> {
     let width = charts.iter().map(|c| c.size.0).max().unwrap_or(0);
     let ends: Vec<u32> = charts
@@ -251,21 +254,22 @@ pub fn stack(charts: &[&Chart]) -> Result<String, String> {
         };
         inner().map_err(|e| e.to_string())?;
     }
-    // For readers who hear pages, and for pages narrower than the chart.
+    // For screen readers, and for pages narrower than the chart.
     let titles: Vec<String> = charts.iter().map(|c| escaped(&c.title)).collect();
     let text = text.replacen("<svg ", "<svg role=\"img\" style=\"max-width:100%;height:auto\" ", 1);
     Ok(text.replacen(">\n", &format!(">\n<title>{}</title>\n", titles.join("; ")), 1))
 }
 
-/// Text as SVG holds it.
+/// Escapes text for SVG.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
-/// Writes charts beneath one another to a file: quantities of different units over the same time, say.
+/// Writes charts stacked vertically to a file, for example quantities of different units over the
+/// same time.
 ///
 /// # Errors
-/// What kept the file from being written, with its name.
+/// Returns an error with the name of the file if it cannot be written.
 pub fn save_stack(charts: &[&Chart], path: impl AsRef<Path>) -> Result<(), String> {
     let path = path.as_ref();
     truth::command::write(path, &stack(charts)?)

@@ -1,4 +1,4 @@
-//! Charts hold what they were given and nothing that is not a number.
+//! Charts contain the given points and no NaN.
 
 use super::draw::{TITLE, short};
 use super::*;
@@ -43,7 +43,7 @@ fn gaps_zeros_and_emptiness_do_no_harm() {
 fn charts_stack_beneath_one_another() {
     let svg = stack(&[&chart().size(600, 200), &chart().log_y().size(500, 300)]).unwrap();
     assert!(svg.starts_with("<svg role=\"img\"") && svg.contains("width=\"600\" height=\"500\""));
-    // Two captions, and both in the title of the picture.
+    // Two captions, and both again in the title of the picture.
     assert_eq!(svg.matches("squares &amp; co").count(), 4);
 }
 

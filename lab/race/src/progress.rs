@@ -1,16 +1,17 @@
-//! Progress of a long run, on stderr and only where a person looks at it.
+//! Progress of a long run, on stderr and only if it is a terminal.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, stderr};
 
-/// A bar that counts up to a length. Where stderr is no terminal it shows nothing and costs next to nothing.
+/// A bar that counts up to a length. If stderr is not a terminal, it shows nothing and costs next
+/// to nothing.
 #[derive(Clone, Debug)]
 pub struct Progress {
     bar: ProgressBar,
 }
 
 impl Progress {
-    /// A bar for `length` steps of `what`.
+    /// Returns a bar for `length` steps of `what`.
     pub fn new(what: &str, length: u64) -> Self {
         let target = if stderr().is_terminal() {
             ProgressDrawTarget::stderr()
@@ -25,29 +26,29 @@ impl Progress {
         }
     }
 
-    /// One more step is done.
+    /// Counts one more step.
     pub fn step(&self) {
         self.bar.inc(1);
     }
 
-    /// `n` more steps are done.
+    /// Counts `n` more steps.
     pub fn steps(&self, n: u64) {
         self.bar.inc(n);
     }
 
-    /// A word beside the bar.
+    /// Shows a word next to the bar.
     pub fn say(&self, word: &str) {
         self.bar.set_message(word.to_owned());
     }
 
-    /// Steps done so far.
+    /// Returns the number of steps done.
     pub fn done(&self) -> u64 {
         self.bar.position()
     }
 }
 
 impl Drop for Progress {
-    /// Takes the bar away, so that what is printed next starts on a clean line.
+    /// Removes the bar, so that later output starts on a clean line.
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

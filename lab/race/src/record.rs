@@ -1,7 +1,7 @@
-//! Records of measurements: one row a pass, as CSV.
+//! Records of measurements: one row per pass, as CSV.
 //!
-//! Rows of one engine, level, family and number of vertices are repetitions: time and error of different stretches of one
-//! motion. Their middle is what a table shows, their ends are the spread.
+//! Rows with the same engine, level, family and number of vertices are repetitions: time and error
+//! of different stretches of one motion. A table shows their median, and their range is the spread.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -12,21 +12,21 @@ pub const COLUMNS: &str = "engine,level,family,n,ns,err";
 /// One measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Whose code.
+    /// Engine.
     pub engine: String,
-    /// What was asked.
+    /// Level of accuracy, or question.
     pub level: String,
     /// Bodies and motion.
     pub family: String,
     /// Vertices of a body.
     pub n: usize,
-    /// Nanoseconds a query; NaN where it was not timed.
+    /// Nanoseconds per query; NaN if not timed.
     pub ns: f64,
-    /// Largest error over the size of the pair; NaN where there is none to speak of.
+    /// Largest error relative to the size of the pair; NaN if not measured.
     pub err: f64,
 }
 
-/// Least, middle and greatest of some numbers; NaN of none. What is not a number is left out.
+/// Returns the least, median and greatest number, without NaNs; NaN if there is none.
 pub fn spread(values: impl IntoIterator<Item = f64>) -> [f64; 3] {
     let mut all: Vec<f64> = values.into_iter().filter(|v| !v.is_nan()).collect();
     all.sort_by(f64::total_cmp);
@@ -36,7 +36,7 @@ pub fn spread(values: impl IntoIterator<Item = f64>) -> [f64; 3] {
     }
 }
 
-/// The rows as text.
+/// Returns the rows as text.
 pub fn text(rows: &[Row]) -> String {
     let mut out = format!("{COLUMNS}\n");
     let number = |x: f64, digits: usize| {
@@ -61,7 +61,7 @@ pub fn text(rows: &[Row]) -> String {
 /// Reads a file of rows.
 ///
 /// # Errors
-/// Names the file, and the line that is no row.
+/// Returns an error that names the file, and the line that is not a row.
 pub fn read(path: impl AsRef<Path>) -> Result<Vec<Row>, String> {
     let path = path.as_ref();
     let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;

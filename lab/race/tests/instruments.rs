@@ -1,4 +1,4 @@
-//! Promise: every instrument starts, and says what it takes.
+//! Every instrument starts and prints its usage.
 
 use std::process::Command;
 

@@ -1,16 +1,19 @@
-//! Bodies as plain data, and placed exactly: vertices, edges and face normals over the integers.
+//! Bodies as plain data, and bodies at exact poses: vertices, edges and face normals over the
+//! integers.
 
 use crate::rational::{IntVec, common, cross, dot, placed, sub};
 use crate::shapes::Shape;
 use crate::{Face, Point, Pose};
 use dashu_int::IBig;
 
-/// A body as plain data. Faces must be exactly planar and counter-clockwise from outside
-/// ([`crate::brute_hull::faces`] finds them); points that no face uses must lie in the body. Two points without a face
-/// are a segment, one point is a point; at least one body of a pair is to be solid.
+/// A body as plain data.
+///
+/// Faces must be exactly planar and counter-clockwise from outside ([`crate::brute_hull::faces`]
+/// computes them). Points that no face uses must lie in the body. Two points without a face are a
+/// segment, one point is a point. At least one body of a pair must be solid.
 #[derive(Clone, Copy, Debug)]
 pub struct Body<'a> {
-    /// Vertices in the body's own frame.
+    /// Vertices in the body's frame.
     pub points: &'a [Point],
     /// Faces, merged or triangulated.
     pub faces: &'a [Face],
@@ -28,25 +31,26 @@ impl<'a> From<&'a Shape> for Body<'a> {
 /// Both ends of an edge.
 pub type Edge = [IntVec; 2];
 
-/// A placed body over the integers.
+/// A body at a pose, over the integers.
 #[derive(Clone, Debug)]
 pub struct Placed {
     /// The points.
     pub points: Vec<IntVec>,
     /// Each edge once.
     pub edges: Vec<Edge>,
-    /// Corners of each face and its outward normal, of any length.
+    /// Vertices of each face and its outward normal, of any length.
     pub faces: Vec<(Vec<IntVec>, IntVec)>,
 }
 
-/// Two bodies placed exactly over one common denominator, which is returned last.
+/// Puts two bodies exactly at their poses. Returns them over one common denominator, and the
+/// denominator.
 pub fn place_two(a: Body, pose_a: &Pose, b: Body, pose_b: &Pose) -> (Placed, Placed, IBig) {
     let (pa, pb, den) = common(&placed(a.points, pose_a), &placed(b.points, pose_b));
     (Placed::new(pa, a.faces), Placed::new(pb, b.faces), den.into())
 }
 
 impl Placed {
-    /// Finds edges and normals of points that are in their place.
+    /// Computes edges and normals of points that are already at their poses.
     pub fn new(points: Vec<IntVec>, faces: &[Face]) -> Self {
         let at = |i: u32| points[i as usize].clone();
         let corners = faces.iter().map(|f| f.iter().map(|&i| at(i)).collect::<Vec<_>>());
@@ -62,7 +66,7 @@ impl Placed {
         }
     }
 
-    /// Least and greatest `n . p` over the body, which is not empty.
+    /// Returns the least and greatest `n . p` over the body, which must not be empty.
     pub fn extent(&self, n: &IntVec) -> (IBig, IBig) {
         let dots: Vec<IBig> = self.points.iter().map(|p| dot(n, p)).collect();
         let end = |x: Option<&IBig>| x.expect("a body has points").clone();
@@ -70,14 +74,15 @@ impl Placed {
     }
 }
 
-/// Twice the area vector of a polygon: right also where corners are in one line.
+/// Returns twice the area vector of a polygon, which is correct even if vertices are collinear.
 fn normal(c: &[IntVec]) -> IntVec {
     let fan = c.windows(2).map(|w| cross(&sub(&w[0], &c[0]), &sub(&w[1], &c[0])));
     fan.reduce(|s, n| std::array::from_fn(|i| &s[i] + &n[i]))
         .expect("a face has corners")
 }
 
-/// The edges of some faces as ascending pairs of points, each once; two points without a face are one edge.
+/// Returns the edges of some faces as ascending pairs of points, each once. Two points without a
+/// face are one edge.
 pub fn edge_ids(points: usize, faces: &[Face]) -> Vec<[u32; 2]> {
     let sides = |f: &Face| {
         f.iter()

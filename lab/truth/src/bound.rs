@@ -1,10 +1,11 @@
-//! Exact checks of an answer, for bodies of any size.
+//! Exact checks of an outcome, for bodies of any size.
 //!
-//! A lower bound of the distance comes from a direction alone, an upper bound from two points: so an answer can be judged
-//! without solving anything. Each function takes the poses that were really queried and rounds once, at the end.
+//! A direction alone gives a lower bound of the distance, and two points give an upper bound. So an
+//! outcome can be judged without solving anything. Each function takes the poses of the actual
+//! query and rounds once, at the end.
 //!
-//! Scans first in f64 with a slack far above its rounding, then only the few candidates exactly: thousands of points take
-//! well under a millisecond.
+//! First `f64` scans all points, with a slack far above its rounding errors. Then exact arithmetic
+//! evaluates only the few candidates: thousands of points take well under a millisecond.
 
 use crate::body::Body;
 use crate::pose::{cross, dot, sub};
@@ -12,20 +13,23 @@ use crate::rational::{exact, over_root, placed, rotation, rounded, sqrt};
 use crate::{Face, Point, Pose};
 use dashu_ratio::RBig;
 
-/// Relative slack of the f64 scans: some hundred times what three products and two sums can lose.
+/// Relative slack of the `f64` scans: about a hundred times the rounding error of three products
+/// and two sums.
 const SLACK: f64 = 1e-13;
 
-/// The gap of two placed bodies along a direction `n` of the world: `(min over B of n.b - max over A of n.a) / |n|`,
-/// correctly rounded. It never exceeds the signed distance, whatever `n` is; at the best `n` it is the signed distance.
-/// Faces are not looked at; `n` is not zero and need not be unit.
+/// Returns the gap of two bodies along a direction `n` of the world frame, correctly rounded.
 ///
-/// Where a query speaks A's frame and takes one relative pose, pass [`Pose::IDENTITY`] and that pose.
+/// The gap is `(min over B of n.b - max over A of n.a) / |n|`. It never exceeds the signed
+/// distance, for any `n`; for the best `n` it is the signed distance. Faces are not used. `n` must
+/// not be zero and need not be unit.
+///
+/// For a query in A's frame with one relative pose, pass [`Pose::IDENTITY`] and that pose.
 pub fn support_gap(a: Body, pose_a: &Pose, b: Body, pose_b: &Pose, n: Point) -> f64 {
     let (gap, norm2) = exact_gap(a, pose_a, b, pose_b, n);
     over_root(&gap, &norm2)
 }
 
-/// True if `lower` is proved by the direction `n`: the exact gap along it is at least `lower`.
+/// Returns whether the direction `n` proves `lower`: the exact gap along it is at least `lower`.
 pub fn proves(lower: f64, a: Body, pose_a: &Pose, b: Body, pose_b: &Pose, n: Point) -> bool {
     if lower == f64::NEG_INFINITY {
         return true;
@@ -36,7 +40,7 @@ pub fn proves(lower: f64, a: Body, pose_a: &Pose, b: Body, pose_b: &Pose, n: Poi
     signed_square(&gap) >= signed_square(&lower) * norm2
 }
 
-/// The gap times `|n|`, and `|n|^2`.
+/// Returns the gap times `|n|`, and `|n|^2`.
 fn exact_gap(a: Body, pose_a: &Pose, b: Body, pose_b: &Pose, n: Point) -> (RBig, RBig) {
     let upper_a = support(a.points, pose_a, n);
     let lower_b = -support(b.points, pose_b, n.map(|x| -x));
@@ -45,7 +49,7 @@ fn exact_gap(a: Body, pose_a: &Pose, b: Body, pose_b: &Pose, n: Point) -> (RBig,
     (lower_b - upper_a, norm2)
 }
 
-/// The greatest `n . p` over the placed points, exactly.
+/// Returns the greatest `n . p` over the points at the pose, exactly.
 pub fn support(points: &[Point], pose: &Pose, n: Point) -> RBig {
     // n . (R v + t) = (n R) . v + n . t, with R divided by |q|^2.
     let r = rotation(pose.q);
@@ -64,7 +68,8 @@ fn scan_error(m: Point, p: Point) -> f64 {
     SLACK * (0..3).map(|i| (m[i] * p[i]).abs()).sum::<f64>() + f64::MIN_POSITIVE
 }
 
-/// The greatest exact value, looked up only where value and error of the scan do not rule it out.
+/// Returns the greatest exact value. Evaluates only items that value and error of the scan do not
+/// rule out.
 fn of_candidates<T>(items: &[T], scan: impl Fn(&T) -> (f64, f64), value: impl Fn(&T) -> RBig) -> Option<RBig> {
     let low = items
         .iter()
@@ -80,17 +85,23 @@ fn of_candidates<T>(items: &[T], scan: impl Fn(&T) -> (f64, f64), value: impl Fn
     items.iter().filter(may_win).map(value).max()
 }
 
-/// Distance of two points, each in its body's frame, at the bodies' poses: an upper bound of the distance of the bodies if
-/// the points lie in them. Correctly rounded.
+/// Returns the distance of two points, each in its body's frame, at the poses of the bodies,
+/// correctly rounded.
+///
+/// It is an upper bound of the distance of the bodies if the points lie in them.
 pub fn witness_distance(on_a: Point, pose_a: &Pose, on_b: Point, pose_b: &Pose) -> f64 {
     let (p, q) = (&placed(&[on_a], pose_a)[0], &placed(&[on_b], pose_b)[0]);
     sqrt(&(0..3).map(|i| &p[i] - &q[i]).fold(RBig::ZERO, |s, d| s + &d * &d)).0
 }
 
-/// How far a point lies outside the worst face plane of a body, in the body's own frame; not positive inside. Correctly
-/// rounded. The distance from the body is at least this, and zero if this is not positive.
+/// Returns the height of a point above the worst face plane of a body, in the body's frame,
+/// correctly rounded.
 ///
-/// Faces should be planar; a plane is taken through the first corner, with the normal of the exact area vector.
+/// It is not positive inside. The distance from the body is at least this height, and zero if this
+/// is not positive.
+///
+/// Faces should be planar: each plane passes through the first vertex, with the normal of the exact
+/// area vector.
 pub fn outside_by(point: Point, body: Body) -> f64 {
     let height = |f: &Face| {
         let (height, norm2) = plane_height(point, body.points, f);
@@ -102,7 +113,7 @@ pub fn outside_by(point: Point, body: Body) -> f64 {
         .fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The faces whose planes may be the highest below the point: the first dozens by a scan in f64.
+/// Returns the 32 faces whose planes are the highest below the point, by a scan in `f64`.
 fn highest_faces<'a>(point: Point, body: Body<'a>) -> Vec<&'a Face> {
     let height = |f: &Face| {
         let c = |i: usize| body.points[f[i] as usize];
@@ -111,14 +122,15 @@ fn highest_faces<'a>(point: Point, body: Body<'a>) -> Vec<&'a Face> {
             .reduce(|s, x| std::array::from_fn(|i| s[i] + x[i]))
             .expect("a face has three corners");
         let h = dot(n, sub(point, c(0))) / dot(n, n).sqrt();
-        if h.is_nan() { f64::INFINITY } else { h } // a face too small for f64 is looked at exactly
+        if h.is_nan() { f64::INFINITY } else { h } // a face too small for f64 is evaluated exactly
     };
     let mut faces: Vec<(f64, &Face)> = body.faces.iter().map(|f| (height(f), f)).collect();
     faces.sort_by(|x, y| y.0.total_cmp(&x.0));
     faces.into_iter().take(32).map(|(_, f)| f).collect()
 }
 
-/// Exact height of a point above the plane of a face, times the normal's length, and that length squared.
+/// Returns the exact height of a point above the plane of a face, times the length of the normal,
+/// and that length squared.
 fn plane_height(point: Point, points: &[Point], face: &Face) -> (RBig, RBig) {
     let at = |i: u32| points[i as usize].map(exact);
     let base = at(face[0]);
@@ -136,27 +148,32 @@ fn plane_height(point: Point, points: &[Point], face: &Face) -> (RBig, RBig) {
     (dot(&n, &p), dot(&n, &n))
 }
 
-/// What [`check`] found.
+/// Result of [`check`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checked {
-    /// The exact gap along the normal: a proved lower end.
+    /// Exact gap along the normal: a proven lower bound.
     pub lower: f64,
-    /// The exact distance of the witness points.
+    /// Exact distance of the witness points.
     pub upper: f64,
     /// The larger of both witnesses' [`outside_by`].
     pub outside: f64,
 }
 
 impl Checked {
-    /// The true signed distance of separated bodies lies in `lower ..= upper + 2 outside` (if faces are planar and meet at
-    /// no needle-sharp edges). True if that is narrower than `width` and `outside` is below it as well.
+    /// Returns whether `lower` and `upper` differ by at most `width`, and `outside` is at most
+    /// `width`.
+    ///
+    /// The true signed distance of separated bodies lies in `lower ..= upper + 2 outside`, if faces
+    /// are planar and meet at no needle-sharp edges.
     pub fn within(&self, width: f64) -> bool {
         self.upper - self.lower <= width && self.outside <= width
     }
 }
 
-/// The whole answer of a separated pair checked: normal in the world, witnesses each in its body's frame, both bodies with
-/// faces.
+/// Checks the whole outcome of a separated pair: normal in the world frame, witnesses in the frames
+/// of their bodies.
+///
+/// Both bodies must have faces.
 pub fn check(a: Body, pose_a: &Pose, b: Body, pose_b: &Pose, normal: Point, on_a: Point, on_b: Point) -> Checked {
     Checked {
         lower: support_gap(a, pose_a, b, pose_b, normal),

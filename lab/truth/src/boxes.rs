@@ -1,23 +1,24 @@
-//! Moving boxes: the scenes of the broad phase's tests and benchmarks. Fixed seeds, no outside randomness.
+//! Moving boxes: the scenes of the tests and benchmarks of the broad phase, with fixed seeds.
 
 use crate::rng::Rng;
 use lin_canny::broad::Aabb;
 use nalgebra::{Point3, Vector3};
 
-/// The scenes, by the names the benchmarks print.
+/// The scenes, with the names that the benchmarks print.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// 16 cubic units a box of about one unit, random directions, 0.01 a step.
+    /// 16 cubic units per box of about one unit; random directions, 0.01 per step.
     Uniform,
-    /// The same, 0.002 a step.
+    /// Like `Uniform`, with 0.002 per step.
     UniformSlow,
-    /// Four layers of unit boxes on a square that jostle in their places, about three pairs a box.
+    /// Four layers of unit boxes on a square, each jostling near its cell; about three pairs per
+    /// box.
     Pile,
     /// `Uniform` with one box in a hundred moving.
     Movers,
-    /// `Uniform` with one box in twenty thrown anywhere in each step.
+    /// `Uniform` with one box in twenty moved to a random position in each step.
     Teleport,
-    /// Sides from 0.1 to 100, moving a hundredth of their size.
+    /// Sides from 0.1 to 100, moving by a hundredth of their size per step.
     Mixed,
     /// Sixteen balls, each as dense as `Uniform`, in a world ten times as wide.
     Clusters,
@@ -26,7 +27,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All of them, in the order they are raced.
+    /// All scenes, in the order of the races.
     pub const ALL: [Self; 8] = [
         Self::Uniform,
         Self::UniformSlow,
@@ -53,14 +54,14 @@ impl Kind {
     }
 }
 
-/// Boxes in motion. A box wanders in its own room and bounces off the walls of it.
+/// Boxes in motion. Each box moves in its room and bounces off the walls.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// What kind of scene it is.
+    /// Kind of the scene.
     pub kind: Kind,
     /// The boxes of this frame.
     pub boxes: Vec<Aabb>,
-    /// Who moved in the last step, ascending.
+    /// Indices of the boxes that moved in the last step, ascending.
     pub moved: Vec<u32>,
     center: Vec<Point3<f64>>,
     half: Vec<Vector3<f64>>,
@@ -72,7 +73,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// A scene of `n` boxes, always the same.
+    /// Returns a scene of `n` boxes, always the same.
     pub fn new(kind: Kind, n: usize) -> Self {
         let world = match kind {
             Kind::Clusters => 10.0 * (16.0 * n as f64).cbrt(),
@@ -102,7 +103,7 @@ impl Scene {
         scene
     }
 
-    /// The same scene with boxes `factor` times as large, so that more of them overlap.
+    /// Returns the scene with boxes `factor` times as large, so that more of them overlap.
     pub fn grown(mut self, factor: f64) -> Self {
         self.half.iter_mut().for_each(|h| *h *= factor);
         (0..self.boxes.len()).for_each(|i| self.place(i));
@@ -121,7 +122,7 @@ impl Scene {
         self.boxes.push(Aabb::from_center(center, half));
     }
 
-    /// A box anywhere in the world.
+    /// Adds a box at a random position in the world.
     fn add_free(&mut self) {
         let half_world = 0.5 * self.world;
         let (side, speed) = match self.kind {
@@ -144,7 +145,7 @@ impl Scene {
     fn fill_pile(&mut self, n: usize) {
         let side = ((n as f64 / 4.0).sqrt().ceil() as usize).max(1);
         let mut cells: Vec<usize> = (0..side * side * 4).collect();
-        // Neighbours in space are strangers in memory: the worst case.
+        // Neighbours in space are far apart in memory: the worst case.
         self.random.shuffle(&mut cells);
         for cell in cells.into_iter().take(n) {
             let at = [cell / 4 % side, cell / 4 / side, cell % 4].map(|v| v as f64);
@@ -186,7 +187,7 @@ impl Scene {
         self.moved.push(i as u32);
     }
 
-    /// The next frame.
+    /// Advances the scene by one frame.
     pub fn step(&mut self) {
         self.moved.clear();
         let n = self.boxes.len();
@@ -205,7 +206,7 @@ impl Scene {
 /// Chosen so that a box of the mixed scene has about 0.8 pairs.
 const MIXED_VOLUME: f64 = 5500.0;
 
-/// All pairs of indices, `a < b`, whose boxes overlap: the obvious way.
+/// Returns all pairs of indices, `a < b`, whose boxes overlap, by testing every pair.
 pub fn brute_force<B>(boxes: &[B], overlap: impl Fn(&B, &B) -> bool) -> Vec<(u32, u32)> {
     let mut pairs = Vec::new();
     for (a, first) in boxes.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! The naive oracle of meshes: all pairs of triangles, in f64 by other formulas than the crate's, and in exact arithmetic.
+//! The naive oracle of meshes: all pairs of triangles, in `f64` by different formulas than the
+//! crate's.
 
 use crate::pose::{add, cross, dot, norm, scale, sub};
 use crate::soups::Soup;
@@ -7,14 +8,14 @@ use crate::{Point, Pose};
 /// A triangle.
 pub type Triangle = [Point; 3];
 
-/// The closest point of a segment to a point.
+/// Returns the point of a segment closest to a point.
 fn on_segment(p: Point, a: Point, b: Point) -> Point {
     let u = sub(b, a);
     let s = dot(sub(p, a), u) / dot(u, u);
     add(a, scale(u, s.clamp(0.0, 1.0)))
 }
 
-/// The distance of a point from a triangle: over the inside, or from the sides.
+/// Returns the distance of a point from a triangle: from its interior or from its sides.
 fn point_triangle(p: Point, t: &Triangle) -> f64 {
     let n = cross(sub(t[1], t[0]), sub(t[2], t[0]));
     let over = (0..3).all(|i| dot(cross(sub(t[(i + 1) % 3], t[i]), sub(p, t[i])), n) >= 0.0);
@@ -27,7 +28,7 @@ fn point_triangle(p: Point, t: &Triangle) -> f64 {
     }
 }
 
-/// The distance of two segments: the ends, or the inside of both.
+/// Returns the distance of two segments: from their ends or their interiors.
 fn segments(a: Point, b: Point, c: Point, d: Point) -> f64 {
     let ends = [
         norm(sub(a, on_segment(a, c, d))),
@@ -41,15 +42,18 @@ fn segments(a: Point, b: Point, c: Point, d: Point) -> f64 {
     let nn = dot(n, n);
     let (s, t) = (dot(cross(w, v), n) / nn, dot(cross(w, u), n) / nn);
     if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
-        // From the points themselves: for nearly parallel segments the height along a bad normal is too small.
+        // Computed from the points: for nearly parallel segments, the height along an inaccurate
+        // normal is too small.
         least.min(norm(sub(add(a, scale(u, s)), add(c, scale(v, t)))))
     } else {
         least
     }
 }
 
-/// Where a segment passes through a triangle (Moeller and Trumbore 1997): the point as one of the segment and as one of the
-/// triangle. Both are the same but for rounding, which is large if the segment is nearly in the triangle's plane.
+/// Returns the point where a segment passes through a triangle (Möller and Trumbore 1997).
+///
+/// Returns it as a point of the segment and as a point of the triangle. They differ by rounding,
+/// which is large if the segment is nearly in the plane of the triangle.
 fn passes(a: Point, b: Point, t: &Triangle) -> Option<[Point; 2]> {
     let (e, f, d) = (sub(t[1], t[0]), sub(t[2], t[0]), sub(b, a));
     let h = cross(d, f);
@@ -66,7 +70,7 @@ fn passes(a: Point, b: Point, t: &Triangle) -> Option<[Point; 2]> {
     is_inside.then(|| [add(a, scale(d, at)), add(t[0], add(scale(e, u), scale(f, v)))])
 }
 
-/// The distance of two triangles.
+/// Returns the distance of two triangles.
 pub fn triangles(p: &Triangle, q: &Triangle) -> f64 {
     let side = |t: &Triangle, i: usize| (t[i], t[(i + 1) % 3]);
     let size = p.iter().chain(q).map(|x| norm(sub(*x, p[0]))).fold(0.0, f64::max);
@@ -92,7 +96,8 @@ pub fn triangles(p: &Triangle, q: &Triangle) -> f64 {
     corners.chain(edges).fold(best, f64::min)
 }
 
-/// The least distance over all pairs of triangles, and its pair. Pairs whose balls are farther are passed over.
+/// Returns the least distance over all pairs of triangles, and its pair. Pairs whose bounding balls
+/// are farther apart are skipped.
 pub fn distance(a: &Soup, b: &Soup, a_from_b: &Pose) -> (f64, [usize; 2]) {
     let ball = |t: &Triangle| {
         let c = scale(add(add(t[0], t[1]), t[2]), 1.0 / 3.0);
@@ -119,7 +124,8 @@ pub fn distance(a: &Soup, b: &Soup, a_from_b: &Pose) -> (f64, [usize; 2]) {
     best
 }
 
-/// The winding number about a point: the sum of solid angles (van Oosterom and Strackee 1983) over the sphere.
+/// Returns the winding number about a point: the sum of solid angles (van Oosterom and Strackee
+/// 1983) divided by 4π.
 pub fn winding(soup: &Soup, p: Point) -> f64 {
     let angle = |t: [Point; 3]| {
         let [a, b, c] = t.map(|x| sub(x, p));
@@ -138,7 +144,8 @@ mod tests {
     use crate::rational::sqrt;
     use crate::rng::Rng;
 
-    /// In one plane but for the rounding of a rotation, where quotients of volumes are noise.
+    /// The triangles lie in one plane up to the rounding of a rotation, where quotients of volumes
+    /// are noise.
     #[test]
     fn triangles_in_one_plane_are_as_far_apart_as_exact_arithmetic_says() {
         let mut rng = Rng::new(7);

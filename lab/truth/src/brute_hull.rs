@@ -1,14 +1,17 @@
-//! Exact merged faces of a few points, by trying every plane: cubic in the number of planes, so for tens of points only.
+//! Exact merged faces of a few points, by testing the plane of every triple of points.
 //!
-//! Points are taken at their exact bits. Duplicates, points inside and points in the middle of a face or an edge are
-//! used by no face, so what remains is exactly the set of extreme vertices.
+//! The number of planes is cubic in the number of points, so this is for tens of points only. The
+//! coordinates count as exact. Duplicates, interior points, and points in the interior of a face or
+//! an edge belong to no face. The points that remain are exactly the extreme points.
 
 use crate::rational::{IntVec, common, cross, dot, placed, sub};
 use crate::{Face, Point, Pose};
 use dashu_int::IBig;
 
-/// The faces of the convex hull, counter-clockwise from outside; none if the points lie in one plane.
-/// Of equal points the first is used. Each face starts at its least index, and faces are sorted.
+/// Returns the faces of the convex hull, counter-clockwise from outside; none if the points are
+/// coplanar.
+///
+/// Of equal points, the first is used. Each face starts at its least index, and faces are sorted.
 pub fn faces(points: &[Point]) -> Vec<Face> {
     let (p, _, _) = common(&placed(points, &Pose::IDENTITY), &[]);
     let first: Vec<usize> = (0..p.len()).filter(|&i| !p[..i].contains(&p[i])).collect();
@@ -21,11 +24,11 @@ pub fn faces(points: &[Point]) -> Vec<Face> {
         }
     }
     out.sort_unstable();
-    out.dedup(); // a face of m corners was found from each of its triples
+    out.dedup(); // each triple of a face's vertices found the face
     out
 }
 
-/// Indices of the extreme points, ascending; empty if the points lie in one plane.
+/// Returns the indices of the extreme points, ascending; empty if the points are coplanar.
 pub fn extreme(points: &[Point]) -> Vec<u32> {
     let mut ids: Vec<u32> = faces(points).concat();
     ids.sort_unstable();
@@ -33,7 +36,8 @@ pub fn extreme(points: &[Point]) -> Vec<u32> {
     ids
 }
 
-/// The face in the plane of three points, if all others lie on one side of it (and some off it).
+/// Returns the face in the plane of three points, if all other points lie on one side, and some off
+/// the plane.
 fn face_through(p: &[IntVec], ids: &[usize], i: usize, j: usize, k: usize) -> Option<Face> {
     let n = cross(&sub(&p[j], &p[i]), &sub(&p[k], &p[i]));
     if n.iter().all(IBig::is_zero) {
@@ -55,9 +59,9 @@ fn face_through(p: &[IntVec], ids: &[usize], i: usize, j: usize, k: usize) -> Op
     Some(rim(p, &flat, &outward))
 }
 
-/// The corners of coplanar points in order about `n`, by walking from corner to corner (Jarvis 1973).
+/// Returns the vertices of coplanar points in order about `n`, by gift wrapping (Jarvis 1973).
 fn rim(p: &[IntVec], flat: &[usize], n: &IntVec) -> Face {
-    // The lexicographically least point is a corner whatever the plane.
+    // The lexicographically least point is a vertex, in any plane.
     let start = *flat
         .iter()
         .min_by(|&&a, &&b| p[a].cmp(&p[b]))
@@ -68,7 +72,8 @@ fn rim(p: &[IntVec], flat: &[usize], n: &IntVec) -> Face {
         let next = flat.iter().copied().filter(|&m| m != from).reduce(|best, m| {
             let (u, v) = (sub(&p[best], &p[from]), sub(&p[m], &p[from]));
             let turn = dot(&cross(&u, &v), n);
-            // The next corner has every other point on its left; of points in one line the farthest is the corner.
+            // The next vertex has all other points on its left; of collinear points, the farthest
+            // is the vertex.
             let farther = dot(&v, &v) > dot(&u, &u);
             if turn < IBig::ZERO || turn.is_zero() && farther {
                 m
@@ -92,7 +97,7 @@ mod tests {
     use crate::rng::Rng;
     use crate::shapes;
 
-    /// V - E + F, edges counted once.
+    /// V - E + F, with each edge counted once.
     fn euler(points: &[Point]) -> usize {
         let f = faces(points);
         extreme(points).len() + f.len() - f.iter().map(Vec::len).sum::<usize>() / 2

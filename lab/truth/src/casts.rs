@@ -1,8 +1,11 @@
-//! Pairs of bodies thrown at each other, and a second way to cast them: conservative advancement.
+//! Pairs of bodies thrown at each other, and conservative advancement as a second method of
+//! casting.
 //!
-//! The second scheme shares with the crate only its distance query: it steps by the distance over a bound of the approach speed
-//! along the witnesses' direction n, `(vA - vB) . n + |wA x n| cA + |wB x n| cB`, `c` the greatest distance of a vertex from the
-//! axis of its body (Mirtich 1996, with the perpendicular radius). It converges linearly, and is sound.
+//! Conservative advancement shares only the distance query with the crate. It steps by the distance
+//! divided by a bound of the approach speed along the direction n of the witnesses,
+//! `(vA - vB) . n + |wA x n| cA + |wB x n| cB`. Here `c` is the greatest distance of a vertex from
+//! the axis of its body (Mirtich 1996, with the perpendicular radius). The method converges
+//! linearly, and is sound.
 
 use crate::Point;
 use crate::rng::Rng;
@@ -11,10 +14,11 @@ use lin_canny::motion::{Motion, Steady};
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, Velocity};
 use nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 
-/// The families of bodies that are cast.
+/// The families of bodies for casts.
 pub const SHAPES: [&str; 5] = ["sphere", "flat", "box", "rods", "plates"];
 
-/// The body of a family with about `n` vertices, of radius about 1. A `box` has eight whatever `n` is.
+/// Returns a body of a family with about `n` vertices and a radius of about 1. A `box` always has
+/// eight.
 pub fn body(shape: &str, n: usize, rng: &mut Rng) -> ConvexPolyhedron {
     let points = match shape {
         "sphere" => shapes::sphere(rng, n).points,
@@ -26,28 +30,28 @@ pub fn body(shape: &str, n: usize, rng: &mut Rng) -> ConvexPolyhedron {
     solid(&points)
 }
 
-/// The hull of points that have one.
+/// Returns the hull of points that span a volume.
 pub fn solid(points: &[Point]) -> ConvexPolyhedron {
     let points: Vec<_> = points.iter().map(|&p| Point3::from(p)).collect();
     ConvexPolyhedron::from_points(&points).expect("points of a solid")
 }
 
-/// Where both bodies begin, and their velocities, for one unit of time.
+/// Start poses of both bodies, and their velocities, for one unit of time.
 #[derive(Clone, Copy, Debug)]
 pub struct Throw {
     /// Poses at time zero.
     pub start: [Isometry3<f64>; 2],
-    /// Velocities of the origins, and about them.
+    /// Velocities of the origins, and angular velocities about them.
     pub velocity: [Velocity; 2],
 }
 
 impl Throw {
-    /// The motions.
+    /// Returns the motions.
     pub fn motions(&self) -> [Steady; 2] {
         [0, 1].map(|k| Steady::new(&self.start[k], self.velocity[k]).expect("a throw is finite"))
     }
 
-    /// The same with the letters exchanged.
+    /// Returns the throw with A and B exchanged.
     pub fn swapped(&self) -> Self {
         let ([a, b], [v, w]) = (self.start, self.velocity);
         Self {
@@ -57,14 +61,16 @@ impl Throw {
     }
 }
 
-/// A random rotation.
+/// Returns a random rotation.
 pub fn rotation(rng: &mut Rng) -> UnitQuaternion<f64> {
     let [x, y, z, w] = rng.quat();
     UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z))
 }
 
-/// A throw of two bodies of the given radii so aimed that about half of them meet: centres begin one and a half to four radii
-/// apart and pass each other within one and a fifth, and each body turns by at most `turn` radians.
+/// Returns a throw of two bodies of the given radii, aimed so that about half of the throws hit.
+///
+/// In units of the sum of the radii, the centres start 1.5 to 4 apart and pass each other within
+/// 1.2. Each body rotates by at most `turn` radians.
 pub fn aimed(rng: &mut Rng, radii: (f64, f64), turn: f64) -> Throw {
     let sum = radii.0 + radii.1;
     let away = Vector3::from(rng.unit()) * (sum * rng.range(1.5, 4.0));
@@ -85,20 +91,21 @@ pub fn aimed(rng: &mut Rng, radii: (f64, f64), turn: f64) -> Throw {
     }
 }
 
-/// What conservative advancement finds.
+/// Result of conservative advancement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Advance {
     /// The bodies touch or overlap at the start.
     Start,
-    /// They are apart up to here, and no farther apart than the tolerance there.
+    /// The bodies are separated until this time, and within the tolerance at it.
     Near(f64),
-    /// They never come as near.
+    /// The bodies never come within the tolerance.
     Miss,
-    /// So many steps were not enough.
+    /// The step limit was reached at this time.
     Limit(f64),
 }
 
-/// The greatest distance of a vertex from the axis, in the body's own frame, through its origin.
+/// Returns the greatest distance of a vertex from an axis through the body's origin, in the body's
+/// frame.
 fn swing(body: &ConvexPolyhedron, axis: &Vector3<f64>) -> f64 {
     let norm = axis.norm();
     let far = |p: Point3<f64>| p.coords.cross(axis).norm();
@@ -109,11 +116,12 @@ fn swing(body: &ConvexPolyhedron, axis: &Vector3<f64>) -> f64 {
     }
 }
 
-/// Casts by conservative advancement over one unit of time; also how many distances it took.
+/// Casts by conservative advancement over one unit of time. Returns the result and the number of
+/// distance queries.
 pub fn advance(bodies: [&ConvexPolyhedron; 2], throw: &Throw, tolerance: f64, limit: u32) -> (Advance, u32) {
     let motions = throw.motions();
     let [va, vb] = throw.velocity;
-    // The axis as each body sees it.
+    // The axis in the frame of each body.
     let swings = [0, 1].map(|k| {
         swing(
             bodies[k],
@@ -134,7 +142,7 @@ pub fn advance(bodies: [&ConvexPolyhedron; 2], throw: &Throw, tolerance: f64, li
         let speed = (va.linear - vb.linear).dot(&n)
             + va.angular.cross(&n).norm() * swings[0]
             + vb.angular.cross(&n).norm() * swings[1];
-        // The last factor covers rounding: distances here are within 1e-13 of the size.
+        // The factor covers rounding: these distances are within 1e-13 of the size.
         let step = if speed > 0.0 {
             0.99999 * seen.lower / speed
         } else {

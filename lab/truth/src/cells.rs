@@ -1,4 +1,5 @@
-//! The cell of a robot, all of meshes: an arm of six axes whose links are turned parts, a table, two trays, posts and a wall.
+//! A robot cell made of meshes: an arm of six axes with turned links, a table, two trays, posts and
+//! a wall.
 
 use crate::forms::mesh;
 use lin_canny_plan::{Joint, SerialArm, World};
@@ -8,7 +9,8 @@ use crate::rng::Rng;
 use crate::soups::{self, Soup};
 use crate::turned;
 
-/// Height above the link before, whether the axis is z and not y, limit on both sides.
+/// For each joint: height above the previous link, whether the axis is z (otherwise y), and the
+/// limit on both sides.
 const JOINTS: [(f64, bool, f64); 6] = [
     (0.12, true, 2.9),
     (0.20, false, 1.8),
@@ -29,7 +31,7 @@ const LINKS: [[f64; 3]; 7] = [
     [0.05, 0.01, 0.13],
 ];
 
-/// A robot and what stands about it.
+/// A robot and its surroundings.
 pub struct Cell {
     /// The links, one body each.
     pub links: Vec<Soup>,
@@ -37,7 +39,7 @@ pub struct Cell {
     pub obstacles: Vec<(Soup, Isometry3<f64>)>,
 }
 
-/// A link with collars and a waist: `12 n` triangles.
+/// Returns a link with collars and a waist: `12 n` triangles.
 fn link(n: usize, [r, low, high]: [f64; 3]) -> Soup {
     let step = 0.1 * (high - low);
     let profile = [
@@ -52,7 +54,7 @@ fn link(n: usize, [r, low, high]: [f64; 3]) -> Soup {
 }
 
 impl Cell {
-    /// A cell whose links have `12 n` triangles each: 84 for a robot of some 7,000.
+    /// Returns a cell whose links have `12 n` triangles each: n = 84 gives a robot of about 7,000.
     pub fn new(n: usize) -> Self {
         let at = Isometry3::translation;
         let shrunk = |soup: Soup, s: [f64; 3]| soup.map(|p| [p[0] * s[0], p[1] * s[1], p[2] * s[2]]);
@@ -76,12 +78,12 @@ impl Cell {
         }
     }
 
-    /// Whether a pair of links may touch: neighbours do.
+    /// Returns whether a pair of links may touch: adjacent links do.
     pub fn is_excluded(a: usize, b: usize) -> bool {
         a.abs_diff(b) < 2
     }
 
-    /// The space of the arm.
+    /// Returns the configuration space of the arm.
     pub fn arm(&self) -> SerialArm {
         let joint = |&(height, is_z, limit): &(f64, bool, f64)| {
             let axis = if is_z { Vector3::z_axis() } else { Vector3::y_axis() };
@@ -91,7 +93,7 @@ impl Cell {
         SerialArm::new(Isometry3::identity(), joints, (0..7).collect(), 0.15).expect("a sound arm")
     }
 
-    /// The cell as the planner's world.
+    /// Returns the cell as the planner's world.
     pub fn world(&self) -> World {
         let mut world = World::new();
         for (k, link) in self.links.iter().enumerate() {
@@ -104,12 +106,12 @@ impl Cell {
             let names = [k, k + 1].map(|k| format!("link {k}"));
             world.exclude(&names[0], &names[1]).expect("names of links");
         }
-        // The base stands on the table.
+        // The base rests on the table.
         world.exclude("link 0", "0").expect("names");
         world
     }
 
-    /// A configuration anywhere within the limits.
+    /// Returns a random configuration within the limits.
     pub fn sample(rng: &mut Rng) -> Vec<f64> {
         JOINTS.iter().map(|j| rng.range(-j.2, j.2)).collect()
     }

@@ -1,4 +1,5 @@
-//! The frame of a program with options: `clap` reads them, and every program of the repository ends alike.
+//! Entry point of a program with options: `clap` parses them, and every program of the repository
+//! exits alike.
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -8,8 +9,10 @@ use std::time::Duration;
 use clap::Parser;
 use clap::builder::RangedU64ValueParser;
 
-/// Runs a program with the options of its command line and returns its exit code: success, 1 if `run` fails, whose error is printed
-/// to the standard error. `clap` answers `--help` and ends a wrong call with 2.
+/// Runs a program with the options of its command line, and returns its exit code.
+///
+/// The code is 0 on success, and 1 if `run` fails; its error is printed to standard error. `clap`
+/// answers `--help` and exits with 2 for invalid options.
 pub fn main<O: Parser, T: Display>(run: impl FnOnce(&O) -> Result<(), T>) -> ExitCode {
     match run(&O::parse()) {
         Ok(()) => ExitCode::SUCCESS,
@@ -20,7 +23,7 @@ pub fn main<O: Parser, T: Display>(run: impl FnOnce(&O) -> Result<(), T>) -> Exi
     }
 }
 
-/// Ends a program without options that is given some; answers `--help` with `about`.
+/// Rejects any options of a program without options; answers `--help` with `about`.
 pub fn no_options(about: &'static str) {
     clap::Command::new("").about(about).get_matches();
 }
@@ -38,17 +41,19 @@ pub fn number(least: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + Send
     }
 }
 
-/// Reads a length of time in seconds.
+/// Parses a duration in seconds.
 ///
 /// # Errors
-/// The word is no number, or none of a duration.
+/// Returns an error if the word is not a number, or not a valid duration.
 pub fn seconds(word: &str) -> Result<Duration, String> {
     let number = number(0.0)(word)?;
     Duration::try_from_secs_f64(number).map_err(|e| e.to_string())
 }
 
-/// Returns the parser of the name of a file to write. A file that is there already is overwritten only if its name ends in
-/// `.extension`, so that no slip of a user loses a mesh or a program.
+/// Returns the parser of the name of an output file.
+///
+/// An existing file is accepted only if its name ends in `.extension`, so that a user's mistake
+/// does not overwrite a mesh or a program.
 pub fn file(extension: &'static str) -> impl Fn(&str) -> Result<PathBuf, String> + Clone + Send + Sync + 'static {
     move |word| {
         let path = PathBuf::from(word);
@@ -58,11 +63,11 @@ pub fn file(extension: &'static str) -> impl Fn(&str) -> Result<PathBuf, String>
     }
 }
 
-/// Refuses a path that cannot be written, before long work, and leaves what the file holds. Makes its folder below `target`, and
-/// there alone.
+/// Rejects a path that cannot be written, before long work, without changing an existing file.
+/// Creates its folder, but only below `target`.
 ///
 /// # Errors
-/// The folder or the file cannot be written; the text names which.
+/// Returns an error that names the folder or the file that cannot be written.
 pub fn writable(path: &Path) -> Result<(), String> {
     let named = |e: std::io::Error| format!("{}: {e}", path.display());
     if let Some(folder) = path.parent().filter(|f| f.starts_with("target")) {
@@ -83,7 +88,7 @@ pub fn writable(path: &Path) -> Result<(), String> {
 /// Writes `text` to `path`, as [`writable`] allows.
 ///
 /// # Errors
-/// The folder or the file cannot be written; the text names which.
+/// Returns an error that names the folder or the file that cannot be written.
 pub fn write(path: &Path, text: &str) -> Result<(), String> {
     writable(path)?;
     std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
@@ -92,7 +97,7 @@ pub fn write(path: &Path, text: &str) -> Result<(), String> {
 /// Returns the text of a file.
 ///
 /// # Errors
-/// The file cannot be read; the text names it.
+/// Returns an error that names the file if it cannot be read.
 pub fn read(path: &Path) -> Result<String, String> {
     std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
 }

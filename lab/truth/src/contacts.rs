@@ -1,4 +1,4 @@
-//! The scenes that contacts are timed on: two bodies of the crate and where they are in each frame.
+//! Scenes for timing contacts: two bodies of the crate and their poses in each frame.
 
 use crate::motion::Frame;
 use crate::pose::{cross, radius, scale, sub, unit};
@@ -8,18 +8,22 @@ use crate::{Face, Point};
 use lin_canny::{ConvexPolyhedron, FaceId, RelativePose, Tracker};
 use nalgebra::{Isometry3, Point3};
 
-/// What the bodies do.
+/// The motions of the bodies.
 ///
-/// * `shallow-0.5`: a depth of 1 % of the size is held while B spins and orbits by half a degree a frame;
-/// * `resting`: a face lies flat on a face, a thousandth of its reach deep, with a noise of a millionth;
-/// * `sliding`: the same shifted to and fro by 1 % of the reach a frame; random hulls orbit without a spin instead, in contact;
-/// * `passing`: from apart to overlap and back, 4 % of the radius each way, while B spins and orbits.
+/// * `shallow-0.5`: a constant depth of 1 % of the size, while B spins and orbits by half a degree
+///   per frame
+/// * `resting`: a face lies flat on a face, penetrating by a thousandth of the radius of the
+///   smaller face, with a noise of a millionth
+/// * `sliding`: the same, shifted to and fro by 1 % of that radius per frame; random hulls orbit in
+///   contact instead, without a spin
+/// * `passing`: from apart to overlap and back, 4 % of the radius in each direction, while B spins
+///   and orbits
 pub const SCENES: [&str; 4] = ["shallow-0.5", "resting", "sliding", "passing"];
 
-/// Contacts this near are asked for: 1 % of the size.
+/// Prediction distance of the contacts: 1 % of the size.
 pub const PREDICTION: f64 = 0.02;
 
-/// The shapes of a scene, with how many vertices each.
+/// Returns the shapes of a scene, with their numbers of vertices.
 pub fn shapes(scene: &str) -> Vec<(&'static str, usize)> {
     let kinds = match scene {
         "resting" | "sliding" => ["sphere", "prism"],
@@ -36,12 +40,12 @@ pub struct Scene {
     pub a: ConvexPolyhedron,
     /// The second.
     pub b: ConvexPolyhedron,
-    /// Poses in the world.
+    /// Poses in the world frame.
     pub frames: Vec<Frame>,
 }
 
 impl Scene {
-    /// `count` frames of a scene of [`SCENES`], the same for the same names.
+    /// Returns `count` frames of a scene of [`SCENES`], always the same for the same names.
     pub fn new(scene: &str, shape: &str, n: usize, count: usize) -> Self {
         let mut rng = Rng::new(2000 + n as u64);
         let (a, b) = (body(shape, n, &mut rng), body(shape, n, &mut rng));
@@ -49,7 +53,7 @@ impl Scene {
         Self { a, b, frames }
     }
 
-    /// World poses of both bodies, frame by frame.
+    /// Returns the world poses of both bodies, frame by frame.
     pub fn poses(&self) -> Vec<(Isometry3<f64>, Isometry3<f64>)> {
         self.frames.iter().map(|f| (f.a.isometry(), f.b.isometry())).collect()
     }
@@ -99,7 +103,7 @@ fn frames(
     }
 }
 
-/// The face that reaches farthest: its plane, and the largest distance of a corner from its middle.
+/// Returns the widest face: its plane, and the largest distance of a vertex from its centre.
 pub fn widest_face(body: &ConvexPolyhedron) -> (FacePlane, f64) {
     let of = |f: FaceId| {
         let corners = body.face_vertices(f).filter_map(|v| body.vertex(v));
@@ -114,7 +118,7 @@ pub fn widest_face(body: &ConvexPolyhedron) -> (FacePlane, f64) {
     faces.max_by(|x, y| x.1.total_cmp(&y.1)).expect("a solid has faces")
 }
 
-/// Points and faces of a body as plain data.
+/// Returns points and faces of a body as plain data.
 pub fn plain(body: &ConvexPolyhedron) -> (Vec<Point>, Vec<Face>) {
     let at = body.vertex_points().map(Into::into).collect();
     let rim = |f| body.face_vertices(f).map(|v| v.index() as u32).collect();

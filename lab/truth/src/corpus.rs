@@ -1,4 +1,4 @@
-//! Reader of the corpus of hard cases. The format stands in `tests/corpus/README.md`.
+//! Reader of the corpus of hard cases. `tests/corpus/README.md` defines the format.
 
 use crate::pose::{norm, radius, sub};
 use crate::shapes::{self, Shape};
@@ -8,14 +8,14 @@ use serde_json::Value;
 use std::collections::HashSet;
 use std::path::Path;
 
-/// Two bodies at two poses, and what is true of them; or one frame of a motion.
+/// Two bodies at two poses with the exact values, or one frame of a motion.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Unique; of a frame, the name of the motion and the number of the frame.
+    /// Unique name; for a frame, the name of the motion and the number of the frame.
     pub name: String,
-    /// The file it stands in.
+    /// Name of its file.
     pub family: String,
-    /// The motion it is a frame of: frames follow each other.
+    /// Motion to which a frame belongs; its frames are in order.
     pub motion: Option<String>,
     /// The first body.
     pub a: Shape,
@@ -25,20 +25,22 @@ pub struct Case {
     pub pose_a: Pose,
     /// World pose of B.
     pub pose_b: Pose,
-    /// How they lie, exactly.
+    /// Exact contact state.
     pub state: ContactState,
-    /// Signed distance to the nearest double. Present for separated cases, and where the oracle knows the depth.
+    /// Signed distance to the nearest double, for separated cases and for cases whose depth the
+    /// oracle knows.
     pub distance: Option<f64>,
 }
 
 impl Case {
-    /// Whether the exact oracle can judge the case in a short time: bodies of at most `most` points, one of them solid.
+    /// Returns whether the exact oracle can judge the case quickly: bodies of at most `most`
+    /// points, one of them solid.
     pub fn is_small(&self, most: usize) -> bool {
         let solid = |s: &Shape| s.points.len() > 3;
         self.a.points.len().max(self.b.points.len()) <= most && (solid(&self.a) || solid(&self.b))
     }
 
-    /// What the oracle says.
+    /// Returns the result of the oracle.
     pub fn truth(&self) -> Exact {
         let faces = |s: &Shape| match s.points.len() {
             1 | 2 => s.clone(),
@@ -57,7 +59,8 @@ impl Case {
         )
     }
 
-    /// The size L about the bodies' own origins: no less than that about their middles.
+    /// Returns the size L about the bodies' origins, which is at least the size about their
+    /// centres.
     pub fn size(&self) -> f64 {
         radius(&self.a.points) + radius(&self.b.points) + norm(sub(self.pose_b.t, self.pose_a.t))
     }
@@ -111,7 +114,7 @@ fn pose(v: &Value) -> Pose {
     Pose { q, t: numbers(&v["t"]) }
 }
 
-/// The case at one place, or a frame of a motion: `at` holds poses and truth.
+/// Returns a single case, or a frame of a motion: `at` holds poses and exact values.
 fn case(v: &Value, at: &Value, family: &str, frame: Option<usize>) -> Case {
     let name = text(v, "name").to_owned();
     Case {
@@ -138,7 +141,9 @@ fn read(v: &Value, family: &str) -> Vec<Case> {
     }
 }
 
-/// All cases of a folder, by file and in their order. Panics, by name, on a file that is none: it is part of the source.
+/// Returns all cases of a folder, ordered by file and position.
+///
+/// Panics, naming the file, on an invalid file: the corpus is part of the source.
 pub fn load(folder: &Path) -> Vec<Case> {
     let list = std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
     let mut files: Vec<_> = list.filter_map(|f| Some(f.ok()?.path())).collect();

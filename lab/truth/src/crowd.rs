@@ -1,7 +1,8 @@
-//! Crowds of moving hulls: the scenes of the scene's tests, examples and benchmarks. Fixed seeds, no outside randomness.
+//! Crowds of moving hulls: the scenes of tests, examples and benchmarks of `Scene`, with fixed
+//! seeds.
 //!
-//! Hulls are random points on an ellipsoid of half axes 0.4 to 0.6 in every direction, 0.5 to 0.6 in a pile: a body is about one
-//! unit across.
+//! Hulls are random points on an ellipsoid with half axes of 0.4 to 0.6 (0.5 to 0.6 in a pile), so
+//! a body is about one unit wide.
 
 use crate::pose::{add, quat, quat_mul, scale, unit_quat};
 use crate::rng::Rng;
@@ -11,19 +12,20 @@ use lin_canny::ConvexPolyhedron;
 use nalgebra::Point3;
 use std::sync::Arc;
 
-/// How a crowd stands.
+/// Arrangement of a crowd.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
-    /// 16 cubic units a body, random directions, 0.01 and 0.02 radians a step, walls around.
+    /// 16 cubic units per body, random directions, at most 0.01 and 0.02 radians per step, with
+    /// walls around.
     Sparse,
-    /// Four layers of unit cells on a square; each body jostles in its place by 0.1, 0.01 and 0.02 radians a step: about three
-    /// pairs of boxes a body.
+    /// Four layers of unit cells on a square. Each body jostles in its cell within 0.1, by 0.01 and
+    /// 0.02 radians per step: about three pairs of boxes per body.
     Pile,
-    /// Bodies fill this part of the space, and take so many steps a second at up to one unit and one radian a second.
+    /// Bodies at a given density and step rate, with at most one unit and one radian per second.
     Gas {
-        /// Volume of the bodies over that of the room.
+        /// Volume of the bodies divided by that of the room.
         fill: f64,
-        /// Steps a second.
+        /// Steps per second.
         rate: f64,
     },
 }
@@ -32,21 +34,21 @@ pub enum Kind {
 #[derive(Clone, Debug)]
 struct Mover {
     velocity: Point,
-    /// Turn of a step.
+    /// Rotation per step.
     spin: [f64; 4],
     home: Point,
     /// Half side of its room.
     room: Point,
 }
 
-/// Bodies in motion. A body wanders in its own room and bounces off the walls of it.
+/// Bodies in motion. Each body moves in its room and bounces off the walls.
 #[derive(Clone, Debug)]
 pub struct Crowd {
     /// The distinct shapes.
     pub shapes: Vec<Shape>,
-    /// Which of them each body has.
+    /// Index of the shape of each body.
     pub shape_of: Vec<usize>,
-    /// Where the bodies are in this frame.
+    /// Poses of the bodies in this frame.
     pub poses: Vec<Pose>,
     movers: Vec<Mover>,
 }
@@ -55,7 +57,7 @@ pub struct Crowd {
 const SHAPES: usize = 16;
 
 impl Crowd {
-    /// The distinct shapes as bodies of the crate.
+    /// Returns the distinct shapes as bodies of the crate.
     pub fn hulls(&self) -> Vec<Arc<ConvexPolyhedron>> {
         let hull = |s: &Shape| {
             let points: Vec<Point3<f64>> = s.points.iter().copied().map(Point3::from).collect();
@@ -64,7 +66,7 @@ impl Crowd {
         self.shapes.iter().map(hull).collect()
     }
 
-    /// `n` bodies of hulls with `vertices` points, always the same.
+    /// Returns `n` bodies, hulls of `vertices` points, always the same.
     pub fn new(kind: Kind, n: usize, vertices: usize) -> Self {
         let mut rng = Rng::new(0x5EED + n as u64 + 7 * vertices as u64);
         let least = if kind == Kind::Pile { 0.5 } else { 0.4 };
@@ -83,7 +85,7 @@ impl Crowd {
         match kind {
             Kind::Pile => crowd.pile(n, &mut rng),
             Kind::Sparse => crowd.fill(n, 16.0, (0.01, 0.02), &mut rng),
-            // A ball of radius one half.
+            // The volume of a ball of radius 1/2, divided by the density.
             Kind::Gas { fill, rate } => {
                 let speed = rng.range(0.999, 1.0) / rate;
                 crowd.fill(n, std::f64::consts::PI / 6.0 / fill, (speed, speed), &mut rng);
@@ -106,7 +108,7 @@ impl Crowd {
         let half = 0.5 * (volume * n as f64).cbrt();
         for _ in 0..n {
             let at = [0; 3].map(|_| rng.range(-half, half));
-            // The fastest at the full pace, others slower.
+            // The fastest body moves at full speed, others slower.
             let part = rng.range(0.5, 1.0);
             self.add(at, [0.0; 3], [half; 3], (pace.0 * part, pace.1 * part), rng);
         }
@@ -115,7 +117,7 @@ impl Crowd {
     fn pile(&mut self, n: usize, rng: &mut Rng) {
         let side = ((n as f64 / 4.0).sqrt().ceil() as usize).max(1);
         let mut cells: Vec<usize> = (0..side * side * 4).collect();
-        // Neighbours in space are strangers in memory: the worst case.
+        // Neighbours in space are far apart in memory: the worst case.
         rng.shuffle(&mut cells);
         for cell in cells.into_iter().take(n) {
             let home = [cell / 4 % side, cell / 4 / side, cell % 4].map(|v| v as f64);
@@ -124,7 +126,7 @@ impl Crowd {
         }
     }
 
-    /// The next frame.
+    /// Advances the crowd by one frame.
     pub fn step(&mut self) {
         for (pose, mover) in self.poses.iter_mut().zip(&mut self.movers) {
             for k in 0..3 {

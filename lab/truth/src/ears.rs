@@ -1,12 +1,12 @@
-//! Polygons cut into triangles, concave ones too.
-//!
-//! Source: G. H. Meisters 1975, "Polygons have ears".
+//! Triangulation of polygons, including concave polygons.
 
 use crate::Point;
 use crate::pose::{add, cross, sub};
 
-/// Cuts a polygon into triangles along diagonals inside it, as seen along its mean normal; a convex one from its first
-/// corner. What is left of a polygon that crosses itself is cut from there as well.
+/// Triangulates a polygon along interior diagonals, seen along its mean normal.
+///
+/// A convex polygon is cut from its first vertex, and so is the rest of a polygon that crosses
+/// itself.
 pub(crate) fn cut(points: &[Point], face: &[u32]) -> Vec<[u32; 3]> {
     let at = |v: u32| points[v as usize];
     let dot = |p: Point, q: Point| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];

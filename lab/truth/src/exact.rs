@@ -1,16 +1,22 @@
-//! The naive exact oracle: contact state and signed distance of two small convex bodies, over the integers.
+//! The naive exact oracle: contact state and signed distance of two small convex bodies, over the
+//! integers.
 //!
-//! It is meant to be obviously right rather than fast (16 vertices a body take some 10 ms). Two facts carry it:
+//! It is designed to be obviously correct, not fast (16 vertices per body take about 10 ms). It
+//! relies on two facts:
 //!
-//! 1. **Contact state and depth.** For every direction n, `(min over B of n.b - max over A of n.a) / |n|` is at most the signed
-//!    distance. If the bodies meet, some face normal of A or B, or cross product of an edge of each, attains it: these are
-//!    the facet normals of the difference A - B, of which the origin is then no exterior point. If they are apart, one
-//!    of these directions has a positive gap. The largest gap is thus positive, zero or negative exactly as the bodies are
-//!    apart, touch or overlap, and when it is not positive it is minus the depth.
-//! 2. **Distance.** Bodies apart are closest at a vertex and a vertex, edge or face, or at two edges; each candidate is a
-//!    distance of two real points of the bodies, so the least of all is the distance.
+//! 1. **Contact state and depth.** For every direction n,
+//!    `(min over B of n.b - max over A of n.a) / |n|` is at most the signed distance. If the bodies
+//!    meet, some face normal of A or B, or some cross product of an edge of each, attains it: these
+//!    are the facet normals of the difference A - B, which then contains the origin. If they are
+//!    separated, one of these directions has a positive gap. So the largest gap is positive, zero
+//!    or negative exactly if the bodies are separated, touch or overlap. If it is not positive, it
+//!    is minus the depth.
+//! 2. **Distance.** Separated bodies are closest at a vertex and a vertex, edge or face, or at two
+//!    edges. Each candidate is the distance of two points of the bodies, so the least candidate is
+//!    the distance.
 //!
-//! Squared distances are fractions of integers, compared by cross multiplication; only the last root rounds.
+//! Squared distances are fractions of integers, compared by cross multiplication. Only the final
+//! root rounds.
 
 pub use crate::body::Body;
 use crate::body::{Edge, Placed, place_two};
@@ -20,27 +26,27 @@ use crate::{Point, Pose};
 use dashu_int::IBig;
 use dashu_ratio::RBig;
 
-/// A square of a length as numerator and positive denominator.
+/// The square of a length as numerator and positive denominator.
 pub(crate) type Frac = (IBig, IBig);
 
 pub(crate) fn less(a: Frac, b: Frac) -> Frac {
     if &a.0 * &b.1 <= &b.0 * &a.1 { a } else { b }
 }
 
-/// Point against a corner.
+/// Squared distance of a point and a vertex.
 pub(crate) fn to_corner(p: &IntVec, q: &IntVec) -> Frac {
     let w = sub(p, q);
     (dot(&w, &w), IBig::ONE)
 }
 
-/// Point against the inside of an edge.
+/// Squared distance of a point and the interior of an edge.
 pub(crate) fn to_edge(p: &IntVec, [a, b]: &Edge) -> Option<Frac> {
     let (u, w) = (sub(b, a), sub(p, a));
     let (along, len2, off) = (dot(&u, &w), dot(&u, &u), cross(&u, &w));
     (along > IBig::ZERO && along < len2).then(|| (dot(&off, &off), len2))
 }
 
-/// Point against a face above or below which it lies, of a normal that is not zero.
+/// Squared distance of a point and a face above or below which it lies; `n` must not be zero.
 pub(crate) fn to_face(p: &IntVec, corners: &[IntVec], n: &IntVec) -> Option<Frac> {
     let mut sides = corners.iter().zip(corners.iter().cycle().skip(1));
     let over = sides.all(|(a, b)| dot(&cross(n, &sub(b, a)), &sub(p, a)) >= IBig::ZERO);
@@ -48,7 +54,7 @@ pub(crate) fn to_face(p: &IntVec, corners: &[IntVec], n: &IntVec) -> Option<Frac
     over.then(|| (&height * &height, dot(n, n)))
 }
 
-/// Two edges whose lines are closest within both.
+/// Squared distance of two edges whose lines are closest within both.
 pub(crate) fn edge_edge([a, b]: &Edge, [c, d]: &Edge) -> Option<Frac> {
     let (u, v, w) = (sub(b, a), sub(d, c), sub(c, a));
     let n = cross(&u, &v);
@@ -58,7 +64,7 @@ pub(crate) fn edge_edge([a, b]: &Edge, [c, d]: &Edge) -> Option<Frac> {
     (n2 > IBig::ZERO && inside(&s) && inside(&t)).then(|| (&height * &height, n2))
 }
 
-/// Squared distance of `p` from the nearest feature of `body`.
+/// Returns the squared distance of `p` from the nearest feature of `body`.
 fn nearest(p: &IntVec, body: &Placed) -> Frac {
     let corner = body.points.iter().map(|v| to_corner(p, v));
     let edge = body.edges.iter().filter_map(|e| to_edge(p, e));
@@ -66,7 +72,7 @@ fn nearest(p: &IntVec, body: &Placed) -> Frac {
     corner.chain(edge).chain(face).reduce(less).expect("a body has points")
 }
 
-/// Least squared distance over all pairs of features.
+/// Returns the least squared distance over all pairs of features.
 fn least(a: &Placed, b: &Placed) -> Frac {
     let from_a = a.points.iter().map(|p| nearest(p, b));
     let from_b = b.points.iter().map(|p| nearest(p, a));
@@ -81,7 +87,7 @@ fn least(a: &Placed, b: &Placed) -> Frac {
         .expect("a body has points")
 }
 
-/// The largest gap over all facet directions as (gap, |n|^2); the first positive one will do.
+/// Returns the largest gap over all facet directions, or the first positive gap, as (gap, |n|^2).
 fn widest_gap(a: &Placed, b: &Placed) -> Frac {
     let normals = a.faces.iter().chain(&b.faces).map(|f| f.1.clone());
     let crosses = a.edges.iter().flat_map(|e| {
@@ -96,7 +102,7 @@ fn widest_gap(a: &Placed, b: &Placed) -> Frac {
         if gap > IBig::ZERO {
             return (gap, n2);
         }
-        // Both gaps are at most zero: the larger one has the smaller square.
+        // Neither gap is positive: the larger gap has the smaller square.
         if best.as_ref().is_none_or(|(g, m)| &gap * &gap * m < g * g * &n2) {
             best = Some((gap, n2));
         }
@@ -104,7 +110,7 @@ fn widest_gap(a: &Placed, b: &Placed) -> Frac {
     best.expect("one of the bodies is solid")
 }
 
-/// Contact state and signed distance of two bodies at two poses.
+/// Returns contact state and signed distance of two bodies at two poses.
 pub fn solve(a: Body, pose_a: &Pose, b: Body, pose_b: &Pose) -> Exact {
     let (a, b, den) = place_two(a, pose_a, b, pose_b);
     let (gap, n2) = widest_gap(&a, &b);
@@ -117,7 +123,8 @@ pub fn solve(a: Body, pose_a: &Pose, b: Body, pose_b: &Pose) -> Exact {
     Exact::new(state, RBig::from_parts_signed(num, below * &den * &den))
 }
 
-/// Distance of a point of the world from a placed solid, correctly rounded; zero inside and on the surface.
+/// Returns the distance of a point of the world from a solid at a pose, correctly rounded; zero
+/// inside and on the surface.
 pub fn distance_to_body(point: Point, body: Body, pose: &Pose) -> f64 {
     solve(
         Body {

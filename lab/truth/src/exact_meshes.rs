@@ -1,8 +1,10 @@
-//! The naive exact oracle of meshes: least distances over all pairs of triangles, over the integers.
+//! The naive exact oracle of meshes: least distances over all pairs of triangles, over the
+//! integers.
 //!
-//! Two triangles share a point if an edge of one passes through the other; else they are closest at one of the fifteen pairs of a
-//! vertex and a face or of two edges, or where these end. Floating point chooses the pairs that may be the closest, by a margin
-//! that is far more than its error.
+//! Two triangles share a point if an edge of one passes through the other. Otherwise they are
+//! closest at one of the fifteen pairs of a vertex and a face or of two edges, or at the ends of
+//! these. Floating point selects the pairs that may be the closest, with a margin far above its
+//! error.
 
 use crate::brute::{self, Triangle};
 use crate::exact::{Frac, edge_edge, less, to_corner, to_edge, to_face};
@@ -16,7 +18,7 @@ use dashu_ratio::RBig;
 /// A triangle over the integers.
 type IntTriangle = [IntVec; 3];
 
-/// Whether a segment whose ends lie on different sides of a triangle passes through it.
+/// Returns whether a segment passes through a triangle, if its ends are on different sides of it.
 fn passes(p: &IntVec, q: &IntVec, t: &IntTriangle, n: &IntVec) -> bool {
     let (h, k) = (dot(n, &sub(p, &t[0])), dot(n, &sub(q, &t[0])));
     let differs = h > IBig::ZERO && k < IBig::ZERO || h < IBig::ZERO && k > IBig::ZERO;
@@ -28,7 +30,7 @@ fn passes(p: &IntVec, q: &IntVec, t: &IntTriangle, n: &IntVec) -> bool {
     turns.iter().all(|x| *x >= IBig::ZERO) || turns.iter().all(|x| *x <= IBig::ZERO)
 }
 
-/// The squared distance of two triangles, which may have no area.
+/// Returns the squared distance of two triangles, which may have no area.
 fn squared(x: &IntTriangle, y: &IntTriangle) -> Frac {
     let sides = |t: &IntTriangle| [0, 1, 2].map(|i| [t[i].clone(), t[(i + 1) % 3].clone()]);
     let mut best = to_corner(&x[0], &y[0]);
@@ -55,7 +57,7 @@ fn squared(x: &IntTriangle, y: &IntTriangle) -> Frac {
     best
 }
 
-/// The squared distance of two triangles, the second at a pose.
+/// Returns the squared distance of two triangles, the second at a pose.
 pub fn square(p: &Triangle, q: &Triangle, pose: &Pose) -> RBig {
     let (x, y, den) = common(&placed(p, &Pose::IDENTITY), &placed(q, pose));
     let (x, y) = (x.try_into().expect("three"), y.try_into().expect("three"));
@@ -64,14 +66,14 @@ pub fn square(p: &Triangle, q: &Triangle, pose: &Pose) -> RBig {
     RBig::from_parts_signed(square, below * &den * &den)
 }
 
-/// A ball about a triangle.
+/// Returns a bounding ball of a triangle.
 fn ball(t: &Triangle) -> (Point, f64) {
     let middle = [0, 1, 2].map(|k| (t[0][k] + t[1][k] + t[2][k]) / 3.0);
     let radius = t.iter().map(|x| norm(crate::pose::sub(*x, middle)));
     (middle, radius.fold(0.0, f64::max))
 }
 
-/// The distance in floating point, also of triangles that are points.
+/// Returns the distance in floating point, also for triangles that are points.
 fn estimate(p: &Triangle, q: &Triangle) -> f64 {
     let corners = p
         .iter()
@@ -79,7 +81,7 @@ fn estimate(p: &Triangle, q: &Triangle) -> f64 {
     corners.fold(brute::triangles(p, q), f64::min)
 }
 
-/// The least of all squares, and its pair.
+/// Returns the least of all squares, and its pair.
 fn least(
     p: &[Triangle],
     q: &[Triangle],
@@ -111,7 +113,7 @@ fn least(
         if is_known || root <= reach + margin {
             return Some(best);
         }
-        // Floating point has gone wrong, as it may for triangles in one plane, or nearly segments.
+        // The floating-point result is wrong, which may happen for coplanar triangles or slivers.
         (reach, is_known) = (root, true);
     }
 }
@@ -120,7 +122,7 @@ fn corners(soup: &Soup) -> Vec<Triangle> {
     (0..soup.triangles.len()).map(|t| soup.corners(t)).collect()
 }
 
-/// The least squared distance of two meshes, and two triangles that have it.
+/// Returns the least squared distance of two meshes, and a pair of triangles that attains it.
 pub fn apart(a: &Soup, b: &Soup, a_from_b: &Pose) -> (RBig, [usize; 2]) {
     let (p, q) = (corners(a), corners(b));
     let there: Vec<Triangle> = q.iter().map(|t| t.map(|x| a_from_b.apply(x))).collect();
@@ -128,14 +130,16 @@ pub fn apart(a: &Soup, b: &Soup, a_from_b: &Pose) -> (RBig, [usize; 2]) {
     least(&p, &there, |_, _| true, square).expect("meshes have triangles")
 }
 
-/// The least squared distance of two triangles of a mesh that share no vertex, and such two.
+/// Returns the least squared distance of two triangles of a mesh that share no vertex, and such a
+/// pair.
 pub fn itself(soup: &Soup) -> Option<(RBig, [usize; 2])> {
     let p = corners(soup);
     let square = |[i, j]: [usize; 2]| square(&p[i], &p[j], &Pose::IDENTITY);
     least(&p, &p, |i, j| i < j && !share(soup, i, j), square)
 }
 
-/// All pairs of triangles of a mesh that share no vertex and are at most `d` apart, the lower number first.
+/// Returns all pairs of triangles of a mesh that share no vertex and are at most `d` apart, the
+/// lower number first.
 pub fn pairs_within(soup: &Soup, d: f64) -> Vec<[usize; 2]> {
     let (p, most) = (corners(soup), exact(d));
     let most = &most * &most;
@@ -147,7 +151,7 @@ pub fn pairs_within(soup: &Soup, d: f64) -> Vec<[usize; 2]> {
             if norm(crate::pose::sub(e, c)) - r - s > d + 1e-9 * size {
                 continue;
             }
-            // Floating point may take triangles in one plane for crossing ones.
+            // Floating point may report coplanar triangles as crossing.
             let distance = estimate(&p[i], &p[j]);
             if distance <= d + 1e-9 * size && square(&p[i], &p[j], &Pose::IDENTITY) <= most {
                 found.push([i, j]);
@@ -185,7 +189,8 @@ mod tests {
     use crate::rational::{rounded, sqrt};
     use crate::rng::Rng;
 
-    /// On a lattice, and in general position, exact squares are those of floating point by other formulas.
+    /// On a lattice and in general position, exact squares agree with different formulas in
+    /// floating point.
     #[test]
     fn squares_are_those_of_floating_point() {
         let mut rng = Rng::new(5);

@@ -1,4 +1,4 @@
-//! Cases of the oracle worked by hand, and its two halves against each other.
+//! Cases of the oracle computed by hand, and a comparison of its two halves.
 
 use super::*;
 use crate::Point;
@@ -65,7 +65,7 @@ fn gaps_below_the_rounding_of_coordinates_are_seen() {
         shifted(&unit, &unit, [1.0 - eps, 0.0, 0.0]),
         (ContactState::Overlapping, -eps)
     );
-    // 1e-15 is no double beside 1; the sum is taken from two translations, exactly.
+    // 1 + 1e-15 is not a double; the sum of two translations is exact.
     let far = ask(
         &unit,
         Pose::shift([-1.0, 0.0, 0.0]),
@@ -119,7 +119,8 @@ fn crossing_edges_and_a_corner_over_a_face() {
         (ContactState::Separated, 0.5),
         "tip over face"
     );
-    // Rods along x and y, each standing on its edge: the edges cross sqrt(1/2) above and below their axes.
+    // Rods along x and y, each standing on an edge: the crossing edges are sqrt(1/2) above and
+    // below their axes.
     let on_edge = Pose::turn([1.0, 0.0, 0.0], std::f64::consts::FRAC_PI_4, [0.0; 3]);
     let across = Pose {
         q: [0.0, 0.0, 1.0, 1.0],
@@ -136,7 +137,8 @@ fn crossing_edges_and_a_corner_over_a_face() {
 
 #[test]
 fn tetrahedra_with_crossing_edges() {
-    // A's upper edge runs along x at z = 0, B's lower edge along y at z = 1: only edge against edge gives 1.
+    // A's upper edge is along x at z = 0, B's lower edge along y at z = 1: only the pair of edges
+    // gives 1.
     let a = Shape::hull(
         "lower",
         vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, -1.0, -2.0], [0.0, 1.0, -2.0]],
@@ -206,8 +208,8 @@ fn a_quaternion_that_is_not_unit_places_the_same_body() {
     assert_eq!(ask(&a, long, &b, Pose::IDENTITY), ask(&a, longer, &b, Pose::IDENTITY));
 }
 
-/// The contact state comes from directions, the distance from features: they must agree. A common turn, close to exact, and
-/// powers of two must change nothing or scale alone.
+/// The contact state comes from directions, the distance from features: they must agree. Scaling by
+/// a power of two must scale the distance exactly.
 #[test]
 fn directions_and_features_tell_the_same_story() {
     let mut r = Rng::new(3);

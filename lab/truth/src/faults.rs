@@ -1,17 +1,19 @@
-//! Faults that files of real meshes have, made on purpose: triangles without area, cut edges, repeats and slivers. None of them opens
-//! a closed surface.
+//! Generated faults of real mesh files: triangles without area, cut edges, repeats and slivers.
+//!
+//! None of them opens a closed surface.
 
 use crate::pose::{add, scale};
 use crate::rng::Rng;
 use crate::soups::Soup;
 
-/// Coordinates on a grid, so that the middle of an edge is exactly on the edge.
+/// Rounds coordinates to a grid, so that the middle of an edge is exactly on the edge.
 pub fn on_grid(soup: Soup) -> Soup {
     soup.map(|p| p.map(|x| (x * 1_048_576.0).round() / 1_048_576.0))
 }
 
-/// Cuts a triangle at the middle of an edge; the neighbour is left as it is, and the slit is closed
-/// by a triangle without area, or not at all.
+/// Cuts a triangle at the middle of an edge without changing its neighbour.
+///
+/// If `is_capped`, a triangle without area closes the slit.
 pub fn slit(soup: &mut Soup, rng: &mut Rng, is_capped: bool) {
     let t = rng.below(soup.triangles.len());
     let [a, b, c] = soup.triangles[t];
@@ -31,15 +33,15 @@ fn litter(soup: &mut Soup, rng: &mut Rng, kind: usize) {
     match kind {
         0 => slit(soup, rng, true),
         1 => slit(soup, rng, false),
-        // Without corners, without area.
+        // Triangles with repeated vertices, without area.
         2 => soup.triangles.extend([[a, a, a], [a, b, a], [b, b, c]]),
-        // Once more, without an opposite.
+        // One more copy, without an opposite.
         3 => soup.triangles.push([b, c, a]),
-        // Twice more, with opposites.
+        // Two more copies, with opposites.
         4 => soup.triangles.extend([[a, b, c], [b, c, a], [a, c, b], [c, b, a]]),
-        // Once more, with an opposite.
+        // One more copy, with an opposite.
         5 => soup.triangles.extend([[c, a, b], [b, a, c]]),
-        // A sliver and its back.
+        // A sliver and its reverse.
         _ => {
             let middle = soup.points.len() as u32;
             let ends = [a, b].map(|v| soup.points[v as usize]);
@@ -50,8 +52,10 @@ fn litter(soup: &mut Soup, rng: &mut Rng, kind: usize) {
     }
 }
 
-/// The mesh with one to six faults. Triangles that are repeated without an opposite cannot be told from a second layer where
-/// others are counted, so they come alone.
+/// Returns the mesh with one to six faults.
+///
+/// Triangles repeated without an opposite look like a second layer if other repeats are counted, so
+/// they are never combined with other faults.
 pub fn faulty(clean: &Soup, rng: &mut Rng) -> Soup {
     let mut soup = clean.clone();
     let alone = rng.below(4) == 0;

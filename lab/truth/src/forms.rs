@@ -1,4 +1,4 @@
-//! Bodies of every kind that a scene takes, and the distance of two of them without a scene.
+//! Bodies of every kind that a scene accepts, and the distance of two of them without a scene.
 
 use crate::soups::Soup;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -7,17 +7,18 @@ use lin_canny::surface::{BezierSurface, revolution};
 use lin_canny::{Compound, ContactState, ConvexPolyhedron, Distance, Geometry, GeometryRef, Mesh, PairTracker, Piece};
 use lin_canny::{QueryOptions, RelativePose, Shape, Tracker};
 
-/// Bodies of which one is no sharp polyhedron, and whose bounds are as near to a threshold as this, may be either side of it.
+/// If a body is not a sharp polyhedron and its bounds are within this of a threshold, both answers
+/// are accepted.
 pub const TIE: f64 = 1e-7;
 
-/// A body as its trackers take it. Few are made, and none is moved often.
+/// A body in the form of its trackers. Few are created, and none is moved often.
 #[allow(clippy::large_enum_variant)]
 pub enum Form {
-    /// A sharp polyhedron, of which every predicate is exact.
+    /// A sharp polyhedron, for which every predicate is exact.
     Sharp(ConvexPolyhedron),
     /// A convex shape, curved or rounded.
     Convex(Shape),
-    /// A body of convex pieces.
+    /// A compound of convex pieces.
     Pieces(Compound),
     /// A triangle mesh.
     Mesh(Mesh),
@@ -68,13 +69,16 @@ pub fn sphere(r: f64) -> BezierSurface {
 /// Returns the mesh of a soup.
 ///
 /// # Panics
-/// The soup is no mesh.
+/// Panics if the soup is not a valid mesh.
 pub fn mesh(soup: &Soup) -> Mesh {
     let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
     Mesh::new(&points, &soup.triangles).expect("made meshes are sound")
 }
 
-/// The bodies of a world: polyhedra alone, curved shapes too, meshes and compounds too, or surfaces and compounds too.
+/// Returns the bodies of a world.
+///
+/// By `kind`: 0 polyhedra alone, 1 curved shapes too, 2 meshes and compounds too, 3 surfaces and
+/// compounds too.
 pub fn forms(kind: usize) -> Vec<(Geometry, Form)> {
     let far = [-1.0, 1.0].map(|x| Point3::new(x + 3.0, 0.2, 0.3));
     let mut all = vec![
@@ -96,7 +100,7 @@ pub fn forms(kind: usize) -> Vec<(Geometry, Form)> {
         ));
     }
     if kind > 1 {
-        // Bodies of parts against each other, mostly.
+        // Keeps fewer convex bodies, so that most pairs have a compound.
         all.drain(3..6);
         all.push((cross().into(), Form::Pieces(cross())));
     }
@@ -114,13 +118,13 @@ pub fn forms(kind: usize) -> Vec<(Geometry, Form)> {
     all
 }
 
-/// The signed distance of two bodies by a tracker without a past.
+/// Returns the signed distance of two bodies by a new tracker.
 pub fn distance(a: &Form, b: &Form, pose: &RelativePose) -> Distance {
     let narrow = QueryOptions::new().width(1e-9);
     Distance::from(&PairTracker::new().closest_with(a.lent(), b.lent(), pose, &narrow))
 }
 
-/// Whether two bodies are at most `d` apart; `None` if that is too close to call.
+/// Returns whether two bodies are at most `d` apart; `None` if the bounds do not decide it.
 pub fn within(a: &Form, b: &Form, pose: &RelativePose, d: f64) -> Option<bool> {
     if let (Form::Sharp(x), Form::Sharp(y)) = (a, b) {
         return Some(Tracker::new().within(x, y, pose, d));

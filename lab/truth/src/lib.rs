@@ -1,38 +1,39 @@
-//! Exact oracles, generators of hard cases, brute force and corpora: what the tests and benches of `lin-canny` share.
+//! Exact oracles, generators of hard cases, brute force and corpora, shared by tests and benches of
+//! `lin-canny`.
 //!
-//! Everything here works on plain data: a point is `[f64; 3]`, a face is a list of point indices counter-clockwise
-//! from outside, a pose is [`Pose`]. So a judge never borrows the code it judges;
-//! only [`arm`], [`boxes`], [`casts`], [`crowd`], [`curved`], [`driven`], [`forms`], [`pairs`], [`rooms`], [`support`] and
-//! [`contacts`] speak the crate's own types.
+//! Most modules work on plain data: a point is `[f64; 3]`, a face is a list of point indices
+//! counter-clockwise from outside, a pose is [`Pose`]. So a judge never uses the code that it
+//! judges. Only [`arm`], [`boxes`], [`casts`], [`crowd`], [`curved`], [`driven`], [`forms`],
+//! [`pairs`], [`rooms`], [`support`] and [`contacts`] use types of the crate.
 //!
-//! | module | what it gives |
+//! | module | contents |
 //! |---|---|
 //! | [`rng`] | a seeded generator: the same numbers on every machine |
-//! | [`shapes`] | bodies that are hard on purpose |
-//! | [`motion`], [`workload`] | seeded motions of a pair, and those that engines are timed on |
+//! | [`shapes`] | deliberately hard bodies |
+//! | [`motion`], [`workload`] | seeded motions of a pair, and the motions for timing |
 //! | [`boxes`], [`crowd`] | scenes of moving boxes, and of moving hulls |
 //! | [`contacts`] | scenes of two bodies in contact |
 //! | [`casts`] | bodies thrown at each other, and conservative advancement |
-//! | [`rooms`] | rooms full of hulls, and a robot that goes through them |
+//! | [`rooms`] | rooms full of hulls, and a robot that moves through them |
 //! | [`cells`], [`arm`] | an arm of meshes in its cell; an arm of hulls in its cell, drawn |
 //! | [`support`], [`forms`] | plain data as bodies and poses of the crate; bodies of every kind |
 //! | [`driven`] | calls drawn from bytes and seeds, judged by brute force |
 //! | [`pairs`] | pairs in the form of this crate and of parry, and their motions |
 //! | [`nets`] | control points of curved surfaces |
-//! | [`soups`], [`turned`], [`brute`] | meshes that are not convex, some as CAD has them, and their naive oracle |
+//! | [`soups`], [`turned`], [`brute`] | nonconvex meshes, CAD-like meshes, and their naive oracle |
 //! | [`exact`] | the naive oracle: exact contact state and distance of two small bodies |
-//! | [`paths`] | the naive oracle of vertices on straight paths, and queries that are hard on purpose |
+//! | [`paths`] | the naive oracle of vertices on straight paths, and deliberately hard queries |
 //! | [`curved`] | the judge of curved pairs: the duality gap in double-double |
 //! | [`brute_hull`] | exact faces of a few points |
-//! | [`bound`] | exact checks of an answer for bodies of any size |
-//! | [`suite`] | files of cases with or without their truth |
+//! | [`bound`] | exact checks of an outcome for bodies of any size |
+//! | [`suite`] | files of cases with or without their exact values |
 //! | [`corpus`] | the named hard cases of `tests/corpus/` |
 //! | [`parry`] | the reference engine |
 //! | [`meshes`] | OBJ and STL files |
-//! | [`command`], [`svg`] | the frame of a program with options, shapes as SVG: for the examples of all packages |
+//! | [`command`], [`svg`] | entry point of programs with options, shapes as SVG: for the examples of all packages |
 //!
-//! Below `exact` and `bound` lie [`body`] (placed bodies), [`rational`] (exact arithmetic) and [`verdict`] (the oracle's
-//! answer); [`pose`] holds the pose and a few vector helpers.
+//! `exact` and `bound` use [`body`] (bodies at exact poses), [`rational`] (exact arithmetic) and
+//! [`verdict`] (the result of the oracle). [`pose`] contains the pose and a few vector helpers.
 
 pub mod arm;
 pub mod body;

@@ -1,7 +1,8 @@
-//! Meshes from files of other programs: OBJ, and STL binary or text.
+//! Meshes from files of other programs: OBJ, and STL in binary or text form.
 //!
-//! What a file holds is taken as it is: points may repeat, faces may be split, several objects are one list. A body is
-//! then the hull of the points, or, for a clean convex mesh, points and faces.
+//! The content of a file is not changed: points may repeat, faces may be split, and several objects
+//! form one list. A body is then the hull of the points or, for a clean convex mesh, its points and
+//! faces.
 
 use crate::{Face, Point, ears};
 use std::collections::HashMap;
@@ -11,24 +12,27 @@ use std::{error, fmt, io};
 /// Points and faces of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    /// Points in the order in which faces use them. STL has single precision, OBJ as many digits as are written.
+    /// Points in the order in which faces use them. STL has single precision; OBJ has the written
+    /// digits.
     pub points: Vec<Point>,
-    /// Faces: polygons of an OBJ as they are, triangles of an STL with equal corners made one point.
+    /// Faces: the polygons of an OBJ file, or the triangles of an STL file with equal vertices
+    /// merged.
     pub faces: Vec<Face>,
-    /// What the file calls each point: for an OBJ the number of its first `v` line at this place, from 1 on; for an STL,
-    /// which names no points, their order of appearance, from 0 on.
+    /// Number of each point in the file. OBJ: number of its first `v` line, from 1. STL, which does
+    /// not number points: order of appearance, from 0.
     pub numbers: Vec<u32>,
 }
 
 impl Mesh {
-    /// Returns the faces as triangles: polygons are cut along diagonals inside them, convex ones from their first corner.
+    /// Returns the faces as triangles: polygons are cut along interior diagonals, convex polygons
+    /// from their first vertex.
     #[must_use]
     pub fn triangles(&self) -> Vec<[u32; 3]> {
         self.faces.iter().flat_map(|f| ears::cut(&self.points, f)).collect()
     }
 }
 
-/// Why a file gives no mesh.
+/// Error of a mesh file.
 #[derive(Debug)]
 pub struct MeshError {
     /// The file.
@@ -37,16 +41,16 @@ pub struct MeshError {
     pub reason: Reason,
 }
 
-/// What is wrong with a mesh file.
+/// Kind of the error of a mesh file.
 #[derive(Debug)]
 pub enum Reason {
-    /// It cannot be read.
+    /// The file cannot be read.
     Read(io::Error),
-    /// Its name ends in neither `.obj` nor `.stl`.
+    /// The name ends in neither `.obj` nor `.stl`.
     Extension,
-    /// It is not what its name says.
+    /// The content does not match the file type.
     Malformed(String),
-    /// It holds no face.
+    /// The file has no face.
     Empty,
     /// A coordinate of a point is not finite.
     NotFinite(usize),
@@ -67,10 +71,10 @@ impl fmt::Display for MeshError {
 
 impl error::Error for MeshError {}
 
-/// Reads a mesh by the ending of the file's name.
+/// Reads a mesh; the extension of the name determines the format.
 ///
 /// # Errors
-/// Names the file and what is wrong with it.
+/// Returns an error that names the file and the fault.
 pub fn load(path: impl AsRef<Path>) -> Result<Mesh, MeshError> {
     let path = path.as_ref();
     read(path).map_err(|reason| MeshError {
@@ -97,8 +101,10 @@ fn read(path: &Path) -> Result<Mesh, Reason> {
     }
 }
 
-/// Text of an OBJ file. Objects, groups, materials and curves are passed over, so that corners shared by several objects
-/// stay one point, and names in any encoding do no harm.
+/// Parses the text of an OBJ file.
+///
+/// Objects, groups, materials and curves are skipped, so that vertices shared by several objects
+/// stay one point and names may have any encoding.
 fn parse_obj(bytes: Vec<u8>) -> Result<Mesh, Reason> {
     let text = String::from_utf8_lossy(&bytes);
     let lines = joined_lines(text.trim_start_matches('\u{feff}'));
@@ -122,7 +128,7 @@ fn parse_obj(bytes: Vec<u8>) -> Result<Mesh, Reason> {
         faces: Vec::new(),
     };
     let mut rest = &m.indices[..];
-    // No sizes are given where all faces are triangles. Faces of one or two corners are points and edges.
+    // Without arities all faces are triangles. Faces of one or two vertices are points and edges.
     let triangles = vec![3; if m.face_arities.is_empty() { rest.len() / 3 } else { 0 }];
     for &n in m.face_arities.iter().chain(&triangles) {
         let (face, after) = rest.split_at(n as usize);
@@ -132,8 +138,8 @@ fn parse_obj(bytes: Vec<u8>) -> Result<Mesh, Reason> {
     Ok(mesh)
 }
 
-/// The lines of an OBJ at their numbers: what follows a backslash is on the line that it continues, and leaves an empty
-/// line.
+/// Returns the lines of an OBJ file at their numbers. Text after a backslash joins the line that it
+/// continues, and leaves an empty line.
 fn joined_lines(text: &str) -> Vec<String> {
     let (mut lines, mut continued) = (Vec::<String>::new(), None);
     for line in text.lines() {
@@ -152,7 +158,8 @@ fn joined_lines(text: &str) -> Vec<String> {
     lines
 }
 
-/// The words of a line of an OBJ without its comment; of a `v` line the place alone, as weights and colours may follow.
+/// Returns the words of an OBJ line without its comment. A `v` line keeps only its coordinates, as
+/// weights and colours may follow.
 fn tidy_line(line: &str) -> String {
     let words = line.split('#').next().unwrap_or("").split_whitespace();
     let most = if words.clone().next() == Some("v") {
@@ -163,7 +170,7 @@ fn tidy_line(line: &str) -> String {
     words.take(most).collect::<Vec<_>>().join(" ")
 }
 
-/// The number of the first `v` line at the place of each point; 0 where there is none.
+/// Returns the number of the first `v` line with the coordinates of each point; 0 if there is none.
 fn numbers(text: &str, points: &[Point]) -> Vec<u32> {
     let place = |line: &str| {
         let mut words = line.strip_prefix('v')?.split_whitespace();
@@ -181,7 +188,8 @@ fn numbers(text: &str, points: &[Point]) -> Vec<u32> {
     points.iter().map(|p| of(p).unwrap_or(0)).collect()
 }
 
-/// Returns `line N: ` for the first line of an OBJ whose numbers cannot be read or name no point; empty if there is none.
+/// Returns `line N: ` for the first line of an OBJ file with unreadable numbers or an index without
+/// a point; empty if there is none.
 fn bad_line(lines: &[String]) -> String {
     let given = |lines: &[String]| lines.iter().filter(|l| l.starts_with("v ")).count() as i64;
     let all = given(lines);
@@ -206,13 +214,15 @@ fn bad_line(lines: &[String]) -> String {
     line.map_or(String::new(), |k| format!("line {}: ", k + 1))
 }
 
-/// An STL file. Many programs begin binary files with the word `solid` too, so the length decides: 80 bytes of header, a
-/// count, and 50 bytes a triangle.
+/// Parses an STL file.
+///
+/// Many programs start binary files with the word `solid` too, so the length decides: 80 bytes of
+/// header, a count, and 50 bytes per triangle.
 fn parse_stl(mut bytes: Vec<u8>) -> Result<Mesh, Reason> {
     let count = bytes.get(80..84).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let binary = count.is_some_and(|n| bytes.len() as u64 >= 84 + 50 * u64::from(n) && !is_text(&bytes));
     if binary {
-        bytes[..80].fill(0); // so that the reader does not take it for text
+        bytes[..80].fill(0); // so that the reader does not treat it as text
     } else {
         bytes = tidy_text(&bytes)?;
     }
@@ -227,14 +237,16 @@ fn parse_stl(mut bytes: Vec<u8>) -> Result<Mesh, Reason> {
     Ok(Mesh { points, faces, numbers })
 }
 
-/// Text begins with `solid` and has no zero byte near its beginning; a binary header or its first triangles have.
+/// Returns whether a file is text: it starts with `solid` and has no zero byte near its start,
+/// unlike binary files.
 fn is_text(bytes: &[u8]) -> bool {
     let start = bytes.trim_ascii_start();
     let word = start.get(..5).is_some_and(|w| w.eq_ignore_ascii_case(b"solid"));
     word && !bytes[..bytes.len().min(512)].contains(&0)
 }
 
-/// What the reader expects of text: lower case, `solid` and a space at the beginning, one solid. Several solids are joined.
+/// Converts text to the form that the reader expects: lower case, `solid` and a space at the start,
+/// one solid. Several solids are joined.
 fn tidy_text(bytes: &[u8]) -> Result<Vec<u8>, Reason> {
     let bad = |why: &str| Err(Reason::Malformed(why.into()));
     if !is_text(bytes) {
@@ -244,7 +256,7 @@ fn tidy_text(bytes: &[u8]) -> Result<Vec<u8>, Reason> {
     let is_end = |l: &str| l.trim_start().starts_with("endsolid");
     let is_border = |l: &&str| is_end(l) || l.split_whitespace().next() == Some("solid");
     let facets: Vec<&str> = text.lines().filter(|l| !is_border(l)).collect();
-    // A file that breaks off has no end: the reader names what is missing.
+    // A truncated file has no end: the reader reports what is missing.
     let end = if text.lines().any(is_end) { "endsolid" } else { "" };
     Ok(format!("solid \n{}\n{end}\n", facets.join("\n")).into_bytes())
 }

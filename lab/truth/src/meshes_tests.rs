@@ -1,4 +1,4 @@
-//! Files as other programs write them.
+//! Mesh files as other programs write them.
 
 use super::*;
 use crate::brute_hull;
@@ -18,7 +18,7 @@ fn reason(r: Result<Mesh, Reason>) -> String {
     .to_string()
 }
 
-/// A binary file of one triangle with a header of one's own.
+/// Returns a binary file of one triangle with the given header.
 fn binary(header: &[u8], triangles: u32) -> Vec<u8> {
     let mut out = header.to_vec();
     out.resize(80, b' ');
@@ -122,7 +122,7 @@ fn our_own_meshes_are_convex_bodies() {
 
 #[test]
 fn obj_of_other_programs_is_read() {
-    // A mark of the encoding, comments at the end of a line, colours and weights.
+    // A byte order mark, comments at line ends, colours and weights.
     let text = "\u{feff}v 0 0 0 0.5 0.25 1 # red\nv 1 0 0 1.0 # a weight\nv 0 1 0 0.5 0.25 1 1\nf 1 2 3 # one\n";
     let m = parse_obj(text.into()).unwrap();
     assert_eq!((m.points.len(), m.triangles()), (3, vec![[0, 1, 2]]));
@@ -135,7 +135,7 @@ fn obj_corners_that_name_no_point_are_named_by_their_line() {
         let why = reason(parse_obj(format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{face}\n").into()));
         assert!(why.contains(&format!("line {line}: ")), "{face}: {why}");
     }
-    // Lines that go on after a backslash count as those of the file.
+    // Continued lines after a backslash count as lines of the file.
     let text = "v 0 0 0\nv 1 \\\n0 \\\r\n0\nv 0 1 0\nf 1 2 \\\n3\nf 1 2 4\n";
     let why = reason(parse_obj(text.into()));
     assert!(why.contains("line 8: "), "{why}");
@@ -145,7 +145,7 @@ fn obj_corners_that_name_no_point_are_named_by_their_line() {
 
 #[test]
 fn concave_polygons_are_cut_inside() {
-    // An L, from each corner and in both senses: three squares.
+    // An L, from each vertex and in both orientations: three unit squares.
     let l = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
     let points: Vec<Point> = l.map(|[x, y]| [x, 0.5 * y, y]).to_vec();
     for first in 0..6 {

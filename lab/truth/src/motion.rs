@@ -1,8 +1,8 @@
 //! Seeded motions of a pair: a list of world poses, frame by frame.
 //!
-//! Bodies are taken to stand about their origins with radii `ra` and `rb` ([`crate::pose::radius`]), so that centres
-//! `ra + rb` apart never overlap. What a motion does to the true gap depends on the bodies; [`hold_gap`] moves a frame
-//! until a given gap is met.
+//! Bodies are assumed to be centred at their origins with radii `ra` and `rb`
+//! ([`crate::pose::radius`]), so that they never overlap if the centres are `ra + rb` apart. The
+//! true gap depends on the bodies; [`hold_gap`] moves a frame until it has a given gap.
 
 use crate::pose::{add, cross, dot, norm, quat, quat_mul, scale, sub, unit, unit_quat};
 use crate::rng::Rng;
@@ -19,12 +19,12 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// B's pose seen from A, in f64.
+    /// Returns B's pose in A's frame, in `f64`.
     pub fn relative(&self) -> Pose {
         Pose::relative(&self.a, &self.b)
     }
 
-    /// The same frame in another unit of length.
+    /// Returns the frame in another unit of length.
     pub fn scaled(&self, by: f64) -> Self {
         Self {
             a: self.a.scaled(by),
@@ -32,12 +32,13 @@ impl Frame {
         }
     }
 
-    /// The same two bodies with the letters exchanged.
+    /// Returns the frame with A and B exchanged.
     pub fn swapped(&self) -> Self {
         Self { a: self.b, b: self.a }
     }
 
-    /// Both bodies moved alike, which changes no answer but for rounding.
+    /// Returns the frame with both bodies moved by the same pose, which changes results only by
+    /// rounding.
     pub fn moved(&self, common: &Pose) -> Self {
         Self {
             a: common.after(&self.a),
@@ -46,7 +47,7 @@ impl Frame {
     }
 }
 
-/// A direction at right angles to `u`.
+/// Returns a random direction perpendicular to `u`.
 fn across(rng: &mut Rng, u: Point) -> Point {
     loop {
         let v = cross(u, rng.unit());
@@ -56,13 +57,15 @@ fn across(rng: &mut Rng, u: Point) -> Point {
     }
 }
 
-/// `start` turned by `angle` radians about `axis`.
+/// Returns `start` rotated by `angle` radians about `axis`.
 fn spun(start: [f64; 4], axis: Point, angle: f64) -> [f64; 4] {
     unit_quat(quat_mul(quat(axis, angle), start))
 }
 
-/// B orbits A while both spin, each by `degrees` a frame about an axis of its own. Centres are `ra + rb + gap` apart,
-/// `gap` swinging between `gaps.0` and `gaps.1` once in `period` frames.
+/// B orbits A while both spin about different axes, by `degrees` per frame.
+///
+/// The centres are `ra + rb + gap` apart; `gap` oscillates between `gaps.0` and `gaps.1` once in
+/// `period` frames.
 pub fn orbit_and_spin(
     rng: &mut Rng,
     frames: usize,
@@ -94,8 +97,10 @@ pub fn orbit_and_spin(
     (0..frames).map(frame).collect()
 }
 
-/// Both bodies tumble and pass each other on parallel lines `miss` apart, from `reach` before to `reach` behind the
-/// closest approach; `degrees` of spin a frame.
+/// Both bodies tumble and pass each other on parallel lines `miss` apart.
+///
+/// They move from `reach` before to `reach` after the closest approach. A spins by `degrees` per
+/// frame, B by 0.7 times as much.
 pub fn tumble_past(rng: &mut Rng, frames: usize, degrees: f64, miss: f64, reach: f64) -> Vec<Frame> {
     let along = rng.unit();
     let aside = scale(across(rng, along), miss);
@@ -118,15 +123,17 @@ pub fn tumble_past(rng: &mut Rng, frames: usize, degrees: f64, miss: f64, reach:
     (0..frames).map(frame).collect()
 }
 
-/// B runs straight through A: apart, touching, overlapping, touching, apart; a slow spin on the way. The line passes
-/// within `miss` of A's centre.
+/// B passes straight through A with a slow spin: apart, touching, overlapping, touching, apart.
+///
+/// The line passes within `miss` of A's centre.
 pub fn pass_through(rng: &mut Rng, frames: usize, radii: (f64, f64), miss: f64) -> Vec<Frame> {
     let degrees = rng.range(0.0, 1.0);
     let reach = 2.4 * (radii.0 + radii.1);
     tumble_past(rng, frames, degrees, miss, reach)
 }
 
-/// B slides along `direction` without turning, `step` a frame: features change one by one, or a face rests on a face.
+/// B slides along `direction` without rotating, by `step` per frame: features change one by one, or
+/// a face rests on a face.
 pub fn slide(start: Frame, direction: Point, step: f64, frames: usize) -> Vec<Frame> {
     let at = |i: usize| Pose {
         t: add(start.b.t, scale(direction, step * i as f64)),
@@ -135,8 +142,10 @@ pub fn slide(start: Frame, direction: Point, step: f64, frames: usize) -> Vec<Fr
     (0..frames).map(|i| Frame { b: at(i), ..start }).collect()
 }
 
-/// B comes nearer along the unit `axis` from centre distance `far` to `near`, the way above `near` shrinking by one factor
-/// a frame (so that the last frames are as close as you like): `far > near`, the last gap is `(far - near) * ratio`.
+/// B approaches along the unit `axis` from centre distance `far` to `near`.
+///
+/// `far > near`. The difference to `near` shrinks by a constant factor per frame, down to
+/// `(far - near) * ratio` in the last frame.
 pub fn approach(rng: &mut Rng, axis: Point, far: f64, near: f64, ratio: f64, frames: usize) -> Vec<Frame> {
     let (qa, qb) = (rng.quat(), rng.quat());
     let frame = |i: usize| {
@@ -152,8 +161,10 @@ pub fn approach(rng: &mut Rng, axis: Point, far: f64, near: f64, ratio: f64, fra
     (0..frames).map(frame).collect()
 }
 
-/// `start` shaken: each frame B is shifted by at most `shift` along each axis and turned by at most `angle` radians, from
-/// `start` and not from the frame before: a body that rests and trembles.
+/// B trembles at rest: shifted by at most `shift` along each axis and rotated by at most `angle`
+/// radians.
+///
+/// Each frame starts from `start`, not from the previous frame.
 pub fn jitter(rng: &mut Rng, start: Frame, shift: f64, angle: f64, frames: usize) -> Vec<Frame> {
     let mut shaken = || {
         let by: Point = std::array::from_fn(|_| shift * rng.range(-1.0, 1.0));
@@ -165,7 +176,7 @@ pub fn jitter(rng: &mut Rng, start: Frame, shift: f64, angle: f64, frames: usize
     (0..frames).map(|_| Frame { b: shaken(), ..start }).collect()
 }
 
-/// B turns about `axis` through its own origin, `degrees` a frame, where `start` has it.
+/// B rotates about `axis` through its origin by `degrees` per frame, at its position in `start`.
 pub fn spin(start: Frame, axis: Point, degrees: f64, frames: usize) -> Vec<Frame> {
     let at = |i: usize| Pose {
         q: spun(start.b.q, axis, (degrees * i as f64).to_radians()),
@@ -174,8 +185,10 @@ pub fn spin(start: Frame, axis: Point, degrees: f64, frames: usize) -> Vec<Frame
     (0..frames).map(|i| Frame { b: at(i), ..start }).collect()
 }
 
-/// B, the hull of `points`, rolls along x on the plane `z = top` that A reaches up to, A at rest at the origin: `degrees` a
-/// frame, its lowest point kept at `top` up to rounding.
+/// B, the hull of `points`, rolls along x by `degrees` per frame on the plane `z = top`, which is
+/// A's top.
+///
+/// A rests at the origin. B's lowest point stays at `top` up to rounding.
 pub fn roll(points: &[Point], top: f64, degrees: f64, frames: usize) -> Vec<Frame> {
     let radius = crate::pose::radius(points);
     let frame = |i: usize| {
@@ -197,8 +210,8 @@ pub fn roll(points: &[Point], top: f64, degrees: f64, frames: usize) -> Vec<Fram
     (0..frames).map(frame).collect()
 }
 
-/// Frames that have nothing to do with each other: random turns, centres `lo..hi` times `ra + rb` apart, the whole pair
-/// within `spread` of the origin.
+/// Independent frames: random rotations, centres `lo..hi` times `ra + rb` apart, the pair within
+/// `spread` of the origin.
 pub fn random_poses(rng: &mut Rng, frames: usize, radii: (f64, f64), apart: (f64, f64), spread: f64) -> Vec<Frame> {
     let mut frame = || {
         let d = rng.range(apart.0, apart.1) * (radii.0 + radii.1);
@@ -218,8 +231,10 @@ pub fn random_poses(rng: &mut Rng, frames: usize, radii: (f64, f64), apart: (f64
     (0..frames).map(|_| frame()).collect()
 }
 
-/// Shifts B along the line of the witness points until the distance is `gap`, to a relative `1e-6` of it or as near as 60
-/// rounds bring it. `query` returns the witness points in the world, or none when the bodies overlap.
+/// Shifts B along the line of the witness points until the distance is `gap`.
+///
+/// It stops within a relative `1e-6` of the gap, or after 60 rounds. `query` returns the witness
+/// points in the world frame, or `None` if the bodies overlap.
 pub fn hold_gap(frame: Frame, gap: f64, mut query: impl FnMut(&Frame) -> Option<(Point, Point)>) -> Frame {
     let mut f = frame;
     for _ in 0..60 {
@@ -233,7 +248,7 @@ pub fn hold_gap(frame: Frame, gap: f64, mut query: impl FnMut(&Frame) -> Option<
                 }
                 f.b.t = add(f.b.t, scale(unit(d), gap - length));
             }
-            // Overlapping: leave along the line of centres, or any line if they coincide.
+            // Overlapping: move out along the line of centres, or along x if the centres coincide.
             None if dot(apart, apart) > 0.0 => f.b.t = add(f.b.t, scale(apart, 0.05)),
             None => f.b.t[0] += gap,
         }
@@ -241,9 +256,11 @@ pub fn hold_gap(frame: Frame, gap: f64, mut query: impl FnMut(&Frame) -> Option<
     f
 }
 
-/// Shifts B along the normal until the signed distance is `goal`, to `1e-6` of it or as near as 60 rounds bring it: out of
-/// an overlap in one round, inward and across in a few. `query` returns the signed distance and the unit normal from A to B in
-/// the world.
+/// Shifts B along the normal until the signed distance is `goal`.
+///
+/// It stops within a relative `1e-6` of the goal, or after 60 rounds: one round out of an overlap,
+/// a few inward or sideways. `query` returns the signed distance and the unit normal from A to B in
+/// the world frame.
 pub fn hold_distance(frame: Frame, goal: f64, mut query: impl FnMut(&Frame) -> (f64, Point)) -> Frame {
     let mut f = frame;
     for _ in 0..60 {
@@ -351,7 +368,7 @@ mod tests {
 
     #[test]
     fn a_gap_between_balls_is_held() {
-        // Two unit balls stand for bodies; the query knows them exactly.
+        // Two unit balls represent the bodies; the query is exact for them.
         let balls = |f: &Frame| {
             let d = sub(f.b.t, f.a.t);
             (norm(d) > 2.0).then(|| (add(f.a.t, unit(d)), sub(f.b.t, unit(d))))

@@ -3,7 +3,8 @@
 use crate::pose::Point;
 use crate::rng::Rng;
 
-/// Control points of a patch of degrees `[p, q]` over a square of size 2, with heights up to `bump`: rows of constant u.
+/// Returns control points of a patch of degrees `[p, q]` over a square of size 2, with heights up
+/// to `bump`: rows of constant u.
 pub fn bumps(rng: &mut Rng, [p, q]: [usize; 2], bump: f64) -> Vec<Point> {
     let mut points = Vec::new();
     for i in 0..=p {
@@ -15,8 +16,11 @@ pub fn bumps(rng: &mut Rng, [p, q]: [usize; 2], bump: f64) -> Vec<Point> {
     points
 }
 
-/// The profile of a vase as eight cubic Bezier curves without corners, each point `[radius, height, weight]`: those of a
-/// uniform cubic B-spline. Swept through four quarters of a turn they are 32 patches.
+/// Returns the profile of a vase as eight smooth cubic Bézier curves, each point
+/// `[radius, height, weight]`.
+///
+/// They are the curves of a uniform cubic B-spline. A revolution in four quarter turns makes 32
+/// patches.
 pub fn vase() -> Vec<Vec<[f64; 3]>> {
     spline(&[
         [0.45, -1.1],
@@ -33,7 +37,7 @@ pub fn vase() -> Vec<Vec<[f64; 3]>> {
     ])
 }
 
-/// The profile of a pot with a lid, from the bottom to the knob.
+/// Returns the profile of a pot with a lid, from the bottom to the knob.
 pub fn pot() -> Vec<Vec<[f64; 3]>> {
     spline(&[
         [-0.5, -0.72],
@@ -52,7 +56,7 @@ pub fn pot() -> Vec<Vec<[f64; 3]>> {
     ])
 }
 
-/// The Bezier curves of a uniform cubic B-spline.
+/// Returns the Bézier curves of a uniform cubic B-spline.
 fn spline(c: &[[f64; 2]]) -> Vec<Vec<[f64; 3]>> {
     let mixed = |k: usize, w: [f64; 3]| {
         let at = |x: usize| (w[0] * c[k][x] + w[1] * c[k + 1][x] + w[2] * c[k + 2][x]) / w.iter().sum::<f64>();
@@ -69,7 +73,8 @@ fn spline(c: &[[f64; 2]]) -> Vec<Vec<[f64; 3]>> {
     (0..c.len() - 3).map(piece).collect()
 }
 
-/// Control points of a twisted blade: a B-spline of degrees `[3, 3]` with `rows` by 7 points, rows along the blade.
+/// Returns control points of a twisted blade: a B-spline of degrees `[3, 3]` with `rows` by 7
+/// points, rows along the blade.
 pub fn blade(rows: usize) -> Vec<Point> {
     let profile: [[f64; 2]; 7] = [
         [0.5, 0.0],

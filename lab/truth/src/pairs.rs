@@ -1,4 +1,5 @@
-//! Pairs of bodies in the form of each engine, and their motions. For `accuracy_cost` and the bench `accuracy`.
+//! Pairs of bodies in the form of each engine, and their motions, for `accuracy_cost` and the bench
+//! `accuracy`.
 
 use crate::motion::Frame;
 use crate::parry::Climber;
@@ -7,7 +8,8 @@ use crate::{Face, Point, Pose, shapes, workload};
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{ContactState, ConvexPolyhedron, Outcome, RelativePose, Tracker};
 
-/// One body in the form of each engine. Engines get the vertices and faces of our hull, so all see the same body.
+/// A body in the form of each engine. Engines get the vertices and faces of our hull, so all have
+/// the same body.
 pub struct Body {
     /// The hull of this crate.
     pub ours: ConvexPolyhedron,
@@ -15,9 +17,9 @@ pub struct Body {
     pub points: Vec<Point>,
     /// Faces of the hull.
     pub faces: Vec<Face>,
-    /// Adjacency for a support map that climbs.
+    /// Adjacency for a hill-climbing support map.
     pub climber: Climber,
-    /// parry's hull in double precision, if parry makes one.
+    /// parry's hull in double precision, if parry can build it.
     pub parry: Option<crate::parry::Hull>,
 }
 
@@ -25,7 +27,7 @@ impl Body {
     /// Returns the hull of points for all engines.
     ///
     /// # Errors
-    /// The points have no hull.
+    /// Returns an error if the points have no hull.
     pub fn new(points: &[Point]) -> Result<Self, String> {
         let cloud: Vec<Point3<f64>> = points.iter().map(|&p| p.into()).collect();
         let ours = ConvexPolyhedron::from_points(&cloud).map_err(|e| e.to_string())?;
@@ -43,7 +45,7 @@ impl Body {
         })
     }
 
-    /// The body as the exact arithmetic of the laboratory takes it.
+    /// Returns the body in the form of the exact arithmetic.
     pub fn plain(&self) -> crate::Body<'_> {
         crate::Body {
             points: &self.points,
@@ -75,14 +77,15 @@ impl Pair {
         }
     }
 
-    /// Two bodies of a family: `sphere`, `flat` or `box`.
+    /// Returns two bodies of a family: `sphere`, `flat` or `box`.
     pub fn of(shape: &str, n: usize) -> Result<Self, String> {
         let mut rng = Rng::new(1000 + n as u64);
         let mut body = || Body::new(&workload::points(shape, n, &mut rng));
         Ok(Self::new(body()?, body()?))
     }
 
-    /// B orbits A and spins by `degrees` a frame, or takes a new pose every frame, at a gap of 2 % of the radius.
+    /// Adds a motion at a gap of 2 % of the radius: B orbits A and spins by `degrees` per frame, or
+    /// takes a new pose every frame.
     pub fn moving(self, degrees: Option<f64>, frames: usize) -> Self {
         let mut tracker = Tracker::new();
         let frames = workload::motion(degrees, frames, &mut Rng::new(17), |f| {
@@ -92,7 +95,8 @@ impl Pair {
         self.with(frames)
     }
 
-    /// The same motion at a gap of `gap`, as near as poses in f64 can have it; frames that overlap are left out.
+    /// Adds the same motion at a gap of `gap`, as nearly as poses in `f64` allow; frames that
+    /// overlap are left out.
     pub fn at_gap(self, gap: f64, frames: usize) -> Self {
         let mut pair = self.moving(Some(0.5), frames);
         let mut tracker = Tracker::new();
@@ -108,8 +112,10 @@ impl Pair {
         pair.with(frames)
     }
 
-    /// Two boxes face on face, `gap` between them, B turning and sliding over A; all of it turned, so that the faces are parallel
-    /// up to rounding and no better. Frames that overlap are left out.
+    /// Returns two boxes face on face, separated by `gap`, with B rotating and sliding over A.
+    ///
+    /// A common rotation makes the faces parallel only up to rounding. Frames that overlap are left
+    /// out.
     pub fn flush(gap: f64, frames: usize) -> Result<Self, String> {
         let mut rng = Rng::new(23);
         let (a, b) = (Self::of("box", 8)?, rng.quat());
@@ -127,7 +133,8 @@ impl Pair {
         Ok(a.with(frames))
     }
 
-    /// B orbits A and spins by `degrees` a frame, coming near and going away.
+    /// Adds a motion in which B orbits A and spins by `degrees` per frame, approaching and
+    /// receding.
     pub fn swinging(self, degrees: f64, frames: usize) -> Self {
         let mut pair = self.moving(Some(degrees), frames);
         let mut tracker = Tracker::new();
@@ -152,7 +159,7 @@ impl Pair {
         tracker.closest(&self.a.ours, &self.b.ours, &pose)
     }
 
-    /// The size L of the pair in a frame: both radii and the distance of the origins.
+    /// Returns the size L of the pair in a frame: both radii plus the distance of the origins.
     pub fn size(&self, frame: usize) -> f64 {
         let f = &self.frames[frame];
         let radius = |b: &Body| crate::pose::radius(&b.points);
@@ -160,12 +167,12 @@ impl Pair {
     }
 }
 
-/// Both witnesses in the world.
+/// Returns both witnesses in the world frame.
 fn witnesses(f: &Frame, o: &Outcome) -> (Point, Point) {
     (f.a.apply(o.point_on_a.into()), f.b.apply(o.point_on_b.into()))
 }
 
-/// `n` points spread evenly over the unit sphere, on a spiral.
+/// Returns `n` points spread evenly over the unit sphere, on a spiral.
 pub fn ball(n: usize) -> Vec<Point> {
     let turn = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let at = |k: usize| {
@@ -179,7 +186,7 @@ pub fn ball(n: usize) -> Vec<Point> {
     }
 }
 
-/// A mesh from a file, as a hull of radius 1 about the middle of its box.
+/// Returns a mesh from a file as a hull of radius 1, centred at the middle of its box.
 pub fn mesh(path: &str) -> Result<Body, String> {
     let mesh = crate::meshes::load(path).map_err(|e| e.to_string())?;
     let body = Body::new(&mesh.points).map_err(|e| format!("{path}: {e}"))?;

@@ -1,12 +1,14 @@
-//! parry3d-f64 as reference, and as the competitor that counts.
+//! parry3d-f64 as a reference and as a rival.
 //!
-//! **Reference.** Within its envelope (bodies of about size 1, `gap >= 1e-8` of it) its distance errs by at most
-//! [`tolerance`]. Its own hull drops points of flat bodies, so [`mesh`] and [`Cloud`] (its GJK over our points, no hull at
-//! all) are the better references. For overlapping bodies it is none.
+//! **Reference.** For bodies of size about 1 and `gap >= 1e-8` of it, the error of its distance is
+//! at most [`tolerance`]. Its own hull drops points of flat bodies, so [`mesh`] and [`Cloud`] (its
+//! GJK over our points, without a hull) are better references. It is no reference for overlapping
+//! bodies.
 //!
-//! **Competitor.** `parry3d_f64::query::distance` starts cold and scans all points at every step. [`GjkCached`] is what a
-//! user who cares would build from parry's public parts: its GJK, fed with the simplex of the last frame, over a support
-//! map that climbs along edges from the last frame's vertex.
+//! **Rival.** `parry3d_f64::query::distance` starts cold and scans all points in every step.
+//! [`GjkCached`] is what an expert user would build from parry's public parts: its GJK, started
+//! from the simplex of the last frame, over a support map that climbs along edges from the vertex
+//! of the last frame.
 
 pub mod casts;
 mod climber;
@@ -22,10 +24,10 @@ use parry3d_f64::shape::{ConvexPolyhedron, SupportMap};
 pub use climber::{Climber, GjkCached};
 pub use maps::{Core, Map, MapGjk};
 
-/// Distance and witness points in the world.
+/// Distance and witness points in the world frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Witnesses {
-    /// Distance as the engine finds it in A's frame.
+    /// Distance, computed by the engine in A's frame.
     pub distance: f64,
     /// Closest point of A.
     pub on_a: Point,
@@ -33,7 +35,8 @@ pub struct Witnesses {
     pub on_b: Point,
 }
 
-/// Relative error that parry f64 may have on bodies of size about 1 at distance `gap`.
+/// Returns the largest relative error of parry in `f64` for bodies of size about 1 at distance
+/// `gap`.
 pub fn tolerance(gap: f64) -> f64 {
     f64::max(6e-8, 1e-15 / gap)
 }
@@ -46,35 +49,37 @@ fn vectors(points: &[Point]) -> Vec<Vector> {
     points.iter().map(|&p| vector(p)).collect()
 }
 
-/// A pose of parry's own.
+/// A pose in parry's types.
 pub use parry3d_f64::math::Pose as ParryPose;
 
-/// The pose in parry's types.
+/// Returns the pose in parry's types.
 pub fn pose(p: &Pose) -> ParryPose {
     ParryPose::from_parts(vector(p.t), Rotation::from_xyzw(p.q[0], p.q[1], p.q[2], p.q[3]))
 }
 
-/// A body of parry's own.
+/// A body of parry.
 pub type Hull = ConvexPolyhedron;
 
-/// The body parry makes of points: `None` where its hull gives up. It may drop vertices and flatten thin bodies.
+/// Returns parry's hull of points; `None` if it fails. It may drop vertices and flatten thin
+/// bodies.
 pub fn hull(points: &[Point]) -> Option<ConvexPolyhedron> {
     ConvexPolyhedron::from_convex_hull(&vectors(points))
 }
 
-/// The body parry makes of points and faces, cut into triangles; points that no face uses stay.
+/// Returns parry's body of points and faces, triangulated; points that no face uses are kept.
 pub fn mesh(points: &[Point], faces: &[Face]) -> Option<ConvexPolyhedron> {
     ConvexPolyhedron::from_convex_mesh(vectors(points), &triangles(faces))
 }
 
-/// Points as a body for parry's GJK: a support map by linear scan, no hull, nothing merged.
+/// Points as a body for parry's GJK: a support map by linear scan, without a hull, with nothing
+/// merged.
 #[derive(Clone, Debug)]
 pub struct Cloud {
     points: Vec<Vector>,
 }
 
 impl Cloud {
-    /// The hull of `points`, which are not empty.
+    /// Returns the hull of `points`, which must not be empty.
     pub fn new(points: &[Point]) -> Self {
         Self {
             points: vectors(points),
@@ -89,22 +94,24 @@ impl SupportMap for Cloud {
     }
 }
 
-/// parry's own distance of two of its bodies, cold; 0 when overlapping.
+/// Returns parry's distance of two of its bodies, cold; 0 if they overlap.
 pub fn distance(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron, pose_b: &Pose) -> f64 {
     query::distance(&pose(pose_a), a, &pose(pose_b), b)
         .expect("convex bodies are supported")
         .distance
 }
 
-/// Whether parry finds two of its bodies to share a point.
+/// Returns whether two of parry's bodies share a point according to parry.
 pub fn intersect(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron, pose_b: &Pose) -> bool {
     query::intersection_test(&pose(pose_a), a, &pose(pose_b), b)
         .expect("convex bodies are supported")
         .intersecting
 }
 
-/// What a user of parry gets for a signed distance of two of its bodies, cold: its distance, and where that is zero, its
-/// contact. A touch and an overlap that it finds no contact of are both 0.
+/// Returns the signed distance that a user of parry gets for two of its bodies, cold.
+///
+/// It is parry's distance or, if that is zero, the distance of its contact. A touch, and an overlap
+/// for which parry finds no contact, are both 0.
 pub fn signed_distance(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron, pose_b: &Pose) -> f64 {
     let apart = distance(a, pose_a, b, pose_b);
     if apart != 0.0 {
@@ -114,11 +121,13 @@ pub fn signed_distance(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron
     found.map_or(0.0, |c| c.dist)
 }
 
-/// parry's closest points of two bodies (its own or [`Cloud`]s), cold; `None` when overlapping.
+/// Returns parry's closest points of two bodies (its own or [`Cloud`]s), cold; `None` if they
+/// overlap.
 pub fn closest_points<A: SupportMap, B: SupportMap>(a: &A, pose_a: &Pose, b: &B, pose_b: &Pose) -> Option<Witnesses> {
     let (world_a, world_b) = (pose(pose_a), pose(pose_b));
     match closest_points_support_map_support_map(&world_a.inv_mul(&world_b), a, b, f64::MAX) {
-        // Both come in their own frames; the distance is taken in A's frame, where B's offset has cancelled.
+        // Both points are in their bodies' frames; the distance is computed in A's frame, where B's
+        // offset has cancelled.
         ClosestPoints::WithinMargin(p, q) => {
             let distance = (world_a.inv_mul(&world_b) * q - p).length();
             Some(Witnesses {
@@ -131,8 +140,9 @@ pub fn closest_points<A: SupportMap, B: SupportMap>(a: &A, pose_a: &Pose, b: &B,
     }
 }
 
-/// parry's contact of two of its bodies, cold, points and normals in the world; `None` where they are more than `prediction`
-/// apart, or where it fails.
+/// Returns parry's contact of two of its bodies, cold, with points and normals in the world frame.
+///
+/// `None` if they are more than `prediction` apart, or if parry fails.
 pub fn contact(
     a: &ConvexPolyhedron,
     pose_a: &ParryPose,
@@ -150,8 +160,10 @@ pub struct ContactPair {
 }
 
 impl ContactPair {
-    /// The contacts of this frame, in the bodies' frames: the last ones with new distances where the motion since is small,
-    /// else made anew.
+    /// Returns the contacts of this frame, in the bodies' frames.
+    ///
+    /// If the motion is small, these are the last contacts with new distances; otherwise they are
+    /// computed again.
     pub fn manifold(
         &mut self,
         a: &ConvexPolyhedron,

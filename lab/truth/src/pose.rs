@@ -1,4 +1,4 @@
-//! A rigid pose as plain numbers, and the few vector operations the generators need.
+//! A rigid pose as plain numbers, and the vector operations of the generators.
 
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 
@@ -7,7 +7,7 @@ pub type Point = [f64; 3];
 
 /// The rigid motion `v -> R(q) v + t`, with `q = [x, y, z, w]`.
 ///
-/// `q` is unit up to rounding; exact code divides by `|q|^2` instead of trusting that.
+/// `q` is unit up to rounding; exact code divides by `|q|^2`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Rotation as a quaternion `x, y, z, w`.
@@ -17,18 +17,18 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The pose that moves nothing.
+    /// The identity pose.
     pub const IDENTITY: Self = Self {
         q: [0.0, 0.0, 0.0, 1.0],
         t: [0.0; 3],
     };
 
-    /// A shift without rotation.
+    /// Returns a translation.
     pub fn shift(t: Point) -> Self {
         Self { t, ..Self::IDENTITY }
     }
 
-    /// A rotation by `angle` radians about the unit `axis`, then a shift by `t`.
+    /// Returns a rotation by `angle` radians about the unit `axis`, then a translation by `t`.
     pub fn turn(axis: Point, angle: f64, t: Point) -> Self {
         Self {
             q: quat(axis, angle),
@@ -36,12 +36,12 @@ impl Pose {
         }
     }
 
-    /// Where the pose puts `v`, in f64.
+    /// Returns the image of the point `v`, in `f64`.
     pub fn apply(&self, v: Point) -> Point {
         add(self.rotate(v), self.t)
     }
 
-    /// The same pose in another unit of length.
+    /// Returns the pose in another unit of length.
     pub fn scaled(&self, by: f64) -> Self {
         Self {
             q: self.q,
@@ -49,7 +49,7 @@ impl Pose {
         }
     }
 
-    /// The very bits as the crate takes them.
+    /// Returns an isometry with exactly the same bits.
     pub fn isometry(&self) -> Isometry3<f64> {
         let [x, y, z, w] = self.q;
         Isometry3::from_parts(
@@ -58,7 +58,7 @@ impl Pose {
         )
     }
 
-    /// The rotation alone.
+    /// Applies the rotation alone.
     pub fn rotate(&self, v: Point) -> Point {
         let [x, y, z, w] = self.q;
         let u = [x, y, z];
@@ -66,7 +66,7 @@ impl Pose {
         add(add(v, scale(twice, w)), cross(u, twice))
     }
 
-    /// The rotation undone.
+    /// Applies the inverse rotation.
     pub fn rotate_back(&self, v: Point) -> Point {
         let [x, y, z, w] = self.q;
         Self {
@@ -76,12 +76,12 @@ impl Pose {
         .rotate(v)
     }
 
-    /// Where `p` of the world lies in the body's own frame, in f64.
+    /// Returns the point `p` of the world in the body's frame, in `f64`.
     pub fn apply_inverse(&self, p: Point) -> Point {
         self.rotate_back(sub(p, self.t))
     }
 
-    /// `self` after `first`: the pose `v -> self(first(v))`.
+    /// Returns `self` after `first`: the pose `v -> self(first(v))`.
     pub fn after(&self, first: &Self) -> Self {
         Self {
             q: unit_quat(quat_mul(self.q, first.q)),
@@ -89,7 +89,8 @@ impl Pose {
         }
     }
 
-    /// The pose of `b` seen from `a`, in f64 (rounded: exact checks must use the pose that was really queried).
+    /// Returns the pose of `b` in the frame of `a`, in `f64`. It is rounded: exact checks must use
+    /// the pose of the actual query.
     pub fn relative(a: &Self, b: &Self) -> Self {
         let [x, y, z, w] = a.q;
         Self {
@@ -99,13 +100,13 @@ impl Pose {
     }
 }
 
-/// The unit quaternion of a rotation by `angle` radians about the unit `axis`.
+/// Returns the unit quaternion of a rotation by `angle` radians about the unit `axis`.
 pub fn quat(axis: Point, angle: f64) -> [f64; 4] {
     let (s, c) = (0.5 * angle).sin_cos();
     unit_quat([axis[0] * s, axis[1] * s, axis[2] * s, c])
 }
 
-/// Hamilton product.
+/// Returns the Hamilton product.
 pub fn quat_mul(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     let [ax, ay, az, aw] = a;
     let [bx, by, bz, bw] = b;
@@ -117,7 +118,7 @@ pub fn quat_mul(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     ]
 }
 
-/// `q` divided by its length.
+/// Returns `q` divided by its length.
 pub fn unit_quat(q: [f64; 4]) -> [f64; 4] {
     let n = q.iter().map(|x| x * x).sum::<f64>().sqrt();
     q.map(|x| x / n)
@@ -163,7 +164,7 @@ pub fn unit(a: Point) -> Point {
     if n > 0.0 { scale(a, 1.0 / n) } else { a }
 }
 
-/// Largest distance of a point from the origin: the radius of a body about its own frame's origin.
+/// Returns the largest distance of a point from the origin: the radius of a body about its origin.
 pub fn radius(points: &[Point]) -> f64 {
     points.iter().map(|&p| norm(p)).fold(0.0, f64::max)
 }

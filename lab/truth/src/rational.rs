@@ -1,8 +1,9 @@
-//! Exact arithmetic under the oracle: bodies placed over the rationals, roots rounded once.
+//! Exact arithmetic of the oracle: bodies at poses over the rationals, with roots rounded once.
 //!
-//! A pose puts a vertex at `R(q) v / |q|^2 + t`, where `R(q) v` is the vector part of `q v conj(q)`. That is rational in
-//! the bits of `q`, `v` and `t`, so a quaternion that is not quite unit still places a body without any rounding.
-//! Brought over one common denominator, coordinates become integers, and geometry needs integers alone.
+//! A pose maps a vertex to `R(q) v / |q|^2 + t`, where `R(q) v` is the vector part of
+//! `q v conj(q)`. This is rational in the bits of `q`, `v` and `t`, so no rounding occurs even if
+//! the quaternion is not quite unit. Over one common denominator, coordinates are integers, and the
+//! geometry needs only integers.
 
 use crate::{Point, Pose};
 use dashu_base::{Abs, BitTest, DivRem, Gcd, SquareRoot};
@@ -12,17 +13,17 @@ pub use dashu_ratio::RBig;
 /// A vector of integers.
 pub type IntVec = [IBig; 3];
 
-/// The exact value of `x`, which must be finite.
+/// Returns the exact value of `x`, which must be finite.
 pub fn exact(x: f64) -> RBig {
     RBig::try_from(x).unwrap_or_else(|_| panic!("{x} is not finite"))
 }
 
-/// `x` rounded to nearest, ties to even.
+/// Returns `x` rounded to nearest, ties to even.
 pub fn rounded(x: &RBig) -> f64 {
     x.to_f64().value()
 }
 
-/// The matrix `R(q) / |q|^2`; `q` is not zero.
+/// Returns the matrix `R(q) / |q|^2`; `q` must not be zero.
 pub fn rotation(q: [f64; 4]) -> [[RBig; 3]; 3] {
     let q = q.map(exact);
     let [x, y, z, w] = &q;
@@ -36,7 +37,7 @@ pub fn rotation(q: [f64; 4]) -> [[RBig; 3]; 3] {
     rows.map(|row| row.map(|m| m / &norm2))
 }
 
-/// Where `pose` puts every point, exactly.
+/// Returns the image of every point under `pose`, exactly.
 pub fn placed(points: &[Point], pose: &Pose) -> Vec<[RBig; 3]> {
     let m = rotation(pose.q);
     let t = pose.t.map(exact);
@@ -47,7 +48,7 @@ pub fn placed(points: &[Point], pose: &Pose) -> Vec<[RBig; 3]> {
     points.iter().map(place).collect()
 }
 
-/// Two sets of points as integers over one common denominator, which is returned last.
+/// Returns two sets of points as integers over one common denominator, and the denominator.
 pub fn common(a: &[[RBig; 3]], b: &[[RBig; 3]]) -> (Vec<IntVec>, Vec<IntVec>, UBig) {
     let lcm = |d: UBig, x: &RBig| &d / (&d).gcd(x.denominator()) * x.denominator();
     let den = a.iter().chain(b).flatten().fold(UBig::ONE, lcm);
@@ -56,13 +57,13 @@ pub fn common(a: &[[RBig; 3]], b: &[[RBig; 3]]) -> (Vec<IntVec>, Vec<IntVec>, UB
     (each(a), each(b), den)
 }
 
-/// `sqrt(x)` for `x >= 0`: correctly rounded, and what rounding lost, rounded too.
+/// Returns `sqrt(x)` for `x >= 0`, correctly rounded, and the rounded remainder.
 pub fn sqrt(x: &RBig) -> (f64, f64) {
     if x.is_zero() {
         return (0.0, 0.0);
     }
-    // Scale by 4^h so that the integer root has at least 200 bits; a last bit stands for all that is below it,
-    // so that rounding sees on which side of a tie the true root lies.
+    // Scale by 4^h so that the integer root has at least 200 bits. A sticky last bit represents
+    // everything below it, so that rounding knows on which side of a tie the true root lies.
     let (num, den) = (x.numerator().abs_ref(), x.denominator());
     let bits = num.bit_len() as i64 - den.bit_len() as i64;
     let h = ((402 - bits).max(0) / 2) as usize;
@@ -78,7 +79,7 @@ pub fn sqrt(x: &RBig) -> (f64, f64) {
     (head, rounded(&(value - exact(head))))
 }
 
-/// `x / sqrt(norm2)` correctly rounded, with the sign of `x`; `norm2 > 0`.
+/// Returns `x / sqrt(norm2)` correctly rounded, with the sign of `x`; `norm2 > 0`.
 pub fn over_root(x: &RBig, norm2: &RBig) -> f64 {
     let size = sqrt(&(x * x / norm2)).0;
     if *x < RBig::ZERO { -size } else { size }
@@ -147,7 +148,7 @@ mod tests {
 
     #[test]
     fn placing_is_exact_for_a_quaternion_that_is_not_unit() {
-        // q = (0, 0, 3, 3) is a quarter turn about z whatever its length.
+        // q = (0, 0, 3, 3) is a quarter turn about z, independent of its length.
         let pose = Pose {
             q: [0.0, 0.0, 3.0, 3.0],
             t: [0.5, 0.0, 1e-30],

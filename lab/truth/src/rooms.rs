@@ -1,4 +1,5 @@
-//! Rooms full of hulls, and a long hull that goes through them: the segments of the planner's tests and races.
+//! Rooms full of hulls, and a long hull that moves through them, for tests and races of the
+//! planner.
 
 use lin_canny::ConvexPolyhedron;
 use lin_canny::polyhedron::solids;
@@ -12,7 +13,7 @@ use crate::shapes::ellipsoid;
 /// Half side of a room.
 pub const HALF: f64 = 4.0;
 
-/// Hulls that stand in a room, and a robot that is one hull.
+/// Hulls in a room, and a robot that is one hull.
 #[derive(Clone, Debug)]
 pub struct Room {
     /// The robot: a long hull of radius 0.6 and half width 0.12.
@@ -22,7 +23,7 @@ pub struct Room {
 }
 
 impl Room {
-    /// A room of `n` hulls of 8 to 40 vertices, always the same for a seed.
+    /// Returns a room of `n` hulls of 8 to 40 vertices, always the same for a seed.
     pub fn new(n: usize, seed: u64) -> Self {
         let mut rng = Rng::new(0x900 + seed);
         let robot = solid(&ellipsoid(&mut rng, 24, [0.6, 0.12, 0.12]).points);
@@ -37,7 +38,7 @@ impl Room {
         Self { robot, hulls }
     }
 
-    /// The room as the planner's world.
+    /// Returns the room as the planner's world.
     pub fn world(&self) -> World {
         let mut world = World::new();
         world.robot_body("robot", self.robot.clone());
@@ -47,13 +48,14 @@ impl Room {
         world
     }
 
-    /// The space of the robot; configurations may lie a little outside the room.
+    /// Returns the space of the robot; configurations may lie up to 2 outside the room.
     pub fn space(&self) -> RigidSpace {
         let bounds = [[-HALF - 2.0, HALF + 2.0]; 3];
         RigidSpace::new(bounds, 0.6, 1).expect("bounds are finite")
     }
 
-    /// A segment: a start anywhere, an end up to 1.6 away and turned by up to 1.6 radians.
+    /// Returns a segment: a random start, and an end 0.4 to 1.6 away and rotated by up to 1.6
+    /// radians.
     pub fn segment(&self, rng: &mut Rng) -> [Isometry3<f64>; 2] {
         let at = Vector3::from([0; 3].map(|_| rng.range(-HALF, HALF)));
         let start = Isometry3::from_parts(at.into(), rotation(rng));
@@ -64,7 +66,8 @@ impl Room {
     }
 }
 
-/// A wall across the plane x = 0 with a square hole of this width about the middle; half a unit thick, ten wide.
+/// Returns a wall in the plane x = 0 with a central square hole of side `width`; it is 0.5 thick
+/// and 10 wide.
 pub fn wall(width: f64) -> Vec<(ConvexPolyhedron, Isometry3<f64>)> {
     let (half, rest) = (0.5 * width, 0.5 * (5.0 - 0.5 * width));
     let block = |half_sizes: [f64; 3], [x, y, z]: [f64; 3]| {
@@ -79,7 +82,9 @@ pub fn wall(width: f64) -> Vec<(ConvexPolyhedron, Isometry3<f64>)> {
     ]
 }
 
-/// The space of a plank of 1.6 by 0.2 by 0.2 before such a wall, and its configurations on both sides, turned wrongly.
+/// Returns the space of a plank of 1.6 by 0.2 by 0.2 at such a wall.
+///
+/// Also returns its configurations on both sides, rotated so that it does not fit through the hole.
 pub fn passage() -> (RigidSpace, [Vec<f64>; 2]) {
     let space = RigidSpace::new([[-2.5, 2.5], [-2.0, 2.0], [-2.0, 2.0]], 0.8, 1).expect("bounds are finite");
     let ends = [-1.0, 1.0].map(|side: f64| {

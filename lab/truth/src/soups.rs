@@ -1,4 +1,4 @@
-//! Meshes that are not convex, made on purpose: closed ones, nested, linked and multi-part ones, plates and soups.
+//! Generated nonconvex meshes: closed, nested, linked and multi-component meshes, plates and soups.
 
 use crate::pose::{add, cross, norm, scale, sub, unit};
 use crate::rng::Rng;
@@ -16,23 +16,23 @@ pub struct Soup {
 }
 
 impl Soup {
-    /// The corners of a triangle.
+    /// Returns the vertices of a triangle.
     pub fn corners(&self, t: usize) -> [Point; 3] {
         self.triangles[t].map(|v| self.points[v as usize])
     }
 
-    /// The mesh with every point moved.
+    /// Returns the mesh with every point mapped.
     pub fn map(mut self, f: impl Fn(Point) -> Point) -> Self {
         self.points.iter_mut().for_each(|p| *p = f(*p));
         self
     }
 
-    /// The mesh moved by a pose.
+    /// Returns the mesh moved by a pose.
     pub fn moved(self, pose: &Pose) -> Self {
         self.map(|p| pose.apply(p))
     }
 
-    /// Both meshes as one.
+    /// Returns both meshes as one.
     pub fn with(mut self, other: &Self) -> Self {
         let base = self.points.len() as u32;
         self.points.extend(&other.points);
@@ -41,13 +41,13 @@ impl Soup {
         self
     }
 
-    /// The mesh turned inside out.
+    /// Returns the mesh turned inside out.
     pub fn flipped(mut self) -> Self {
         self.triangles.iter_mut().for_each(|t| t.swap(1, 2));
         self
     }
 
-    /// The mesh with every corner a point of its own, as STL files are.
+    /// Returns the mesh with a separate point for every triangle vertex, as in STL files.
     pub fn unwelded(&self) -> Self {
         let points: Vec<_> = (0..self.triangles.len()).flat_map(|t| self.corners(t)).collect();
         let triangles = (0..points.len() as u32 / 3)
@@ -56,13 +56,13 @@ impl Soup {
         Self { points, triangles }
     }
 
-    /// The farthest point from the origin.
+    /// Returns the distance of the farthest point from the origin.
     pub fn radius(&self) -> f64 {
         crate::pose::radius(&self.points)
     }
 }
 
-/// A grid of `n` by `m` points that closes in both ways.
+/// Returns a grid of `n` by `m` points that is periodic in both directions.
 fn ring(n: usize, m: usize, place: impl Fn(f64, f64) -> Point) -> Soup {
     let points = (0..n * m)
         .map(|k| place((k / m) as f64 / n as f64, (k % m) as f64 / m as f64))
@@ -79,7 +79,8 @@ fn ring(n: usize, m: usize, place: impl Fn(f64, f64) -> Point) -> Soup {
     }
 }
 
-/// A torus about z of `2 n m` triangles: `n` round the ring of radius 1, `m` round the tube.
+/// Returns a torus about z of `2 n m` triangles: `n` around the ring of radius 1, `m` around the
+/// tube.
 pub fn torus(n: usize, m: usize, tube: f64) -> Soup {
     ring(n, m, |u, v| {
         let ((s, c), (t, d)) = ((TAU * u).sin_cos(), (TAU * v).sin_cos());
@@ -88,7 +89,7 @@ pub fn torus(n: usize, m: usize, tube: f64) -> Soup {
     })
 }
 
-/// A tube along a trefoil knot of `2 n m` triangles.
+/// Returns a tube along a trefoil knot of `2 n m` triangles.
 pub fn knot(n: usize, m: usize, tube: f64) -> Soup {
     let path = |u: f64| {
         let a = TAU * u;
@@ -100,12 +101,12 @@ pub fn knot(n: usize, m: usize, tube: f64) -> Soup {
         let x = unit(cross([0.0, 0.0, 1.0], along));
         let y = cross(along, x);
         let (s, c) = (TAU * v).sin_cos();
-        // Round the tube against the sense in which the grid's second way turns about the first.
+        // Goes around the tube in the negative sense, so that the grid's triangles face outward.
         add(path(u), add(scale(x, tube * c), scale(y, -tube * s)))
     })
 }
 
-/// A sphere of `20 4^k` triangles.
+/// Returns a sphere of `20 4^k` triangles.
 pub fn sphere(k: u32) -> Soup {
     let g = (1.0 + 5f64.sqrt()) / 2.0;
     let mut soup = Soup {
@@ -165,7 +166,7 @@ pub fn sphere(k: u32) -> Soup {
     soup.map(unit)
 }
 
-/// A rock of `20 4^k` triangles: a sphere with waves of random directions.
+/// Returns a rock of `20 4^k` triangles: a sphere with waves of random directions.
 pub fn rock(k: u32, seed: u64) -> Soup {
     let mut rng = Rng::new(seed);
     let waves: Vec<(Point, f64, f64)> = (0..24)
@@ -183,7 +184,8 @@ pub fn rock(k: u32, seed: u64) -> Soup {
     })
 }
 
-/// A prism over a star-shaped polygon in the plane `z = 0`, from `-h` to `h`, with its middle fanned from the origin.
+/// Returns a prism over a star-shaped polygon in the plane `z = 0`, from `-h` to `h`, with end
+/// faces fanned from their centres.
 fn prism(outline: &[[f64; 2]], h: f64) -> Soup {
     let n = outline.len() as u32;
     let mut soup = Soup::default();
@@ -203,7 +205,7 @@ fn prism(outline: &[[f64; 2]], h: f64) -> Soup {
     soup
 }
 
-/// A gear of `16 teeth` triangles.
+/// Returns a gear of `16 teeth` triangles.
 pub fn gear(teeth: usize) -> Soup {
     let outline: Vec<[f64; 2]> = (0..4 * teeth)
         .map(|k| {
@@ -215,7 +217,8 @@ pub fn gear(teeth: usize) -> Soup {
     prism(&outline, 0.2)
 }
 
-/// A threaded rod of about `8 turns n` triangles: a helical ridge on a cylinder along z, `n` steps a turn.
+/// Returns a threaded rod of about `8 turns n` triangles: a helical ridge on a cylinder along z,
+/// with `n` steps per turn.
 pub fn screw(turns: usize, n: usize) -> Soup {
     let (rows, m) = (4 * turns, n);
     let pitch = 0.25;
@@ -234,7 +237,7 @@ pub fn screw(turns: usize, n: usize) -> Soup {
     points.push([0.0, 0.0, -pitch]);
     points.push([0.0, 0.0, pitch * (turns as f64 + 2.0)]);
     let at = |i: usize, j: usize| (i * m + j % m) as u32;
-    // The seam of the helix: the end of a row meets the row a turn later.
+    // The seam of the helix: the end of a row meets the row one turn later.
     let mut triangles = Vec::new();
     for i in 0..rows {
         for j in 0..m {
@@ -249,7 +252,7 @@ pub fn screw(turns: usize, n: usize) -> Soup {
     Soup { points, triangles }
 }
 
-/// A box of half extents `h`, its sides cut into `n` by `n` squares each: `12 n^2` triangles.
+/// Returns a box of half extents `h` whose sides have `n` by `n` squares each: `12 n^2` triangles.
 pub fn plate(n: usize, h: Point) -> Soup {
     let mut points = Vec::new();
     let mut index = HashMap::new();
@@ -280,7 +283,7 @@ pub fn plate(n: usize, h: Point) -> Soup {
     Soup { points, triangles }
 }
 
-/// An L of 20 triangles.
+/// Returns an L-shaped prism of 20 triangles.
 pub fn bracket() -> Soup {
     let outline = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.3], [0.3, 0.3], [0.3, 1.0], [0.0, 1.0]];
     let mut soup = Soup::default();
@@ -297,12 +300,12 @@ pub fn bracket() -> Soup {
     soup.map(|p| sub(p, [0.4, 0.4, 0.0]))
 }
 
-/// A hollow ball: an outer sphere and a cavity of radius `r` that faces inward.
+/// Returns a hollow ball: an outer sphere and a cavity of radius `r` that faces inward.
 pub fn cave(k: u32, r: f64) -> Soup {
     sphere(k).with(&sphere(k).flipped().map(|p| scale(p, r)))
 }
 
-/// `n` loose triangles of size `size` in a ball of radius 1.
+/// Returns `n` unconnected triangles of size `size` in a ball of radius 1.
 pub fn loose(n: usize, size: f64, rng: &mut Rng) -> Soup {
     let points = (0..n).flat_map(|_| {
         let at = rng.in_ball();
@@ -314,7 +317,7 @@ pub fn loose(n: usize, size: f64, rng: &mut Rng) -> Soup {
     }
 }
 
-/// `n` slivers: triangles a millionth as wide as long, in a ball of radius 1.
+/// Returns `n` slivers: triangles a million times as long as wide, in a ball of radius 1.
 pub fn slivers(n: usize, rng: &mut Rng) -> Soup {
     let points = (0..n).flat_map(|_| {
         let (at, along) = (rng.in_ball(), scale(rng.unit(), rng.range(0.1, 0.5)));

@@ -1,6 +1,7 @@
-//! Reader of case files: pairs of bodies at two poses, with or without the truth. The format stands in `tests/CASES.md`.
+//! Reader of case files: pairs of bodies at two poses, with or without exact values.
+//! `tests/CASES.md` defines the format.
 //!
-//! Files may be large, so [`Reader`] gives one line after the other; it holds no more than that line.
+//! Files may be large, so [`Reader`] returns one line at a time and stores no more than that line.
 
 use crate::shapes::Shape;
 use crate::verdict::ContactState;
@@ -16,7 +17,7 @@ use std::{error, fmt};
 pub enum Line {
     /// The first line.
     Header(Header),
-    /// A body; it comes before the first case that names it.
+    /// A body; it precedes the first case that refers to it.
     Shape(SuiteShape),
     /// A case.
     Case(Box<Case>),
@@ -25,17 +26,17 @@ pub enum Line {
 /// Name and seed of a file.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 pub struct Header {
-    /// Version of the format; 1 today.
+    /// Version of the format; must be 1.
     pub version: u32,
     /// Name of the file's kind.
     #[serde(default)]
     pub name: String,
-    /// Seed it was made from.
+    /// Seed of its generator.
     #[serde(default)]
     pub seed: u64,
 }
 
-/// A body and the number by which cases name it.
+/// A body and the number by which cases refer to it.
 #[derive(Clone, Debug)]
 pub struct SuiteShape {
     /// Number, unique in the file.
@@ -53,7 +54,7 @@ pub struct Case {
     pub family: String,
     /// Accuracy within the family.
     pub level: String,
-    /// The motion this is a frame of; none when the case stands alone.
+    /// Motion to which the case belongs; `None` for a single case.
     pub sequence: Option<u64>,
     /// Number of the frame in its motion.
     pub frame: u64,
@@ -65,22 +66,22 @@ pub struct Case {
     pub pose_a: Pose,
     /// World pose of B.
     pub pose_b: Pose,
-    /// The truth, unless the file is blind.
+    /// The exact values, unless the file is blind.
     pub truth: Option<Truth>,
 }
 
-/// What is true of a case.
+/// Exact values of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
-    /// Class, exactly.
+    /// Exact contact state.
     pub state: ContactState,
     /// Signed distance, correctly rounded.
     pub distance: f64,
-    /// What rounding lost.
+    /// Remainder lost by rounding.
     pub remainder: f64,
     /// Unit normal from A to B.
     pub normal: Option<Point>,
-    /// Witness points in the world.
+    /// Witness points in the world frame.
     pub witnesses: Option<(Point, Point)>,
     /// Size of the pair, to which tolerances are relative.
     pub size: Option<f64>,
@@ -88,7 +89,7 @@ pub struct Truth {
     pub ties: Option<u64>,
 }
 
-/// What is wrong with a file, and in which line (from 1; 0 before the first).
+/// Error of a file: its line (from 1; 0 before the first) and the reason.
 #[derive(Debug)]
 pub struct SuiteError {
     /// Number of the line.
@@ -105,7 +106,7 @@ impl fmt::Display for SuiteError {
 
 impl error::Error for SuiteError {}
 
-/// Kind of a line, read before the rest.
+/// Kind of a line, parsed before the rest.
 #[derive(Deserialize)]
 struct Kind<'a> {
     t: &'a str,
@@ -211,7 +212,7 @@ impl RawCase {
     }
 }
 
-/// The meaning of one line; `None` for an empty line and for kinds this reader does not know.
+/// Parses one line; `None` for an empty line and for unknown kinds.
 fn parse(text: &str) -> Result<Option<Line>, String> {
     if text.trim().is_empty() {
         return Ok(None);
@@ -230,7 +231,7 @@ fn parse(text: &str) -> Result<Option<Line>, String> {
     })
 }
 
-/// The lines of a case file, one by one. The first error ends the file.
+/// Iterator over the lines of a case file. It stops after the first error.
 pub struct Reader<R> {
     input: R,
     line: usize,
@@ -256,7 +257,7 @@ impl<R: BufRead> Reader<R> {
         }
     }
 
-    /// The next line that says something.
+    /// Returns the next line of a known kind.
     fn advance(&mut self) -> Result<Option<Line>, String> {
         loop {
             self.buffer.clear();
@@ -290,12 +291,13 @@ impl<R: BufRead> Iterator for Reader<R> {
     }
 }
 
-/// One line of answers to a case file: what a grading program prints. `None` is written as `-`.
+/// One line of an answer file, as a grading program prints it. `None` is written as `-`.
 #[derive(Clone, Copy, Debug)]
 pub struct Answer<'a> {
     /// Number of the case.
     pub id: u64,
-    /// `sep`, `touch`, `pen`, or why there is no answer: `none`, `unsup`, `panic`, `noshape`.
+    /// `sep`, `touch`, `pen`, or the reason why there is no answer: `none`, `unsup`, `panic`,
+    /// `noshape`.
     pub status: &'a str,
     /// Signed distance.
     pub distance: Option<f64>,

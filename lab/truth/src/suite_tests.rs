@@ -1,4 +1,4 @@
-//! Reading what is right, refusing what is not.
+//! Valid files are read, and invalid files are rejected.
 
 use super::*;
 use crate::exact::solve;
@@ -70,7 +70,7 @@ fn a_case_can_be_solved() {
     );
 }
 
-/// The description's own example, its lines joined, says what the oracle says.
+/// The example of the description, with its lines joined, agrees with the oracle.
 #[test]
 fn the_description_is_right() {
     let text = include_str!("../../../tests/CASES.md");

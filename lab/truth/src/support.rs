@@ -1,5 +1,5 @@
-//! What several tests share: plain data of the laboratory as bodies and poses of the crate, and the judgement of an
-//! answer by the exact oracle.
+//! Helpers of several tests: plain data as bodies and poses of the crate, and comparison with the
+//! exact oracle.
 
 use crate::motion::Frame;
 use crate::shapes::Shape;
@@ -8,22 +8,22 @@ use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ContactState, ConvexPolyhedron, Feature, FeaturePair, Outcome, RelativePose};
 
-/// B as seen from A, of poses in the world.
+/// Returns the pose of B in A's frame, from poses in the world frame.
 pub fn between(a: &Pose, b: &Pose) -> RelativePose {
     RelativePose::new(&a.isometry(), &b.isometry()).expect("poses of a test are poses")
 }
 
-/// The same in a frame of a motion.
+/// Returns the pose of B in A's frame, in a frame of a motion.
 pub fn relative(frame: &Frame) -> RelativePose {
     between(&frame.a, &frame.b)
 }
 
-/// B shifted, A at rest.
+/// Returns the pose of B shifted by a vector, with A at rest.
 pub fn shifted(by: Point) -> RelativePose {
     between(&Pose::IDENTITY, &Pose::shift(by))
 }
 
-/// The body of a shape: a hull, or a point, a segment or a polygon.
+/// Returns the body of a shape: a hull, a point, a segment or a polygon.
 pub fn body(s: &Shape) -> ConvexPolyhedron {
     let points: Vec<_> = s.points.iter().map(|&p| Point3::from(p)).collect();
     let flat = |_| ConvexPolyhedron::polygon(&points);
@@ -35,7 +35,7 @@ pub fn body(s: &Shape) -> ConvexPolyhedron {
     body.unwrap_or_else(|e| panic!("{}: {e}", s.name))
 }
 
-/// A body as plain data, with the faces it says it has.
+/// Returns a body as plain data, with the faces that it reports.
 pub fn plain(body: &ConvexPolyhedron) -> Shape {
     let (points, faces) = crate::contacts::plain(body);
     let mut shape = Shape::hull("body", points);
@@ -43,14 +43,15 @@ pub fn plain(body: &ConvexPolyhedron) -> Shape {
     shape
 }
 
-/// The size L of a placed pair: both radii about the middles of the boxes, and the distance of the middles.
+/// Returns the size L of a pair: both radii about the centres of the boxes, plus the distance of
+/// the centres.
 pub fn size(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame) -> f64 {
     let ((middle_a, radius_a), (middle_b, radius_b)) = (a.bounding_ball(), b.bounding_ball());
     let apart = frame.b.isometry() * middle_b - frame.a.isometry() * middle_a;
     radius_a + radius_b + apart.norm()
 }
 
-/// One of each shipped solid, none larger than 2 across, with at most 42 vertices.
+/// Returns one of each built-in solid, none wider than 2, with at most 42 vertices.
 pub fn shipped() -> Vec<ConvexPolyhedron> {
     let all = [
         solids::cuboid(Vector3::new(0.5, 0.5, 0.5)),
@@ -68,12 +69,12 @@ pub fn shipped() -> Vec<ConvexPolyhedron> {
     all.into_iter().map(|b| b.expect("a shipped solid")).collect()
 }
 
-/// Dimensions of the features of A and of B.
+/// Returns the dimensions of the features of A and of B.
 pub fn kinds(pair: FeaturePair) -> (usize, usize) {
     (pair.a.dimension(), pair.b.dimension())
 }
 
-/// Whether both features are those of the bodies.
+/// Returns whether both features exist on their bodies.
 pub fn are_of(pair: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> bool {
     let known = |body: &ConvexPolyhedron, feature| match feature {
         Feature::Vertex(v) => body.vertex(v).is_some(),
@@ -83,21 +84,21 @@ pub fn are_of(pair: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> 
     known(a, pair.a) && known(b, pair.b)
 }
 
-/// All features of a body.
+/// Returns all features of a body.
 pub fn features(body: &ConvexPolyhedron) -> Vec<Feature> {
     let vertices = body.vertices().map(Feature::Vertex);
     let edges = body.edges().map(Feature::Edge);
     vertices.chain(edges).chain(body.faces().map(Feature::Face)).collect()
 }
 
-/// All pairs of features.
+/// Returns all pairs of features.
 pub fn pairs(a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Vec<FeaturePair> {
     let of_b = features(b);
     let with = |a: Feature| of_b.iter().map(move |&b| FeaturePair { a, b });
     features(a).into_iter().flat_map(with).collect()
 }
 
-/// The oracle's contact state in the words of the crate.
+/// Returns the oracle's contact state as the crate's type.
 pub fn state(exact: crate::ContactState) -> ContactState {
     match exact {
         crate::ContactState::Separated => ContactState::Separated,
@@ -106,10 +107,11 @@ pub fn state(exact: crate::ContactState) -> ContactState {
     }
 }
 
-/// Fails unless the contact state is that of the oracle and the true distance is between the bounds, to the last bit.
+/// Asserts that the contact state is that of the oracle and that the bounds contain the true
+/// distance, exactly.
 pub fn assert_right(o: &Outcome, truth: &Exact, what: &str) {
     assert_eq!(o.state, state(truth.state), "{what}: {o:?}, truth {}", truth.distance);
-    // The differences are small and hence exact, or so large that their sign is not in doubt.
+    // The differences are small and therefore exact, or so large that their sign is certain.
     let above = (o.lower - truth.distance) - truth.remainder;
     let below = (o.upper - truth.distance) - truth.remainder;
     assert!(
@@ -121,7 +123,8 @@ pub fn assert_right(o: &Outcome, truth: &Exact, what: &str) {
     assert!(o.lower <= o.distance && o.distance <= o.upper, "{what}: {o:?}");
 }
 
-/// Fails unless the distance of a separated pair is within one unit in the last place of the truth.
+/// Asserts also that the distance of a separated pair is within one unit in the last place of the
+/// true distance.
 pub fn assert_exact(o: &Outcome, truth: &Exact, what: &str) {
     assert_right(o, truth, what);
     let d = truth.distance;

@@ -1,5 +1,7 @@
-//! A few shapes as SVG text: no blank lines, so that it can stand in documentation, and a white ground, so that it reads on
-//! light and dark pages.
+//! A few shapes as SVG text.
+//!
+//! The text has no blank lines, so that it can be embedded in documentation. The background is
+//! white, so that pictures are readable on light and dark pages.
 
 use std::fmt::Write as _;
 
@@ -16,10 +18,10 @@ pub const GREEN: &str = "#009e73";
 /// Grey.
 pub const GREY: &str = "#9aa0a6";
 
-/// A place on the page.
+/// A position on the page.
 pub type Place = [f64; 2];
 
-/// A picture in the making.
+/// A picture under construction.
 pub struct Svg {
     text: String,
 }
@@ -87,7 +89,7 @@ impl Svg {
         );
     }
 
-    /// Another picture inside this one.
+    /// Inserts another picture.
     pub fn inset(&mut self, [x, y]: Place, svg: &str) {
         let inner = svg.replacen("<svg ", &format!("<svg x=\"{x}\" y=\"{y}\" "), 1);
         inner

@@ -1,5 +1,6 @@
-//! Meshes as CAD programs make them: turned and extruded parts, whose triangles are as long as the part and as narrow as its steps,
-//! and a terrain.
+//! CAD-like meshes: turned and extruded parts, and a terrain.
+//!
+//! Their triangles are as long as the part and as narrow as its steps.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +8,8 @@ use crate::Point;
 use crate::rng::Rng;
 use crate::soups::Soup;
 
-/// Loops of equally many points, each joined to the next by two triangles a side; the first and the last are fanned from `ends`.
+/// Joins loops of equally many points by two triangles per side; the first and the last loop are
+/// fanned from `ends`.
 fn skin(loops: &[Vec<Point>], ends: [Point; 2]) -> Soup {
     let (rows, m) = (loops.len(), loops[0].len());
     let mut soup = Soup {
@@ -29,7 +31,8 @@ fn skin(loops: &[Vec<Point>], ends: [Point; 2]) -> Soup {
     soup
 }
 
-/// A part turned about z of `n` sides: radii and heights from the lower end to the upper one, on a lathe.
+/// Returns a part turned on a lathe about z with `n` sides; `profile` has radii and heights from
+/// the lower end up.
 pub fn turned(n: usize, profile: &[[f64; 2]]) -> Soup {
     let circle = |&[r, z]: &[f64; 2]| {
         let point = |k: usize| {
@@ -43,17 +46,18 @@ pub fn turned(n: usize, profile: &[[f64; 2]]) -> Soup {
     skin(&loops, [end(0), end(profile.len() - 1)])
 }
 
-/// A shaft of `4 n` triangles: radius 1, length 10.
+/// Returns a shaft of `4 n` triangles: radius 1, length 10.
 pub fn shaft(n: usize) -> Soup {
     turned(n, &[[1.0, -5.0], [1.0, 5.0]])
 }
 
-/// A cone of `4 n` triangles with a blunt tip: radius 1, height 3.
+/// Returns a cone of `4 n` triangles with a blunt tip: radius 1, height 3.
 pub fn cone(n: usize) -> Soup {
     turned(n, &[[1.0, 0.0], [0.01, 3.0]])
 }
 
-/// A plain bearing of `8 n` triangles: a tube of length 4, its bore of radius `r`, its outside of radius 1.5.
+/// Returns a plain bearing of `8 n` triangles: a tube of length 4, with inner radius `r` and outer
+/// radius 1.5.
 pub fn bearing(n: usize, r: f64) -> Soup {
     let ring = [[r, -2.0], [1.5, -2.0], [1.5, 2.0], [r, 2.0]];
     let mut soup = Soup::default();
@@ -73,7 +77,8 @@ pub fn bearing(n: usize, r: f64) -> Soup {
     soup
 }
 
-/// A link of a robot, of `24 n` triangles: a tube of length 0.6 between two drums, with collars and fillets of one step each.
+/// Returns a link of a robot with `24 n` triangles: a tube of length 0.5 between two drums, with
+/// collars and fillets of one step each.
 pub fn link(n: usize) -> Soup {
     let half = [
         [0.09, -0.4],
@@ -88,12 +93,13 @@ pub fn link(n: usize) -> Soup {
     turned(n, &profile)
 }
 
-/// A tray of some `32 n` triangles with `n` steps a rounded corner: half extents 0.5 by 0.35, walls 0.15 high and 0.01 thick.
+/// Returns a tray of about `32 n` triangles with `n` steps per rounded corner: half extents 0.5 by
+/// 0.35, walls 0.15 high and 0.01 thick.
 pub fn tray(n: usize) -> Soup {
     let rounded = |inset: f64, z: f64| -> Vec<Point> {
         let corner = |k: usize| {
             let (s, c) = (TAU * k as f64 / (4 * n) as f64).sin_cos();
-            // Four arcs of `n` steps with straight walls between.
+            // Four arcs of `n` steps with straight walls between them.
             let quarter = k / n;
             let x = if matches!(quarter, 0 | 3) { 0.4 } else { -0.4 };
             let y = if quarter < 2 { 0.25 } else { -0.25 };
@@ -111,7 +117,8 @@ pub fn tray(n: usize) -> Soup {
     skin(&loops, [[0.0, 0.0, 0.0], [0.0, 0.0, 0.01]])
 }
 
-/// A terrain of `2 n^2` triangles over `n` by `n` squares of side 0.1 about the origin, heights within 1: hills of six sizes.
+/// Returns a terrain of `2 n^2` triangles over `n` by `n` squares of side 0.1 about the origin,
+/// with heights within 1: hills of six sizes.
 pub fn terrain(n: usize) -> Soup {
     let mut rng = Rng::new(5);
     let waves: Vec<[f64; 4]> = (0..24)

@@ -1,11 +1,11 @@
-//! How two bodies lie, and the oracle's answer.
+//! Contact state of two bodies, and the result of the oracle.
 
 use crate::rational::sqrt;
 use dashu_ratio::RBig;
 use std::cmp::Ordering;
 use std::fmt;
 
-/// How two closed bodies lie, decided exactly.
+/// Exact contact state of two closed bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ContactState {
     /// No common point.
@@ -17,7 +17,7 @@ pub enum ContactState {
 }
 
 impl ContactState {
-    /// The contact state of a signed distance, by its comparison with zero.
+    /// Returns the contact state of a signed distance, from its comparison with zero.
     pub fn of_sign(distance_to_zero: Ordering) -> Self {
         match distance_to_zero {
             Ordering::Greater => Self::Separated,
@@ -26,7 +26,7 @@ impl ContactState {
         }
     }
 
-    /// The word of case files: `sep`, `touch` or `pen`.
+    /// Returns the word of case files: `sep`, `touch` or `pen`.
     pub fn word(self) -> &'static str {
         match self {
             Self::Separated => "sep",
@@ -35,7 +35,7 @@ impl ContactState {
         }
     }
 
-    /// The contact state a word of case files means.
+    /// Returns the contact state of a word of case files.
     pub fn from_word(word: &str) -> Option<Self> {
         [Self::Separated, Self::Touching, Self::Overlapping]
             .into_iter()
@@ -49,21 +49,22 @@ impl fmt::Display for ContactState {
     }
 }
 
-/// The oracle's answer.
+/// The result of the oracle.
 #[derive(Clone, Debug)]
 pub struct Exact {
-    /// How the bodies lie.
+    /// Contact state.
     pub state: ContactState,
-    /// Signed distance, correctly rounded: minus the depth when overlapping.
+    /// Signed distance, correctly rounded: minus the depth if the bodies overlap.
     pub distance: f64,
-    /// What rounding `distance` lost: `distance + remainder` is good to 106 bits, the range of doubles permitting.
+    /// Remainder lost by rounding `distance`: `distance + remainder` is accurate to 106 bits, if
+    /// the range of doubles allows it.
     pub remainder: f64,
     /// The exact square of the signed distance.
     pub squared: RBig,
 }
 
 impl Exact {
-    /// The answer from its contact state and the square of the distance.
+    /// Returns the result from its contact state and the square of the distance.
     pub fn new(state: ContactState, squared: RBig) -> Self {
         let (head, tail) = sqrt(&squared);
         let sign = if state == ContactState::Overlapping { -1.0 } else { 1.0 };

@@ -1,4 +1,4 @@
-//! The motions that engines are timed on: pairs held at a gap, in contact, at rest, or passing through contact.
+//! Motions for timing: pairs at a fixed gap, in contact, at rest, or passing through contact.
 
 use crate::motion::{Frame, hold_distance, hold_gap};
 use crate::pose::{add, cross, dot, quat, quat_mul, scale, sub, unit, unit_quat};
@@ -9,14 +9,16 @@ use crate::{Point, Pose};
 /// Vertices of the random hulls.
 pub const SIZES: [usize; 6] = [8, 32, 128, 512, 2048, 8192];
 
-/// The gap at every frame: bodies have radius 1.
+/// The gap in every frame; bodies have radius 1.
 pub const GAP: f64 = 0.02;
 
-/// The depth at every frame of a shallow contact: 1 % of the diameter.
+/// The depth in every frame of a shallow contact: 1 % of the diameter.
 pub const DEPTH: f64 = 0.02;
 
-/// The points of a body: `n` random ones on the unit sphere (`sphere`) or on an ellipsoid 1:1:0.1 (`flat`), a regular `prism`
-/// or `cone` of `n` corners, or the corners of a `box`.
+/// Returns the points of a body.
+///
+/// `sphere`: `n` random points on the unit sphere; `flat`: on an ellipsoid 1:1:0.1; `prism`,
+/// `cone`: regular, with `n` vertices; otherwise the vertices of a box.
 pub fn points(shape: &str, n: usize, rng: &mut Rng) -> Vec<Point> {
     match shape {
         "sphere" => sphere(rng, n).points,
@@ -27,8 +29,11 @@ pub fn points(shape: &str, n: usize, rng: &mut Rng) -> Vec<Point> {
     }
 }
 
-/// Frames of a motion: B orbits A and spins about a drifting axis, by `degrees` a frame each; or takes a new pose every
-/// frame, for `None`. `query` tells the witness points of a frame in the world, or that the bodies overlap.
+/// Returns the frames of a motion at a gap of [`GAP`].
+///
+/// B orbits A and spins about a drifting axis, by `degrees` per frame each; for `None`, it takes a
+/// new pose every frame. `query` returns the witness points of a frame in the world frame, or
+/// `None` if the bodies overlap.
 pub fn motion(
     degrees: Option<f64>,
     frames: usize,
@@ -40,8 +45,10 @@ pub fn motion(
     })
 }
 
-/// As [`motion`], at a signed distance of `goal(frame)`: B spins and orbits by these many degrees a frame. `query` tells the
-/// signed distance and the normal from A to B in the world.
+/// Like [`motion`], at a signed distance of `goal(frame)`: B spins and orbits by the given degrees
+/// per frame.
+///
+/// `query` returns the signed distance and the normal from A to B in the world frame.
 pub fn contact(
     (spin, round): (f64, f64),
     frames: usize,
@@ -54,14 +61,14 @@ pub fn contact(
     })
 }
 
-/// B spins and orbits A by the degrees given; each frame is then shifted by `hold`.
+/// B spins and orbits A by the given degrees; `hold` then shifts each frame.
 fn orbit(
     degrees: Option<(f64, f64)>,
     frames: usize,
     rng: &mut Rng,
     mut hold: impl FnMut(usize, Frame) -> Frame,
 ) -> Vec<Frame> {
-    // Further apart than two bodies of radius 1 reach.
+    // Farther apart than the radii of two bodies of radius 1.
     let apart = 2.2;
     let a = Pose {
         q: rng.quat(),
@@ -102,8 +109,8 @@ fn orbit(
 /// A face of a body: a point of it, and the outward unit normal.
 pub type FacePlane = (Point, Point);
 
-/// B's face laid flat on A's, the points of both one above the other, B turned by `spin` radians about the normal; the
-/// faces are a signed `distance` apart.
+/// Lays B's face flat on A's at a signed `distance`, one reference point above the other, with B
+/// rotated by `spin` radians about the normal.
 pub fn stacked(a: FacePlane, b: FacePlane, spin: f64, distance: f64) -> Frame {
     let ((at, up), (on, down)) = (a, b);
     let q = quat_mul(quat(up, spin), between(down, scale(up, -1.0)));
@@ -118,14 +125,14 @@ pub fn stacked(a: FacePlane, b: FacePlane, spin: f64, distance: f64) -> Frame {
     }
 }
 
-/// A rotation that takes one unit direction to another.
+/// Returns a rotation that maps one unit direction to another.
 fn between(from: Point, to: Point) -> [f64; 4] {
     let c = 1.0 + dot(from, to);
     if c > 1e-9 {
         let [x, y, z] = cross(from, to);
         return unit_quat([x, y, z, c]);
     }
-    // Half a turn about any axis across.
+    // Half a turn about any perpendicular axis.
     let other = if from[0].abs() < 0.6 {
         [1.0, 0.0, 0.0]
     } else {
@@ -135,8 +142,10 @@ fn between(from: Point, to: Point) -> [f64; 4] {
     [x, y, z, 0.0]
 }
 
-/// `start` at rest, but for a noise of `size` in place (and as many radians over `reach` in turn) a frame, which does not add up;
-/// A lies anywhere in the world.
+/// Returns `start` at rest with noise that does not accumulate: `size` in position, and
+/// `size / reach` radians in rotation.
+///
+/// The pair is at a random pose in the world.
 pub fn at_rest(start: Frame, size: f64, reach: f64, frames: usize, rng: &mut Rng) -> Vec<Frame> {
     let world = Pose {
         q: rng.quat(),
@@ -156,7 +165,7 @@ pub fn at_rest(start: Frame, size: f64, reach: f64, frames: usize, rng: &mut Rng
     (0..frames).map(&mut frame).collect()
 }
 
-/// `start` with B going to and fro along `way`, a full turn in `period` frames.
+/// Returns `start` with B moving to and fro along `way`, one cycle in `period` frames.
 pub fn to_and_fro(start: Frame, way: Point, period: usize, frames: usize, rng: &mut Rng) -> Vec<Frame> {
     let world = Pose {
         q: rng.quat(),

@@ -156,7 +156,7 @@ fn turning_casts_stop_at_the_first_contact() {
     assert!(seen.hits > 80 && seen.misses > 30 && seen.starts > 5, "{seen:?}");
 }
 
-/// Two cubes of a millimetre: the time of impact is known in closed form, whatever parry says.
+/// Two cubes of a millimetre: the time of impact is known in closed form, independent of parry.
 #[test]
 fn small_cubes_meet_in_time() {
     let cube = Cuboid::new(Vector::splat(5e-4));

@@ -67,7 +67,7 @@ impl StudyArguments {
     }
 }
 
-/// Where rows are processed.
+/// Options that decide where rows are processed.
 #[derive(Args)]
 pub(super) struct WhereArguments {
     /// Number of partitions that run in parallel [default: number of cores]

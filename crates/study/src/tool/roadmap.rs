@@ -72,7 +72,7 @@ pub(super) async fn run(options: &RoadmapOptions) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Writes rows to a file of a folder, unless they are there.
+/// Writes rows to a file of a folder, unless the file exists.
 fn written(folder: &Path, rows: &datafusion::arrow::array::RecordBatch) -> Result<(), StudyError> {
     std::fs::create_dir_all(folder).map_err(StudyError::io(folder))?;
     let file = folder.join("rows.parquet");
@@ -102,7 +102,7 @@ async fn answered(
     shown(what, study, &progress, run.go(&progress)).await.map(|_| ())
 }
 
-/// The rows of a query over the files of a folder.
+/// Returns the rows of a query over the files of a folder.
 async fn table(
     study: &Arc<Study>,
     folder: &Path,

@@ -1,4 +1,4 @@
-//! The command `run`: the clearance of each row, or a query.
+//! The command `run`: computes the clearance of each row, or runs a query.
 
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Two hulls to drag: the walk alone, certified, exact; time and error of each.
+//! Two hulls to drag: time and error of the walk alone, certified and exact queries.
 
 use std::error::Error;
 
@@ -17,19 +17,19 @@ const COLOURS: [Color32; 3] = [
     Color32::from_rgb(222, 150, 60),
     Color32::from_rgb(130, 175, 110),
 ];
-/// Queries of each level in a frame.
+/// Queries of each level per frame.
 const QUERIES: [u32; 3] = [60, 60, 20];
-/// Degrees that the body turns between two queries.
+/// Rotation of the body between two queries, in degrees.
 const TURN: f64 = 0.5;
-/// Part of the old mean that a frame keeps.
+/// Fraction of the old mean that a frame keeps.
 const KEEP: f64 = 0.95;
 
 pub(super) struct Accuracy {
     level: usize,
     bodies: [ConvexPolyhedron; 2],
     trackers: [Tracker; 3],
-    /// Means of seconds and of queries, of which the quotient is shown: the clock of a page is
-    /// coarse.
+    /// Decaying sums of seconds and of queries. Their quotient is shown, because the clock of a
+    /// page is coarse.
     sums: [[f64; 2]; 3],
     errors: [f64; 3],
     turned: u64,
@@ -61,7 +61,7 @@ impl Accuracy {
         })
     }
 
-    /// Asks a level about the pair as it turns to and fro by small steps.
+    /// Times queries of one level while the pair rotates to and fro in small steps.
     fn time(&mut self, level: usize, stage: &Stage) {
         let [a, b] = &self.bodies;
         let tracker = &mut self.trackers[level];
@@ -85,7 +85,7 @@ impl Accuracy {
         *queries = KEEP * *queries + poses.len() as f64;
     }
 
-    /// Errors against the exact answer; shows the answer of the level that is switched on.
+    /// Computes errors against the exact outcome, and shows the outcome of the selected level.
     fn answer(&mut self, stage: &mut Stage) {
         let [a, b] = &self.bodies;
         let Ok(poses) = RelativePose::new_normalized(&stage.bodies[0].pose, &stage.bodies[1].pose) else {

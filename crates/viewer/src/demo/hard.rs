@@ -1,5 +1,5 @@
-//! Named hard cases: nudge a body by an ulp and see contact state and bounds hold; parry's recorded
-//! answer beside.
+//! Named hard cases: nudge a body by units in the last place, watch state and bounds, and compare
+//! with parry's recorded answer.
 
 use std::error::Error;
 
@@ -33,7 +33,7 @@ struct Case {
 pub(super) struct Hard {
     cases: Vec<Case>,
     chosen: usize,
-    /// Units in the last place along each axis that the second body was moved.
+    /// Units in the last place by which the second body is moved along each axis.
     ulps: [i32; 3],
     moved: bool,
 }
@@ -76,7 +76,7 @@ impl Hard {
         self.put(stage);
     }
 
-    /// Puts the second body to its place, nudged.
+    /// Puts the second body at its pose, nudged.
     fn put(&self, stage: &mut Stage) {
         let case = &self.cases[self.chosen];
         if let Some(mut pose) = poses::pose(case.pose_b) {
@@ -163,7 +163,7 @@ impl Demo for Hard {
     }
 }
 
-/// Moves a number by units in its last place.
+/// Returns a number moved by units in its last place.
 fn nudged(x: f64, ulps: i32) -> f64 {
     let step = if ulps > 0 { f64::next_up } else { f64::next_down };
     (0..ulps.unsigned_abs()).fold(x, |x, _| step(x))

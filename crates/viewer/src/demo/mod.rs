@@ -1,4 +1,5 @@
-//! What the page shows: what accuracy costs, hard cases, queries of a scene, a robot in its cell.
+//! The demonstrations of the page: cost of accuracy, hard cases, queries of a scene, a robot in its
+//! cell.
 
 mod accuracy;
 mod hard;
@@ -9,7 +10,7 @@ use eframe::egui;
 
 use crate::stage::Stage;
 
-/// The names, by number.
+/// Names of the demonstrations, by number.
 pub const NAMES: [&str; 4] = [
     "What accuracy costs in time",
     "Hard cases that stay stable",
@@ -17,27 +18,27 @@ pub const NAMES: [&str; 4] = [
     "A robot in its cell",
 ];
 
-/// A demonstration: its bodies stand on the stage.
+/// A demonstration whose bodies are on the stage.
 pub trait Demo {
-    /// Goes on by a frame; returns whether the next frame is due at once.
+    /// Advances by a frame; returns whether the next frame is due at once.
     fn frame(&mut self, stage: &mut Stage) -> bool;
 
     /// Draws its part of the panel.
     fn panel(&mut self, ui: &mut egui::Ui, stage: &mut Stage);
 
-    /// Whether only the closest pair is drawn.
+    /// Returns whether only the closest pair is drawn.
     fn shows_closest_only(&self) -> bool {
         false
     }
 
-    /// Whether the mouse may drag a body.
+    /// Returns whether the mouse may drag a body.
     fn may_hold(&self, body: usize) -> bool;
 }
 
 /// Opens a demonstration on an empty stage.
 ///
 /// # Errors
-/// If there is none of that number, or its bodies cannot be built.
+/// Returns an error if the number does not exist or the bodies cannot be built.
 pub fn open(number: usize, stage: &mut Stage) -> Result<Box<dyn Demo>, String> {
     let say = |e: Box<dyn std::error::Error>| e.to_string();
     Ok(match number {
@@ -54,7 +55,7 @@ pub fn open(number: usize, stage: &mut Stage) -> Result<Box<dyn Demo>, String> {
     })
 }
 
-/// A bar on a scale of powers of ten, with its text.
+/// Draws a bar on a logarithmic scale, with its text.
 fn bar(ui: &mut egui::Ui, name: &str, text: &str, part: f64, colour: egui::Color32) {
     ui.label(format!("{name}: {text}"));
     let (rect, _) = ui.allocate_exact_size(egui::vec2(250.0, 10.0), egui::Sense::hover());
@@ -64,7 +65,7 @@ fn bar(ui: &mut egui::Ui, name: &str, text: &str, part: f64, colour: egui::Color
     ui.painter().rect_filled(filled, 2.0, colour);
 }
 
-/// Where a value lies between two powers of ten.
+/// Returns the position of a value between two powers of ten, on a logarithmic scale.
 fn log_part(x: f64, from: f64, to: f64) -> f64 {
     if x > 0.0 { (x.log10() - from) / (to - from) } else { 0.0 }
 }

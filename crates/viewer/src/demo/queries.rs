@@ -1,4 +1,4 @@
-//! A pile whose bodies swing: queries of a scene to switch on one by one, and what each costs.
+//! A pile of swinging bodies: enable the queries of a scene one by one and see their cost.
 
 use std::error::Error;
 
@@ -13,7 +13,7 @@ use web_time::Instant;
 use super::{Demo, bar, log_part};
 use crate::stage::{Pair, Stage};
 
-/// Bodies on a side of the pile, and layers.
+/// Bodies along a side of the pile, and layers.
 const SIDE: usize = 5;
 const LAYERS: usize = 4;
 const NAMES: [&str; 6] = [
@@ -24,7 +24,7 @@ const NAMES: [&str; 6] = [
     "depth of overlaps",
     "contact points",
 ];
-/// Part of the old mean that a step keeps.
+/// Fraction of the old mean that a step keeps.
 const KEEP: f64 = 0.95;
 
 pub(super) struct Pile {
@@ -33,8 +33,8 @@ pub(super) struct Pile {
     on: [bool; 6],
     runs: bool,
     time: f64,
-    /// Means of microseconds: the whole step, then boxes, pairs, narrow phase, events, which a scene
-    /// does not tell on a page, where it has no clock.
+    /// Mean microseconds of the whole step, then of boxes, pairs, narrow phase and events. A scene
+    /// on a page has no clock, so the last four stay zero there.
     stages: [f64; 5],
     counts: StepWork,
 }
@@ -173,7 +173,7 @@ impl Demo for Pile {
     }
 }
 
-/// Where a body of the pile is at a time.
+/// Returns the pose of a body of the pile at a time.
 fn pose(k: usize, time: f64) -> Isometry3<f64> {
     let cell = [k % SIDE, k / SIDE % SIDE, k / SIDE / SIDE].map(|i| i as f64);
     let phase = k as f64 * 2.4;

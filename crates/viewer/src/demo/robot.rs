@@ -14,7 +14,7 @@ use crate::stage::{Pair, Stage};
 const Y: Unit<Vector3<f64>> = Unit::new_unchecked(Vector3::new(0.0, 1.0, 0.0));
 const Z: Unit<Vector3<f64>> = Unit::new_unchecked(Vector3::new(0.0, 0.0, 1.0));
 
-/// Name, height above the joint before in metres, axis, limit on both sides in radians.
+/// Name, height above the previous joint in metres, axis, and limit on both sides in radians.
 const JOINTS: [(&str, f64, Unit<Vector3<f64>>, f64); 6] = [
     ("base", 0.12, Z, 2.9),
     ("shoulder", 0.20, Y, 1.8),
@@ -50,7 +50,8 @@ impl Robot {
             stage.bodies[body].colour = [125, 150, 180, 255];
         }
         for b in 0..stage.bodies.len() {
-            // Links that one or two joints connect touch by design, base and shoulder stand on the table.
+            // Links that one or two joints connect touch by design; base and shoulder are next to
+            // the table.
             let is_table = b == links.len();
             let far = |a: usize| match links.get(b) {
                 Some(link) => *link > links[a] + 2,
@@ -78,7 +79,7 @@ impl Robot {
     }
 }
 
-/// Name, half sizes and place of what stands in the cell, in metres.
+/// Name, half sizes and position of each obstacle of the cell, in metres.
 const CELL: [(&str, [f64; 3], [f64; 3]); 8] = [
     ("table", [0.65, 0.75, 0.02], [0.40, 0.0, -0.02]),
     ("fence", [0.22, 0.01, 0.10], [0.62, 0.0, 0.10]),
@@ -92,7 +93,7 @@ const CELL: [(&str, [f64; 3], [f64; 3]); 8] = [
 
 type Link = (&'static str, usize, Geometry);
 
-/// Name, link and shape of each body of the arm.
+/// Returns name, link and shape of each body of the arm.
 fn links_of_arm() -> Result<Vec<Link>, Box<dyn Error>> {
     let tube = |name, link: usize, radius: f64, length: f64, height: f64| {
         let solid = solids::prism(32, 0.5 * length, radius)?;

@@ -1,4 +1,4 @@
-//! The picture: cloth and body from a corner, far polygons first.
+//! Picture of the cloth and the body, seen from a corner and painted from far to near.
 
 use std::fmt::Write as _;
 
@@ -10,17 +10,18 @@ const WIDTH: f64 = 330.0;
 const HEIGHT: f64 = 330.0;
 const SCALE: f64 = 125.0;
 
-/// The facets of the body are drawn as if they were farther by this: they are chords of the ball, larger than squares.
+/// Distance by which the facets of the body are moved back in the depth order: they are chords of
+/// the ball and larger than the squares of the cloth.
 const BEHIND: f64 = 0.08;
 
-/// Panels side by side.
+/// Panels, one next to the other.
 pub(crate) struct Picture {
     svg: String,
     panels: usize,
     drawn: usize,
 }
 
-/// A polygon to be drawn: its depth, corners on the page, and colour.
+/// A polygon to draw: depth, vertices on the page, and colour.
 type Drawn = (f64, Vec<[f64; 2]>, [u8; 3]);
 
 impl Picture {
@@ -76,7 +77,7 @@ impl Picture {
     }
 }
 
-/// The direction to the eye, and the two of the page.
+/// Returns the direction to the eye; `right` and `up` are the axes of the page.
 fn toward() -> Vector3<f64> {
     Vector3::new(0.62, -0.95, 0.62).normalize()
 }

@@ -1,11 +1,13 @@
-//! A sheet of cloth falls over a ball on a box. The motion is position-based dynamics in a few
-//! lines; the sheet is one mesh whose vertices are replaced in every substep, and the contacts are
-//! lin-canny's.
+//! Simulates a sheet of cloth that falls over a ball on a box, with contacts from lin-canny.
 //!
-//! Each vertex is asked for its distance from the body, by a tracker of its own, and pushed out to
-//! the thickness of the cloth. An edge of the box may still reach through a triangle whose vertices
-//! are all outside: so the mesh is asked too, and its closest triangle is pushed off, until the
-//! proven distance says that no point of the cloth is nearer than half of the thickness.
+//! The motion is position-based dynamics in a few lines. The sheet is one mesh whose vertices are
+//! replaced in every substep:
+//!
+//! 1. Each vertex has a tracker, which computes its distance from the body. A vertex closer than
+//!    the thickness of the cloth is pushed out to the thickness.
+//! 2. An edge of the box may still cross a triangle whose vertices are all outside. So the mesh is
+//!    queried too, and its closest triangle is pushed off the body. This repeats until the proven
+//!    distance of the whole cloth exceeds half the thickness, at most `PUSHES` times.
 //!
 //! `cargo run --release -p race --example cloth` prints the frames and writes the picture
 //! `target/cloth.svg`.
@@ -24,49 +26,49 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape};
 use truth::command::{file, write};
 
-/// Squares along a side of the sheet, and half its side in metres.
+/// Squares along a side of the sheet, and half the length of the side in metres.
 const SQUARES: usize = 28;
 const HALF: f64 = 0.95;
 
-/// The distance that vertices keep from the body.
+/// Distance in metres that vertices keep from the body.
 const THICKNESS: f64 = 0.015;
 
-/// The time of a substep in seconds, the substeps of a frame, and the frames.
+/// Duration of a substep in seconds, substeps per frame, and number of frames.
 const STEP: f64 = 1.0 / 600.0;
 const SUBSTEPS: usize = 10;
 const FRAMES: usize = 150;
 
-/// Rounds over all lengths in a substep, and triangles pushed off at most.
+/// Relaxation rounds per substep, and largest number of triangle pushes per substep.
 const ROUNDS: usize = 12;
 const PUSHES: usize = 60;
 
-/// The part of the velocity along the body that a contact takes away in a substep.
+/// Fraction of the tangential velocity that a contact removes in a substep.
 const FRICTION: f64 = 0.95;
 
 /// Frames that are drawn.
 const DRAWN: [usize; 3] = [18, 34, FRAMES - 1];
 
-/// The sheet: places, places before the substep, velocities, and lengths to be kept.
+/// The sheet: positions, positions before the substep, velocities, and lengths to preserve.
 struct Cloth {
     mesh: Mesh,
     triangles: Vec<[u32; 3]>,
     places: Vec<Point3<f64>>,
     before: Vec<Point3<f64>>,
     velocities: Vec<Vector3<f64>>,
-    /// Two vertices, their distance, and how much of a deviation is mended at once.
+    /// Two vertices, their rest length, and the fraction of the deviation that one round corrects.
     lengths: Vec<(usize, usize, f64, f64)>,
-    /// A tracker for each vertex, one for the mesh.
+    /// A tracker for each vertex, and one for the mesh.
     vertices: Vec<PairTracker>,
     whole: PairTracker,
 }
 
-/// What a substep saw.
+/// Results of a substep.
 struct Seen {
-    /// A proven lower bound of the distance of the cloth and the body.
+    /// Proven lower bound of the distance between the cloth and the body.
     lower: f64,
     contacts: usize,
     pushed: usize,
-    /// The time that contacts took.
+    /// Time spent on contacts.
     time: Duration,
 }
 
@@ -79,7 +81,7 @@ impl Cloth {
         let at = |k: usize| HALF * (2.0 * k as f64 / SQUARES as f64 - 1.0);
         let side = 0..=SQUARES;
         let places: Vec<_> = side.clone().flat_map(|i| side.clone().map(move |j| (i, j))).collect();
-        // A little askew, so that the folds are not all alike.
+        // The sheet is tilted and off centre, so that its folds differ.
         let places: Vec<_> = places
             .into_iter()
             .map(|(i, j)| Point3::new(at(i) - 0.03, at(j) + 0.02, 1.15 + 0.02 * at(i)))
@@ -115,8 +117,8 @@ impl Cloth {
         })
     }
 
-    /// One substep of position-based dynamics (Mueller and others 2007; small steps: Macklin and
-    /// others 2019).
+    /// Advances the cloth by one substep of position-based dynamics (Müller et al. 2007, with small
+    /// steps as in Macklin et al. 2019).
     fn step(&mut self, body: &Geometry) -> Result<Seen, Box<dyn Error>> {
         self.before.clone_from(&self.places);
         for (v, p) in self.velocities.iter_mut().zip(&mut self.places) {
@@ -152,15 +154,17 @@ impl Cloth {
         })
     }
 
-    /// Pushes the cloth off the body. Returns the normals of vertices in contact, a lower bound of
-    /// the distance, and the number of triangles pushed.
-    #[allow(clippy::type_complexity)] // three answers of one example
+    /// Pushes the cloth off the body.
+    ///
+    /// Returns the normals of the vertices in contact, a lower bound of the distance, and the
+    /// number of triangles pushed.
+    #[allow(clippy::type_complexity)] // three results of one example
     fn contacts(&mut self, body: &Geometry) -> Result<(Vec<Option<Vector3<f64>>>, f64, usize), Box<dyn Error>> {
         let point = Geometry::from(ConvexPolyhedron::point(Point3::origin())?);
         let mut touched = vec![None; self.places.len()];
         for (k, place) in self.places.iter_mut().enumerate() {
             let pose = RelativePose::from_isometry(&Isometry3::translation(place.x, place.y, place.z))?;
-            // A lower bound costs less, and is enough for most vertices.
+            // A lower bound costs less than a distance, and is enough for most vertices.
             if self.vertices[k].lower_bound(body, &point, &pose) > THICKNESS {
                 continue;
             }
@@ -189,7 +193,8 @@ impl Cloth {
         Ok((touched, found.lower, PUSHES))
     }
 
-    /// Moves the corners of a triangle so that one of its points comes out to the thickness.
+    /// Moves the vertices of a triangle so that its point `at` moves outward to 0.7 times the
+    /// thickness.
     fn push_off(&mut self, triangle: usize, at: &Point3<f64>, outward: &Vector3<f64>, distance: f64) {
         let corners = self.triangles[triangle].map(|v| v as usize);
         let [a, b, c] = corners.map(|v| self.places[v]);
@@ -203,7 +208,7 @@ impl Cloth {
     }
 }
 
-/// A ball on a box.
+/// Returns a ball on a box.
 fn body() -> Result<Compound, Box<dyn Error>> {
     let mut block = Piece::new(solids::cuboid(Vector3::new(0.42, 0.42, 0.3))?);
     let mut ball = Piece::new(Shape::ball(0.36)?);

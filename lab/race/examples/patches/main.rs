@@ -1,12 +1,12 @@
-//! Curved surfaces: a pot of rational patches and a twisted blade of a B-spline that swings about
-//! the pot.
+//! Tracks a pot of rational patches and a twisted B-spline blade that swings around the pot.
 //!
 //! ```text
 //! cargo run --release -p race --example patches -- [--frames N] [--width W] [--out FILE.svg]
 //! ```
 //!
-//! Prints what intervals of several widths cost and how far they miss the narrowest, then draws the
-//! front of one frame and the closest points of all frames: `target/patches.svg` unless named.
+//! Prints the cost of intervals of several widths, and their errors against the narrowest. Then
+//! draws the front of one frame and the closest points of all frames (to `target/patches.svg` by
+//! default).
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -36,7 +36,7 @@ struct Options {
     out: PathBuf,
 }
 
-/// Towards the viewer, to the right and up.
+/// Axes of the view: towards the viewer, to the right, and up.
 const VIEW: [Point; 3] = [[0.36, -0.80, 0.48], [0.91, 0.41, 0.0], [-0.20, 0.44, 0.88]];
 
 fn main() -> ExitCode {
@@ -61,7 +61,7 @@ fn blade() -> Result<BezierSurface, SurfaceError> {
     })
 }
 
-/// The blade about the pot, half a degree a frame.
+/// Returns the pose of the blade around the pot, at half a degree per frame.
 fn pose(k: usize) -> Isometry3<f64> {
     let phase = (0.5 * k as f64).to_radians();
     let turn = UnitQuaternion::from_euler_angles(0.4 + 0.5 * phase, 0.3 * phase.sin(), 1.3 * phase);
@@ -107,7 +107,7 @@ fn run(options: &Options) -> Result<(), String> {
     Ok(())
 }
 
-/// The outcomes of all frames, the tracker after them, microseconds a frame.
+/// Returns the outcomes of all frames, the tracker after them, and the time per frame in µs.
 fn track(
     a: &BezierSurface,
     b: &BezierSurface,
@@ -124,14 +124,14 @@ fn track(
     (found, tracker, us)
 }
 
-/// Where a point is drawn.
+/// Returns the position of a point on the page.
 fn project(p: Point3<f64>) -> [f64; 2] {
     let p: Point = p.into();
     [385.0 + 165.0 * dot(p, VIEW[1]), 400.0 - 165.0 * dot(p, VIEW[2])]
 }
 
-/// Both surfaces as lines of equal parameters, the parts of the front, the closest points of all
-/// frames.
+/// Draws the patches of both surfaces, the surface parts of the front, and the closest points of
+/// all frames.
 fn picture(
     a: &BezierSurface,
     b: &BezierSurface,
@@ -188,7 +188,7 @@ fn part(patch: u32, u: [f64; 2], v: [f64; 2]) -> SurfacePart {
     }
 }
 
-/// The border of a part.
+/// Draws the boundary of a part of a surface.
 fn outline(
     svg: &mut String,
     surface: &BezierSurface,

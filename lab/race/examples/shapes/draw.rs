@@ -1,7 +1,7 @@
-//! A picture of each pair of kinds: apart below the diagonal, overlapping above it.
+//! Picture of each pair of kinds: 0.5 apart on and below the diagonal, 0.15 deep above it.
 //!
-//! Each is seen perpendicular to its normal, which runs to the right. Outlines are those of the boxes of the shapes, turned
-//! step by step.
+//! Each pair is seen perpendicular to its normal, which points to the right. Outlines are computed
+//! from bounding boxes of the shapes, rotated in steps.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -30,7 +30,8 @@ fn kinds() -> Result<Vec<(&'static str, Shape)>, lin_canny::ShapeError> {
     ])
 }
 
-/// The pose of the second shape, moved along the normal until the signed distance is `goal`.
+/// Returns the pose of the second shape, moved along the normal until the signed distance is
+/// `goal`.
 fn placed(a: &Shape, b: &Shape, k: usize, goal: f64) -> Result<(Isometry3<f64>, Outcome), String> {
     let turn = UnitQuaternion::from_euler_angles(0.7 * k as f64, 0.4 + 0.3 * k as f64, 1.1 * k as f64);
     let mut pose = Isometry3::from_parts(Vector3::new(2.4, 1.2, 0.8).into(), turn);
@@ -47,7 +48,7 @@ fn placed(a: &Shape, b: &Shape, k: usize, goal: f64) -> Result<(Isometry3<f64>, 
     Ok((pose, o.outcome))
 }
 
-/// The outline of a shape as seen along z, from its support heights.
+/// Returns the outline of a shape seen along z, from its support values.
 fn outline(shape: &Shape, pose: &Isometry3<f64>) -> Vec<[f64; 2]> {
     let height = |k: usize| {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), -TAU * k as f64 / SIDES as f64);
@@ -69,7 +70,7 @@ fn path(points: &[[f64; 2]], at: impl Fn([f64; 2]) -> [f64; 2]) -> String {
     at.collect::<Vec<_>>().join(" ")
 }
 
-/// One cell of the picture, its middle at `middle`.
+/// Draws one cell of the picture, centred at `middle`.
 fn cell(svg: &mut String, (a, b): (&Shape, &Shape), pose: &Isometry3<f64>, o: &Outcome, middle: [f64; 2]) {
     let view = UnitQuaternion::rotation_between(&o.normal, &Vector3::x()).unwrap_or_default();
     let view = Isometry3::from_parts(Default::default(), view);

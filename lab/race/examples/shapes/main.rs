@@ -1,5 +1,4 @@
-//! Shapes of every kind: `shapes` prints a table of pairs and draws them, `shapes FILE` answers the
-//! pairs of a file.
+//! Prints and draws a table of pairs of shapes; `shapes FILE` measures the pairs of a file.
 
 mod draw;
 

@@ -1,15 +1,19 @@
-//! Who fails what: every named hard case of `tests/corpus/`, answered by the crate at each level
-//! and by parry, graded against the exact values in the files.
+//! Grades the crate at each level, and parry, on every named hard case of `tests/corpus/`.
+//!
+//! The exact values in the files are the reference.
 //!
 //! ```text
 //! cargo run --release -p race --bin corpus             # the table of the README
 //! cargo run --release -p race --bin corpus -- --list   # and every failure by name
-//! cargo run --release -p race --bin corpus -- --truth  # what the exact oracle says of the small cases
+//! cargo run --release -p race --bin corpus -- --truth  # the exact values of the small cases
 //! ```
 //!
-//! A case fails where an engine gives no answer, panics or says NaN; names the wrong side of
-//! contact although the bodies are more than `1e-12 L` from touching; errs by more than `1e-9` of
-//! the distance and `1e-13 L`; or answers B to A otherwise than A to B.
+//! An engine fails a case if it
+//!
+//! - panics, gives no answer or returns NaN;
+//! - returns the wrong side of contact although the bodies are more than `1e-12 L` from touching;
+//! - has an error greater than both `1e-9` of the distance and `1e-13 L`; or
+//! - gives different answers for A, B and for B, A.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -23,7 +27,7 @@ use truth::parry;
 use truth::shapes::Shape;
 use truth::support::{between, body};
 
-/// Signed distance, or that the bodies overlap, of unknown depth.
+/// A signed distance, an overlap of unknown depth, or no answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Answer {
     Distance(f64),
@@ -41,12 +45,12 @@ impl Answer {
     }
 }
 
-/// Who is asked.
+/// A graded engine.
 struct Engine {
     name: &'static str,
-    /// Takes bodies with a volume only.
+    /// Accepts only bodies with a volume.
     solids: bool,
-    /// Promises a depth.
+    /// Returns a depth.
     depth: bool,
     ask: fn(&Pair) -> Answer,
 }
@@ -105,7 +109,7 @@ fn exact(p: &Pair) -> Answer {
     ours(&Tracker::new().closest_exact(&p.a, &p.b, &between(&p.poses[0], &p.poses[1])))
 }
 
-/// The vertices and faces of a body of ours.
+/// Returns the vertices and faces of one of our bodies.
 fn plain(body: &ConvexPolyhedron) -> Shape {
     let rim = |f| body.face_vertices(f).map(|v| v.index() as u32).collect();
     let mut shape = Shape::hull("body", body.vertex_points().map(|p| p.coords.into()).collect());
@@ -149,10 +153,10 @@ const ENGINES: [Engine; 5] = [
     engine("parry, its hull", true, true, parry_of_points),
 ];
 
-/// Ways to fail, the worse ones first.
+/// Kinds of failure, the worst first.
 const WAYS: [&str; 6] = ["panic", "no answer", "NaN", "side", "distance", "order"];
 
-/// The way an engine fails a case, if it does: of both orders the worse.
+/// Returns the kind of failure of an engine on a case, if any: the worse of both orders.
 fn grade(c: &Case, engine: &Engine, there: &Pair, back: &Pair) -> Option<usize> {
     let asked = |p: &Pair| catch_unwind(AssertUnwindSafe(|| (engine.ask)(p))).ok();
     let (Some(x), Some(y)) = (asked(there), asked(back)) else {
@@ -161,7 +165,7 @@ fn grade(c: &Case, engine: &Engine, there: &Pair, back: &Pair) -> Option<usize> 
     if x == Answer::None || y == Answer::None {
         return Some(1);
     }
-    // A touch is the distance zero; where the depth is not in the file it is large.
+    // A touching pair has distance zero. If the file gives no depth, the depth is large.
     let truth = match (c.state, engine.depth) {
         (truth::ContactState::Touching, _) | (truth::ContactState::Overlapping, false) => Some(0.0),
         _ => c.distance,
@@ -172,7 +176,7 @@ fn grade(c: &Case, engine: &Engine, there: &Pair, back: &Pair) -> Option<usize> 
     ways.into_iter().flatten().min().or(apart.then_some(5))
 }
 
-/// What is wrong with one answer; `None` for an overlap of unknown depth.
+/// Returns the failure of one answer; `told` is `None` for an overlap of unknown depth.
 fn fault(c: &Case, told: Option<f64>, truth: Option<f64>, slack: f64) -> Option<usize> {
     if told.is_some_and(f64::is_nan) {
         return Some(2);
@@ -186,7 +190,7 @@ fn fault(c: &Case, told: Option<f64>, truth: Option<f64>, slack: f64) -> Option<
     off.then_some(4)
 }
 
-/// Failures by way, and how many cases were asked.
+/// Failures by kind, and the number of cases run.
 #[derive(Clone, Copy, Default)]
 struct Score {
     asked: usize,
@@ -280,7 +284,7 @@ fn run(options: &Options) -> Result<(), String> {
         }
         return Ok(());
     }
-    // Panics are counted as failures; their messages need not be read.
+    // Panics count as failures; their messages are suppressed.
     std::panic::set_hook(Box::new(|_| ()));
     print(&table(&cases, options.list));
     Ok(())

@@ -1,11 +1,12 @@
-//! What queries cost: a thousand hulls fall into a pile, the same motion for growing sets of
-//! queries, and for the full set with one query removed.
+//! Measures the cost of scene queries: a thousand hulls fall into a pile, for several sets of
+//! queries.
 //!
 //! `cargo run --release -p race --bin falling_pile -- [--csv FILE] [--out FILE.svg] [--bodies N] [--quick]`
 //!
-//! The motion is scripted, so every set sees the same poses. Printed is the report of a step in the
-//! middle of the pile; the file has a line for each set with its counts and times, and the picture
-//! the time of a step over the fall.
+//! The sets grow by one query each; then the full set runs with one query removed. The motion is
+//! scripted, so every set sees the same poses. Prints the report of a step in the middle of the
+//! pile. The file has a line for each set with its counts and times. The picture shows the time per
+//! step during the fall.
 
 use clap::Parser;
 use lin_canny::nalgebra::Isometry3;
@@ -40,7 +41,7 @@ struct Options {
     quick: bool,
 }
 
-/// Steps of a run, a sixtieth of a second each; the last body lies still long before the end.
+/// Steps of a run, 1/60 s each; the last body comes to rest long before the end.
 const STEPS: usize = 240;
 
 /// Steps averaged into one point of the picture.
@@ -63,8 +64,8 @@ const FULL: PairQueries = DEPTH.manifold(MANIFOLD);
 /// The queries that a manifold includes.
 const MEASURED: PairQueries = NONE.features(true).depth(true).manifold(MANIFOLD);
 
-/// Growing sets, then the full one less one query each. A manifold has features and depth, so it
-/// goes with either.
+/// Growing sets, then the full set with one query removed. A manifold includes features and depth,
+/// so it is removed together with either.
 const SETS: [(&str, PairQueries); 15] = [
     ("none", NONE),
     ("boxes", NONE.boxes(true)),
@@ -83,20 +84,20 @@ const SETS: [(&str, PairQueries); 15] = [
     ("full-manifold", DEPTH),
 ];
 
-/// The sets that are drawn: the growing ones but the first, which costs nothing.
+/// The sets that are drawn: the growing sets except the first, which costs nothing.
 const DRAWN: std::ops::Range<usize> = 1..8;
 
-/// The full set.
+/// Index of the full set.
 const ALL: usize = 7;
 
-/// The poses of every step.
+/// Returns the poses of every step.
 fn motion(crowd: &mut Crowd) -> Vec<Vec<Isometry3<f64>>> {
     let frame = |step: usize| {
         crowd.step();
         let time = step as f64 / 60.0;
         let fallen = 4.905 * time * time;
         let bodies = crowd.poses.iter().enumerate().map(|(k, pose)| {
-            // The lower layers start lower: at rest a body jostles in its place in the pile.
+            // The lower layers start lower. At rest, a body jostles at its position in the pile.
             let start = 3.0 + 3.0 * pose.t[2] + (k % 17) as f64 * 0.2;
             let [x, y, z] = pose.t;
             let t = [x, y, z + (start - fallen).max(0.0)];
@@ -107,14 +108,14 @@ fn motion(crowd: &mut Crowd) -> Vec<Vec<Isometry3<f64>>> {
     (0..STEPS).map(frame).collect()
 }
 
-/// A step: its report, and how many events were about boxes.
+/// Report of a step, and its number of box events.
 #[derive(Clone, Copy, Default)]
 struct Step {
     report: Report,
     met: u64,
 }
 
-/// What a run gave, step by step.
+/// Runs a set of queries and returns the results of each step.
 fn run(
     shapes: &[Arc<ConvexPolyhedron>],
     crowd: &Crowd,
@@ -142,8 +143,8 @@ fn run(
     Ok(reports)
 }
 
-/// A run of every set, of each step the fastest of some; sets in turn, so that a busy machine
-/// spoils no single one.
+/// Runs every set several times and keeps the fastest time of each step. The sets alternate, so a
+/// busy machine does not affect a single set.
 fn fastest(
     shapes: &[Arc<ConvexPolyhedron>],
     crowd: &Crowd,

@@ -1,10 +1,10 @@
 //! Answers a file of cases:
 //! `grade [--level walk|certified|exact] [--shapes hull|mesh] [--cold] FILE PART START`.
 //!
-//! The format of both files stands in `tests/CASES.md`. Each case of FILE from number START on gets
-//! a line in PART, flushed as it is written, so that whoever drives this can restart it behind a
-//! case that ends it. The tracker is kept along the frames of one motion (unless `--cold`);
-//! witnesses are in each body's own frame.
+//! `tests/CASES.md` defines the format of both files. Each case of FILE from number START on gets a
+//! line in PART. Each line is flushed, so a driver can restart the program behind a case that
+//! crashes it. The tracker is kept along the frames of one motion (unless `--cold`). Witnesses are
+//! in each body's frame.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -17,7 +17,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuate
 use lin_canny::{ContactState, ConvexPolyhedron, RelativePose, Tracker};
 use truth::suite::{Case, Line, Reader};
 
-/// Which level of accuracy answers.
+/// The level of accuracy that answers.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Accuracy {
     Walk,
@@ -25,7 +25,7 @@ enum Accuracy {
     Exact,
 }
 
-/// How bodies are made: from the vertices alone, or with the faces given.
+/// How bodies are built: from the vertices alone, or with the given faces.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Shapes {
     Hull,
@@ -51,8 +51,8 @@ struct Options {
     start: usize,
 }
 
-/// A pose from the numbers of the file: taken as they are where they are a rotation, else divided
-/// by the norm.
+/// Returns a pose from the numbers of the file: unchanged if they are a rotation, otherwise
+/// normalised.
 fn pose(p: &truth::Pose) -> Isometry3<f64> {
     let [x, y, z, w] = p.q;
     let q = Quaternion::new(w, x, y, z);
@@ -75,7 +75,7 @@ fn body(shape: &truth::shapes::Shape, mesh: bool) -> Result<ConvexPolyhedron, Bo
     })
 }
 
-/// One line of the answer file.
+/// Returns one line of the answer file.
 fn answer(
     tracker: &mut Tracker,
     level: Accuracy,
@@ -132,7 +132,7 @@ fn answer(
     Ok(line)
 }
 
-/// Which layer answered how many cases of each family: separated and not.
+/// Cases that each solver answered, per family, separated and not.
 #[derive(Default)]
 struct Layers(HashMap<String, [[u64; 7]; 2]>);
 

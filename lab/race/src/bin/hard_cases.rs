@@ -1,5 +1,5 @@
-//! The hard cases that the viewer's page shows: small solids of `tests/corpus/`, each with the
-//! truth and what parry answered.
+//! Writes the hard cases that the viewer's page shows: small solids of `tests/corpus/`, each with
+//! the exact value and parry's answer.
 //!
 //! ```text
 //! cargo run --release -p race --bin hard_cases -- --out crates/viewer/cases.json
@@ -15,7 +15,7 @@ use truth::command::{file, write};
 use truth::corpus::{self, Case};
 use truth::{Pose, parry};
 
-/// Cases of these families in which parry errs are taken, at most so many of each.
+/// Largest number of cases taken per family in which parry errs.
 const MOST_OF_A_FAMILY: usize = 3;
 
 /// Cases that are always taken.
@@ -26,7 +26,7 @@ const NAMED: [&str; 4] = [
     "boxes-gap-1e-14",
 ];
 
-/// Most points of a body.
+/// Largest number of points of a body.
 const MOST_POINTS: usize = 40;
 
 /// Write the hard cases for the web page of the viewer
@@ -42,7 +42,7 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<(), String> {
-    std::panic::set_hook(Box::new(|_| {})); // parry's panics are answers
+    std::panic::set_hook(Box::new(|_| {})); // a panic of parry counts as an answer
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/corpus");
     let mut taken: Vec<(String, Value)> = Vec::new();
     for case in corpus::load(&folder) {
@@ -83,7 +83,7 @@ fn entry(case: &Case, distance: f64, parry: Option<f64>) -> Value {
     })
 }
 
-/// Signed distance by parry's f64, of parry's own hulls; `None` if parry gives none.
+/// Returns parry's signed distance in `f64`, of parry's hulls; `None` if parry gives none.
 fn parry_of(case: &Case) -> Option<f64> {
     let ask = || {
         let (a, b) = (parry::hull(&case.a.points)?, parry::hull(&case.b.points)?);

@@ -1,4 +1,4 @@
-//! The box of a placed hull: ours and parry's, in nanoseconds a box.
+//! Races the bounding box of a posed hull, ours against parry's, in nanoseconds per box.
 
 use super::Rows;
 use lin_canny::nalgebra::Point3;
@@ -10,7 +10,7 @@ use std::time::Instant;
 use truth::rng::Rng;
 use truth::{Pose, shapes};
 
-/// Poses of a body that turns by a degree and a bit a frame.
+/// Returns poses of a body that rotates by 0.02 radians per frame.
 fn poses(rng: &mut Rng) -> Vec<Pose> {
     let (axis, start) = (rng.unit(), rng.quat());
     let pose = |k: usize| Pose {
@@ -20,7 +20,7 @@ fn poses(rng: &mut Rng) -> Vec<Pose> {
     (0..512).map(pose).collect()
 }
 
-/// Nanoseconds a call, the best of some rounds over all poses.
+/// Returns nanoseconds per call, the best of some rounds over all poses.
 fn time<P>(poses: &[P], mut work: impl FnMut(&P)) -> f64 {
     let round = |work: &mut dyn FnMut(&P)| {
         let began = Instant::now();

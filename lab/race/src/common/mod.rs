@@ -1,5 +1,5 @@
-//! What the races share: options and results of the instrument `race`, and the races of many
-//! bodies, which take further engines.
+//! Shared parts of the races: options and results, and the races of many bodies, which accept
+//! further engines.
 
 pub mod boxes;
 pub mod hulls;
@@ -12,10 +12,10 @@ use std::time::Duration;
 
 use clap::Args;
 
-/// How long an engine runs before a pass of it counts.
+/// Shortest time for which an engine runs before a pass counts.
 pub const WARM_UP: Duration = Duration::from_millis(3);
 
-/// What a race of many bodies is cut down to.
+/// Largest number of bodies of a short run.
 const QUICK: usize = 1000;
 
 /// Options of a race.
@@ -36,7 +36,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// Refuses a scene that is none of the race's.
+    /// Rejects a scene that does not belong to the race.
     pub fn check(&self, scenes: &[&str]) -> Result<(), String> {
         match &self.only {
             Some(only) if !scenes.contains(&only.as_str()) => {
@@ -51,18 +51,18 @@ impl Options {
         self.only.as_deref().is_none_or(|only| only == scene)
     }
 
-    /// Whether all scenes are raced.
+    /// Returns whether all scenes are raced.
     pub fn wants_all(&self) -> bool {
         self.only.is_none()
     }
 
-    /// Those of some numbers of bodies that are raced.
+    /// Returns the numbers of bodies that are raced.
     pub fn sizes<const N: usize>(&self, all: [usize; N]) -> impl Iterator<Item = usize> {
         let most = self.upto.unwrap_or(if self.quick { QUICK } else { usize::MAX });
         all.into_iter().filter(move |n| *n <= most)
     }
 
-    /// Writes the file asked for.
+    /// Writes the output file, if one is requested.
     pub fn save(&self, rows: &Rows) -> Result<(), String> {
         let Some(file) = &self.csv else { return Ok(()) };
         truth::command::write(file, &rows.text)
@@ -91,7 +91,7 @@ impl Rows {
         }
     }
 
-    /// One result with so many digits behind the point.
+    /// Adds one result, with `digits` decimal places.
     pub fn push(&mut self, (scene, shape, n): (&str, &str, usize), engine: &str, ns: f64, digits: usize) {
         let _ = writeln!(self.text, "{scene},{shape},{n},{engine},{ns:.digits$}");
     }

@@ -1,4 +1,4 @@
-//! parry's tree of boxes and the pairs it finds, stepped as its documentation has it.
+//! parry's tree of boxes and the pairs it finds, stepped as its documentation recommends.
 
 use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
@@ -7,7 +7,7 @@ use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 pub struct Tree {
     bvh: Bvh,
     workspace: BvhWorkspace,
-    /// Those of the last step.
+    /// Pairs of the last step.
     pub pairs: Vec<(u32, u32)>,
 }
 
@@ -20,7 +20,7 @@ impl Tree {
         }
     }
 
-    /// Takes in the boxes that moved and finds all pairs.
+    /// Updates the boxes that moved, and finds all pairs.
     pub fn step(&mut self, moved: impl Iterator<Item = (u32, Aabb)>) {
         for (i, aabb) in moved {
             self.bvh.insert_or_update_partially(aabb, i, 0.0);
@@ -33,7 +33,7 @@ impl Tree {
             .traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| pairs.push((a, b)));
     }
 
-    /// Tree and pairs.
+    /// Returns the bytes of the tree and the pairs.
     pub fn bytes(&self) -> usize {
         self.bvh.total_memory_size() + self.pairs.capacity() * size_of::<(u32, u32)>()
     }

@@ -1,4 +1,4 @@
-//! How a chart is drawn.
+//! Drawing of a chart.
 
 use super::{Chart, Mark, Series};
 use plotters::coord::Shift;
@@ -24,16 +24,16 @@ const PALE: RGBColor = RGBColor(200, 205, 200);
 /// Dark grey of text and axes.
 const INK: RGBColor = RGBColor(40, 40, 40);
 
-/// Where a chart is drawn.
+/// Drawing area of a chart.
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// What the drawing library complains of.
+/// Error of the drawing library.
 type Trouble<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
 
-/// Width of a legend beside the axes.
+/// Width of a legend to the right of the axes.
 const BESIDE: i32 = 250;
 
-/// Size of a title, and how wide one of its letters is at most, in sizes.
+/// Size of a title, and largest width of a letter in units of it.
 pub(super) const TITLE: f64 = 20.0;
 const LETTER: f64 = 0.42;
 
@@ -81,7 +81,7 @@ impl Chart {
         if self.rows {
             mesh.disable_y_mesh().set_tick_mark_size(LabelAreaPosition::Left, 0);
         }
-        // Stepping along an axis misses zero by rounding; a logarithmic one has no zero.
+        // Rounding makes an axis miss zero; a logarithmic axis has no zero.
         let largest = |at: fn(&(f64, f64)) -> f64| {
             let all = self.series.iter().flat_map(|s| &s.points);
             all.fold(0.0f64, |m, p| m.max(at(p).abs()))
@@ -124,14 +124,15 @@ impl Chart {
         Ok(())
     }
 
-    /// The size at which the title is no wider than the axes: the library would cut off its beginning.
+    /// Returns the size at which the title is no wider than the axes: the library would cut off its
+    /// start.
     pub(super) fn title_size(&self) -> i32 {
         let room = self.size.0 as i32 - 24 - if self.beside { BESIDE - 12 } else { 0 };
         let letters = self.title.chars().count().max(1) as f64;
         TITLE.min(f64::from(room) / (LETTER * letters)) as i32
     }
 
-    /// Lines, the bars of spreads, and dots, of which those of spreads are in the middle.
+    /// Draws lines, the bars of spreads, and dots. Dots of spreads are at their medians.
     fn draw_series<'a, X, Y>(
         &self,
         chart: &mut ChartContext<'_, SVGBackend<'a>, Cartesian2d<X, Y>>,
@@ -170,7 +171,8 @@ impl Chart {
         Ok(())
     }
 
-    /// Words beside the points of spreads, each in the first place where it hides no other.
+    /// Writes words next to the points of spreads, each at the first position where it hides no
+    /// other word.
     fn write_words<'a>(&self, area: &Area<'a>, pixel: impl Fn(&(f64, f64)) -> (i32, i32)) -> Result<(), Trouble<'a>> {
         let (origin, size) = (area.get_base_pixel(), area.dim_in_pixel());
         let right = size.0 as i32 - if self.beside { BESIDE } else { 12 };
@@ -202,7 +204,7 @@ impl Chart {
         Ok(())
     }
 
-    /// The legend to the right of the axes.
+    /// Draws the legend to the right of the axes.
     fn legend_on<'a>(&self, area: &Area<'a>) -> Result<(), Trouble<'a>> {
         let left = area.dim_in_pixel().0 as i32 - BESIDE + 14;
         for (i, s) in self.series.iter().enumerate() {
@@ -220,7 +222,7 @@ impl Chart {
     }
 }
 
-/// The colour of a series by its number: the backdrop is pale.
+/// Returns the colour of a series by its number; a backdrop is pale.
 fn colour(number: usize, series: &Series) -> RGBColor {
     if series.mark == Mark::Backdrop {
         PALE
@@ -235,13 +237,14 @@ impl Series {
     }
 }
 
-/// A logarithmic axis with numbers of our choice: the library marks powers of ten only, which a narrow axis may lack.
+/// Returns a logarithmic axis with our numbers: the library marks only powers of ten, which a
+/// narrow axis may lack.
 fn log_axis(range: std::ops::Range<f64>) -> WithKeyPoints<LogCoord<f64>> {
     let ticks = log_ticks(range.start, range.end);
     range.log_scale().with_key_points(ticks)
 }
 
-/// Powers of ten, some ten at most, and where they are few some of their multiples.
+/// Returns about ten powers of ten at most and, if they are few, some of their multiples.
 fn log_ticks(lo: f64, hi: f64) -> Vec<f64> {
     let (first, last) = (lo.log10().floor() as i32, hi.log10().ceil() as i32);
     let digits: &[f64] = match (hi / lo).log10() {
@@ -257,10 +260,10 @@ fn log_ticks(lo: f64, hi: f64) -> Vec<f64> {
         .collect()
 }
 
-/// A number of an axis: plain where that is short, else with an exponent.
+/// Formats a number of an axis: plain if that is short, otherwise with an exponent.
 pub(super) fn short(v: f64) -> String {
     let plain = v == 0.0 || (1e-3..1e5).contains(&v.abs());
-    // Twelve digits drop what stepping along the axis has rounded.
+    // Twelve digits remove the rounding errors of stepping along the axis.
     let v: f64 = format!("{v:.11e}").parse().unwrap_or(v);
     if plain { format!("{v}") } else { format!("{v:e}") }
 }

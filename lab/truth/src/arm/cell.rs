@@ -1,4 +1,4 @@
-//! What stands in the cell: the built-in one, or meshes.
+//! Bodies of the cell: the built-in cell, or meshes.
 
 use crate::meshes;
 use lin_canny::ConvexPolyhedron;
@@ -10,7 +10,7 @@ use super::Trouble;
 /// A body of the cell: name, shape, pose.
 pub type Thing = (String, ConvexPolyhedron, Isometry3<f64>);
 
-/// The hulls of the given meshes in the frame of the world, or the built-in cell.
+/// Returns the hulls of the given meshes in the world frame, or the built-in cell.
 pub fn things(files: &[String]) -> Result<Vec<Thing>, Trouble> {
     if files.is_empty() {
         return built_in();

@@ -1,4 +1,4 @@
-//! A scene in three dimensions: convex bodies from back to front.
+//! Picture of a scene in three dimensions: convex bodies, drawn from back to front.
 
 use std::fmt::Write as _;
 
@@ -14,18 +14,18 @@ const CAPTION: f64 = 36.0;
 /// Opacity of an obstacle in front of the robot.
 const GLASS: f64 = 0.12;
 
-/// Directions of an outline from pole to pole.
+/// Steps of an outline from pole to pole.
 const LATITUDES: u32 = 18;
 
-/// Direction to the viewer, and the direction of the light; not of unit length.
+/// Directions to the viewer and to the light, not of unit length.
 const VIEWER: Vector3<f64> = Vector3::new(1.0, -0.75, 0.62);
 const LIGHT: Vector3<f64> = Vector3::new(0.5, -0.9, 1.6);
 
-/// Bodies at their poses, and the two points to connect.
+/// Bodies at their poses, and two points to connect.
 pub struct Picture<'a> {
     /// Text above the picture.
     pub caption: String,
-    /// Shapes; whether each belongs to the robot.
+    /// Shapes, with whether each belongs to the robot.
     pub bodies: Vec<(&'a ConvexPolyhedron, bool)>,
     /// Poses of the shapes, in the same order.
     pub poses: Vec<Isometry3<f64>>,
@@ -33,7 +33,8 @@ pub struct Picture<'a> {
     pub points: [Point3<f64>; 2],
 }
 
-/// The hull of points of a convex geometry, closest to far points all around: for pictures alone.
+/// Returns the hull of the points of a convex geometry closest to far points all around, for
+/// pictures only.
 pub fn outline(geometry: &Geometry) -> Result<ConvexPolyhedron, Trouble> {
     if let Some(body) = geometry.as_polyhedron() {
         return Ok(body.clone());
@@ -53,18 +54,18 @@ pub fn outline(geometry: &Geometry) -> Result<ConvexPolyhedron, Trouble> {
     Ok(ConvexPolyhedron::from_points(&points)?)
 }
 
-/// A parallel projection: axes to the right and up in the picture, and to the viewer.
+/// A parallel projection: axes to the right and up in the picture, and towards the viewer.
 struct View {
     right: Vector3<f64>,
     up: Vector3<f64>,
     near: Vector3<f64>,
-    /// Pixels per unit, and where the origin is drawn.
+    /// Pixels per unit, and the position of the origin.
     scale: f64,
     origin: [f64; 2],
 }
 
 impl View {
-    /// The view in which all points fill the picture.
+    /// Returns the view in which all points fill the picture.
     fn of(points: &[Point3<f64>]) -> Self {
         let near = VIEWER.normalize();
         let right = Vector3::z().cross(&near).normalize();
@@ -99,26 +100,27 @@ impl View {
 }
 
 impl Picture<'_> {
-    /// The picture above a chart, which is an SVG of its own.
+    /// Returns the picture above a chart, which is a separate SVG.
     pub fn above(&self, chart: &str) -> String {
         let size = |word: &str| {
             let value = chart.split_once(word).and_then(|(_, rest)| rest.split('"').nth(1));
             value.and_then(|v| v.parse::<f64>().ok()).unwrap_or(SIZE[0])
         };
         let mut svg = self.begun([SIZE[0].max(size("width=")), SIZE[1] + size("height=")]);
-        // Inside another picture the chart keeps the size in its attributes: its style is for pages.
+        // Inside another picture, the size of the chart comes from its attributes: its style is for
+        // pages.
         let chart = chart.replacen("height:auto", "", 1).replacen("max-width:100%;", "", 1);
         let chart = chart.replacen("<svg ", &format!("<svg y=\"{}\" ", SIZE[1]), 1);
         let _ = writeln!(svg, "{chart}\n</svg>");
         svg
     }
 
-    /// The picture by itself.
+    /// Returns the picture alone.
     pub fn alone(&self) -> String {
         self.begun(SIZE) + "</svg>\n"
     }
 
-    /// An SVG with the picture at its top, which is still to be closed.
+    /// Returns an SVG with the picture at its top, without the closing tag.
     fn begun(&self, [width, height]: [f64; 2]) -> String {
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
@@ -149,7 +151,7 @@ impl Picture<'_> {
         }
     }
 
-    /// Whether an obstacle stands between a body of the robot and the viewer.
+    /// Returns whether an obstacle is between a body of the robot and the viewer.
     fn hides_robot(&self, k: usize, view: &View) -> bool {
         let robot = |&j: &usize| self.bodies[j].1;
         !self.bodies[k].1
@@ -158,7 +160,8 @@ impl Picture<'_> {
                 .any(|j| self.may_hide(k, j, view) && self.is_behind(j, k, view))
     }
 
-    /// Whether the first of two bodies is on the far side of the other, by the normal of their distance or depth.
+    /// Returns whether the first of two bodies is behind the other, by the normal of their distance
+    /// or depth.
     fn is_behind(&self, i: usize, j: usize, view: &View) -> bool {
         let Ok(pose) = RelativePose::new(&self.poses[i], &self.poses[j]) else {
             return false;
@@ -167,7 +170,7 @@ impl Picture<'_> {
         (self.poses[i] * found.normal.into_inner()).dot(&view.near) > 0.0
     }
 
-    /// Faces that look to the viewer.
+    /// Draws the faces that face the viewer.
     fn draw_body(&self, k: usize, opacity: f64, view: &View, svg: &mut String) {
         let ((shape, is_of_robot), pose) = (self.bodies[k], &self.poses[k]);
         let hue = if is_of_robot { 205 } else { 35 };
@@ -198,7 +201,8 @@ impl Picture<'_> {
         }
     }
 
-    /// Bodies from back to front. If bodies hide each other in a circle, the one whose centre is farthest away comes first.
+    /// Returns the bodies from back to front. If bodies hide each other in a cycle, the one with
+    /// the farthest centre comes first.
     fn order(&self, view: &View) -> Vec<usize> {
         let depth = |k: usize| (self.poses[k] * self.bodies[k].0.centroid()).coords.dot(&view.near);
         let mut left: Vec<usize> = (0..self.bodies.len()).collect();
@@ -214,7 +218,7 @@ impl Picture<'_> {
         order
     }
 
-    /// Whether the boxes of two bodies in the picture overlap.
+    /// Returns whether the boxes of two bodies in the picture overlap.
     fn may_hide(&self, i: usize, j: usize, view: &View) -> bool {
         let span = |k: usize, axis: usize| {
             let along = self.bodies[k]

@@ -1,9 +1,10 @@
-//! A six-axis arm in its cell: what stands there, how the arm moves, and a picture in three dimensions.
+//! A six-axis arm in its cell: the obstacles, the motion of the arm, and a picture in three
+//! dimensions.
 
 pub mod cell;
 pub mod draw;
 pub mod motion;
 pub mod robot;
 
-/// What may go wrong while a cell is loaded or an arm is built.
+/// Error of loading a cell or building an arm.
 pub type Trouble = Box<dyn std::error::Error>;

@@ -1,9 +1,10 @@
-//! How the arm moves: the built-in arm carries a part from bin to bin, any other robot swings its joints.
+//! Motion of the arm: the built-in arm carries a part from bin to bin, any other robot swings its
+//! joints.
 
 use std::f64::consts::{PI, TAU};
 
-/// Where the tip of the gripper goes, in metres: home, into the left bin, over the fence into the right bin, behind the
-/// post, home.
+/// Path of the tip of the gripper, in metres: home, into the left bin, over the fence into the
+/// right bin, behind the post, home.
 const WAY: [[f64; 3]; 11] = [
     [0.45, 0.0, 0.50],
     [0.55, -0.38, 0.30],
@@ -18,22 +19,23 @@ const WAY: [[f64; 3]; 11] = [
     [0.45, 0.0, 0.50],
 ];
 
-/// Lengths of the built-in arm: height of the joint `lift`, from there to `elbow`, from there to `bend`, from there to the
-/// tip of the gripper.
+/// Lengths of the built-in arm: height of the joint `lift`, and distances from there to `elbow`,
+/// from there to `bend`, and from there to the tip of the gripper.
 const LENGTHS: [f64; 4] = [0.32, 0.45, 0.55, 0.235];
 
-/// Joints of the built-in arm for the time from 0 to 1.
+/// Returns the joints of the built-in arm at a time from 0 to 1.
 pub fn carry(time: f64) -> Vec<f64> {
     let last = WAY.len() - 1;
     let along = (time.clamp(0.0, 1.0) * last as f64).min(last as f64 - 1e-9);
     let k = along as usize;
-    // Slow at both ends of every leg.
+    // Slow at both ends of every segment.
     let part = 0.5 - 0.5 * ((along - k as f64) * PI).cos();
     let tip = [0, 1, 2].map(|i| WAY[k][i] + (WAY[k + 1][i] - WAY[k][i]) * part);
     joints(tip)
 }
 
-/// Joints that bring the tip to a place with the gripper pointing down: two links in a vertical plane (law of cosines).
+/// Returns the joints that bring the tip to a position with the gripper pointing down: two links in
+/// a vertical plane (law of cosines).
 fn joints([x, y, z]: [f64; 3]) -> Vec<f64> {
     let [shoulder, upper, fore, hand] = LENGTHS;
     let (out, up) = (x.hypot(y), z + hand - shoulder);
@@ -43,7 +45,8 @@ fn joints([x, y, z]: [f64; 3]) -> Vec<f64> {
     vec![y.atan2(x), lift, elbow, 0.0, PI - lift - elbow, 0.0]
 }
 
-/// Joints of any robot: each swings about the middle of its limits through a third of them, at a rate of its own.
+/// Returns the joints of any robot: each swings about the middle of its limits through a third of
+/// them, at one of three rates.
 pub fn swing(limits: &[[f64; 2]], time: f64) -> Vec<f64> {
     let each = limits.iter().zip(1u32..);
     each.map(|([low, high], k)| {

@@ -1,4 +1,5 @@
-//! The arm: six joints, and boxes and prisms on their links; the same as `arm.urdf` of the package `lin-canny-robot`, in metres.
+//! The arm: six joints, and boxes and prisms on their links, in metres. It equals `arm.urdf` of the
+//! package `lin-canny-robot`.
 
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
@@ -7,7 +8,7 @@ use lin_canny_plan::{Joint, PlanError, SerialArm, World};
 
 use super::Trouble;
 
-/// Height above the link before, axis, limit on both sides.
+/// For each joint: height above the previous link, axis, and the limit on both sides.
 const JOINTS: [(f64, Unit<Vector3<f64>>, f64); 6] = {
     const Y: Unit<Vector3<f64>> = Unit::new_unchecked(Vector3::new(0.0, 1.0, 0.0));
     const Z: Unit<Vector3<f64>> = Unit::new_unchecked(Vector3::new(0.0, 0.0, 1.0));
@@ -31,7 +32,7 @@ const NAMES: [&str; 7] = [
     "gripper",
 ];
 
-/// Name, link and shape of each body.
+/// Returns name, link and shape of each body.
 pub fn pieces() -> Result<Vec<(&'static str, usize, ConvexPolyhedron)>, Trouble> {
     let tube = |link: usize, radius: f64, length: f64, height: f64| {
         let solid = solids::prism(48, 0.5 * length, radius)?;
@@ -70,7 +71,7 @@ pub fn arm(world: &mut World) -> Result<SerialArm, Trouble> {
     Ok(SerialArm::new(Isometry3::identity(), joints, links, 0.15)?)
 }
 
-/// Excludes links that one or two joints connect, and the base with the table on which it stands.
+/// Excludes links that one or two joints connect, and the base with the table below it.
 pub fn exclude(world: &mut World, has_table: bool) -> Result<(), PlanError> {
     for (k, name) in NAMES.iter().enumerate() {
         for other in NAMES.iter().skip(k + 1).take(2) {

@@ -1,11 +1,11 @@
-//! Shapes as the judge knows them: parameters, support heights and how far a point is outside.
+//! Shapes of the judge: parameters, support values, and distances of outside points.
 
 use super::wide::{Triple, Wide, dot, wide};
 use crate::rng::Rng;
 use lin_canny::Shape;
 use lin_canny::nalgebra::{Point3, Vector3};
 
-/// The names that [`Kind::random`] knows; from the fourth on, curved.
+/// The names for [`Kind::random`]; from the fourth on, the shapes are curved.
 pub const KINDS: [&str; 7] = [
     "segment",
     "box",
@@ -19,20 +19,20 @@ pub const KINDS: [&str; 7] = [
 /// The parameters of a core.
 #[derive(Clone, Debug)]
 pub enum Kind {
-    /// Corners.
+    /// Vertices.
     Hull(Vec<[f64; 3]>),
     /// Semi-axes.
     Ellipsoid([f64; 3]),
-    /// Half the height, radius; the axis is z.
+    /// Half height and radius; the axis is z.
     Cylinder(f64, f64),
-    /// Half the height, radius of the base; the apex is up z.
+    /// Half height and radius of the base; the apex is at the upper end of z.
     Cone(f64, f64),
     /// Semi-axes and both exponents.
     Superquadric([f64; 3], [f64; 2]),
 }
 
 impl Kind {
-    /// One of a name, of a size about one and of an aspect up to `aspect`.
+    /// Returns a random shape by name, with a size of about one and an aspect ratio up to `aspect`.
     pub fn random(name: &str, rng: &mut Rng, aspect: f64) -> Self {
         let mut size = || rng.log_range(1.0 / aspect, 1.0);
         match name {
@@ -67,7 +67,7 @@ impl Kind {
         }
     }
 
-    /// The shape of the crate.
+    /// Returns the shape of the crate.
     pub fn shape(&self) -> Shape {
         match self {
             Self::Hull(points) if points.len() == 1 => {
@@ -91,7 +91,7 @@ impl Kind {
         }
     }
 
-    /// Of a ball about the origin that contains the shape.
+    /// Returns the radius of a ball about the origin that contains the shape.
     pub fn radius(&self) -> f64 {
         match self {
             Self::Hull(points) => crate::pose::radius(points),
@@ -101,7 +101,7 @@ impl Kind {
         }
     }
 
-    /// The greatest `n . x`.
+    /// Returns the support value along `n`: the greatest `n . x`.
     pub fn height(&self, n: &Triple) -> Wide {
         let of = Wide::from;
         let flat = (n[0] * n[0] + n[1] * n[1]).root();
@@ -125,7 +125,10 @@ impl Kind {
         }
     }
 
-    /// How far a point is outside, at most by rounding too little; of hulls not asked.
+    /// Returns how far a point is outside the shape; zero for hulls.
+    ///
+    /// For a witness, which is outside by rounding at most, the value is too small by rounding at
+    /// most.
     pub fn outside(&self, p: &Triple) -> f64 {
         let of = Wide::from;
         let flat = (p[0] * p[0] + p[1] * p[1]).root();
@@ -150,7 +153,8 @@ impl Kind {
     }
 }
 
-/// `((x^q + y^q)^(p/q) + z^p)^(1/p)`, to some 1e-15: the judge of superquadrics is no finer than f64.
+/// Returns `((x^q + y^q)^(p/q) + z^p)^(1/p)`, to about 1e-15: the judge of superquadrics is no more
+/// accurate than `f64`.
 fn nested([x, y, z]: [f64; 3], p: f64, q: f64) -> f64 {
     let norm = |x: f64, y: f64, q: f64| {
         let large = x.max(y);

@@ -1,7 +1,9 @@
-//! A judge of curved pairs: the duality gap in double-double, with arithmetic, supports and memberships of its own.
+//! A judge of curved pairs: the duality gap in double-double, with independent arithmetic, supports
+//! and membership tests.
 //!
-//! For any direction the height of the difference is a lower bound of the signed distance; for shapes apart, the distance of two
-//! points and how far they are outside their shapes is an upper bound.
+//! For any direction, the support value of the difference is a lower bound of the signed distance.
+//! For separated shapes, the distance of two points plus their distances outside their shapes is an
+//! upper bound.
 
 mod kinds;
 pub mod parse;
@@ -17,17 +19,17 @@ use lin_canny::{Outcome, RelativePose};
 use crate::motion::Frame;
 use crate::pose::Pose;
 
-/// B in the frame of A.
+/// Pose of B in the frame of A.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
-    /// x y z w, of unit length but for rounding.
+    /// Quaternion x y z w, of unit length up to rounding.
     pub q: [f64; 4],
     /// The origin of B.
     pub t: [f64; 3],
 }
 
 impl Place {
-    /// Of a frame of a motion.
+    /// Returns the pose of a frame of a motion.
     pub fn of(frame: &Frame) -> Self {
         let relative = frame.relative();
         Self {
@@ -36,7 +38,7 @@ impl Place {
         }
     }
 
-    /// A frame of a motion: A at its own origin.
+    /// Returns a frame of a motion, with A at the origin.
     pub fn frame(&self) -> Frame {
         let (q, t) = (self.q, self.t);
         Frame {
@@ -45,30 +47,30 @@ impl Place {
         }
     }
 
-    /// As an isometry, bit for bit.
+    /// Returns the isometry with the same bits.
     pub fn isometry(&self) -> Isometry3<f64> {
         let [x, y, z, w] = self.q;
         let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
         Isometry3::from_parts(Translation3::from(self.t), q)
     }
 
-    /// As a pose of the crate.
+    /// Returns the pose of the crate.
     pub fn pose(&self) -> RelativePose {
         RelativePose::from_isometry(&self.isometry()).expect("a pose")
     }
 
-    /// `n . b - n . a`, the least of it over both shapes, over the length of `n`.
+    /// Returns the least `n . b - n . a` over both shapes, divided by the length of `n`.
     pub fn height(&self, a: &Kind, b: &Kind, n: &Triple) -> Wide {
         let m = turned_back(&matrix(self.q), n).map(|x| -x);
         (dot(n, &wide(self.t)) - a.height(n) - b.height(&m)) / norm(n)
     }
 
-    /// The size L of the pair.
+    /// Returns the size L of the pair.
     pub fn size(&self, a: &Kind, b: &Kind) -> f64 {
         a.radius() + b.radius() + crate::pose::norm(self.t)
     }
 
-    /// Bounds of the truth of shapes apart from a normal and two witnesses.
+    /// Returns bounds of the true distance of separated shapes, from a normal and two witnesses.
     pub fn truth(&self, a: &Kind, b: &Kind, o: &Outcome) -> (Wide, Wide) {
         let lower = self.height(a, b, &wide((*o.normal).into()));
         let (p, q) = (wide(o.point_on_a.coords.into()), wide(o.point_on_b.coords.into()));

@@ -1,4 +1,4 @@
-//! Shapes and poses as lines of text: `KIND params; KIND params; x y z qx qy qz qw`.
+//! Parser of shapes and poses in lines of text: `KIND params; KIND params; x y z qx qy qz qw`.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, RelativePose, Shape, ShapeError};
@@ -18,7 +18,7 @@ fn numbers(words: &str) -> Result<Vec<f64>, String> {
     words.split_whitespace().map(number).collect()
 }
 
-/// The points of a hull, in as many dimensions as they span.
+/// Returns the hull of points, in as many dimensions as they span.
 fn hull(numbers: &[f64]) -> Result<Shape, ShapeError> {
     let points: Vec<Point3<f64>> = numbers.chunks_exact(3).map(|p| Point3::new(p[0], p[1], p[2])).collect();
     let body = match points[..] {
@@ -29,8 +29,11 @@ fn hull(numbers: &[f64]) -> Result<Shape, ShapeError> {
     Ok(Shape::from(body?))
 }
 
-/// `ball r`, `capsule half_length r`, `box hx hy hz`, `hull x y z x y z ...`, `cylinder half_height r`,
-/// `cone half_height r`, `ellipsoid a b c`, `superquadric a b c e1 e2`, any with `+ r` for rounding.
+/// Parses a shape.
+///
+/// Forms: `ball r`, `capsule half_length r`, `box hx hy hz`, `hull x y z x y z ...`,
+/// `cylinder half_height r`, `cone half_height r`, `ellipsoid a b c`, `superquadric a b c e1 e2`,
+/// each with `+ r` for rounding.
 fn shape(text: &str) -> Result<Shape, String> {
     let (core, round) = match text.split_once('+') {
         Some((core, round)) => (core, numbers(round)?),
@@ -56,7 +59,8 @@ fn shape(text: &str) -> Result<Shape, String> {
     shape.and_then(|s| s.rounded(round)).map_err(|e| e.to_string())
 }
 
-/// B in the frame of A. A quaternion that is off unit length by more than rounding is normalised.
+/// Parses the pose of B in the frame of A. A quaternion is normalised if its length differs from
+/// one by more than rounding.
 fn pose(text: &str) -> Result<RelativePose, String> {
     let [x, y, z, qx, qy, qz, qw] = numbers(text)?[..] else {
         return Err("a pose is seven numbers".into());
@@ -71,7 +75,7 @@ fn pose(text: &str) -> Result<RelativePose, String> {
     RelativePose::from_isometry(&Isometry3::from_parts(Translation3::new(x, y, z), q)).map_err(|e| e.to_string())
 }
 
-/// One line.
+/// Parses one line.
 pub fn pair(line: &str) -> Result<Pair, String> {
     let parts: Vec<&str> = line.split(';').collect();
     let [a, b, p] = parts[..] else {

@@ -1,21 +1,21 @@
-//! Pairs of curved shapes at special poses: flush over an edge, about one axis, and superquadrics near the limits of their
-//! exponents.
+//! Pairs of curved shapes at special poses: flush over an edge, near a common axis, and
+//! superquadrics near the limits of their exponents.
 
 use super::{Kind, Place, matrix, turned_back, wide};
 use crate::rng::Rng;
 
-/// Gaps from a few units in the last place to 1e-8, of either sign, and none.
+/// Returns a gap from a few units in the last place to 1e-8, of either sign, or zero.
 fn gap(rng: &mut Rng) -> f64 {
     let size = *rng.pick(&[0.0, 1e-15, 3e-15, 1e-14, 3e-14, 1e-13, 1e-12, 1e-10, 1e-8]);
     if rng.chance(0.6) { -size } else { size }
 }
 
-/// The greatest height along a direction of a shape turned by `q`, in f64.
+/// Returns the support value along a direction of a shape rotated by `q`, in `f64`.
 fn reach(kind: &Kind, q: [f64; 4], n: [f64; 3]) -> f64 {
     kind.height(&turned_back(&matrix(q), &wide(n))).0
 }
 
-/// A box that is not a cube, a cylinder or a cone, its half extents between 0.2 and 1.
+/// Returns a box, a cylinder or a cone, with half extents between 0.2 and 1.
 pub fn with_flat_face(rng: &mut Rng) -> Kind {
     let (h, r) = (rng.range(0.2, 1.0), rng.range(0.2, 1.0));
     match rng.below(3) {
@@ -29,8 +29,11 @@ pub fn with_flat_face(rng: &mut Rng) -> Kind {
     }
 }
 
-/// Two shapes, at least one of them round, a flat face of one flush on a face or a generator of the other and hanging over the
-/// edge by little: the shapes, the pose, the side of A on which B lies (up is 1), and the signed distance, a gap.
+/// Returns two shapes, at least one of them round, with a flat face of one flush on a face or a
+/// generator of the other.
+///
+/// The face extends over the edge by a small amount. Returns the shapes, the pose, the side of A on
+/// which B lies (up is 1), and the signed distance, which is a gap.
 pub fn flush_over_edge(rng: &mut Rng) -> ([Kind; 2], Place, f64, f64) {
     let (a, b) = loop {
         let (a, b) = (with_flat_face(rng), with_flat_face(rng));
@@ -41,7 +44,7 @@ pub fn flush_over_edge(rng: &mut Rng) -> ([Kind; 2], Place, f64, f64) {
     };
     let half = 0.5f64.sqrt();
     let (up, over, lying) = ([0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0], [0.0, half, 0.0, half]);
-    // A cone bears by its base.
+    // A cone rests on its base.
     let (side, q, along) = match (&a, &b) {
         (Kind::Cone(..), Kind::Cone(..)) => (-1.0, over, rng.below(2)),
         (Kind::Cone(..), Kind::Cylinder(..)) => (-1.0, *rng.pick(&[up, lying]), 0),
@@ -58,7 +61,8 @@ pub fn flush_over_edge(rng: &mut Rng) -> ([Kind; 2], Place, f64, f64) {
     let overlap = widths[0].min(widths[1]) * share * rng.range(0.5, 1.0);
     let mut t = [0.0; 3];
     t[along] = outward[along] * (widths[0] + widths[1] - overlap);
-    // Discs overlap on the line of their centres alone, a disc and a box beside it as well.
+    // Two discs overlap only near the line of their centres; a disc and a box also overlap beside
+    // it.
     if let Some(flat) = [&a, &b].into_iter().find(|kind| matches!(kind, Kind::Hull(_))) {
         t[1 - along] = 0.9 * reach(flat, up, across) * rng.range(-1.0, 1.0);
     }
@@ -68,7 +72,7 @@ pub fn flush_over_edge(rng: &mut Rng) -> ([Kind; 2], Place, f64, f64) {
     ([a, b], Place { q, t }, side, apart)
 }
 
-/// A superquadric with exponents near the least and the greatest that are allowed, 1/16 and 31/16.
+/// Returns a superquadric with exponents near the least and the greatest allowed, 1/16 and 31/16.
 pub fn near_limits(rng: &mut Rng) -> Kind {
     let mut exponent = || match rng.below(6) {
         0 => 0.0625,
@@ -80,7 +84,8 @@ pub fn near_limits(rng: &mut Rng) -> Kind {
     Kind::Superquadric([0, 1, 2].map(|_| rng.range(0.3, 1.0)), exponents)
 }
 
-/// Bodies of revolution about parallel axes, coaxial or nearly so, of centres apart along the axis by up to their reach.
+/// Returns bodies of revolution about parallel axes, coaxial or nearly so, whose centres differ
+/// along the axis by a fraction of their radii.
 pub fn about_parallel_axes(rng: &mut Rng) -> ([Kind; 2], Place) {
     let kinds = [0, 1].map(|_| {
         let (h, r) = (rng.range(0.2, 1.0), rng.range(0.2, 1.0));
@@ -99,7 +104,7 @@ pub fn about_parallel_axes(rng: &mut Rng) -> ([Kind; 2], Place) {
     (kinds, Place { q, t })
 }
 
-/// A vector of a length, perpendicular to z.
+/// Returns a vector of a length, perpendicular to z.
 fn level(rng: &mut Rng, length: f64) -> [f64; 2] {
     let angle = rng.range(0.0, core::f64::consts::TAU);
     [length * angle.cos(), length * angle.sin()]

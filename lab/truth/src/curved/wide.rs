@@ -1,4 +1,4 @@
-//! Twice the digits of f64, and supports in them: the judge's own arithmetic, by fused multiply-add.
+//! Double-double numbers and vectors of the judge, with fused multiply-add.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -65,7 +65,7 @@ impl Div for Wide {
 }
 
 impl Wide {
-    /// The square root; zero of what is not positive.
+    /// Returns the square root; zero if the number is not positive.
     pub fn root(self) -> Self {
         if self.0 <= 0.0 {
             return Self(0.0, 0.0);
@@ -74,31 +74,31 @@ impl Wide {
         r + Self::from((self - r * r).0 / (2.0 * r.0))
     }
 
-    /// The larger of two.
+    /// Returns the larger of two numbers.
     pub fn max(self, o: Self) -> Self {
         if (self - o).0 >= 0.0 { self } else { o }
     }
 }
 
-/// Coordinates.
+/// Three coordinates.
 pub type Triple = [Wide; 3];
 
-/// Coordinates without a second part.
+/// Returns coordinates without a second part.
 pub fn wide(v: [f64; 3]) -> Triple {
     v.map(Wide::from)
 }
 
-/// Scalar product.
+/// Returns the scalar product.
 pub fn dot(a: &Triple, b: &Triple) -> Wide {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Length.
+/// Returns the length.
 pub fn norm(a: &Triple) -> Wide {
     dot(a, a).root()
 }
 
-/// The matrix of `q` over its squared norm.
+/// Returns the rotation matrix of `q`, normalised.
 pub fn matrix(q: [f64; 4]) -> [Triple; 3] {
     let [x, y, z, w] = q.map(Wide::from);
     let (one, two) = (Wide::from(1.0), Wide::from(2.0));
@@ -115,7 +115,7 @@ pub fn turned(m: &[Triple; 3], v: &Triple) -> Triple {
     [dot(&m[0], v), dot(&m[1], v), dot(&m[2], v)]
 }
 
-/// The transpose of `m` times `v`.
+/// Returns the transpose of `m` times `v`.
 pub fn turned_back(m: &[Triple; 3], v: &Triple) -> Triple {
     [0, 1, 2].map(|c| m[0][c] * v[0] + m[1][c] * v[1] + m[2][c] * v[2])
 }

@@ -1,23 +1,26 @@
-//! Bodies, poses and queries from arbitrary bytes: what is built is queried in every way, and nothing may panic, hang or
-//! say NaN. The test `files` and the target `bytes` of `fuzz/` share this.
+//! Bodies, poses and queries from arbitrary bytes: every query runs, and nothing may panic, hang or
+//! return NaN.
+//!
+//! The test `files` and the target `bytes` of `fuzz/` share this module.
 
 use super::Bytes;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::{ContactState, ConvexPolyhedron, Outcome, RelativePose, Tracker};
 
-/// What came of some bytes.
+/// Counts of the results.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
-    /// Bodies built and refused.
+    /// Bodies built and rejected.
     pub bodies: [u32; 2],
-    /// Poses built and refused.
+    /// Poses built and rejected.
     pub poses: [u32; 2],
     /// Queries by contact state: separated, touching, overlapping, undecided.
     pub classes: [u32; 4],
 }
 
 impl Bytes<'_> {
-    /// Any f64: small whole numbers (so that points coincide and faces are flat), those times a power of two, or bits.
+    /// Returns any `f64`: small whole numbers (so that points coincide and faces are flat), their
+    /// products with powers of two, or arbitrary bits.
     fn number(&mut self) -> f64 {
         let kind = self.byte();
         let whole = f64::from(self.byte() as i8);
@@ -66,7 +69,7 @@ impl Bytes<'_> {
     }
 }
 
-/// Builds what the bytes say and asks everything about it.
+/// Builds bodies and poses from the bytes and runs every query on them.
 pub fn drive(bytes: &[u8]) -> Tally {
     let mut bytes = Bytes(bytes);
     let mut tally = Tally::default();
@@ -76,7 +79,7 @@ pub fn drive(bytes: &[u8]) -> Tally {
         assert_eq!(body.as_ref().map_or(Ok(()), ConvexPolyhedron::check), Ok(()));
     }
     let bodies: Vec<_> = bodies.into_iter().flatten().collect();
-    // One tracker for all pairs: its features are foreign to most.
+    // One tracker for all pairs: its cached features rarely belong to the pair.
     let mut stray = Tracker::new();
     for (a, b) in bodies.iter().flat_map(|a| bodies.iter().map(move |b| (a, b))) {
         let pose = RelativePose::new(&bytes.isometry(), &bytes.isometry());
@@ -89,7 +92,7 @@ pub fn drive(bytes: &[u8]) -> Tally {
     tally
 }
 
-/// Asks everything about a pair; its contact state.
+/// Runs every query on a pair and returns its contact state.
 pub fn query(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
@@ -120,7 +123,7 @@ pub fn query(
     exact.state
 }
 
-/// No NaN, and what every outcome promises.
+/// Asserts that an outcome has no NaN and keeps its promises.
 fn sane(o: &Outcome) {
     assert!(
         o.lower <= o.distance && o.distance <= o.upper && o.distance.is_finite(),

@@ -1,15 +1,17 @@
-//! Sequences of calls of the broad phase from arbitrary bytes: nothing may panic, the pairs are those of brute force, and the
-//! events tell how they change. The test `broad` and the target `calls` of `fuzz/` share this.
+//! Sequences of broad-phase calls from arbitrary bytes: no panic, the pairs of brute force, and
+//! events that match their changes.
+//!
+//! The test `broad` and the target `calls` of `fuzz/` share this module.
 
 use super::Bytes;
 use lin_canny::broad::*;
 use lin_canny::nalgebra::{Point3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What came of some bytes.
+/// Counts of the results.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
-    /// Calls accepted and refused, steps aside.
+    /// Calls accepted and rejected, without steps.
     pub calls: [u32; 2],
     /// Steps.
     pub steps: u32,
@@ -19,7 +21,7 @@ pub struct Tally {
     pub pairs: u32,
 }
 
-/// Most calls of one input: brute force is quadratic.
+/// Largest number of calls of one input: brute force is quadratic.
 const CALLS: usize = 300;
 
 impl Bytes<'_> {
@@ -27,7 +29,8 @@ impl Bytes<'_> {
         f64::from(self.byte() as i8)
     }
 
-    /// Numbers that meet each other often, and a few that break things.
+    /// Returns a number from a coarse grid, so that coordinates often coincide, or an extreme
+    /// number.
     fn coordinate(&mut self) -> f64 {
         const HARD: [f64; 11] = [
             f64::NAN,
@@ -53,7 +56,7 @@ impl Bytes<'_> {
         Point3::new(self.coordinate(), self.coordinate(), self.coordinate())
     }
 
-    /// Not negative, up to `most`.
+    /// Returns a nonnegative number up to `most`.
     fn side(&mut self, most: f64) -> f64 {
         f64::from(self.byte()) / 255.0 * most
     }
@@ -91,7 +94,7 @@ impl Bytes<'_> {
     }
 }
 
-/// A broad phase, and the pairs that its events tell.
+/// A broad phase, and the pairs according to its events.
 #[derive(Default)]
 struct Fed {
     broad: SweepAndPrune,
@@ -102,7 +105,8 @@ struct Fed {
 }
 
 impl Fed {
-    /// One of the ids given so far, of removed bodies too; or one that nobody was given.
+    /// Returns an id that was returned before, also of a removed body, or an id that was never
+    /// returned.
     fn id(&self, k: u8) -> BodyId {
         self.ids
             .get(usize::from(k) % self.ids.len().max(1))
@@ -113,13 +117,13 @@ impl Fed {
             })
     }
 
-    /// A call is refused for its id if and only if no body has it.
+    /// Asserts that a call is rejected for its id if and only if no body has the id.
     fn judge(&self, id: BodyId, done: &Result<(), BroadPhaseError>) {
         let is_stale = *done == Err(BroadPhaseError::StaleId { body: id });
         assert_eq!(is_stale, !self.live.contains(&id), "{id}: {done:?}");
     }
 
-    /// A new id is one that nobody was given before.
+    /// Asserts that a new id was never returned before.
     fn given(&mut self, id: &Result<BodyId, BroadPhaseError>) {
         self.count(id);
         if let Ok(id) = id {
@@ -141,7 +145,7 @@ impl Fed {
     }
 
     fn call(&mut self, bytes: &mut Bytes) {
-        // What was found before these three stays what it was.
+        // These three ranges of the byte leave the meaning of older inputs unchanged.
         let kind = match bytes.byte() {
             220..226 => return self.wall(bytes),
             226..234 => return self.replace(bytes),
@@ -179,7 +183,7 @@ impl Fed {
         }
     }
 
-    /// Bodies of equal sides on a lattice: equal bounds on every axis.
+    /// Inserts bodies of equal sides on a lattice: equal bounds on every axis.
     fn wall(&mut self, bytes: &mut Bytes) {
         let (size, gap) = (bytes.byte(), 0.5 + f64::from(bytes.byte() % 4) / 2.0);
         for i in 0..1 + size % 4 {
@@ -195,14 +199,14 @@ impl Fed {
         self.given(&id);
     }
 
-    /// The box of a body as it is stored.
+    /// Returns the stored box of a body.
     fn present(&self, id: BodyId) -> Option<Aabb> {
         let stored = self.broad.stored_box(id)?;
         let [min, max] = [stored.lo, stored.hi].map(|p| Point3::from(p.map(f64::from)));
         Some(Aabb::new(min, max))
     }
 
-    /// Another body takes the place of one, mostly under the same index.
+    /// Replaces a body by another one, mostly under the same index.
     fn replace(&mut self, bytes: &mut Bytes) {
         let id = self.id(bytes.byte());
         let Some(place) = self.present(id) else { return };
@@ -213,7 +217,7 @@ impl Fed {
         self.insert(&place, BodyOptions::moving());
     }
 
-    /// A body goes by a fraction of a unit, or to where another is, a step at a time.
+    /// Moves a body by a fraction of a unit per step, possibly from another body's position.
     fn slide(&mut self, bytes: &mut Bytes) {
         let (id, other) = (self.id(bytes.byte()), self.id(bytes.byte()));
         let (axis, by) = (usize::from(bytes.byte() % 3), 0.125 * (bytes.signed() / 32.0).round());
@@ -274,7 +278,7 @@ impl Fed {
         assert_eq!(present, self.expected());
     }
 
-    /// The obvious way.
+    /// Returns the pairs by brute force.
     fn expected(&self) -> Vec<(BodyId, BodyId)> {
         let bodies: Vec<_> = self
             .broad
@@ -295,7 +299,7 @@ impl Fed {
     }
 }
 
-/// Makes the calls that the bytes say, and one step at the end.
+/// Makes the calls that the bytes encode, and one step at the end.
 pub fn drive(bytes: &[u8]) -> Tally {
     let mut bytes = Bytes(bytes);
     let mut fed = Fed::default();

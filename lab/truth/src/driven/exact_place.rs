@@ -1,4 +1,4 @@
-//! Where points and rays are in the frame of a mesh, over the rationals.
+//! Exact positions of points and rays in the frame of a mesh, over the rationals.
 
 use crate::rational::{IntVec, RBig, common, cross, dot, exact, rotation, sub};
 use crate::rng::Rng;
@@ -9,10 +9,10 @@ use dashu_int::IBig;
 /// A point or a direction over the rationals.
 pub type Exact3 = [RBig; 3];
 
-/// Where a point is.
+/// Location of a point relative to a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// Outside of the body.
+    /// Outside the body.
     Outside,
     /// On its surface.
     On,
@@ -28,14 +28,14 @@ fn turned_back(m: &[Exact3; 3], v: &Exact3) -> Exact3 {
     std::array::from_fn(|i| &m[0][i] * &v[0] + &m[1][i] * &v[1] + &m[2][i] * &v[2])
 }
 
-/// Where a point of the second body is in the frame of the first.
+/// Returns a point of the second body in the frame of the first.
 pub fn point_at(p: Point, [a, b]: &[Pose; 2]) -> Exact3 {
     let there = turned(&rotation(b.q), &p.map(exact));
     let from_a = std::array::from_fn(|k| &there[k] + exact(b.t[k]) - exact(a.t[k]));
     turned_back(&rotation(a.q), &from_a)
 }
 
-/// A line of the world in the frame of a body: its origin and its direction.
+/// Returns a line of the world in the frame of a body: its origin and its direction.
 pub fn line_at(origin: Point, way: Point, at: &Pose) -> (Exact3, Exact3) {
     let back = rotation(at.q);
     let from = std::array::from_fn(|k| exact(origin[k]) - exact(at.t[k]));
@@ -66,7 +66,7 @@ impl ExactMesh {
         }
     }
 
-    /// Returns where a point is.
+    /// Returns the location of a point.
     pub fn place(&self, p: &Exact3, rng: &mut Rng) -> Place {
         let (points, own, _) = common(&self.points, std::slice::from_ref(p));
         let p = &own[0];
@@ -86,13 +86,15 @@ impl ExactMesh {
         }
     }
 
-    /// The signed crossings of the ray from `p` through `to`; `None` if it meets an edge.
+    /// Returns the sum of signed crossings of the ray from `p` through `to`; `None` if it meets an
+    /// edge.
     fn winding(&self, points: &[IntVec], p: &IntVec, to: &IntVec) -> Option<i32> {
         let mut sum = 0;
         for t in &self.triangles {
             let [a, b, c] = t.map(|v| &points[v]);
             let height = volume(a, b, c, p);
-            // In the plane of a triangle that does not hold the point, the ray leaves at once.
+            // In the plane of a triangle that does not contain the point, the ray leaves the plane
+            // at once.
             if height == 0 {
                 continue;
             }
@@ -100,7 +102,8 @@ impl ExactMesh {
             if turns.contains(&0) {
                 return None;
             }
-            // Ahead if the point is below the triangle that the ray leaves through.
+            // The crossing is ahead if the point is below the triangle through which the ray
+            // leaves.
             if turns[1] == turns[0] && turns[2] == turns[0] && height == -turns[0] {
                 sum += turns[0];
             }
@@ -108,8 +111,10 @@ impl ExactMesh {
         Some(sum)
     }
 
-    /// Returns whether a segment, or the hull of four points, meets the surface, if none of the points is on it; `None` if an edge
-    /// lies in a plane of the other.
+    /// Returns whether a segment, or the hull of four points, meets the surface, if none of the
+    /// points is on it.
+    ///
+    /// `None` if an edge of one lies in a plane of the other.
     pub fn meets(&self, body: &[Exact3]) -> Option<bool> {
         let (points, body, _) = common(&self.points, body);
         let mut is_met = false;
@@ -142,7 +147,8 @@ impl ExactMesh {
         Some(is_met)
     }
 
-    /// Returns how far along a ray the first point of the surface is, in lengths of the direction, and whether it is on an edge.
+    /// Returns the first point of the surface along a ray, in lengths of the direction, and whether
+    /// it is on an edge.
     pub fn first(&self, (origin, way): &(Exact3, Exact3)) -> Option<(RBig, bool)> {
         let aim: Exact3 = std::array::from_fn(|k| &origin[k] + &way[k]);
         let (points, own, _) = common(&self.points, &[origin.clone(), aim]);
@@ -168,7 +174,7 @@ impl ExactMesh {
                 let n = cross(&edge, &d);
                 let size = dot(&n, &n);
                 let from = sub(p, o);
-                // In one plane and not parallel: where the lines cross.
+                // Coplanar and not parallel: the point where the lines cross.
                 if size.is_zero() || !dot(&n, &from).is_zero() {
                     continue;
                 }

@@ -1,14 +1,17 @@
-//! Worlds of equal bounds: bricks, lattices, stacks and bars whose coordinates are multiples of a quarter, so that ties are
-//! everywhere and every box is exact in `f32`. Few bodies change in a step: they jump away and back, give their index
-//! to another body, or slide by a fraction of a column. Brute force over the boxes as given is the judge of every step.
+//! Worlds of equal bounds: bricks, lattices, stacks and bars, judged by brute force after every
+//! step.
 //!
-//! The test `broad` and the instrument `soak` share this.
+//! Coordinates are multiples of 2^-5, so ties are everywhere and every box is exact in `f32`. Few
+//! bodies change in a step: they jump away and back, pass their index to another body, or slide by
+//! a fraction of a column. The judge compares with brute force over the given boxes.
+//!
+//! The test `broad` and the instrument `soak` share this module.
 
 use crate::rng::Rng;
 use lin_canny::broad::{Aabb, BodyId, BodyOptions, SweepAndPrune};
 use lin_canny::nalgebra::{Point3, Vector3};
 
-/// What happened in some sequences; a mix that lacks an ingredient tests nothing.
+/// Counts of some sequences; if a count is zero, its ingredient was not tested.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mix {
     /// Sequences played.
@@ -19,15 +22,15 @@ pub struct Mix {
     pub pairs: u64,
     /// Events of all steps.
     pub events: u64,
-    /// Bodies moved by more than they are long.
+    /// Bodies moved by more than one unit along an axis.
     pub jumps: u64,
-    /// Bodies moved by a fraction of their length.
+    /// Bodies moved by less.
     pub slides: u64,
-    /// Bodies that were given the index of a removed one.
+    /// Bodies that were given the index of a removed body.
     pub reused: u64,
-    /// Worlds turned to another axis as a whole.
+    /// Worlds rotated as a whole to another axis.
     pub turns: u64,
-    /// Steps in which at most a tenth of the bodies changed.
+    /// Steps in which at most a tenth of the bodies were changed.
     pub quiet: u64,
 }
 
@@ -66,7 +69,7 @@ impl Brick {
         Self { low, ..*self }
     }
 
-    /// The same along the next axis.
+    /// Returns the brick along the next axis.
     fn turned(mut self) -> Self {
         self.low.rotate_left(1);
         self.side.rotate_left(1);
@@ -78,7 +81,7 @@ impl Brick {
     }
 }
 
-/// The bricks of one of the families: ties on one axis at least.
+/// Returns the bricks of one of the families, with ties on at least one axis.
 pub fn world(rng: &mut Rng) -> Vec<Brick> {
     let gap = *rng.pick(&[0.75, 1.0, 1.0, 1.25, 1.5, 2.0, 3.0]);
     let most = if rng.chance(0.02) { 8 } else { 4 };
@@ -155,7 +158,7 @@ impl Play {
         self.broad.set_box(held.id, &brick.aabb()).map_err(|e| e.to_string())
     }
 
-    /// Turns the world: long along one axis, it is long along another.
+    /// Rotates the world: its long axis changes.
     fn turn(&mut self) -> Result<(), String> {
         self.mix.turns += 1;
         for i in 0..self.held.len() {
@@ -165,7 +168,7 @@ impl Play {
         Ok(())
     }
 
-    /// A new direction, a fraction of a brick a step.
+    /// Sets a new direction, with a fraction of a brick per step.
     fn direct(&mut self, i: usize) {
         let speed = *self.rng.pick(&[0.03125, 0.0625, 0.125, 0.25, 0.25, 0.5]);
         let mut slide = [0.0; 3];
@@ -239,7 +242,7 @@ impl Play {
 /// Plays one sequence; the same seed makes the same calls.
 ///
 /// # Errors
-/// What was lost, what should not be there, or what contradicts itself.
+/// Returns the lost and the phantom pairs, or the violated invariant.
 pub fn sequence(seed: u64, broad: SweepAndPrune) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let bricks = world(&mut rng);
@@ -257,7 +260,7 @@ pub fn sequence(seed: u64, broad: SweepAndPrune) -> Result<Mix, String> {
     }
     play.step()?;
     let steps = 4 + play.rng.below(20);
-    // Some bodies do all that is done, so that what one call leaves behind meets the next.
+    // A few bodies get most of the changes, so that what one call leaves behind meets the next.
     let busy = 1 + play.rng.below(3);
     for _ in 0..steps {
         if play.rng.chance(0.03) {

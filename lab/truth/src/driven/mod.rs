@@ -1,4 +1,5 @@
-//! Sequences of calls that are drawn from bytes or seeds and judged by brute force: for tests, `soak` and `fuzz/`.
+//! Sequences of calls, drawn from bytes or seeds and judged by brute force, for tests, `soak` and
+//! `fuzz/`.
 
 pub mod bytes;
 pub mod calls;
@@ -11,7 +12,7 @@ pub mod slots;
 pub mod solids;
 pub mod stand_ins;
 
-/// The input of a test that is driven by bytes: reads from the front, zero when nothing is left.
+/// The input of a byte-driven test: bytes are read from the front; after the end they are zero.
 #[derive(Debug)]
 pub struct Bytes<'a>(pub &'a [u8]);
 

@@ -1,7 +1,9 @@
-//! Points, small bodies and rays next to closed meshes, as near as rounding and nearer, judged over the rationals.
+//! Points, small bodies and rays next to closed meshes, closer than rounding too, judged over the
+//! rationals.
 //!
-//! The judge looks at every triangle: a point is on the mesh if a triangle holds it, else a ray in a random direction that meets
-//! no edge counts the winding. A ray meets a mesh at a vertex, at an edge or inside a triangle; each is looked for by itself.
+//! The judge tests every triangle. A point is on the mesh if a triangle contains it; otherwise a
+//! random ray that meets no edge counts the winding number. A ray meets a mesh at a vertex, at an
+//! edge or inside a triangle; the judge tests each case separately.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -17,27 +19,27 @@ use crate::rng::Rng;
 use crate::soups::{self, Soup};
 use crate::{Point, Pose};
 
-/// Points, and rays, of a mesh.
+/// Number of points, and of rays, per mesh.
 const EACH: usize = 6;
 
-/// What happened; a mix that lacks an ingredient tests nothing.
+/// Counts of the results; if a count is zero, its ingredient was not tested.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mix {
     /// Meshes.
     pub meshes: u64,
     /// Points outside, on and inside.
     pub points: [u64; 3],
-    /// Segments and tetrahedra that begin at such a point: apart and met.
+    /// Segments and tetrahedra with a vertex at such a point: separated and meeting.
     pub small: [u64; 2],
-    /// Small bodies left out, as the judge does not decide them.
+    /// Small bodies that the judge does not decide, left out.
     pub skipped: u64,
-    /// Rays at meshes: missed, met, begun inside.
+    /// Rays at meshes: misses, hits, starts inside.
     pub rays: [u64; 3],
-    /// Rays through a vertex or an edge, to the bit.
+    /// Rays that meet a vertex or an edge exactly.
     pub through: u64,
-    /// Rays that pass within `1e-12` of the size and miss.
+    /// Rays that pass a vertex within `1e-12` of the size and miss.
     pub grazing: u64,
-    /// Rays at hulls: missed, met, begun inside, near.
+    /// Rays at hulls: misses, hits, starts inside, undecided.
     pub hull_rays: [u64; 4],
 }
 
@@ -56,10 +58,10 @@ impl Mix {
     }
 }
 
-/// Plays a mesh: what failed.
+/// Plays a mesh.
 ///
 /// # Errors
-/// The first answer that is wrong.
+/// Returns the first wrong answer.
 pub fn play(seed: u64) -> Result<Mix, String> {
     let played = catch_unwind(AssertUnwindSafe(|| World::new(seed).and_then(World::play)));
     let told = |e| format!("seed {seed}: {e}");
@@ -94,7 +96,7 @@ fn shape(rng: &mut Rng) -> (Soup, bool) {
     }
 }
 
-/// The poses of the mesh and of the other body: most of them exact.
+/// Returns the poses of the mesh and of the other body, most of them exact.
 fn poses(rng: &mut Rng, size: f64) -> [Pose; 2] {
     let halves = [
         [1.0, 0.0, 0.0, 0.0],
@@ -160,7 +162,7 @@ impl World {
         Ok(self.mix)
     }
 
-    /// A point of the surface, the normal there, and the corners of the triangle.
+    /// Returns a point of the surface, the normal there, and the vertices of the triangle.
     fn spot(&mut self) -> (Point, Point, [Point; 3]) {
         let corners = self.soup.corners(self.rng.below(self.soup.triangles.len()));
         let [a, b, c] = corners;
@@ -175,13 +177,13 @@ impl World {
             }
         };
         let at = add(add(scale(a, shares[0]), scale(b, shares[1])), scale(c, shares[2]));
-        // Scaled first, as squares leave the range.
+        // Scaled first, because squares may overflow or underflow.
         let by = 1.0 / self.size;
         let normal = unit(cross(scale(sub(b, a), by), scale(sub(c, a), by)));
         (at, normal, corners)
     }
 
-    /// A height over the surface.
+    /// Returns a random height above or below the surface.
     fn height(&mut self) -> f64 {
         if self.rng.chance(0.3) {
             return 0.0;
@@ -189,7 +191,7 @@ impl World {
         self.rng.log_range(3e-17, 1e-12) * self.rng.sign() * self.size
     }
 
-    /// A point of the mesh's frame in that of the other body, as f64 has it.
+    /// Returns a point of the mesh's frame in the frame of the other body, in `f64`.
     fn local(&self, p: Point) -> Point {
         let [a, b] = &self.poses;
         b.apply_inverse(a.apply(p))
@@ -213,7 +215,7 @@ impl World {
         let piece = Compound::from(Shape::from(point.clone()));
         self.judge(&point.into(), place, &[near])?;
         self.judge(&piece.into(), place, &[near])?;
-        // Bodies that begin there, of which a tetrahedron may be smaller than rounding.
+        // Bodies with a vertex there; a tetrahedron may be smaller than rounding.
         let length = self.rng.log_range(1e-15, 0.1) * self.size;
         let mut ends = vec![near];
         for _ in 0..if self.rng.chance(0.5) { 1 } else { 3 } {
@@ -252,7 +254,7 @@ impl World {
         self.judge(&small.into(), place, &ends)
     }
 
-    /// Asks all questions about a body, in both orders.
+    /// Runs all queries on a body, in both orders.
     fn judge(&mut self, body: &Geometry, place: Place, points: &[Point]) -> Result<(), String> {
         let [at_a, at_b] = self.poses.map(|p| p.isometry());
         let pose = RelativePose::new(&at_a, &at_b).map_err(|e| e.to_string())?;
@@ -280,14 +282,14 @@ impl World {
         Ok(())
     }
 
-    /// The origin and the aim of a ray, in the frame of the mesh.
+    /// Returns the origin and the direction of a ray, in the frame of the mesh.
     fn aim(&mut self) -> (Point, Point) {
         let (at, normal, corners) = self.spot();
         let (lift, far) = (scale(normal, self.height()), self.rng.range(0.0, 4.0));
         let (way, aside) = match self.rng.below(5) {
-            // At the point, from anywhere.
+            // At the point, from a random direction.
             0 => (self.rng.unit(), [0.0; 3]),
-            // Straight down, to the bit where the face is along an axis.
+            // Straight down, exactly if the face is perpendicular to an axis.
             1 => (normal, [0.0; 3]),
             // Along an edge, or along the face.
             2 => (scale(sub(corners[1], corners[0]), 1.0 / self.size), lift),
@@ -369,7 +371,7 @@ impl World {
             RayCast::Inside => is_in,
             RayCast::Miss => !is_in && first.is_none(),
             RayCast::Hit(hit) => !is_in && first.is_some_and(|s| exact(hit.safe) <= *s && *s <= exact(hit.hit)),
-            // A point that moves along a hull proves no contact.
+            // A ray along a hull may stay undecided: a point that moves along it proves no contact.
             RayCast::Undecided { safe } => is_hull && first.is_none_or(|s| exact(safe) <= *s),
             _ => false,
         };

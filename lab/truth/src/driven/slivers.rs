@@ -1,8 +1,9 @@
-//! Meshes of slivers: triangles whose vertices lie on one oblique line but for a few units in the last place, alone, on one line,
-//! in one plane and among ordinary triangles, judged over the integers.
+//! Meshes of slivers, judged over the integers.
 //!
-//! Rounding decides the normal of such a triangle, so a foot on it may be anywhere on its line. On the axes the normal is exactly
-//! zero, and nothing can go wrong: the lines have to be oblique.
+//! A sliver is a triangle whose vertices lie on one oblique line up to a few units in the last
+//! place. Slivers occur alone, on one line, in one plane and among ordinary triangles. Rounding
+//! decides the normal of such a triangle, so the closest point on it may be computed anywhere on
+//! its line. On the axes the normal is exactly zero, which is harmless: the lines must be oblique.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -18,10 +19,10 @@ use crate::rng::Rng;
 use crate::soups::Soup;
 use crate::{Point, Pose};
 
-/// Frames of a pair of meshes, each with one tracker.
+/// Frames of a pair of meshes, with one tracker.
 const FRAMES: usize = 3;
 
-/// Width of the bounds of triangles, over the size of the pair.
+/// Largest width of the bounds, relative to the size of the pair.
 const WIDTH: f64 = 1e-12;
 
 /// Counts of the meshes of a run.
@@ -29,19 +30,19 @@ const WIDTH: f64 = 1e-12;
 pub struct Mix {
     /// Meshes built, or bent to slivers.
     pub meshes: u64,
-    /// Meshes that were ordinary when built.
+    /// Meshes that had ordinary triangles when built.
     pub bent: u64,
     /// Triangles with vertices on a line up to rounding.
     pub slivers: u64,
     /// Poses judged.
     pub frames: u64,
-    /// Frames in which the truth is a distance above zero.
+    /// Frames in which the exact distance is positive.
     pub apart: u64,
     /// Frames in which two meshes share a point.
     pub meeting: u64,
     /// Pairs of triangles of one mesh that were judged.
     pub own: u64,
-    /// Predicates at a distance and at both its neighbours.
+    /// Predicates tested at a distance and at both adjacent floating-point numbers.
     pub predicates: u64,
 }
 
@@ -59,13 +60,13 @@ impl Mix {
     }
 }
 
-/// A line and a plane through it on which triangles of both meshes lie.
+/// A line, and a plane through it, on which triangles of both meshes lie.
 struct Place {
     origin: Point,
     ways: [Point; 2],
 }
 
-/// A number moved by a few units in the last place.
+/// Returns a number moved by a few units in the last place.
 fn jogged(x: f64, rng: &mut Rng) -> f64 {
     (0..rng.below(4)).fold(x, |x, _| if rng.chance(0.5) { x.next_up() } else { x.next_down() })
 }
@@ -79,11 +80,11 @@ impl Place {
         }
     }
 
-    /// A triangle, and whether it is a sliver.
+    /// Returns a triangle, and whether it is a sliver.
     fn triangle(&self, rng: &mut Rng) -> (Triangle, bool) {
         let [u, v] = self.ways;
         let kind = rng.below(5);
-        // A line of its own in the common plane, or the common line.
+        // A separate line in the common plane, or the common line.
         let turn = rng.range(0.0, std::f64::consts::TAU);
         let own = add(scale(u, turn.cos()), scale(v, turn.sin()));
         let from = add(scale(u, rng.range(-1.0, 1.0)), scale(v, rng.range(-1.0, 1.0)));
@@ -117,8 +118,9 @@ fn points(soup: &Soup) -> Vec<Point3<f64>> {
     soup.points.iter().map(|p| Point3::from(*p)).collect()
 }
 
-/// The mesh of a soup: built of it, or of ordinary triangles that are bent to it. A triangle that is exactly a segment is taken
-/// out of what is built, so that such a soup is bent, too.
+/// Returns the mesh of a soup, built directly or by bending ordinary triangles.
+///
+/// `Mesh::new` removes a triangle that is exactly a segment, so such a soup is made by bending too.
 fn mesh(soup: &Soup, rng: &mut Rng, mix: &mut Mix) -> Result<Mesh, String> {
     mix.meshes += 1;
     if rng.chance(0.7)
@@ -144,13 +146,13 @@ fn triangles(soup: &Soup) -> Vec<Triangle> {
     (0..soup.triangles.len()).map(|t| soup.corners(t)).collect()
 }
 
-/// Whether bounds hold of the root of a square.
+/// Returns whether bounds contain the root of a square.
 fn hold(lower: f64, upper: f64, square: &RBig) -> bool {
     let below = lower <= 0.0 || exact(lower) * exact(lower) <= *square;
     below && upper >= 0.0 && exact(upper) * exact(upper) >= *square
 }
 
-/// A distance, its neighbours, and two at some distance.
+/// Returns a distance, its adjacent floating-point numbers, and two numbers farther away.
 fn around(square: &RBig) -> [f64; 5] {
     let root = sqrt(square).0;
     [
@@ -162,11 +164,11 @@ fn around(square: &RBig) -> [f64; 5] {
     ]
 }
 
-/// Plays two meshes and each against itself: what failed.
+/// Plays two meshes, and each against itself.
 ///
 /// # Errors
 ///
-/// Returns what is wrong, with all numbers.
+/// Returns the fault, with all numbers.
 pub fn play(seed: u64) -> Result<Mix, String> {
     catch_unwind(AssertUnwindSafe(|| poses(seed))).unwrap_or_else(|_| Err("a panic".to_owned()))
 }
@@ -174,7 +176,7 @@ pub fn play(seed: u64) -> Result<Mix, String> {
 fn poses(seed: u64) -> Result<Mix, String> {
     let (mut rng, mut mix) = (Rng::new(seed), Mix::default());
     let place = Place::new(&mut rng);
-    // Of any size, and beside a mesh of the same.
+    // Of any size, both meshes alike.
     let unit = if rng.chance(0.3) {
         2f64.powi(rng.int(-310, 310) as i32)
     } else {
@@ -234,7 +236,7 @@ fn poses(seed: u64) -> Result<Mix, String> {
     Ok(mix)
 }
 
-/// A mesh against itself, whose triangles share no vertex.
+/// Judges a mesh, whose triangles share no vertex, against itself.
 fn itself(soup: &Soup, mesh: &Mesh, mix: &mut Mix) -> Result<(), String> {
     let all = triangles(soup);
     let pairs = (0..all.len()).flat_map(|i| (i + 1..all.len()).map(move |j| (i, j)));

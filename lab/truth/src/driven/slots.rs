@@ -1,7 +1,10 @@
-//! Pins in slots: a convex bar that rests in a body with a gap, a little deep in one side of the gap, with room on the other.
+//! Pins in slots: a convex bar in the gap of a body, which penetrates one side of the gap and has
+//! room on the other.
 //!
-//! The side is a convex part of the body, and the overlap of two convex bodies is a lower bound of the depth; the translation
-//! along the normal of the side frees the bar of the whole body. Both are the number that was drawn, so the truth is a closed form.
+//! The side is a convex part of the body, so the overlap of two convex bodies is a lower bound of
+//! the depth. The translation along the normal of the side separates the bar from the whole body,
+//! which is an upper bound. Both equal the depth that was drawn, so the true depth is known in
+//! closed form.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -14,7 +17,7 @@ use crate::{Point, Pose};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{Compound, ContactState, Geometry, Mesh, MeshKind, PairTracker, Piece, RelativePose, Shape};
 
-/// Largest error of a bound of a depth, in the size of the pair.
+/// Largest error of a bound of a depth, relative to the size of the pair.
 const ERROR: f64 = 1e-6;
 
 /// Counts of the pins of a run.
@@ -22,7 +25,7 @@ const ERROR: f64 = 1e-6;
 pub struct Mix {
     /// Pins judged.
     pub pins: u64,
-    /// Bodies that are a U in one connected part.
+    /// Connected U-shaped bodies.
     pub joined: u64,
     /// Bodies of two blocks.
     pub blocks: u64,
@@ -30,15 +33,15 @@ pub struct Mix {
     pub doors: u64,
     /// Pairs of two meshes.
     pub meshes: u64,
-    /// Pairs with a body of pieces.
+    /// Pairs with a compound.
     pub pieces: u64,
-    /// Pairs without a vertex of one body inside the other.
+    /// Pairs in which no vertex of one body is inside the other.
     pub bare: u64,
     /// Depths below a thousandth of the size.
     pub shallow: u64,
     /// Meshes with more than 100 triangles.
     pub fine: u64,
-    /// Pairs asked in the other order.
+    /// Pairs queried in the other order.
     pub exchanged: u64,
 }
 
@@ -58,11 +61,13 @@ impl Mix {
     }
 }
 
-/// A box by its lower and its upper corner.
+/// A box given by its lower and its upper corner.
 type Brick = [Point; 2];
 
-/// Returns the surface of the union of boxes that share no inner points, without faces between them: a grid of all their planes,
-/// every interval cut into `fine` parts.
+/// Returns the surface of the union of boxes with disjoint interiors, without faces between them.
+///
+/// The vertices are on a grid of all planes of the boxes, with every interval cut into `fine`
+/// parts.
 pub fn union_of(bricks: &[Brick], fine: usize) -> Soup {
     let cuts: [Vec<f64>; 3] = [0, 1, 2].map(|k| {
         let mut planes: Vec<f64> = bricks.iter().flat_map(|b| [b[0][k], b[1][k]]).collect();
@@ -112,7 +117,8 @@ pub fn union_of(bricks: &[Brick], fine: usize) -> Soup {
     soup
 }
 
-/// Returns a pipe along z of `n` sides about the origin, a corner at (-radius, 0), cut `fine` times.
+/// Returns a pipe along z with `n` sides about the origin, cut `fine` times, with a vertex at
+/// (-radius, 0).
 fn pipe(n: usize, radius: f64, half: f64, fine: usize) -> Soup {
     let corner = |i: usize, j: usize| {
         let angle = TAU * (i as f64 / n as f64 + 0.5);
@@ -148,7 +154,7 @@ struct Body {
     pieces: Vec<Soup>,
 }
 
-/// A body with a gap and a bar in it, `depth` deep.
+/// A body with a gap, and a bar in it at the given depth.
 struct Slot {
     body: Body,
     bar: Body,
@@ -156,7 +162,7 @@ struct Slot {
     size: f64,
 }
 
-/// Returns a bar in the gap between two arms; in one connected part if a spine joins the arms. Sizes are about one.
+/// Returns a bar in the gap between two arms, which a spine may connect. Sizes are about one.
 fn arms(rng: &mut Rng, has_spine: bool) -> Slot {
     // The bar is the box (-w, 0, -l) to (w, h, l).
     let (w, h, l) = (rng.range(0.1, 0.4), rng.range(0.3, 0.6), rng.range(0.8, 1.5));
@@ -164,7 +170,7 @@ fn arms(rng: &mut Rng, has_spine: bool) -> Slot {
     let (out, thick, wide) = (rng.range(w + 0.4, 1.2), rng.range(0.1, 0.6), rng.range(0.2, 0.4));
     let top = h + depth + rng.log_range(1e-4, 0.3);
     let end = rng.range(w + 0.25, 1.0);
-    // Thick enough that the shortest way is up.
+    // Thick enough that the shortest separation is upward.
     let low = -(thick + depth);
     let mut bricks = vec![
         [[-out, low, -wide], [end, depth, wide]],
@@ -185,12 +191,12 @@ fn arms(rng: &mut Rng, has_spine: bool) -> Slot {
     }
 }
 
-/// Returns a pipe that goes through a door and grazes one jamb.
+/// Returns a pipe that passes through a door and penetrates one jamb.
 fn door(rng: &mut Rng) -> Slot {
     let (n, radius, half) = (4 + 2 * rng.below(12), rng.range(0.1, 0.3), rng.range(0.6, 1.5));
     let depth = rng.log_range(1e-6, 1.0) * radius;
     let (wall, tall) = (rng.range(0.05, 0.4), rng.range(1.0, 1.5));
-    // The jamb is the plane x = depth - radius; the wall, along z, is thinner than the pipe is long.
+    // The jamb is the plane x = depth - radius. The wall is thinner along z than the pipe is long.
     let jamb = depth - radius;
     let far = radius + depth + rng.log_range(1e-3, 1.0);
     let bricks = [
@@ -221,7 +227,7 @@ impl Body {
         }
     }
 
-    /// Returns the body moved by a pose, as a mesh or as pieces.
+    /// Returns the body moved by a pose, as a mesh or as a compound.
     fn made(&self, pose: &Pose, is_mesh: bool) -> Result<Geometry, String> {
         let points = |s: &Soup| -> Vec<Point3<f64>> { s.points.iter().map(|p| Point3::from(pose.apply(*p))).collect() };
         if is_mesh {
@@ -258,7 +264,7 @@ impl Body {
 ///
 /// # Errors
 ///
-/// What was wrong.
+/// Returns the fault.
 pub fn play(seed: u64) -> Result<Mix, String> {
     catch_unwind(AssertUnwindSafe(|| pin(seed))).unwrap_or_else(|_| Err("a panic".to_owned()))
 }
@@ -286,7 +292,8 @@ fn pin(seed: u64) -> Result<Mix, String> {
         2 => [false, false],
         _ => [true, true],
     };
-    // Each body has its own frame, some with an origin far from the body; the pose puts them together.
+    // Each body has a separate frame, sometimes with an origin far from the body; the pose brings
+    // them together.
     let mut frame = || {
         if rng.chance(0.3) {
             Pose::IDENTITY
@@ -317,7 +324,7 @@ fn pin(seed: u64) -> Result<Mix, String> {
     let holds = found.lower <= slot.depth + noise && slot.depth <= found.upper + noise;
     let state = tracker.closest(&made[first], &made[second], &at(&found.shift)?).state;
     let is_tight = found.lower >= low.max(0.9 * slot.depth) && found.upper <= high.min(1.1 * slot.depth);
-    // With a vertex inside the other body the search may end at another way out.
+    // If a vertex is inside the other body, the search may end at another local minimum.
     let is_bare = !slot.body.holds_vertex(&slot.bar) && !slot.bar.holds_vertex(&slot.body);
     if !holds || is_bare && !is_tight || state != ContactState::Separated {
         return Err(format!(

@@ -1,4 +1,4 @@
-//! The competitor that counts: parry's GJK, fed with the simplex of the last frame, over a support map that climbs.
+//! parry's GJK, started from the simplex of the last frame, over a hill-climbing support map.
 
 use super::{ParryPose, Witnesses, pose, vectors};
 use crate::body::edge_ids;
@@ -18,7 +18,8 @@ pub struct Climber {
 }
 
 impl Climber {
-    /// A body from its points and faces (merged or triangles). Points that no face uses are never climbed to.
+    /// Returns a body from its points and faces (merged or triangles). Climbing never visits points
+    /// that no face uses.
     pub fn new(points: &[Point], faces: &[Face]) -> Self {
         let mut near = vec![Vec::new(); points.len()];
         for [i, j] in edge_ids(points.len(), faces) {
@@ -37,12 +38,13 @@ impl Climber {
         }
     }
 
-    /// A point from which climbing can start: one that has neighbours.
+    /// Returns a point from which climbing can start: one that has neighbours.
     fn start(&self) -> u32 {
         self.first.windows(2).position(|w| w[0] < w[1]).unwrap_or(0) as u32
     }
 
-    /// The farthest point along `dir`, climbing from `from`. On a convex body a point with no better neighbour is it.
+    /// Returns the farthest point along `dir`, climbing from `from`. On a convex body, a point
+    /// without a better neighbour is the farthest.
     fn climb(&self, from: u32, dir: Vector) -> u32 {
         let mut at = from as usize;
         let mut height = self.points[at].dot(dir);
@@ -61,7 +63,7 @@ impl Climber {
     }
 }
 
-/// A climber with the point it stands on.
+/// A climber with its current point.
 struct Climbing<'a> {
     body: &'a Climber,
     at: Cell<u32>,
@@ -74,8 +76,10 @@ impl SupportMap for Climbing<'_> {
     }
 }
 
-/// What is kept of a pair between frames: the vertices stood on, and up to three pairs of points that span the last
-/// simplex, each in its own body's frame. Start anew when a body changes.
+/// State of a pair between frames.
+///
+/// It contains the support vertices, and up to three pairs of points that span the last simplex,
+/// each in its body's frame. Create a new one if a body changes.
 #[derive(Clone)]
 pub struct GjkCached {
     stand: Option<(u32, u32)>,
@@ -96,7 +100,7 @@ impl Default for GjkCached {
 }
 
 impl GjkCached {
-    /// Distance and witness points from two world poses; `None` when overlapping.
+    /// Returns distance and witness points from two world poses; `None` if the bodies overlap.
     pub fn closest(&mut self, a: &Climber, pose_a: &Pose, b: &Climber, pose_b: &Pose) -> Option<Witnesses> {
         let (world_a, world_b) = (pose(pose_a), pose(pose_b));
         let a_from_b = world_a.inv_mul(&world_b);
@@ -114,7 +118,7 @@ impl GjkCached {
         self.warm(&a_from_b, &a, &b);
         let found = gjk::closest_points(&a_from_b, &a, &b, f64::MAX, true, &mut self.simplex);
         self.stand = Some((a.at.get(), b.at.get()));
-        // A simplex that holds the origin is no start for the next frame.
+        // A simplex that contains the origin cannot start the next frame.
         self.count = 0;
         let GJKResult::ClosestPoints(p, q, _) = found else {
             return None;
@@ -127,7 +131,8 @@ impl GjkCached {
         })
     }
 
-    /// Puts last frame's simplex, at this frame's pose, into the solver; without one, a first support point.
+    /// Puts the simplex of the last frame, at the pose of this frame, into the solver; without one,
+    /// a first support point.
     fn warm(&mut self, a_from_b: &ParryPose, a: &Climbing, b: &Climbing) {
         let Some((first, more)) = self.kept[..self.count].split_first() else {
             self.simplex
@@ -137,12 +142,12 @@ impl GjkCached {
         let place = |&(p, q): &(Vector, Vector)| CsoPoint::new(p, *a_from_b * q);
         self.simplex.reset(place(first));
         for pair in more {
-            // Refused where the pose has made it degenerate: then the simplex is smaller, not wrong.
+            // Rejected if the pose has made the simplex degenerate: then it is smaller, not wrong.
             let _ = self.simplex.add_point(place(pair));
         }
     }
 
-    /// Keeps at most a triangle of the solver's simplex.
+    /// Stores at most a triangle of the solver's simplex.
     fn keep(&mut self, a_from_b: &ParryPose) {
         self.count = (self.simplex.dimension() + 1).min(3);
         for i in 0..self.count {

@@ -1,4 +1,5 @@
-//! Curved shapes as support maps of parry's, and its GJK on them with the direction of the frame before.
+//! Curved shapes as support maps of parry, and its GJK started from the direction of the previous
+//! frame.
 
 use parry3d_f64::math::Vector;
 use parry3d_f64::query::details::closest_points_support_map_support_map_with_params;
@@ -15,20 +16,20 @@ pub enum Core {
     Box([f64; 3]),
     /// Half the length; the axis is z.
     Segment(f64),
-    /// Half the height, radius; the axis is z.
+    /// Half height and radius; the axis is z.
     Cylinder(f64, f64),
-    /// Half the height, radius of the base; the apex is up z.
+    /// Half height and radius of the base; the apex is at the upper end of z.
     Cone(f64, f64),
     /// Semi-axes.
     Ellipsoid([f64; 3]),
 }
 
-/// A shape as parry's GJK sees it, rounded or not.
+/// A shape for parry's GJK, rounded or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Map {
     /// The shape.
     pub core: Core,
-    /// The radius of its rounding.
+    /// The rounding radius.
     pub round: f64,
 }
 
@@ -55,7 +56,7 @@ impl SupportMap for Map {
     }
 }
 
-/// GJK that keeps its direction and its simplex.
+/// GJK with its direction and simplex of the last frame.
 #[derive(Default)]
 pub struct MapGjk {
     last: Option<Vector>,
@@ -63,7 +64,7 @@ pub struct MapGjk {
 }
 
 impl MapGjk {
-    /// Distance and witnesses in the world; `None` where GJK finds an overlap.
+    /// Returns distance and witnesses in the world frame; `None` if GJK finds an overlap.
     pub fn closest(&mut self, a: &Map, b: &Map, frame: &Frame) -> Option<Witnesses> {
         let (pa, pb) = (pose(&frame.a), pose(&frame.b));
         let between = pa.inv_mul(&pb);

@@ -1,5 +1,7 @@
-//! Four or six vertices on straight paths, hard on purpose: of each kind of query that Wang, Ferguson, Schneider, Jiang,
-//! Attene and Panozzo (2021) collected by hand, made anew by seeds.
+//! Four or six vertices on deliberately hard straight paths.
+//!
+//! The kinds of query are those that Wang, Ferguson, Schneider, Jiang, Attene and Panozzo (2021)
+//! collected by hand. Here they are generated from seeds.
 
 use super::{Moving, Path, Truth, first_contact};
 use crate::Point;
@@ -47,7 +49,7 @@ fn mix(points: &[Point], weights: &[f64]) -> Point {
         .fold([0.0; 3], |sum, (p, w)| add(sum, *p, *w))
 }
 
-/// Weights that sum to one; some are zero.
+/// Returns weights that sum to one; some are zero.
 fn weights(r: &mut Rng, n: usize) -> Vec<f64> {
     let dyadic = |r: &mut Rng| r.below(9) as f64 / 8.0;
     match (n, r.below(3)) {
@@ -73,20 +75,20 @@ fn weights(r: &mut Rng, n: usize) -> Vec<f64> {
     }
 }
 
-/// Places and velocities at an instant, as paths over the frame.
+/// Converts positions and velocities at an instant into paths over the frame.
 fn paths(places: &[Point], velocities: &[Point], instant: f64) -> Vec<Path> {
     let path = |(p, v): (&Point, &Point)| [add(*p, *v, -instant), add(*p, *v, 1.0 - instant)];
     places.iter().zip(velocities).map(path).collect()
 }
 
-/// Makes a query of a kind, at a scale that is a power of two, A's vertices first.
+/// Makes a query of a kind, scaled by a power of two, with A's vertices first.
 pub fn make(kind: &str, (a, b): Split, r: &mut Rng) -> Vec<Path> {
     let n = a + b;
     let many = |r: &mut Rng, f: &mut dyn FnMut(&mut Rng) -> Point| -> Vec<Point> { (0..n).map(|_| f(r)).collect() };
     let mut x = many(r, &mut point);
     let mut v = many(r, &mut point);
     let instant = *r.pick(&[0.0, 0.25, 0.5, 0.75, 1.0]);
-    // Moves A so that points of both parts meet at the instant, but for rounding.
+    // Moves A so that points of both parts meet at the instant, up to rounding.
     let meet = |x: &mut [Point], r: &mut Rng| {
         let (of_a, of_b) = (mix(&x[..a], &weights(r, a)), mix(&x[a..], &weights(r, b)));
         let way = add(of_b, of_a, -1.0);
@@ -123,7 +125,7 @@ pub fn make(kind: &str, (a, b): Split, r: &mut Rng) -> Vec<Path> {
         "degenerate" => {
             x.iter_mut().for_each(|p| *p = lattice(r, 2, 0.5));
             v.iter_mut().for_each(|p| *p = lattice(r, 2, 0.5));
-            // A face or an edge without extent, for all time or at the instant.
+            // A face or an edge without extent, always or at the instant.
             let (i, j) = (a + r.below(b), a + r.below(b));
             x[i] = x[j];
             if r.chance(0.5) {
@@ -143,7 +145,7 @@ pub fn make(kind: &str, (a, b): Split, r: &mut Rng) -> Vec<Path> {
             x.iter().map(|_| ends(r)).collect()
         }
         "sliding on a face" => {
-            // Along the face or the edges, and a little above or below.
+            // Along the face or the edges, and slightly above or below.
             let level = |p: Point, z: f64| [p[0], p[1], z];
             let height = *r.pick(&[0.0, 1e-17, 1e-15, 1e-12, 1e-8, -1e-15, -1e-8]);
             let k = if r.chance(0.5) { height } else { -height };
@@ -154,7 +156,7 @@ pub fn make(kind: &str, (a, b): Split, r: &mut Rng) -> Vec<Path> {
             (0..n).map(|i| ends(r, i)).collect()
         }
         "spike at a corner" => {
-            // Through a corner or an edge, with all numbers whole.
+            // Through a vertex or an edge, with dyadic numbers.
             x.iter_mut().for_each(|p| *p = lattice(r, 4, 0.25));
             v.iter_mut().for_each(|p| *p = lattice(r, 4, 0.25));
             let way = add(x[a + r.below(b)], x[r.below(a)], -1.0);
@@ -169,7 +171,8 @@ pub fn make(kind: &str, (a, b): Split, r: &mut Rng) -> Vec<Path> {
             paths(&x, &v, instant)
         }
         "grazing" => {
-            // The cubic has a double zero: the vertex touches a face that turns, or comes to it and leaves.
+            // The cubic has a double zero: the vertex touches a rotating face, or approaches it and
+            // recedes.
             x.iter_mut().for_each(|p| *p = lattice(r, 4, 0.25));
             meet(&mut x, r);
             let along = |r: &mut Rng, x: &[Point]| {
@@ -214,7 +217,7 @@ pub fn make(kind: &str, (a, b): Split, r: &mut Rng) -> Vec<Path> {
             paths(&x, &v, r.uniform())
         }
         _ => {
-            // A wedge in a crack: thin faces and short edges, some of a hundred-millionth.
+            // A wedge in a crack: thin faces and short edges, down to 1e-14.
             let thin = *r.pick(&[1e-3, 1e-8, 1e-14]);
             let axis = lattice(r, 2, 0.5);
             for k in 0..n {
@@ -230,15 +233,18 @@ pub fn make(kind: &str, (a, b): Split, r: &mut Rng) -> Vec<Path> {
     all
 }
 
-/// Two meshes of a few triangles, each with a triangle of a query of a kind. Triangles about it share vertices, stand at equal
-/// places, continue planes and edges, or carry on the other mesh; with `is_fast` all of A passes B in the frame.
+/// Returns two meshes of a few triangles, each with a triangle of a query of a kind.
+///
+/// The surrounding triangles share vertices, coincide with positions, or continue planes, edges or
+/// the other mesh. With `is_fast`, all of A passes B in the frame.
 pub fn meshes(kind: &str, is_fast: bool, r: &mut Rng) -> [Moving; 2] {
     let both = make(kind, (3, 3), r);
     let mut all = [&both[..3], &both[3..]].map(|paths| Moving {
         paths: paths.to_vec(),
         triangles: vec![[0, 1, 2]],
     });
-    // Most triangles about the query are apart at the begin, so that they do not hide the query.
+    // Most triangles around the query are separated at the start, so that they do not hide the
+    // query.
     let hides = |all: &[Moving; 2]| {
         let begin = |m: &Moving| Moving {
             paths: m.paths.iter().map(|p| [p[0]; 2]).collect(),
@@ -269,18 +275,18 @@ pub fn meshes(kind: &str, is_fast: bool, r: &mut Rng) -> [Moving; 2] {
     all
 }
 
-/// Adds a triangle at an edge, with a vertex of its own.
+/// Adds a triangle at an edge, with a new vertex.
 fn grow(mesh: &mut Moving, other: &[Path], r: &mut Rng) {
     let [mut i, mut j, k] = *r.pick(&mesh.triangles);
     let own = |v: u32| mesh.paths[v as usize];
     let combined = |p: Path, q: Path, s: Path, x: f64| [0, 1].map(|t| add(add(p[t], q[t], 1.0), s[t], -x));
     let path = match r.below(6) {
-        // The parallelogram: in the plane of the triangle, on the lattice of its numbers.
+        // The parallelogram: in the plane of the triangle, and on the same lattice.
         0 | 1 => combined(own(i), own(j), own(k), 1.0),
-        // A vertex where another one is.
+        // A vertex at the position of another vertex.
         2 => own(k),
         3 => *r.pick(other),
-        // Away from the plane, with the velocity of a vertex.
+        // Off the plane, with the velocity of a vertex.
         4 => {
             let off = add(*r.pick(&own(j)), own(k)[0], -1.0);
             own(i).map(|p| add(p, [off[1], off[2], off[0]], 1.0))

@@ -1,10 +1,12 @@
-//! The first contact of two meshes whose vertices are on straight paths, or of one and itself: over all pairs of a vertex and a
-//! face and of two edges whose boxes over the frame meet, and over all pairs of triangles at time zero.
+//! First contact of two meshes whose vertices move on straight paths, or of one mesh with itself.
+//!
+//! The oracle tests all pairs of a vertex and a face, and of two edges, whose boxes over the frame
+//! meet. At time zero it tests all pairs of triangles.
 
 use super::{Path, Truth, edge_edge, pierce, vertex_face};
 use std::collections::BTreeSet;
 
-/// A mesh whose vertices are on straight paths.
+/// A mesh whose vertices move on straight paths.
 #[derive(Clone, Debug)]
 pub struct Moving {
     /// The vertices.
@@ -14,7 +16,7 @@ pub struct Moving {
 }
 
 impl Moving {
-    /// Both as one mesh.
+    /// Returns both as one mesh.
     pub fn with(&self, other: &Self) -> Self {
         let first = self.paths.len() as u32;
         let mut whole = self.clone();
@@ -30,7 +32,7 @@ impl Moving {
     }
 }
 
-/// Whether the boxes of the ends of some paths meet, which hold the paths.
+/// Returns whether the boxes of the ends of some paths meet; the boxes contain the paths.
 fn may_meet(p: &[Path], q: &[Path]) -> bool {
     let range = |paths: &[Path], k: usize| {
         let all = paths.iter().flatten().map(|x| x[k]);
@@ -44,7 +46,7 @@ fn may_meet(p: &[Path], q: &[Path]) -> bool {
     })
 }
 
-/// Pairs of features that were asked: of a vertex and a face, the other way, and of two edges.
+/// Feature pairs already tested: vertex and face, face and vertex, two edges.
 type Asked = BTreeSet<(u8, [u32; 3], [u32; 3])>;
 
 fn of_pair(a: &Moving, b: &Moving, [i, j]: [usize; 2], asked: &mut Asked) -> Truth {
@@ -90,13 +92,13 @@ fn first_of(a: &Moving, b: &Moving, pairs: impl Iterator<Item = [usize; 2]>) -> 
     first
 }
 
-/// The first contact of two meshes.
+/// Returns the first contact of two meshes.
 pub fn first_contact(a: &Moving, b: &Moving) -> Truth {
     let count = b.triangles.len();
     first_of(a, b, (0..a.triangles.len() * count).map(|k| [k / count, k % count]))
 }
 
-/// The first contact of two triangles of a mesh that share no vertex.
+/// Returns the first contact of two triangles of a mesh that share no vertex.
 pub fn self_contact(a: &Moving) -> Truth {
     let count = a.triangles.len();
     let share = |[i, j]: [usize; 2]| a.triangles[i].iter().any(|v| a.triangles[j].contains(v));

@@ -1,9 +1,9 @@
-//! The naive oracle of vertices on straight paths: the first contact of a vertex and a face, of two edges
-//! or of two triangles, in exact arithmetic.
+//! The naive oracle of vertices on straight paths, in exact arithmetic: the first contact of a
+//! vertex and a face, of two edges or of two triangles.
 //!
-//! Four points in one plane: the vertex is in the face, or the edges meet, if their shadows along
-//! all three axes do. So besides the volume only areas of shadows and comparisons of coordinates
-//! are asked for their signs, at roots that Sturm sequences isolate.
+//! If four points are coplanar, the vertex is in the face, or the edges meet, if and only if their
+//! shadows along all three axes do. So, besides the volume, only signs of shadow areas and of
+//! coordinate differences are needed, at roots that Sturm sequences isolate.
 
 pub mod families;
 mod meshes;
@@ -17,17 +17,17 @@ use dashu_base::BitTest;
 use dashu_ratio::RBig;
 use sturm::{Poly, Root, roots};
 
-/// Where a vertex begins and ends.
+/// Start and end of a vertex.
 pub type Path = [Point; 2];
 
 /// The first contact.
 #[derive(Clone, Debug)]
 pub enum Truth {
-    /// Never in contact.
+    /// No contact.
     Apart,
-    /// At time zero.
+    /// Contact at time zero.
     Start,
-    /// In `(low, high]`, less than `2^-80` apart.
+    /// First contact in `(low, high]`, an interval shorter than `2^-80`.
     At(RBig, RBig),
 }
 
@@ -43,7 +43,7 @@ impl Truth {
 
 type Vector = [Poly; 3];
 
-/// The paths over the integers.
+/// Returns the paths over the integers.
 fn moving(paths: &[Path]) -> Vec<Vector> {
     let most = paths
         .iter()
@@ -65,7 +65,7 @@ fn moving(paths: &[Path]) -> Vec<Vector> {
     paths.iter().map(path).collect()
 }
 
-/// Twice the area of the shadow of three points along an axis.
+/// Returns twice the area of the shadow of three points along an axis.
 fn area(axis: usize, [a, b, c]: [&Vector; 3]) -> Poly {
     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
     let d = |p: &Vector, k: usize| p[k].minus(&a[k]);
@@ -82,13 +82,14 @@ fn is_same(signs: &[i32]) -> bool {
     signs.iter().all(|s| *s >= 0) || signs.iter().all(|s| *s <= 0)
 }
 
-/// The polynomials whose signs tell of a contact, the volume first, and how.
+/// The polynomials whose signs decide contact, the volume first, and the decision.
 struct QueryOptions {
     signs: Vec<Poly>,
     is_contact: fn(&[i32]) -> bool,
 }
 
-/// For each axis three areas; for each coordinate the differences of the vertex from the three corners.
+/// For each axis, three areas; for each coordinate, the differences between the vertex and the
+/// three face vertices.
 fn of_face(m: &[Vector]) -> QueryOptions {
     let (p, t) = (&m[0], [&m[1], &m[2], &m[3]]);
     let mut signs = vec![volume([p, t[0], t[1], t[2]])];
@@ -108,7 +109,8 @@ fn of_face(m: &[Vector]) -> QueryOptions {
     QueryOptions { signs, is_contact }
 }
 
-/// For each axis four areas; for each coordinate the four differences of the ends of both edges.
+/// For each axis, four areas; for each coordinate, the four differences between the ends of the
+/// edges.
 fn of_edges(m: &[Vector]) -> QueryOptions {
     let [a, b, c, d] = [&m[0], &m[1], &m[2], &m[3]];
     let mut signs = vec![volume([a, b, c, d])];
@@ -150,7 +152,7 @@ impl QueryOptions {
                 if first.as_ref().is_some_and(|f| f.high < root.low) {
                     break;
                 }
-                // The volume is zero at its own roots, which are most.
+                // The volume is zero at its roots, which are most of the candidates.
                 let signs: Vec<i32> = self.signs.iter().map(|q| root.sign_of(q)).collect();
                 if (self.is_contact)(&signs) {
                     for _ in 0..90 {
@@ -167,17 +169,17 @@ impl QueryOptions {
     }
 }
 
-/// The first contact of a vertex and a face.
+/// Returns the first contact of a vertex and a face.
 pub fn vertex_face(paths: &[Path; 4]) -> Truth {
     of_face(&moving(paths)).truth()
 }
 
-/// The first contact of two edges.
+/// Returns the first contact of two edges.
 pub fn edge_edge(paths: &[Path; 4]) -> Truth {
     of_edges(&moving(paths)).truth()
 }
 
-/// The first contact of two triangles.
+/// Returns the first contact of two triangles.
 pub fn triangles(a: &[Path; 3], b: &[Path; 3]) -> Truth {
     if pierce(a, b) || pierce(b, a) {
         return Truth::Start;
@@ -193,7 +195,7 @@ pub fn triangles(a: &[Path; 3], b: &[Path; 3]) -> Truth {
     all.into_iter().fold(Truth::Apart, Truth::or_earlier)
 }
 
-/// Whether an edge of `a` passes from one side of `b` to the other within it, at time zero.
+/// Returns whether an edge of `a` passes through the interior of `b`, at time zero.
 fn pierce(a: &[Path; 3], b: &[Path; 3]) -> bool {
     let all = moving(&[a[0], a[1], a[2], b[0], b[1], b[2]].map(|p| [p[0], p[0]]));
     let side =
@@ -221,7 +223,7 @@ mod tests {
             panic!("it falls through")
         };
         assert!(low < exact(0.75) && exact(0.75) <= high);
-        // An edge and a corner count, a point beside does not.
+        // Contact on an edge and at a vertex counts; a point next to the face does not.
         assert!(matches!(fall(0.5, 0.5), Truth::At(..)) && matches!(fall(0.0, 1.0), Truth::At(..)));
         assert!(matches!(fall(0.5, 0.5 + f64::EPSILON), Truth::Apart));
     }

@@ -1,10 +1,10 @@
-//! Polynomials over the integers: their roots counted by Sturm sequences.
+//! Polynomials over the integers, with their roots counted by Sturm sequences.
 
 use dashu_base::Gcd;
 use dashu_int::IBig;
 use dashu_ratio::RBig;
 
-/// Coefficients, the constant first and the last not zero.
+/// Coefficients, the constant first; the last is not zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Poly(pub Vec<IBig>);
 
@@ -16,7 +16,7 @@ fn trimmed(mut c: Vec<IBig>) -> Poly {
 }
 
 impl Poly {
-    /// `a + b t`.
+    /// Returns `a + b t`.
     pub fn linear(a: IBig, b: IBig) -> Self {
         trimmed(vec![a, b])
     }
@@ -51,7 +51,7 @@ impl Poly {
         trimmed(c)
     }
 
-    /// The sign of the value at a rational number.
+    /// Returns the sign of the value at a rational number.
     pub fn sign_at(&self, t: &RBig) -> i32 {
         let (num, den) = (t.numerator(), IBig::from(t.denominator().clone()));
         let mut scale = IBig::ONE;
@@ -63,7 +63,7 @@ impl Poly {
         sign(&sum)
     }
 
-    /// A remainder, times a positive number, without its content.
+    /// Returns a remainder, times a positive number, without its content.
     fn remainder(&self, by: &Self) -> Self {
         let mut rest = self.0.clone();
         let lead = by.0.last().expect("not zero");
@@ -97,7 +97,7 @@ impl Poly {
         trimmed((1..self.0.len()).map(|k| &self.0[k] * IBig::from(k)).collect())
     }
 
-    /// The polynomial over a divisor, times a number that is not zero.
+    /// Returns the polynomial divided by a divisor, times a nonzero number.
     fn over(&self, by: &Self) -> Self {
         let (mut rest, mut quotient) = (self.clone(), Poly(vec![]));
         let lead = by.0.last().expect("not zero");
@@ -113,7 +113,7 @@ impl Poly {
         quotient.without_content()
     }
 
-    /// The same roots, each once.
+    /// Returns a polynomial with the same roots, each simple.
     fn square_free(&self) -> Self {
         self.over(&self.gcd(&self.derivative()))
     }
@@ -130,7 +130,7 @@ impl Poly {
         let simple = self.square_free();
         let derivative = simple.derivative();
         let mut chain = vec![simple, derivative];
-        // Multiple roots at an end of an interval would take all signs away.
+        // Multiple roots at an end of an interval would make all signs zero.
         while !chain[chain.len() - 1].is_zero() {
             let rest = chain[chain.len() - 2].remainder(&chain[chain.len() - 1]);
             chain.push(Poly(rest.0.iter().map(|c| -c).collect()));
@@ -149,7 +149,7 @@ fn changes(chain: &[Poly], t: &RBig) -> usize {
     signs.windows(2).filter(|w| w[0] != w[1]).count()
 }
 
-/// The number of different roots in `(low, high]`.
+/// Returns the number of distinct roots in `(low, high]`.
 fn count(chain: &[Poly], low: &RBig, high: &RBig) -> usize {
     changes(chain, low) - changes(chain, high)
 }
@@ -163,7 +163,7 @@ pub struct Root {
     pub high: RBig,
 }
 
-/// The roots in `(0, 1]`, in order; of a polynomial that is not zero.
+/// Returns the roots in `(0, 1]` in order; the polynomial must not be zero.
 pub fn roots(of: &Poly) -> Vec<Root> {
     let chain = of.chain();
     let mut open = vec![(RBig::ZERO, RBig::ONE)];
@@ -198,7 +198,7 @@ impl Root {
         }
     }
 
-    /// The sign of another polynomial at the root.
+    /// Returns the sign of another polynomial at the root.
     pub fn sign_of(&mut self, other: &Poly) -> i32 {
         if other.is_zero() || self.of.sign_at(&self.high) == 0 {
             return other.sign_at(&self.high);

@@ -6,12 +6,12 @@ use crate::pose::{add, scale};
 use crate::rng::Rng;
 use crate::{Point, Pose};
 
-/// `n` random points of the unit sphere.
+/// Returns `n` random points on the unit sphere.
 pub fn sphere(rng: &mut Rng, n: usize) -> Shape {
     Shape::hull(format!("sphere {n}"), (0..n).map(|_| rng.unit()).collect())
 }
 
-/// `n` random points of an ellipsoid with half axes `axes`.
+/// Returns `n` random points on an ellipsoid with half axes `axes`.
 pub fn ellipsoid(rng: &mut Rng, n: usize, axes: Point) -> Shape {
     let s = sphere(rng, n).stretched(axes);
     Shape {
@@ -20,12 +20,12 @@ pub fn ellipsoid(rng: &mut Rng, n: usize, axes: Point) -> Shape {
     }
 }
 
-/// `n` random points in the unit ball: most of a large cloud is inside.
+/// Returns `n` random points in the unit ball: most points of a large cloud are interior.
 pub fn ball(rng: &mut Rng, n: usize) -> Shape {
     Shape::hull(format!("ball {n}"), (0..n).map(|_| rng.in_ball()).collect())
 }
 
-/// A flat body: `n` random points squeezed to `thickness` and turned at random.
+/// Returns a flat body: `n` random points squeezed to `thickness` and rotated at random.
 pub fn sliver(rng: &mut Rng, n: usize, thickness: f64) -> Shape {
     let turn = Pose {
         q: rng.quat(),
@@ -38,7 +38,8 @@ pub fn sliver(rng: &mut Rng, n: usize, thickness: f64) -> Shape {
     }
 }
 
-/// A thin body: `n` random points squeezed to `width` in two directions and turned at random.
+/// Returns a thin body: `n` random points squeezed to `width` in two directions and rotated at
+/// random.
 pub fn needle(rng: &mut Rng, n: usize, width: f64) -> Shape {
     let turn = Pose {
         q: rng.quat(),
@@ -51,22 +52,22 @@ pub fn needle(rng: &mut Rng, n: usize, width: f64) -> Shape {
     }
 }
 
-/// A box whose top carries a ridge higher by `height`: two roof faces almost in one plane.
+/// Returns a box with a ridge higher by `height` on its top: two almost coplanar roof faces.
 pub fn roof(height: f64) -> Shape {
     let mut points = cuboid([1.0, 1.0, 0.5]).points;
     points.extend([[-1.0, 0.0, 0.5 + height], [1.0, 0.0, 0.5 + height]]);
     Shape::hull(format!("roof {height:e}"), points)
 }
 
-/// A box whose top carries a tip higher by `height`: four faces almost in one plane.
+/// Returns a box with a tip higher by `height` on its top: four almost coplanar faces.
 pub fn pyramid_lid(height: f64) -> Shape {
     let mut points = cuboid([1.0, 1.0, 0.5]).points;
     points.push([0.0, 0.0, 0.5 + height]);
     Shape::hull(format!("lid {height:e}"), points)
 }
 
-/// A prism of `n` sides closed by a cap of `rings` rings rising by `height` in all: a fan and bands of faces almost in
-/// one plane.
+/// Returns a prism of `n` sides closed by a cap of `rings` rings that rises by `height`: a fan and
+/// bands of almost coplanar faces.
 pub fn cap(n: usize, rings: usize, height: f64) -> Shape {
     let mut points = ring(n, 1.0, -0.5);
     for i in 0..rings {
@@ -77,7 +78,7 @@ pub fn cap(n: usize, rings: usize, height: f64) -> Shape {
     Shape::hull(format!("cap {n} {rings} {height:e}"), points)
 }
 
-/// A box whose top is a grid of `(k + 1)^2` points of a paraboloid rising by `height`.
+/// Returns a box whose top is a grid of `(k + 1)^2` points of a paraboloid that rises by `height`.
 pub fn dome(k: usize, height: f64) -> Shape {
     let at = |i| 2.0 * i as f64 / k as f64 - 1.0;
     let mut points = vec![
@@ -92,22 +93,24 @@ pub fn dome(k: usize, height: f64) -> Shape {
     Shape::hull(format!("dome {k} {height:e}"), points)
 }
 
-/// `n` random points with integer coordinates in `-k..=k`: duplicates, collinear and coplanar points abound, and the
-/// points may even lie in one plane.
+/// Returns `n` random points with integer coordinates in `-k..=k`.
+///
+/// Many are duplicates, collinear or coplanar, and all points may even be coplanar.
 pub fn lattice(rng: &mut Rng, n: usize, k: i64) -> Shape {
     let mut point = || std::array::from_fn(|_| rng.int(-k, k) as f64);
     Shape::hull(format!("lattice {n} {k}"), (0..n).map(|_| point()).collect())
 }
 
-/// All points of a cubic grid with `k + 1` points a side on the cube of half size 1, the inner ones too.
+/// Returns all points of a cubic grid with `k + 1` points per side on the cube of half size 1,
+/// including interior points.
 pub fn grid(k: usize) -> Shape {
     let at = |i| 2.0 * i as f64 / k as f64 - 1.0;
     let point = |m: usize| [at(m / (k + 1) / (k + 1)), at(m / (k + 1) % (k + 1)), at(m % (k + 1))];
     Shape::hull(format!("grid {k}"), (0..(k + 1).pow(3)).map(point).collect())
 }
 
-/// A box of half sizes `h` with every edge and corner cut by `chamfer`: slim rectangles and tiny triangles beside large
-/// faces.
+/// Returns a box of half sizes `h` with every edge and vertex cut by `chamfer`: slim rectangles and
+/// tiny triangles next to large faces.
 pub fn chamfered(h: Point, chamfer: f64) -> Shape {
     let inset = |p: Point, keep: usize| {
         std::array::from_fn(|i| {
@@ -126,8 +129,10 @@ pub fn chamfered(h: Point, chamfer: f64) -> Shape {
     Shape::hull(format!("chamfered {chamfer:e}"), points)
 }
 
-/// The same hull with a third more points: some twice, some inside, some half way between two points of one face (on the
-/// face where that is exact, else off it by rounding). Faces are dropped, the order is random.
+/// Returns the same hull with a third more points, in random order and without faces.
+///
+/// Some points are duplicates, some are interior, and some are midpoints of two points of one face:
+/// on the face if that is exact, otherwise off it by rounding.
 pub fn dirty(shape: &Shape, rng: &mut Rng) -> Shape {
     let mut points = shape.points.clone();
     let n = points.len();

@@ -1,7 +1,7 @@
-//! Bodies that are hard on purpose, as plain points and, where a body has natural ones, faces.
+//! Deliberately hard bodies, as points and, for bodies with natural faces, faces.
 //!
-//! Bodies stand about the origin with a size near 1 unless said otherwise. Where faces are given they turn
-//! counter-clockwise from outside; where `faces` is empty the hull has to find them.
+//! Bodies are centred at the origin with a size of about 1 unless stated otherwise. Given faces are
+//! counter-clockwise from outside; if `faces` is empty, the hull has to find them.
 
 mod hard;
 mod solids;
@@ -12,19 +12,19 @@ pub use solids::*;
 use crate::rng::Rng;
 use crate::{Face, Point, Pose, brute_hull};
 
-/// A body by name.
+/// A named body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
-    /// What it is, for messages.
+    /// Name, for messages.
     pub name: String,
-    /// Points in the body's own frame; not all need be extreme.
+    /// Points in the body's frame; not all need be extreme.
     pub points: Vec<Point>,
-    /// Faces, or none.
+    /// Faces; may be empty.
     pub faces: Vec<Face>,
 }
 
 impl Shape {
-    /// Points whose hull is the body.
+    /// Returns the body that is the hull of the points.
     pub fn hull(name: impl Into<String>, points: Vec<Point>) -> Self {
         Self {
             name: name.into(),
@@ -33,24 +33,25 @@ impl Shape {
         }
     }
 
-    /// The same body with its faces found exactly; for a few points only.
+    /// Returns the body with exactly computed faces; for a few points only.
     pub fn solved(mut self) -> Self {
         self.faces = brute_hull::faces(&self.points);
         self
     }
 
-    /// The same points moved (and rounded); faces are kept, though no longer planar to the last bit.
+    /// Returns the body with moved (and rounded) points and the same faces, which are no longer
+    /// exactly planar.
     pub fn moved(mut self, pose: &Pose) -> Self {
         self.points.iter_mut().for_each(|p| *p = pose.apply(*p));
         self
     }
 
-    /// The same points in another unit of length; faces are kept.
+    /// Returns the body in another unit of length, with the same faces.
     pub fn scaled(self, by: f64) -> Self {
         self.stretched([by; 3])
     }
 
-    /// The same points stretched along the axes by positive factors; faces are kept.
+    /// Returns the body stretched along the axes by positive factors, with the same faces.
     pub fn stretched(mut self, by: Point) -> Self {
         self.points
             .iter_mut()
@@ -58,7 +59,7 @@ impl Shape {
         self
     }
 
-    /// The same body with its points in another order.
+    /// Returns the body with its points in random order.
     pub fn shuffled(mut self, rng: &mut Rng) -> Self {
         let mut order: Vec<usize> = (0..self.points.len()).collect();
         rng.shuffle(&mut order); // order[new] = old
@@ -69,13 +70,13 @@ impl Shape {
         self
     }
 
-    /// Faces cut into triangles by fans.
+    /// Returns the faces, cut into triangles by fans.
     pub fn triangles(&self) -> Vec<[u32; 3]> {
         triangles(&self.faces)
     }
 }
 
-/// Faces cut into triangles by a fan from each first corner.
+/// Returns faces cut into triangles by a fan from each first vertex.
 pub fn triangles(faces: &[Face]) -> Vec<[u32; 3]> {
     faces
         .iter()
@@ -83,7 +84,7 @@ pub fn triangles(faces: &[Face]) -> Vec<[u32; 3]> {
         .collect()
 }
 
-/// A random body of at most 16 points for the exact oracle, its faces found: of any of the families above.
+/// Returns a random body of at most 16 points with its faces, for the exact oracle.
 pub fn small(rng: &mut Rng) -> Shape {
     loop {
         let n = 4 + rng.below(10);
@@ -108,7 +109,7 @@ pub fn small(rng: &mut Rng) -> Shape {
     }
 }
 
-/// One body of each family, from 4 to some 1000 points, by name.
+/// Returns one body of each family, from 4 to about 1000 points.
 pub fn catalogue(seed: u64) -> Vec<Shape> {
     let mut r = Rng::new(seed);
     let mut all = Vec::from(platonic());

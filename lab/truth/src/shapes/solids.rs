@@ -5,7 +5,8 @@ use crate::pose::{add, cross, dot, scale, sub};
 use crate::{Face, Point};
 use std::f64::consts::TAU;
 
-/// A box of half sizes `h`. Point `4 i + 2 j + k` is at `x` sign `i`, `y` sign `j`, `z` sign `k`.
+/// Returns a box of half sizes `h`. Point `4 i + 2 j + k` is at `x` sign `i`, `y` sign `j`, `z`
+/// sign `k`.
 pub fn cuboid(h: Point) -> Shape {
     let corner = |m: u32| std::array::from_fn(|i| if m >> (2 - i) & 1 == 1 { h[i] } else { -h[i] });
     let faces = [
@@ -24,13 +25,13 @@ pub fn cuboid(h: Point) -> Shape {
     }
 }
 
-/// `n` points of a circle of radius `r` at height `z`, counter-clockwise from above.
+/// Returns `n` points of a circle of radius `r` at height `z`, counter-clockwise from above.
 pub(super) fn ring(n: usize, r: f64, z: f64) -> Vec<Point> {
     let at = |i| TAU * i as f64 / n as f64;
     (0..n).map(|i| [r * at(i).cos(), r * at(i).sin(), z]).collect()
 }
 
-/// An upright prism over a regular `n`-gon of radius `r`, of half height `h`.
+/// Returns an upright prism over a regular `n`-gon of radius `r`, with half height `h`.
 pub fn prism(n: usize, r: f64, h: f64) -> Shape {
     let points = [ring(n, r, -h), ring(n, r, h)].concat();
     let m = n as u32;
@@ -46,8 +47,10 @@ pub fn prism(n: usize, r: f64, h: f64) -> Shape {
     }
 }
 
-/// A plate of half sizes `h` whose upright edges are rounded by `k` points each, at a radius of half the shorter side: a box for
-/// `k = 1`. Between the corners its rims are straight.
+/// Returns a plate of half sizes `h` whose upright edges are rounded by `k` points each, with a
+/// radius of half the shorter side.
+///
+/// Between the corners its sides are straight. For `k = 1` it is a box.
 pub fn rounded_plate(h: Point, k: usize) -> Shape {
     let r = 0.5 * h[0].min(h[1]);
     let quarter = |i: usize| if k > 1 { i as f64 / (k - 1) as f64 } else { 0.5 };
@@ -68,7 +71,8 @@ pub fn rounded_plate(h: Point, k: usize) -> Shape {
     Shape::hull(format!("plate {}", 4 * k), points)
 }
 
-/// A cone over a regular `n`-gon of radius `r` at `z = 0`, with its tip (the last point, of valence `n`) at height `h`.
+/// Returns a cone over a regular `n`-gon of radius `r` at `z = 0`, with its tip (the last point, of
+/// valence `n`) at height `h`.
 pub fn cone(n: usize, r: f64, h: f64) -> Shape {
     let mut points = ring(n, r, 0.0);
     points.push([0.0, 0.0, h]);
@@ -82,13 +86,13 @@ pub fn cone(n: usize, r: f64, h: f64) -> Shape {
     }
 }
 
-/// The regular tetrahedron in the cube of half size 1.
+/// Returns the regular tetrahedron in the cube of half size 1.
 pub fn tetrahedron() -> Shape {
     let points = vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
     Shape::hull("tetrahedron", points).solved()
 }
 
-/// The cube of half size 1.
+/// Returns the cube of half size 1.
 pub fn cube() -> Shape {
     Shape {
         name: "cube".into(),
@@ -96,7 +100,7 @@ pub fn cube() -> Shape {
     }
 }
 
-/// The octahedron with tips at distance 1.
+/// Returns the octahedron with vertices at distance 1.
 pub fn octahedron() -> Shape {
     let tips = (0..6).map(|i| std::array::from_fn(|k| if k == i / 2 { 1.0 - 2.0 * (i % 2) as f64 } else { 0.0 }));
     Shape::hull("octahedron", tips.collect()).solved()
@@ -105,7 +109,7 @@ pub fn octahedron() -> Shape {
 /// The golden ratio.
 const PHI: f64 = 1.618_033_988_749_895;
 
-/// The icosahedron of edge 2.
+/// Returns the icosahedron of edge 2.
 pub fn icosahedron() -> Shape {
     let mut points = Vec::new();
     for i in 0..3 {
@@ -116,8 +120,10 @@ pub fn icosahedron() -> Shape {
     Shape::hull("icosahedron", points).solved()
 }
 
-/// The dodecahedron of edge `2 / PHI`. Its pentagons are planar up to rounding only: the dual of the icosahedron names
-/// them, and the exact hull of the points may cut them.
+/// Returns the dodecahedron of edge `2 / PHI`.
+///
+/// Its pentagons are planar only up to rounding: the dual of the icosahedron defines them, and the
+/// exact hull of the points may cut them.
 pub fn dodecahedron() -> Shape {
     let mut points = cube().points;
     for i in 0..3 {
@@ -126,7 +132,7 @@ pub fn dodecahedron() -> Shape {
         }
     }
     let tips = icosahedron().points;
-    // The icosahedron with y and z exchanged has its tips over the faces.
+    // The vertices of the icosahedron with y and z exchanged are above the faces.
     let faces = tips.iter().map(|n| rim_about(&points, [n[0], n[2], n[1]])).collect();
     Shape {
         name: "dodecahedron".into(),
@@ -135,7 +141,7 @@ pub fn dodecahedron() -> Shape {
     }
 }
 
-/// The five points farthest along `n`, in order about it.
+/// Returns the five points farthest along `n`, in order about it.
 fn rim_about(points: &[Point], n: Point) -> Face {
     let mut ids: Vec<u32> = (0..points.len() as u32).collect();
     ids.sort_by(|&i, &j| dot(points[j as usize], n).total_cmp(&dot(points[i as usize], n)));
@@ -151,12 +157,13 @@ fn rim_about(points: &[Point], n: Point) -> Face {
     ids
 }
 
-/// The five Platonic solids.
+/// Returns the five Platonic solids.
 pub fn platonic() -> [Shape; 5] {
     [tetrahedron(), cube(), octahedron(), dodecahedron(), icosahedron()]
 }
 
-/// The geodesic sphere of frequency `2^level` over the icosahedron: `10 * 4^level + 2` points and their triangles.
+/// Returns the geodesic sphere of frequency `2^level` over the icosahedron: `10 * 4^level + 2`
+/// points and their triangles.
 pub fn icosphere(level: usize) -> Shape {
     let base = icosahedron();
     let on_sphere = |p: Point| scale(p, 1.0 / dot(p, p).sqrt());

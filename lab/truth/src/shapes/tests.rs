@@ -1,10 +1,11 @@
-//! Every body is what its name says.
+//! Every body has the properties that its name states.
 
 use super::*;
 use crate::pose::{cross, dot, sub};
 use std::collections::HashMap;
 
-/// Every side of every face is met once in each direction, and V - E + F is 2 over the points that are used.
+/// Asserts that every side of every face is met once in each direction, and that V - E + F = 2 over
+/// the used points.
 fn assert_closed(s: &Shape) {
     let mut sides: HashMap<(u32, u32), usize> = HashMap::new();
     for f in &s.faces {
@@ -23,7 +24,7 @@ fn assert_closed(s: &Shape) {
     assert_eq!(used.len() + s.faces.len(), sides.len() / 2 + 2, "{}: Euler", s.name);
 }
 
-/// No point lies above the plane of a face by more than rounding.
+/// Asserts that no point lies above the plane of a face by more than rounding.
 fn assert_convex(s: &Shape) {
     for f in &s.faces {
         let [a, b, c] = [0, 1, 2].map(|i| s.points[f[i] as usize]);

@@ -7,6 +7,10 @@
 //! variables finds the least distance directly. The walk continues from the vertices there: a jump
 //! is a proposal, like every step.
 //!
+//! Without the jumps, a query with a new tracker took 2 to 11 times as long for prisms and cones of
+//! 1,024 and 8,192 vertices, and 0.6 to 1.2 times for 128 vertices (0.5 to 180 degrees per frame,
+//! gaps of 2 % and 0.01 % of the size; AMD EPYC, 2026-11-26).
+//!
 //! With `r` from a point of B to a point of A, in up to two variables for each, `|r|^2 / 2` has the
 //! gradient `r . r_i` and the second derivatives `r_i . r_j + r . r_ij`. A side on no ring is
 //! fixed: a vertex takes no variable, an edge takes the variable along itself, and a face takes

@@ -7,7 +7,7 @@ use super::tables::Tables;
 
 const SIZE: (u32, u32) = (860, 420);
 
-/// How many rows have a clearance.
+/// Draws the number of rows by clearance.
 pub(super) fn histogram(tables: &Tables) -> Result<String, StudyError> {
     let most = tables.bars.iter().map(|b| b.1).fold(1.0, f64::max);
     let end = tables.greatest.max(tables.least + tables.width);
@@ -37,7 +37,7 @@ pub(super) fn histogram(tables: &Tables) -> Result<String, StudyError> {
     })
 }
 
-/// How many rows are in contact, by two joints.
+/// Draws the share of rows in contact, by two joints.
 pub(super) fn map(tables: &Tables, names: [&str; 2], limits: [[f64; 2]; 2]) -> Result<String, StudyError> {
     let [[x0, x1], [y0, y1]] = limits;
     let cells = f64::from(Tables::CELLS);
@@ -62,7 +62,7 @@ pub(super) fn map(tables: &Tables, names: [&str; 2], limits: [[f64; 2]; 2]) -> R
     })
 }
 
-/// From blue, no row in contact, over pale to red, all of them.
+/// Returns a colour from blue (no row in contact) over pale to red (all rows).
 fn shade(contacts: f64) -> RGBColor {
     const ENDS: [[f64; 3]; 3] = [[0.0, 119.0, 187.0], [245.0, 245.0, 240.0], [204.0, 51.0, 17.0]];
     let place = 2.0 * contacts.clamp(0.0, 1.0);

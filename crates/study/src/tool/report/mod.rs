@@ -56,7 +56,7 @@ pub(super) async fn run(options: &ReportOptions) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// The joints of the map.
+/// Returns the joints of the map.
 fn joints(study: &Arc<Study>, named: Option<&[String]>) -> Result<Vec<String>, StudyError> {
     let names: Vec<_> = study.coordinates().iter().map(|c| c.name.clone()).collect();
     let Some(named) = named else {

@@ -1,4 +1,4 @@
-//! The page: one file of HTML, its pictures inside.
+//! The page: one HTML file with its pictures inside.
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ const STYLE: &str = "body{font:15px/1.5 sans-serif;max-width:900px;margin:2em au
 table{border-collapse:collapse;margin:1em 0}td,th{padding:.2em .8em;text-align:right;border-bottom:1px solid #ddd}\
 td.w,th.w{text-align:left}svg{max-width:100%;height:auto}h2{margin-top:2em}";
 
-/// Pairs of the table, at most.
+/// Largest number of pairs in the table.
 const PAIRS: usize = 20;
 
 pub(super) fn page(study: &Arc<Study>, tables: &Tables, map: &[String]) -> Result<String, StudyError> {

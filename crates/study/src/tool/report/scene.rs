@@ -11,7 +11,7 @@ use truth::arm::draw::{Picture, outline};
 
 use super::tables::{Tables, WorstRow};
 
-/// The robot in its cell at a row, the closest points joined.
+/// Draws the robot in its cell at a row, with the closest points joined.
 pub(super) fn picture(study: &Arc<Study>, row: &WorstRow) -> Result<String, StudyError> {
     study.with_checker(|checker| {
         let unfit = |e: String| StudyError::unfit("the picture", e);
@@ -36,7 +36,7 @@ pub(super) fn picture(study: &Arc<Study>, row: &WorstRow) -> Result<String, Stud
     })?
 }
 
-/// A frame for each of the worst rows.
+/// Records a frame for each of the worst rows.
 pub(super) fn record(study: &Arc<Study>, tables: &Tables, file: &Path) -> Result<(), StudyError> {
     let Some(first) = tables.worst.first() else {
         return Err(StudyError::unfit(file.display(), "no row to record"));

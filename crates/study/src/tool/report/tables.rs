@@ -1,4 +1,4 @@
-//! What the page says, as queries.
+//! The content of the page, computed by queries.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use datafusion::arrow::datatypes::{DataType, Float64Type};
 use datafusion::prelude::SessionContext;
 use lin_canny_study::{ID, Study, StudyError, TABLE, quoted};
 
-/// Bars of the histogram, and cells of the map in each direction.
+/// Bars of the histogram, and cells of the map along each joint.
 const BARS: u32 = 60;
 const CELLS: u32 = 48;
 
@@ -22,7 +22,7 @@ pub(super) struct WorstRow {
     pub(super) pair: [String; 2],
 }
 
-/// A pair, how many rows it is the closest of, and its least distance.
+/// A pair, the number of rows in which it is the closest, and its least distance.
 pub(super) struct PairCount {
     pub(super) pair: [String; 2],
     pub(super) rows: u64,
@@ -32,18 +32,18 @@ pub(super) struct PairCount {
 
 pub(super) struct Tables {
     pub(super) rows: u64,
-    /// Rows without an answer.
+    /// Rows without a result.
     pub(super) unanswered: u64,
     pub(super) contacts: u64,
     pub(super) least: f64,
     pub(super) greatest: f64,
     pub(super) mean: f64,
-    /// The start of each bar, the width of all, and counts.
+    /// Start of each bar with its count, and the width of a bar.
     pub(super) bars: Vec<(f64, f64)>,
     pub(super) width: f64,
     pub(super) pairs: Vec<PairCount>,
     pub(super) worst: Vec<WorstRow>,
-    /// Cells of the map, by column and row: the part of their rows that is in contact.
+    /// Cells of the map by column and row, with the share of their rows in contact.
     pub(super) map: Vec<(u32, u32, f64)>,
 }
 
@@ -113,7 +113,7 @@ impl Query<'_> {
         Ok(concat_batches(&schema, &frame.collect().await?)?)
     }
 
-    /// Rows of a query whose columns are numbers; NULL is NaN.
+    /// Returns the rows of a query whose columns are numbers; NULL is NaN.
     async fn numbers(&self, text: &str) -> Result<Vec<Vec<f64>>, StudyError> {
         numbers(&self.rows(text).await?)
     }
@@ -166,7 +166,7 @@ impl Query<'_> {
         Ok(worst.collect())
     }
 
-    /// The part of rows in contact by cells of two joints.
+    /// Returns the share of rows in contact, by cells of two joints.
     async fn map(&self, study: &Arc<Study>, joints: &[String]) -> Result<Vec<(u32, u32, f64)>, StudyError> {
         let [x, y] = joints else { return Ok(Vec::new()) };
         let cell = |name: &String| {
@@ -208,7 +208,7 @@ fn words(rows: &RecordBatch, columns: [usize; 2]) -> Result<Vec<[String; 2]>, St
     Ok((0..rows.num_rows()).map(|row| [word(&a, row), word(&b, row)]).collect())
 }
 
-/// The first row of a query that has one.
+/// The first row of a query, as an array.
 trait FirstRow {
     fn copied_array<const N: usize>(self) -> Result<[f64; N], StudyError>;
 }

@@ -1,9 +1,11 @@
-//! What asking less saves: one motion, every question; and inner hulls with a bound.
+//! Measures what simpler questions save: one motion, every question, and inner hulls with a bound.
 //!
-//! **Inner and outer hulls.** Let I be the hull of some vertices of a body P, and h the greatest distance of a vertex of P from
-//! I. The distance from the convex I is a convex function, so over P it is greatest at a vertex: every point of P is within h of
-//! I. Hence I lies in P and P in I grown by h, and for every direction the support of P exceeds that of I by 0 to h. So the signed
-//! distance of two bodies lies between that of their inner hulls less both h, and that of their inner hulls.
+//! **Inner and outer hulls.** Let I be the hull of some vertices of a body P, and h the greatest
+//! distance of a vertex of P from I. The distance from the convex body I is a convex function, so
+//! over P it is greatest at a vertex: every point of P is within h of I. Hence I lies in P, P lies
+//! in I grown by h, and in every direction the support value of P exceeds that of I by 0 to h. So
+//! the signed distance of two bodies is at most that of their inner hulls, and at least that less
+//! the sum of both h.
 
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, RelativePose, Tracker};
@@ -19,27 +21,27 @@ use truth::pairs::{self, Body, Pair};
 
 type Trouble = Box<dyn std::error::Error>;
 
-/// Vertices of the bodies.
+/// Vertices of each body.
 pub(crate) const SIZE: usize = 512;
 
-/// Degrees a frame.
+/// Motions in degrees per frame.
 pub(crate) const DEGREES: [&str; 2] = ["0.05", "1"];
 
 /// Vertices of the inner hulls.
 const INNER: [usize; 2] = [16, 64];
 
-/// The distance that `within` is asked for.
+/// The distance of the `within` queries.
 const NEAR: f64 = 0.1;
 
-/// A body by its inner hull.
+/// An inner hull of a body, with its bound.
 struct Detail {
     inner: ConvexPolyhedron,
-    /// No point of the body is farther from the inner hull.
+    /// Greatest distance of a point of the body from the inner hull.
     bound: f64,
 }
 
 impl Detail {
-    /// Takes the farthest vertex from those taken, again and again.
+    /// Repeatedly selects the vertex farthest from the vertices selected so far.
     fn new(body: &Body, count: usize) -> Result<Self, Trouble> {
         let mut far: Vec<f64> = body.points.iter().map(|&p| norm(sub(p, body.points[0]))).collect();
         let mut chosen = vec![body.points[0]];
@@ -63,7 +65,7 @@ impl Detail {
     }
 }
 
-/// The questions: what is kept, and how it is asked; the distance where there is one.
+/// The questions, each with the state that it keeps.
 enum Ask<'a> {
     Overlap(Tracker),
     Within(Tracker),
@@ -77,7 +79,7 @@ enum Ask<'a> {
     ParryDistance,
 }
 
-/// The name of a question, and whose it is.
+/// The engine and the name of a question.
 type Question = (&'static str, String);
 
 fn yes_no(yes: bool) -> f64 {
@@ -89,7 +91,7 @@ impl Ask<'_> {
         !matches!(self, Ask::Overlap(_) | Ask::Within(_) | Ask::ParryOverlap)
     }
 
-    /// One question of one frame: a distance, or 1 for yes.
+    /// Answers one question for one frame: a distance, or 1 for yes and 0 for no.
     #[inline(always)]
     fn ask(&mut self, pair: &Pair, frame: usize) -> f64 {
         let (a, b) = (&pair.a.ours, &pair.b.ours);
@@ -120,7 +122,7 @@ impl Ask<'_> {
     }
 }
 
-/// Every question, anew.
+/// Returns a constructor for each question.
 fn questions<'a>(details: &'a [[Detail; 2]]) -> Vec<(Question, Box<dyn Fn() -> Ask<'a> + 'a>)> {
     let mut all: Vec<(Question, Box<dyn Fn() -> Ask<'a> + 'a>)> = vec![
         (("ours", "overlap?".into()), Box::new(|| Ask::Overlap(Tracker::new()))),
@@ -224,7 +226,7 @@ fn one(pair: &Pair, details: &[[Detail; 2]], (family, n): (&str, usize), options
     }
 }
 
-/// What an answer says of its own error, over the size of the pair.
+/// Returns the error bound that an answer proves, relative to the size of the pair.
 fn proven(ask: &Ask, pair: &Pair) -> String {
     let size = pair.size(0);
     match ask {

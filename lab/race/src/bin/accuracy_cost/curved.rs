@@ -1,7 +1,8 @@
-//! What it costs to be curved: a pair of curved shapes as itself, and replaced by hulls of ever more vertices.
+//! Measures the cost of curved shapes: as themselves, and replaced by hulls of more and more
+//! vertices.
 //!
-//! The error is that of the distance against the interval that the judge of `truth::curved` proves in double-double from the direction
-//! and the points of an answer.
+//! The error is measured against the interval that the judge of `truth::curved` proves in
+//! double-double, from the normal and the points of an outcome.
 
 use std::hint::black_box;
 
@@ -24,14 +25,14 @@ type Trouble = Box<dyn std::error::Error>;
 /// Vertices of the hulls.
 const SIZES: [usize; 7] = [16, 64, 256, 1024, 4096, 16_384, 65_536];
 
-/// Pairs by name.
+/// Names of the shapes in each pair.
 const PAIRS: [[&str; 2]; 3] = [
     ["cylinder", "ellipsoid"],
     ["cylinder", "cone"],
     ["ellipsoid", "ellipsoid"],
 ];
 
-/// A shape as every engine needs it.
+/// A shape in the form of each engine.
 struct Body {
     kind: Kind,
     shape: Shape,
@@ -52,7 +53,7 @@ impl Body {
         }
     }
 
-    /// A hull of about `n` vertices, all of them on the surface.
+    /// Returns a hull of about `n` vertices, all on the surface.
     fn hull(&self, n: usize) -> Result<ConvexPolyhedron, Trouble> {
         let circle = |count: usize, r: f64, z: f64| {
             (0..count).map(move |k| {
@@ -78,7 +79,7 @@ impl Body {
     }
 }
 
-/// A motion, seen by all.
+/// A motion in the form of each engine.
 struct Scene {
     a: Body,
     b: Body,
@@ -123,7 +124,7 @@ impl Scene {
         RelativePose::new(&self.poses[f].0, &self.poses[f].1).expect("poses of a motion")
     }
 
-    /// The distance of the shapes, both witnesses in the world.
+    /// Returns the distance of the shapes, and computes both witnesses in the world frame.
     fn curved(&self, f: usize, pair: &mut PairTracker) -> f64 {
         let o = pair.closest(&self.a.shape, &self.b.shape, &self.relative(f));
         black_box((self.poses[f].0 * o.point_on_a, self.poses[f].1 * o.point_on_b));

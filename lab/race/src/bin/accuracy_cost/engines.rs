@@ -1,5 +1,7 @@
-//! The engines and their levels, each asked the same way: two world poses in, the distance out, and both witness points in the
-//! world where the level has them.
+//! The engines and their levels, all with the same interface.
+//!
+//! Each gets two world poses and returns the distance and, if the level computes them, both witness
+//! points in the world frame.
 
 use std::hint::black_box;
 use std::rc::Rc;
@@ -12,10 +14,10 @@ use truth::Point;
 use truth::pairs::Pair;
 use truth::parry::GjkCached;
 
-/// How long a case runs before a pass of it counts.
+/// Shortest time for which a case runs before a pass counts.
 const WARM_UP: Duration = Duration::from_millis(2);
 
-/// What is asked of whom.
+/// A level of accuracy of an engine.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Accuracy {
     /// `Tracker::propose`.
@@ -24,14 +26,14 @@ pub(crate) enum Accuracy {
     Certified,
     /// `Tracker::closest_exact`.
     Exact,
-    /// parry's GJK over a support map that climbs, the simplex kept.
+    /// parry's GJK over a hill-climbing support map, with a cached simplex.
     Gjk,
-    /// parry's closest points, in f64 and in f32.
+    /// parry's closest points, in `f64` and in `f32`.
     Parry,
     ParryF32,
 }
 
-/// A level, from the features of the frame before or from nothing.
+/// A level, warm (from the features of the previous frame) or cold.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Case {
     pub(crate) level: Accuracy,
@@ -68,7 +70,7 @@ impl Case {
         }
     }
 
-    /// Whether the engine could make the bodies.
+    /// Returns whether the engine could build the bodies.
     pub(crate) fn takes(self, pair: &Pair) -> bool {
         match self.level {
             Accuracy::Parry => pair.a.parry.is_some() && pair.b.parry.is_some(),
@@ -78,7 +80,7 @@ impl Case {
     }
 }
 
-/// Distance and witnesses in the world; NaN where an engine has no answer.
+/// Distance and witnesses in the world frame; NaN if an engine has no answer.
 pub(crate) type Answer = (f64, Point, Point);
 
 const NONE: Answer = (f64::NAN, [0.0; 3], [0.0; 3]);
@@ -88,7 +90,7 @@ const NONE: Answer = (f64::NAN, [0.0; 3], [0.0; 3]);
 pub(crate) struct State {
     tracker: Tracker,
     gjk: GjkCached,
-    /// Both bodies in single precision, if the case asks them and parry makes them.
+    /// Both bodies in single precision, if the case needs them and parry can build them.
     narrow: Option<Rc<[parry_f32::Hull; 2]>>,
 }
 
@@ -106,7 +108,7 @@ impl State {
     }
 }
 
-/// One query of one case.
+/// Runs one query of one case.
 #[inline(always)]
 pub(crate) fn ask(case: Case, pair: &Pair, frame: usize, state: &mut State) -> Answer {
     if case.cold {
@@ -146,16 +148,16 @@ pub(crate) fn ask(case: Case, pair: &Pair, frame: usize, state: &mut State) -> A
     }
 }
 
-/// The answers of a whole motion, and what the trackers counted.
+/// Returns the answers of a whole motion, and the work counters of the tracker.
 pub(crate) fn answers(case: Case, pair: &Pair) -> (Vec<Answer>, TrackerWork) {
     let mut state = State::new(case, pair);
     let list = (0..pair.frames.len()).map(|f| ask(case, pair, f, &mut state)).collect();
     (list, state.tracker.work())
 }
 
-/// Nanoseconds a query over the first frames of a motion, as many as fit into some milliseconds.
+/// Returns nanoseconds per query over the first frames of a motion, as many as fit into 4 ms.
 pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
-    // Each level a loop of its own.
+    // Each level is compiled as a separate loop.
     match case.level {
         Accuracy::Walk => pass(case, Accuracy::Walk, pair),
         Accuracy::Certified => pass(case, Accuracy::Certified, pair),
@@ -166,7 +168,7 @@ pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
     }
 }
 
-/// `level` is that of the case, and a constant of the loop that the call becomes.
+/// Times one case. `level` is the level of the case, and a constant in the inlined loop.
 #[inline(always)]
 fn pass(case: Case, level: Accuracy, pair: &Pair) -> f64 {
     let fresh = State::new(case, pair);
@@ -177,13 +179,17 @@ fn pass(case: Case, level: Accuracy, pair: &Pair) -> f64 {
     )
 }
 
-/// Nanoseconds of processor time a query: the first passes find the caches and branch tables of another engine, the last is the one that counts.
+/// Returns nanoseconds of processor time per query.
+///
+/// The first passes warm up caches and branch predictors after another engine; only the last pass
+/// counts.
 #[inline(always)]
 pub(crate) fn clocked<S, A>(frames: usize, fresh: impl Fn() -> S, ask: impl Fn(usize, &mut S) -> A) -> f64 {
     clocked_within(2 * WARM_UP, frames, fresh, ask)
 }
 
-/// As many frames as fit into `time`: so many that the first search of an engine that tracks does not count.
+/// Times as many frames as fit into `time`, so many that the first search of a tracking engine has
+/// no weight.
 #[inline(always)]
 pub(crate) fn clocked_within<S, A>(
     time: Duration,

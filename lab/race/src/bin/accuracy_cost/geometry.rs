@@ -1,7 +1,9 @@
-//! What geometric accuracy costs: two spheres of radius 1, replaced by hulls of ever more vertices.
+//! Measures the cost of geometric accuracy: two spheres of radius 1, replaced by hulls of more and
+//! more vertices.
 //!
-//! The error is that of the shape: the exact distance of the hulls against that of the spheres, which is the distance of their
-//! centres less 2 (both to 1e-15, far below it).
+//! The error is that of the shape: the exact distance of the hulls minus the distance of the
+//! spheres, which is the distance of their centres less 2. Both are accurate to 1e-15, far below
+//! the error.
 
 use race::progress::Progress;
 use race::record::Row;
@@ -67,7 +69,8 @@ pub(crate) fn run(options: &Options, rows: &mut Vec<Row>, progress: &Progress) -
     Ok(())
 }
 
-/// The largest error of the shape in each stretch of the motion, over the size of the pair.
+/// Returns the largest error of the shape in each stretch of the motion, relative to the size of
+/// the pair.
 fn shape_errors(pair: &Pair, options: &Options) -> Vec<f64> {
     let parts = options.passes();
     let error = |f: usize| {

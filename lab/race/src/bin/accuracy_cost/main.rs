@@ -1,21 +1,23 @@
-//! What accuracy costs in time: every level of this crate and of parry, errors against exact arithmetic.
+//! Measures time and error of every accuracy level of this crate and of parry, against exact
+//! arithmetic.
 //!
 //! ```text
 //! cargo run --release -p race --bin accuracy_cost -- [--csv FILE] [--out FOLDER] [--quick] [--only PART] [--mesh A --mesh B]
 //! ```
 //!
-//! | part | question |
+//! | part | what it measures |
 //! |---|---|
-//! | `levels` | what each level costs and how wrong it is, bodies of 8 to 8192 vertices, tracked and cold |
-//! | `motion` | the same against the motion in a frame |
-//! | `gap` | the same against the gap, and which layer answers near contact |
-//! | `geometry` | a sphere replaced by hulls of 12 to 100,000 vertices: what a finer shape costs |
+//! | `levels` | cost and error of each level, bodies of 8 to 8192 vertices, tracked and cold |
+//! | `motion` | the same against the motion per frame |
+//! | `gap` | the same against the gap, and which solver answers near contact |
+//! | `geometry` | a sphere replaced by hulls of 12 to 100,000 vertices: the cost of a finer shape |
 //! | `curved` | curved shapes as themselves, and replaced by hulls |
-//! | `nonconvex` | meshes that are not convex as they are, as hulls and as pieces of V-HACD |
+//! | `nonconvex` | nonconvex meshes as they are, as hulls and as pieces of V-HACD |
 //! | `asking` | one motion, every question from "overlap?" to exact, and inner hulls with a bound |
 //!
-//! Every engine gets two world poses and the same vertices and faces, and returns the distance and, where it has them, both
-//! witness points in the world. Errors are over the size L of the pair (both radii and the distance of the origins).
+//! Every engine gets two world poses and the same vertices and faces. It returns the distance and,
+//! if it computes them, both witness points in the world frame. Errors are relative to the size L
+//! of the pair (both radii plus the distance of the origins).
 
 mod asking;
 mod curved;
@@ -105,7 +107,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
     Ok(())
 }
 
-/// A title about spheres as a title about the caller's meshes, by the names of their files.
+/// Returns a title about spheres as a title about the caller's meshes, named by their files.
 fn own(title: &str, meshes: [&str; 2]) -> String {
     let name = |file: &str| {
         Path::new(file)
@@ -117,7 +119,7 @@ fn own(title: &str, meshes: [&str; 2]) -> String {
     let [a, b] = meshes.map(name);
     let what = title.split(": ").next().unwrap_or(title);
     let details = title.split_once(": ").map_or("", |(_, rest)| rest);
-    // The shape and the number of vertices are those of our own bodies.
+    // Shape and number of vertices describe the built-in bodies.
     let is_detail = |part: &&str| !["sphere", "mesh"].contains(part) && !part.contains("vertices");
     let details = details.split(", ").filter(is_detail);
     let all: Vec<String> = std::iter::once(format!("{what}: {a} and {b}"))

@@ -1,4 +1,4 @@
-//! Cases of one pair, passes interleaved: rows of a record, and lines of a table.
+//! Times the cases of one pair in interleaved passes, for rows of a record and lines of a table.
 
 use std::time::Duration;
 
@@ -11,10 +11,10 @@ use crate::options::Options;
 use crate::truth::Sampled;
 use truth::pairs::Pair;
 
-/// The time of a pass over shapes and meshes, which begin with a search of microseconds.
+/// Duration of a pass over shapes or meshes, whose first query is a search that takes microseconds.
 const PASS: Duration = Duration::from_millis(50);
 
-/// What one case was seen to do.
+/// Measurements of one case.
 pub(crate) struct Seen {
     pub(crate) case: Case,
     pub(crate) ns: Vec<f64>,
@@ -22,7 +22,8 @@ pub(crate) struct Seen {
     pub(crate) totals: TrackerWork,
 }
 
-/// All cases on one pair, with their errors, and what is open of the truth they are judged by.
+/// Measures all cases on one pair, with their errors. Also returns the width of the interval of the
+/// true distance.
 fn judged(pair: &Pair, cases: &[Case], options: &Options) -> (Vec<Seen>, f64) {
     let truth = Sampled::new(pair, options.sampled());
     let mut all = timed(pair, cases, options);
@@ -34,7 +35,7 @@ fn judged(pair: &Pair, cases: &[Case], options: &Options) -> (Vec<Seen>, f64) {
     (all, truth.width())
 }
 
-/// The times of all cases on one pair, in interleaved passes.
+/// Times all cases on one pair, in interleaved passes.
 pub(crate) fn timed(pair: &Pair, cases: &[Case], options: &Options) -> Vec<Seen> {
     let open = |&case: &Case| Seen {
         case,
@@ -51,7 +52,7 @@ pub(crate) fn timed(pair: &Pair, cases: &[Case], options: &Options) -> Vec<Seen>
     all
 }
 
-/// Adds the rows of what was seen.
+/// Adds the rows of the measurements.
 pub(crate) fn record(rows: &mut Vec<Row>, seen: &[Seen], family: &str, n: usize) {
     for s in seen {
         let row = |(&ns, &err): (&f64, &f64)| Row {
@@ -66,7 +67,8 @@ pub(crate) fn record(rows: &mut Vec<Row>, seen: &[Seen], family: &str, n: usize)
     }
 }
 
-/// Times of some passes of `ask` over a motion, and the greatest error of each stretch of the motion.
+/// Returns the times of some passes of `ask` over a motion, and the greatest error of each stretch
+/// of the motion.
 pub(crate) fn passes<S>(
     options: &Options,
     (frames, truth): (usize, &Sampled),
@@ -80,7 +82,7 @@ pub(crate) fn passes<S>(
     [times, truth.errors(options.passes(), |f| answers[f])]
 }
 
-/// The title of a table with a line for each engine, and the heads of its columns.
+/// Prints the title of a table with a line for each engine, and its column headings.
 pub(crate) fn title(title: &str, what: &str) {
     println!("\n{title}");
     println!(
@@ -89,7 +91,7 @@ pub(crate) fn title(title: &str, what: &str) {
     );
 }
 
-/// Prints a line and takes its rows into the record, as those of the family `part name`.
+/// Prints a line and adds its rows to the record, in the family `part name`.
 pub(crate) fn line(
     rows: &mut Vec<Row>,
     (part, name, n): (&str, &str, usize),
@@ -122,8 +124,10 @@ pub(crate) fn head(title: &str) {
     );
 }
 
-/// A line for each case: the middle time and its spread, the greatest error and the least of its stretches, steps a query,
-/// and the share of queries that a solver other than the walk answered.
+/// Prints a line for each case.
+///
+/// Columns: the median time and its spread, the greatest and the least error of its stretches,
+/// steps per query, and the share of queries that a solver other than the walk answered.
 pub(crate) fn table(seen: &[Seen], family: &str, n: usize) {
     for s in seen {
         let (ns, err) = (spread(s.ns.iter().copied()), spread(s.err.iter().copied()));
@@ -149,7 +153,7 @@ pub(crate) fn table(seen: &[Seen], family: &str, n: usize) {
     }
 }
 
-/// Measures one family, prints it and takes it into the record.
+/// Measures one family, prints it and adds it to the record.
 pub(crate) fn family(
     pair: &Pair,
     (name, n): (&str, usize),

@@ -1,6 +1,7 @@
-//! What it costs to be exact about a mesh that is not convex: the mesh as it is, its convex hull, and pieces of parry's V-HACD.
+//! Measures the cost of an exact nonconvex mesh: the mesh as it is, its convex hull, and pieces of
+//! parry's V-HACD.
 //!
-//! The error is that of the distance against brute force over all pairs of triangles; overlaps that the mesh does not have count as the
+//! The error is measured against brute force over all pairs of triangles. An overlap counts as
 //! distance zero.
 
 use std::hint::black_box;
@@ -27,7 +28,7 @@ type Trouble = Box<dyn std::error::Error>;
 /// Cells of V-HACD along the longest side.
 const RESOLUTIONS: [u32; 3] = [16, 32, 64];
 
-/// A mesh as every engine needs it, and poses of another of the same.
+/// A mesh in the form of each engine, and poses of a second instance of it.
 struct Scene {
     soup: Soup,
     mesh: Mesh,
@@ -68,7 +69,7 @@ impl Scene {
         })
     }
 
-    /// Times and errors; an overlap counts as the distance zero.
+    /// Returns times and errors; an overlap counts as distance zero.
     fn seen<S>(
         &self,
         options: &Options,
@@ -82,7 +83,7 @@ impl Scene {
         measure::passes(options, (self.poses.len(), &self.truth), fresh, apart)
     }
 
-    /// The pieces of V-HACD as a body.
+    /// Returns the pieces of V-HACD as a compound.
     fn pieces(&self, resolution: u32) -> Result<Compound, Trouble> {
         let parameters = VHACDParameters {
             resolution,
@@ -99,7 +100,7 @@ impl Scene {
     }
 }
 
-/// One ring through the other, turning by half a degree a frame.
+/// Returns the pose of one ring through the other, rotating by half a degree per frame.
 fn linked(k: usize) -> Pose {
     let turned = quat([1.0, 0.0, 0.0], std::f64::consts::FRAC_PI_2);
     let phase = k as f64 * 0.5f64.to_radians();
@@ -110,7 +111,7 @@ fn linked(k: usize) -> Pose {
     }
 }
 
-/// B beside A, turning by half a degree a frame at gaps of 0.02 to 0.2.
+/// Returns poses of B next to A, rotating by half a degree per frame at gaps of 0.02 to 0.2.
 fn tumbling(mesh: &Mesh, reach: f64, frames: usize) -> Result<Vec<Pose>, Trouble> {
     let mut rng = Rng::new(11);
     let (axis, mut q, mut x) = (rng.unit(), rng.quat(), reach);
@@ -132,7 +133,7 @@ fn tumbling(mesh: &Mesh, reach: f64, frames: usize) -> Result<Vec<Pose>, Trouble
     Ok(poses.split_off(20))
 }
 
-/// Scenes by name.
+/// Names of the scenes.
 const SCENES: [&str; 3] = ["rings", "gears", "knots"];
 
 pub(crate) fn count(options: &Options) -> u64 {

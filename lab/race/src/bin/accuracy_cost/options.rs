@@ -1,4 +1,4 @@
-//! What the command line asks for.
+//! Options of the command line.
 
 use std::path::PathBuf;
 
@@ -34,17 +34,18 @@ pub(crate) struct Options {
 }
 
 impl Options {
-    /// Frames of a motion.
+    /// Returns the number of frames of a motion.
     pub(crate) fn frames(&self) -> usize {
         if self.quick { 200 } else { 600 }
     }
 
-    /// Passes, and stretches of a motion whose error is a row of its own.
+    /// Returns the number of passes, which is also the number of stretches of a motion with an
+    /// error each.
     pub(crate) fn passes(&self) -> usize {
         if self.quick { 3 } else { 5 }
     }
 
-    /// Frames that exact arithmetic looks at.
+    /// Returns the number of frames that exact arithmetic checks.
     pub(crate) fn sampled(&self) -> usize {
         if self.quick { 15 } else { 50 }
     }
@@ -61,7 +62,7 @@ impl Options {
         }
     }
 
-    /// Refuses one mesh, or more than two.
+    /// Rejects one mesh, or more than two.
     pub(crate) fn check(&self) -> Result<(), String> {
         match self.mesh.len() {
             0 | 2 => Ok(()),

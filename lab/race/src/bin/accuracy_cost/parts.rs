@@ -1,4 +1,4 @@
-//! Levels on families of bodies; the same against motion and against the gap.
+//! Measures all levels on families of bodies, and some levels against the motion and the gap.
 
 use lin_canny::Solver;
 use race::plot::Chart;
@@ -25,7 +25,7 @@ pub(crate) const ALL: [Case; 9] = [
     Case::cold(Accuracy::ParryF32),
 ];
 
-/// Those that motion and gap are shown for.
+/// The levels measured against motion and gap.
 const SOME: [Case; 6] = [
     Case::warm(Accuracy::Walk),
     Case::warm(Accuracy::Certified),
@@ -35,7 +35,7 @@ const SOME: [Case; 6] = [
     Case::cold(Accuracy::ParryF32),
 ];
 
-/// Families, numbers of vertices and degrees a frame of the first part.
+/// Families, numbers of vertices and degrees per frame of the part `levels`.
 const FAMILIES: [(&str, usize, &str); 9] = [
     ("box", 8, "0.5"),
     ("sphere", 8, "0.5"),
@@ -48,16 +48,16 @@ const FAMILIES: [(&str, usize, &str); 9] = [
     ("sphere", MIDDLE, "0.05"),
 ];
 
-/// Degrees a frame of the second part.
+/// Degrees per frame of the part `motion`.
 const DEGREES: [&str; 9] = ["0.001", "0.01", "0.03", "0.1", "0.3", "1", "3", "10", "30"];
 
-/// Vertices of the spheres of the second and third part.
+/// Vertices of the spheres of the parts `motion` and `gap`.
 pub(crate) const MIDDLE: usize = 512;
 
-/// Gaps over the size of the pair.
+/// Exponents of the gaps: 10^-k times the size of the pair.
 const GAPS: [i32; 16] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16];
 
-/// The bodies of a part: the caller's own, or ours.
+/// Returns the bodies of a part: the caller's meshes, or the built-in bodies.
 fn pair(options: &Options, shape: &str, n: usize) -> Result<(Pair, usize), Trouble> {
     Ok(match options.meshes() {
         Some([a, b]) => {
@@ -69,7 +69,7 @@ fn pair(options: &Options, shape: &str, n: usize) -> Result<(Pair, usize), Troub
     })
 }
 
-/// How many families `--only` leaves.
+/// Returns the number of families that `--only` selects.
 pub(crate) fn count(options: &Options) -> u64 {
     let part = |name: &str, n: usize| if options.does(name) { n as u64 } else { 0 };
     let families = if options.meshes().is_some() {
@@ -130,11 +130,11 @@ pub(crate) fn motion(options: &Options, rows: &mut Vec<Row>, progress: &Progress
     Ok(size)
 }
 
-/// The size of a pair of the third part, near enough.
+/// Approximate size of a pair of the part `gap`.
 const SPHERE_SIZE: f64 = 4.0;
 const FLUSH_SIZE: f64 = 2.6;
 
-/// The families of the third part.
+/// The families of the part `gap`.
 pub(crate) fn near(options: &Options) -> &'static [&'static str] {
     if options.meshes().is_some() {
         &["sphere"]
@@ -143,7 +143,9 @@ pub(crate) fn near(options: &Options) -> &'static [&'static str] {
     }
 }
 
-/// Times and errors near contact, and which layer answered: the size of the bodies, and a picture of the layers, for each family.
+/// Measures times, errors and answering solvers near contact.
+///
+/// Returns, for each family, the number of vertices and a picture of the shares of the solvers.
 pub(crate) fn gap(options: &Options, rows: &mut Vec<Row>, progress: &Progress) -> Result<Vec<(usize, Chart)>, Trouble> {
     measure::head("Against the gap, 0.5 degrees a frame; `flush` are boxes face on face");
     near(options)

@@ -1,7 +1,8 @@
-//! The truth by exact arithmetic: where the distance of a frame lies, whoever is asked.
+//! Computes the true distance of a frame by exact arithmetic, the same for all engines.
 //!
-//! Small bodies are solved over the integers. For larger ones a direction and two points are proposals, whoever made them:
-//! exact arithmetic says what the direction proves and how far apart the points are, and between the two lies the truth.
+//! Pairs of small bodies are solved over the integers. For larger bodies, a direction and two
+//! points serve as a proposal: exact arithmetic computes the lower bound that the direction proves
+//! and the distance of the points, an upper bound. The true distance lies between them.
 
 use lin_canny::{RelativePose, Tracker};
 use truth::bound;
@@ -10,10 +11,10 @@ use truth::rng::Rng;
 
 use truth::pairs::Pair;
 
-/// Vertices of a body up to which pairs are solved over the integers.
+/// Largest number of vertices of a body for which pairs are solved over the integers.
 const SMALL: usize = 16;
 
-/// Where the distance lies.
+/// Bounds of the true distance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Truth {
     pub(crate) lower: f64,
@@ -21,7 +22,7 @@ pub(crate) struct Truth {
 }
 
 impl Truth {
-    /// Of a frame in which the bodies are apart.
+    /// Returns the bounds for a frame in which the bodies are separated.
     pub(crate) fn of(pair: &Pair, frame: usize) -> Self {
         let f = &pair.frames[frame];
         let (a, b) = (pair.a.plain(), pair.b.plain());
@@ -40,7 +41,7 @@ impl Truth {
         }
     }
 
-    /// How far off a distance certainly is; infinite where there is none.
+    /// Returns the least possible error of a distance; infinite for NaN.
     pub(crate) fn miss(&self, distance: f64) -> f64 {
         if distance.is_nan() {
             f64::INFINITY
@@ -50,7 +51,7 @@ impl Truth {
     }
 }
 
-/// The truth of some frames of a motion.
+/// The true distances of some frames of a motion.
 pub(crate) struct Sampled {
     pub(crate) frames: Vec<usize>,
     truths: Vec<Truth>,
@@ -62,9 +63,10 @@ impl Sampled {
         Self::of(pair.frames.len(), count, |f| (Truth::of(pair, f), pair.size(f)))
     }
 
-    /// Of some of `total` frames, by a function that returns the truth of a frame and the size of the pair.
+    /// Samples some of `total` frames, by a function that returns the bounds of a frame and the
+    /// size of the pair.
     pub(crate) fn of(total: usize, count: usize, truth: impl Fn(usize) -> (Truth, f64)) -> Self {
-        // One frame of each stretch, which one by chance: what comes again every so many frames is met.
+        // A random frame of each stretch, so that periodic events are sampled too.
         let mut rng = Rng::new(29);
         let stretch = |k: usize| k * total / count..(k + 1) * total / count;
         let frames: Vec<usize> = (0..count)
@@ -76,7 +78,7 @@ impl Sampled {
         Self { frames, truths, sizes }
     }
 
-    /// The widest of what is left open, over the size of the pair.
+    /// Returns the greatest width of the bounds, relative to the size of the pair.
     pub(crate) fn width(&self) -> f64 {
         let widths = self
             .truths
@@ -86,7 +88,8 @@ impl Sampled {
         widths.fold(0.0, f64::max)
     }
 
-    /// The largest error over the size of the pair, in each of `parts` stretches of the motion.
+    /// Returns the largest error relative to the size of the pair, in each of `parts` stretches of
+    /// the motion.
     pub(crate) fn errors(&self, parts: usize, distance: impl Fn(usize) -> f64) -> Vec<f64> {
         let miss = |k: usize| self.truths[k].miss(distance(self.frames[k])) / self.sizes[k];
         let n = self.frames.len();

@@ -1,5 +1,6 @@
-//! What the accuracy of a cast costs: distance queries a hit against the tolerance, by counting, so the picture is the same on
-//! every machine.
+//! Draws the cost of an accurate cast: distance queries per hit against the tolerance.
+//!
+//! Queries are counted, not timed, so the picture is the same on every machine.
 
 use lin_canny::ConvexPolyhedron;
 use lin_canny::Tracker;
@@ -10,16 +11,16 @@ use truth::rng::Rng;
 
 use crate::Trouble;
 
-/// Throws for each tolerance and turn.
+/// Throws for each tolerance and rotation.
 const THROWS: usize = 200;
 
-/// Powers of ten, from the coarsest tolerance to the finest.
+/// Exponents of the tolerances, from the coarsest to the finest.
 const POWERS: std::ops::RangeInclusive<i32> = 1..=12;
 
-/// Steps after which conservative advancement is stopped.
+/// Step limit of conservative advancement.
 const LIMIT: u32 = 20_000;
 
-/// Distance queries of a cast with a proven bracket; `None` unless the bodies meet.
+/// Returns the distance queries of a cast with a proven bracket; `None` unless the bodies meet.
 fn proven([a, b]: [&ConvexPolyhedron; 2], throw: &Throw, tolerance: f64) -> Option<u32> {
     let [p, q] = throw.motions();
     let found = cast(
@@ -33,13 +34,15 @@ fn proven([a, b]: [&ConvexPolyhedron; 2], throw: &Throw, tolerance: f64) -> Opti
     matches!(found.impact, Impact::Hit { .. }).then_some(found.queries)
 }
 
-/// Distance queries of conservative advancement; `None` unless the bodies come as near as the tolerance.
+/// Returns the distance queries of conservative advancement.
+///
+/// `None` unless the bodies come as near as the tolerance or the step limit is reached.
 fn advanced(bodies: [&ConvexPolyhedron; 2], throw: &Throw, tolerance: f64) -> Option<u32> {
     let (found, queries) = casts::advance(bodies, throw, tolerance, LIMIT);
     matches!(found, Advance::Near(_) | Advance::Limit(_)).then_some(queries)
 }
 
-/// The median of the queries of all hits at each tolerance.
+/// Returns the median number of queries per hit at each tolerance.
 fn medians(turn: f64, queries: impl Fn([&ConvexPolyhedron; 2], &Throw, f64) -> Option<u32>) -> Vec<(f64, f64)> {
     let mut rng = Rng::new(1905);
     let [a, b] = [0; 2].map(|_| casts::body("sphere", 32, &mut rng));
@@ -54,7 +57,7 @@ fn medians(turn: f64, queries: impl Fn([&ConvexPolyhedron; 2], &Throw, f64) -> O
         .collect()
 }
 
-/// Queries a hit against the tolerance, ours and conservative advancement.
+/// Draws queries per hit against the tolerance, for our cast and for conservative advancement.
 fn chart() -> Chart {
     let mut chart = Chart::new("what the accuracy of a cast costs: round bodies of 32 vertices")
         .axes(
@@ -73,7 +76,7 @@ fn chart() -> Chart {
     chart
 }
 
-/// The picture as text.
+/// Returns the picture as text.
 pub(crate) fn picture() -> Result<String, Trouble> {
     crate::records::text(&chart())
 }

@@ -1,4 +1,4 @@
-//! A box slides over the rim of a round plate: both faces from above, and the contacts with their names.
+//! Draws a box that slides over the edge of a round plate: both faces from above, and the contacts.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, Feature, Manifold, ManifoldOptions, RelativePose, Tracker, polyhedron::solids};
@@ -9,7 +9,7 @@ use truth::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 const SCALE: f64 = 100.0;
 const PANEL: f64 = 270.0;
 
-/// Seen along the normal, in one panel.
+/// Projects a point along the normal into one panel.
 fn see(panel: usize, p: &Point3<f64>) -> Place {
     [PANEL * panel as f64 + 15.0 + SCALE * (p.x + 1.0), 150.0 - SCALE * p.y]
 }
@@ -47,7 +47,7 @@ pub(crate) fn picture() -> Result<String, Trouble> {
             &style(SKY, BLUE),
         );
         svg.polygon(&face(&part, features.b, &pose, panel), &style(ORANGE, ORANGE));
-        // Names stand outside of what the points span.
+        // Names are written outside the area that the points span.
         let middle = manifold
             .points()
             .iter()

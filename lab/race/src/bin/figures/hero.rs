@@ -1,4 +1,5 @@
-//! The picture at the top: a tracked pair with the Voronoi region of the face, and what a frame costs.
+//! Draws the first picture of the README: a tracked pair with a Voronoi region, and the cost per
+//! frame.
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
@@ -13,7 +14,7 @@ use truth::svg::{BLUE, GREEN, INK, ORANGE, Place, Svg};
 /// Frames of the motion on the left; the last one is drawn.
 const FRAMES: usize = 90;
 
-/// Where the eye stands: right, up, and towards it.
+/// Axes of the view: right, up, and towards the eye.
 struct Camera {
     axes: [Vector3<f64>; 3],
     scale: f64,
@@ -37,7 +38,7 @@ impl Camera {
     }
 }
 
-/// A body where it stands.
+/// A body at its pose.
 struct Stage<'a> {
     camera: &'a Camera,
     body: &'a ConvexPolyhedron,
@@ -58,7 +59,7 @@ impl Stage<'_> {
         (self.pose.rotation * normal).dot(&self.camera.axes[2])
     }
 
-    /// The faces turned to the eye, lit from there.
+    /// Draws the faces that face the eye, lit from there.
     fn draw(&self, svg: &mut Svg, rgb: [f64; 3]) {
         for f in self.body.faces().filter(|&f| self.towards_eye(f) > 0.0) {
             let light = 0.55 + 0.45 * self.towards_eye(f);
@@ -101,7 +102,7 @@ impl Stage<'_> {
         }
     }
 
-    /// The Voronoi region of a face: the prism over it, up to `height`.
+    /// Draws the Voronoi region of a face: the prism over it, up to `height`.
     fn region(&self, svg: &mut Svg, face: FaceId, height: f64) {
         let normal = self
             .body
@@ -122,7 +123,7 @@ impl Stage<'_> {
     }
 }
 
-/// B comes down on A's face and turns; the tracker follows.
+/// Moves B down onto a face of A while it rotates, and tracks the pair.
 fn motion(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
@@ -158,7 +159,7 @@ fn scene(svg: &mut Svg) -> Result<(), Trouble> {
         pose,
     });
     lower.draw(svg, [190.0, 205.0, 220.0]);
-    // The features of A that were closest on the way, older ones fainter.
+    // The features of A that were closest during the motion, older ones fainter.
     let mut trail: Vec<Feature> = seen.iter().map(|o| o.features.a).collect();
     trail.dedup();
     for (k, feature) in trail.iter().enumerate() {
@@ -202,7 +203,7 @@ fn scene(svg: &mut Svg) -> Result<(), Trouble> {
     Ok(())
 }
 
-/// Mean looks a frame of two hulls that orbit and spin.
+/// Returns the mean number of walk steps per frame of two hulls that orbit and spin.
 fn looks(n: usize, degrees: f64) -> Result<f64, Trouble> {
     let hull = |seed| solids::random_hull(n, Vector3::new(1.0, 1.0, 1.0), seed);
     let (a, b) = (hull(1)?, hull(2)?);

@@ -1,5 +1,7 @@
-//! Draws every picture of the README and the documentation, from runs of the crate and from the
-//! records of its measurements: `cargo run --release -p race --bin figures -- [FOLDER]`.
+//! Draws every picture of the README and the documentation.
+//!
+//! The sources are runs of the crate and records of its measurements:
+//! `cargo run --release -p race --bin figures -- [FOLDER]`.
 
 mod casts;
 mod contact;

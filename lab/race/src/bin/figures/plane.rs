@@ -7,7 +7,9 @@ use lin_canny::{ConvexPolyhedron, Feature, Outcome, RelativePose, Tracker};
 use crate::Trouble;
 use truth::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 
-/// The middle slice of a body, its axis through the page, and a point that asks where it is closest.
+/// The middle slice of a body, and a point whose closest feature is queried.
+///
+/// The axis of the body is perpendicular to the page.
 struct Slice {
     body: ConvexPolyhedron,
     point: ConvexPolyhedron,
@@ -34,7 +36,8 @@ impl Slice {
         [self.centre[0] + self.scale * x, self.centre[1] - self.scale * y]
     }
 
-    /// The outline: edges across the slice are its corners, in order round it.
+    /// Returns the vertices of the outline in order: each is an edge of the body that crosses the
+    /// slice.
     fn corners(&self) -> Vec<Place> {
         let mut corners: Vec<Place> = self
             .body
@@ -45,7 +48,7 @@ impl Slice {
         corners
     }
 
-    /// Where an edge goes through the slice.
+    /// Returns the point where an edge crosses the slice.
     fn corner(&self, feature: Feature) -> Option<Place> {
         let Feature::Edge(e) = feature else { return None };
         let [p, q] = self.body.edge_vertices(e)?.map(|v| self.body.vertex(v));
@@ -53,7 +56,7 @@ impl Slice {
         (p.z * q.z < 0.0).then(|| [(p.x + q.x) / 2.0, (p.y + q.y) / 2.0])
     }
 
-    /// Colours the slice by the feature that a query finds closest, cell by cell.
+    /// Colours the slice by the closest feature of each cell, as returned by a query.
     fn regions(
         &self,
         svg: &mut Svg,
@@ -103,7 +106,7 @@ impl Slice {
         );
     }
 
-    /// A point and its closest point.
+    /// Draws a point and its closest point on the body.
     fn witness(&self, svg: &mut Svg, o: &Outcome, at: Place) {
         let foot = self.see([o.point_on_a.x, o.point_on_a.y]);
         svg.line(foot, self.see(at), &format!("stroke=\"{INK}\" stroke-width=\"2\""));
@@ -112,7 +115,7 @@ impl Slice {
     }
 }
 
-/// The regions of a box, found by asking.
+/// Draws the Voronoi regions of a box, computed by queries.
 pub(crate) fn regions() -> Result<String, Trouble> {
     let slice = Slice::new(solids::cuboid(Vector3::new(1.3, 0.8, 1.0))?, 90.0, [320.0, 185.0])?;
     let mut svg = Svg::new(640, 400, "Voronoi regions of a box, in a slice");
@@ -145,7 +148,8 @@ pub(crate) fn regions() -> Result<String, Trouble> {
     Ok(svg.finish())
 }
 
-/// A jump of the point, and the features the walk looks at, from the old one to the new one.
+/// Draws a jump of the point, and the features that the walk visits from the old one to the new
+/// one.
 pub(crate) fn walk() -> Result<String, Trouble> {
     let (from, to) = ([1.9, 0.15], [0.6, 1.7]);
     let mut svg = Svg::new(880, 330, "The walk from the old feature to the new one");

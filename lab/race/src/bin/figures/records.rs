@@ -1,4 +1,4 @@
-//! Pictures of measurements, from the newest record of the instrument `accuracy_cost`.
+//! Pictures of measurements, from the newest records of the instrument `accuracy_cost`.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use race::record;
 
 use crate::Trouble;
 
-/// The newest file of an ending; dates sort as their names do.
+/// Returns the newest file with an ending; names sort by date.
 fn newest(folder: &Path, ending: &str) -> Result<PathBuf, Trouble> {
     let files = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let name = |p: &PathBuf| p.file_name().is_some_and(|n| n.to_string_lossy().ends_with(ending));
@@ -19,14 +19,14 @@ fn newest(folder: &Path, ending: &str) -> Result<PathBuf, Trouble> {
         .ok_or(format!("no record that ends in {ending} in benches/record"))?)
 }
 
-/// A chart as text that can stand in documentation: without blank lines, and no wider than the page.
+/// Returns a chart as text for embedding in documentation, without blank lines.
 pub(crate) fn text(chart: &Chart) -> Result<String, Trouble> {
     let svg = chart.svg()?;
     let lines = svg.lines().filter(|l| !l.trim().is_empty());
     Ok(lines.flat_map(|l| [l, "\n"]).collect())
 }
 
-/// Names and texts of the pictures. Prints the table of BENCHMARKS.md.
+/// Returns names and texts of the pictures, and prints the table of BENCHMARKS.md.
 pub(crate) fn pictures(folder: &Path) -> Result<Vec<(&'static str, String)>, Trouble> {
     let files = [newest(folder, "-accuracy.csv")?, newest(folder, "-shapes.csv")?];
     let rows = record::read(&files[0])?;

@@ -1,4 +1,7 @@
-//! Who answers wrong where rounding decides: a box with an edge in the plane of another's face, shifted ulp by ulp.
+//! Draws which engines answer wrongly if rounding decides.
+//!
+//! The scene is a box with an edge in the plane of a face of another box, shifted by units in the
+//! last place.
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
@@ -12,14 +15,14 @@ use truth::svg::Svg;
 /// Cells along a side of a map.
 const SIDE: usize = 40;
 
-/// Pixels of a cell.
+/// Pixels per cell.
 const CELL: f64 = 5.0;
 
 const APART: &str = "#cfe3f4";
 const OVERLAPPING: &str = "#fbdcc4";
 const WRONG: &str = "#b00020";
 
-/// What one engine says of every cell.
+/// The answer of one engine for every cell.
 struct Map {
     title: &'static str,
     classes: Vec<ContactState>,
@@ -44,8 +47,10 @@ impl Stage {
         Ok(Self { shape, body, parry })
     }
 
-    /// The upright edge of A lies in the plane of B's face, as near as f64 can say it; from there B's middle is moved by
-    /// `i` and `j` units in the last place along x and y.
+    /// Returns the pose of B for a cell.
+    ///
+    /// At the middle cell, the upright edge of A lies in the plane of B's face, as nearly as `f64`
+    /// can represent it. From there, B is moved by units in the last place along x and y.
     fn pose(i: usize, j: usize) -> Pose {
         let middle = 0.5 + std::f64::consts::FRAC_1_SQRT_2 / 2.0;
         let ulp = middle.next_up() - middle;
@@ -130,7 +135,7 @@ pub(crate) fn picture() -> Result<String, Trouble> {
 }
 
 impl Map {
-    /// Draws the map from `left` on; how many cells are wrong.
+    /// Draws the map with its left side at `left`. Returns the number of wrong cells.
     fn draw(&self, svg: &mut Svg, left: f64, truth: &[ContactState]) -> usize {
         let miss = |cell: usize| self.classes[cell] != truth[cell];
         let colour = |cell: usize| match (miss(cell), self.classes[cell]) {
@@ -139,7 +144,7 @@ impl Map {
             _ => OVERLAPPING,
         };
         for row in 0..SIDE {
-            // Cells of one colour side by side are one rectangle.
+            // Adjacent cells of one colour become one rectangle.
             let (first, y) = (row * SIDE, 40.0 + CELL * (SIDE - 1 - row) as f64);
             let mut start = 0;
             for end in 1..=SIDE {

@@ -1,18 +1,19 @@
-//! The scenes `bending`, `bending-tracked`, `bending-self` and `bending-frame` of `race meshes`: meshes whose vertices are replaced each frame.
+//! The scenes `bending`, `bending-tracked`, `bending-self` and `bending-frame` of `race meshes`:
+//! meshes whose vertices are replaced in each frame.
 //!
-//! `bending`: microseconds that new vertices take, of a wave that moves every vertex by a thousandth of the size. `ours` fits the tree
-//! (`Mesh::set_vertices`), `ours-rebuilt` makes another (`Mesh::rebuild`), `parry` fits its own (`TriMesh::set_vertices` of a `DEFORMABLE` mesh),
-//! `parry-new` builds the mesh anew.
-//!
-//! `bending-tracked`: nanoseconds of a tracked query of such a mesh and a torus that turns by 0.1 degrees a frame, without the time of
-//! `set_vertices`; `rigid` is the same with the mesh as it is at first, `after` a rigid query after the vertices of another mesh were
-//! replaced, which is what the cache costs.
-//!
-//! `bending-self`: microseconds of the distance of such a mesh from itself, of a sheet that runs as a wave and of one that is folded thrice
-//! and breathes, each vertex by up to a thousandth of the size a frame: by a tracker that is kept and by one that is new each frame.
-//!
-//! `bending-frame`: microseconds of a proof that such a sheet, from one frame to the next, meets neither a torus at some distance (`torus`) nor
-//! itself (`itself`).
+//! - `bending`: microseconds to replace the vertices, for a wave that moves every vertex by a
+//!   thousandth of the size. `ours` refits the tree (`Mesh::set_vertices`), `ours-rebuilt` builds a
+//!   new tree (`Mesh::rebuild`), `parry` refits its tree (`TriMesh::set_vertices` of a `DEFORMABLE`
+//!   mesh), and `parry-new` builds a new mesh.
+//! - `bending-tracked`: nanoseconds of a tracked query of such a mesh (`bent`) and a torus that
+//!   rotates by 0.1 degrees per frame, without the time of `set_vertices`. `rigid` is the same with
+//!   a mesh that keeps its first vertices. `after` is a query of the rigid mesh after the vertices
+//!   of another mesh were replaced, which shows the effect on the CPU caches.
+//! - `bending-self`: microseconds of a self-distance query, for a sheet with a running wave and for
+//!   a sheet folded three times that opens and closes. Each vertex moves by up to a thousandth of
+//!   the size per frame. `tracked` keeps its tracker, `new` starts a new tracker in each frame.
+//! - `bending-frame`: microseconds of a proof that such a sheet does not meet, between two frames,
+//!   a torus at some distance (`torus`) or itself (`itself`).
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -32,10 +33,10 @@ use truth::soups::{self, Soup};
 /// Frames of a pass.
 const FRAMES: usize = 60;
 
-/// The way of a vertex in a frame, of a mesh of size 2.
+/// Displacement of a vertex per frame, for a mesh of size 2.
 const WAY: f64 = 2e-3;
 
-/// A sheet of n by n squares of side 2.
+/// Returns a sheet of n by n squares with side 2.
 fn sheet(n: u32) -> Soup {
     let at = |i: u32| 2.0 * f64::from(i) / f64::from(n) - 1.0;
     let points = (0..=n)
@@ -49,7 +50,7 @@ fn sheet(n: u32) -> Soup {
     Soup { points, triangles }
 }
 
-/// A wave of height 0.2 that runs along x, some way a frame.
+/// Returns frame `k` of a wave of height 0.2 that runs along x.
 fn frame(rest: &Soup, k: usize) -> Vec<[f64; 3]> {
     let (height, number) = (0.2, 1.5 * std::f64::consts::PI);
     let phase = WAY / height * k as f64;
@@ -61,7 +62,7 @@ fn vertices(points: &[[f64; 3]]) -> Vec<Point3<f64>> {
     points.iter().map(|p| Point3::from(*p)).collect()
 }
 
-/// Median nanoseconds of a call for each frame.
+/// Returns the median nanoseconds of a call per frame.
 fn each(mut call: impl FnMut(usize)) -> f64 {
     let mut all: Vec<f64> = (0..FRAMES)
         .map(|k| {
@@ -102,7 +103,7 @@ fn fitted(shape: &str, rest: &Soup, csv: &mut Rows) {
     }
 }
 
-/// Median nanoseconds of a call that takes milliseconds.
+/// Returns the median nanoseconds of a call that takes milliseconds.
 fn once(mut call: impl FnMut()) -> f64 {
     let mut all: Vec<f64> = (0..5)
         .map(|_| {
@@ -114,7 +115,7 @@ fn once(mut call: impl FnMut()) -> f64 {
     median(&mut all)
 }
 
-/// Poses at which a torus turns over the mesh, between two gaps.
+/// Returns poses at which a torus rotates above the mesh, between two gaps.
 fn poses(a: &Mesh, b: &Mesh) -> Vec<RelativePose> {
     let at = |k: usize, z: f64| {
         let q = quat_mul(
@@ -178,7 +179,8 @@ fn tracked(shape: &str, rest: &Soup, csv: &mut Rows) {
     row("bent", &mut times, &tracker, csv);
 }
 
-/// A sheet folded thrice, the layers some way apart: `k` frames on, nearer or farther by up to a thousandth of the size a frame.
+/// Returns frame `k` of a sheet folded three times, whose layers approach and separate by up to a
+/// thousandth of the size per frame.
 fn folded(rest: &Soup, k: usize) -> Vec<[f64; 3]> {
     let gap = 0.02 + 4.0 * WAY * (1.0 - (0.25 * k as f64).cos());
     let place = |p: &[f64; 3]| {

@@ -1,9 +1,12 @@
-//! Meshes as CAD has them, in `race meshes`: long thin triangles, bodies held all round, a terrain.
+//! CAD-like meshes in `race meshes`: long thin triangles, a shaft enclosed by its bearing, a
+//! terrain.
 //!
-//! `crossing-shafts`: a shaft of length 10 and radius 1 turns by half a degree a frame about its own axis, 1, 10, 45 or 90 degrees
-//! across another at a gap of .001, .05 or .3 (column `shape`); `n` sides, `4 n` triangles. `shaft-in-bore`: a shaft turns in a bearing
-//! (column `shape`: the gap). `link-over-tray`: the link of a robot hovers over a tray and swings. `terrain`: a rock rolls over hills;
-//! `n` is the number of the terrain's triangles.
+//! - `crossing-shafts`: a shaft of length 10 and radius 1 rotates by half a degree per frame about
+//!   its axis. It crosses another shaft at an angle of 1, 10, 45 or 90 degrees, with a gap of
+//!   0.001, 0.05 or 0.3 (column `shape`). A shaft has `n` sides and `4 n` triangles.
+//! - `shaft-in-bore`: a shaft rotates in a bearing (column `shape`: the gap).
+//! - `link-over-tray`: the link of a robot hovers above a tray and swings.
+//! - `terrain`: a rock rolls over hills; `n` is the number of triangles of the terrain.
 
 use std::hint::black_box;
 use truth::forms::mesh;
@@ -36,7 +39,9 @@ fn relative(pose: &Pose) -> RelativePose {
     RelativePose::from_isometry(&pose.isometry()).expect("unit")
 }
 
-/// B turns about its own axis, which sways by a degree, at a gap that swings by a tenth.
+/// Returns poses of B, which rotates about its axis.
+///
+/// The axis sways by 0.3 degrees, and the gap varies by a tenth.
 fn crossing(degrees: f64, gap: f64, frames: usize) -> Vec<RelativePose> {
     let pose = |k: usize| {
         let phase = k as f64 * DEGREE;
@@ -53,7 +58,7 @@ fn crossing(degrees: f64, gap: f64, frames: usize) -> Vec<RelativePose> {
     (0..frames).map(pose).collect()
 }
 
-/// The bearing turns about the shaft and wanders by a third of the gap.
+/// Returns poses of the bearing, which rotates about the shaft and drifts by a third of the gap.
 fn in_bore(gap: f64, frames: usize) -> Vec<RelativePose> {
     let pose = |k: usize| {
         let phase = k as f64 * DEGREE;
@@ -65,7 +70,8 @@ fn in_bore(gap: f64, frames: usize) -> Vec<RelativePose> {
     (0..frames).map(pose).collect()
 }
 
-/// B over A by poses at height zero, lifted so that the gap swings between two values.
+/// Returns poses of B above A, lifted from the given poses so that the gap varies between two
+/// values.
 fn hover(a: &Mesh, b: &Mesh, gaps: [f64; 2], poses: impl Iterator<Item = Pose>) -> Vec<RelativePose> {
     let (mut z, mut tracker) = (2.0, PairTracker::new());
     let lifted = |(k, mut pose): (usize, Pose)| {
@@ -81,7 +87,7 @@ fn hover(a: &Mesh, b: &Mesh, gaps: [f64; 2], poses: impl Iterator<Item = Pose>) 
     poses.enumerate().map(lifted).collect()
 }
 
-/// A link with its length along x swings over a tray.
+/// Returns the pose of a link, with its length along x, that swings above a tray.
 fn over_tray(k: usize) -> Pose {
     let phase = k as f64 * DEGREE;
     let lying = quat([0.0, 1.0, 0.0], 90.0 * DEGREE);
@@ -95,7 +101,7 @@ fn over_tray(k: usize) -> Pose {
     }
 }
 
-/// A rock rolls along a circle.
+/// Returns the pose of a rock that rolls along a circle.
 fn rolling(k: usize) -> Pose {
     let phase = k as f64 * 0.5 * DEGREE;
     let (s, c) = phase.sin_cos();

@@ -1,8 +1,9 @@
-//! Bodies in contact: depth, normal and contact points, ours against parry, the same frames for every engine, passes
-//! interleaved.
+//! Races bodies in contact: depth, normal and contact points, ours against parry.
 //!
-//! Every engine gets two world poses. `ours`, `ours-local` (a local depth) and `parry-contact` return signed distance, normal and both points in the world;
-//! the manifolds stay in the bodies' frames. The scenes are those of `truth::contacts`.
+//! Every engine gets the same frames and two world poses, and passes are interleaved. `ours`,
+//! `ours-local` (a local depth) and `parry-contact` return signed distance, normal and both points
+//! in the world frame. Manifolds stay in the frames of the bodies. The scenes are defined in
+//! `truth::contacts`.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -69,7 +70,7 @@ impl Race {
     }
 }
 
-/// What one engine keeps of the pair.
+/// The state that an engine keeps for the pair.
 #[derive(Default)]
 struct State {
     tracker: Tracker,
@@ -77,7 +78,7 @@ struct State {
     parry: ContactPair,
 }
 
-/// Signed distance of the deepest point, NaN where the engine has none; and how many points there are.
+/// Signed distance of the deepest point (NaN if the engine has none), and the number of points.
 type Answer = (f64, usize);
 
 #[inline(always)]
@@ -125,7 +126,7 @@ fn ask(engine: Engine, race: &Race, frame: usize, state: &mut State) -> Answer {
     }
 }
 
-/// One pass over the first frames from a fresh state: nanoseconds a frame.
+/// Returns the nanoseconds per frame of one pass over the first frames, from a fresh state.
 fn pass(engine: Engine, race: &Race, frames: usize) -> f64 {
     match engine {
         Engine::Ours => time(frames, |f, s| ask(Engine::Ours, race, f, s)),
@@ -146,7 +147,8 @@ fn time(frames: usize, ask: impl Fn(usize, &mut State) -> Answer) -> f64 {
         }
         began.elapsed()
     };
-    // The first pass finds the caches and branch tables of another engine; the last is the one that counts.
+    // The first passes warm up caches and branch predictors after another engine; only the last
+    // pass counts.
     let began = Instant::now();
     while began.elapsed() < WARM_UP {
         pass();
@@ -154,13 +156,14 @@ fn time(frames: usize, ask: impl Fn(usize, &mut State) -> Answer) -> f64 {
     pass().as_nanos() as f64 / frames as f64
 }
 
-/// Answers of the first frames.
+/// Returns the answers of the first frames.
 fn answers(engine: Engine, race: &Race, frames: usize) -> Vec<Answer> {
     let mut state = State::default();
     (0..frames).map(|f| ask(engine, race, f, &mut state)).collect()
 }
 
-/// The least time of each frame over some passes, in which what the machine does besides hardly shows.
+/// Returns the least time of each frame over some passes, which suppresses other activity of the
+/// machine.
 fn frame_times(engine: Engine, race: &Race, passes: usize) -> Vec<f64> {
     let mut least = vec![Duration::MAX; race.poses.len()];
     for _ in 0..passes {
@@ -174,7 +177,7 @@ fn frame_times(engine: Engine, race: &Race, passes: usize) -> Vec<f64> {
     least.iter().map(|t| t.as_nanos() as f64).collect()
 }
 
-/// Median of the frames and their 99th percentile over it.
+/// Returns the median of the frames, and the ratio of their 99th percentile to it.
 fn spread(mut times: Vec<f64>) -> (f64, f64) {
     let middle = median(&mut times);
     (middle, times[times.len() * 99 / 100] / middle)
@@ -184,16 +187,18 @@ struct Row {
     scene: &'static str,
     shape: &'static str,
     n: usize,
-    /// By engine.
+    /// Nanoseconds per frame, by engine.
     ns: Vec<f64>,
-    /// Median of a frame of ours, and the 99th percentile over it; the same with a local depth.
+    /// Median time per frame and the ratio of the 99th percentile to it: for `ours` and
+    /// `ours-local`.
     spread: [(f64, f64); 2],
-    /// Contacts of a manifold on the mean, ours and parry's.
+    /// Mean number of contacts of a manifold, ours and parry's.
     points: [f64; 2],
     note: String,
 }
 
-/// How far an engine is off our certified signed distance, and how often it has no contact that it should have.
+/// Returns how far an engine differs from our certified signed distance, and how often it misses a
+/// contact.
 fn compare(engine: Engine, answers: &[Answer], reference: &[Answer]) -> String {
     let (mut off, mut worst, mut missing) = (0, 0f64, 0);
     for (x, r) in answers.iter().zip(reference) {

@@ -1,8 +1,10 @@
-//! Curved pairs: ours against parry's GJK with the direction of the frame before, the same supports, the same frames.
+//! Races curved pairs: ours against parry's GJK, which starts from the direction of the previous
+//! frame.
 //!
-//! B orbits A and spins by 0.5 degrees a frame at a gap that swings between 0.02 and 0.2; every engine gets two world poses and
-//! returns distance and both witnesses. The error is that of the distance against the middle of our bounds, over L; `core` is
-//! the same tracker on the cores of rounded shapes.
+//! Both use the same support functions and the same frames. B orbits A and spins by 0.5 degrees per
+//! frame, at a gap between 0.02 and 0.2. Every engine gets two world poses and returns the distance
+//! and both witnesses. The error is the difference from our distance, divided by L. `core` is the
+//! same tracker on the cores of rounded shapes.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -72,7 +74,7 @@ fn parry(gjk: &mut MapGjk, a: &Map, b: &Map, f: &Frame) -> f64 {
     black_box(&found).as_ref().map_or(0.0, |w| w.distance)
 }
 
-/// Nanoseconds a frame: the least of some passes.
+/// Returns the nanoseconds per frame: the least of some passes.
 fn timed(frames: usize, mut pass: impl FnMut()) -> f64 {
     let began = Instant::now();
     while began.elapsed() < WARM_UP {
@@ -89,7 +91,7 @@ fn timed(frames: usize, mut pass: impl FnMut()) -> f64 {
     times[0]
 }
 
-/// All pairs.
+/// Races all pairs.
 pub(crate) fn run(options: &Options) -> Rows {
     let mut rows = Rows::default();
     let kinds = ["ball", "capsule", "box", "round-box", "cylinder", "cone", "ellipsoid"];

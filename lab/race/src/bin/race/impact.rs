@@ -1,10 +1,15 @@
-//! Casts of two moving bodies: ours against conservative advancement and parry's three, the same throws for every engine, passes
-//! interleaved.
+//! Races casts of two moving bodies: ours against conservative advancement and parry's three casts.
 //!
-//! `ours` returns a proven bracket at a tolerance of 1e-9; `ours-5e-3` at the gap at which the sweep stops, and is judged by the begin of
-//! the bracket, as the sweep is by the time of that gap; `ours-d3` advances by a directional bound until the gap is 5e-3, without a
-//! proof of a hit; `parry-sweep` is what rapier 0.36 moves fast bodies with (contact at 5e-3, on the normalised sum of end poses, on which
-//! it is judged), `parry-nonlinear` and `parry-linear` its other casts. Bodies have radius 1, B is aimed past A; every engine starts cold.
+//! Every engine gets the same throws, and passes are interleaved. Bodies have radius 1, B is aimed
+//! past A, and every engine starts cold.
+//!
+//! - `ours` returns a proven bracket at a tolerance of 1e-9.
+//! - `ours-5e-3` returns a bracket at the gap at which the sweep stops. It is judged by the start
+//!   of the bracket, as the sweep is judged by the time of that gap.
+//! - `ours-d3` advances by a directional bound until the gap is 5e-3, without a proof of a hit.
+//! - `parry-sweep` is the cast that rapier 0.36 uses for fast bodies: contact at 5e-3, on the
+//!   normalised interpolation of the end poses. It is judged on that motion.
+//! - `parry-nonlinear` and `parry-linear` are parry's other casts.
 
 use std::hint::black_box;
 
@@ -23,7 +28,7 @@ use truth::rng::Rng;
 
 use race::common::{Options, Rows};
 
-/// Bounds of the radians that each body turns by.
+/// Name of each scene, and largest rotation of each body in radians.
 pub(crate) const SCENES: [(&str, f64); 5] = [
     ("turn-0", 0.0),
     ("turn-0.3", 0.3),
@@ -36,7 +41,7 @@ const SIZES: [usize; 5] = [8, 32, 128, 512, 2048];
 const PAIRS: usize = 4;
 const TOLERANCE: Tolerance = Tolerance::Distance(1e-9);
 
-/// Later than the end of our bracket by more than this is late.
+/// A time later than the end of our bracket by more than this counts as late.
 const LATE: f64 = 1e-6;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -83,7 +88,7 @@ struct Case {
     throw: Throw,
     motions: [Steady; 2],
     flights: [([ParryPose; 2], [Vector3<f64>; 2]); 2],
-    /// What is true of it, and of the sweep between its end poses.
+    /// Our result for the motion, and for the sweep between its end poses.
     truth: Cast,
     swept: Cast,
 }
@@ -138,7 +143,7 @@ impl Case {
         }
     }
 
-    /// When the bodies meet by the word of an engine.
+    /// Returns the time at which the bodies meet according to an engine.
     fn ask(&self, engine: Engine, pairs: &[Pair]) -> Option<f64> {
         let pair = &pairs[self.pair];
         let [a, b] = &pair.ours;
@@ -195,7 +200,7 @@ fn pairs(shape: &str, n: usize, rng: &mut Rng) -> Option<Vec<Pair>> {
         .collect()
 }
 
-/// Missed and late hits of an engine, of how many.
+/// Returns the missed and the late hits of an engine, and the number of hits.
 fn faults(engine: Engine, cases: &[Case], pairs: &[Pair]) -> (usize, usize, usize) {
     let (mut missed, mut late, mut hits) = (0, 0, 0);
     for case in cases {
@@ -217,7 +222,7 @@ fn faults(engine: Engine, cases: &[Case], pairs: &[Pair]) -> (usize, usize, usiz
     (missed, late, hits)
 }
 
-/// Microseconds a cast of thread time, the least of some passes.
+/// Returns nanoseconds of thread time per cast, the least of some passes.
 fn time(engine: Engine, cases: &[Case], pairs: &[Pair], passes: usize) -> f64 {
     let pass = || {
         let began = ThreadTime::now();

@@ -1,6 +1,8 @@
-//! Instructions of a query, counted by callgrind: unlike times they do not depend on what else the machine does.
+//! Counts instructions per query with callgrind: unlike times, they do not depend on the load of
+//! the machine.
 //!
-//! The program runs itself under `valgrind`, once a cell, and callgrind counts inside of [`counted`] alone.
+//! The program runs itself under `valgrind`, once per cell, and callgrind counts only inside
+//! [`counted`].
 
 use std::hint::black_box;
 use std::process::Command;
@@ -11,14 +13,14 @@ use race::progress::Progress;
 use crate::pairs::{Engine, State, ask, degrees, pair};
 use truth::rng::Rng;
 
-/// Frames of a cell, after as many in which the engine gets warm.
+/// Frames of a cell that are counted, after as many frames of warm-up.
 const FRAMES: usize = 2000;
 
 pub(crate) const SCENES: [&str; 4] = ["coherent-0.5", "coherent-5", "coherent-25", "random"];
 
 const ENGINES: [Engine; 2] = [Engine::Ours, Engine::GjkCached];
 
-/// The motion, shape and size of one pair, and who is asked.
+/// Motion, shape and size of one pair, and the engine.
 struct Cell {
     scene: &'static str,
     shape: &'static str,
@@ -51,7 +53,7 @@ impl Cell {
         format!("{},{},{},{}", self.scene, self.shape, self.n, self.engine.name())
     }
 
-    /// Returns the instructions a query, as callgrind counts them in a run of this program.
+    /// Returns the instructions per query that callgrind counts in a run of this program.
     fn count(&self) -> Result<f64, String> {
         let program = std::env::current_exe().map_err(|e| e.to_string())?;
         let run = Command::new("valgrind")
@@ -74,7 +76,7 @@ impl Cell {
     }
 }
 
-/// Asks about a cell: the half of its frames that callgrind counts, after the other half.
+/// Runs a cell: one half of its frames as warm-up, then the half that callgrind counts.
 pub(crate) fn run_cell(name: &str) -> Result<(), String> {
     let cell = Cell::all()
         .find(|c| c.name() == name)
@@ -91,7 +93,7 @@ pub(crate) fn run_cell(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// The part of a run that callgrind counts. The engine is known to the compiler, as in the race.
+/// The part of a run that callgrind counts. The engine is a compile-time constant, as in the race.
 #[inline(never)]
 fn counted(engine: Engine, mut ask: impl FnMut(Engine, usize)) {
     match engine {

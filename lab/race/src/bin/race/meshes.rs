@@ -1,12 +1,21 @@
-//! `race meshes`: distance and closest points of two meshes, in nanoseconds of thread CPU time a query.
+//! `race meshes`: distance and closest points of two meshes, in nanoseconds of thread CPU time per
+//! query.
 //!
-//! Every engine gets the same two poses a frame and returns the distance; ours certified, with witnesses and features. `ours` keeps its
-//! tracker, `ours-cold` begins each query anew; parry's `distance` of two `TriMesh`es keeps nothing.
+//! Every engine gets the same two poses per frame and returns the distance; ours is certified, with
+//! witnesses and features. `ours` keeps its tracker, `ours-cold` starts a new tracker for each
+//! query. parry's `distance` of two `TriMesh`es keeps no state.
 //!
-//! Scenes: B tumbles by 0.5 or 0.02 degrees a frame at gaps of 0.02 to 0.2 (`tracked`), stands anywhere (`random`), slides and turns flush
-//! on A (`flush`); a box tumbles over a mesh (`box-over`). Tori are linked; `torus-centred` has each tube near the middle of the other's
-//! hole, where most of both is nearly equally close. In `pieces` rings and knots are made of convex pieces, a rock by parry's VHACD, and `n`
-//! is the number of pieces: ours as a `Compound`, parry's as a `ParryCompound`. The scenes of `cad.rs` are raced by ours alone.
+//! - `tracked-0.5`, `tracked-0.02`: B tumbles by 0.5 or 0.02 degrees per frame at gaps of 0.02 to
+//!   0.2.
+//! - `random`: B takes a random pose nearby.
+//! - `flush`: B slides and rotates flush on A.
+//! - `box-over`: a box tumbles next to a mesh.
+//! - `pieces`: rings and knots are compounds of convex pieces, and a rock is decomposed by parry's
+//!   VHACD. `n` is the number of pieces. Ours is a `Compound`, parry's a `ParryCompound`.
+//!
+//! Tori are linked. In `torus-centred`, each tube is near the middle of the other's hole, where
+//! most of both bodies is nearly equally close. The scenes of `cad.rs` are measured for our engine
+//! alone.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -48,7 +57,7 @@ pub(crate) const SCENES: [&str; 14] = [
 const FRAMES: usize = 240;
 const PASSES: usize = 5;
 
-/// An engine slower than this leaves off.
+/// Time limit for measuring one engine on one scene.
 const LIMIT: Duration = Duration::from_secs(6);
 
 /// Two meshes and the poses of B in A's frame.
@@ -64,7 +73,7 @@ fn trimesh(soup: &Soup) -> TriMesh {
     TriMesh::new(points, soup.triangles.clone()).expect("made meshes are sound")
 }
 
-/// B beside A, turning by so many degrees a frame; its distance swings between two gaps.
+/// Returns poses of B next to A, rotating by `degrees` per frame at a gap between 0.02 and 0.2.
 fn tumbling(a: &Mesh, b: &Mesh, reach: f64, degrees: f64, frames: usize) -> Vec<Pose> {
     let mut rng = Rng::new(11);
     let axis = rng.unit();
@@ -90,8 +99,10 @@ fn tumbling(a: &Mesh, b: &Mesh, reach: f64, degrees: f64, frames: usize) -> Vec<
     poses.split_off(20)
 }
 
-/// One ring through the other, by so many degrees a frame: B's tube through the middle of A's hole, or beside it at the gaps of
-/// [`tumbling`]. In the middle all of both inner rims is nearly equally close.
+/// Returns poses of one ring through the other, rotating by `degrees` per frame.
+///
+/// B's tube passes through the middle of A's hole or, with `rings`, next to A's tube at the gaps of
+/// [`tumbling`]. In the middle, the whole inner sides of both rings are nearly equally close.
 fn linked(rings: Option<(&Mesh, &Mesh)>, degrees: f64, frames: usize) -> Vec<Pose> {
     let turned = quat([1.0, 0.0, 0.0], std::f64::consts::FRAC_PI_2);
     let (mut x, mut tracker, mut poses) = (1.05, PairTracker::new(), Vec::new());
@@ -115,7 +126,7 @@ fn linked(rings: Option<(&Mesh, &Mesh)>, degrees: f64, frames: usize) -> Vec<Pos
     poses
 }
 
-/// Anywhere near, but apart.
+/// Returns random nearby poses at which the bodies are separated.
 fn random(a: &Mesh, b: &Mesh, reach: f64, frames: usize) -> Vec<Pose> {
     let mut rng = Rng::new(12);
     let mut poses = Vec::new();
@@ -134,7 +145,7 @@ fn random(a: &Mesh, b: &Mesh, reach: f64, frames: usize) -> Vec<Pose> {
     poses
 }
 
-/// B slides and turns on the upper side of A.
+/// Returns poses of B that slides and rotates on the upper side of A.
 fn flush(height: f64, frames: usize) -> Vec<Pose> {
     let pose = |k: usize| {
         let angle = k as f64 * 0.5f64.to_radians();
@@ -146,7 +157,7 @@ fn flush(height: f64, frames: usize) -> Vec<Pose> {
     (0..frames).map(pose).collect()
 }
 
-/// The shapes of a number of triangles about `n`.
+/// Returns the shapes with about `n` triangles.
 fn shapes(n: usize) -> Vec<(&'static str, Soup)> {
     let side = ((n as f64 / 4.0).sqrt()) as usize;
     let depth = ((n as f64 / 20.0).ln() / 4f64.ln()).round() as u32;
@@ -195,7 +206,7 @@ fn races(scene: &str, n: usize, frames: usize) -> Vec<Race> {
     }
 }
 
-/// Median nanoseconds a query, over passes.
+/// Returns the median nanoseconds per query, over passes.
 pub(crate) fn time(poses: usize, mut query: impl FnMut(usize)) -> f64 {
     let (begun, mut passes) = (Instant::now(), Vec::new());
     for pass in 0..=PASSES {
@@ -207,7 +218,7 @@ pub(crate) fn time(poses: usize, mut query: impl FnMut(usize)) -> f64 {
                 break;
             }
         }
-        // The first pass warms up, unless there is no time for another.
+        // The first pass is a warm-up, unless it reaches the time limit.
         if pass > 0 || done < poses {
             passes.push(start.elapsed().as_nanos() as f64 / done as f64);
         }
@@ -263,7 +274,8 @@ fn race(scene: &str, n: usize, race: &Race, csv: &mut Rows) {
     }
 }
 
-/// The hulls of stretches of a tube: so many rows of `m` points each.
+/// Returns the points of stretches of a tube: `rows` rings of `m` points each, and the first ring
+/// of the next stretch.
 fn stretches(soup: &Soup, m: usize, rows: usize) -> Vec<Vec<[f64; 3]>> {
     let count = soup.points.len() / m;
     let stretch = |first: usize| {
@@ -273,7 +285,7 @@ fn stretches(soup: &Soup, m: usize, rows: usize) -> Vec<Vec<[f64; 3]>> {
     (0..count).step_by(rows).map(stretch).collect()
 }
 
-/// The hulls of an approximate convex decomposition.
+/// Returns the hulls of an approximate convex decomposition.
 fn decomposed(soup: &Soup) -> Vec<Vec<[f64; 3]>> {
     let points: Vec<_> = soup.points.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
     let parameters = VHACDParameters {
@@ -286,7 +298,7 @@ fn decomposed(soup: &Soup) -> Vec<Vec<[f64; 3]>> {
     hulls.into_iter().map(points).collect()
 }
 
-/// Bodies of convex pieces.
+/// Races compounds of convex pieces.
 fn pieces(frames: usize, csv: &mut Rows) {
     let (ring, large) = (soups::torus(16, 12, 0.3), soups::torus(52, 12, 0.3));
     let (knot, rock) = (soups::knot(104, 8, 0.12), soups::rock(3, 1));
@@ -356,7 +368,7 @@ fn pieces(frames: usize, csv: &mut Rows) {
     }
 }
 
-/// What meshes cost before any query.
+/// Prints the time to build meshes, and their memory.
 fn built(n: usize) {
     for (shape, soup) in shapes(n) {
         let start = ThreadTime::now();

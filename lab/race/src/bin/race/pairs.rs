@@ -1,9 +1,15 @@
-//! Pairs of bodies: ours against parry, the same frames for every engine, passes interleaved.
+//! Races pairs of bodies: ours against parry.
 //!
-//! Every engine gets two world poses and returns the distance and both witness points in the world. B orbits A and spins
-//! by the scene's degrees a frame, held at a gap of 2 % of the radius; `random` takes a new pose every frame;
-//! `cold256-0.5` visits 256 pairs in turn, each with shapes of its own, so that caches are cold. `n` is the number of vertices: a
-//! prism of 8192 is one of 4096-gons.
+//! Every engine gets the same frames and two world poses, and passes are interleaved. It returns
+//! the distance and both witness points in the world frame.
+//!
+//! - `coherent-*`: B orbits A and spins by the given degrees per frame, at a gap of 2 % of the
+//!   radius.
+//! - `random`: a new pose in every frame.
+//! - `cold256-0.5`: the queries alternate between 256 pairs, each with separate shapes, so that CPU
+//!   caches are cold.
+//!
+//! `n` is the number of vertices, so a prism with `n` = 8192 has 4096-gons.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
@@ -21,7 +27,7 @@ use truth::workload::{self, SIZES};
 
 use race::common::{Options, Rows, WARM_UP, median};
 
-/// One body in the form of each engine.
+/// A body in the form of each engine.
 struct Body {
     ours: ConvexPolyhedron,
     climber: Climber,
@@ -105,14 +111,14 @@ pub(crate) fn pair(
     }
 }
 
-/// What one engine keeps for one pair.
+/// The state that an engine keeps for one pair.
 #[derive(Default)]
 pub(crate) struct State {
     tracker: Tracker,
     gjk: GjkCached,
 }
 
-/// Distance and witnesses in the world, of one frame.
+/// Distance and witnesses of one frame, in the world frame.
 pub(crate) type Answer = (f64, Point, Point);
 
 #[inline(always)]
@@ -163,7 +169,10 @@ pub(crate) fn ask(engine: Engine, pair: &Pair, frame: usize, state: &mut State) 
     }
 }
 
-/// One pass over all frames of all pairs, pairs in turn: nanoseconds a query, and the answers on request.
+/// Runs one pass over all frames of all pairs, alternating between pairs.
+///
+/// Returns nanoseconds per query, and the work of the trackers. With `answers`, it stores the
+/// answers instead of timing.
 fn pass(engine: Engine, pairs: &[Pair], frames: usize, answers: Option<&mut Vec<Answer>>) -> (f64, TrackerWork) {
     match engine {
         Engine::Ours => time(pairs, frames, answers, |p, f, s| ask(Engine::Ours, p, f, s)),
@@ -199,7 +208,8 @@ fn time(
         }
         (began.elapsed(), states)
     };
-    // The first pass finds the caches and branch tables of another engine; the last is the one that counts.
+    // The first passes warm up caches and branch predictors after another engine; only the last
+    // pass counts.
     let began = Instant::now();
     while began.elapsed() < WARM_UP {
         pass();
@@ -210,7 +220,8 @@ fn time(
     (last.0.as_nanos() as f64 / (frames * pairs.len()) as f64, totals)
 }
 
-/// Largest disagreement with our certified distance, relative to it; `None` where an engine has no answer.
+/// Returns the largest relative difference from our certified distance, and the number of missing
+/// answers.
 fn disagreement(answers: &[Answer], reference: &[Answer]) -> (f64, usize) {
     let (mut worst, mut missing) = (0f64, 0);
     for (x, r) in answers.iter().zip(reference) {
@@ -232,7 +243,7 @@ struct Row {
     note: String,
 }
 
-/// Runs all engines on the same pairs, passes interleaved, medians reported.
+/// Runs all engines on the same pairs in interleaved passes, and returns the medians.
 fn race(scene: &'static str, shape: &'static str, n: usize, pairs: &[Pair], quick: bool) -> Row {
     let frames = pairs[0].frames.len();
     let mut reference = Vec::new();
@@ -246,7 +257,7 @@ fn race(scene: &'static str, shape: &'static str, n: usize, pairs: &[Pair], quic
         note: String::new(),
     };
     let mut times: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    // A slow engine gets fewer frames a pass, never fewer than one motion of it needs to warm up.
+    // A slow engine gets fewer frames per pass, but at least 16.
     let share = |e: Engine| match e {
         Engine::ParryDistance => (40_000 / n).clamp(16, frames),
         Engine::Exact => frames.min(4000),
@@ -303,7 +314,7 @@ fn print(row: &Row) {
     );
 }
 
-/// Vertices of prisms: those of the other shapes, and of 128-gons and 8192-gons.
+/// Vertices of prisms: the sizes of the other shapes, and those of 128-gons and 8192-gons.
 const PRISMS: [usize; 8] = [8, 32, 128, 256, 512, 2048, 8192, 16384];
 
 pub(crate) const SCENES: [&str; 6] = [
@@ -315,7 +326,7 @@ pub(crate) const SCENES: [&str; 6] = [
     "cold256-0.5",
 ];
 
-/// Scenes, shapes and sizes in the order they run.
+/// Returns scenes, shapes and sizes in the order in which they run.
 fn plan() -> Vec<(&'static str, &'static str, usize)> {
     let mut list = vec![];
     for scene in SCENES {
@@ -323,7 +334,7 @@ fn plan() -> Vec<(&'static str, &'static str, usize)> {
             let sizes: &[usize] = if shape == "prism" { &PRISMS } else { &SIZES };
             for &n in sizes {
                 let cold = scene.starts_with("cold");
-                // Long rims and vertices of many edges are a matter of the walk alone.
+                // Faces with many vertices and vertices with many edges concern the walk alone.
                 let long = ["prism", "cone"].contains(&shape) && scene != "coherent-0.5";
                 if (shape == "box" && n != 8) || (cold && n > 512) || long {
                     continue;
@@ -369,7 +380,7 @@ pub(crate) fn run(o: &Options) -> Rows {
                 }
             }
             (false, true) => 250,
-            // So many that branch predictors learn no frame by heart.
+            // So many that branch predictors do not learn the frames.
             (false, false) => {
                 if n < 2048 {
                     20_000

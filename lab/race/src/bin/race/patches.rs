@@ -1,7 +1,9 @@
-//! `race patches`: two curved surfaces that tumble by half a degree a frame, in nanoseconds of thread CPU time a query.
+//! `race patches`: two curved surfaces that tumble by half a degree per frame, in nanoseconds of
+//! thread CPU time per query.
 //!
-//! `ours` keeps its tracker, `ours-cold` begins each query anew; the interval is as narrow as the name of the shape says. Beside them
-//! meshes of an accuracy of `1e-4`: `ours-mesh` keeps a `PairTracker`, parry's `distance` of two `TriMesh`es keeps nothing.
+//! `ours` keeps its tracker, `ours-cold` starts a new tracker for each query. The name of the shape
+//! is the width of the interval. For comparison, meshes with an accuracy of `1e-4`: `ours-mesh`
+//! keeps a `PairTracker`, parry's `distance` of two `TriMesh`es keeps no state.
 
 use std::hint::black_box;
 
@@ -19,10 +21,10 @@ use race::common::{Options, Rows};
 
 pub(crate) const SCENES: [&str; 2] = ["bicubic", "vase"];
 
-/// Sorted nanoseconds of all frames of a pair.
+/// Returns the nanoseconds of all frames of a pair.
 type Engine<'a> = dyn Fn(&[BezierSurface; 2], &[Pose]) -> Vec<f64> + 'a;
 
-/// Pairs of bodies of the first scene.
+/// Number of pairs in the first scene.
 const PAIRS: usize = 8;
 
 fn bicubic(rng: &mut Rng) -> BezierSurface {
@@ -40,7 +42,7 @@ fn vase() -> BezierSurface {
     revolution(&curves).expect("a profile")
 }
 
-/// B beside A, turning; its distance swings about 0.2.
+/// Returns poses of B next to A, rotating, at a distance of about 0.2.
 fn tumbling(a: &BezierSurface, b: &BezierSurface, seed: u64, frames: usize) -> Vec<Pose> {
     let mut rng = Rng::new(seed);
     let (axis, mut q, mut x) = (rng.unit(), rng.quat(), 3.0);
@@ -73,7 +75,7 @@ fn relative(pose: &Pose) -> RelativePose {
     RelativePose::from_isometry(&pose.isometry()).expect("a unit quaternion")
 }
 
-/// Points and triangles of a surface, `n` squares a side of each patch.
+/// Returns points and triangles of a surface, with `n` squares along each side of each patch.
 fn net(s: &BezierSurface, n: usize) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     for patch in s.patches() {
@@ -89,7 +91,7 @@ fn net(s: &BezierSurface, n: usize) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
     (points, triangles)
 }
 
-/// Sorted nanoseconds of each frame, the least of three passes.
+/// Returns the sorted nanoseconds of the frames, each the least of three passes.
 fn each(poses: &[Pose], mut start: impl FnMut(), mut query: impl FnMut(&Pose)) -> Vec<f64> {
     let mut least = vec![f64::INFINITY; poses.len()];
     for _ in 0..3 {
@@ -104,7 +106,7 @@ fn each(poses: &[Pose], mut start: impl FnMut(), mut query: impl FnMut(&Pose)) -
     least
 }
 
-/// All scenes.
+/// Races all scenes.
 pub(crate) fn run(options: &Options) -> Rows {
     let mut rows = Rows::default();
     println!(
@@ -157,7 +159,7 @@ fn race(rows: &mut Rows, scene: &str, pairs: &[[BezierSurface; 2]], frames: usiz
             each(poses, || (), query)
         });
     }
-    // Squares of 2 / n: a sagitta of about 1e-4 for the curvatures here.
+    // Squares with side 2 / n: a sagitta of about 1e-4 for the curvatures of these surfaces.
     let n = if patches == 1 { 72 } else { 16 };
     put("1e-4", "ours-mesh", &|pair, poses| {
         let [a, b] = pair.each_ref().map(|s| {

@@ -1,8 +1,10 @@
-//! Segments of a long hull in rooms of 40 and 150 hulls: certified over their whole length, and checked at steps of 0.2, 0.05
-//! and 0.01 of the segment's length as most planners do; then whole searches.
+//! Races segments of a long hull in rooms of 40 and 150 hulls, then whole searches.
 //!
-//! The fixed steps use the same boxes, balls and predicates (`Tracker::intersects`, one warm tracker a pair); a pair counts as a
-//! check if its balls overlap. Wrong are the segments that the steps call free and the certificate proves blocked.
+//! Segments are certified over their whole length, or checked at steps of 0.2, 0.05 and 0.01, as
+//! most planners do. The checker at fixed steps uses the same boxes and predicates
+//! (`Tracker::intersects`, one warm tracker per pair). A pair counts as a check if its boxes
+//! overlap. Segments are wrong if the steps report them free and the certificate proves them
+//! blocked.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -23,13 +25,13 @@ use race::common::{Options, Rows, median};
 
 pub(crate) const SCENES: [&str; 5] = ["room-40", "room-150", "search-150", "search-hole", "free-at"];
 
-/// Processor time of a search, at most; of `oxmpl` time by the clock.
+/// Time limit of a search: processor time, but wall time for `oxmpl`.
 const LIMIT: Duration = Duration::from_secs(1);
 
 /// Lengths of the fixed steps.
 const STEPS: [f64; 3] = [0.2, 0.05, 0.01];
 
-/// One segment as poses and as configurations.
+/// A segment with its two end configurations.
 struct Segment {
     ends: [Vec<f64>; 2],
     length: f64,
@@ -91,7 +93,7 @@ impl<'a> Fixed<'a> {
     }
 }
 
-/// Nanoseconds a segment, for those that are free and those that are not: the least of some passes.
+/// Returns nanoseconds per segment, for free and for blocked segments: the least of some passes.
 fn time(segments: &[Segment], passes: usize, mut is_free: impl FnMut(&Segment) -> bool) -> [f64; 2] {
     let mut least = [f64::INFINITY; 2];
     for _ in 0..passes {
@@ -161,7 +163,7 @@ fn room(o: &Options, scene: &str, n: usize, rows: &mut Rows) {
     }
 }
 
-/// Times of searches, and paths found; paths that a certificate proves blocked.
+/// Times of searches, number of paths found, and number of paths that a certificate proves blocked.
 #[derive(Default)]
 struct Searches {
     times: Vec<f64>,
@@ -195,11 +197,12 @@ impl Searches {
     }
 }
 
-/// Searches from one end to the other by seed; beside it RRT-Connect at steps of 0.01.
+/// Runs one search per seed between two configurations, and RRT-Connect at steps of 0.01 for
+/// comparison.
 fn search(scene: &str, room: Room, space: &RigidSpace, ends: [Vec<f64>; 2], seeds: u64, rows: &mut Rows) {
     let engines = ["opportunistic", "oxmpl step 0.01"];
     let mut searches = [Searches::default(), Searches::default()];
-    // The checker of `oxmpl` outlives every scope.
+    // The checker of `oxmpl` needs a `'static` lifetime.
     let room: &'static Room = Box::leak(Box::new(room));
     let [start, goal] = &ends;
     for seed in 0..seeds {
@@ -232,7 +235,8 @@ fn search(scene: &str, room: Room, space: &RigidSpace, ends: [Vec<f64>; 2], seed
     }
 }
 
-/// From corner to corner of a room of 150 hulls, and a plank of 0.2 through a hole of 0.4.
+/// Searches from corner to corner of a room of 150 hulls, and for a plank 0.2 wide through a hole
+/// of 0.4.
 fn searches(o: &Options, progress: &Progress, rows: &mut Rows) {
     if o.wants("search-150") {
         let room = Room::new(150, 3);
@@ -256,8 +260,10 @@ fn searches(o: &Options, progress: &Progress, rows: &mut Rows) {
     }
 }
 
-/// Random configurations of an arm of meshes, free or not: `ours` by [`Checker::is_free_at`], `is-free` by segments of one configuration.
-/// `n` is the number of the arm's triangles.
+/// Checks random configurations of an arm of meshes.
+///
+/// `ours` uses [`Checker::is_free_at`], `is-free` uses segments of one configuration. `n` is the
+/// number of triangles of the arm.
 fn is_free_at(o: &Options, rows: &mut Rows) {
     let cell = Cell::new(84);
     let n = cell.links.iter().map(|l| l.triangles.len()).sum();

@@ -1,8 +1,9 @@
-//! `race hulls`: the convex hull of points, in milliseconds of thread CPU time, with the vertices of the hull and how far
-//! the farthest point is from the hull of these vertices; the points have a radius of about one.
+//! `race hulls`: the convex hull of points, in milliseconds of thread CPU time.
 //!
-//! Points lie on a sphere, in a ball, in a cube, or on a sphere flattened to a thousandth (`flat`). qhull takes part in
-//! `crates/python/bench/hulls.py`.
+//! Also prints the number of vertices of the hull, and the distance of the farthest point from the
+//! hull of these vertices. Points are on a sphere, in a ball, in a cube, or on a sphere flattened
+//! to a thousandth (`flat`), all with a radius of about one. `crates/python/bench/hulls.py`
+//! measures qhull.
 
 use std::hint::black_box;
 
@@ -19,7 +20,7 @@ pub(crate) const SCENES: [&str; 4] = ["sphere", "ball", "cube", "flat"];
 
 const PASSES: usize = 3;
 
-/// Points that are compared with a hull, at most.
+/// Largest number of points that are compared with a hull.
 const LOOKED_AT: usize = 20_000;
 
 fn cloud(scene: &str, n: usize) -> Vec<Point> {
@@ -36,7 +37,7 @@ fn cloud(scene: &str, n: usize) -> Vec<Point> {
     (0..n).map(|_| point()).collect()
 }
 
-/// Milliseconds: the median of some passes.
+/// Returns the median milliseconds of some passes.
 fn timed(passes: usize, mut pass: impl FnMut()) -> f64 {
     let mut once = || {
         let began = ThreadTime::now();
@@ -46,7 +47,8 @@ fn timed(passes: usize, mut pass: impl FnMut()) -> f64 {
     median(&mut (0..passes).map(|_| once()).collect::<Vec<_>>())
 }
 
-/// How far the farthest of some points is from the hull of the vertices that an engine kept.
+/// Returns the largest distance of a sampled point from the hull of the vertices that an engine
+/// kept.
 fn lost(points: &[Point], kept: &[Point3<f64>]) -> f64 {
     let Ok(hull) = ConvexPolyhedron::from_points(kept) else {
         return f64::NAN;
@@ -61,7 +63,7 @@ fn lost(points: &[Point], kept: &[Point3<f64>]) -> f64 {
     points.iter().step_by(stride).map(&mut distance).fold(0.0, f64::max)
 }
 
-/// All clouds.
+/// Races all point clouds.
 pub(crate) fn run(options: &Options) -> Rows {
     let mut rows = Rows::default();
     println!(

@@ -1,8 +1,10 @@
-//! `race rays`: where a ray enters a body, in nanoseconds of thread CPU time a ray.
+//! `race rays`: the entry point of a ray into a body, in nanoseconds of thread CPU time per ray.
 //!
-//! Rays come from a sphere of three radii about the body, to points of a ball of 1.2 radii, so that most of them meet it. `ours` is a proven
-//! bracket with point, normal and feature; `parry` is its `cast_ray_and_get_normal`. A ray counts as *other* if one engine says hit
-//! and the other miss, and as *off* if parry's distance lies outside our bracket by more than a ten-thousandth of the radius.
+//! Rays start on a sphere of 3 radii (`at`) or 30,000 radii (`far`) around the body. They point to
+//! points of a ball of 1.2 radii, so most of them hit the body. `ours` is a proven bracket with
+//! point, normal and feature; `parry` is its `cast_ray_and_get_normal`. A ray counts as *other* if
+//! one engine reports a hit and the other a miss. It counts as *off* if parry's distance lies
+//! outside our bracket by more than a ten-thousandth of the radius.
 
 use std::hint::black_box;
 
@@ -25,7 +27,7 @@ pub(crate) const SCENES: [&str; 2] = ["at", "far"];
 const RAYS: usize = 2000;
 const PASSES: usize = 5;
 
-/// Parry's distance may be outside our bracket by this, over the radius.
+/// Tolerance by which parry's distance may lie outside our bracket, relative to the radius.
 const OFF: f64 = 1e-4;
 
 /// A body of radius about one in the form of each engine.
@@ -36,7 +38,7 @@ struct Body {
     theirs: Box<dyn query::RayCast>,
 }
 
-/// A body of parry's about the y axis, turned to stand along z.
+/// A cylinder of parry, whose axis is y, rotated so that its axis is z.
 struct Upright(Cylinder);
 
 impl query::RayCast for Upright {
@@ -103,7 +105,7 @@ fn rays(far: f64) -> Vec<Pair> {
     (0..RAYS).map(|_| ray()).collect()
 }
 
-/// Nanoseconds a ray: the least of some passes.
+/// Returns nanoseconds per ray: the least of some passes.
 fn timed(passes: usize, mut pass: impl FnMut()) -> f64 {
     let mut once = || {
         let began = ThreadTime::now();
@@ -113,7 +115,7 @@ fn timed(passes: usize, mut pass: impl FnMut()) -> f64 {
     (0..=passes).map(|_| once()).fold(f64::INFINITY, f64::min)
 }
 
-/// All bodies from each distance.
+/// Races all bodies from each distance.
 pub(crate) fn run(options: &Options) -> Rows {
     let mut rows = Rows::default();
     let head = ["rays", "body", "n", "ours", "parry", "/ours", "hit", "other", "off"];

@@ -1,4 +1,5 @@
-//! RRT-Connect of the crate `oxmpl` with a checker at fixed steps: what the searches of `plan` are raced against.
+//! RRT-Connect of the crate `oxmpl` with a checker at fixed steps: the rival of the searches of
+//! `plan`.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -14,10 +15,11 @@ use oxmpl::base::state::{SE3State, SO3State};
 use oxmpl::base::validity::StateValidityChecker;
 use oxmpl::geometric::RRTConnect;
 
-/// Longest way of one extension, in units of the scene.
+/// Longest extension, in units of the scene.
 const RANGE: f64 = 1.0;
 
-/// SE(3) whose motions are checked at steps of this length: RRT-Connect takes a tenth of the length that the space gives.
+/// SE(3) whose motions are checked at steps of this length: RRT-Connect divides the length that the
+/// space returns by ten.
 struct Stepped(SE3StateSpace, f64);
 
 impl StateSpace for Stepped {
@@ -43,7 +45,7 @@ impl StateSpace for Stepped {
     }
 }
 
-/// One goal.
+/// A single goal.
 struct Only(SE3State);
 
 impl Goal<SE3State> for Only {
@@ -90,7 +92,8 @@ fn state(q: &[f64]) -> SE3State {
     SE3State::new(q[0], q[1], q[2], SO3State::new(q[3], q[4], q[5], q[6]))
 }
 
-/// Searches a path of a rigid body whose configurations are tested at steps of a length; `None` at the limit.
+/// Searches a path of a rigid body, testing configurations at fixed steps; `None` at the time
+/// limit.
 pub(crate) fn search(
     space: &impl ConfigurationSpace,
     [start, goal]: [&[f64]; 2],

@@ -1,4 +1,5 @@
-//! Curved shapes along random motions, each frame judged by the duality gap in double-double (`truth::curved`).
+//! Curved shapes along random motions; each frame is judged by the duality gap in double-double
+//! (`truth::curved`).
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -9,7 +10,8 @@ use truth::motion::{self, Frame};
 use truth::pose::{norm, sub};
 use truth::rng::Rng;
 
-/// Aspect up to which the width of bounds is promised, and the promise, over the size of the pair.
+/// Largest aspect ratio for which the width of bounds is promised, and the promised width, relative
+/// to the size of the pair.
 const ASPECT: f64 = 30.0;
 const WIDTH: f64 = 1e-13;
 
@@ -23,11 +25,11 @@ pub(crate) struct Mix {
     pub(crate) queries: u64,
     /// Separated, touching, overlapping, undecided.
     pub(crate) classes: [u64; 4],
-    /// Frames of separated shapes that a solver after the first answered.
+    /// Frames of separated shapes that a solver after the first one answered.
     pub(crate) beyond: u64,
     /// Frames of pairs with a rounded shape.
     pub(crate) rounded: u64,
-    /// Width of the bounds of separated shapes, over the size of the pair.
+    /// Largest width of the bounds of separated shapes, relative to the size of the pair.
     pub(crate) widest: f64,
 }
 
@@ -42,12 +44,12 @@ impl Mix {
     }
 }
 
-/// A pair of shapes, the cores and roundings that the judge knows, and a motion.
+/// A pair of shapes, their cores and rounding radii for the judge, and a motion.
 struct Trial {
     cores: [Kind; 2],
     round: [f64; 2],
     shapes: [Shape; 2],
-    /// Whether the aspect is one for which the width of the bounds is promised.
+    /// Whether the width of the bounds is promised for this aspect ratio.
     plain: bool,
     frames: Vec<Frame>,
 }
@@ -86,8 +88,10 @@ fn trial(rng: &mut Rng) -> Trial {
     }
 }
 
-/// Sharp shapes at special poses: lowered onto an edge, about parallel axes, superquadrics near the limits of their exponents
-/// close to contact.
+/// Returns sharp shapes at special poses.
+///
+/// The poses: lowered onto an edge, or near parallel axes, or superquadrics near the limits of
+/// their exponents close to contact.
 fn special_trial(rng: &mut Rng) -> Trial {
     let (cores, frames) = match rng.below(3) {
         0 => {
@@ -125,7 +129,7 @@ fn special_trial(rng: &mut Rng) -> Trial {
     }
 }
 
-/// A motion that comes near, touches or overlaps.
+/// Returns a motion that comes near, touches or overlaps.
 fn moves(cores: &[Kind; 2], round: [f64; 2], rng: &mut Rng) -> Vec<Frame> {
     let radii = (cores[0].radius() + round[0], cores[1].radius() + round[1]);
     let (sum, small) = (radii.0 + radii.1, radii.0.min(radii.1));
@@ -170,7 +174,7 @@ fn moves(cores: &[Kind; 2], round: [f64; 2], rng: &mut Rng) -> Vec<Frame> {
     }
 }
 
-/// Plays one trial: what failed, at which frame.
+/// Plays one trial. The error is the failure and its frame.
 pub(crate) fn play(seed: u64) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let trial = trial(&mut rng);
@@ -193,7 +197,7 @@ pub(crate) fn play(seed: u64) -> Result<Mix, String> {
     Ok(mix)
 }
 
-/// One frame: the tracked answer, judged.
+/// Queries one frame with the tracker, and judges the outcome.
 fn frame_of(
     trial: &Trial,
     place: &Place,
@@ -220,13 +224,14 @@ fn frame_of(
     fault.map_or(Ok(o.outcome), |what| Err(format!("{what}\n{o:?}")))
 }
 
-/// The width of bounds that is promised for the pair, over its size.
+/// Returns the promised width of the bounds of the pair, relative to its size.
 fn widest(trial: &Trial) -> f64 {
     let is_rough = |kind: &Kind| matches!(kind, Kind::Superquadric(..));
     if trial.cores.iter().any(is_rough) { ROUGH } else { WIDTH }
 }
 
-/// Gap within which contact state and predicates may leave open which of them holds, over the size of the pair.
+/// Returns the gap, relative to the size of the pair, within which contact state and predicates may
+/// be undecided.
 fn open_within(trial: &Trial) -> f64 {
     let is_polyhedral = |kind: &Kind| matches!(kind, Kind::Hull(_));
     if trial.cores.iter().all(is_polyhedral) {
@@ -238,7 +243,7 @@ fn open_within(trial: &Trial) -> f64 {
     }
 }
 
-/// Whether an answer contradicts itself or the judge.
+/// Returns a contradiction of an outcome with itself or with the judge.
 fn judged(trial: &Trial, place: &Place, o: &Outcome, rng: &mut Rng, mix: &mut Mix) -> Option<String> {
     let [a, b] = &trial.cores;
     let round = trial.round[0] + trial.round[1];
@@ -258,7 +263,7 @@ fn judged(trial: &Trial, place: &Place, o: &Outcome, rng: &mut Rng, mix: &mut Mi
     if o.lower > proof + slack && o.state == ContactState::Overlapping {
         return Some(format!("the normal proves {proof:e} alone"));
     }
-    // Any direction is a lower bound of the truth.
+    // Any direction gives a lower bound of the true distance.
     let height = |n: [f64; 3]| place.height(a, b, &wide(n)).0 - round;
     let directions = std::iter::repeat_with(|| rng.unit()).take(4);
     let best = directions.map(height).fold(proof, f64::max);
@@ -275,13 +280,13 @@ fn judged(trial: &Trial, place: &Place, o: &Outcome, rng: &mut Rng, mix: &mut Mi
     if trial.plain && width > widest(trial) {
         return Some(format!("bounds {width:e} L wide"));
     }
-    // Points of rounded shapes are outside of the cores by the rounding.
+    // Witnesses of rounded shapes lie outside the cores by the rounding radius.
     let (_, upper) = place.truth(a, b, o);
     let rounded = round > 0.0;
     (!rounded && (Wide::from(o.lower) - upper).0 > slack).then(|| format!("the points prove {upper:?}"))
 }
 
-/// Other ways to the same answer.
+/// Compares an outcome with other queries that must agree.
 fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut PairTracker) -> Option<String> {
     let [a, b] = &trial.shapes;
     let pose = place.pose();
@@ -296,7 +301,7 @@ fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut PairTracker) -> 
     }
     let round = trial.round[0] + trial.round[1];
     let size = place.size(&trial.cores[0], &trial.cores[1]) + round;
-    // Predicates take bounds of their own, which may tell more of shapes that nearly touch.
+    // Predicates compute separate bounds, which may be tighter for shapes that nearly touch.
     let nearly = open_within(trial) * size;
     let (meets, is_apart) = (pair.intersects(a, b, &pose), o.state == ContactState::Separated);
     if meets == is_apart && o.lower > nearly {
@@ -305,14 +310,14 @@ fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut PairTracker) -> 
     if !pair.within(a, b, &pose, o.upper.max(0.0)) {
         return Some("not within the upper bound".into());
     }
-    // The predicate takes bounds of its own, and what they leave open counts as within.
+    // The predicate computes separate bounds. If they leave the answer open, the answer is yes.
     if trial.plain && o.lower > 0.0 && pair.within(a, b, &pose, o.lower - widest(trial) * size) {
         return Some("within less than the lower bound".into());
     }
     if round == 0.0 {
         return None;
     }
-    // A rounded pair is the pair of the cores, less the roundings.
+    // The distance of a rounded pair is that of the cores less the rounding radii.
     let cores = trial.cores.each_ref().map(Kind::shape);
     let core = PairTracker::new().closest(&cores[0], &cores[1], &pose);
     let slack = 8.0 * f64::EPSILON * size;
@@ -320,7 +325,7 @@ fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut PairTracker) -> 
     (!agree).then(|| format!("the cores: {core:?}"))
 }
 
-/// Whether the distance changed by more than any point of B moved.
+/// Returns an error if the distance changed by more than any point of B moved.
 fn jump(trial: &Trial, last: Option<&(Place, Outcome)>, place: &Place, o: &Outcome) -> Option<String> {
     let (old, p) = last?;
     let chord = |sign: f64| {

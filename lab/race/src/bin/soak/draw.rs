@@ -1,4 +1,4 @@
-//! Draws bodies and motions at random, of every family of `truth`.
+//! Draws random bodies and motions of every family of `truth`.
 
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::Point3;
@@ -8,7 +8,7 @@ use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::{Point, Pose};
 
-/// A body with the family it was drawn from.
+/// A body and its family.
 #[derive(Clone)]
 pub(crate) struct Drawn {
     pub(crate) family: &'static str,
@@ -16,7 +16,7 @@ pub(crate) struct Drawn {
     pub(crate) body: ConvexPolyhedron,
 }
 
-/// Two bodies and where they are, frame by frame.
+/// Two bodies and their poses, frame by frame.
 pub(crate) struct Trial {
     pub(crate) a: Drawn,
     pub(crate) b: Drawn,
@@ -24,12 +24,12 @@ pub(crate) struct Trial {
     pub(crate) frames: Vec<Frame>,
 }
 
-/// A half, a quarter and so on up to 2: sums of these are exact.
+/// Returns a random dyadic number from 0.25 to 2: sums of these are exact.
 fn dyadic(rng: &mut Rng) -> f64 {
     *rng.pick(&[0.25, 0.5, 0.75, 1.0, 1.5, 2.0])
 }
 
-/// Points of one of the families. One body in twenty is large.
+/// Returns the points of a random family. One body in twenty is large.
 fn shape(rng: &mut Rng) -> (&'static str, Shape) {
     let large = rng.chance(0.05);
     let most = if large { 1500 } else { 48 };
@@ -67,7 +67,7 @@ fn shape(rng: &mut Rng) -> (&'static str, Shape) {
     (family, if untidy { shapes::dirty(&shape, rng) } else { shape })
 }
 
-/// A point, a segment or a polygon.
+/// Returns a point, a segment or a polygon.
 fn flat(rng: &mut Rng) -> Shape {
     let n = 1 + rng.below(7);
     let turn = Pose {
@@ -77,13 +77,14 @@ fn flat(rng: &mut Rng) -> Shape {
     let s = if n > 2 {
         shapes::lattice(rng, n + 2, 2).stretched([0.5, 0.5, 0.0])
     } else {
-        // Turned, a polygon would be one no more.
+        // Only points and segments are rotated: a rotated polygon is no longer planar in `f64`.
         shapes::sphere(rng, n).moved(&turn)
     };
     Shape::hull("flat", s.points)
 }
 
-/// The body of some points: a hull, or what a flat set is. None where the points are too few or too flat.
+/// Returns the body of some points: a hull, polygon, segment or point. `None` if the points have no
+/// such body.
 fn body(points: &[Point]) -> Option<ConvexPolyhedron> {
     let points: Vec<_> = points.iter().map(|&p| Point3::from(p)).collect();
     match *points {
@@ -95,7 +96,7 @@ fn body(points: &[Point]) -> Option<ConvexPolyhedron> {
     }
 }
 
-/// A body in its own unit: half of them as made, others larger, smaller or away from their own origin.
+/// Returns a random body: most as generated, others smaller or away from their origin.
 fn drawn(rng: &mut Rng) -> Drawn {
     loop {
         let (family, mut shape) = shape(rng);
@@ -118,7 +119,8 @@ fn drawn(rng: &mut Rng) -> Drawn {
     }
 }
 
-/// B put on top of A, both upright: faces, edges or corners meet, exactly where the coordinates allow it.
+/// Puts B on top of A, both upright: faces, edges or vertices meet, exactly if the coordinates
+/// allow it.
 fn on_top(a: &Shape, b: &Shape, rng: &mut Rng) -> Frame {
     let extent = |s: &Shape, k: usize| {
         let of = |p: &Point| p[k];
@@ -142,7 +144,8 @@ fn on_top(a: &Shape, b: &Shape, rng: &mut Rng) -> Frame {
     }
 }
 
-/// A motion by name. Both bodies stand about their origins, or not: then gaps are what they come to.
+/// Returns a random motion with its name. Bodies need not be centred at their origins, so gaps
+/// vary.
 fn moves(a: &Drawn, b: &Drawn, rng: &mut Rng) -> (&'static str, Vec<Frame>) {
     let (ra, rb) = (radius(&a.shape.points), radius(&b.shape.points));
     let n = 60 + rng.below(200);
@@ -195,7 +198,7 @@ fn moves(a: &Drawn, b: &Drawn, rng: &mut Rng) -> (&'static str, Vec<Frame>) {
             ("spinning", motion::spin(top, axis, degrees, n))
         }
         9 => {
-            // From above down to exact touch and through, by halves.
+            // From above down to exact touch and through it, with steps that halve.
             let step = |i: usize| Pose {
                 t: [
                     top.b.t[0],
@@ -234,7 +237,7 @@ fn moves(a: &Drawn, b: &Drawn, rng: &mut Rng) -> (&'static str, Vec<Frame>) {
 /// The motion in which every manifold is judged.
 pub(crate) const ALONG_A_RIM: &str = "along a rim";
 
-/// A plate of 28 to 60 corners a face, or a box.
+/// Returns a plate whose faces have 28 to 60 vertices, or a box.
 fn rimmed(rng: &mut Rng, corners: usize) -> Drawn {
     let shape = shapes::rounded_plate([dyadic(rng), dyadic(rng), 0.25 * dyadic(rng)], corners);
     let body = body(&shape.points).expect("a plate is a solid");
@@ -245,8 +248,10 @@ fn rimmed(rng: &mut Rng, corners: usize) -> Drawn {
     }
 }
 
-/// Two plates, or a plate and a box in either order, one flush beside and above the other's straight rim: in line with it, over
-/// it or beside it by as little as rounding.
+/// Returns two plates, or a plate and a box in either order, along a straight edge of a face.
+///
+/// One is flush next to and above the other's edge: in line with it, over it or next to it, by as
+/// little as rounding.
 fn along_a_rim(rng: &mut Rng) -> Trial {
     let (many, other) = (7 + rng.below(9), *rng.pick(&[1, 1, 7, 12]));
     let corners = if rng.chance(0.5) { [many, other] } else { [other, many] };
@@ -271,7 +276,7 @@ fn along_a_rim(rng: &mut Rng) -> Trial {
     }
 }
 
-/// Trial `k` of a seed, whatever was drawn before it.
+/// Returns trial `k` of a seed, independent of earlier trials.
 pub(crate) fn trial(seed: u64, k: u64) -> Trial {
     let mut rng = Rng::of_case(seed, k);
     let mut trial = if rng.chance(0.1) {
@@ -280,7 +285,7 @@ pub(crate) fn trial(seed: u64, k: u64) -> Trial {
         moving(&mut rng)
     };
     let size = radius(&trial.a.shape.points) + radius(&trial.b.shape.points);
-    // Moved in common: turned, or far out.
+    // Both bodies are moved together: rotated, or far from the origin.
     if rng.chance(0.3) {
         let t = scale(rng.unit(), size * rng.log_range(0.1, 1e3));
         let common = Pose { q: rng.quat(), t };
@@ -292,7 +297,7 @@ pub(crate) fn trial(seed: u64, k: u64) -> Trial {
     trial
 }
 
-/// Bodies of any family in any of the motions.
+/// Returns bodies of any family in any of the motions.
 fn moving(rng: &mut Rng) -> Trial {
     let a = drawn(rng);
     let twins = rng.chance(0.15);

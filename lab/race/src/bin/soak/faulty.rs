@@ -1,4 +1,5 @@
-//! Meshes with the faults of real files along random poses, each answer judged by brute force on the mesh without the faults.
+//! Meshes with the faults of real files at random poses; each answer is judged by brute force on
+//! the mesh without the faults.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -18,7 +19,7 @@ const POSES: usize = 8;
 pub(crate) struct Mix {
     pub(crate) meshes: u64,
     pub(crate) frames: u64,
-    /// Frames in which a mesh is wholly inside the other.
+    /// Frames in which one mesh is entirely inside the other.
     pub(crate) contained: u64,
     /// Frames in which the surfaces cross.
     pub(crate) crossing: u64,
@@ -53,7 +54,7 @@ fn mesh(soup: &Soup) -> Result<Mesh, String> {
     }
 }
 
-/// Plays a pair: what failed.
+/// Plays a pair. The error is the failure.
 pub(crate) fn play(seed: u64) -> Result<Mix, String> {
     catch_unwind(AssertUnwindSafe(|| poses(seed))).unwrap_or_else(|_| Err("a panic".to_owned()))
 }
@@ -61,7 +62,7 @@ pub(crate) fn play(seed: u64) -> Result<Mix, String> {
 fn poses(seed: u64) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let shape = clean(&mut rng);
-    // A small body is often wholly inside.
+    // A small body is often entirely inside.
     let small = rng.log_range(0.02, 1.0);
     let other = on_grid(clean(&mut rng).map(|p| scale(p, small)));
     let (m, n) = (mesh(&faulty(&shape, &mut rng))?, mesh(&faulty(&other, &mut rng))?);
@@ -72,7 +73,7 @@ fn poses(seed: u64) -> Result<Mix, String> {
         let pose = Pose { q, t };
         let relative = RelativePose::from_isometry(&pose.isometry()).map_err(|e| e.to_string())?;
         let truth = brute::distance(&shape, &other, &pose).0;
-        // A sliver stands out by 2^-40 at most.
+        // A sliver protrudes by 2^-40 at most.
         let noise = 2f64.powi(-38) + 1e-13 * (shape.radius() + other.radius() + truth::pose::norm(t));
         if truth > 0.0 && truth < noise {
             continue;

@@ -1,7 +1,10 @@
-//! Judges an answer without the crate: bounds, normal and witnesses against the points that the bodies were made of.
+//! Judges an outcome without the crate: bounds, normal and witnesses against the points of the
+//! bodies.
 //!
-//! Each frame in f64 with the rounding of that added; what does not pass there, and a share of the rest, by exact
-//! arithmetic; small bodies now and then by the naive oracle, which knows the truth.
+//! 1. Each frame is judged in `f64`, with an allowance for its rounding.
+//! 2. Outcomes that fail there, and a share of the others, are judged by exact arithmetic.
+//! 3. Three frames of each trial are also compared with the naive oracle, if the bodies are small.
+//!    It computes the true distance.
 
 use lin_canny::{ContactState, Manifold, Outcome};
 use truth::motion::Frame;
@@ -16,23 +19,24 @@ use crate::draw::{Drawn, Trial};
 /// Half a unit in the last place of 1.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
-/// Coordinates that are more than 2^49 times as large as the pair count for its size by this part of them.
+/// Fraction of the extents of the bodies that is added to the size of the pair, for coordinates
+/// much larger than the pair.
 const FAR: f64 = 1.0 / (1u64 << 48) as f64;
 
-/// Width of bounds that is promised, in units of the pair's size.
+/// Promised width of bounds, in units of the pair's size.
 const WIDTH: f64 = 1e-13;
 
-/// One body as the judge sees it: the points it was made of, and the faces it says it has.
+/// One body as the judge sees it: the points of which it was made, and the faces that it reports.
 pub(crate) struct Side {
     shape: Shape,
-    /// A corner and the unit normal of each face, as f64 has them.
+    /// A vertex and the unit normal of each face, in `f64`.
     planes: Vec<(Point, Point)>,
-    /// What the radius is about.
+    /// Centre of the radius.
     middle: Point,
     radius: f64,
-    /// Greatest distance of a point from the body's own origin.
+    /// Greatest distance of a point from the body's origin.
     reach: f64,
-    /// The same with its faces found exactly, for the oracle.
+    /// The same shape with exactly computed faces, for the oracle.
     small: Option<Shape>,
 }
 
@@ -51,8 +55,8 @@ impl Side {
             (at(0), unit(fan.fold([0.0; 3], add)))
         };
         let planes = faces.iter().map(plane).collect();
-        // The middle of the box, but zero in every coordinate in which that is no more than two half diagonals from the body's own
-        // origin: what L is about. A single point stays where it is.
+        // The centre of L: the middle of the box, with zero in every coordinate in which it is
+        // within two half diagonals of the body's origin. A single point has centre zero.
         let bound = |worse: fn(f64, f64) -> f64| {
             let corner = |p: Point, q: &Point| std::array::from_fn(|k| worse(p[k], q[k]));
             points.iter().fold(points[0], corner)
@@ -86,14 +90,15 @@ impl Side {
         (&self.shape).into()
     }
 
-    /// How far a point lies outside the worst plane; bodies without volume are looked at across their faces alone.
+    /// Returns the distance of a point outside the worst plane; a body without volume counts only
+    /// perpendicular to its faces.
     fn outside(&self, p: Point) -> f64 {
         let heights = self.planes.iter().map(|&(c, n)| dot(n, sub(p, c)));
         heights.fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
-/// What the oracle can solve within milliseconds.
+/// Returns a shape that the oracle can solve within milliseconds.
 fn oracle_shape(points: &[Point]) -> Option<Shape> {
     let shape = Shape::hull("small", points.to_vec());
     match points.len() {
@@ -103,22 +108,22 @@ fn oracle_shape(points: &[Point]) -> Option<Shape> {
     }
 }
 
-/// A drawn pair as the judge sees it.
+/// A pair of bodies as the judge sees it.
 pub(crate) struct Judge {
     a: Side,
     b: Side,
 }
 
-/// What an answer shows of itself along its normal and at its witnesses.
+/// Quantities of an outcome along its normal and at its witnesses.
 #[derive(Clone, Copy, Debug)]
 struct Shown {
-    /// Distance of the supporting planes across the normal.
+    /// Distance of the supporting planes along the normal.
     gap: f64,
     /// Distance of the witnesses.
     apart: f64,
-    /// The larger height of a witness above its body's faces, zero within.
+    /// Larger height of a witness above its body's faces, zero inside.
     outside: f64,
-    /// What rounding may have added to any of these.
+    /// Bound of the rounding errors in each of these.
     slack: f64,
 }
 
@@ -130,18 +135,19 @@ impl Judge {
         }
     }
 
-    /// Radii about the middles and the distance of these: what bounds are relative to.
+    /// Returns the size of the pair: both radii plus the distance of the centres. Bounds are
+    /// relative to it.
     pub(crate) fn size(&self, f: &Frame) -> f64 {
         let a_from_b = f.relative();
         self.a.radius + self.b.radius + norm(sub(a_from_b.apply(self.b.middle), self.a.middle))
     }
 
-    /// What f64 may lose in the frame of A.
+    /// Returns a bound of the rounding errors of `f64` in the frame of A.
     fn slack(&self, f: &Frame) -> f64 {
         64.0 * UNIT * (self.a.reach + self.b.reach + norm(sub(f.b.t, f.a.t)))
     }
 
-    /// The distance of the supporting planes across `n`, in A's frame and in f64.
+    /// Returns the distance of the supporting planes along `n`, in A's frame and in `f64`.
     fn gap(&self, a_from_b: &Pose, n: Point) -> f64 {
         let in_b = a_from_b.rotate_back(n);
         let high = self.a.shape.points.iter().map(|&p| dot(n, p));
@@ -149,8 +155,10 @@ impl Judge {
         low.fold(f64::INFINITY, f64::min) + dot(n, a_from_b.t) - high.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// What is wrong with an answer, if anything is, by f64 and, where that cannot tell or if `exactly`, by exact
-    /// arithmetic. Says whether that was needed.
+    /// Returns a fault of an outcome, and whether exact arithmetic was needed.
+    ///
+    /// The judge uses `f64` first. It uses exact arithmetic if `f64` finds a fault or is too
+    /// coarse, or if `exactly` is set.
     pub(crate) fn fault(&self, f: &Frame, o: &Outcome, exactly: bool) -> (Option<String>, bool) {
         if let Some(fault) = contradiction(o) {
             return (Some(fault.into()), false);
@@ -158,7 +166,8 @@ impl Judge {
         let size = self.size(f);
         let rounded = self.shown(f, o);
         let found = self.weigh(f, o, &rounded, size);
-        // What f64 calls a fault may be its own; what it lets pass is judged as far as it sees.
+        // A fault found in `f64` may be a rounding error of the judge. An outcome that passes is
+        // judged only to the accuracy of `f64`.
         if !exactly && found.is_none() && rounded.slack <= 0.1 * size * WIDTH {
             return (None, false);
         }
@@ -190,12 +199,12 @@ impl Judge {
             gap: bound::support_gap(a, &f.a, b, &f.b, f.a.rotate(n)),
             apart: bound::witness_distance(p, &f.a, q, &f.b),
             outside: over(&self.a, p).max(over(&self.b, q)).max(0.0),
-            // A witness is rounded where its body has it.
+            // A witness is rounded in the frame of its body.
             slack: 8.0 * UNIT * (self.a.reach + self.b.reach),
         }
     }
 
-    /// The promises, one by one. The first two are what soundness is.
+    /// Checks the promises one by one. The first two are soundness.
     fn weigh(&self, f: &Frame, o: &Outcome, s: &Shown, size: f64) -> Option<String> {
         let rounding = if s.slack > 8.0 * UNIT * (self.a.reach + self.b.reach) {
             s.slack
@@ -231,7 +240,7 @@ impl Judge {
                 "the witnesses are not the depth apart along the normal",
             ),
             (
-                // Where needles cross, a turn by rounding shifts the place of the crossing by much more.
+                // If needles cross, a rotation by rounding shifts the crossing point by much more.
                 !overlapping || aside <= 1e-10 * size + self.slack(f),
                 "the witnesses are not behind each other along the normal",
             ),
@@ -241,15 +250,17 @@ impl Judge {
         Some(format!("{fault}: {s:?}, size {size:e}"))
     }
 
-    /// What is wrong with the contacts of an answer, if anything is: each lies on both bodies, and its points are opposite each
-    /// other along the normal, as far apart as they say.
+    /// Returns a fault of the contacts of an outcome.
+    ///
+    /// Each contact must lie on both bodies. Its points must be opposite each other along the
+    /// normal, at the reported separation.
     pub(crate) fn contact_fault(&self, f: &Frame, o: &Outcome, m: &Manifold) -> Option<String> {
         let (a_from_b, width) = (f.relative(), WIDTH * self.size(f) + 2.0 * self.slack(f));
         let (p, q, n) = parts(o);
         let aside = |between: Point| norm(sub(between, scale(n, dot(n, between))));
         let between = |p: Point, q: Point| sub(a_from_b.apply(q), p);
         let of_witnesses = aside(between(p, q));
-        // Edges that are parallel but for an angle have feet, not opposite points.
+        // The points of nearly parallel edges are feet of perpendiculars, not opposite points.
         let edges = m.features().is_some_and(|f| support::kinds(f) == (1, 1));
         let wrong = m.points().iter().find(|c| {
             let (p, q) = (c.point_on_a.coords.into(), c.point_on_b.coords.into());
@@ -262,7 +273,7 @@ impl Judge {
         told.or_else(|| m.points().is_empty().then(|| "no contact".into()))
     }
 
-    /// Directions that might show a lesser depth or a greater distance than the answer allows.
+    /// Searches directions that show a smaller depth or a greater distance than the outcome allows.
     pub(crate) fn refuted(&self, f: &Frame, o: &Outcome, rng: &mut Rng) -> Option<String> {
         let a_from_b = f.relative();
         let n = parts(o).2;
@@ -279,7 +290,7 @@ impl Judge {
         (gap > o.upper).then(|| format!("the gap along {better:?} of A is {gap:e}, above the upper bound"))
     }
 
-    /// How far a signed distance may have changed between two frames.
+    /// Returns the largest possible change of a signed distance between two frames.
     pub(crate) fn most_change(&self, f: &Frame, g: &Frame) -> f64 {
         let moved = |p: &Pose, q: &Pose, r: f64| {
             let axis = |k: usize| std::array::from_fn(|i| if i == k { r } else { 0.0 });
@@ -290,7 +301,7 @@ impl Judge {
         shift + moved(&f.a, &g.a, self.a.reach) + moved(&f.b, &g.b, self.b.reach) + self.slack(f) + self.slack(g)
     }
 
-    /// The truth, where the bodies are small enough for the oracle.
+    /// Returns the true distance, if the bodies are small enough for the oracle.
     pub(crate) fn truth(&self, f: &Frame) -> Option<truth::Exact> {
         let (a, b) = (self.a.small.as_ref()?, self.b.small.as_ref()?);
         if a.faces.is_empty() && b.faces.is_empty() {
@@ -300,13 +311,13 @@ impl Judge {
     }
 }
 
-/// At most 128 of the planes.
+/// Returns at most 128 of the planes.
 fn sample(planes: &[(Point, Point)], rng: &mut Rng) -> impl Iterator<Item = (Point, Point)> {
     let step = planes.len().div_ceil(128).max(1);
     planes.iter().skip(rng.below(step)).step_by(step).copied()
 }
 
-/// Witnesses and normal as plain data.
+/// Returns witnesses and normal as plain data.
 fn parts(o: &Outcome) -> (Point, Point, Point) {
     (
         o.point_on_a.coords.into(),
@@ -315,13 +326,13 @@ fn parts(o: &Outcome) -> (Point, Point, Point) {
     )
 }
 
-/// What an answer says against itself.
+/// Returns a contradiction of an outcome with itself.
 fn contradiction(o: &Outcome) -> Option<&'static str> {
     let (p, q, n) = parts(o);
     let finite = [o.distance, o.upper, o.lower];
     let finite = finite.iter().chain(&p).chain(&q).chain(&n).all(|x| x.is_finite());
     let classed = match o.state {
-        // Where f64 ends, exact arithmetic may know more than a bound can say.
+        // Below the resolution of `f64`, exact arithmetic may decide more than a bound can express.
         ContactState::Separated => o.lower >= 0.0,
         ContactState::Overlapping => o.upper <= 0.0,
         ContactState::Touching => o.lower <= 0.0 && o.upper >= 0.0,
@@ -339,9 +350,9 @@ fn contradiction(o: &Outcome) -> Option<&'static str> {
     told.iter().find(|(holds, _)| !holds).map(|t| t.1)
 }
 
-/// An answer against the truth, to the last bit.
+/// Compares an outcome with the true distance, exactly.
 pub(crate) fn against(truth: &truth::Exact, o: &Outcome) -> Option<String> {
-    // The differences are small and hence exact, or so large that their sign is not in doubt.
+    // The differences are small and therefore exact, or so large that their sign is certain.
     let above = (o.lower - truth.distance) - truth.remainder;
     let below = (o.upper - truth.distance) - truth.remainder;
     let right = o.state == support::state(truth.state) && above <= 0.0 && below >= 0.0;
@@ -353,7 +364,7 @@ pub(crate) fn against(truth: &truth::Exact, o: &Outcome) -> Option<String> {
     })
 }
 
-/// Two answers to one question.
+/// Compares two outcomes of the same query.
 pub(crate) fn differ(x: &Outcome, y: &Outcome) -> Option<String> {
     let width = (x.upper - x.lower) + (y.upper - y.lower);
     let agree =

@@ -1,13 +1,15 @@
-//! A long run against an independent judge: random bodies of every hard family and curved shapes,
-//! moved at random, one tracker along each motion, every frame judged.
+//! Long test against an independent judge: random bodies of every hard family, and curved shapes,
+//! in random motions.
+//!
+//! One tracker follows each motion, and every frame is judged.
 //!
 //! ```text
 //! cargo run --release -p race --bin soak -- --minutes 60 [--seed S] [--threads N] [--out DIR] [--trial K]
 //! ```
 //!
-//! What fails is written to DIR (`target/soak-failures`) as a text that
-//! `cargo run -p race --example replay` answers; the run goes on and ends with exit code 1. A trial
-//! is named by seed and number: `--trial K` runs that one alone.
+//! A failure is written to DIR (`target/soak-failures`) as a text for
+//! `cargo run -p race --example replay`. The run continues and ends with exit code 1. Seed and
+//! number identify a trial: `--trial K` runs that trial alone.
 
 mod curved;
 mod draw;
@@ -61,7 +63,7 @@ struct Options {
 }
 
 impl Options {
-    /// The command that plays a trial again.
+    /// Returns the command that repeats a trial.
     fn command(&self, trial: u64) -> String {
         format!(
             "cargo run --release --all-features -p race --bin soak -- --seed {} --trial {trial}",
@@ -70,14 +72,14 @@ impl Options {
     }
 }
 
-/// One motion with all that is kept along it.
+/// One motion with the state that is kept along it.
 struct Run<'a> {
     options: &'a Options,
     number: u64,
     trial: &'a Trial,
     judge: Judge,
     pair: Tracker,
-    /// Along the same motion, letters exchanged.
+    /// Tracker of the same motion with A and B exchanged.
     back: Tracker,
     rng: Rng,
     tally: Tally,
@@ -147,7 +149,8 @@ impl Run<'_> {
         }
     }
 
-    /// Other ways to the same answer, and directions that might refute it.
+    /// Compares an outcome with other queries that must agree, and searches directions that might
+    /// refute it.
     fn more(&mut self, frame: &Frame, pose: &RelativePose, o: &Outcome) -> Option<String> {
         let (a, b) = (&self.trial.a.body, &self.trial.b.body);
         let cold = Tracker::new().closest(a, b, pose);
@@ -172,7 +175,7 @@ impl Run<'_> {
             .or_else(|| self.judge.refuted(frame, o, &mut self.rng))
     }
 
-    /// The manifold of an answer, judged.
+    /// Judges the manifold of an outcome.
     fn contacts(&mut self, frame: &Frame, pose: &RelativePose, o: &Outcome) -> Option<String> {
         let (a, b) = (&self.trial.a.body, &self.trial.b.body);
         let options = ManifoldOptions::with_prediction(o.upper.max(0.0));
@@ -194,7 +197,7 @@ impl Run<'_> {
     }
 }
 
-/// One trial, all of it; a panic outside of a query is one too.
+/// Runs one trial. A panic outside a query counts as a failure.
 fn run(options: &Options, number: u64) -> Tally {
     let trial = draw::trial(options.seed, number);
     let mut run = Run {
@@ -222,15 +225,14 @@ fn run(options: &Options, number: u64) -> Tally {
     run.tally
 }
 
-/// What a trial plays besides its motion: a sequence that is drawn from a seed and judged by
-/// arithmetic of its own.
+/// A sequence that a trial plays after its motion: drawn from a seed, with a separate judge.
 struct Driver {
     name: &'static str,
     /// Mixed into the seed, so that no two drivers draw the same numbers.
     salt: u64,
-    /// Sequences a trial.
+    /// Sequences per trial.
     count: u64,
-    /// Plays the sequence of a seed; an error says what is wrong.
+    /// Plays the sequence of a seed; an error describes the fault.
     play: fn(u64, &mut Tally) -> Result<(), String>,
 }
 
@@ -238,8 +240,8 @@ struct Driver {
 const CALLS: usize = 1500;
 
 const DRIVERS: [Driver; 8] = [
-    // Lattices, bricks and stacks: equal bounds, an index used again and slow motion together, each
-    // step against brute force.
+    // Lattices, bricks and stacks combine equal bounds, reused indices and slow motion. Brute force
+    // checks each step.
     Driver {
         name: "world of equal boxes",
         salt: 0x1a77,
@@ -261,14 +263,15 @@ const DRIVERS: [Driver; 8] = [
         count: 2,
         play: |seed, tally| faulty::play(seed).map(|mix| tally.faulty.add(&mix)),
     },
-    // Triangles that are a line but for rounding, on oblique lines and planes, among ordinary ones.
+    // Triangles that are a line up to rounding, on oblique lines and planes, among ordinary
+    // triangles.
     Driver {
         name: "meshes of slivers",
         salt: 0x511f,
         count: 4,
         play: |seed, tally| slivers::play(seed).map(|mix| tally.slivers.add(&mix)),
     },
-    // Equal, flush, nested and crossing solids whose coordinates lie far from their origin.
+    // Equal, flush, nested and crossing solids whose coordinates are far from their origin.
     Driver {
         name: "solids with faces in common",
         salt: 0x501d,
@@ -282,14 +285,15 @@ const DRIVERS: [Driver; 8] = [
         count: 1,
         play: |seed, tally| points::play(seed).map(|mix| tally.points.add(&mix)),
     },
-    // Pieces of every measure, clones of one lineage, equal bodies with other numbers.
+    // Compounds with pieces of all sizes, clones with a common ancestor, and equal bodies with
+    // different numbers.
     Driver {
         name: "bodies that stand in for others",
         salt: 0x57a9,
         count: 1,
         play: |seed, tally| stand_ins::play(seed).map(|mix| tally.stand_ins.add(&mix)),
     },
-    // Bodies without velocities, ticks, jumps and files together, each step against brute force.
+    // Bodies without velocities, ticks, jumps and files are combined. Brute force checks each step.
     Driver {
         name: "scene of bodies of every kind",
         salt: 0x5ce2,
@@ -303,7 +307,7 @@ const DRIVERS: [Driver; 8] = [
     },
 ];
 
-/// All sequences of a trial.
+/// Plays all sequences of a trial.
 fn drive(options: &Options, number: u64, tally: &mut Tally) {
     for driver in &DRIVERS {
         for k in 0..driver.count {
@@ -320,7 +324,7 @@ fn drive(options: &Options, number: u64, tally: &mut Tally) {
     }
 }
 
-/// The scene as a file gives it back, if files are compiled in.
+/// Returns the scene as read back from a file, if serialisation is enabled; otherwise a clone.
 fn read_back(scene: &Scene) -> Scene {
     #[cfg(feature = "serde")]
     let read = serde_json::from_str(&serde_json::to_string(scene).expect("a scene is written")).expect("and read");
@@ -329,7 +333,7 @@ fn read_back(scene: &Scene) -> Scene {
     read
 }
 
-/// Trials until the time is over.
+/// Runs trials until the time is over.
 fn soak(options: &Options) -> (Tally, f64) {
     let limit = Duration::from_secs_f64(60.0 * options.minutes);
     let (began, next) = (Instant::now(), AtomicU64::new(0));

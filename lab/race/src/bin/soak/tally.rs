@@ -24,11 +24,11 @@ pub(crate) struct Tally {
     pub(crate) trials: u64,
     /// Frames of motions, each judged.
     pub(crate) frames: u64,
-    /// Calls of the crate, those included that are compared with a frame's answer.
+    /// Calls of the crate, including the calls that are compared with a frame's outcome.
     pub(crate) queries: u64,
     /// Frames judged by exact arithmetic.
     pub(crate) exactly: u64,
-    /// Frames whose truth the oracle told.
+    /// Frames compared with the true distance of the oracle.
     pub(crate) truths: u64,
     pub(crate) failures: u64,
     /// Manifolds judged.
@@ -47,7 +47,7 @@ pub(crate) struct Tally {
     pub(crate) solids: solids::Mix,
     /// Points and rays next to closed meshes.
     pub(crate) points: points::Mix,
-    /// Bodies that stand in for others.
+    /// Stand-in bodies.
     pub(crate) stand_ins: stand_ins::Mix,
     /// Nanoseconds of the slowest query, and its trial.
     pub(crate) slowest: (u128, u64),
@@ -58,7 +58,7 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// One frame of a trial.
+    /// Counts one frame of a trial.
     pub(crate) fn frame(&mut self, motion: &'static str, o: &Outcome) {
         self.frames += 1;
         self.classes[o.state as usize] += 1;
@@ -96,7 +96,7 @@ impl Tally {
         }
     }
 
-    /// The whole of it; `seconds` of wall time.
+    /// Prints all counts; `seconds` is wall time.
     pub(crate) fn print(&self, seconds: f64) {
         let list = |names: &[&str], counts: &[u64]| {
             let words = names.iter().zip(counts).filter(|(_, n)| **n > 0);

@@ -1,20 +1,20 @@
-//! Broad phases in one form.
+//! Broad phases behind one interface.
 
 use crate::common::tree::Tree;
 use lin_canny::broad::{Aabb, BodyId, BodyOptions, SweepAndPrune};
 use truth::boxes::{Kind, Scene};
 
-/// A broad phase that is fed a scene.
+/// A broad phase that is given a scene.
 pub trait Engine {
     /// Name in tables and records.
     fn name(&self) -> &'static str;
-    /// Preparation that is not timed: the step's input in the form the engine wants it.
+    /// Converts the input of a step into the engine's form; not timed.
     fn prepare(&mut self, scene: &Scene);
-    /// The timed part.
+    /// Runs the timed part.
     fn step(&mut self);
-    /// Pairs present, where the engine counts them.
+    /// Number of pairs, if the engine counts them.
     fn pairs(&self) -> Option<usize>;
-    /// Bytes of the whole structure, where the engine tells.
+    /// Bytes of the whole structure, if the engine reports them.
     fn bytes(&self) -> Option<usize>;
 }
 
@@ -71,7 +71,8 @@ impl Engine for Ours {
     }
 }
 
-/// parry's tree alone: leaves updated in place, optimised and refitted as its documentation has it, all pairs listed.
+/// parry's tree alone: leaves updated in place, optimised and refitted as its documentation
+/// recommends, all pairs listed.
 struct Parry {
     tree: Tree,
     boxes: Vec<(u32, parry3d::bounding_volume::Aabb)>,
@@ -116,10 +117,10 @@ impl Engine for Parry {
     }
 }
 
-/// Makes an engine for a scene.
+/// Constructor of an engine for a scene.
 pub type Make = fn(&Scene) -> Box<dyn Engine>;
 
-/// In the order of the tables.
+/// The engines in the order of the tables.
 pub const ENGINES: [(&str, Make); 2] = [
     ("ours", |scene| Box::new(Ours::new(scene))),
     ("parry-bvh", |scene| Box::new(Parry::new(scene))),

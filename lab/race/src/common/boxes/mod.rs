@@ -1,9 +1,10 @@
-//! `race boxes`: broad phases on moving boxes, in nanoseconds of thread CPU time a body and step.
+//! `race boxes`: broad phases on moving boxes, in nanoseconds of thread CPU time per body and step.
 //!
-//! What is timed: taking over the new boxes of a step and knowing the pairs afterwards. `ours` reports what began and
-//! ended; `parry-bvh` lists all pairs and remembers nothing, which is less. Boxes are tight, but for the scenes in which
-//! most boxes rest or crawl: there `ours` takes the margin that rapier always has (0.04). The race with rapier's own broad
-//! phase is example `race_rapier` of `lin-canny-rapier`.
+//! The timed part stores the new boxes of a step and computes the pairs. `ours` also reports the
+//! pairs that started and ended. `parry-bvh` lists all pairs and keeps no pairs between steps,
+//! which is less work. Boxes are tight, except in scenes in which most boxes rest or move slowly:
+//! there `ours` uses the margin that rapier always uses (0.04). The example `race_rapier` of
+//! `lin-canny-rapier` is the race with rapier's broad phase.
 
 pub mod engines;
 
@@ -14,7 +15,7 @@ use engines::{ENGINES, Engine, Make};
 use std::time::{Duration, Instant};
 use truth::boxes::{Kind, Scene};
 
-/// What was measured of one engine on one scene, in nanoseconds a body and step.
+/// Measurements of one engine on one scene, in nanoseconds per body and step.
 struct Row {
     mean: f64,
     median: f64,
@@ -24,7 +25,7 @@ struct Row {
     bytes: Option<usize>,
 }
 
-/// Thread CPU time of reading the clock, to be taken off.
+/// Returns the thread CPU time of reading the clock, which is subtracted.
 fn clock_cost() -> Duration {
     let mut costs: Vec<Duration> = (0..1000).map(|_| timed(|| ())).collect();
     costs.sort_unstable();
@@ -65,7 +66,7 @@ fn measure(engine: &mut dyn Engine, mut scene: Scene, steps: usize, warm: usize,
     }
 }
 
-/// Cases nobody wants to wait for.
+/// Returns whether a case is skipped because it takes too long.
 fn skipped(name: &str, kind: Kind, n: usize) -> bool {
     let tree = name == "rapier" || name == "parry-bvh";
     tree && kind == Kind::Teleport && n > 10_000
@@ -82,7 +83,7 @@ pub const RACED: [Kind; 7] = [
     Kind::Clusters,
 ];
 
-/// Steps timed and steps before them, by the number of bodies.
+/// Returns the number of timed steps and of warm-up steps, by the number of bodies.
 fn steps(n: usize) -> (usize, usize) {
     match n {
         1_000 => (1000, 100),
@@ -92,7 +93,7 @@ fn steps(n: usize) -> (usize, usize) {
     }
 }
 
-/// A number in a table, or a dash where the engine does not tell.
+/// Formats a number of a table, or a dash if the engine does not report it.
 fn cell(value: Option<f64>, digits: usize) -> String {
     value.map_or("-".into(), |v| format!("{v:.digits$}"))
 }
@@ -114,7 +115,7 @@ fn print_row(scene: &str, n: usize, engine: &str, row: &Row, ours: f64) {
     );
 }
 
-/// All engines on one scene; means by engine.
+/// Races all engines on one scene. Returns the means by engine.
 fn race(kind: Kind, n: usize, engines: &[(&str, Make)], csv: &mut Rows) -> Vec<(String, f64)> {
     let scene = Scene::new(kind, n);
     let (steps, warm) = steps(n);
@@ -133,7 +134,7 @@ fn race(kind: Kind, n: usize, engines: &[(&str, Make)], csv: &mut Rows) -> Vec<(
     means
 }
 
-/// How the cost of a step grows from `low` to `high` bodies: the exponent of n, by engine.
+/// Prints how the cost of a step grows from `low` to `high` bodies: the exponent of n, by engine.
 fn print_growth(kind: Kind, (low, at_low): (usize, &[(String, f64)]), (high, at_high): (usize, &[(String, f64)])) {
     let decades = (high as f64 / low as f64).log10();
     let exponent = |(name, mean): &(String, f64)| {
@@ -148,7 +149,7 @@ fn print_growth(kind: Kind, (low, at_low): (usize, &[(String, f64)]), (high, at_
     );
 }
 
-/// What overlaps cost: the uniform scene with larger boxes.
+/// Measures the cost of overlaps: the uniform scene with larger boxes.
 fn race_overlaps() {
     let n = 10_000;
     println!("\nuniform with larger boxes, ours: what overlaps cost\n{HEAD}");

@@ -1,4 +1,4 @@
-//! What steps whole scenes, in one form.
+//! Engines that step whole scenes, behind one interface.
 
 use crate::common::tree::Tree;
 use lin_canny::nalgebra::Isometry3;
@@ -12,24 +12,24 @@ use std::time::Duration;
 use truth::Pose;
 use truth::crowd::Crowd;
 
-/// How far distances are taken; the prediction distance of rapier.
+/// Range of the distance queries; the prediction distance of rapier.
 pub const RANGE: f64 = 0.02;
 
-/// An engine that is fed a crowd.
+/// An engine that is given a crowd.
 pub trait Engine {
     /// Name in tables and records.
     fn name(&self) -> &'static str;
-    /// Preparation that is not timed: the poses in the engine's own form.
+    /// Converts the poses into the engine's form; not timed.
     fn prepare(&mut self, poses: &[Pose]);
-    /// The timed part.
+    /// Runs the timed part.
     fn step(&mut self);
-    /// Pairs that are near.
+    /// Returns the number of near pairs.
     fn pairs(&self) -> usize;
-    /// What only one engine tells, once the race is over.
+    /// Additional results of one engine, after the race.
     fn remarks(&self) -> String {
         String::new()
     }
-    /// The steps so far were to warm up.
+    /// Marks the end of the warm-up steps.
     fn warmed_up(&mut self) {}
 }
 
@@ -115,7 +115,7 @@ impl Engine for Ours {
     }
 }
 
-/// The pose in the types of parry and rapier.
+/// Returns the pose in the types of parry and rapier.
 pub fn pose32(pose: &Pose) -> Pose32 {
     let ([x, y, z], [i, j, k, w]) = (pose.t.map(|v| v as f32), pose.q.map(|v| v as f32));
     Pose32::from_parts(Vector::new(x, y, z), Rotation::from_xyzw(i, j, k, w))
@@ -132,7 +132,7 @@ pub fn hulls32(crowd: &Crowd) -> Vec<SharedShape> {
         .collect()
 }
 
-/// The parts of parry that a scene needs, put together as its documentation has it.
+/// The parts of parry that a scene needs, combined as its documentation recommends.
 struct Parry {
     shapes: Vec<SharedShape>,
     poses: Vec<Pose32>,
@@ -182,10 +182,10 @@ impl Engine for Parry {
     }
 }
 
-/// Makes an engine for a crowd.
+/// Constructor of an engine for a crowd.
 pub type Make = fn(&Crowd) -> Box<dyn Engine>;
 
-/// In the order of the tables.
+/// The engines in the order of the tables.
 pub const ENGINES: [(&str, Make); 4] = [
     ("ours", |crowd| Box::new(Ours::new("ours", crowd))),
     ("ours-depth", |crowd| Box::new(Ours::new("ours-depth", crowd))),

@@ -1,17 +1,21 @@
-//! `race scene`: whole steps of moving hulls, in nanoseconds of thread CPU time a step.
+//! `race scene`: whole steps of moving hulls, in nanoseconds of thread CPU time per step.
 //!
-//! What is timed: setting the pose of every body, and a step. Every engine knows afterwards which bodies are near each other, but
-//! not the same things about them:
+//! The timed part sets the pose of every body and runs a step. Afterwards every engine knows which
+//! bodies are near each other, but the engines compute different results:
 //!
-//! - `ours`: overlap events; certified closest features, witnesses and bounds of every pair within 0.02, overlaps by contact state.
+//! - `ours`: overlap events; certified closest features, witnesses and bounds of every pair within
+//!   0.02; overlaps by contact state.
 //! - `ours-depth`: the same with the proven depth of every overlap.
-//! - `ours-manifold`: the same, and contact manifolds within 0.02: all that rapier does, and more.
-//! - `parry-parts`: what one builds from parry's public parts: its box of each hull, its tree, and its `distance` for each pair of
-//!   boxes, cold; no events, no features, overlaps by contact state.
+//! - `ours-manifold`: the same, and contact manifolds within 0.02: everything that rapier computes,
+//!   and more.
+//! - `parry-parts`: an engine built from parry's public parts: its box of each hull, its tree, and
+//!   its `distance` for each pair of boxes, cold. No events, no features, overlaps by contact
+//!   state.
 //!
-//! The race with rapier's `CollisionPipeline` is example `race_rapier` of `lin-canny-rapier`.
+//! The example `race_rapier` of `lin-canny-rapier` is the race with rapier's `CollisionPipeline`.
 //!
-//! parry and rapier compute in `f32`, ours in `f64`. Sparse: 16 cubic units a body of about one; pile: four layers of them.
+//! parry and rapier compute in `f32`, ours in `f64`. Sparse: 16 cubic units per body of size about
+//! one; pile: four layers of such bodies.
 
 pub mod engines;
 
@@ -22,12 +26,12 @@ use engines::{ENGINES, Engine, Make, RANGE};
 use std::time::{Duration, Instant};
 use truth::crowd::{Crowd, Kind};
 
-/// Steps of an engine: before any counts, at most, and for how long at most.
+/// Warm-up steps, timed steps, and time limit of an engine.
 const WARM: usize = 60;
 const STEPS: usize = 60;
 const LIMIT: Duration = Duration::from_secs(12);
 
-/// Mean nanoseconds a step; the pairs that were near at last.
+/// Returns the mean nanoseconds per step, and the number of near pairs after the last step.
 fn measure(engine: &mut dyn Engine, mut crowd: Crowd, progress: &Progress) -> (f64, usize) {
     let (mut spent, mut steps, begun) = (Duration::ZERO, 0, Instant::now());
     let mut warm = WARM;
@@ -44,7 +48,7 @@ fn measure(engine: &mut dyn Engine, mut crowd: Crowd, progress: &Progress) -> (f
             spent += time;
             steps += 1;
         } else if begun.elapsed() > LIMIT / 3 {
-            // What is slow is warmed up by fewer steps.
+            // A slow engine gets fewer warm-up steps.
             warm = step + 1;
         }
         progress.step();
@@ -63,7 +67,7 @@ pub const SCENES: [(&str, Kind, usize); 4] = [
     ("pile-256", Kind::Pile, 256),
 ];
 
-/// All engines on one crowd.
+/// Races all engines on one crowd.
 fn race(scene: &str, n: usize, crowd: &Crowd, engines: &[(&str, Make)], csv: &mut Rows) {
     let mut ours = f64::NAN;
     for (name, make) in engines {

@@ -1,4 +1,4 @@
-//! What the scenes of a world say after a step, among themselves and beside what is true.
+//! Comparison of the scenes of a world after a step, with each other and with the exact state.
 
 use super::{Keys, NONE, World};
 use crate::forms::{self, Form};
@@ -6,11 +6,11 @@ use lin_canny::impact::Impact;
 use lin_canny::scene::{BodyId, Change, PairQueries, PairResults, Scene};
 use lin_canny::{ContactState, RelativePose};
 
-/// Instants of a tick at which impacts are looked for.
+/// Instants of a tick at which impacts are tested.
 const INSTANTS: u32 = 5;
 
 impl<C: Fn(&Scene) -> Scene> World<C> {
-    /// The scenes among themselves.
+    /// Compares the scenes with each other.
     pub(super) fn compare_scenes(&mut self) {
         let [main, plain, threads, saved] = &self.scenes[..] else {
             unreachable!("there are four scenes")
@@ -22,15 +22,15 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         assert!(main.pairs().eq(threads.pairs()) && main.impacts() == threads.impacts());
         let met = |scene: &Scene| -> Keys { scene.impacts().iter().map(|i| (i.a, i.b)).collect() };
         assert_eq!(met(main), met(saved));
-        // Trackers of bodies of parts begin anew.
+        // Trackers of compounds, meshes and surfaces start cold after reading.
         if self.kind < 2 {
-            // So do sorted lists.
+            // Sorted lists are also rebuilt.
             let mut counts = saved.report().counts;
             counts.swaps = main.report().counts.swaps;
             assert_eq!(counts, main.report().counts);
             assert!(main.pairs().eq(saved.pairs()) && main.impacts() == saved.impacts());
         }
-        // What one proves, the other may not refute.
+        // A hit proven by one scene must not be missed by another.
         for (one, other) in [(main, plain), (plain, main)] {
             let hits = one.impacts().iter().filter(|i| matches!(i.impact, Impact::Hit { .. }));
             let all = met(other);
@@ -38,7 +38,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         }
     }
 
-    /// The pairs of bodies that are not both fixed.
+    /// Returns the pairs of bodies that are not both fixed.
     pub(super) fn pairs(&self) -> impl Iterator<Item = (BodyId, BodyId)> + '_ {
         let others = |a: BodyId| self.bodies.iter().map(move |b| (a, b)).filter(move |(a, b)| a < b.0);
         let pairs = self
@@ -67,7 +67,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         RelativePose::new(p, q).expect("poses of a scene")
     }
 
-    /// What the scene says of a pair, beside what is true.
+    /// Compares the results of a pair with the exact state.
     pub(super) fn judge(&mut self, a: BodyId, b: BodyId, now: &mut [Keys; 2]) {
         let found = self.main().pair(a, b);
         let queries = self.called(a, b);
@@ -121,7 +121,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         self.mix.distances[1] += u64::from(d.state == ContactState::Overlapping);
     }
 
-    /// The events of the step, beside what has changed since the last.
+    /// Compares the events of the step with the changes since the last step.
     pub(super) fn judge_events(&mut self, now: &[Keys; 2]) {
         let events = self.main().events();
         assert!(events.is_sorted_by_key(|e| (e.a.index, e.b.index, e.change)));
@@ -152,7 +152,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         active: fn(&PairQueries) -> bool,
     ) {
         assert_eq!(*began, now.difference(before).copied().collect());
-        // What is no longer enabled may be forgotten in silence.
+        // A pair whose query is no longer enabled may be dropped without an event.
         let may: Keys = before.difference(now).copied().collect();
         let is_called = |(a, b): &(BodyId, BodyId)| {
             let groups = self.main().group(*a).zip(self.main().group(*b));
@@ -165,7 +165,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         );
     }
 
-    /// The impacts of the step, beside samples of the motions of its tick.
+    /// Compares the impacts of the step with samples of the motions of its tick.
     pub(super) fn judge_impacts(&mut self, called: &Keys) {
         let impacts: Keys = self.main().impacts().iter().map(|i| (i.a, i.b)).collect();
         self.mix.impacts += impacts.len() as u64;
@@ -199,7 +199,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
     }
 }
 
-/// How far apart bodies may be for a distance to be computed; none where it is not.
+/// Returns the largest distance for which a distance is computed; `None` if none is computed.
 fn range(queries: &PairQueries) -> Option<f64> {
     let is_measured = queries.distance.is_some() || queries.depth || queries.local_depth || queries.features;
     let own = is_measured.then(|| queries.distance.or(queries.within).unwrap_or(0.0));

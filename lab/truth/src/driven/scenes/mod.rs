@@ -1,8 +1,11 @@
-//! Worlds of bodies of every kind under sequences of calls from arbitrary bytes: after every call the tables of the scene agree
-//! with each other, and after every step all that the scene says is that of brute force, whatever decides which pairs are
-//! looked at: budget, schedule, threads, and a file read back between any two calls. Rays and searches are judged after steps.
+//! Worlds of bodies of every kind under sequences of calls from arbitrary bytes.
 //!
-//! The test `scene`, the target `scenes` of `fuzz/` and the instrument `soak` share this.
+//! After every call, the tables of the scene must be consistent. After every step, all results of
+//! the scene must agree with brute force, for every method of selecting the queried pairs: budget,
+//! schedule, threads, and a file read back between any two calls. Rays and searches are judged
+//! after steps.
+//!
+//! The test `scene`, the target `scenes` of `fuzz/` and the instrument `soak` share this module.
 
 mod judge;
 mod searches;
@@ -18,38 +21,39 @@ use std::collections::{BTreeMap, BTreeSet};
 type Keys = BTreeSet<(BodyId, BodyId)>;
 type Motions = BTreeMap<BodyId, (Isometry3<f64>, Velocity)>;
 
-/// What came of some bytes; a mix that lacks an ingredient tests nothing.
+/// Counts of the results; if a count is zero, its ingredient was not tested.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mix {
     /// Worlds played.
     pub worlds: u64,
     /// Steps judged.
     pub steps: u64,
-    /// Ticks, and those in which no body has a velocity.
+    /// Ticks, and the ticks in which no body has a velocity.
     pub ticks: [u64; 2],
-    /// Bodies put elsewhere after the tick of the step.
+    /// Bodies moved by `set_pose` after the tick of the step.
     pub late: u64,
-    /// Bodies that were given the index of a removed one.
+    /// Bodies that were given the index of a removed body.
     pub reused: u64,
-    /// Scenes read back between a tick and its step, and at any other time.
+    /// Scenes read back between a tick and its step, and at other times.
     pub saved: [u64; 2],
-    /// Calls refused.
+    /// Calls rejected.
     pub refused: u64,
-    /// Pairs that overlap, by the kinds of world.
+    /// Overlapping pairs, by kind of world.
     pub overlapping: [u64; 4],
     /// Pairs within the distance of the query.
     pub within: u64,
-    /// Distances, and those of overlaps.
+    /// Distances, and the distances of overlaps.
     pub distances: [u64; 2],
     /// Events of overlaps and of `within`.
     pub events: u64,
-    /// Pairs answered by sleep, and by the budget.
+    /// Pairs decided by sleep, and by the budget.
     pub slept: [u64; 2],
     /// Impacts.
     pub impacts: u64,
-    /// Rays, those that meet a body, and those whose body no effect covers and has moved.
+    /// Rays, rays that hit a body, and rays that hit a moved body without queries.
     pub rays: [u64; 3],
-    /// Closest pairs that are apart and not the only ones, pairs searched, and bodies told to be near.
+    /// Closest pairs that are separated and not the only pairs, pairs searched, and bodies reported
+    /// as near.
     pub searches: [u64; 3],
 }
 
@@ -79,7 +83,7 @@ impl Mix {
     }
 }
 
-/// Most calls of one world.
+/// Largest number of calls of one world.
 const CALLS: usize = 220;
 const NONE: PairQueries = PairQueries::none();
 const DISTANCES: [f64; 4] = [0.0, 0.1, 0.5, 2.0];
@@ -111,7 +115,7 @@ impl Bytes<'_> {
 
     fn pose(&mut self) -> Isometry3<f64> {
         let at = if self.chance(40) {
-            // Bodies of equal coordinates touch.
+            // Bodies with equal coordinates touch.
             self.vector(2.0).map(|x| (x * 4.0).round() * 0.25)
         } else {
             self.vector(2.5)
@@ -143,15 +147,16 @@ impl Bytes<'_> {
     }
 }
 
-/// One world in several scenes, fed alike, of which each decides otherwise which pairs are looked at.
+/// One world in several scenes with the same input, each of which selects the queried pairs
+/// differently.
 struct World<C> {
     kind: usize,
     forms: Vec<(Geometry, Form)>,
-    /// With budget and schedule; with neither; with threads; read back from a file now and then.
+    /// With budget and schedule; with neither; with threads; read back from a file occasionally.
     scenes: Vec<Scene>,
     copy: C,
     bodies: BTreeMap<BodyId, (usize, bool)>,
-    /// Length and motions of the tick of the step, if impacts were enabled.
+    /// Duration and motions of the tick of the step, if impacts were enabled.
     motions: Option<(f64, Motions)>,
     has_tick: bool,
     has_velocities: bool,
@@ -197,7 +202,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         world
     }
 
-    /// Makes a call of every scene, which must answer alike.
+    /// Makes a call of every scene and asserts equal answers.
     fn each<T: PartialEq + std::fmt::Debug>(&mut self, mut call: impl FnMut(&mut Scene) -> T) -> T {
         let mut answers = self.scenes.iter_mut().map(&mut call);
         let first = answers.next().expect("there are scenes");
@@ -264,7 +269,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
                 self.put(id, pose);
             }
             9..11 => {
-                // Onto another body, or beside it.
+                // Onto another body, or next to it.
                 let other = self.any(bytes).expect("there are bodies");
                 let mut pose = *self.main().pose(other).expect("the body lives");
                 pose.translation.vector += bytes.vector(1.2);
@@ -314,7 +319,8 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         }
     }
 
-    /// A group of a body: mostly one with queries, now and then the third, which never has any.
+    /// Returns a group for a body: usually one with queries, occasionally the third, which never
+    /// has any.
     fn drawn_group(&self, bytes: &mut Bytes<'_>) -> u8 {
         let byte = bytes.byte();
         if byte % 8 == 7 { 2 } else { byte % 2 }
@@ -363,20 +369,21 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
                 self.moved.extend(thrown.map(|m| *m.0));
                 let is_rest = motions.values().all(|m| m.1 == Velocity::default());
                 self.mix.ticks[1] += u64::from(is_rest);
-                // A second tick is none that a step sees, nor one before impacts were enabled.
+                // The step sees only its first tick, and only if impacts were enabled before the
+                // tick.
                 let pairs = [(0, 0), (0, 1), (1, 1)].map(|(g, h)| (group(g), group(h)));
                 let is_swept = pairs.iter().any(|(g, h)| self.main().queries(*g, *h).impact.is_some());
                 self.motions = (!self.has_tick && is_swept).then_some((length, motions));
                 self.has_tick = true;
             }
             Err(SceneError::StepDue) => assert!(self.has_tick, "a step is due only after a tick"),
-            // A body would leave the scene.
+            // A body would leave the range of the scene.
             Err(SceneError::TooFar { .. }) => self.mix.refused += 1,
             Err(e) => panic!("{e}"),
         }
     }
 
-    /// A step, all of which is judged.
+    /// Runs a step and judges all its results.
     fn step(&mut self) {
         let called: Keys = self
             .pairs()
@@ -414,7 +421,9 @@ fn group(k: u8) -> Group {
     Group::new(k).expect("few groups")
 }
 
-/// Makes the calls that the bytes say, and one step at the end. `copy` is a scene read back from what was written of it.
+/// Makes the calls that the bytes encode, and one step at the end.
+///
+/// `copy` returns a scene read back from a written one.
 pub fn drive(bytes: &[u8], copy: impl Fn(&Scene) -> Scene) -> Mix {
     let mut bytes = Bytes(bytes);
     let mut world = World::new(&mut bytes, copy);

@@ -1,4 +1,4 @@
-//! Searches on top of a step and rays, beside the bodies at their poses, each pair and each body asked alone.
+//! Comparison of searches and rays with queries of each pair and each body alone.
 
 use super::{Keys, NONE, World, group};
 use crate::forms;
@@ -7,11 +7,11 @@ use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::scene::{BodyId, Scene};
 use lin_canny::{ContactState, Ray, RayCaster, RelativePose};
 
-/// A ray is told to enter one of two bodies that it enters as early as this, either.
+/// If a ray enters two bodies within this distance of each other, either is accepted.
 const TIE: f64 = 1e-6;
 
 impl<C: Fn(&Scene) -> Scene> World<C> {
-    /// What all scenes say of rays and of near pairs, now that no step is due.
+    /// Judges rays and near pairs of all scenes when no step is due.
     pub(super) fn judge_searches(&mut self) {
         let mut rng = Rng::of_case(self.mix.steps, self.mix.ticks[0]);
         for _ in 0..2 {
@@ -31,7 +31,8 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         (0..3).all(|g| self.main().queries(of, group(g)) == NONE)
     }
 
-    /// A ray at a body, or anywhere: the first body of all, each asked alone.
+    /// Casts a ray at a body or in a random direction, and compares the first body with casts at
+    /// each body alone.
     fn judge_ray(&mut self, rng: &mut Rng) {
         let ids: Vec<BodyId> = self.bodies.keys().copied().collect();
         let Some(&target) = ids.get(rng.below(ids.len().max(1))) else {
@@ -40,7 +41,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         let aim = self.main().pose(target).expect("the body lives").translation.vector;
         let away = Vector3::from(rng.unit()) * rng.range(0.0, 6.0);
         let towards = aim + Vector3::from(rng.in_ball()) * 0.5;
-        // What was thrown is soon so far that nothing else is near.
+        // Thrown bodies are soon so far away that nothing else is near.
         let origin = if aim.norm() < 1e3 { away } else { aim + away };
         let Ok(ray) = Ray::new(Point3::from(origin), towards - origin) else {
             return;
@@ -64,7 +65,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
                     let tie = TIE * (1.0 + least.abs());
                     (safe - least).abs() <= tie && own.is_some_and(|own| (own - safe).abs() <= tie)
                 }
-                // A ray that grazes.
+                // A grazing ray.
                 (Some((id, _)), None) | (None, Some(&(id, _))) => self.is_parted_kind(id),
             };
             assert!(is_first, "{ray:?} up to {length}: {told:?}, not {first:?}");
@@ -75,12 +76,12 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         self.mix.rays[2] += u64::from(first.is_some_and(|(id, _)| is_moved(*id)));
     }
 
-    /// Returns whether a body is no sharp polyhedron, so that rounding may decide on a graze.
+    /// Returns whether a body is not a sharp polyhedron, so that rounding may decide a grazing ray.
     fn is_parted_kind(&self, id: BodyId) -> bool {
         !matches!(self.forms[self.bodies[&id].0].1, forms::Form::Sharp(_))
     }
 
-    /// Returns what is true of two bodies.
+    /// Returns whether two bodies are within a distance; `None` if the bounds do not decide it.
     fn is_near(&self, a: BodyId, b: BodyId, d: f64) -> Option<bool> {
         let [x, y] = [a, b].map(|id| &self.forms[self.bodies[&id].0].1);
         let [p, q] = [a, b].map(|id| self.main().pose(id).expect("the body lives"));
@@ -88,7 +89,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         forms::within(x, y, &pose, d)
     }
 
-    /// All pairs of two groups within a distance, the first contact and the closest pair.
+    /// Judges the pairs of two groups within a distance, the first contact and the closest pair.
     fn judge_groups(&mut self, g: u8, h: u8) {
         let (g, h) = (group(g), group(h));
         if self.main().queries(g, h) == NONE {
@@ -133,7 +134,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         self.mix.searches[1] += pairs.len() as u64;
     }
 
-    /// The bodies near to one body.
+    /// Judges the bodies near one body.
     fn judge_nearest(&mut self, rng: &mut Rng) {
         let ids: Vec<BodyId> = self.bodies.keys().copied().collect();
         let Some(&id) = ids.get(rng.below(ids.len().max(1))) else {

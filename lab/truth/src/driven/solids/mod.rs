@@ -1,9 +1,10 @@
-//! Pairs of solids with faces in common, wherever their origin lies: prisms over boxes, wedges, octagons, Ls, Us and Hs in whole
-//! coordinates, as meshes and as pieces.
+//! Pairs of solids with common faces, at any distance from their origin.
 //!
-//! A prism is the union of triangular prisms in whole coordinates. Two of them share inner points unless a face of one, or an edge
-//! of each, gives a direction along which one ends before the other begins: the truth is a matter of whole numbers. Depths of two
-//! convex prisms along one axis are closed forms.
+//! The solids are prisms over boxes, wedges, octagons, Ls, Us and Hs in whole coordinates, as
+//! meshes and as compounds. A prism is the union of triangular prisms in whole coordinates. Two
+//! triangular prisms share interior points unless a face normal of one, or a cross product of an
+//! edge of each, separates them. So the exact contact state follows from whole numbers. The depth
+//! of two convex prisms along one axis is known in closed form.
 
 mod prism;
 
@@ -18,33 +19,33 @@ use lin_canny::{
 use prism::{Cell, GRID, Outline, Prism, Whole};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Places of the second solid in one play: pairs.
+/// Positions of the second solid in one play.
 pub const PLACES: u64 = 4;
 
 /// Counts of the solids of a run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mix {
-    /// Pairs of a solid and a place of another one.
+    /// Pairs of a solid and another solid at one position.
     pub pairs: u64,
-    /// Pairs that are apart.
+    /// Separated pairs.
     pub apart: u64,
     /// Pairs that touch.
     pub touching: u64,
-    /// Pairs that share inner points.
+    /// Pairs that share interior points.
     pub overlapping: u64,
-    /// Pairs of equal solids in one place.
+    /// Overlapping pairs of equal solids at the same position.
     pub equal: u64,
-    /// Overlaps with faces in one plane and on one side of it.
+    /// Overlaps with coplanar faces on the same side.
     pub flush: u64,
-    /// Overlaps in which all of one body lies in the other.
+    /// Overlaps in which one body lies entirely in the other.
     pub nested: u64,
-    /// Overlaps in which no corner of one body lies inside the other.
+    /// Overlaps in which no vertex of one body lies inside the other.
     pub crossing: u64,
-    /// Pairs farther from the origin than a million of their sizes.
+    /// Pairs farther from the origin than a million times their size.
     pub far: u64,
     /// Pairs flatter than a thousandth of their width.
     pub flat: u64,
-    /// Pairs asked as pieces too.
+    /// Pairs queried as compounds too.
     pub pieces: u64,
     /// Depths compared with the closed form.
     pub depths: u64,
@@ -74,10 +75,10 @@ impl Mix {
     }
 }
 
-/// Plays a pair of solids; returns what failed.
+/// Plays a pair of solids.
 ///
 /// # Errors
-/// If an answer is wrong, or a query panics.
+/// Returns an error if an answer is wrong or a query panics.
 pub fn play(seed: u64) -> Result<Mix, String> {
     let played = catch_unwind(AssertUnwindSafe(|| {
         let mut rng = Rng::new(seed);
@@ -99,12 +100,12 @@ fn sub(p: Whole, q: Whole) -> Whole {
     [0, 1, 2].map(|k| p[k] - q[k])
 }
 
-/// The four directions of the edges of a cell.
+/// Returns the four directions of the edges of a cell.
 fn edges(c: &Cell) -> [Whole; 4] {
     [sub(c[1], c[0]), sub(c[2], c[1]), sub(c[0], c[2]), sub(c[3], c[0])]
 }
 
-/// The four normals of a cell.
+/// Returns the four normals of a cell.
 fn normals(c: &Cell) -> [Whole; 4] {
     let [e, f, g, up] = edges(c);
     [cross(e, f), cross(e, up), cross(f, up), cross(g, up)]
@@ -115,7 +116,7 @@ fn extent(c: &[Whole], n: Whole) -> (i64, i64) {
     (heights().min().unwrap_or(0), heights().max().unwrap_or(0))
 }
 
-/// The contact state of two convex cells.
+/// Returns the contact state of two convex cells.
 fn cells_meet(a: &Cell, b: &Cell) -> ContactState {
     let mut state = ContactState::Overlapping;
     let crossed = edges(a).into_iter().flat_map(|u| edges(b).map(|v| cross(u, v)));
@@ -134,7 +135,7 @@ fn cells_meet(a: &Cell, b: &Cell) -> ContactState {
     state
 }
 
-/// The contact state of two prisms.
+/// Returns the contact state of two prisms.
 fn truth(a: &Prism, b: &Prism) -> ContactState {
     let (a, b) = (a.cells(), b.cells());
     let mut state = ContactState::Separated;
@@ -148,7 +149,9 @@ fn truth(a: &Prism, b: &Prism) -> ContactState {
     state
 }
 
-/// Where whole coordinates lie: an offset, then a length for each axis; powers of two times whole numbers, so that all is exact.
+/// Map from whole coordinates to positions: an offset, then a length for each axis.
+///
+/// The lengths are powers of two, so positions are exact.
 #[derive(Clone, Copy, Debug)]
 struct Space {
     offset: Whole,
@@ -170,7 +173,7 @@ impl Space {
         });
         let mut unit = [2f64.powi(rng.below(41) as i32 - 20); 3];
         if rng.chance(0.4) {
-            // What is flat is so by far more than the promised 1e-13 of its coordinates.
+            // A flat solid is thicker than the promised 1e-13 of its coordinates by a large factor.
             let least = (3.0 * (far + 1.0) * size * 4e-12 / GRID as f64).log2().ceil() as i32;
             let most = (-least).clamp(0, 24) as usize;
             unit[rng.below(3)] *= 2f64.powi(-(rng.below(most + 1) as i32));
@@ -195,7 +198,7 @@ impl Space {
     }
 }
 
-/// A solid as a mesh and as pieces.
+/// A solid as a mesh and as a compound.
 struct Built {
     mesh: Mesh,
     pieces: Option<Compound>,
@@ -231,7 +234,7 @@ fn translation(by: Point) -> Result<RelativePose, String> {
     RelativePose::from_isometry(&Isometry3::translation(by[0], by[1], by[2])).map_err(|e| e.to_string())
 }
 
-/// A pair, the second prism where it is.
+/// A pair, with the second prism at its position.
 struct Asked<'a> {
     prisms: [&'a Prism; 2],
     space: &'a Space,
@@ -268,13 +271,13 @@ impl Asked<'_> {
         Err(format!("{how}: {:?}, intersects {meets}, not {:?}", *found, self.truth))
     }
 
-    /// L, without the pose.
+    /// Returns the size L, without the pose.
     fn size(&self) -> f64 {
         let lengths = [0, 1, 2].map(|k| (self.space.offset[k].abs() + 16 * GRID) as f64 * self.space.unit[k]);
         2.0 * lengths.iter().sum::<f64>()
     }
 
-    /// The distance of two boxes.
+    /// Returns the distance of two boxes.
     fn apart(&self) -> f64 {
         let [a, b] = self.prisms.map(Prism::corners);
         let square = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].iter().enumerate().map(|(k, n)| {
@@ -285,7 +288,8 @@ impl Asked<'_> {
         square.sum::<f64>().sqrt()
     }
 
-    /// The depth of two convex prisms along one axis: the least overlap along a normal of a face of one of them.
+    /// Returns the depth of two convex prisms along one axis: the least overlap along a face normal
+    /// of one of them.
     fn depth(&self) -> Option<f64> {
         let [p, q] = self.prisms;
         if !(p.is_convex() && q.is_convex() && p.axis == q.axis) {
@@ -349,7 +353,7 @@ impl Asked<'_> {
     }
 }
 
-/// Whether a point is inside a cell, its surface left out.
+/// Returns whether a point is in the interior of a cell.
 fn is_inside(p: Whole, cell: &Cell) -> bool {
     normals(cell).into_iter().all(|n| {
         let (low, high) = extent(cell, n);
@@ -366,7 +370,7 @@ fn pairs(rng: &mut Rng) -> Result<Mix, String> {
         2 | 3 => a.within(rng),
         _ => Prism::draw(rng),
     };
-    // One solid in far coordinates, the other one near, now and then.
+    // Occasionally one solid has far coordinates and the other near ones.
     let mut of_b = space;
     if rng.chance(0.125) {
         of_b.offset = [0; 3];
@@ -422,7 +426,7 @@ fn pairs(rng: &mut Rng) -> Result<Mix, String> {
     Ok(mix)
 }
 
-/// A box just over a slab, or flush on it, bears four contacts wherever both lie.
+/// Asserts that a box just above a slab, or flush on it, has four contacts at any position of both.
 fn supports(rng: &mut Rng) -> Result<(), String> {
     let mut space = Space::draw(rng);
     space.unit = [space.unit[0]; 3];

@@ -1,4 +1,5 @@
-//! Prisms over polygons in whole coordinates: their surfaces, and the convex cells of which they are the union.
+//! Prisms over polygons in whole coordinates: their surfaces, and the convex cells whose union they
+//! are.
 
 use crate::Point;
 use crate::rng::Rng;
@@ -8,10 +9,10 @@ use std::collections::HashMap;
 /// A point in whole coordinates.
 pub(super) type Whole = [i64; 3];
 
-/// The corners of a triangular prism, three and three.
+/// The vertices of a triangular prism: three below, three above.
 pub(super) type Cell = [Whole; 6];
 
-/// Lengths are multiples of this, so that edges may be halved twice.
+/// Lengths are multiples of this, so that edges can be halved twice.
 pub(super) const GRID: i64 = 16;
 
 /// The outline of a prism.
@@ -25,7 +26,7 @@ pub(super) enum Outline {
     H,
 }
 
-/// The space between two copies of a polygon, one straight over the other.
+/// The space between two copies of a polygon, one directly above the other.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Prism {
     pub(super) kind: Outline,
@@ -33,7 +34,7 @@ pub(super) struct Prism {
     pub(super) outline: Vec<[i64; 2]>,
     pub(super) low: i64,
     pub(super) high: i64,
-    /// The axis along which the prism stands.
+    /// The axis of the prism.
     pub(super) axis: usize,
 }
 
@@ -42,7 +43,7 @@ fn turn(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Cuts a polygon into triangles, ears first after a corner.
+/// Cuts a polygon into triangles by clipping ears, starting at a vertex.
 fn ears(outline: &[[i64; 2]], first: usize) -> Vec<[usize; 3]> {
     let mut rest: Vec<usize> = (0..outline.len()).map(|k| (k + first) % outline.len()).collect();
     let mut all = Vec::new();
@@ -121,7 +122,8 @@ impl Prism {
         }
     }
 
-    /// The box of the same outline, shrunk by a step on some sides: flush with the others, or inside.
+    /// Returns the box of the same outline, shrunk on some sides: flush with the other sides, or
+    /// inside.
     pub(super) fn within(&self, rng: &mut Rng) -> Self {
         let bounds = |k: usize| {
             let all = || self.outline.iter().map(|p| p[k]);
@@ -159,13 +161,13 @@ impl Prism {
         p
     }
 
-    /// Corners, those below first.
+    /// Returns the vertices, the lower ones first.
     pub(super) fn corners(&self) -> Vec<Whole> {
         let layer = |h: i64| self.outline.iter().map(move |p| self.point(*p, h));
         layer(self.low).chain(layer(self.high)).collect()
     }
 
-    /// Cells whose union the prism is.
+    /// Returns the cells whose union is the prism.
     pub(super) fn cells(&self) -> Vec<Cell> {
         let cell = |t: &[usize; 3]| {
             let [a, b, c] = t.map(|k| self.outline[k]);
@@ -176,7 +178,8 @@ impl Prism {
         ears(&self.outline, 0).iter().map(cell).collect()
     }
 
-    /// The surface, its faces cut at random, each triangle halved along its edges some times.
+    /// Returns the surface with randomly cut faces; each triangle is split into four `halvings`
+    /// times.
     pub(super) fn surface(&self, rng: &mut Rng, halvings: usize) -> WholeSoup {
         let n = self.outline.len();
         let mut triangles = Vec::new();
@@ -216,7 +219,7 @@ pub(super) struct WholeSoup {
 }
 
 impl WholeSoup {
-    /// Cuts every triangle into four.
+    /// Splits every triangle into four.
     fn halve(&mut self) {
         let mut middles = HashMap::new();
         let points = &mut self.points;

@@ -8,20 +8,20 @@ use lin_canny::shape::Core;
 use lin_canny::surface::BezierSurface;
 use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, Piece, Shape};
 
-/// A convex part of a body and its pose there.
+/// A convex part of a body, and its pose in the body.
 pub(super) type Part = (Shape, Isometry3<f64>);
 
-/// A body and the parts whose union it is.
+/// A body, and the parts whose union it is.
 pub(super) struct Drawn {
     pub(super) geometry: Geometry,
     pub(super) parts: Vec<Part>,
-    /// Whether no point of a part is rounded in the body.
+    /// Whether all parts have the identity pose, so that the body rounds no point of a part.
     pub(super) is_in_place: bool,
-    /// Whether all parts are polyhedra without a radius.
+    /// Whether all parts are polyhedra without a rounding radius.
     pub(super) is_sharp: bool,
-    /// Whether the body has no inside: a Bézier surface.
+    /// Whether the body is only a surface: a Bézier surface.
     pub(super) is_shell: bool,
-    /// The farthest point of the body, or of what its places are computed with, from the origin.
+    /// Bound of the distance of the body's points, and of intermediate results, from the origin.
     pub(super) reach: f64,
 }
 
@@ -43,7 +43,7 @@ impl Drawn {
 
     fn of_pieces(pieces: Vec<Piece>) -> Self {
         let body = Compound::new(pieces).expect("pieces");
-        // Rotations as the body has normalised them.
+        // Rotations as normalised by the compound.
         let parts = body.pieces().iter().map(|p| (p.shape.clone(), p.pose)).collect();
         Self::new(body.into(), parts)
     }
@@ -53,7 +53,7 @@ fn is_sharp(shape: &Shape) -> bool {
     matches!(shape.core(), Core::Polyhedron(_)) && shape.rounding_radius() == 0.0
 }
 
-/// Whether a part has a volume worth the name.
+/// Returns whether a part has a substantial volume.
 pub(super) fn is_thick(shape: &Shape) -> bool {
     match shape.core() {
         Core::Polyhedron(body) if shape.rounding_radius() == 0.0 => body.face_count() > 2 && body.volume() > 1e-5,
@@ -70,7 +70,7 @@ fn cuboid(half: [f64; 3]) -> ConvexPolyhedron {
     solids::cuboid(Vector3::from(half)).expect("a cuboid")
 }
 
-/// A shape about the origin of one of seven measures.
+/// Returns a shape about the origin, of one of seven size classes.
 fn shape(measure: usize, rng: &mut Rng) -> ConvexPolyhedron {
     let long = rng.log_range(0.05, 0.8);
     let thin = rng.log_range(1e-24, 1e-6);
@@ -96,7 +96,7 @@ fn shape(measure: usize, rng: &mut Rng) -> ConvexPolyhedron {
     }
 }
 
-/// A compound of one to four pieces, in place or placed.
+/// Returns a compound of one to four pieces, with identity or random poses.
 pub(super) fn compound(rng: &mut Rng, mix: &mut Mix) -> Drawn {
     let is_placed = rng.chance(0.7);
     let is_solid = rng.chance(0.3);
@@ -111,7 +111,7 @@ pub(super) fn compound(rng: &mut Rng, mix: &mut Mix) -> Drawn {
                     piece.pose.rotation = rotation(rng);
                 }
             } else if rng.chance(0.7) && measure < 3 {
-                // The points of what is thin along no axis can be moved and stay what they were.
+                // Flat bodies can be shifted by moving their points, without losing their thinness.
                 let shift = Vector3::new(0.25, -0.5, 0.75) * (1.0 + rng.below(3) as f64);
                 piece = Piece::new(moved(&piece.shape, &shift));
             }
@@ -122,7 +122,7 @@ pub(super) fn compound(rng: &mut Rng, mix: &mut Mix) -> Drawn {
     Drawn::of_pieces(pieces)
 }
 
-/// A point, a segment or a polygon at another height.
+/// Returns a point, a segment or a polygon, shifted.
 fn moved(shape: &Shape, shift: &Vector3<f64>) -> ConvexPolyhedron {
     let Core::Polyhedron(body) = shape.core() else {
         unreachable!("a polyhedron")
@@ -136,7 +136,7 @@ fn moved(shape: &Shape, shift: &Vector3<f64>) -> ConvexPolyhedron {
     .expect("a flat body")
 }
 
-/// A body of any kind.
+/// Returns a body of any kind.
 pub(super) fn other(rng: &mut Rng, mix: &mut Mix) -> Drawn {
     let kind = match rng.below(32) {
         0..3 => 0,
@@ -165,7 +165,7 @@ pub(super) fn other(rng: &mut Rng, mix: &mut Mix) -> Drawn {
             .expect("a shape"),
         ),
         3 if rng.chance(0.4) => {
-            // Two solids of one mesh.
+            // Two solids in one mesh.
             let away = Vector3::new(1.5, 0.25, -0.5);
             let points: Vec<_> = die.vertex_points().map(|p| p + away).collect();
             let far = ConvexPolyhedron::from_points(&points).expect("a die");

@@ -1,7 +1,11 @@
-//! Bodies that other bodies stand in for: compounds of pieces of every measure beside every kind of body, judged piece by piece;
-//! and meshes of one lineage or of one shape, which one tracker follows in turn, judged by all pairs of triangles.
+//! Bodies that are queried through a stand-in: compounds with pieces of all sizes, and meshes that
+//! share a history.
 //!
-//! The test `meshes` and the instrument `soak` share this.
+//! Compounds are queried against every kind of body and judged piece by piece. One tracker
+//! alternates between meshes that are clones of one mesh or have the same shape; these are judged
+//! by all pairs of triangles.
+//!
+//! The test `meshes` and the instrument `soak` share this module.
 
 mod draw;
 mod pieces;
@@ -9,7 +13,7 @@ mod turns;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What came of some pairs; a mix that lacks an ingredient tests nothing.
+/// Counts of the results; if a count is zero, its ingredient was not tested.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mix {
     /// Pairs with a compound.
@@ -20,27 +24,27 @@ pub struct Mix {
     pub pieces: [u64; 7],
     /// Pairs by the kind of the other body: hull, rounded, curved, mesh, compound, surface.
     pub beside: [u64; 6],
-    /// Pairs with placed pieces.
+    /// Pairs whose pieces have random poses.
     pub placed: u64,
-    /// Poses at which a piece other than a solid is the closest.
+    /// Poses at which the closest piece is not a solid.
     pub thin_is_closest: u64,
-    /// Poses apart by less than `1e-8` of the size.
+    /// Poses at a distance of less than `1e-8` of the size.
     pub close: u64,
     /// Poses at which the bodies overlap.
     pub overlapping: u64,
-    /// Poses judged in exact arithmetic.
+    /// Poses judged by exact arithmetic.
     pub exact: u64,
-    /// Casts, and those that hit.
+    /// Casts, and hits.
     pub casts: [u64; 2],
     /// Steps of a scene.
     pub steps: u64,
-    /// Bodies of a scene that were given the place of a removed one.
+    /// Bodies of a scene that were given the index of a removed body.
     pub reused: u64,
-    /// Families of meshes, and the queries of them that were judged.
+    /// Families of meshes, and their judged queries.
     pub families: [u64; 2],
-    /// Trees made anew, by themselves and by call.
+    /// Trees rebuilt, automatically and by a call.
     pub trees: [u64; 2],
-    /// Families with a mesh that is numbered otherwise.
+    /// Families with a mesh that has another numbering.
     pub numbered: u64,
 }
 
@@ -73,7 +77,7 @@ impl Mix {
 /// Plays a pair or a family of meshes.
 ///
 /// # Errors
-/// The first answer that is wrong, or a panic.
+/// Returns the first wrong answer, or a panic.
 pub fn play(seed: u64) -> Result<Mix, String> {
     let played = catch_unwind(AssertUnwindSafe(|| match seed % 8 {
         0 => turns::family(seed),

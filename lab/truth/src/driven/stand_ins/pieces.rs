@@ -1,4 +1,5 @@
-//! A compound beside another body: every answer is that of the least pair of parts, each asked alone without a past.
+//! A compound and another body: every answer must agree with the closest pair of parts, each
+//! queried by a new tracker.
 
 use super::Mix;
 use super::draw::{Drawn, Part, compound, is_thick, other, rotation};
@@ -15,13 +16,14 @@ use lin_canny::{ContactState, PairOutcome, PairTracker, QueryOptions, RelativePo
 /// Poses of a pair.
 const POSES: usize = 5;
 
-/// The width of the bounds of bodies of parts, in units of L: twice what is promised of placed pieces.
+/// Largest width of the bounds of compounds, in units of L: twice the promised width for posed
+/// pieces.
 const WIDTH: f64 = 3e-13;
 
-/// How far poses composed in f64 move the parts, in units of L.
+/// Largest motion of the parts by poses composed in `f64`, in units of L.
 const NOISE: f64 = 2e-14;
 
-/// What the parts tell, in the frame of A.
+/// The result of the parts, in the frame of A.
 struct Truth {
     lower: f64,
     upper: f64,
@@ -52,7 +54,7 @@ fn truth(a: &Drawn, b: &Drawn, pose: &Isometry3<f64>) -> Truth {
     best
 }
 
-/// A pair that is being judged.
+/// A pair with its reference result.
 struct Judged<'a> {
     a: &'a Drawn,
     b: &'a Drawn,
@@ -76,7 +78,7 @@ impl<'a> Judged<'a> {
         self.a.is_shell || self.b.is_shell
     }
 
-    /// Whether the parts of a surface tell how far the surface is.
+    /// Returns whether the parts of a surface determine its distance.
     fn is_known(&self) -> bool {
         !self.is_shell() || self.truth.lower > 0.0
     }
@@ -123,7 +125,7 @@ impl<'a> Judged<'a> {
         }
     }
 
-    /// Judges every query of a tracker, in the order of the pair or the other.
+    /// Judges every query of a tracker, in either order of the pair.
     fn ask(&self, tracker: &mut PairTracker, is_swapped: bool, what: &str) -> Result<(), String> {
         let pose = RelativePose::from_isometry(&self.pose).map_err(|e| e.to_string())?;
         let (a, b, pose) = if is_swapped {
@@ -164,7 +166,8 @@ impl<'a> Judged<'a> {
         Ok(())
     }
 
-    /// Judges a cold tracker in exact arithmetic; not if both bodies have placed parts, or one is curved or a surface.
+    /// Judges a new tracker by exact arithmetic, if B has no posed parts and no part is curved or a
+    /// surface.
     fn ask_exactly(&self) -> Result<bool, String> {
         let is_solid = |p: &Part| matches!(p.0.core(), Core::Polyhedron(body) if body.face_count() > 2);
         let is_asked = self.a.is_sharp
@@ -225,7 +228,7 @@ impl<'a> Judged<'a> {
     }
 }
 
-/// The points and faces of a polyhedron.
+/// Returns the points and faces of a polyhedron.
 fn plain_body(shape: &Shape) -> (Vec<Point>, Vec<Vec<u32>>) {
     let Core::Polyhedron(body) = shape.core() else {
         return Default::default();
@@ -235,7 +238,7 @@ fn plain_body(shape: &Shape) -> (Vec<Point>, Vec<Vec<u32>>) {
     (points, body.faces().map(rim).collect())
 }
 
-/// Plays a compound beside another body.
+/// Plays a compound and another body.
 pub(super) fn pair(seed: u64) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let mut mix = Mix {
@@ -333,7 +336,7 @@ fn casts(a: &Drawn, b: &Drawn, pose: &Isometry3<f64>, rng: &mut Rng, mix: &mut M
     Ok(())
 }
 
-/// Moves both in a scene, and gives the place of one to another body.
+/// Moves both in a scene, and gives the index of one to another body.
 fn scene(a: &Drawn, b: &Drawn, pose: &Isometry3<f64>, rng: &mut Rng, mix: &mut Mix) -> Result<(), String> {
     let text = |e: &dyn std::fmt::Display| e.to_string();
     let group = Group::new(1).ok_or("a group")?;
@@ -349,7 +352,7 @@ fn scene(a: &Drawn, b: &Drawn, pose: &Isometry3<f64>, rng: &mut Rng, mix: &mut M
     let mut b = b;
     for k in 0..6 {
         if k == 3 {
-            // Another body in the same place of the tables.
+            // Another body at the same index of the tables.
             own = other(rng, &mut spare);
             if own.is_shell {
                 break;

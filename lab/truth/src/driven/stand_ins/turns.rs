@@ -1,5 +1,7 @@
-//! Meshes of one lineage on several ways, and of one shape under several numberings, followed in turn by one tracker: every
-//! answer is that of all pairs of triangles.
+//! Meshes with a common history or a common shape, queried alternately by one tracker.
+//!
+//! The meshes are clones that change differently, or the same shape under several numberings. Every
+//! answer is judged by all pairs of triangles.
 
 use super::Mix;
 use crate::rng::Rng;
@@ -16,10 +18,10 @@ const SQUARES: [u32; 2] = [16, 6];
 /// Queries of a family.
 const QUERIES: usize = 24;
 
-/// The error of an answer and of brute force, in units of L.
+/// Error of an answer and of brute force, in units of L.
 const NOISE: f64 = 1e-13;
 
-/// Places of the vertices of a sheet: flat, in waves, or rolled up by some turns.
+/// Returns the vertices of a sheet: flat, in waves, or rolled up by some turns.
 fn sheet(shape: usize, turns: f64) -> Vec<Point3<f64>> {
     let [n, m] = SQUARES;
     let bent = |x: f64, y: f64| match shape {
@@ -50,7 +52,7 @@ fn triangles() -> Vec<[u32; 3]> {
     (0..n).flat_map(|i| (0..m).flat_map(move |j| square(i, j))).collect()
 }
 
-/// The flat sheet under another numbering of its vertices, its triangles as before.
+/// Returns the flat sheet with another numbering of its vertices and the same triangles.
 fn renumbered(rng: &mut Rng) -> Mesh {
     let points = sheet(0, 1.0);
     let mut number: Vec<u32> = (0..points.len() as u32).collect();
@@ -68,13 +70,13 @@ fn order(mesh: &Mesh) -> Vec<u32> {
     mesh.triangles().map(|t| t.0).collect()
 }
 
-/// Changes a mesh: by itself or not at all, as a whole or in part, or its tree.
+/// Changes a mesh: its vertices all, in part or not at all, or its tree.
 fn change(mesh: &mut Mesh, rng: &mut Rng, mix: &mut Mix) -> Result<(), String> {
     let before = order(mesh);
     let turns = 0.25 + 0.25 * rng.below(8) as f64;
     match rng.below(6) {
         0 => {
-            // Nothing moves, as often as a tree has to serve.
+            // Nothing moves, for as many calls as one tree may serve.
             let now = mesh.vertices();
             for _ in 0..1 + rng.below(20) {
                 mesh.set_vertices(&now).map_err(|e| e.to_string())?;
@@ -139,7 +141,7 @@ pub(super) fn family(seed: u64) -> Result<Mix, String> {
     let mut place = rng.in_ball();
     for query in 0..QUERIES {
         if rng.chance(0.3) {
-            // The same change in all, or another in each.
+            // The same change in all meshes, or a different one in each.
             let (same, is_same) = (rng.bits(), rng.chance(0.5));
             for mesh in &mut meshes {
                 let mut own = if is_same { Rng::new(same) } else { Rng::new(rng.bits()) };
