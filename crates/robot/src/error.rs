@@ -90,6 +90,9 @@ pub enum FileErrorKind {
     /// Returned if a recording cannot be written.
     #[error("cannot be written: {0}")]
     Record(#[from] lin_canny_record::WriteError),
+    /// Returned if a mesh file cannot be read: the file, the line and the reason.
+    #[error("mesh {0}")]
+    Mesh(#[from] lin_canny_formats::MeshFileError),
     /// Returned if a geometry cannot form a body.
     #[error("{0}")]
     Geometry(String),

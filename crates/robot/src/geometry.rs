@@ -88,14 +88,14 @@ pub(crate) fn of_mesh(
     }
     match usage {
         MeshUse::Hull => {
-            let soup = mesh_file::whole(file, scale).map_err(|e| of_file(file, e))?;
+            let soup = mesh_file::whole(file, scale)?;
             let hull = ConvexPolyhedron::from_points(&soup.points).map_err(|e| of_file(file, e.to_string()))?;
             let mesh = options.measure_hulls.then(|| Mesh::new(&soup.points, &soup.triangles));
             let fit = mesh.and_then(Result::ok).map(|mesh| mesh.hull_fit(&hull));
             Ok((Geometry::from(hull), fit))
         }
         MeshUse::Mesh => {
-            let Soup { points, triangles } = mesh_file::whole(file, scale).map_err(|e| of_file(file, e))?;
+            let Soup { points, triangles } = mesh_file::whole(file, scale)?;
             let mesh = Mesh::new(&points, &triangles).map_err(|e| of_file(file, e.to_string()))?;
             Ok((Geometry::from(mesh), None))
         }
@@ -110,19 +110,14 @@ pub(crate) fn of_mesh(
                     beside.display()
                 )));
             }
-            let compound = pieces(&beside, scale).map_err(|e| of_file(&beside, e))?;
+            let hulls = mesh_file::objects(&beside, scale)?;
+            let hulls = hulls.iter().map(|soup| ConvexPolyhedron::from_points(&soup.points).map(Piece::new));
+            let hulls: Result<Vec<Piece>, _> = hulls.collect();
+            let hulls = hulls.map_err(|e| of_file(&beside, e.to_string()))?;
+            let compound = Compound::new(hulls).map_err(|e| of_file(&beside, e.to_string()))?;
             Ok((Geometry::from(compound), None))
         }
     }
-}
-
-fn pieces(file: &Path, scale: &Vector3<f64>) -> Result<Compound, String> {
-    let piece = |soup: &Soup| {
-        let hull = ConvexPolyhedron::from_points(&soup.points).map_err(|e| e.to_string())?;
-        Ok(Piece::new(hull))
-    };
-    let pieces: Result<Vec<Piece>, String> = mesh_file::objects(file, scale)?.iter().map(piece).collect();
-    Compound::new(pieces?).map_err(|e| e.to_string())
 }
 
 /// Returns an upper bound of the distance from the origin of a body's frame to its farthest point.

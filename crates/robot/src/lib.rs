@@ -57,7 +57,6 @@
 #![forbid(unsafe_code)]
 
 mod cell;
-mod collada;
 mod error;
 mod files;
 mod geometry;

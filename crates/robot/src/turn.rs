@@ -23,29 +23,6 @@ pub(crate) fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> UnitQuaternion<f64
     ))
 }
 
-/// Returns the matrix of the rotation about an axis by an angle in radians.
-///
-/// For a quarter turn its entries are closer to whole numbers than those of a quaternion.
-pub(crate) fn matrix_about(axis: &Unit<Vector3<f64>>, angle: f64) -> Rotation3<f64> {
-    let (sine, cosine) = libm::sincos(angle);
-    let (u, rest) = (axis.into_inner(), 1.0 - cosine);
-    let square = u.component_mul(&u);
-    let diagonal = square + (Vector3::repeat(1.0) - square) * cosine;
-    let [xy, xz, yz] = [u.x * u.y * rest, u.x * u.z * rest, u.y * u.z * rest];
-    let s = u * sine;
-    Rotation3::from_matrix_unchecked(Matrix3::new(
-        diagonal.x,
-        xy - s.z,
-        xz + s.y,
-        xy + s.z,
-        diagonal.y,
-        yz - s.x,
-        xz - s.y,
-        yz + s.x,
-        diagonal.z,
-    ))
-}
-
 /// Returns the shortest rotation from z to a direction: a half turn about x for the opposite of z.
 pub(crate) fn from_z(to: &Unit<Vector3<f64>>) -> UnitQuaternion<f64> {
     let across = Vector3::z().cross(to);
@@ -72,8 +49,6 @@ mod tests {
             let [roll, pitch, yaw] = [angle, 0.3 * angle, 1.7 - angle];
             let expected = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
             assert!(near(roll_pitch_yaw([roll, pitch, yaw]), expected));
-            let off = matrix_about(&axis, angle).matrix() - Rotation3::from_axis_angle(&axis, angle).matrix();
-            assert!(off.amax() < 1e-15, "{off}");
             assert!((from_z(&axis) * Vector3::z() - axis.into_inner()).norm() < 1e-15);
         }
     }
