@@ -29,6 +29,8 @@
 
 mod error;
 mod mesh;
+mod obj;
+mod polygon;
 mod stl;
 mod text;
 

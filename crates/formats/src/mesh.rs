@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use crate::error::{Fault, MeshFault, MeshFileError};
-use crate::{stl, text};
+use crate::{obj, stl, text};
 
 /// Format of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -86,6 +86,7 @@ impl MeshFile {
         };
         let file = match format_of(bytes, path).map_err(error)? {
             MeshFormat::Stl => stl::read(bytes),
+            MeshFormat::Obj => obj::read(bytes),
             other => Err(Fault::unsupported(None, format!("{other:?}"))),
         };
         let mut file = file.map_err(error)?;

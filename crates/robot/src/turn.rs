@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use lin_canny::nalgebra::{Matrix3, Quaternion, Rotation3, Unit, UnitQuaternion, Vector3};
+use lin_canny::nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
 /// Returns the rotation about an axis by an angle in radians.
 pub(crate) fn about(axis: &Unit<Vector3<f64>>, angle: f64) -> UnitQuaternion<f64> {

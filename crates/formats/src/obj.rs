@@ -1,0 +1,204 @@
+//! Wavefront OBJ: vertices and faces. Objects begin at lines `o`; groups do not split them.
+//!
+//! Lines, points, curves, normals and materials are no part of a body and are skipped. Free-form
+//! surfaces, calls and unknown words are errors, because they may be geometry.
+
+use crate::error::Fault;
+use crate::mesh::{MeshFile, MeshFormat, ObjectBuilder, SkippedList};
+use crate::{polygon, text};
+
+/// Words that are no part of a body.
+const PASSED_OVER: [&str; 36] = [
+    "l",
+    "p",
+    "vt",
+    "vn",
+    "vp",
+    "g",
+    "s",
+    "mg",
+    "usemtl",
+    "mtllib",
+    "lod",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "shadow_obj",
+    "trace_obj",
+    "usemap",
+    "maplib",
+    "ctech",
+    "stech",
+    "curv",
+    "curv2",
+    "cstype",
+    "deg",
+    "bmat",
+    "step",
+    "parm",
+    "trim",
+    "hole",
+    "scrv",
+    "sp",
+    "end",
+    "con",
+    "bzp",
+    "bsp",
+    "cdc",
+];
+
+/// Reads an OBJ.
+pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
+    let text = text::decode(bytes);
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    // A face may use vertices of later lines, so faces wait.
+    let mut faces: Vec<(usize, usize, Vec<i64>)> = Vec::new();
+    let mut names = vec![String::new()];
+    let mut skipped = SkippedList::default();
+    for (line, words) in joined_lines(&text) {
+        let mut words = words.split_whitespace();
+        let Some(word) = words.next() else {
+            continue;
+        };
+        match word.to_ascii_lowercase().as_str() {
+            "v" => points.push(vertex(line, words)?),
+            "f" | "fo" => {
+                let corners: Result<Vec<i64>, Fault> = words.map(|word| corner(line, word, points.len())).collect();
+                faces.push((line, names.len() - 1, corners?));
+            }
+            "o" => names.push(words.collect::<Vec<_>>().join(" ")),
+            known if PASSED_OVER.contains(&known) => skipped.add(line, known),
+            "surf" => return Err(Fault::unsupported(line, "a free-form surface (surf)")),
+            "call" | "csh" => return Err(Fault::unsupported(line, format!("the command {word}"))),
+            _ => return Err(Fault::malformed(line, format!("unknown word: {word:?}"))),
+        }
+    }
+    let mut objects: Vec<ObjectBuilder> = names.into_iter().map(ObjectBuilder::new).collect();
+    for (line, object, corners) in faces {
+        face(line, &corners, &points, &mut objects[object], &mut skipped)?;
+    }
+    Ok(MeshFile {
+        format: MeshFormat::Obj,
+        objects: objects.into_iter().map(ObjectBuilder::build).collect(),
+        skipped: skipped.build(),
+    })
+}
+
+/// Returns the lines without comments; a backslash at the end of a line joins the next line. A
+/// joined line has the number of its first line.
+fn joined_lines(text: &str) -> impl Iterator<Item = (usize, String)> {
+    let mut lines = text::lines(text);
+    std::iter::from_fn(move || {
+        let (number, first) = lines.next()?;
+        let mut joined = String::new();
+        let mut part = first;
+        loop {
+            let code = part.split('#').next().unwrap_or("");
+            let is_comment = code.len() < part.len();
+            match code.trim_end().strip_suffix('\\').filter(|_| !is_comment) {
+                Some(code) => {
+                    joined.push_str(code);
+                    joined.push(' ');
+                }
+                None => {
+                    joined.push_str(code);
+                    return Some((number, joined));
+                }
+            }
+            match lines.next() {
+                Some((_, next)) => part = next,
+                None => return Some((number, joined)),
+            }
+        }
+    })
+}
+
+/// Returns a vertex: three numbers; a weight must be 1, and colours are not used.
+fn vertex<'a>(line: usize, words: impl Iterator<Item = &'a str>) -> Result<[f64; 3], Fault> {
+    let words: Vec<&str> = words.collect();
+    if !(3..=8).contains(&words.len()) {
+        let why = format!("vertex has {} numbers (expected 3 to 8)", words.len());
+        return Err(Fault::malformed(line, why));
+    }
+    let number = |word: &str| {
+        let why = || format!("invalid number of a vertex: {word:?} (expected a finite number)");
+        text::number(word).ok_or_else(|| Fault::malformed(line, why()))
+    };
+    let numbers: Result<Vec<f64>, Fault> = words.iter().map(|word| number(word)).collect();
+    let numbers = numbers?;
+    // Three coordinates and three or four numbers of a colour, or a weight behind the coordinates.
+    if let ([_, _, _, weight], 4) | ([_, _, _, weight, _, _, _, _], 8) = (&numbers[..], numbers.len())
+        && *weight != 1.0
+    {
+        let why = format!("weight of the vertex is out of range: {weight} (expected 1)");
+        return Err(Fault::malformed(line, why));
+    }
+    Ok([numbers[0], numbers[1], numbers[2]])
+}
+
+/// Returns the index of the vertex of a corner, from 0. A negative index counts back from the
+/// vertices that were read so far; a positive index may belong to a later line.
+fn corner(line: usize, word: &str, read: usize) -> Result<i64, Fault> {
+    let first = word.split('/').next().unwrap_or("");
+    let why = |what: &str| {
+        Fault::malformed(
+            line,
+            format!("{what} of a face: {word:?} (expected a vertex index from 1)"),
+        )
+    };
+    let index: i64 = first.parse().map_err(|_| why("invalid corner"))?;
+    let is_rest_valid = word
+        .split('/')
+        .skip(1)
+        .all(|part| part.is_empty() || part.parse::<i64>().is_ok());
+    if !is_rest_valid || word.split('/').count() > 3 {
+        return Err(why("invalid corner"));
+    }
+    match index {
+        1.. => Ok(index - 1),
+        0 => Err(why("vertex 0")),
+        _ => {
+            let at = (read as i64).checked_add(index).filter(|at| *at >= 0);
+            at.ok_or_else(|| why("vertex in front of the first one"))
+        }
+    }
+}
+
+/// Adds the triangles of a face to an object.
+fn face(
+    line: usize,
+    corners: &[i64],
+    points: &[[f64; 3]],
+    object: &mut ObjectBuilder,
+    skipped: &mut SkippedList,
+) -> Result<(), Fault> {
+    let mut ring: Vec<u64> = Vec::with_capacity(corners.len());
+    for &corner in corners {
+        if corner as usize >= points.len() {
+            let why = format!(
+                "vertex of a face does not exist: {} (the file has {})",
+                corner + 1,
+                points.len()
+            );
+            return Err(Fault::malformed(line, why));
+        }
+        ring.push(corner as u64);
+    }
+    let mut different = ring.clone();
+    different.sort_unstable();
+    different.dedup();
+    if different.len() < 3 {
+        let why = format!("face has {} different corners (expected at least 3)", different.len());
+        return Err(Fault::malformed(line, why));
+    }
+    let point = |k: u64| points[k as usize];
+    let triangles = polygon::triangulate(&[&ring], point).map_err(|why| Fault::malformed(line, why))?;
+    if triangles.is_empty() {
+        skipped.add(line, "faces without area");
+    }
+    for triangle in triangles {
+        let added = object.triangle(triangle, point);
+        added.ok_or_else(|| Fault::malformed(line, "too many points for 32-bit indices"))?;
+    }
+    Ok(())
+}

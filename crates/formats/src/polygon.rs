@@ -1,0 +1,368 @@
+//! Polygons as triangles that cover the polygon and nothing else, notches and holes included.
+//!
+//! The polygon is projected by dropping one coordinate, so that its coordinates stay as they are. A
+//! convex polygon becomes a fan. Any other becomes the triangles of a constrained Delaunay
+//! triangulation that are inside by parity: the number of edges between a triangle and the outside
+//! is odd. Corners on a line stay, because the faces next to the polygon use them.
+
+use std::collections::{HashMap, VecDeque};
+
+use spade::handles::FixedVertexHandle;
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+
+/// Largest distance of a corner from the plane of its polygon, divided by the size of the polygon.
+/// Faces of curved bodies with four corners are often not flat.
+const FLAT: f64 = 0.1;
+
+/// Largest error of the area of the triangles, divided by the area of the polygon.
+const AREA: f64 = 1e-6;
+
+type Point = [f64; 3];
+
+/// Cuts a polygon with holes into triangles with the outside of the polygon. Corners are indices;
+/// `point` returns their positions.
+///
+/// Equal neighbours are one corner. A polygon without area has no triangles.
+pub(crate) fn triangulate(rings: &[&[u64]], point: impl Fn(u64) -> Point) -> Result<Vec<[u64; 3]>, String> {
+    let rings: Vec<Vec<u64>> = rings.iter().map(|ring| without_repeats(ring, &point)).collect();
+    let Some(outer) = rings.first().filter(|ring| ring.len() > 2) else {
+        return Ok(Vec::new());
+    };
+    if let ([a, b, c], [_]) = (&outer[..], &rings[..]) {
+        return Ok(vec![[*a, *b, *c]]);
+    }
+    let corners: Vec<Point> = outer.iter().map(|&k| point(k)).collect();
+    let normal = normal(&corners);
+    let axis = (0..3).fold(0, |best, k| if normal[k].abs() > normal[best].abs() { k } else { best });
+    if !(normal[axis].abs() > 0.0) {
+        return Ok(Vec::new());
+    }
+    check_flat(&corners, &normal)?;
+    let is_turned = normal[axis] < 0.0;
+    let flat = |k: u64| {
+        let p = point(k);
+        Point2::new(p[(axis + 1) % 3], p[(axis + 2) % 3])
+    };
+    let mut triangles = match (rings.len() == 1).then(|| fan(outer, is_turned, &flat)).flatten() {
+        Some(fan) => return Ok(fan),
+        None => by_parity(&rings, &flat)?,
+    };
+    check_area(&rings, &triangles, &flat)?;
+    if is_turned {
+        triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    Ok(triangles)
+}
+
+fn without_repeats(ring: &[u64], point: &impl Fn(u64) -> Point) -> Vec<u64> {
+    let mut kept: Vec<u64> = Vec::with_capacity(ring.len());
+    for &corner in ring {
+        if kept.last().is_none_or(|&last| point(last) != point(corner)) {
+            kept.push(corner);
+        }
+    }
+    while kept.len() > 1 && point(kept[0]) == point(kept[kept.len() - 1]) {
+        kept.pop();
+    }
+    kept
+}
+
+/// Returns the normal of a polygon by Newell's method: twice the area along each axis.
+fn normal(corners: &[Point]) -> Point {
+    let mut sum = [0.0; 3];
+    // Relative to a corner, because products of large coordinates lose the area.
+    let from = |p: Point| [0, 1, 2].map(|k| p[k] - corners[0][k]);
+    for (k, &p) in corners.iter().enumerate() {
+        let (p, q) = (from(p), from(corners[(k + 1) % corners.len()]));
+        for (axis, sum) in sum.iter_mut().enumerate() {
+            let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+            *sum += p[i] * q[j] - p[j] * q[i];
+        }
+    }
+    sum
+}
+
+fn check_flat(corners: &[Point], normal: &Point) -> Result<(), String> {
+    let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let heights = corners
+        .iter()
+        .map(|p| (0..3).map(|k| (p[k] - corners[0][k]) * normal[k]).sum::<f64>() / length);
+    let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
+        (low.min(h), high.max(h))
+    });
+    let side = |k: usize| {
+        let values = corners.iter().map(|p| p[k]);
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        high - low
+    };
+    let size = side(0).max(side(1)).max(side(2));
+    if high - low <= FLAT * size {
+        return Ok(());
+    }
+    let height = high - low;
+    Err(format!(
+        "polygon is not flat: its corners are up to {height:.3e} apart along its normal (size {size:.3e})"
+    ))
+}
+
+/// Returns the orientation of three points: positive if they turn left, exactly.
+fn orientation(a: Point2<f64>, b: Point2<f64>, c: Point2<f64>) -> f64 {
+    let coord = |p: Point2<f64>| robust::Coord { x: p.x, y: p.y };
+    robust::orient2d(coord(a), coord(b), coord(c))
+}
+
+/// Returns the fan of a polygon that is strictly convex in the projection.
+fn fan(ring: &[u64], is_turned: bool, flat: &impl Fn(u64) -> Point2<f64>) -> Option<Vec<[u64; 3]>> {
+    let n = ring.len();
+    let turns = |a: u64, b: u64, c: u64| {
+        let turn = orientation(flat(a), flat(b), flat(c));
+        if is_turned { turn < 0.0 } else { turn > 0.0 }
+    };
+    let is_convex = (0..n).all(|k| turns(ring[k], ring[(k + 1) % n], ring[(k + 2) % n]));
+    let fan: Vec<[u64; 3]> = (1..n - 1).map(|k| [ring[0], ring[k], ring[k + 1]]).collect();
+    (is_convex && fan.iter().all(|&[a, b, c]| turns(a, b, c))).then_some(fan)
+}
+
+/// Returns the triangles inside by parity, counter-clockwise in the projection.
+fn by_parity(rings: &[Vec<u64>], flat: &impl Fn(u64) -> Point2<f64>) -> Result<Vec<[u64; 3]>, String> {
+    let mut cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
+    let mut corner_of: HashMap<FixedVertexHandle, u64> = HashMap::new();
+    let mut handles: Vec<Vec<FixedVertexHandle>> = Vec::new();
+    for ring in rings {
+        let mut of_ring = Vec::new();
+        for &corner in ring {
+            let handle = cdt
+                .insert(flat(corner))
+                .map_err(|e| format!("corner of a polygon is out of range: {e}"))?;
+            corner_of.entry(handle).or_insert(corner);
+            of_ring.push(handle);
+        }
+        handles.push(of_ring);
+    }
+    // How often the rings pass an edge: an even number is no border.
+    let mut uses: HashMap<[FixedVertexHandle; 2], usize> = HashMap::new();
+    for ring in &handles {
+        for (k, &from) in ring.iter().enumerate() {
+            let to = ring[(k + 1) % ring.len()];
+            if from == to {
+                continue;
+            }
+            if !cdt.can_add_constraint(from, to) {
+                return Err("polygon is not simple: two of its edges cross".into());
+            }
+            cdt.add_constraint(from, to);
+            if cdt.get_edge_from_neighbors(from, to).is_none() {
+                return Err("polygon is not simple: a corner lies on another edge".into());
+            }
+            *uses.entry(key(from, to)).or_default() += 1;
+        }
+    }
+    let mut is_inside = HashMap::from([(cdt.outer_face().fix(), false)]);
+    let mut waiting: VecDeque<_> = cdt.convex_hull().map(|edge| (edge.rev().fix(), edge.fix())).collect();
+    // The hull is given by edges of the outer face; both sides are tried.
+    let mut triangles = Vec::new();
+    while let Some((one, other)) = waiting.pop_front() {
+        for (from, to) in [(one, other), (other, one)] {
+            let (from, to) = (cdt.directed_edge(from), cdt.directed_edge(to));
+            let Some(&side) = is_inside.get(&from.face().fix()) else {
+                continue;
+            };
+            let face = to.face();
+            if is_inside.contains_key(&face.fix()) {
+                continue;
+            }
+            let count = uses.get(&key(to.from().fix(), to.to().fix())).copied().unwrap_or(0);
+            let inside = side != (count % 2 == 1);
+            is_inside.insert(face.fix(), inside);
+            let Some(triangle) = face.as_inner() else {
+                continue;
+            };
+            if inside {
+                triangles.push(triangle.vertices().map(|v| corner_of[&v.fix()]));
+            }
+            for edge in triangle.adjacent_edges() {
+                waiting.push_back((edge.fix(), edge.rev().fix()));
+            }
+        }
+    }
+    Ok(triangles)
+}
+
+/// Checks that the triangles have the area of the first ring without the holes.
+fn check_area(rings: &[Vec<u64>], triangles: &[[u64; 3]], flat: &impl Fn(u64) -> Point2<f64>) -> Result<(), String> {
+    let area = |ring: &[u64]| {
+        let origin = flat(ring[0]);
+        let at = |k: usize| flat(ring[k % ring.len()]);
+        let cross =
+            |p: Point2<f64>, q: Point2<f64>| (p.x - origin.x) * (q.y - origin.y) - (p.y - origin.y) * (q.x - origin.x);
+        (0..ring.len()).map(|k| cross(at(k), at(k + 1))).sum::<f64>().abs()
+    };
+    let border = area(&rings[0]);
+    let holes: f64 = rings[1..]
+        .iter()
+        .filter(|hole| hole.len() > 2)
+        .map(|hole| area(hole))
+        .sum();
+    let covered: f64 = triangles.iter().map(|t| area(t)).sum();
+    if (covered - (border - holes)).abs() <= AREA * border {
+        return Ok(());
+    }
+    Err("polygon has a hole outside its border, or its border winds around an area twice".into())
+}
+
+fn key(a: FixedVertexHandle, b: FixedVertexHandle) -> [FixedVertexHandle; 2] {
+    if a.index() < b.index() { [a, b] } else { [b, a] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A generator of numbers from 0 to 1.
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> f64 {
+            self.0 ^= self.0 << 13;
+            self.0 ^= self.0 >> 7;
+            self.0 ^= self.0 << 17;
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        }
+    }
+
+    fn twice_area(corners: &[Point]) -> Point {
+        normal(corners)
+    }
+
+    /// Triangles cover the polygon: areas agree, none is turned over, and each border edge is used
+    /// once.
+    fn check(rings: &[Vec<Point>]) {
+        let points: Vec<Point> = rings.iter().flatten().copied().collect();
+        let mut first = 0;
+        let indices: Vec<Vec<u64>> = rings
+            .iter()
+            .map(|ring| {
+                let indices = (first..first + ring.len() as u64).collect();
+                first += ring.len() as u64;
+                indices
+            })
+            .collect();
+        let slices: Vec<&[u64]> = indices.iter().map(Vec::as_slice).collect();
+        let triangles = triangulate(&slices, |k| points[k as usize]).expect("a simple polygon");
+        let whole = twice_area(&rings[0]);
+        let length = whole.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let along = |v: Point| (0..3).map(|k| v[k] * whole[k] / length).sum::<f64>();
+        let holes: f64 = rings[1..].iter().map(|hole| along(twice_area(hole)).abs()).sum();
+        let (mut sum, mut edges) = (0.0, HashMap::<[u64; 2], i32>::new());
+        for t in &triangles {
+            let area = along(twice_area(&t.map(|k| points[k as usize])));
+            assert!(area > -1e-12 * length, "{area} of {length}: {rings:?}");
+            sum += area;
+            for k in 0..3 {
+                *edges.entry([t[k], t[(k + 1) % 3]]).or_default() += 1;
+            }
+        }
+        assert!(
+            (sum - (length - holes)).abs() < 1e-9 * length,
+            "{sum} of {length} - {holes}"
+        );
+        for ring in &indices {
+            for (k, &a) in ring.iter().enumerate() {
+                let b = ring[(k + 1) % ring.len()];
+                let uses = [[a, b], [b, a]].map(|e| edges.get(&e).copied().unwrap_or(0));
+                assert_eq!(uses[0] + uses[1], 1, "edge {a}-{b}: {rings:?}");
+            }
+        }
+    }
+
+    /// Turns points in space.
+    fn turned(ring: &[[f64; 2]], rng: &mut Random) -> impl Fn(&[[f64; 2]]) -> Vec<Point> + use<> {
+        let _ = ring;
+        let (a, b) = (6.0 * rng.next(), 6.0 * rng.next());
+        let shift = [rng.next(), rng.next(), rng.next()];
+        move |ring| {
+            let turn = |[x, y]: [f64; 2]| {
+                let (x, y) = (x * a.cos() - y * a.sin(), x * a.sin() + y * a.cos());
+                let (y, z) = (y * b.cos(), y * b.sin());
+                [x + shift[0], y + shift[1], z + shift[2]]
+            };
+            ring.iter().map(|&p| turn(p)).collect()
+        }
+    }
+
+    #[test]
+    fn random_polygons_are_covered() {
+        let mut rng = Random(88_172_645_463_325_252);
+        for case in 0..3_000 {
+            // A star: any radius at increasing angles, some corners on a line between neighbours.
+            let n = 3 + (rng.next() * 20.0) as usize;
+            let mut ring: Vec<[f64; 2]> = (0..n)
+                .map(|k| {
+                    let angle = std::f64::consts::TAU * (k as f64 + 0.6 * rng.next()) / n as f64;
+                    let radius = if rng.next() < 0.2 { 0.02 } else { 0.2 + rng.next() };
+                    [radius * angle.cos(), radius * angle.sin()]
+                })
+                .collect();
+            if n > 4 && case % 3 == 0 {
+                let (p, q) = (ring[1], ring[2]);
+                ring.insert(2, [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])]);
+            }
+            if case % 2 == 0 {
+                ring.reverse();
+            }
+            let place = turned(&ring, &mut rng);
+            check(&[place(&ring)]);
+            let flat: Vec<Point> = ring.iter().map(|&[x, y]| [x, y, 0.0]).collect();
+            check(&[flat]);
+        }
+    }
+
+    #[test]
+    fn a_ring_has_a_hole() {
+        let mut rng = Random(362_436_069);
+        let square = |r: f64| [[-r, -r], [r, -r], [r, r], [-r, r]];
+        for k in 0..100 {
+            let inner = square(0.05 + 0.009 * f64::from(k));
+            let place = turned(&square(1.0), &mut rng);
+            let mut hole = place(&inner);
+            check(&[place(&square(1.0)), hole.clone()]);
+            hole.reverse();
+            check(&[place(&square(1.0)), hole]);
+        }
+    }
+
+    #[test]
+    fn crossing_edges_are_an_error() {
+        let points = [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+        let found = triangulate(&[&[0, 1, 2, 3]], |k| points[k as usize]);
+        assert!(found.expect_err("a bow tie").contains("not simple"));
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 1.0], [0.0, 1.0, 0.0]];
+        let found = triangulate(&[&[0, 1, 2, 3]], |k| points[k as usize]);
+        assert!(found.expect_err("far from a plane").contains("not flat"));
+    }
+
+    #[test]
+    fn a_hole_outside_is_an_error() {
+        let square = |x: f64, r: f64| [[x - r, -r, 0.0], [x + r, -r, 0.0], [x + r, r, 0.0], [x - r, r, 0.0]];
+        let points: Vec<Point> = square(0.0, 1.0).into_iter().chain(square(3.0, 0.5)).collect();
+        let found = triangulate(&[&[0, 1, 2, 3], &[4, 5, 6, 7]], |k| points[k as usize]);
+        assert!(found.expect_err("a hole outside").contains("hole"));
+    }
+
+    #[test]
+    fn polygons_without_area_have_no_triangles() {
+        let points = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0]];
+        assert!(
+            triangulate(&[&[0, 1, 2, 3]], |k| points[k as usize])
+                .expect("a line")
+                .is_empty()
+        );
+        assert!(
+            triangulate(&[&[0, 0, 1, 1]], |k| points[k as usize])
+                .expect("two points")
+                .is_empty()
+        );
+    }
+}

@@ -1,0 +1,176 @@
+//! OBJ: faces are read as polygons, lines are no faces, and what does not fit is an error with its
+//! line.
+
+mod support;
+
+use support::{BOX, TRIANGLES, bounds, parse, read_mutants, volume};
+
+fn vertices() -> String {
+    BOX.iter().map(|p| format!("v {} {} {}\n", p[0], p[1], p[2])).collect()
+}
+
+fn faces() -> String {
+    TRIANGLES
+        .iter()
+        .map(|t| format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1))
+        .collect()
+}
+
+const VOLUME: f64 = 0.2 * 0.4 * 0.6;
+
+fn is_box(text: &str) {
+    let file = parse(text, "a.obj").unwrap_or_else(|e| panic!("{e}: {text}"));
+    assert!((volume(&file) - VOLUME).abs() < 1e-12, "{}: {text}", volume(&file));
+    assert_eq!(bounds(&file), [[0.0; 3], [0.2, 0.4, 0.6]], "{text}");
+    assert_eq!(file.whole().0.len(), 8, "{text}");
+}
+
+#[test]
+fn lines_points_and_unused_vertices_are_no_part_of_the_body() {
+    let body = vertices() + &faces();
+    is_box(&body);
+    for extra in [
+        "v -1 -1 .3\nv 2 -1 .3\nv 2 2 .3\nv -1 2 .3\nl 9 10 11 12 9\n",
+        "v 5 5 5\nl 1 9\n",
+        "v 5 5 5\np 9\n",
+        "v 5 5 5\n",
+        "cstype bezier\ndeg 3\ncurv 0 1 1 2 3 4\nend\n",
+    ] {
+        is_box(&(body.clone() + extra));
+        is_box(&(vertices() + extra + &faces()));
+        let file = parse(body.clone() + extra, "a.obj").expect("a box");
+        let words = ["l", "p", "curv"];
+        let has_word = extra
+            .lines()
+            .any(|l| words.contains(&l.split(' ').next().unwrap_or("")));
+        assert_eq!(has_word, file.skipped.iter().any(|s| words.contains(&s.what.as_str())));
+    }
+}
+
+#[test]
+fn spellings_of_exporters_are_read() {
+    let (v, f) = (vertices(), faces());
+    let body = v.clone() + &f;
+    let spellings = [
+        body.replace('\n', "\r\n"),
+        body.replace('\n', "\r"),
+        format!("\u{feff}{body}"),
+        body.replace("v ", " \tV  ").replace("f ", "F "),
+        f.clone() + &v,
+        v.clone() + "usemtl\nmtllib a b.mtl\ng a b\ns off\n" + &f,
+        v.clone() + &f.replace("f 1 ", "f 1 \\\n "),
+        body.replace('\n', " # a comment \\\n"),
+        v.replacen('\n', " 1 0 0\n", 3) + &f,
+        v.replacen('\n', " 1.0\n", 1) + &f,
+        v.clone() + &f.replace("f ", "fo "),
+        v.clone() + "vt 0 0\nvn 0 0 1\n" + &f.replacen("f 1 2 4", "f 1/1 2/1/1 4//1", 1),
+        v.clone() + &f.replacen("f 1 2 4", "f 1/ 2/1/ 4", 1) + "vt 0 0\n",
+        v.clone() + &f.replacen("f 1 2 4", "f -8 -7 -5", 1),
+        v + &f.replacen("f 1 2 4", "f 1 1 2 4 4", 1),
+    ];
+    for text in spellings {
+        is_box(&text);
+    }
+    let mut latin = format!("# gr#n\n{body}").into_bytes();
+    latin[4] = 0xfc;
+    assert_eq!(parse(&latin, "a.obj").expect("Latin-1").whole().1.len(), 12);
+}
+
+#[test]
+fn objects_are_apart_and_groups_are_not() {
+    let text = format!("o one\n{}{}g left\no two\n{}", vertices(), faces(), faces());
+    let file = parse(text, "a.obj").expect("two objects");
+    let names: Vec<&str> = file.objects.iter().map(|o| o.name.as_str()).collect();
+    assert_eq!(names, ["one", "two"]);
+    assert_eq!(file.objects[1].points.len(), 8);
+    let text = vertices() + "g a\n" + &faces().replacen("f 1 4 3\n", "g b\nf 1 4 3\n", 1);
+    assert_eq!(parse(text, "a.obj").expect("one object").objects.len(), 1);
+}
+
+#[test]
+fn notches_stay_open() {
+    // A U of one polygon, 0.1 thick, begun at any corner.
+    let ring = [[0, 0], [3, 0], [3, 3], [2, 3], [2, 1], [1, 1], [1, 3], [0, 3]];
+    let mut text = String::new();
+    for z in ["0", ".1"] {
+        ring.iter().for_each(|p| text += &format!("v {} {} {z}\n", p[0], p[1]));
+    }
+    for start in 0..8 {
+        let at = |k: usize| 1 + (k + start) % 8;
+        let below: Vec<String> = (0..8).rev().map(|k| at(k).to_string()).collect();
+        let above: Vec<String> = (0..8).map(|k| (8 + at(k)).to_string()).collect();
+        let mut body = format!("{text}f {}\nf {}\n", below.join(" "), above.join(" "));
+        for k in 0..8 {
+            let (a, b) = (1 + k, 1 + (k + 1) % 8);
+            body += &format!("f {a} {b} {} {}\n", b + 8, a + 8);
+        }
+        let file = parse(&body, "u.obj").expect("a U");
+        assert!((volume(&file) - 0.7 * 1.0).abs() < 1e-12, "{start}: {}", volume(&file));
+        assert_eq!(file.whole().1.len(), 6 + 6 + 16);
+    }
+    let quad = "v 0 0 0\nv .4 0 0\nv .4 .4 0\nv .35 .05 0\n";
+    for f in ["f 1 2 3 4", "f 2 3 4 1", "f 3 4 1 2", "f 4 1 2 3"] {
+        let file = parse(format!("{quad}{f}\n"), "q.obj").expect("a quad");
+        let (points, triangles) = file.whole();
+        let area: f64 = triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|k| points[k as usize]);
+                0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+            })
+            .sum();
+        assert!((area - 0.02).abs() < 1e-12, "{area}");
+    }
+}
+
+#[test]
+fn a_fault_anywhere_is_named_with_its_line() {
+    let lines: Vec<String> = (vertices() + &faces()).lines().map(Into::into).collect();
+    let faults = [
+        "f 1 2",
+        "f 1",
+        "f 1 1 1",
+        "f 1 2 0",
+        "f 1 2 99",
+        "f 1 2 -99",
+        "f 1 x 2",
+        "f 1 2 3.5",
+        "f 1/x 2 3",
+        "f 1/1/1/1 2 3",
+        "v 1 2",
+        "v 1 2 nan",
+        "v 1 2 1e400",
+        "v 1 2 3 0.5",
+        "v 1,5 2 3",
+        "surf 0 1 0 1 1 2 3 4",
+        "call other.obj",
+        "vv 1 2 3",
+        "solid",
+    ];
+    for at in [0, 5, 8, 13, lines.len()] {
+        for fault in faults {
+            let mut lines = lines.clone();
+            lines.insert(at, fault.into());
+            let error = parse(lines.join("\n"), "a.obj").expect_err(fault);
+            assert_eq!(error.line, Some(at + 1), "{fault}: {error}");
+            assert!(error.to_string().starts_with("a.obj, line "), "{error}");
+        }
+    }
+    let bow = "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 2 0\nf 1 2 3 4\n";
+    assert!(
+        parse(bow, "a.obj")
+            .expect_err("a bow tie")
+            .to_string()
+            .contains("line 5: polygon is not simple")
+    );
+}
+
+#[test]
+fn mutants_are_read_or_named() {
+    let text = format!(
+        "o a\n{}vt 0 0\nvn 0 0 1\nusemtl x\n{}f 1/1/1 2 4 3\nl 1 2\n",
+        vertices(),
+        faces()
+    );
+    read_mutants(text.as_bytes(), "a.obj", 20_000);
+}
