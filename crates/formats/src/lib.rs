@@ -27,6 +27,7 @@
 //!
 //! The crate reads positions and triangles. It reads no normals, colours, textures or animations.
 
+mod collada;
 mod error;
 mod mesh;
 mod obj;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use crate::error::{Fault, MeshFault, MeshFileError};
-use crate::{obj, stl, text};
+use crate::{collada, obj, stl, text};
 
 /// Format of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -87,6 +87,7 @@ impl MeshFile {
         let file = match format_of(bytes, path).map_err(error)? {
             MeshFormat::Stl => stl::read(bytes),
             MeshFormat::Obj => obj::read(bytes),
+            MeshFormat::Collada => collada::read(bytes),
             other => Err(Fault::unsupported(None, format!("{other:?}"))),
         };
         let mut file = file.map_err(error)?;
