@@ -111,7 +111,9 @@ pub(crate) fn of_mesh(
                 )));
             }
             let hulls = mesh_file::objects(&beside, scale)?;
-            let hulls = hulls.iter().map(|soup| ConvexPolyhedron::from_points(&soup.points).map(Piece::new));
+            let hulls = hulls
+                .iter()
+                .map(|soup| ConvexPolyhedron::from_points(&soup.points).map(Piece::new));
             let hulls: Result<Vec<Piece>, _> = hulls.collect();
             let hulls = hulls.map_err(|e| of_file(&beside, e.to_string()))?;
             let compound = Compound::new(hulls).map_err(|e| of_file(&beside, e.to_string()))?;

@@ -31,9 +31,20 @@ impl Soup {
 /// Returns the scaled objects of a file.
 pub(crate) fn objects(file: &Path, scale: &Vector3<f64>) -> Result<Vec<Soup>, FileErrorKind> {
     let mesh = MeshFile::load(file)?;
-    let soups: Vec<Soup> = mesh.objects.into_iter().map(|object| Soup::new(object, scale)).collect();
-    match soups.iter().flat_map(|soup| &soup.points).find(|p| !p.iter().all(|x| x.is_finite())) {
-        Some(_) => Err(FileErrorKind::Geometry(format!("mesh {}: a scaled point is not finite", file.display()))),
+    let soups: Vec<Soup> = mesh
+        .objects
+        .into_iter()
+        .map(|object| Soup::new(object, scale))
+        .collect();
+    match soups
+        .iter()
+        .flat_map(|soup| &soup.points)
+        .find(|p| !p.iter().all(|x| x.is_finite()))
+    {
+        Some(_) => Err(FileErrorKind::Geometry(format!(
+            "mesh {}: a scaled point is not finite",
+            file.display()
+        ))),
         None => Ok(soups),
     }
 }

@@ -292,7 +292,7 @@ fn missing_and_foreign_meshes_are_named() {
         3,
         &["link \"b\"", "gripper.urdf", ".stl"],
     );
-    assert!(matches!(reason, FileErrorKind::Geometry(_)));
+    assert!(matches!(reason, FileErrorKind::Mesh(_)));
 }
 
 /// A tetrahedron as STL: text, binary, and binary with a header that begins as text does.
@@ -341,10 +341,28 @@ fn stl_files_of_every_kind_are_read() {
         let error = load(name, bytes).expect_err(name).to_string();
         assert!(error.contains(name) && error.contains(word), "{error}");
     };
-    names("cut.stl", &binary[..150], "malformed STL");
+    // A second solid is a part of the body, and so is every triangle of a binary file.
+    let shifted = text.replace("vertex 1 0 0", "vertex -1 0 0").replace("tetra", "two");
+    let both = load("both.stl", (text.clone() + &shifted).as_bytes()).expect("two solids");
+    let lin_canny::Geometry::Mesh(mesh) = &both.links()[0].bodies[0].geometry else {
+        panic!("a mesh")
+    };
+    assert_eq!(mesh.triangle_count(), 8);
+    let mut half = binary.clone();
+    half[80] = 2;
+    names("half.stl", &half, "states 2 triangles");
+    names("cut.stl", &binary[..150], "states 4 triangles");
     names("x.dae", b"<COLLADA/>", "no triangle");
-    names("x.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 3\n", "not finite");
-    names("y.obj", b"v 0 0 0\nf 1 2 9\n", "malformed OBJ");
+    names(
+        "x.obj",
+        b"v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 3\n",
+        "line 3: invalid number",
+    );
+    names(
+        "y.obj",
+        b"v 0 0 0\nf 1 2 9\n",
+        "line 2: vertex of a face does not exist: 2",
+    );
 }
 
 #[test]

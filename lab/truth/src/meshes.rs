@@ -220,7 +220,9 @@ fn bad_line(lines: &[String]) -> String {
 /// header, a count, and 50 bytes per triangle.
 fn parse_stl(mut bytes: Vec<u8>) -> Result<Mesh, Reason> {
     let count = bytes.get(80..84).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-    let binary = count.is_some_and(|n| bytes.len() as u64 >= 84 + 50 * u64::from(n) && !is_text(&bytes));
+    // A few bytes may follow, but no triangle that the count leaves out.
+    let holds = |n: u32| (84 + 50 * u64::from(n)..=87 + 50 * u64::from(n)).contains(&(bytes.len() as u64));
+    let binary = count.is_some_and(holds) && !is_text(&bytes);
     if binary {
         bytes[..80].fill(0); // so that the reader does not treat it as text
     } else {
