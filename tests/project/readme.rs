@@ -3,8 +3,9 @@
 use std::path::Path;
 
 /// The packages of the workspace that have programs, examples or tests.
-const PACKAGES: [&str; 9] = [
+const PACKAGES: [&str; 10] = [
     ".",
+    "crates/formats",
     "crates/parry",
     "crates/plan",
     "crates/rapier",
