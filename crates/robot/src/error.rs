@@ -45,6 +45,16 @@ pub enum FileErrorKind {
         /// The number.
         value: f64,
     },
+    /// Returned if the version of the file does not have a field.
+    #[error("{field} is not supported in version {}.{} (expected version {}.{} or later)", version[0], version[1], since[0], since[1])]
+    Version {
+        /// The field.
+        field: &'static str,
+        /// The version of the file.
+        version: [u32; 2],
+        /// The first version that has the field.
+        since: [u32; 2],
+    },
     /// Returned if something required is missing.
     #[error("{0} is missing")]
     Missing(String),

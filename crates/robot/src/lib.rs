@@ -42,6 +42,8 @@
 //!
 //! * Boxes, cylinders, capsules and spheres keep their exact shape. A cylinder is not approximated
 //!   by a prism.
+//! * `quat_xyzw` is kept as a quaternion and may have any length. In a file of a version below 1.1,
+//!   where urdfdom ignores it, it is an error.
 //! * A revolute joint without limits gets the limits [`LoadOptions::continuous_limits`].
 //! * A planar joint has three coordinates, a floating joint six. The angles of a floating joint are
 //!   those of `rpy`.

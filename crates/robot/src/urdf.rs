@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use lin_canny::RelativePose;
-use lin_canny::nalgebra::{Isometry3, Translation3, Unit, Vector3};
+use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny_plan::Drive;
+use roxmltree::Node;
 use urdf_rs::JointType;
 
 use crate::error::{FileError, FileErrorKind};
@@ -13,11 +13,8 @@ use crate::geometry::{self, Solid};
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::robot::{Coordinate, LinkBody, MotionKind, Robot, RobotJoint, RobotLink};
-use crate::turn::roll_pitch_yaw;
-use crate::xml::{Xml, children};
-
-/// The largest coordinate of a body, as in [`lin_canny`].
-const EXTENT_MAX: f64 = 1e100;
+use crate::turn::direction;
+use crate::xml::{EXTENT_MAX, Xml, children};
 
 /// State of the reader.
 struct Reader<'a> {
@@ -253,14 +250,18 @@ impl Reader<'_> {
         drive: Option<Drive>,
     ) -> Result<RobotJoint, FileError> {
         let kind = self.kind(joint)?;
-        let axis = Unit::try_new(Vector3::from(*joint.axis.xyz), 0.0).filter(|a| a.iter().all(|x| x.is_finite()));
+        let axis = direction(*joint.axis.xyz);
         let is_free = matches!(kind, MotionKind::Fixed | MotionKind::Floating);
         let Some(axis) = axis.or(is_free.then(Vector3::z_axis)) else {
             let field = "the length of the axis".into();
             let reason = FileErrorKind::Range { field, value: 0.0 };
             return Err(self.wrong_joint(&joint.name, reason));
         };
-        let origin = pose(&joint.origin).map_err(|reason| self.wrong_joint(&joint.name, reason))?;
+        let node = self
+            .xml
+            .elements("joint")
+            .find(|n| n.attribute("name") == Some(&joint.name));
+        let origin = node.map_or(Ok(Isometry3::identity()), |n| self.xml.origin(n))?;
         let limits = match (kind, joint.joint_type == JointType::Continuous) {
             (MotionKind::Revolute | MotionKind::Prismatic, false) => [joint.limit.lower, joint.limit.upper],
             _ => [f64::NEG_INFINITY, f64::INFINITY],
@@ -288,7 +289,9 @@ impl Reader<'_> {
         let bodies: Result<Vec<LinkBody>, FileError> = collisions
             .enumerate()
             .map(|(k, collision)| {
-                self.body(name, collision)
+                let node = self.collision(name, k);
+                let origin = node.map_or(Ok(Isometry3::identity()), |n| self.xml.origin(n))?;
+                self.body(name, collision, origin)
                     .map_err(|reason| self.wrong_collision(name, k, reason))
             })
             .collect();
@@ -298,10 +301,15 @@ impl Reader<'_> {
         })
     }
 
+    /// Returns a collision element of a link, by its number.
+    fn collision(&self, link: &str, number: usize) -> Option<Node<'_, '_>> {
+        let node = self.xml.elements("link").find(|n| n.attribute("name") == Some(link));
+        children(node?, "collision").nth(number)
+    }
+
     /// Returns the error of a collision element of a link, by its number.
     fn wrong_collision(&self, link: &str, number: usize, reason: FileErrorKind) -> FileError {
-        let node = self.xml.elements("link").find(|n| n.attribute("name") == Some(link));
-        let collision = node.and_then(|n| children(n, "collision").nth(number));
+        let collision = self.collision(link, number);
         let shape = collision.and_then(|c| children(c, "geometry").next()?.children().find(|n| n.is_element()));
         match shape {
             Some(shape) => self.xml.error(&shape, reason),
@@ -309,8 +317,12 @@ impl Reader<'_> {
         }
     }
 
-    fn body(&self, link: &str, collision: &urdf_rs::Collision) -> Result<LinkBody, FileErrorKind> {
-        let origin = pose(&collision.origin)?;
+    fn body(
+        &self,
+        link: &str,
+        collision: &urdf_rs::Collision,
+        origin: Isometry3<f64>,
+    ) -> Result<LinkBody, FileErrorKind> {
         let body = |geometry, mesh, hull_fit| LinkBody {
             origin,
             geometry,
@@ -331,19 +343,5 @@ impl Reader<'_> {
             }
         };
         Ok(body(solid.geometry()?, None, None))
-    }
-}
-
-fn pose(origin: &urdf_rs::Pose) -> Result<Isometry3<f64>, FileErrorKind> {
-    let turn = roll_pitch_yaw(*origin.rpy);
-    let pose = Isometry3::from_parts(Translation3::from(Vector3::from(*origin.xyz)), turn);
-    let value = pose.translation.vector.amax();
-    if !(value <= EXTENT_MAX) {
-        let field = "xyz of the origin".into();
-        return Err(FileErrorKind::Range { field, value });
-    }
-    match RelativePose::from_isometry(&pose) {
-        Ok(_) => Ok(pose),
-        Err(e) => Err(FileErrorKind::Geometry(format!("origin: {e}"))),
     }
 }

@@ -5,9 +5,18 @@
 
 use std::path::Path;
 
+use lin_canny::RelativePose;
+use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::error::{FileError, FileErrorKind};
+use crate::turn::{from_xyzw, roll_pitch_yaw};
+
+/// The largest coordinate of a body, as in [`lin_canny`].
+pub(crate) const EXTENT_MAX: f64 = 1e100;
+
+/// The first version of URDF that has quaternions.
+const QUATERNIONS: [u32; 2] = [1, 1];
 
 /// Maximum depth of nested elements.
 const DEPTH: usize = 64;
@@ -78,6 +87,68 @@ impl<'a> Xml<'a> {
         node.attribute(name).ok_or_else(missing)
     }
 
+    /// Returns the version of a URDF: 1.0 if it names none.
+    fn version(&self) -> Result<[u32; 2], FileError> {
+        let root = self.root();
+        let Some(text) = root.attribute("version") else {
+            return Ok([1, 0]);
+        };
+        let numbers = text.trim().split_once('.');
+        let numbers = numbers.and_then(|(major, minor)| Some([major.parse().ok()?, minor.parse().ok()?]));
+        let wrong =
+            || FileErrorKind::Malformed(format!("invalid version: {text:?} (expected two numbers such as 1.1)"));
+        numbers.ok_or_else(|| self.error(&root, wrong()))
+    }
+
+    /// Returns exactly `N` finite numbers of an attribute, if there is one.
+    fn numbers<const N: usize>(&self, node: &Node, field: &str) -> Result<Option<[f64; N]>, FileError> {
+        let Some(text) = node.attribute(field) else {
+            return Ok(None);
+        };
+        self.check_numbers(node, field, N)?;
+        let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        Ok(numbers.try_into().ok())
+    }
+
+    /// Returns the pose of the `origin` below an element; the identity if there is none.
+    pub(crate) fn origin(&self, parent: Node) -> Result<Isometry3<f64>, FileError> {
+        let Some(node) = children(parent, "origin").next() else {
+            return Ok(Isometry3::identity());
+        };
+        let xyz = self.numbers::<3>(&node, "xyz")?.unwrap_or_default();
+        let turn = match (self.numbers(&node, "rpy")?, self.numbers(&node, "quat_xyzw")?) {
+            (None, None) => UnitQuaternion::identity(),
+            (Some(rpy), None) => roll_pitch_yaw(rpy),
+            (None, Some(xyzw)) => from_xyzw(xyzw).ok_or_else(|| {
+                let field = "length of quat_xyzw".into();
+                self.error(&node, FileErrorKind::Range { field, value: 0.0 })
+            })?,
+            (Some(_), Some(_)) => {
+                let reason = "both rpy and quat_xyzw are given (expected at most one)".into();
+                return Err(self.error(&node, FileErrorKind::Malformed(reason)));
+            }
+        };
+        let version = self.version()?;
+        if node.has_attribute("quat_xyzw") && version < QUATERNIONS {
+            let reason = FileErrorKind::Version {
+                field: "quat_xyzw",
+                version,
+                since: QUATERNIONS,
+            };
+            return Err(self.error(&node, reason));
+        }
+        let pose = Isometry3::from_parts(Translation3::from(Vector3::from(xyz)), turn);
+        let value = pose.translation.vector.amax();
+        if !(value <= EXTENT_MAX) {
+            let field = "xyz of the origin".into();
+            return Err(self.error(&node, FileErrorKind::Range { field, value }));
+        }
+        match RelativePose::from_isometry(&pose) {
+            Ok(_) => Ok(pose),
+            Err(e) => Err(self.error(&node, FileErrorKind::Geometry(e.to_string()))),
+        }
+    }
+
     /// Returns an error if an attribute does not hold exactly `count` finite numbers.
     fn check_numbers(&self, node: &Node, field: &str, count: usize) -> Result<(), FileError> {
         let Some(text) = node.attribute(field) else {
@@ -105,6 +176,11 @@ impl<'a> Xml<'a> {
         let mut bytes = text.as_bytes().to_vec();
         for node in visuals.chain(self.elements("material")) {
             bytes[node.range()].fill(b' ');
+        }
+        // `urdf-rs` converts quaternions to angles, which loses digits near a pitch of 90 degrees.
+        let origins = self.document.descendants().filter(|n| n.has_tag_name("origin"));
+        for attribute in origins.filter_map(|n| n.attribute_node("quat_xyzw")) {
+            bytes[attribute.range()].fill(b' ');
         }
         String::from_utf8_lossy(&bytes).into_owned()
     }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use lin_canny::GeometryKind;
+use lin_canny::nalgebra::UnitQuaternion;
 use lin_canny_robot::{FileError, FileErrorKind, LoadOptions, MeshUse, MotionKind, Packages, Robot};
 
 /// A folder of the examples.
@@ -225,7 +226,7 @@ fn numbers_out_of_range_and_deep_files_are_refused() {
     refused(
         "<origin xyz=\"0 0 1\"/>",
         "<origin xyz=\"0 0 1e300\"/>",
-        5,
+        6,
         &["joint \"one\"", "origin"],
     );
     refused(
@@ -378,4 +379,89 @@ fn what_is_only_drawn_is_passed_over() {
         "<robot name=\"r\"><material name=\"m\"><texture/></material><link name=\"a\">{ball}{drawn}{other}</link></robot>"
     );
     assert_eq!(parse(&text).expect("a robot").links()[0].bodies.len(), 1);
+}
+
+/// A robot of a version whose origin of the joint `one`, of both collisions or of none has a text.
+fn with_origin(version: &str, place: usize, origin: &str) -> Result<Robot, FileError> {
+    let at = |k: usize| if k == place { origin } else { "<origin/>" };
+    let ball = |k: usize| {
+        let at = at(k);
+        format!("<collision>\n{at}<geometry><sphere radius=\"1\"/></geometry></collision>")
+    };
+    parse(&format!(
+        "<robot name=\"r\" {version}><link name=\"a\">{}</link>\n<link name=\"b\">{}{}</link>
+        <joint name=\"one\" type=\"fixed\">\n{}<parent link=\"a\"/><child link=\"b\"/></joint></robot>",
+        ball(0),
+        ball(1),
+        ball(2),
+        at(3)
+    ))
+}
+
+/// The line of each place of `with_origin`.
+const ORIGINS: [u32; 4] = [2, 4, 5, 7];
+
+#[test]
+fn quaternions_are_kept_near_every_pitch_and_at_every_length() {
+    for degrees in (-1800..=1800).map(|k| f64::from(k) / 20.0) {
+        for [roll, yaw] in [[0.0, 0.0], [0.35, 0.5]] {
+            let turn = UnitQuaternion::from_euler_angles(roll, degrees.to_radians(), yaw);
+            let length = [1.0, 1e-200, 1e200, 0.003][(degrees.abs() * 20.0) as usize % 4];
+            let [x, y, z, w] = <[f64; 4]>::from(turn.coords).map(|c| c * length);
+            let origin = format!("<origin quat_xyzw=\"{x} {y} {z} {w}\"/>");
+            for place in 0..4 {
+                let robot = with_origin("version=\"1.1\"", place, &origin).expect(&origin);
+                let found = match place {
+                    3 => robot.joints()[0].origin,
+                    0 => robot.links()[0].bodies[0].origin,
+                    _ => robot.links()[1].bodies[place - 1].origin,
+                };
+                let off = (found.rotation.into_inner() - turn.into_inner()).norm();
+                assert!(off < 1e-15, "{degrees}: {off:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn wrong_quaternions_are_named_wherever_they_stand() {
+    let wrong = [
+        ("1.1", "quat_xyzw=\"0 0 0 0\"", "length of quat_xyzw"),
+        ("1.1", "quat_xyzw=\"0 0 0 NaN\"", "NaN"),
+        ("1.1", "quat_xyzw=\"0 0 0 1e400\"", "1e400"),
+        ("1.1", "quat_xyzw=\"0 0 1\"", "4 finite numbers"),
+        ("1.1", "rpy=\"0 0 0\" quat_xyzw=\"0 0 0 1\"", "at most one"),
+        ("1.0", "quat_xyzw=\"0 0 0 1\"", "1.1 or later"),
+        ("0.9", "quat_xyzw=\"0 0 0 1\"", "1.1 or later"),
+        ("one", "", "invalid version"),
+        ("1.x", "", "invalid version"),
+    ];
+    for (version, attribute, words) in wrong {
+        for (place, line) in ORIGINS.into_iter().enumerate() {
+            let origin = format!("<origin xyz=\"1 2 3\" {attribute}/>");
+            let error = with_origin(&format!("version=\"{version}\""), place, &origin).expect_err(attribute);
+            let line = if attribute.is_empty() { 1 } else { line };
+            assert!(error.to_string().contains(words), "{error}");
+            assert_eq!(error.line, Some(line), "{error}");
+        }
+    }
+    let error = with_origin("", 3, "<origin quat_xyzw=\"0 0 0 1\"/>").expect_err("version 1.0");
+    let FileErrorKind::Version { version, since, .. } = error.reason else {
+        panic!("{error}")
+    };
+    assert_eq!((version, since), ([1, 0], [1, 1]));
+    for version in ["1.1", " 1.2 ", "1.10", "2.0"] {
+        let version = format!("version=\"{version}\"");
+        assert!(with_origin(&version, 3, "<origin quat_xyzw=\"0 0 0 1\"/>").is_ok());
+    }
+}
+
+/// The square of a large axis overflows, that of a small one is zero.
+#[test]
+fn axes_of_every_length_are_kept() {
+    for length in ["1e-200", "0.001", "5", "1e200"] {
+        let axis = format!("<axis xyz=\"0 0 {length}\"/>");
+        let robot = changed("<axis xyz=\"0 1 0\"/>", &axis).expect(length);
+        assert_eq!(robot.joints()[1].axis.as_slice(), [0.0, 0.0, 1.0]);
+    }
 }

@@ -348,3 +348,21 @@ fn ignorable_pairs_are_counted_and_written() {
         "r.srdf:2: disable_collisions: link \"x\" does not exist"
     );
 }
+
+/// The square of a long quaternion overflows.
+#[test]
+fn obstacles_turn_by_quaternions_of_every_length() {
+    let cell = |xyzw: &str| {
+        let text = format!("{{\"bodies\": [{{\"name\": \"x\", \"sphere\": {{\"radius\": 1}}, \"xyzw\": {xyzw}}}]}}");
+        Cell::parse(&text, "cell.json", &Packages::default(), &LoadOptions::default())
+    };
+    for xyzw in ["[0, 0, 1, 1]", "[0, 0, 1e-300, 1e-300]", "[0, 0, 1e200, 1e200]"] {
+        let turn = cell(xyzw).expect(xyzw).obstacles[0].pose.rotation;
+        assert!((turn.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-15, "{xyzw}");
+    }
+    let error = cell("[0, 0, 0, 0]").expect_err("no rotation").to_string();
+    assert!(
+        error.contains("bodies[0]") && error.contains("length of xyzw"),
+        "{error}"
+    );
+}
