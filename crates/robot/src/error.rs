@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::names::nearest;
+use crate::text;
+
 /// Error of a file: the file, the line, the element and the reason.
 #[derive(Debug, thiserror::Error)]
 #[error("{}{}: {}{reason}", file.display(), at_line(*line), of_element(element))]
@@ -62,13 +65,31 @@ pub enum FileErrorKind {
     #[error("name is already in use")]
     Repeated,
     /// Returned if nothing of the kind has this name.
-    #[error("{kind} {name:?} does not exist")]
+    #[error("{kind} {name:?} does not exist{}", suggested(near))]
     Unknown {
         /// The kind: link, joint or coordinate.
         kind: &'static str,
         /// The name.
         name: String,
+        /// A name that exists and is spelt almost the same.
+        near: Option<Box<str>>,
     },
+    /// Returned if an element or attribute is unknown, so that its meaning would be lost.
+    #[error("unknown {what}: {name:?} (expected {}){}", listed(expected), suggested(&nearest(name, expected.iter().copied())))]
+    UnknownPart {
+        /// `element` or `attribute`.
+        what: &'static str,
+        /// The name of the element or attribute.
+        name: String,
+        /// The names that are read here.
+        expected: &'static [&'static str],
+    },
+    /// Returned if an element is given twice where at most one is allowed.
+    #[error("element is given twice (expected at most one {0})")]
+    Twice(String),
+    /// Returned if an element or value is in the language of xacro.
+    #[error("unexpanded xacro: {0:?} (expected a URDF); run xacro on the file first")]
+    Xacro(String),
     /// Returned if the lower limit is above the upper limit.
     #[error("lower limit {lower} is above upper limit {upper}")]
     Limits {
@@ -124,15 +145,25 @@ fn finite_numbers(count: usize) -> String {
     }
 }
 
+fn suggested(near: &Option<Box<str>>) -> String {
+    near.as_ref()
+        .map(|name| format!("; did you mean {name:?}?"))
+        .unwrap_or_default()
+}
+
+fn listed(expected: &[&str]) -> String {
+    match expected {
+        [] => "none".into(),
+        _ => expected.join(", "),
+    }
+}
+
 fn roots(names: &[String]) -> String {
     match names {
         [] => "none".into(),
         _ => names.join(", "),
     }
 }
-
-/// The byte order mark that some programs write at the start of UTF-8.
-const BOM: &[u8] = "\u{feff}".as_bytes();
 
 impl FileError {
     pub(crate) fn new(file: &Path, line: Option<u32>, element: impl Into<String>, reason: FileErrorKind) -> Self {
@@ -147,14 +178,6 @@ impl FileError {
     /// Returns the text of a file.
     pub(crate) fn read(file: &Path) -> Result<String, Self> {
         let bytes = std::fs::read(file).map_err(|e| Self::new(file, None, "", FileErrorKind::Read(e)))?;
-        let start = if bytes.starts_with(BOM) { BOM.len() } else { 0 };
-        String::from_utf8(bytes[start..].to_vec()).map_err(|e| {
-            let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()]
-                .iter()
-                .filter(|b| **b == b'\n')
-                .count();
-            let reason = FileErrorKind::Malformed("not UTF-8".into());
-            Self::new(file, Some(line as u32), "", reason)
-        })
+        text::decode(&bytes).map_err(|(line, reason)| Self::new(file, Some(line), "", reason))
     }
 }

@@ -49,9 +49,18 @@
 //!   those of `rpy`.
 //! * A mimic joint follows the joint at the end of its chain of mimics. Only the limits of that
 //!   joint are checked.
-//! * Visual elements, inertia, transmissions, sensors and the `<up_axis>` of a COLLADA file are
-//!   ignored.
-//! * Expand xacro files before you load them.
+//! * Below `robot`, the elements `link` and `joint` are read; below `link`, `collision` with its
+//!   `origin` and `geometry`; below `joint`, `parent`, `child`, `origin`, `axis`, `limit` (without
+//!   effort and velocity) and `mimic`.
+//! * Elements without geometry or kinematics are passed over unread: `visual`, `inertial`,
+//!   `dynamics`, `calibration`, `safety_controller`, `transmission`, `gazebo`, `material`, `sensor`,
+//!   `ros2_control`, some of other tools, and all of a foreign namespace. A fault in them changes
+//!   nothing.
+//! * Every other element is an error, and so is an element that is given twice, text between
+//!   elements, or an unknown attribute of `origin`, `axis`, `mimic` or a shape.
+//! * What xacro left is an error: run xacro on the file first.
+//! * Files are UTF-8, UTF-16, or ISO-8859-1 or windows-1252 if the XML declaration says so.
+//! * The `<up_axis>` of a COLLADA file is ignored.
 //!
 //! A [`FileError`] names the file, the line and the element. No file content causes a panic.
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -65,12 +74,14 @@ mod files;
 mod geometry;
 mod ignorable;
 mod mesh_file;
+mod names;
 mod options;
 mod packages;
 mod recorder;
 mod robot;
 mod space;
 mod srdf;
+mod text;
 mod trajectory;
 mod turn;
 mod urdf;

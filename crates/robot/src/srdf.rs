@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::error::{FileError, FileErrorKind};
+use crate::error::FileError;
 use crate::robot::Robot;
 use crate::xml::Xml;
 
@@ -44,13 +44,14 @@ impl Srdf {
     pub fn parse(text: &str, path: impl AsRef<Path>, robot: &Robot) -> Result<Self, FileError> {
         let xml = Xml::parse(path.as_ref(), text, "robot")?;
         let mut ignored = Vec::new();
-        for node in xml.elements("disable_collisions") {
+        let named = |n: &roxmltree::Node| n.has_tag_name("disable_collisions");
+        for node in xml.root().children().filter(named) {
             let name = |field: &str| {
                 let name = xml.needed(&node, field)?.to_owned();
                 if robot.link(&name).is_some() {
                     return Ok(name);
                 }
-                Err(xml.error(&node, FileErrorKind::Unknown { kind: "link", name }))
+                Err(xml.error(&node, robot.unknown_link(&name)))
             };
             ignored.push(IgnoredPair {
                 links: [name("link1")?, name("link2")?],

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::error::{FileError, FileErrorKind};
+use crate::names::nearest;
 use crate::robot::Coordinate;
 
 /// A sequence of configurations; each joint moves at constant speed from one to the next.
@@ -108,8 +109,12 @@ fn columns(
         let column = coordinates.iter().position(|c| c.name == name);
         let title = || format!("column {name:?}");
         if column.is_none() && name != TIME {
-            let (kind, name) = ("coordinate", name.to_owned());
-            return Err((title(), FileErrorKind::Unknown { kind, name }));
+            let reason = FileErrorKind::Unknown {
+                kind: "coordinate",
+                name: name.to_owned(),
+                near: nearest(name, coordinates.iter().map(|c| c.name.as_str())),
+            };
+            return Err((title(), reason));
         }
         if columns.contains(&column) {
             return Err((title(), FileErrorKind::Repeated));

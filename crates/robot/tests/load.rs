@@ -168,7 +168,7 @@ fn what_is_wrong_is_named_with_its_line() {
     let reason = refused(
         "<parent link=\"a\"/>",
         "<parent link=\"x\"/>",
-        5,
+        6,
         &["joint \"one\"", "\"x\""],
     );
     assert!(matches!(reason, FileErrorKind::Unknown { kind: "link", .. }));
@@ -181,7 +181,7 @@ fn what_is_wrong_is_named_with_its_line() {
         &["joint \"two\"", "\"one\""],
     );
     assert!(matches!(reason, FileErrorKind::SecondParent { .. }));
-    let reason = refused("lower=\"-1\"", "lower=\"2\"", 5, &["joint \"one\"", "2", "1"]);
+    let reason = refused("lower=\"-1\"", "lower=\"2\"", 7, &["joint \"one\"", "2", "1"]);
     assert!(matches!(reason, FileErrorKind::Limits { .. }));
     let reason = refused(
         "lower=\"-1\"",
@@ -200,7 +200,7 @@ fn what_is_wrong_is_named_with_its_line() {
     let reason = refused(
         "<axis xyz=\"0 1 0\"/>",
         "<axis xyz=\"0 0 0\"/>",
-        9,
+        10,
         &["joint \"two\"", "axis"],
     );
     assert!(matches!(reason, FileErrorKind::Range { .. }));
@@ -216,7 +216,7 @@ fn what_is_wrong_is_named_with_its_line() {
     let reason = refused("<link name=\"c\"/>", "<link name=\"b\"/>", 4, &["link \"b\""]);
     assert!(matches!(reason, FileErrorKind::Repeated));
     let reason = refused("<sphere radius=\"0.5\"/>", "<cone/>", 3, &["cone"]);
-    assert!(matches!(reason, FileErrorKind::Unsupported(_)));
+    assert!(matches!(reason, FileErrorKind::UnknownPart { what: "element", .. }));
     let reason = refused("</joint>\n</robot>", "</joint>\n</rob>", 13, &[]);
     assert!(matches!(reason, FileErrorKind::Malformed(_)));
 }
@@ -232,7 +232,7 @@ fn numbers_out_of_range_and_deep_files_are_refused() {
     refused(
         "upper=\"1\" effort=\"1\" velocity=\"1\"/>\n  </joint>\n</robot>",
         "upper=\"1e300\" velocity=\"1\"/></joint></robot>",
-        9,
+        11,
         &["joint \"two\"", "upper"],
     );
     let deep = format!(
