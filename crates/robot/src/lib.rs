@@ -42,6 +42,9 @@
 //!
 //! * Boxes, cylinders, capsules and spheres keep their exact shape. A cylinder is not approximated
 //!   by a prism.
+//! * A box, capsule, cylinder or sphere whose sizes are zero is a point, a segment or a rectangle. A
+//!   cylinder of length zero with a radius is an error, as is a negative size. The hull of a flat
+//!   mesh is a polygon.
 //! * `quat_xyzw` is kept as a quaternion and may have any length. In a file of a version below 1.1,
 //!   where urdfdom ignores it, it is an error.
 //! * A revolute joint without limits gets the limits [`LoadOptions::continuous_limits`].

@@ -366,3 +366,40 @@ fn obstacles_turn_by_quaternions_of_every_length() {
         "{error}"
     );
 }
+
+/// Points, segments and rectangles take part in clearances and proofs as other bodies do.
+#[test]
+fn links_without_size_are_checked() {
+    let shapes = [
+        "<sphere radius=\"0\"/>",
+        "<box size=\"0 0 0\"/>",
+        "<box size=\"0 0 1\"/>",
+        "<box size=\"1 0 1\"/>",
+        "<cylinder radius=\"0\" length=\"1\"/>",
+    ];
+    for (k, shape) in shapes.into_iter().enumerate() {
+        let text = format!(
+            "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"><collision><geometry>{shape}</geometry></collision></link>
+  <joint name=\"j\" type=\"prismatic\"><parent link=\"a\"/><child link=\"b\"/><axis xyz=\"0 1 0\"/>
+  <limit lower=\"-9\" upper=\"9\"/></joint></robot>"
+        );
+        let robot = Robot::parse(&text, "r.urdf", &Packages::default(), &LoadOptions::default()).expect("a robot");
+        let mut setup = Setup::new();
+        setup.robot("", &robot, Isometry3::identity());
+        setup.obstacle(
+            "ball",
+            lin_canny::Shape::ball(1.0).expect("a ball"),
+            Isometry3::identity(),
+        );
+        let mut checker = setup.checker().expect("a checker");
+        let near = checker.clearance(&[3.0]).expect("a configuration").expect("a pair");
+        assert!(
+            (near.distance - 2.0).abs() < 1e-12 && near.lower <= 2.0 && near.upper >= 2.0,
+            "{k}: {near:?}"
+        );
+        let verdict = checker.certify(&[3.0], &[1.5]).expect("configurations");
+        assert!(matches!(verdict, Verdict::Free { .. }), "{k}: {verdict:?}");
+        let verdict = checker.certify(&[3.0], &[-3.0]).expect("configurations");
+        assert!(matches!(verdict, Verdict::Blocked { .. }), "{k}: {verdict:?}");
+    }
+}
