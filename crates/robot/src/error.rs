@@ -126,6 +126,40 @@ pub enum FileErrorKind {
     Geometry(String),
 }
 
+/// Something that a file names and that was skipped, with the line and the reason.
+///
+/// Its text is the one of the [`FileError`] that it would be otherwise.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Skipped {
+    /// The file.
+    pub file: PathBuf,
+    /// The line, counted from 1, if known.
+    pub line: Option<u32>,
+    /// The element, such as `disable_collisions`.
+    pub element: String,
+    /// The reason.
+    pub reason: String,
+}
+
+impl From<FileError> for Skipped {
+    fn from(error: FileError) -> Self {
+        Self {
+            reason: error.reason.to_string(),
+            file: error.file,
+            line: error.line,
+            element: error.element,
+        }
+    }
+}
+
+impl std::fmt::Display for Skipped {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (line, element) = (at_line(self.line), of_element(&self.element));
+        write!(f, "{}{line}: {element}{}", self.file.display(), self.reason)
+    }
+}
+
 fn at_line(line: Option<u32>) -> String {
     line.map(|line| format!(":{line}")).unwrap_or_default()
 }

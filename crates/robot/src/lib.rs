@@ -65,6 +65,12 @@
 //! * Files are UTF-8, UTF-16, or ISO-8859-1 or windows-1252 if the XML declaration says so.
 //! * The `<up_axis>` of a COLLADA file is ignored.
 //!
+//! # How an SRDF is read
+//!
+//! * `disable_collisions`, `enable_collisions` and `disable_default_collisions` are read; groups,
+//!   states, virtual joints and end effectors are passed over; any other element is an error.
+//! * An element that names a link which the robot does not have is listed in [`Srdf::skipped`].
+//!
 //! A [`FileError`] names the file, the line and the element. No file content causes a panic.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -91,7 +97,7 @@ mod urdf;
 mod xml;
 
 pub use cell::{Cell, Obstacle};
-pub use error::{FileError, FileErrorKind};
+pub use error::{FileError, FileErrorKind, Skipped};
 pub use files::RobotFiles;
 pub use geometry::MeshUse;
 pub use ignorable::{IgnoreReason, LinkPairCount, find_ignorable};
