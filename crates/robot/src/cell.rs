@@ -10,7 +10,7 @@ use crate::geometry::{self, MeshUse, Solid};
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::space::Setup;
-use crate::turn::roll_pitch_yaw;
+use crate::turn::{from_xyzw, roll_pitch_yaw};
 
 /// An obstacle of a cell.
 #[derive(Clone, Debug)]
@@ -188,13 +188,10 @@ impl BodyText {
                 ));
             }
             (Some(rpy), None) => roll_pitch_yaw(rpy),
-            (None, Some(xyzw)) => {
-                let quaternion = lin_canny::nalgebra::Quaternion::from(xyzw);
-                UnitQuaternion::try_new(quaternion, 1e-3).ok_or(FileErrorKind::Range {
-                    field: "norm of xyzw".into(),
-                    value: quaternion.norm(),
-                })?
-            }
+            (None, Some(xyzw)) => from_xyzw(xyzw).ok_or_else(|| FileErrorKind::Range {
+                field: "length of xyzw".into(),
+                value: 0.0,
+            })?,
             (None, None) => UnitQuaternion::identity(),
         };
         Ok(normalize_rotation(&Isometry3::from_parts(

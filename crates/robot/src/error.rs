@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::names::nearest;
+use crate::text;
+
 /// Error of a file: the file, the line, the element and the reason.
 #[derive(Debug, thiserror::Error)]
 #[error("{}{}: {}{reason}", file.display(), at_line(*line), of_element(element))]
@@ -45,6 +48,16 @@ pub enum FileErrorKind {
         /// The number.
         value: f64,
     },
+    /// Returned if the version of the file does not have a field.
+    #[error("{field} is not supported in version {}.{} (expected version {}.{} or later)", version[0], version[1], since[0], since[1])]
+    Version {
+        /// The field.
+        field: &'static str,
+        /// The version of the file.
+        version: [u32; 2],
+        /// The first version that has the field.
+        since: [u32; 2],
+    },
     /// Returned if something required is missing.
     #[error("{0} is missing")]
     Missing(String),
@@ -52,13 +65,31 @@ pub enum FileErrorKind {
     #[error("name is already in use")]
     Repeated,
     /// Returned if nothing of the kind has this name.
-    #[error("{kind} {name:?} does not exist")]
+    #[error("{kind} {name:?} does not exist{}", suggested(near))]
     Unknown {
         /// The kind: link, joint or coordinate.
         kind: &'static str,
         /// The name.
         name: String,
+        /// A name that exists and is spelt almost the same.
+        near: Option<Box<str>>,
     },
+    /// Returned if an element or attribute is unknown, so that its meaning would be lost.
+    #[error("unknown {what}: {name:?} (expected {}){}", listed(expected), suggested(&nearest(name, expected.iter().copied())))]
+    UnknownPart {
+        /// `element` or `attribute`.
+        what: &'static str,
+        /// The name of the element or attribute.
+        name: String,
+        /// The names that are read here.
+        expected: &'static [&'static str],
+    },
+    /// Returned if an element is given twice where at most one is allowed.
+    #[error("element is given twice (expected at most one {0})")]
+    Twice(String),
+    /// Returned if an element or value is in the language of xacro.
+    #[error("unexpanded xacro: {0:?} (expected a URDF); run xacro on the file first")]
+    Xacro(String),
     /// Returned if the lower limit is above the upper limit.
     #[error("lower limit {lower} is above upper limit {upper}")]
     Limits {
@@ -92,10 +123,44 @@ pub enum FileErrorKind {
     Record(#[from] lin_canny_record::WriteError),
     /// Returned if a mesh file cannot be read: the file, the line and the reason.
     #[error("mesh {0}")]
-    Mesh(#[from] lin_canny_formats::MeshFileError),
+    Mesh(#[source] Box<lin_canny_formats::MeshFileError>),
     /// Returned if a geometry cannot form a body.
     #[error("{0}")]
     Geometry(String),
+}
+
+/// Something that a file names and that was skipped, with the line and the reason.
+///
+/// Its text is the one of the [`FileError`] that it would be otherwise.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Skipped {
+    /// The file.
+    pub file: PathBuf,
+    /// The line, counted from 1, if known.
+    pub line: Option<u32>,
+    /// The element, such as `disable_collisions`.
+    pub element: String,
+    /// The reason.
+    pub reason: String,
+}
+
+impl From<FileError> for Skipped {
+    fn from(error: FileError) -> Self {
+        Self {
+            reason: error.reason.to_string(),
+            file: error.file,
+            line: error.line,
+            element: error.element,
+        }
+    }
+}
+
+impl std::fmt::Display for Skipped {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (line, element) = (at_line(self.line), of_element(&self.element));
+        write!(f, "{}{line}: {element}{}", self.file.display(), self.reason)
+    }
 }
 
 fn at_line(line: Option<u32>) -> String {
@@ -117,15 +182,25 @@ fn finite_numbers(count: usize) -> String {
     }
 }
 
+fn suggested(near: &Option<Box<str>>) -> String {
+    near.as_ref()
+        .map(|name| format!("; did you mean {name:?}?"))
+        .unwrap_or_default()
+}
+
+fn listed(expected: &[&str]) -> String {
+    match expected {
+        [] => "none".into(),
+        _ => expected.join(", "),
+    }
+}
+
 fn roots(names: &[String]) -> String {
     match names {
         [] => "none".into(),
         _ => names.join(", "),
     }
 }
-
-/// The byte order mark that some programs write at the start of UTF-8.
-const BOM: &[u8] = "\u{feff}".as_bytes();
 
 impl FileError {
     pub(crate) fn new(file: &Path, line: Option<u32>, element: impl Into<String>, reason: FileErrorKind) -> Self {
@@ -140,14 +215,12 @@ impl FileError {
     /// Returns the text of a file.
     pub(crate) fn read(file: &Path) -> Result<String, Self> {
         let bytes = std::fs::read(file).map_err(|e| Self::new(file, None, "", FileErrorKind::Read(e)))?;
-        let start = if bytes.starts_with(BOM) { BOM.len() } else { 0 };
-        String::from_utf8(bytes[start..].to_vec()).map_err(|e| {
-            let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()]
-                .iter()
-                .filter(|b| **b == b'\n')
-                .count();
-            let reason = FileErrorKind::Malformed("not UTF-8".into());
-            Self::new(file, Some(line as u32), "", reason)
-        })
+        text::decode(&bytes).map_err(|(line, reason)| Self::new(file, Some(line), "", reason))
+    }
+}
+
+impl From<lin_canny_formats::MeshFileError> for FileErrorKind {
+    fn from(error: lin_canny_formats::MeshFileError) -> Self {
+        Self::Mesh(Box::new(error))
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use lin_canny::nalgebra::Isometry3;
 
 use crate::cell::Cell;
-use crate::error::{FileError, FileErrorKind};
+use crate::error::FileError;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::robot::Robot;
@@ -67,13 +67,8 @@ impl RobotFiles {
         let robot = Robot::load_with(&self.urdf, &self.packages, &self.options)?;
         for name in self.options.link_meshes.keys() {
             if robot.link(name).is_none() {
-                let (kind, name) = ("link", name.clone());
-                return Err(FileError::new(
-                    &self.urdf,
-                    None,
-                    "",
-                    FileErrorKind::Unknown { kind, name },
-                ));
+                let reason = robot.unknown_link(name);
+                return Err(FileError::new(&self.urdf, None, "", reason));
             }
         }
         let mut setup = Setup::new();

@@ -1,10 +1,11 @@
 //! The geometry of a body: a solid of a URDF or cell, or a mesh.
 
+use std::cmp::Ordering;
 use std::path::Path;
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Compound, ConvexPolyhedron, Geometry, HullFit, Mesh, Piece, Shape};
+use lin_canny::{BuildError, Compound, ConvexPolyhedron, Geometry, HullFit, Mesh, Piece, Shape};
 
 use crate::error::FileErrorKind;
 use crate::mesh_file::{self, Soup};
@@ -34,42 +35,81 @@ pub(crate) enum Solid {
 }
 
 impl Solid {
+    /// Returns the body. A solid with sizes of zero is a point, a segment or a rectangle.
     pub(crate) fn geometry(&self) -> Result<Geometry, FileErrorKind> {
-        let refused = |e: &dyn std::fmt::Display| FileErrorKind::Geometry(e.to_string());
+        let wrong = |e: &dyn std::fmt::Display| FileErrorKind::Geometry(e.to_string());
+        let sizes: &[(&str, f64)] = match self {
+            Self::Box { size: [x, y, z] } => &[("size", *x), ("size", *y), ("size", *z)],
+            Self::Cylinder { radius, length } | Self::Capsule { radius, length } => {
+                &[("radius", *radius), ("length", *length)]
+            }
+            Self::Sphere { radius } => &[("radius", *radius)],
+        };
+        if let Some(&(field, value)) = sizes.iter().find(|(_, size)| !(*size >= 0.0)) {
+            let field = field.into();
+            return Err(FileErrorKind::Range { field, value });
+        }
         let shape = match *self {
+            Self::Box { size } if size.contains(&0.0) => {
+                let corner = |k: usize| {
+                    let half = |axis: usize| if k >> axis & 1 == 1 { 0.5 } else { -0.5 } * size[axis];
+                    Point3::new(half(0), half(1), half(2))
+                };
+                return flat(&(0..8).map(corner).collect::<Vec<_>>()).map(Geometry::from);
+            }
             Self::Box { size } => {
-                check("size", &size)?;
-                let body = solids::cuboid(Vector3::from(size) * 0.5).map_err(|e| refused(&e))?;
+                let body = solids::cuboid(Vector3::from(size) * 0.5).map_err(|e| wrong(&e))?;
                 return Ok(Geometry::from(body));
             }
-            Self::Cylinder { radius, length } => {
-                check("radius", &[radius])?;
-                check("length", &[length])?;
-                Shape::cylinder(0.5 * length, radius)
+            Self::Cylinder { radius: 0.0, length } | Self::Capsule { radius: 0.0, length } => {
+                let end = Point3::new(0.0, 0.0, 0.5 * length);
+                return flat(&[-end, end]).map(Geometry::from);
             }
+            Self::Cylinder { radius, length: 0.0 } => {
+                let rule = "expected a length above 0, such as 1e-6";
+                return Err(FileErrorKind::Geometry(format!(
+                    "disc of radius {radius} and length 0 ({rule})"
+                )));
+            }
+            Self::Sphere { radius: 0.0 } => return flat(&[Point3::origin()]).map(Geometry::from),
+            Self::Cylinder { radius, length } => Shape::cylinder(0.5 * length, radius),
             // URDF allows a capsule of length zero, which is a ball.
-            Self::Capsule { radius, length } if length != 0.0 => {
-                check("radius", &[radius])?;
-                check("length", &[length])?;
-                Shape::capsule(0.5 * length, radius)
-            }
-            Self::Capsule { radius, .. } | Self::Sphere { radius } => {
-                check("radius", &[radius])?;
-                Shape::ball(radius)
-            }
+            Self::Capsule { radius, length: 0.0 } | Self::Sphere { radius } => Shape::ball(radius),
+            Self::Capsule { radius, length } => Shape::capsule(0.5 * length, radius),
         };
-        Ok(Geometry::from(shape.map_err(|e| refused(&e))?))
+        Ok(Geometry::from(shape.map_err(|e| wrong(&e))?))
     }
 }
 
-fn check(field: &str, sizes: &[f64]) -> Result<(), FileErrorKind> {
-    match sizes.iter().find(|x| !(**x > 0.0)) {
-        Some(&value) => Err(FileErrorKind::Range {
-            field: field.into(),
-            value,
-        }),
-        None => Ok(()),
+/// Returns the convex hull of points, which may lie in a plane, on a line, or in one place.
+fn hull(points: &[Point3<f64>]) -> Result<ConvexPolyhedron, FileErrorKind> {
+    match ConvexPolyhedron::from_points(points) {
+        Err(BuildError::Flat { .. }) => flat(points),
+        hull => hull.map_err(|e| FileErrorKind::Geometry(e.to_string())),
     }
+}
+
+/// Returns the convex hull of points in a plane, on a line, or in one place.
+fn flat(points: &[Point3<f64>]) -> Result<ConvexPolyhedron, FileErrorKind> {
+    // On a line, the ends are first and last in the order of coordinates.
+    let before = |a: &&Point3<f64>, b: &&Point3<f64>| {
+        let order = a
+            .iter()
+            .zip(b.iter())
+            .map(|(x, y)| x.partial_cmp(y).unwrap_or(Ordering::Equal));
+        order.fold(Ordering::Equal, Ordering::then)
+    };
+    let ends = points.iter().min_by(before).zip(points.iter().max_by(before));
+    let body = match (ConvexPolyhedron::polygon(points), ends) {
+        (Err(BuildError::Flat { .. } | BuildError::TooFewPoints { .. }), Some((a, b))) if a == b => {
+            ConvexPolyhedron::point(*a)
+        }
+        (Err(BuildError::Flat { .. } | BuildError::TooFewPoints { .. }), Some((a, b))) => {
+            ConvexPolyhedron::segment(*a, *b)
+        }
+        (polygon, _) => polygon,
+    };
+    body.map_err(|e| FileErrorKind::Geometry(e.to_string()))
 }
 
 /// Returns the body of a mesh file, and the fit of its hull if requested.
@@ -89,7 +129,7 @@ pub(crate) fn of_mesh(
     match usage {
         MeshUse::Hull => {
             let soup = mesh_file::whole(file, scale)?;
-            let hull = ConvexPolyhedron::from_points(&soup.points).map_err(|e| of_file(file, e.to_string()))?;
+            let hull = hull(&soup.points).map_err(|e| of_file(file, e.to_string()))?;
             let mesh = options.measure_hulls.then(|| Mesh::new(&soup.points, &soup.triangles));
             let fit = mesh.and_then(Result::ok).map(|mesh| mesh.hull_fit(&hull));
             Ok((Geometry::from(hull), fit))
@@ -111,9 +151,7 @@ pub(crate) fn of_mesh(
                 )));
             }
             let hulls = mesh_file::objects(&beside, scale)?;
-            let hulls = hulls
-                .iter()
-                .map(|soup| ConvexPolyhedron::from_points(&soup.points).map(Piece::new));
+            let hulls = hulls.iter().map(|soup| hull(&soup.points).map(Piece::new));
             let hulls: Result<Vec<Piece>, _> = hulls.collect();
             let hulls = hulls.map_err(|e| of_file(&beside, e.to_string()))?;
             let compound = Compound::new(hulls).map_err(|e| of_file(&beside, e.to_string()))?;

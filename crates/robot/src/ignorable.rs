@@ -164,6 +164,7 @@ impl Srdf {
         });
         Self {
             ignored: ignored.collect(),
+            ..Self::default()
         }
     }
 }

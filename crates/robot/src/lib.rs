@@ -42,14 +42,34 @@
 //!
 //! * Boxes, cylinders, capsules and spheres keep their exact shape. A cylinder is not approximated
 //!   by a prism.
+//! * A box, capsule, cylinder or sphere whose sizes are zero is a point, a segment or a rectangle. A
+//!   cylinder of length zero with a radius is an error, as is a negative size. The hull of a flat
+//!   mesh is a polygon.
+//! * `quat_xyzw` is kept as a quaternion and may have any length. In a file of a version below 1.1,
+//!   where urdfdom ignores it, it is an error.
 //! * A revolute joint without limits gets the limits [`LoadOptions::continuous_limits`].
 //! * A planar joint has three coordinates, a floating joint six. The angles of a floating joint are
 //!   those of `rpy`.
 //! * A mimic joint follows the joint at the end of its chain of mimics. Only the limits of that
 //!   joint are checked.
-//! * Visual elements, inertia, transmissions, sensors and the `<up_axis>` of a COLLADA file are
-//!   ignored.
-//! * Expand xacro files before you load them.
+//! * Below `robot`, the elements `link` and `joint` are read; below `link`, `collision` with its
+//!   `origin` and `geometry`; below `joint`, `parent`, `child`, `origin`, `axis`, `limit` (without
+//!   effort and velocity) and `mimic`.
+//! * Elements without geometry or kinematics are passed over unread: `visual`, `inertial`,
+//!   `dynamics`, `calibration`, `safety_controller`, `transmission`, `gazebo`, `material`, `sensor`,
+//!   `ros2_control`, some of other tools, and all of a foreign namespace. A fault in them changes
+//!   nothing.
+//! * Every other element is an error, and so is an element that is given twice, text between
+//!   elements, or an unknown attribute of `origin`, `axis`, `mimic` or a shape.
+//! * What xacro left is an error: run xacro on the file first.
+//! * Files are UTF-8, UTF-16, or ISO-8859-1 or windows-1252 if the XML declaration says so.
+//! * The `<up_axis>` of a COLLADA file is ignored.
+//!
+//! # How an SRDF is read
+//!
+//! * `disable_collisions`, `enable_collisions` and `disable_default_collisions` are read; groups,
+//!   states, virtual joints and end effectors are passed over; any other element is an error.
+//! * An element that names a link which the robot does not have is listed in [`Srdf::skipped`].
 //!
 //! A [`FileError`] names the file, the line and the element. No file content causes a panic.
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -62,19 +82,21 @@ mod files;
 mod geometry;
 mod ignorable;
 mod mesh_file;
+mod names;
 mod options;
 mod packages;
 mod recorder;
 mod robot;
 mod space;
 mod srdf;
+mod text;
 mod trajectory;
 mod turn;
 mod urdf;
 mod xml;
 
 pub use cell::{Cell, Obstacle};
-pub use error::{FileError, FileErrorKind};
+pub use error::{FileError, FileErrorKind, Skipped};
 pub use files::RobotFiles;
 pub use geometry::MeshUse;
 pub use ignorable::{IgnoreReason, LinkPairCount, find_ignorable};

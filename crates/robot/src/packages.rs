@@ -1,13 +1,22 @@
 //! Finds the files that a URDF names.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
+
+use roxmltree::{Document, ParsingOptions};
 
 use crate::error::FileErrorKind;
 
 /// Folders in which packages are searched.
 ///
-/// `package://NAME/REST` is `DIR/NAME/REST` for the first folder DIR that has this file, or
-/// `DIR/REST` if the folder itself has the name NAME. The folders above the URDF are searched last.
+/// `package://NAME/REST` is the file REST in the package NAME, and so is `model://NAME/REST`. The
+/// package is the first of these folders that has this name and this file:
+///
+/// 1. each given folder, and the folders in it;
+/// 2. each folder above the URDF, and its folder NAME.
+///
+/// The name of a folder with a `package.xml` is the one that this file says; otherwise it is the
+/// name of the folder. `file://` paths and plain paths are relative to the folder of the URDF. A
+/// path may have percent signs for its letters, such as `%20`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Packages {
     folders: Vec<PathBuf>,
@@ -33,29 +42,97 @@ impl Packages {
 
     /// Returns the file of a name in a URDF that is in `folder`.
     pub(crate) fn find(&self, name: &str, folder: &Path) -> Result<PathBuf, FileErrorKind> {
-        let missing = |what: String| FileErrorKind::Missing(what);
-        let Some(inside) = name.strip_prefix("package://") else {
-            let file = folder.join(name.strip_prefix("file://").unwrap_or(name));
-            let is_there = file.is_file();
-            return if is_there {
-                Ok(file)
-            } else {
-                Err(missing(format!("mesh {}", file.display())))
-            };
+        let name = name.trim();
+        let folder = &absolute(folder);
+        let inside = name
+            .strip_prefix("package://")
+            .or_else(|| name.strip_prefix("model://"));
+        let Some(inside) = inside else {
+            let path = name.strip_prefix("file://").or_else(|| name.strip_prefix("file:"));
+            let path = path.unwrap_or(name);
+            if path.contains("://") {
+                return Err(FileErrorKind::Unsupported(format!("the address {name:?} of a mesh")));
+            }
+            let path = path
+                .strip_prefix("localhost")
+                .filter(|rest| rest.starts_with('/'))
+                .unwrap_or(path);
+            let missing = || FileErrorKind::Missing(format!("mesh {}", folder.join(path).display()));
+            let mut files = spellings(path).map(|path| folder.join(path));
+            return files.find(|file| file.is_file()).ok_or_else(missing);
         };
-        let inside = inside.trim_start_matches('/');
-        let (package, rest) = inside.split_once('/').unwrap_or((inside, ""));
-        let places = self.folders.iter().map(PathBuf::as_path).chain(folder.ancestors());
-        let candidates = places.flat_map(|place| {
-            let is_package = place.file_name().is_some_and(|n| n == package);
-            [Some(place.join(inside)), is_package.then(|| place.join(rest))]
-        });
-        candidates.flatten().find(|file| file.is_file()).ok_or_else(|| {
-            let folders: Vec<_> = self.folders.iter().map(|f| f.display().to_string()).collect();
-            missing(format!(
-                "mesh {name:?} (looked for in {}the folders above the URDF)",
-                folders.iter().map(|f| format!("{f}, ")).collect::<String>()
-            ))
-        })
+        for inside in spellings(inside.trim_start_matches('/')) {
+            let (package, rest) = inside.split_once('/').unwrap_or((&inside, ""));
+            let given = self.folders.iter().flat_map(|place| {
+                let place = absolute(place);
+                let below = std::fs::read_dir(&place).into_iter().flatten().flatten();
+                let mut below: Vec<PathBuf> = below.map(|entry| entry.path()).collect();
+                // The order in which a file system lists a folder is its own.
+                below.sort();
+                std::iter::once(place).chain(below)
+            });
+            let above = folder
+                .ancestors()
+                .flat_map(|place| [place.to_owned(), place.join(package)]);
+            let mut files = given
+                .chain(above)
+                .filter(|place| place.join(rest).is_file() && is_package(place, package))
+                .map(|place| place.join(rest));
+            if let Some(file) = files.next() {
+                return Ok(file);
+            }
+        }
+        let folders: String = self.folders.iter().map(|f| format!("{}, ", f.display())).collect();
+        let places = format!("{folders}the folders above the URDF");
+        Err(FileErrorKind::Missing(format!(
+            "mesh {name:?} (looked for in {places})"
+        )))
     }
+}
+
+/// Returns an absolute path, so that all folders above it are known.
+fn absolute(folder: &Path) -> PathBuf {
+    let folder = if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    };
+    let path = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+    let goes_up = path.components().any(|part| part == Component::ParentDir);
+    match path.canonicalize() {
+        Ok(path) if goes_up => path,
+        _ => path,
+    }
+}
+
+/// Returns whether a folder is the package of a name.
+fn is_package(folder: &Path, name: &str) -> bool {
+    let text = std::fs::read_to_string(folder.join("package.xml")).unwrap_or_default();
+    let options = ParsingOptions {
+        allow_dtd: true,
+        ..ParsingOptions::default()
+    };
+    let document = Document::parse_with_options(&text, options).ok();
+    let declared = document.as_ref().and_then(|document| {
+        let mut elements = document.root_element().children();
+        elements.find(|n| n.has_tag_name("name"))?.text()
+    });
+    match declared {
+        Some(declared) => declared.trim() == name,
+        None => folder.file_name().is_some_and(|own| own == name),
+    }
+}
+
+/// Returns a path as it is written and, if they differ, with its percent signs decoded.
+fn spellings(path: &str) -> impl Iterator<Item = String> {
+    let mut bytes = Vec::new();
+    let mut rest = path.as_bytes();
+    while let [first, after @ ..] = rest {
+        let digits = after.get(..2).filter(|_| *first == b'%');
+        let code = digits.and_then(|d| u8::from_str_radix(str::from_utf8(d).ok()?, 16).ok());
+        bytes.push(code.unwrap_or(*first));
+        rest = after.get(code.map_or(0, |_| 2)..).unwrap_or_default();
+    }
+    let decoded = String::from_utf8(bytes).ok().filter(|decoded| decoded != path);
+    std::iter::once(path.to_owned()).chain(decoded)
 }

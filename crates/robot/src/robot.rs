@@ -6,7 +6,8 @@ use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::{Geometry, HullFit};
 use lin_canny_plan::Drive;
 
-use crate::error::FileError;
+use crate::error::{FileError, FileErrorKind};
+use crate::names::nearest;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::urdf;
@@ -182,6 +183,15 @@ impl Robot {
     #[must_use]
     pub fn link(&self, name: &str) -> Option<usize> {
         self.links.iter().position(|link| link.name == name)
+    }
+
+    /// Returns the error of a link that does not exist.
+    pub(crate) fn unknown_link(&self, name: &str) -> FileErrorKind {
+        FileErrorKind::Unknown {
+            kind: "link",
+            name: name.into(),
+            near: nearest(name, self.links.iter().map(|link| link.name.as_str())),
+        }
     }
 
     /// Returns the pairs of adjacent links.

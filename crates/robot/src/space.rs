@@ -6,6 +6,7 @@ use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny_plan::{Checker, Drive, JointKind, JointTree, PlanError, TreeJoint, World};
 
+use crate::error::Skipped;
 use crate::geometry::radius;
 use crate::robot::{Coordinate, MotionKind, Robot};
 use crate::srdf::Srdf;
@@ -47,6 +48,7 @@ pub struct Setup {
     /// Links without bodies, because an SRDF may name them.
     frames: BTreeSet<String>,
     obstacles: Vec<(String, Geometry, Isometry3<f64>)>,
+    skipped: Vec<Skipped>,
 }
 
 #[derive(Clone, Debug)]
@@ -134,7 +136,16 @@ impl Setup {
     }
 
     /// Ignores the pairs of an SRDF, for the robot with this prefix.
+    ///
+    /// Pairs that the SRDF enables are not ignored any more: call
+    /// [`ignore_adjacent`](Self::ignore_adjacent) before.
     pub fn ignore(&mut self, prefix: &str, srdf: &Srdf) {
+        for pair in &srdf.enabled {
+            let [a, b] = pair.each_ref().map(|name| format!("{prefix}{name}"));
+            self.ignored.remove(&[a.clone(), b.clone()]);
+            self.ignored.remove(&[b, a]);
+        }
+        self.skipped.extend(srdf.skipped.iter().cloned());
         for pair in &srdf.ignored {
             let [a, b] = pair.links.each_ref().map(|name| format!("{prefix}{name}"));
             self.ignore_pair(&a, &b);
@@ -147,6 +158,12 @@ impl Setup {
     /// [`checker`](Self::checker) returns an error.
     pub fn ignore_pair(&mut self, a: &str, b: &str) {
         self.ignored.insert([a.to_owned(), b.to_owned()]);
+    }
+
+    /// Returns what the files of the robots name and this setup does not hold.
+    #[must_use]
+    pub fn skipped(&self) -> &[Skipped] {
+        &self.skipped
     }
 
     /// Returns the coordinates of a configuration.

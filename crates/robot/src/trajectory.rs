@@ -1,8 +1,10 @@
 //! Trajectories: configurations in CSV files.
 
+use std::io::Read as _;
 use std::path::Path;
 
 use crate::error::{FileError, FileErrorKind};
+use crate::names::nearest;
 use crate::robot::Coordinate;
 
 /// A sequence of configurations; each joint moves at constant speed from one to the next.
@@ -41,21 +43,28 @@ impl Trajectory {
     /// As [`load`](Self::load).
     pub fn parse(text: &str, path: impl AsRef<Path>, coordinates: &[Coordinate]) -> Result<Self, FileError> {
         let path = path.as_ref();
-        let malformed = |e: csv::Error| {
-            let line = e.position().map(|p| p.line() as u32);
-            FileError::new(path, line, "", FileErrorKind::Malformed(e.to_string()))
-        };
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut lines = Lines::new(text);
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .comment(Some(b'#'))
-            .from_reader(text.as_bytes());
-        let columns = columns(reader.headers().map_err(malformed)?, coordinates)
-            .map_err(|(column, reason)| FileError::new(path, Some(1), column, reason))?;
+            .flexible(true)
+            // A comment in the last line without an end would be a record.
+            .from_reader(text.as_bytes().chain(&b"\n"[..]));
+        let malformed = |e: csv::Error| FileError::new(path, None, "", FileErrorKind::Malformed(e.to_string()));
+        let header = reader.headers().map_err(malformed)?;
+        let (line, count) = (lines.of(header.position()), header.len());
+        let columns = columns(header, coordinates)
+            .map_err(|(column, reason)| FileError::new(path, Some(line), column, reason))?;
         let mut trajectory = Self::default();
         let mut times = Vec::new();
         for record in reader.records() {
             let record = record.map_err(malformed)?;
-            let line = record.position().map_or(0, |p| p.line() as u32);
+            let line = lines.of(record.position());
+            if record.len() != count {
+                let reason = format!("wrong number of fields: {} (expected {count})", record.len());
+                return Err(FileError::new(path, Some(line), "", FileErrorKind::Malformed(reason)));
+            }
             let wrong = |column: &str, reason| FileError::new(path, Some(line), format!("column {column:?}"), reason);
             let mut row = vec![0.0; coordinates.len()];
             for (text, column) in record.iter().zip(&columns) {
@@ -89,6 +98,41 @@ impl Trajectory {
     }
 }
 
+/// Counts the lines of a text up to its records, which come in order.
+///
+/// The positions of the reader are before the line feed of a CR LF and before blank lines and
+/// comments.
+struct Lines<'a> {
+    text: &'a str,
+    at: usize,
+    line: u32,
+}
+
+impl<'a> Lines<'a> {
+    fn new(text: &'a str) -> Self {
+        Self { text, at: 0, line: 1 }
+    }
+
+    /// Returns the line of the first letter of a record.
+    fn of(&mut self, position: Option<&csv::Position>) -> u32 {
+        let bytes = self.text.as_bytes();
+        let start = position.map_or(self.at, |p| p.byte() as usize);
+        let mut is_comment = false;
+        while let Some(&byte) = bytes.get(self.at) {
+            let is_end = matches!(byte, b'\r' | b'\n');
+            if self.at >= start {
+                is_comment = byte == b'#' || (is_comment && !is_end);
+                if !is_end && !is_comment {
+                    break;
+                }
+            }
+            self.at += 1;
+            self.line += u32::from(is_end && !(byte == b'\r' && bytes.get(self.at) == Some(&b'\n')));
+        }
+        self.line
+    }
+}
+
 fn number(text: &str, name: &str) -> Result<f64, FileErrorKind> {
     let value = text.parse::<f64>().ok().filter(|x| x.is_finite());
     value.ok_or_else(|| FileErrorKind::Number {
@@ -108,8 +152,12 @@ fn columns(
         let column = coordinates.iter().position(|c| c.name == name);
         let title = || format!("column {name:?}");
         if column.is_none() && name != TIME {
-            let (kind, name) = ("coordinate", name.to_owned());
-            return Err((title(), FileErrorKind::Unknown { kind, name }));
+            let reason = FileErrorKind::Unknown {
+                kind: "coordinate",
+                name: name.to_owned(),
+                near: nearest(name, coordinates.iter().map(|c| c.name.as_str())),
+            };
+            return Err((title(), reason));
         }
         if columns.contains(&column) {
             return Err((title(), FileErrorKind::Repeated));

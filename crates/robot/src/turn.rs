@@ -23,6 +23,34 @@ pub(crate) fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> UnitQuaternion<f64
     ))
 }
 
+/// Returns the rotation of a quaternion `x, y, z, w` of any length.
+///
+/// Returns `None` for a quaternion that is zero or not finite.
+pub(crate) fn from_xyzw(xyzw: [f64; 4]) -> Option<UnitQuaternion<f64>> {
+    Some(Unit::new_normalize(Quaternion::from(moderate(xyzw)?)))
+}
+
+/// Returns the direction of a vector of any length.
+///
+/// Returns `None` for a vector that is zero or not finite.
+pub(crate) fn direction(xyz: [f64; 3]) -> Option<Unit<Vector3<f64>>> {
+    Some(Unit::new_normalize(Vector3::from(moderate(xyz)?)))
+}
+
+/// Returns numbers in these proportions whose squares neither overflow nor underflow.
+fn moderate<const N: usize>(numbers: [f64; N]) -> Option<[f64; N]> {
+    let largest = numbers
+        .iter()
+        .fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
+    let is_finite = numbers.iter().all(|x| x.is_finite());
+    match largest {
+        0.0 => None,
+        _ if !is_finite => None,
+        1e-100..=1e100 => Some(numbers),
+        _ => Some(numbers.map(|x| x / largest)),
+    }
+}
+
 /// Returns the shortest rotation from z to a direction: a half turn about x for the opposite of z.
 pub(crate) fn from_z(to: &Unit<Vector3<f64>>) -> UnitQuaternion<f64> {
     let across = Vector3::z().cross(to);
@@ -51,6 +79,31 @@ mod tests {
             assert!(near(roll_pitch_yaw([roll, pitch, yaw]), expected));
             assert!((from_z(&axis) * Vector3::z() - axis.into_inner()).norm() < 1e-15);
         }
+    }
+
+    #[test]
+    fn quaternions_and_directions_of_every_length_are_normalised() {
+        let near = |x: f64, y: f64| (x - y).abs() < 1e-15;
+        let half = 0.5f64.sqrt();
+        for length in [5e-324, 1e-200, 1e-90, 1e-3, 1.0, 7.0, 1e90, 1e200, f64::MAX] {
+            let q = from_xyzw([0.0, 0.0, length, -length]).expect("a rotation");
+            assert!(near(q.k, half) && near(q.w, -half) && q.i == 0.0, "{length:e}: {q}");
+            let d = direction([length, 0.0, -length]).expect("a direction");
+            assert!(near(d.x, half) && near(d.z, -half) && d.y == 0.0, "{length:e}: {d:?}");
+        }
+        for wrong in [0.0, -0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for k in 0..4 {
+                let mut xyzw = [0.0; 4];
+                xyzw[k] = wrong;
+                assert_eq!(from_xyzw(xyzw), None);
+                if wrong != 0.0 {
+                    xyzw[(k + 1) % 4] = 1.0;
+                    assert_eq!(from_xyzw(xyzw), None);
+                    assert_eq!(direction([1.0, 2.0, wrong]), None);
+                }
+            }
+        }
+        assert_eq!(direction([0.0; 3]), None);
     }
 
     #[test]

@@ -3,26 +3,74 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use lin_canny::RelativePose;
-use lin_canny::nalgebra::{Isometry3, Translation3, Unit, Vector3};
+use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny_plan::Drive;
-use urdf_rs::JointType;
+use roxmltree::Node;
 
 use crate::error::{FileError, FileErrorKind};
 use crate::geometry::{self, Solid};
+use crate::names::nearest;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::robot::{Coordinate, LinkBody, MotionKind, Robot, RobotJoint, RobotLink};
-use crate::turn::roll_pitch_yaw;
-use crate::xml::{Xml, children};
+use crate::turn::direction;
+use crate::xml::{EXTENT_MAX, Xml, attribute};
 
-/// The largest coordinate of a body, as in [`lin_canny`].
-const EXTENT_MAX: f64 = 1e100;
+/// Elements that hold neither geometry for collisions nor kinematics.
+const PASSED: [&str; 23] = [
+    "audio_source",
+    "calibration",
+    "collision_checking",
+    "contact",
+    "contact_coefficients",
+    "dynamics",
+    "gazebo",
+    "gravity",
+    "hardwareInterface",
+    "inertial",
+    "kinematic",
+    "material",
+    "mujoco",
+    "ros2_control",
+    "safety_controller",
+    "self_collide",
+    "self_collision_checking",
+    "self_filter",
+    "sensor",
+    "surface",
+    "transmission",
+    "verbose",
+    "visual",
+];
+
+/// The first version of URDF in which an omitted limit is no limit.
+const OPEN_LIMITS: [u32; 2] = [1, 2];
+
+/// A joint of the file. Links are numbered in the order of the file.
+struct JointText<'a> {
+    node: Node<'a, 'a>,
+    name: &'a str,
+    kind: MotionKind,
+    is_continuous: bool,
+    parent: usize,
+    child: usize,
+    origin: Isometry3<f64>,
+    axis: Unit<Vector3<f64>>,
+    limits: [f64; 2],
+    mimic: Option<Mimic<'a>>,
+}
+
+struct Mimic<'a> {
+    joint: &'a str,
+    multiplier: f64,
+    offset: f64,
+}
 
 /// State of the reader.
 struct Reader<'a> {
-    xml: Xml<'a>,
-    model: urdf_rs::Robot,
+    xml: &'a Xml<'a>,
+    links: Vec<(&'a str, Node<'a, 'a>)>,
+    joints: Vec<JointText<'a>>,
     folder: &'a Path,
     packages: &'a Packages,
     options: &'a LoadOptions,
@@ -30,119 +78,245 @@ struct Reader<'a> {
 
 pub(crate) fn parse(path: &Path, text: &str, packages: &Packages, options: &LoadOptions) -> Result<Robot, FileError> {
     let xml = Xml::parse(path, text, "robot")?;
-    xml.check_urdf()?;
-    let model = urdf_rs::read_from_string(&xml.undrawn(text))
-        .map_err(|e| FileError::new(path, None, "", FileErrorKind::Malformed(e.to_string())))?;
-    let reader = Reader {
-        xml,
-        model,
+    xml.version()?;
+    let mut reader = Reader {
+        xml: &xml,
+        links: Vec::new(),
+        joints: Vec::new(),
         folder: path.parent().unwrap_or(Path::new("")),
         packages,
         options,
     };
+    let elements = xml.below(xml.root(), &["link", "joint"], &PASSED)?;
+    let (links, joints): (Vec<_>, Vec<_>) = elements.into_iter().partition(|n| n.tag_name().name() == "link");
+    let links = reader.named(links)?;
+    let numbers: HashMap<&str, usize> = links.iter().enumerate().map(|(k, (name, _))| (*name, k)).collect();
+    reader.links = links;
+    for (name, node) in reader.named(joints)? {
+        let joint = reader.joint_text(name, node, &numbers)?;
+        reader.joints.push(joint);
+    }
     reader.robot()
 }
 
-impl Reader<'_> {
-    fn robot(&self) -> Result<Robot, FileError> {
-        let order = self.order()?;
-        let number: HashMap<&str, usize> = order.iter().enumerate().map(|(k, (link, _))| (*link, k)).collect();
-        let (coordinates, drives) = self.coordinates()?;
-        let (mut links, mut joints) = (Vec::new(), Vec::new());
-        for (link, joint) in &order {
-            links.push(self.link(link)?);
-            if let Some(j) = *joint {
-                let joint = &self.model.joints[j];
-                let [parent, child] = [&joint.parent.link, &joint.child.link].map(|name| number[name.as_str()]);
-                joints.push(self.joint(joint, [parent, child], drives[j])?);
+impl<'a> Reader<'a> {
+    /// Returns elements with their names, which must differ.
+    fn named(&self, nodes: Vec<Node<'a, 'a>>) -> Result<Vec<(&'a str, Node<'a, 'a>)>, FileError> {
+        let mut names = std::collections::HashSet::new();
+        let named = nodes.into_iter().map(|node| {
+            let name = self.xml.needed(&node, "name")?;
+            if names.insert(name) {
+                Ok((name, node))
+            } else {
+                Err(self.xml.error(&node, FileErrorKind::Repeated))
+            }
+        });
+        named.collect()
+    }
+
+    fn joint_text(
+        &self,
+        name: &'a str,
+        node: Node<'a, 'a>,
+        numbers: &HashMap<&str, usize>,
+    ) -> Result<JointText<'a>, FileError> {
+        let xml = self.xml;
+        let parts = xml.below(node, &["parent", "child", "origin", "axis", "limit", "mimic"], &PASSED)?;
+        let kind = self.kind(&node)?;
+        let is_continuous = attribute(&node, "type") == Some("continuous");
+        let end = |element: &str| -> Result<usize, FileError> {
+            let end = xml.one(&node, &parts, element)?;
+            xml.check_leaf(end, &["link"], false)?;
+            let name = xml.needed(&end, "link")?;
+            let unknown = || FileErrorKind::Unknown {
+                kind: "link",
+                name: name.into(),
+                near: nearest(name, self.links.iter().map(|(name, _)| *name)),
+            };
+            numbers.get(name).copied().ok_or_else(|| xml.error(&end, unknown()))
+        };
+        let mimic = xml.at_most_one(&parts, "mimic")?;
+        let mimic = mimic.map(|node| self.mimic(&node)).transpose()?;
+        let takes_many = matches!(kind, MotionKind::Planar | MotionKind::Floating);
+        if mimic.is_some() && takes_many {
+            let what = FileErrorKind::Unsupported("mimic of a planar or floating joint".into());
+            return Err(xml.error(&node, what));
+        }
+        let limit = xml.at_most_one(&parts, "limit")?;
+        let is_limited = matches!(kind, MotionKind::Revolute | MotionKind::Prismatic) && !is_continuous;
+        if is_limited && limit.is_none() && mimic.is_none() {
+            return Err(xml.error(&node, FileErrorKind::Missing("element limit".into())));
+        }
+        let limits = limit.map(|limit| self.limits(&limit)).transpose()?;
+        let open = [f64::NEG_INFINITY, f64::INFINITY];
+        Ok(JointText {
+            node,
+            name,
+            kind,
+            is_continuous,
+            parent: end("parent")?,
+            child: end("child")?,
+            origin: xml.origin(xml.at_most_one(&parts, "origin")?)?,
+            axis: self.axis(xml.at_most_one(&parts, "axis")?, kind)?,
+            // A mimic joint without limits has the limits of the joint that it follows.
+            limits: limits.filter(|_| is_limited).unwrap_or(open),
+            mimic,
+        })
+    }
+
+    fn kind(&self, joint: &Node<'a, 'a>) -> Result<MotionKind, FileError> {
+        match self.xml.needed(joint, "type")? {
+            "revolute" | "continuous" => Ok(MotionKind::Revolute),
+            "prismatic" => Ok(MotionKind::Prismatic),
+            "fixed" => Ok(MotionKind::Fixed),
+            "planar" => Ok(MotionKind::Planar),
+            "floating" => Ok(MotionKind::Floating),
+            kind => {
+                let what = FileErrorKind::Unsupported(format!("a joint of type {kind:?}"));
+                Err(self.xml.error(joint, what))
             }
         }
+    }
+
+    fn mimic(&self, node: &Node<'a, 'a>) -> Result<Mimic<'a>, FileError> {
+        self.xml.check_leaf(*node, &["joint", "multiplier", "offset"], false)?;
+        let number = |field: &str| Ok(self.xml.numbers(node, field)?.map(|[x]| x));
+        Ok(Mimic {
+            joint: self.xml.needed(node, "joint")?,
+            multiplier: number("multiplier")?.unwrap_or(1.0),
+            offset: number("offset")?.unwrap_or(0.0),
+        })
+    }
+
+    /// Returns the least and greatest value that an element `limit` allows.
+    fn limits(&self, node: &Node<'a, 'a>) -> Result<[f64; 2], FileError> {
+        // Files have further attributes of motors here.
+        self.xml.check_leaf(*node, &["lower", "upper"], true)?;
+        let is_open = self.xml.version()? >= OPEN_LIMITS;
+        let value = |field: &str, open: f64| {
+            let value = self.xml.numbers(node, field)?.map(|[x]| x);
+            if value.is_some_and(|x| x.abs() > EXTENT_MAX) {
+                let (field, value) = (field.into(), value.unwrap_or_default());
+                return Err(self.xml.error(node, FileErrorKind::Range { field, value }));
+            }
+            Ok(value.unwrap_or(if is_open { open } else { 0.0 }))
+        };
+        let [lower, upper] = [value("lower", f64::NEG_INFINITY)?, value("upper", f64::INFINITY)?];
+        if lower > upper {
+            return Err(self.xml.error(node, FileErrorKind::Limits { lower, upper }));
+        }
+        Ok([lower, upper])
+    }
+
+    fn axis(&self, node: Option<Node<'a, 'a>>, kind: MotionKind) -> Result<Unit<Vector3<f64>>, FileError> {
+        let Some(node) = node else {
+            return Ok(Vector3::x_axis());
+        };
+        self.xml.check_leaf(node, &["xyz"], false)?;
+        let axis = direction(self.xml.needed_numbers(&node, "xyz")?);
+        let has_none = matches!(kind, MotionKind::Fixed | MotionKind::Floating);
+        axis.or(has_none.then(Vector3::z_axis)).ok_or_else(|| {
+            let field = "length of the axis".into();
+            self.xml.error(&node, FileErrorKind::Range { field, value: 0.0 })
+        })
+    }
+
+    fn robot(&self) -> Result<Robot, FileError> {
+        let order = self.order()?;
+        let mut number = vec![0; self.links.len()];
+        order.iter().enumerate().for_each(|(k, (link, _))| number[*link] = k);
+        let (coordinates, drives) = self.coordinates()?;
+        let (mut links, mut joints) = (Vec::new(), Vec::new());
+        for &(link, mover) in &order {
+            links.push(self.link(link)?);
+            let Some(mover) = mover else { continue };
+            let joint = &self.joints[mover];
+            joints.push(RobotJoint {
+                name: joint.name.into(),
+                kind: joint.kind,
+                parent: number[joint.parent],
+                child: number[joint.child],
+                origin: joint.origin,
+                axis: joint.axis,
+                drive: drives[mover],
+                mimics: joint.mimic.as_ref().map(|mimic| mimic.joint.into()),
+                limits: joint.limits,
+            });
+        }
         Ok(Robot {
-            name: self.model.name.clone(),
+            name: attribute(&self.xml.root(), "name").unwrap_or_default().into(),
             links,
             joints,
             coordinates,
         })
     }
 
-    fn wrong_joint(&self, joint: &str, reason: FileErrorKind) -> FileError {
-        self.xml.error_of("joint", joint, reason)
+    fn wrong_joint(&self, joint: usize, reason: FileErrorKind) -> FileError {
+        self.xml.error(&self.joints[joint].node, reason)
     }
 
     /// Returns all links with the joints that move them, parents first.
-    fn order(&self) -> Result<Vec<(&str, Option<usize>)>, FileError> {
-        let joints = &self.model.joints;
-        let mut mover: HashMap<&str, usize> = HashMap::new();
-        let mut below: HashMap<&str, Vec<usize>> = HashMap::new();
-        for (k, joint) in joints.iter().enumerate() {
-            for name in [&joint.parent.link, &joint.child.link] {
-                if !self.model.links.iter().any(|l| l.name == *name) {
-                    let (kind, name) = ("link", name.clone());
-                    return Err(self.wrong_joint(&joint.name, FileErrorKind::Unknown { kind, name }));
-                }
+    fn order(&self) -> Result<Vec<(usize, Option<usize>)>, FileError> {
+        let mut mover: Vec<Option<usize>> = vec![None; self.links.len()];
+        let mut below: Vec<Vec<usize>> = vec![Vec::new(); self.links.len()];
+        for (k, joint) in self.joints.iter().enumerate() {
+            if let Some(other) = mover[joint.child].replace(k) {
+                let link = self.links[joint.child].0.to_owned();
+                let other = self.joints[other].name.to_owned();
+                return Err(self.wrong_joint(k, FileErrorKind::SecondParent { link, other }));
             }
-            if let Some(other) = mover.insert(&joint.child.link, k) {
-                let link = joint.child.link.clone();
-                let other = joints[other].name.clone();
-                return Err(self.wrong_joint(&joint.name, FileErrorKind::SecondParent { link, other }));
-            }
-            below.entry(&joint.parent.link).or_default().push(k);
+            below[joint.parent].push(k);
         }
-        let links = || self.model.links.iter().map(|l| l.name.as_str());
-        let roots: Vec<&str> = links().filter(|l| !mover.contains_key(l)).collect();
-        let mut order: Vec<(&str, Option<usize>)> = roots.iter().map(|l| (*l, None)).collect();
+        let roots: Vec<usize> = (0..self.links.len()).filter(|link| mover[*link].is_none()).collect();
+        let mut order: Vec<(usize, Option<usize>)> = roots.iter().map(|link| (*link, None)).collect();
         let mut next = 0;
         while let Some(&(link, _)) = order.get(next) {
-            let children = below.get(link).into_iter().flatten();
-            order.extend(children.map(|&k| (joints[k].child.link.as_str(), Some(k))));
+            order.extend(below[link].iter().map(|&k| (self.joints[k].child, Some(k))));
             next += 1;
         }
-        if order.len() < self.model.links.len() {
-            return Err(self.loop_of_joints(&order));
+        if order.len() < self.links.len() {
+            return Err(self.loop_of_joints(&order, &mover));
         }
         if roots.len() != 1 {
-            let names = roots.iter().map(|l| (*l).to_owned()).collect();
+            let names = roots.iter().map(|link| self.links[*link].0.to_owned()).collect();
             return Err(self.xml.error(&self.xml.root(), FileErrorKind::Roots(names)));
         }
         Ok(order)
     }
 
     /// Returns the error of links that are not connected to a root: the loop above one of them.
-    fn loop_of_joints(&self, order: &[(&str, Option<usize>)]) -> FileError {
-        let hangs = |link: &str| order.iter().any(|(l, _)| *l == link);
-        let loose = self.model.links.iter().find(|l| !hangs(&l.name));
-        let mut link = loose.map_or("", |l| l.name.as_str());
-        let mut passed: Vec<&urdf_rs::Joint> = Vec::new();
-        while let Some(joint) = self.model.joints.iter().find(|j| j.child.link == link) {
-            if let Some(first) = passed.iter().position(|j| j.name == joint.name) {
+    fn loop_of_joints(&self, order: &[(usize, Option<usize>)], mover: &[Option<usize>]) -> FileError {
+        let mut is_connected = vec![false; self.links.len()];
+        order.iter().for_each(|(link, _)| is_connected[*link] = true);
+        let mut link = is_connected.iter().position(|is| !is).unwrap_or(0);
+        let (mut passed, mut place) = (Vec::new(), vec![None; self.joints.len()]);
+        while let Some(joint) = mover[link] {
+            if let Some(first) = place[joint] {
                 passed.drain(..first);
                 break;
             }
+            place[joint] = Some(passed.len());
             passed.push(joint);
-            link = &joint.parent.link;
+            link = self.joints[joint].parent;
         }
-        let names: Vec<String> = passed.iter().map(|j| j.name.clone()).collect();
-        let first = names.first().cloned().unwrap_or_default();
-        self.wrong_joint(&first, FileErrorKind::Loop(names))
+        let names = passed.iter().map(|joint| self.joints[*joint].name.to_owned()).collect();
+        self.wrong_joint(passed.first().copied().unwrap_or(0), FileErrorKind::Loop(names))
     }
 
     /// Returns all coordinates, and the drive of each joint.
     fn coordinates(&self) -> Result<(Vec<Coordinate>, Vec<Option<Drive>>), FileError> {
-        let joints = &self.model.joints;
         let mut coordinates = Vec::new();
-        let mut drives = vec![None; joints.len()];
-        for (joint, drive) in joints.iter().zip(&mut drives) {
-            let kind = self.kind(joint)?;
-            if kind == MotionKind::Fixed || joint.mimic.is_some() {
+        let mut drives = vec![None; self.joints.len()];
+        for (joint, drive) in self.joints.iter().zip(&mut drives) {
+            if joint.kind == MotionKind::Fixed || joint.mimic.is_some() {
                 continue;
             }
             *drive = Some(Drive::by(coordinates.len()));
-            let ranges = self.ranges(joint, kind)?;
-            if kind.parts().is_empty() {
-                let (name, limits) = (joint.name.clone(), ranges);
+            if joint.kind.parts().is_empty() {
+                let (name, limits) = (joint.name.into(), self.range(joint));
                 coordinates.push(Coordinate { name, limits });
             }
-            coordinates.extend(kind.parts().iter().map(|part| Coordinate {
+            coordinates.extend(joint.kind.parts().iter().map(|part| Coordinate {
                 name: format!("{}/{part}", joint.name),
                 limits: if part.len() == 1 {
                     self.options.floating_limits
@@ -151,40 +325,51 @@ impl Reader<'_> {
                 },
             }));
         }
-        for k in 0..joints.len() {
-            if joints[k].mimic.is_some() && joints[k].joint_type != JointType::Fixed {
-                drives[k] = Some(self.mimicked(k, &drives)?);
+        let by_name: HashMap<&str, usize> = self.joints.iter().enumerate().map(|(k, j)| (j.name, k)).collect();
+        for k in 0..self.joints.len() {
+            // A fixed joint never moves, even if it has a mimic element: tools that fix joints
+            // leave the element.
+            if self.joints[k].mimic.is_some() && self.joints[k].kind != MotionKind::Fixed {
+                drives[k] = Some(self.mimicked(k, &drives, &by_name)?);
             }
         }
         Ok((coordinates, drives))
     }
 
     /// Follows a chain of mimics to the joint that has a coordinate.
-    fn mimicked(&self, index: usize, drives: &[Option<Drive>]) -> Result<Drive, FileError> {
-        let joints = &self.model.joints;
+    fn mimicked(
+        &self,
+        index: usize,
+        drives: &[Option<Drive>],
+        by_name: &HashMap<&str, usize>,
+    ) -> Result<Drive, FileError> {
         let (mut factor, mut offset) = (1.0, 0.0);
-        let (mut at, mut passed) = (index, Vec::new());
-        while let Some(mimic) = &joints[at].mimic {
-            if let Some(first) = passed.iter().position(|name| *name == joints[at].name) {
-                passed.drain(..first);
-                return Err(self.wrong_joint(&joints[at].name, FileErrorKind::MimicLoop(passed)));
+        let (mut at, mut passed): (usize, Vec<usize>) = (index, Vec::new());
+        while let Some(mimic) = &self.joints[at].mimic {
+            if let Some(first) = passed.iter().position(|joint| *joint == at) {
+                let names = passed[first..].iter().map(|joint| self.joints[*joint].name.to_owned());
+                return Err(self.wrong_joint(at, FileErrorKind::MimicLoop(names.collect())));
             }
-            passed.push(joints[at].name.clone());
-            offset += factor * mimic.offset.unwrap_or(0.0);
-            factor *= mimic.multiplier.unwrap_or(1.0);
-            let Some(next) = joints.iter().position(|j| j.name == mimic.joint) else {
-                let (kind, name) = ("joint", mimic.joint.clone());
-                return Err(self.wrong_joint(&joints[at].name, FileErrorKind::Unknown { kind, name }));
+            passed.push(at);
+            offset += factor * mimic.offset;
+            factor *= mimic.multiplier;
+            let Some(next) = by_name.get(mimic.joint) else {
+                let reason = FileErrorKind::Unknown {
+                    kind: "joint",
+                    name: mimic.joint.into(),
+                    near: nearest(mimic.joint, self.joints.iter().map(|joint| joint.name)),
+                };
+                return Err(self.wrong_joint(at, reason));
             };
-            at = next;
+            at = *next;
         }
         for (field, value) in [("multiplier", factor), ("offset", offset)] {
             if !(value.abs() <= EXTENT_MAX) {
                 let field = field.into();
-                return Err(self.wrong_joint(&joints[index].name, FileErrorKind::Range { field, value }));
+                return Err(self.wrong_joint(index, FileErrorKind::Range { field, value }));
             }
         }
-        let is_single = self.kind(&joints[at])?.parts().is_empty();
+        let is_single = self.joints[at].kind.parts().is_empty();
         match drives[at].filter(|_| is_single) {
             Some(drive) => Ok(Drive {
                 coordinate: drive.coordinate,
@@ -192,158 +377,97 @@ impl Reader<'_> {
                 offset,
             }),
             None => {
-                let what = format!(
-                    "mimic of joint {:?}, which does not have exactly one value,",
-                    joints[at].name
-                );
-                Err(self.wrong_joint(&joints[index].name, FileErrorKind::Unsupported(what)))
+                let name = self.joints[at].name;
+                let what = format!("mimic of joint {name:?}, which does not have exactly one value,");
+                Err(self.wrong_joint(index, FileErrorKind::Unsupported(what)))
             }
         }
     }
 
-    fn kind(&self, joint: &urdf_rs::Joint) -> Result<MotionKind, FileError> {
-        let kind = match joint.joint_type {
-            JointType::Revolute | JointType::Continuous => MotionKind::Revolute,
-            JointType::Prismatic => MotionKind::Prismatic,
-            JointType::Fixed => MotionKind::Fixed,
-            JointType::Planar => MotionKind::Planar,
-            JointType::Floating => MotionKind::Floating,
-            JointType::Spherical => {
-                let what = FileErrorKind::Unsupported("a spherical joint".into());
-                return Err(self.wrong_joint(&joint.name, what));
-            }
-        };
-        // A fixed joint never moves, even if it has a mimic element: tools that fix joints leave
-        // the element.
-        let takes_many = matches!(kind, MotionKind::Planar | MotionKind::Floating);
-        if joint.mimic.is_some() && takes_many {
-            let what = FileErrorKind::Unsupported("mimic of a planar or floating joint".into());
-            return Err(self.wrong_joint(&joint.name, what));
-        }
-        Ok(kind)
-    }
-
-    /// Returns the least and greatest value of a joint, which URDF 1.2 may omit.
-    fn ranges(&self, joint: &urdf_rs::Joint, kind: MotionKind) -> Result<[f64; 2], FileError> {
-        let open = match kind {
+    /// Returns the least and greatest value of the coordinate of a joint.
+    fn range(&self, joint: &JointText) -> [f64; 2] {
+        let open = match joint.kind {
             MotionKind::Prismatic => self.options.floating_limits,
             _ => self.options.continuous_limits,
         };
-        if joint.joint_type == JointType::Continuous || !kind.parts().is_empty() {
-            return Ok(open);
-        }
-        let [lower, upper] = [joint.limit.lower, joint.limit.upper];
-        if lower > upper {
-            return Err(self.wrong_joint(&joint.name, FileErrorKind::Limits { lower, upper }));
-        }
-        for (field, value) in [("lower", lower), ("upper", upper)] {
-            if value.is_finite() && value.abs() > EXTENT_MAX {
-                let field = field.into();
-                return Err(self.wrong_joint(&joint.name, FileErrorKind::Range { field, value }));
-            }
-        }
         let or = |value: f64, open: f64| if value.is_finite() { value } else { open };
-        Ok([or(lower, open[0]), or(upper, open[1])])
+        match joint.limits {
+            _ if joint.is_continuous => open,
+            [lower, upper] => [or(lower, open[0]), or(upper, open[1])],
+        }
     }
 
-    fn joint(
-        &self,
-        joint: &urdf_rs::Joint,
-        [parent, child]: [usize; 2],
-        drive: Option<Drive>,
-    ) -> Result<RobotJoint, FileError> {
-        let kind = self.kind(joint)?;
-        let axis = Unit::try_new(Vector3::from(*joint.axis.xyz), 0.0).filter(|a| a.iter().all(|x| x.is_finite()));
-        let is_free = matches!(kind, MotionKind::Fixed | MotionKind::Floating);
-        let Some(axis) = axis.or(is_free.then(Vector3::z_axis)) else {
-            let field = "the length of the axis".into();
-            let reason = FileErrorKind::Range { field, value: 0.0 };
-            return Err(self.wrong_joint(&joint.name, reason));
-        };
-        let origin = pose(&joint.origin).map_err(|reason| self.wrong_joint(&joint.name, reason))?;
-        let limits = match (kind, joint.joint_type == JointType::Continuous) {
-            (MotionKind::Revolute | MotionKind::Prismatic, false) => [joint.limit.lower, joint.limit.upper],
-            _ => [f64::NEG_INFINITY, f64::INFINITY],
-        };
-        Ok(RobotJoint {
-            name: joint.name.clone(),
-            kind,
-            parent,
-            child,
-            origin,
-            axis,
-            drive,
-            mimics: joint.mimic.as_ref().map(|m| m.joint.clone()),
-            limits,
-        })
-    }
-
-    fn link(&self, name: &str) -> Result<RobotLink, FileError> {
-        let collisions = self
-            .model
-            .links
-            .iter()
-            .filter(|l| l.name == name)
-            .flat_map(|l| &l.collision);
-        let bodies: Result<Vec<LinkBody>, FileError> = collisions
-            .enumerate()
-            .map(|(k, collision)| {
-                self.body(name, collision)
-                    .map_err(|reason| self.wrong_collision(name, k, reason))
-            })
-            .collect();
+    fn link(&self, link: usize) -> Result<RobotLink, FileError> {
+        let (name, node) = self.links[link];
+        let parts = self.xml.below(node, &["collision", "origin"], &PASSED)?;
+        let origin = self.xml.at_most_one(&parts, "origin")?;
+        // Some files have an origin of no effect here, where URDF has none.
+        if let Some(node) = origin.filter(|_| self.xml.origin(origin).ok() != Some(Isometry3::identity())) {
+            let what = "origin of a link is not the identity (expected an origin in its collision or joint)".into();
+            return Err(self.xml.error(&node, FileErrorKind::Malformed(what)));
+        }
+        let collisions = parts.iter().filter(|n| n.tag_name().name() == "collision");
+        let bodies: Result<Vec<LinkBody>, FileError> = collisions.map(|c| self.body(name, *c)).collect();
         Ok(RobotLink {
             name: name.into(),
             bodies: bodies?,
         })
     }
 
-    /// Returns the error of a collision element of a link, by its number.
-    fn wrong_collision(&self, link: &str, number: usize, reason: FileErrorKind) -> FileError {
-        let node = self.xml.elements("link").find(|n| n.attribute("name") == Some(link));
-        let collision = node.and_then(|n| children(n, "collision").nth(number));
-        let shape = collision.and_then(|c| children(c, "geometry").next()?.children().find(|n| n.is_element()));
-        match shape {
-            Some(shape) => self.xml.error(&shape, reason),
-            None => self.xml.error_of("link", link, reason),
-        }
-    }
-
-    fn body(&self, link: &str, collision: &urdf_rs::Collision) -> Result<LinkBody, FileErrorKind> {
-        let origin = pose(&collision.origin)?;
-        let body = |geometry, mesh, hull_fit| LinkBody {
-            origin,
-            geometry,
-            mesh,
-            hull_fit,
+    fn body(&self, link: &str, collision: Node<'a, 'a>) -> Result<LinkBody, FileError> {
+        let xml = self.xml;
+        let parts = xml.below(collision, &["origin", "geometry"], &PASSED)?;
+        let origin = xml.origin(xml.at_most_one(&parts, "origin")?)?;
+        let geometry = xml.one(&collision, &parts, "geometry")?;
+        let shapes = xml.below(geometry, &["box", "cylinder", "capsule", "sphere", "mesh"], &PASSED)?;
+        let shape = match shapes[..] {
+            [shape] => shape,
+            [] => return Err(xml.error(&geometry, FileErrorKind::Missing("a shape".into()))),
+            [_, second, ..] => return Err(xml.error(&second, FileErrorKind::Twice("shape".into()))),
         };
-        let solid = match &collision.geometry {
-            urdf_rs::Geometry::Box { size } => Solid::Box { size: **size },
-            &urdf_rs::Geometry::Cylinder { radius, length } => Solid::Cylinder { radius, length },
-            &urdf_rs::Geometry::Capsule { radius, length } => Solid::Capsule { radius, length },
-            &urdf_rs::Geometry::Sphere { radius } => Solid::Sphere { radius },
-            urdf_rs::Geometry::Mesh { filename, scale } => {
-                let file = self.packages.find(filename, self.folder)?;
-                let scale = scale.map_or(Vector3::repeat(1.0), |s| Vector3::from(*s));
+        let wrong = |reason| xml.error(&shape, reason);
+        let number = |field: &str| xml.needed_numbers(&shape, field).map(|[x]| x);
+        let solid = match shape.tag_name().name() {
+            "box" => {
+                xml.check_leaf(shape, &["size"], false)?;
+                let size = xml.needed_numbers(&shape, "size")?;
+                Solid::Box { size }
+            }
+            "sphere" => {
+                xml.check_leaf(shape, &["radius"], false)?;
+                let radius = number("radius")?;
+                Solid::Sphere { radius }
+            }
+            name @ ("cylinder" | "capsule") => {
+                xml.check_leaf(shape, &["radius", "length"], false)?;
+                let (radius, length) = (number("radius")?, number("length")?);
+                if name == "cylinder" {
+                    Solid::Cylinder { radius, length }
+                } else {
+                    Solid::Capsule { radius, length }
+                }
+            }
+            _ => {
+                xml.check_leaf(shape, &["filename", "scale"], false)?;
+                let name = xml.needed(&shape, "filename")?;
+                let scale = xml.numbers(&shape, "scale")?.unwrap_or([1.0; 3]);
+                let file = self.packages.find(name, self.folder).map_err(wrong)?;
                 let usage = self.options.mesh_of(link);
-                let (geometry, fit) = geometry::of_mesh(&file, &scale, usage, self.options)?;
-                return Ok(body(geometry, Some(file), fit));
+                let body = geometry::of_mesh(&file, &Vector3::from(scale), usage, self.options);
+                let (geometry, hull_fit) = body.map_err(wrong)?;
+                return Ok(LinkBody {
+                    origin,
+                    geometry,
+                    mesh: Some(file),
+                    hull_fit,
+                });
             }
         };
-        Ok(body(solid.geometry()?, None, None))
-    }
-}
-
-fn pose(origin: &urdf_rs::Pose) -> Result<Isometry3<f64>, FileErrorKind> {
-    let turn = roll_pitch_yaw(*origin.rpy);
-    let pose = Isometry3::from_parts(Translation3::from(Vector3::from(*origin.xyz)), turn);
-    let value = pose.translation.vector.amax();
-    if !(value <= EXTENT_MAX) {
-        let field = "xyz of the origin".into();
-        return Err(FileErrorKind::Range { field, value });
-    }
-    match RelativePose::from_isometry(&pose) {
-        Ok(_) => Ok(pose),
-        Err(e) => Err(FileErrorKind::Geometry(format!("origin: {e}"))),
+        Ok(LinkBody {
+            origin,
+            geometry: solid.geometry().map_err(wrong)?,
+            mesh: None,
+            hull_fit: None,
+        })
     }
 }

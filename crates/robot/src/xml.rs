@@ -1,46 +1,67 @@
-//! XML with the line of every element, and checks of the numbers and names of a URDF or SRDF.
+//! XML with the line of every element, and the elements and attributes that a file may have.
 //!
-//! `urdf-rs` keeps no lines and reads `"0 0 x 1"` as three numbers. So the numbers are checked here
-//! first, and later errors take the line of their element from here.
+//! An element or attribute that nobody reads is an error, because it may be a misspelt one whose
+//! meaning would be lost. Elements that hold neither geometry nor kinematics are listed here and
+//! passed over unread.
 
 use std::path::Path;
 
+use lin_canny::RelativePose;
+use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::error::{FileError, FileErrorKind};
+use crate::names::nearest;
+use crate::turn::{from_xyzw, roll_pitch_yaw};
+
+/// The largest coordinate of a body, as in [`lin_canny`].
+pub(crate) const EXTENT_MAX: f64 = 1e100;
+
+/// The first version of URDF that has quaternions.
+const QUATERNIONS: [u32; 2] = [1, 1];
 
 /// Maximum depth of nested elements.
 const DEPTH: usize = 64;
 
+/// Elements of xacro, for files in which it has no prefix.
+const XACRO: [&str; 7] = ["arg", "if", "include", "insert_block", "macro", "property", "unless"];
+
 /// A file and its elements.
 pub(crate) struct Xml<'a> {
     pub(crate) file: &'a Path,
+    text: &'a str,
     document: Document<'a>,
 }
 
 impl<'a> Xml<'a> {
     pub(crate) fn parse(file: &'a Path, text: &'a str, root: &str) -> Result<Self, FileError> {
-        // No document types, because their entities can grow without bound.
+        // The parser skips a byte order mark, but counts it in positions.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let options = ParsingOptions {
-            allow_dtd: false,
+            allow_dtd: true,
             nodes_limit: 4_000_000,
             ..ParsingOptions::default()
         };
         let document = Document::parse_with_options(text, options).map_err(|e| {
-            let reason = FileErrorKind::Malformed(e.to_string());
-            FileError::new(file, Some(e.pos().row), "", reason)
+            let (line, reason) = malformed(text, &e);
+            FileError::new(file, Some(line), "", FileErrorKind::Malformed(reason))
         })?;
-        let xml = Self { file, document };
-        // `urdf-rs` is recursive.
+        let xml = Self { file, text, document };
         let is_deep = |node: &Node| node.ancestors().nth(DEPTH).is_some();
         if let Some(node) = xml.document.descendants().find(is_deep) {
-            let reason = FileErrorKind::Malformed(format!("elements are nested more than {DEPTH} deep"));
+            let reason = FileErrorKind::Malformed(format!("elements are nested too deep (expected at most {DEPTH})"));
             return Err(FileError::new(file, Some(xml.line(&node)), "", reason));
         }
         let found = xml.root().tag_name().name();
         if found != root {
             let reason = FileErrorKind::Malformed(format!("unknown root element: {found:?} (expected {root:?})"));
             return Err(xml.error(&xml.root(), reason));
+        }
+        // The parser ignores the values that a document type gives to missing attributes.
+        let before = text.get(..xml.root().range().start).unwrap_or_default();
+        if before.contains("<!ATTLIST") {
+            let reason = FileErrorKind::Unsupported("a document type with attributes".into());
+            return Err(FileError::new(file, Some(1), "", reason));
         }
         Ok(xml)
     }
@@ -49,148 +70,226 @@ impl<'a> Xml<'a> {
         self.document.root_element()
     }
 
-    /// Returns the elements of a kind directly below the root.
-    pub(crate) fn elements(&self, kind: &str) -> impl Iterator<Item = Node<'_, 'a>> {
-        children(self.root(), kind)
-    }
-
     /// Returns the error of an element.
     pub(crate) fn error(&self, node: &Node, reason: FileErrorKind) -> FileError {
         FileError::new(self.file, Some(self.line(node)), title(node), reason)
-    }
-
-    /// Returns the error of the `link` or `joint` with a name; of the file if there is none.
-    pub(crate) fn error_of(&self, kind: &str, name: &str, reason: FileErrorKind) -> FileError {
-        let node = self.elements(kind).find(|n| n.attribute("name") == Some(name));
-        match node {
-            Some(node) => self.error(&node, reason),
-            None => FileError::new(self.file, None, format!("{kind} {name:?}"), reason),
-        }
     }
 
     pub(crate) fn line(&self, node: &Node) -> u32 {
         self.document.text_pos_at(node.range().start).row
     }
 
-    /// Returns a required attribute.
-    pub(crate) fn needed<'n>(&self, node: &'n Node<'_, '_>, name: &str) -> Result<&'n str, FileError> {
-        let missing = || self.error(node, FileErrorKind::Missing(format!("attribute {name}")));
-        node.attribute(name).ok_or_else(missing)
-    }
-
-    /// Returns an error if an attribute does not hold exactly `count` finite numbers.
-    fn check_numbers(&self, node: &Node, field: &str, count: usize) -> Result<(), FileError> {
-        let Some(text) = node.attribute(field) else {
-            return Ok(());
-        };
-        let words = || text.split_whitespace();
-        let is_number = |w: &str| w.parse::<f64>().is_ok_and(f64::is_finite);
-        if words().count() == count && words().all(is_number) {
-            return Ok(());
-        }
-        let reason = FileErrorKind::Number {
-            field: field.into(),
-            count,
-            text: text.into(),
-        };
-        Err(self.error(node, reason))
-    }
-
-    /// Returns the text with blanks in place of visual elements.
+    /// Returns the elements below another one that are read, in their order.
     ///
-    /// `urdf-rs` is stricter about these than other readers, for example about a texture without a
-    /// file.
-    pub(crate) fn undrawn(&self, text: &str) -> String {
-        let visuals = self.elements("link").flat_map(|link| children(link, "visual"));
-        let mut bytes = text.as_bytes().to_vec();
-        for node in visuals.chain(self.elements("material")) {
-            bytes[node.range()].fill(b' ');
-        }
-        String::from_utf8_lossy(&bytes).into_owned()
-    }
-
-    /// Returns an error if a number, name or kind of a link or joint is invalid.
-    pub(crate) fn check_urdf(&self) -> Result<(), FileError> {
-        for kind in ["link", "joint"] {
-            let mut names = std::collections::HashSet::new();
-            for node in self.elements(kind) {
-                if !names.insert(self.needed(&node, "name")?.to_owned()) {
-                    return Err(self.error(&node, FileErrorKind::Repeated));
-                }
-                for part in node.descendants().filter(Node::is_element) {
-                    self.check_part(&part)?;
-                }
+    /// Elements of `passed` and of a foreign namespace are passed over. Anything else is an error.
+    pub(crate) fn below<'n>(
+        &self,
+        parent: Node<'n, 'a>,
+        read: &'static [&'static str],
+        passed: &[&str],
+    ) -> Result<Vec<Node<'n, 'a>>, FileError> {
+        let mut found = Vec::new();
+        for node in parent.children() {
+            let name = node.tag_name().name();
+            let uri = node.tag_name().namespace();
+            let prefix = self.prefix(&node);
+            let is_xacro = prefix == Some("xacro") || uri.is_some_and(|uri| uri.contains("xacro"));
+            let is_foreign = prefix.is_some() && uri != self.root().tag_name().namespace();
+            if node.is_text() && node.text().is_some_and(|text| !text.trim().is_empty()) {
+                let text: String = node.text().unwrap_or_default().trim().chars().take(40).collect();
+                let reason = FileErrorKind::Malformed(format!("unexpected text: {text:?} (expected elements)"));
+                return Err(self.error(&parent, reason));
+            }
+            if !node.is_element() || (is_foreign && !is_xacro) {
+                continue;
+            }
+            if !is_xacro && read.contains(&name) {
+                found.push(node);
+            } else if is_xacro || (XACRO.contains(&name) && !passed.contains(&name)) {
+                let name = prefix.map_or(name.to_owned(), |prefix| format!("{prefix}:{name}"));
+                return Err(self.error(&node, FileErrorKind::Xacro(name)));
+            } else if !passed.contains(&name) {
+                let reason = FileErrorKind::UnknownPart {
+                    what: "element",
+                    name: name.into(),
+                    expected: read,
+                };
+                return Err(self.error(&node, reason));
             }
         }
-        self.elements("joint").try_for_each(|joint| self.check_joint(&joint))
+        Ok(found)
     }
 
-    fn check_part(&self, part: &Node) -> Result<(), FileError> {
-        let of = part.tag_name().name();
-        let is_shape = matches!(of, "box" | "cylinder" | "capsule" | "sphere" | "mesh");
-        // Elements of other tools have other attributes.
-        if is_shape && !part.parent_element().is_some_and(|p| p.has_tag_name("geometry")) {
-            return Ok(());
+    /// Returns the one element of a name, if there is one.
+    pub(crate) fn at_most_one<'n>(
+        &self,
+        nodes: &[Node<'n, 'a>],
+        name: &str,
+    ) -> Result<Option<Node<'n, 'a>>, FileError> {
+        let mut named = nodes.iter().filter(|n| n.tag_name().name() == name);
+        let first = named.next().copied();
+        match named.next() {
+            Some(second) => Err(self.error(second, FileErrorKind::Twice(name.into()))),
+            None => Ok(first),
         }
-        let fields: &[(&str, usize, bool)] = match of {
-            "origin" => &[("xyz", 3, false), ("rpy", 3, false), ("quat_xyzw", 4, false)],
-            "box" => &[("size", 3, true)],
-            "cylinder" | "capsule" => &[("radius", 1, true), ("length", 1, true)],
-            "sphere" => &[("radius", 1, true)],
-            "mesh" => &[("scale", 3, false)],
-            "axis" => &[("xyz", 3, true)],
-            "limit" => &[("lower", 1, false), ("upper", 1, false)],
-            "mimic" => &[("multiplier", 1, false), ("offset", 1, false)],
-            _ => &[],
-        };
-        for &(field, count, is_needed) in fields {
-            if is_needed {
-                self.needed(part, field)?;
+    }
+
+    /// Returns the one element of a name.
+    pub(crate) fn one<'n>(&self, parent: &Node, nodes: &[Node<'n, 'a>], name: &str) -> Result<Node<'n, 'a>, FileError> {
+        let missing = || self.error(parent, FileErrorKind::Missing(format!("element {name}")));
+        self.at_most_one(nodes, name)?.ok_or_else(missing)
+    }
+
+    /// Returns an error if an element has an attribute that is not read, or elements below it.
+    ///
+    /// With `is_open`, an attribute is an error only if it is almost spelt as one that is read.
+    pub(crate) fn check_leaf(
+        &self,
+        node: Node<'_, 'a>,
+        read: &'static [&'static str],
+        is_open: bool,
+    ) -> Result<(), FileError> {
+        self.below(node, &[], &[])?;
+        let own = node.attributes().filter(|a| a.namespace().is_none());
+        for name in own.map(|a| a.name()).filter(|name| !read.contains(name)) {
+            if !is_open || nearest(name, read.iter().copied()).is_some() {
+                let reason = FileErrorKind::UnknownPart {
+                    what: "attribute",
+                    name: name.into(),
+                    expected: read,
+                };
+                return Err(self.error(&node, reason));
             }
-            self.check_numbers(part, field, count)?;
-        }
-        match of {
-            "mesh" => self.needed(part, "filename").map(drop),
-            "mimic" => self.needed(part, "joint").map(drop),
-            "geometry" => self.check_shape(part),
-            _ => Ok(()),
-        }
-    }
-
-    fn check_shape(&self, geometry: &Node) -> Result<(), FileError> {
-        let Some(shape) = geometry.children().find(Node::is_element) else {
-            return Err(self.error(geometry, FileErrorKind::Missing("a shape".into())));
-        };
-        let name = shape.tag_name().name();
-        if matches!(name, "box" | "cylinder" | "capsule" | "sphere" | "mesh") {
-            return Ok(());
-        }
-        Err(self.error(&shape, FileErrorKind::Unsupported(format!("the shape {name:?}"))))
-    }
-
-    fn check_joint(&self, joint: &Node) -> Result<(), FileError> {
-        let kind = self.needed(joint, "type")?;
-        let known = ["revolute", "continuous", "prismatic", "fixed", "planar", "floating"];
-        if !known.contains(&kind) {
-            let reason = FileErrorKind::Unsupported(format!("a joint of type {kind:?}"));
-            return Err(self.error(joint, reason));
-        }
-        for end in ["parent", "child"] {
-            let node = children(*joint, end).next();
-            let missing = || self.error(joint, FileErrorKind::Missing(format!("element {end}")));
-            self.needed(&node.ok_or_else(missing)?, "link")?;
-        }
-        let limit = children(*joint, "limit").next();
-        if matches!(kind, "revolute" | "prismatic") && limit.is_none() && children(*joint, "mimic").next().is_none() {
-            return Err(self.error(joint, FileErrorKind::Missing("element limit".into())));
         }
         Ok(())
     }
+
+    /// Returns the prefix of the namespace of an element, as it is written.
+    fn prefix(&self, node: &Node) -> Option<&'a str> {
+        let tag = self.text.get(node.range().start + 1..).filter(|_| node.is_element())?;
+        let end = tag.find(|c: char| c.is_whitespace() || matches!(c, '/' | '>'))?;
+        tag[..end].split_once(':').map(|(prefix, _)| prefix)
+    }
+
+    /// Returns a required attribute.
+    pub(crate) fn needed<'n>(&self, node: &Node<'n, 'a>, name: &str) -> Result<&'n str, FileError> {
+        let missing = || self.error(node, FileErrorKind::Missing(format!("attribute {name}")));
+        let text = attribute(node, name).ok_or_else(missing)?;
+        self.check_expanded(node, text)?;
+        Ok(text)
+    }
+
+    fn check_expanded(&self, node: &Node, text: &str) -> Result<(), FileError> {
+        if text.contains("${") || text.contains("$(") {
+            return Err(self.error(node, FileErrorKind::Xacro(text.into())));
+        }
+        Ok(())
+    }
+
+    /// Returns the version of a URDF: 1.0 if it names none.
+    pub(crate) fn version(&self) -> Result<[u32; 2], FileError> {
+        let root = self.root();
+        let Some(text) = attribute(&root, "version") else {
+            return Ok([1, 0]);
+        };
+        let numbers = text.trim().split_once('.');
+        let numbers = numbers.and_then(|(major, minor)| Some([major.parse().ok()?, minor.parse().ok()?]));
+        let wrong =
+            || FileErrorKind::Malformed(format!("invalid version: {text:?} (expected two numbers such as 1.1)"));
+        numbers.ok_or_else(|| self.error(&root, wrong()))
+    }
+
+    /// Returns exactly `N` finite numbers of an attribute, if there is one.
+    pub(crate) fn numbers<const N: usize>(&self, node: &Node, field: &str) -> Result<Option<[f64; N]>, FileError> {
+        let Some(text) = attribute(node, field) else {
+            return Ok(None);
+        };
+        self.check_expanded(node, text)?;
+        let words: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
+        let numbers = words.ok().filter(|words| words.iter().all(|x: &f64| x.is_finite()));
+        match numbers.and_then(|numbers| numbers.try_into().ok()) {
+            Some(numbers) => Ok(Some(numbers)),
+            None => {
+                let (field, text) = (field.into(), text.into());
+                let reason = FileErrorKind::Number { field, count: N, text };
+                Err(self.error(node, reason))
+            }
+        }
+    }
+
+    /// Returns exactly `N` finite numbers of a required attribute.
+    pub(crate) fn needed_numbers<const N: usize>(&self, node: &Node, field: &str) -> Result<[f64; N], FileError> {
+        let missing = || self.error(node, FileErrorKind::Missing(format!("attribute {field}")));
+        self.numbers(node, field)?.ok_or_else(missing)
+    }
+
+    /// Returns the pose of an element `origin`; the identity if there is none.
+    pub(crate) fn origin(&self, node: Option<Node<'_, 'a>>) -> Result<Isometry3<f64>, FileError> {
+        let Some(node) = node else {
+            return Ok(Isometry3::identity());
+        };
+        self.check_leaf(node, &["xyz", "rpy", "quat_xyzw"], false)?;
+        let xyz = self.numbers::<3>(&node, "xyz")?.unwrap_or_default();
+        let turn = match (self.numbers(&node, "rpy")?, self.numbers(&node, "quat_xyzw")?) {
+            (None, None) => UnitQuaternion::identity(),
+            (Some(rpy), None) => roll_pitch_yaw(rpy),
+            (None, Some(xyzw)) => from_xyzw(xyzw).ok_or_else(|| {
+                let field = "length of quat_xyzw".into();
+                self.error(&node, FileErrorKind::Range { field, value: 0.0 })
+            })?,
+            (Some(_), Some(_)) => {
+                let reason = "both rpy and quat_xyzw are given (expected at most one)".into();
+                return Err(self.error(&node, FileErrorKind::Malformed(reason)));
+            }
+        };
+        let version = self.version()?;
+        if attribute(&node, "quat_xyzw").is_some() && version < QUATERNIONS {
+            let reason = FileErrorKind::Version {
+                field: "quat_xyzw",
+                version,
+                since: QUATERNIONS,
+            };
+            return Err(self.error(&node, reason));
+        }
+        let pose = Isometry3::from_parts(Translation3::from(Vector3::from(xyz)), turn);
+        let value = pose.translation.vector.amax();
+        if !(value <= EXTENT_MAX) {
+            let field = "xyz of the origin".into();
+            return Err(self.error(&node, FileErrorKind::Range { field, value }));
+        }
+        match RelativePose::from_isometry(&pose) {
+            Ok(_) => Ok(pose),
+            Err(e) => Err(self.error(&node, FileErrorKind::Geometry(e.to_string()))),
+        }
+    }
 }
 
-/// Returns the elements of a kind directly below a node.
-pub(crate) fn children<'n, 'a>(node: Node<'n, 'a>, kind: &str) -> impl Iterator<Item = Node<'n, 'a>> {
-    node.children().filter(move |n| n.has_tag_name(kind))
+/// Returns an attribute without a namespace.
+pub(crate) fn attribute<'n>(node: &Node<'n, '_>, name: &str) -> Option<&'n str> {
+    let mut own = node.attributes().filter(|a| a.namespace().is_none());
+    own.find(|a| a.name() == name).map(|a| a.value())
+}
+
+/// Returns the line of a fault of the parser, and what helps.
+fn malformed(text: &str, error: &roxmltree::Error) -> (u32, String) {
+    use roxmltree::Error;
+    let line = match error {
+        Error::UnclosedRootNode | Error::UnexpectedEndOfStream => text.lines().count() as u32,
+        _ => error.pos().row,
+    };
+    let is_late = text.trim_start().starts_with("<?xml") && !text.starts_with("<?xml");
+    let reason = match error {
+        _ if is_late => "blanks before the XML declaration (expected `<?xml` at the start of the file)".into(),
+        Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
+            "undeclared prefix: \"xacro\" (expected a URDF); run xacro on the file first".into()
+        }
+        Error::UnknownNamespace(prefix, _) => {
+            format!("undeclared prefix: {prefix:?} (expected an attribute xmlns:{prefix} of the root element)")
+        }
+        Error::MalformedEntityReference(_) => "malformed entity reference: \"&\" (expected &amp; for the sign)".into(),
+        error => error.to_string(),
+    };
+    (line, reason)
 }
 
 /// Returns the path of the elements to a node, such as `link "hand" mesh`.

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use lin_canny::GeometryKind;
-use lin_canny_robot::{FileError, FileErrorKind, LoadOptions, MeshUse, MotionKind, Packages, Robot};
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion};
+use lin_canny::{ConvexPolyhedron, GeometryKind, PairTracker, RelativePose};
+use lin_canny_robot::{Cell, FileError, FileErrorKind, LoadOptions, MeshUse, MotionKind, Packages, Robot};
 
 /// A folder of the examples.
 pub fn examples() -> PathBuf {
@@ -167,7 +168,7 @@ fn what_is_wrong_is_named_with_its_line() {
     let reason = refused(
         "<parent link=\"a\"/>",
         "<parent link=\"x\"/>",
-        5,
+        6,
         &["joint \"one\"", "\"x\""],
     );
     assert!(matches!(reason, FileErrorKind::Unknown { kind: "link", .. }));
@@ -180,7 +181,7 @@ fn what_is_wrong_is_named_with_its_line() {
         &["joint \"two\"", "\"one\""],
     );
     assert!(matches!(reason, FileErrorKind::SecondParent { .. }));
-    let reason = refused("lower=\"-1\"", "lower=\"2\"", 5, &["joint \"one\"", "2", "1"]);
+    let reason = refused("lower=\"-1\"", "lower=\"2\"", 7, &["joint \"one\"", "2", "1"]);
     assert!(matches!(reason, FileErrorKind::Limits { .. }));
     let reason = refused(
         "lower=\"-1\"",
@@ -199,7 +200,7 @@ fn what_is_wrong_is_named_with_its_line() {
     let reason = refused(
         "<axis xyz=\"0 1 0\"/>",
         "<axis xyz=\"0 0 0\"/>",
-        9,
+        10,
         &["joint \"two\"", "axis"],
     );
     assert!(matches!(reason, FileErrorKind::Range { .. }));
@@ -215,7 +216,7 @@ fn what_is_wrong_is_named_with_its_line() {
     let reason = refused("<link name=\"c\"/>", "<link name=\"b\"/>", 4, &["link \"b\""]);
     assert!(matches!(reason, FileErrorKind::Repeated));
     let reason = refused("<sphere radius=\"0.5\"/>", "<cone/>", 3, &["cone"]);
-    assert!(matches!(reason, FileErrorKind::Unsupported(_)));
+    assert!(matches!(reason, FileErrorKind::UnknownPart { what: "element", .. }));
     let reason = refused("</joint>\n</robot>", "</joint>\n</rob>", 13, &[]);
     assert!(matches!(reason, FileErrorKind::Malformed(_)));
 }
@@ -225,13 +226,13 @@ fn numbers_out_of_range_and_deep_files_are_refused() {
     refused(
         "<origin xyz=\"0 0 1\"/>",
         "<origin xyz=\"0 0 1e300\"/>",
-        5,
+        6,
         &["joint \"one\"", "origin"],
     );
     refused(
         "upper=\"1\" effort=\"1\" velocity=\"1\"/>\n  </joint>\n</robot>",
         "upper=\"1e300\" velocity=\"1\"/></joint></robot>",
-        9,
+        11,
         &["joint \"two\"", "upper"],
     );
     let deep = format!(
@@ -396,4 +397,248 @@ fn what_is_only_drawn_is_passed_over() {
         "<robot name=\"r\"><material name=\"m\"><texture/></material><link name=\"a\">{ball}{drawn}{other}</link></robot>"
     );
     assert_eq!(parse(&text).expect("a robot").links()[0].bodies.len(), 1);
+}
+
+/// A robot of a version whose origin of the joint `one`, of both collisions or of none has a text.
+fn with_origin(version: &str, place: usize, origin: &str) -> Result<Robot, FileError> {
+    let at = |k: usize| if k == place { origin } else { "<origin/>" };
+    let ball = |k: usize| {
+        let at = at(k);
+        format!("<collision>\n{at}<geometry><sphere radius=\"1\"/></geometry></collision>")
+    };
+    parse(&format!(
+        "<robot name=\"r\" {version}><link name=\"a\">{}</link>\n<link name=\"b\">{}{}</link>
+        <joint name=\"one\" type=\"fixed\">\n{}<parent link=\"a\"/><child link=\"b\"/></joint></robot>",
+        ball(0),
+        ball(1),
+        ball(2),
+        at(3)
+    ))
+}
+
+/// The line of each place of `with_origin`.
+const ORIGINS: [u32; 4] = [2, 4, 5, 7];
+
+#[test]
+fn quaternions_are_kept_near_every_pitch_and_at_every_length() {
+    for degrees in (-1800..=1800).map(|k| f64::from(k) / 20.0) {
+        for [roll, yaw] in [[0.0, 0.0], [0.35, 0.5]] {
+            let turn = UnitQuaternion::from_euler_angles(roll, degrees.to_radians(), yaw);
+            let length = [1.0, 1e-200, 1e200, 0.003][(degrees.abs() * 20.0) as usize % 4];
+            let [x, y, z, w] = <[f64; 4]>::from(turn.coords).map(|c| c * length);
+            let origin = format!("<origin quat_xyzw=\"{x} {y} {z} {w}\"/>");
+            for place in 0..4 {
+                let robot = with_origin("version=\"1.1\"", place, &origin).expect(&origin);
+                let found = match place {
+                    3 => robot.joints()[0].origin,
+                    0 => robot.links()[0].bodies[0].origin,
+                    _ => robot.links()[1].bodies[place - 1].origin,
+                };
+                let off = (found.rotation.into_inner() - turn.into_inner()).norm();
+                assert!(off < 1e-15, "{degrees}: {off:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn wrong_quaternions_are_named_wherever_they_stand() {
+    let wrong = [
+        ("1.1", "quat_xyzw=\"0 0 0 0\"", "length of quat_xyzw"),
+        ("1.1", "quat_xyzw=\"0 0 0 NaN\"", "NaN"),
+        ("1.1", "quat_xyzw=\"0 0 0 1e400\"", "1e400"),
+        ("1.1", "quat_xyzw=\"0 0 1\"", "4 finite numbers"),
+        ("1.1", "rpy=\"0 0 0\" quat_xyzw=\"0 0 0 1\"", "at most one"),
+        ("1.0", "quat_xyzw=\"0 0 0 1\"", "1.1 or later"),
+        ("0.9", "quat_xyzw=\"0 0 0 1\"", "1.1 or later"),
+        ("one", "", "invalid version"),
+        ("1.x", "", "invalid version"),
+    ];
+    for (version, attribute, words) in wrong {
+        for (place, line) in ORIGINS.into_iter().enumerate() {
+            let origin = format!("<origin xyz=\"1 2 3\" {attribute}/>");
+            let error = with_origin(&format!("version=\"{version}\""), place, &origin).expect_err(attribute);
+            let line = if attribute.is_empty() { 1 } else { line };
+            assert!(error.to_string().contains(words), "{error}");
+            assert_eq!(error.line, Some(line), "{error}");
+        }
+    }
+    let error = with_origin("", 3, "<origin quat_xyzw=\"0 0 0 1\"/>").expect_err("version 1.0");
+    let FileErrorKind::Version { version, since, .. } = error.reason else {
+        panic!("{error}")
+    };
+    assert_eq!((version, since), ([1, 0], [1, 1]));
+    for version in ["1.1", " 1.2 ", "1.10", "2.0"] {
+        let version = format!("version=\"{version}\"");
+        assert!(with_origin(&version, 3, "<origin quat_xyzw=\"0 0 0 1\"/>").is_ok());
+    }
+}
+
+/// The square of a large axis overflows, that of a small one is zero.
+#[test]
+fn axes_of_every_length_are_kept() {
+    for length in ["1e-200", "0.001", "5", "1e200"] {
+        let axis = format!("<axis xyz=\"0 0 {length}\"/>");
+        let robot = changed("<axis xyz=\"0 1 0\"/>", &axis).expect(length);
+        assert_eq!(robot.joints()[1].axis.as_slice(), [0.0, 0.0, 1.0]);
+    }
+}
+
+/// A link `b` of one shape at the origin, as a robot reads it or as an obstacle of a cell.
+fn solid(urdf: &str, json: &str) -> Vec<Result<lin_canny::Geometry, FileError>> {
+    let robot = parse(&format!(
+        "<robot name=\"r\"><link name=\"b\">\n<collision><geometry>{urdf}</geometry></collision></link></robot>"
+    ));
+    let text = format!("{{\"bodies\": [{{\"name\": \"b\", {json}}}]}}");
+    let cell = Cell::parse(&text, "cell.json", &Packages::default(), &LoadOptions::default());
+    vec![
+        robot.map(|robot| robot.links()[0].bodies[0].geometry.clone()),
+        cell.map(|cell| cell.obstacles[0].geometry.clone()),
+    ]
+}
+
+/// Every pair of sizes that may be zero, with the distance from a point far away on each axis.
+#[test]
+fn solids_without_size_are_points_segments_and_rectangles() {
+    let far = lin_canny::Geometry::from(ConvexPolyhedron::point(Point3::origin()).expect("a point"));
+    let distance = |body: &lin_canny::Geometry, at: [f64; 3]| {
+        let pose = RelativePose::from_isometry(&Isometry3::translation(at[0], at[1], at[2])).expect("a pose");
+        PairTracker::new().closest(body, &far, &pose).distance
+    };
+    let check = |urdf: &str, json: &str, half: [f64; 3]| {
+        for body in solid(urdf, json) {
+            let body = body.expect(urdf);
+            for axis in 0..3 {
+                for sign in [-1.0, 1.0] {
+                    let mut at = [0.0; 3];
+                    at[axis] = 10.0 * sign;
+                    let found = distance(&body, at);
+                    assert!(
+                        (found - (10.0 - half[axis])).abs() < 1e-12,
+                        "{urdf} along {axis}: {found}"
+                    );
+                }
+            }
+        }
+    };
+    for k in 0..8 {
+        let [x, y, z] = std::array::from_fn(|axis| if k >> axis & 1 == 1 { 0.0 } else { axis as f64 + 1.0 });
+        let half = [0.5 * x, 0.5 * y, 0.5 * z];
+        let urdf = format!("<box size=\"{x} {y} {z}\"/>");
+        check(&urdf, &format!("\"box\": {{\"size\": [{x}, {y}, {z}]}}"), half);
+    }
+    for (radius, length, half) in [
+        (0.0, 0.0, [0.0; 3]),
+        (0.0, 2.0, [0.0, 0.0, 1.0]),
+        (0.5, 0.0, [0.5; 3]),
+        (0.5, 2.0, [0.5, 0.5, 1.5]),
+    ] {
+        let sizes = format!("{{\"radius\": {radius}, \"length\": {length}}}");
+        let urdf = format!("<capsule radius=\"{radius}\" length=\"{length}\"/>");
+        check(&urdf, &format!("\"capsule\": {sizes}"), half);
+        if radius == 0.0 {
+            check(
+                &urdf.replace("capsule", "cylinder"),
+                &format!("\"cylinder\": {sizes}"),
+                half,
+            );
+        }
+    }
+    check("<sphere radius=\"0\"/>", "\"sphere\": {\"radius\": 0}", [0.0; 3]);
+    check("<sphere radius=\"-0\"/>", "\"sphere\": {\"radius\": -0.0}", [0.0; 3]);
+    // A disc has no body; the message says what to write.
+    for error in solid(
+        "<cylinder radius=\"0.5\" length=\"0\"/>",
+        "\"cylinder\": {\"radius\": 0.5, \"length\": 0}",
+    ) {
+        let error = error.expect_err("a disc").to_string();
+        assert!(
+            error.contains("disc of radius 0.5") && error.contains("1e-6"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn negative_sizes_are_errors_in_every_place() {
+    let names = |urdf: String, json: String, field: &str| {
+        for error in solid(&urdf, &json) {
+            let error = error.expect_err(&urdf);
+            assert!(
+                error.to_string().contains(&format!("{field} is out of range: -1")),
+                "{error}"
+            );
+        }
+    };
+    for other in [0.0, 1.0] {
+        for axis in 0..3 {
+            let mut size = [other; 3];
+            size[axis] = -1.0;
+            let [x, y, z] = size;
+            names(
+                format!("<box size=\"{x} {y} {z}\"/>"),
+                format!("\"box\": {{\"size\": [{x}, {y}, {z}]}}"),
+                "size",
+            );
+        }
+        for (radius, length, field) in [(-1.0, other, "radius"), (other, -1.0, "length")] {
+            for name in ["cylinder", "capsule"] {
+                let urdf = format!("<{name} radius=\"{radius}\" length=\"{length}\"/>");
+                let json = format!("\"{name}\": {{\"radius\": {radius}, \"length\": {length}}}");
+                names(urdf, json, field);
+            }
+        }
+    }
+    names(
+        "<sphere radius=\"-1\"/>".into(),
+        "\"sphere\": {\"radius\": -1}".into(),
+        "radius",
+    );
+}
+
+#[test]
+fn hulls_of_flat_meshes_are_polygons() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("flat");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let load = |text: &str, options: &LoadOptions| {
+        std::fs::write(folder.join("flat.obj"), text).expect("a file");
+        let shape = "<mesh filename=\"flat.obj\" scale=\"2 2 2\"/>";
+        let text = format!(
+            "<robot name=\"r\"><link name=\"a\"><collision><geometry>{shape}</geometry></collision></link></robot>"
+        );
+        Robot::parse(&text, folder.join("r.urdf"), &Packages::default(), options)
+    };
+    // A square of two triangles in each plane, and one turned.
+    let square = |f: &dyn Fn(f64, f64) -> [f64; 3]| {
+        let point = |[x, y, z]: [f64; 3]| format!("v {x} {y} {z}\n");
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        corners.map(|[u, v]| point(f(u, v))).concat() + "f 1 2 3\nf 1 3 4\n"
+    };
+    let planes: [&dyn Fn(f64, f64) -> [f64; 3]; 4] = [
+        &|u, v| [u, v, 0.25],
+        &|u, v| [0.25, u, v],
+        &|u, v| [v, 0.25, u],
+        &|u, v| [u, v, 0.5 * u - v],
+    ];
+    for plane in planes {
+        for options in [
+            LoadOptions::default().measure_hulls(true),
+            LoadOptions::default().meshes(MeshUse::Pieces).pieces(&folder),
+        ] {
+            let robot = load(&square(plane), &options).expect("a robot");
+            let body = &robot.links()[0].bodies[0];
+            let (low, high) = match &body.geometry {
+                lin_canny::Geometry::Polyhedron(hull) => {
+                    assert_eq!((hull.face_count(), hull.vertex_count()), (2, 4));
+                    hull.aabb()
+                }
+                other => {
+                    assert_eq!(other.kind(), GeometryKind::Compound);
+                    continue;
+                }
+            };
+            let [a, b] = [plane(0.0, 0.0), plane(1.0, 1.0)].map(|p| 2.0 * p[0]);
+            assert!(low.x <= a.min(b) && high.x >= a.max(b), "{low} {high}");
+        }
+    }
 }

@@ -341,10 +341,204 @@ fn ignorable_pairs_are_counted_and_written() {
             .iter()
             .all(|p| ["Adjacent", "Never", "Always"].contains(&p.reason.as_str()))
     );
-    let wrong = "<robot name=\"r\">\n<disable_collisions link1=\"a\" link2=\"x\"/></robot>";
-    let error = Srdf::parse(wrong, "r.srdf", &robot).expect_err("no link x");
-    assert_eq!(
-        error.to_string(),
-        "r.srdf:2: disable_collisions: link \"x\" does not exist"
+}
+
+/// The square of a long quaternion overflows.
+#[test]
+fn obstacles_turn_by_quaternions_of_every_length() {
+    let cell = |xyzw: &str| {
+        let text = format!("{{\"bodies\": [{{\"name\": \"x\", \"sphere\": {{\"radius\": 1}}, \"xyzw\": {xyzw}}}]}}");
+        Cell::parse(&text, "cell.json", &Packages::default(), &LoadOptions::default())
+    };
+    for xyzw in ["[0, 0, 1, 1]", "[0, 0, 1e-300, 1e-300]", "[0, 0, 1e200, 1e200]"] {
+        let turn = cell(xyzw).expect(xyzw).obstacles[0].pose.rotation;
+        assert!((turn.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-15, "{xyzw}");
+    }
+    let error = cell("[0, 0, 0, 0]").expect_err("no rotation").to_string();
+    assert!(
+        error.contains("bodies[0]") && error.contains("length of xyzw"),
+        "{error}"
     );
+}
+
+/// Points, segments and rectangles take part in clearances and proofs as other bodies do.
+#[test]
+fn links_without_size_are_checked() {
+    let shapes = [
+        "<sphere radius=\"0\"/>",
+        "<box size=\"0 0 0\"/>",
+        "<box size=\"0 0 1\"/>",
+        "<box size=\"1 0 1\"/>",
+        "<cylinder radius=\"0\" length=\"1\"/>",
+    ];
+    for (k, shape) in shapes.into_iter().enumerate() {
+        let text = format!(
+            "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"><collision><geometry>{shape}</geometry></collision></link>
+  <joint name=\"j\" type=\"prismatic\"><parent link=\"a\"/><child link=\"b\"/><axis xyz=\"0 1 0\"/>
+  <limit lower=\"-9\" upper=\"9\"/></joint></robot>"
+        );
+        let robot = Robot::parse(&text, "r.urdf", &Packages::default(), &LoadOptions::default()).expect("a robot");
+        let mut setup = Setup::new();
+        setup.robot("", &robot, Isometry3::identity());
+        setup.obstacle(
+            "ball",
+            lin_canny::Shape::ball(1.0).expect("a ball"),
+            Isometry3::identity(),
+        );
+        let mut checker = setup.checker().expect("a checker");
+        let near = checker.clearance(&[3.0]).expect("a configuration").expect("a pair");
+        assert!(
+            (near.distance - 2.0).abs() < 1e-12 && near.lower <= 2.0 && near.upper >= 2.0,
+            "{k}: {near:?}"
+        );
+        let verdict = checker.certify(&[3.0], &[1.5]).expect("configurations");
+        assert!(matches!(verdict, Verdict::Free { .. }), "{k}: {verdict:?}");
+        let verdict = checker.certify(&[3.0], &[-3.0]).expect("configurations");
+        assert!(matches!(verdict, Verdict::Blocked { .. }), "{k}: {verdict:?}");
+    }
+}
+
+/// A robot of links `base`, `arm`, `hand` and `tool` in a chain, each a ball, and its SRDF.
+fn srdf(elements: &str) -> Result<(Robot, Srdf), lin_canny_robot::FileError> {
+    let names = ["base", "arm", "hand", "tool"];
+    let ball = "<collision><geometry><sphere radius=\"1\"/></geometry></collision>";
+    let links = names
+        .map(|name| format!("<link name=\"{name}\">{ball}</link>"))
+        .concat();
+    let joint = |pair: &[&str]| {
+        let ends = format!("<parent link=\"{}\"/><child link=\"{}\"/>", pair[0], pair[1]);
+        format!("<joint name=\"{}\" type=\"continuous\">{ends}</joint>", pair[1])
+    };
+    let joints: String = names.windows(2).map(joint).collect();
+    let text = format!("<robot name=\"r\">{links}{joints}</robot>");
+    let robot = Robot::parse(&text, "r.urdf", &Packages::default(), &LoadOptions::default())?;
+    let srdf = Srdf::parse(&format!("<robot name=\"r\">\n{elements}\n</robot>"), "r.srdf", &robot)?;
+    Ok((robot, srdf))
+}
+
+/// Returns the pairs that an SRDF ignores.
+fn pairs(srdf: &Srdf) -> Vec<[&str; 2]> {
+    let mut pairs: Vec<[&str; 2]> = srdf
+        .ignored
+        .iter()
+        .map(|pair| pair.links.each_ref().map(|n| &**n))
+        .collect();
+    pairs.sort_unstable();
+    pairs
+}
+
+#[test]
+fn an_srdf_of_a_larger_robot_is_read_with_its_gaps() {
+    let good = "<disable_collisions link1=\"base\" link2=\"hand\" reason=\"Never\"/>";
+    for (kind, fields) in [
+        ("disable_collisions", &["link1", "link2"][..]),
+        ("enable_collisions", &["link1", "link2"]),
+        ("disable_default_collisions", &["link"]),
+    ] {
+        for gone in fields {
+            let attribute = |field: &&str| {
+                let name = if field == gone { "tol" } else { "arm" };
+                format!(" {field}=\"{name}\"")
+            };
+            let attributes: String = fields.iter().map(attribute).collect();
+            let element = format!("<{kind}{attributes}/>");
+            for (text, line) in [(format!("{element}\n{good}"), 2), (format!("{good}\n{element}"), 3)] {
+                let (_, srdf) = srdf(&text).expect(&text);
+                assert_eq!(pairs(&srdf), [["base", "hand"]]);
+                let [skipped] = &srdf.skipped[..] else {
+                    panic!("{:?}", srdf.skipped)
+                };
+                assert_eq!(
+                    skipped.to_string(),
+                    format!("r.srdf:{line}: {kind}: link \"tol\" does not exist; did you mean \"tool\"?")
+                );
+                assert_eq!(skipped.line, Some(line));
+            }
+        }
+    }
+    let (_, both) = srdf("<disable_collisions link1=\"x\" link2=\"y\"/>").expect("an SRDF");
+    assert_eq!((both.skipped.len(), both.ignored.len()), (2, 0));
+}
+
+#[test]
+fn blanks_around_the_names_of_an_srdf_do_not_count() {
+    let (_, srdf) = srdf("<disable_collisions link1=\" base \" link2=\"hand\n\"/>").expect("an SRDF");
+    assert_eq!((pairs(&srdf), srdf.skipped.len()), (vec![["base", "hand"]], 0));
+}
+
+#[test]
+fn links_without_default_collisions_are_checked_only_where_enabled() {
+    let alone = "<disable_default_collisions link=\"hand\"/>";
+    let (_, all) = srdf(alone).expect("an SRDF");
+    assert_eq!(pairs(&all), [["hand", "arm"], ["hand", "base"], ["hand", "tool"]]);
+    let enable = "<enable_collisions link1=\"base\" link2=\"hand\"/>";
+    for text in [format!("{alone}{enable}"), format!("{enable}{alone}{alone}")] {
+        let (_, srdf) = srdf(&text).expect("an SRDF");
+        assert_eq!(pairs(&srdf), [["hand", "arm"], ["hand", "tool"]]);
+        assert_eq!(srdf.enabled, [["base", "hand"]]);
+    }
+    // What is disabled itself stays so.
+    let disable = "<disable_collisions link1=\"hand\" link2=\"base\"/>";
+    for text in [format!("{disable}{enable}"), format!("{enable}{disable}{alone}")] {
+        let (_, srdf) = srdf(&text).expect("an SRDF");
+        assert!(pairs(&srdf).contains(&["hand", "base"]) && srdf.enabled.is_empty());
+    }
+    // Adjacent links are checked if their pair is enabled.
+    let overlaps = |text: &str| {
+        let (robot, srdf) = srdf(text).expect("an SRDF");
+        let mut setup = Setup::new();
+        setup.robot("r/", &robot, Isometry3::identity());
+        setup.ignore_adjacent();
+        setup.ignore("r/", &srdf);
+        assert_eq!(setup.skipped(), srdf.skipped);
+        let mut checker = setup.checker().expect("a checker");
+        checker.clearance(&[0.0; 3]).expect("a configuration").is_some()
+    };
+    let rest = "<disable_default_collisions link=\"base\"/><disable_collisions link1=\"arm\" link2=\"tool\"/>";
+    assert!(!overlaps(rest));
+    assert!(overlaps(&format!(
+        "{rest}<enable_collisions link1=\"hand\" link2=\"tool\"/>"
+    )));
+    assert!(overlaps(&format!(
+        "{rest}<enable_collisions link1=\"tool\" link2=\"hand\"/>"
+    )));
+}
+
+#[test]
+fn unknown_elements_of_an_srdf_are_errors_with_their_line() {
+    let good = "<disable_collisions link1=\"base\" link2=\"hand\"/>\n<group name=\"g\"><cone/></group>";
+    let passed = "<group_state/><virtual_joint/><end_effector/><passive_joint/><x:y xmlns:x=\"urn:x\"/><!-- c -->";
+    assert_eq!(
+        srdf(&format!("{passed}{good}{passed}"))
+            .expect("an SRDF")
+            .1
+            .ignored
+            .len(),
+        1
+    );
+    for (wrong, words) in [
+        (
+            "<disable_collision link1=\"base\" link2=\"hand\"/>",
+            "did you mean \"disable_collisions\"?",
+        ),
+        ("<link name=\"base\"/>", "unknown element: \"link\""),
+        (
+            "<xacro:include xmlns:xacro=\"http://ros.org/wiki/xacro\"/>",
+            "run xacro",
+        ),
+        ("<disable_collisions link1=\"base\"/>", "attribute link2 is missing"),
+        (
+            "<disable_collisions link1=\"base\" lnk2=\"hand\"/>",
+            "did you mean \"link2\"?",
+        ),
+        ("<disable_collisions link1=\"base\" link2=\"${x}\"/>", "run xacro"),
+        ("<disable_default_collisions/>", "attribute link is missing"),
+        ("<enable_collisions link2=\"base\"/>", "attribute link1 is missing"),
+    ] {
+        for (text, line) in [(format!("{wrong}{good}"), 2), (format!("{good}\n{wrong}"), 4)] {
+            let error = srdf(&text).expect_err(wrong);
+            assert!(error.to_string().contains(words), "{error}");
+            assert_eq!(error.line, Some(line), "{error}");
+        }
+    }
 }

@@ -277,3 +277,14 @@ fn bodies_within_the_margin_are_not_said_to_meet() {
         "{text}"
     );
 }
+
+#[test]
+fn an_srdf_that_names_a_link_the_robot_does_not_have_is_a_warning() {
+    let text = std::fs::read_to_string(examples().join("gripper.srdf")).expect("the example");
+    let more = "<disable_collisions link1=\"base\" link2=\"gone\" reason=\"Never\"/>\n</robot>";
+    let file = scratch("family.srdf", &text.replace("</robot>", more));
+    let (code, text) = run("clearance", &["--joints", "carry.csv", "--srdf", &file]);
+    assert_eq!(code, 0, "{text}");
+    assert!(text.contains("warning: ") && text.contains("family.srdf:6: "), "{text}");
+    assert!(text.contains("link \"gone\" does not exist"), "{text}");
+}

@@ -85,6 +85,9 @@ impl RobotOptions {
             check_adjacent: self.check_adjacent,
         };
         let (robot, setup) = files.load()?;
+        for skipped in setup.skipped() {
+            eprintln!("warning: {skipped}");
+        }
         warn_of_turned_triangles(&robot);
         if self.hull_fit {
             print_hull_fits(&robot);
