@@ -2,10 +2,10 @@
 //! to frame.
 //!
 //! Two bodies at a pose have a signed distance. If they are apart, it is the distance of their
-//! closest points. If they overlap, it is the negative penetration depth: the length of the
-//! shortest translation that separates them. A [`Tracker`] remembers the closest
-//! features of one pair and finds the features of the next frame in a few steps. Every distance and
-//! depth comes with a lower and an upper bound that hold for the given poses, rounding included.
+//! closest points. If two convex bodies overlap, it is the negative penetration depth: the
+//! length of the shortest translation that separates them. A [`Tracker`] remembers the closest
+//! features of one pair and finds the features of the next frame in a few steps. Every distance
+//! comes with a lower and an upper bound that hold for the given poses, rounding included.
 //! Curved shapes, meshes, scenes and times of impact use the same bounds.
 //!
 #![doc = include_str!("../images/hero.svg")]
@@ -112,7 +112,7 @@
 //! | question | call | answer |
 //! |---|---|---|
 //! | Do two polyhedra share a point? Are they at most `d` apart? | [`Tracker::intersects`], [`within`](Tracker::within) | `bool`, exact; touching counts |
-//! | How far apart are two polyhedra, or how deep do they overlap? | [`Tracker::distance`] | [`Distance`]: value and bounds; minus the depth for an overlap |
+//! | How far apart are two polyhedra, or how deep do they overlap? | [`Tracker::distance`] | [`Distance`]: value and bounds; negative for an overlap |
 //! | Which points and features are closest? | [`Tracker::closest`] | [`Outcome`]: features, witness points, normal, distance, bounds |
 //! | How far apart are they, to within 1 ulp? | `Tracker::closest_exact` (feature `exact`) | contact state exact, distance within 1 ulp; depths as by `closest` |
 //! | Which features does the walk end on, without bounds? | [`Tracker::propose`] | [`Proposal`]: features and witness points |
@@ -125,16 +125,16 @@
 //!
 //! | question | call | answer |
 //! |---|---|---|
-//! | The same for any two geometries: do two meshes overlap, how far apart are a mesh and a ball? | [`PairTracker`]: the same four calls | `bool`, [`Distance`], [`PairOutcome`]: an outcome, and the piece, triangle or patch of each witness |
-//! | Where do two meshes or compounds touch, and how deep do they overlap? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`ContactGroup`]: points by direction, with ids that last; [`PenetrationBounds`]: an interval |
+//! | The same for any two geometries: do two meshes overlap, how far apart are a mesh and a ball? | [`PairTracker`]: `intersects`, `within`, `distance`, `closest` | `bool`, [`Distance`], [`PairOutcome`] with the piece, triangle or patch of each witness; overlaps of meshes, compounds and surfaces have distance 0 |
+//! | Where do any two bodies but Bézier surfaces touch? How deep do two solids overlap? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`ContactGroup`]: points with one normal, for gaps up to a prediction and shallow overlaps; [`PenetrationBounds`]: an interval |
 //! | How far is a mesh from itself, and which of its triangles are close? | [`PairTracker::self_closest`], [`self_within`](PairTracker::self_within), [`self_pairs`](PairTracker::self_pairs) | [`PairOutcome`]s, for triangles that share no vertex |
-//! | Where does a ray enter a body of any kind, a mesh for example? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a hit with a proven bracket, point, normal and feature; a miss; inside; or undecided |
+//! | Where does a ray enter a body (any but a Bézier surface)? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a hit with a proven bracket, point, normal and feature; a miss; inside; or undecided |
 //!
 //! **Over time**
 //!
 //! | question | call | answer |
 //! |---|---|---|
-//! | When do two moving bodies first touch? | [`impact::cast`], [`cast_within`](impact::cast_within) | [`Impact`](impact::Impact): a hit with a proven bracket, a proven miss, or undecided from a proven time on |
+//! | When do two moving bodies first touch? | [`impact::cast`], [`cast_within`](impact::cast_within) with [`PairTracker::pair`] and two motions | [`Impact`](impact::Impact): in contact at the start; a hit with a proven bracket; a proven miss; or free until a proven time |
 //! | When do triangles or meshes meet whose vertices move on straight paths, or a mesh and itself? | [`continuous::cast_triangles`], [`vertex_face`](continuous::cast_vertex_face), [`edge_edge`](continuous::cast_edge_edge), [`meshes`](continuous::cast_meshes), [`self_contact`](continuous::cast_self) | a proven bracket, or a proven miss; touching is decided |
 //! | When must a pair be queried again? | [`schedule::Schedule`] | due pairs, by integer ticks |
 //! | Is a motion of a robot free over its whole length? Is there a path? | `Checker` of the crate `lin-canny-plan` | proven free, or the time and the pair that collide; a path |
@@ -143,7 +143,7 @@
 //!
 //! | question | call | answer |
 //! |---|---|---|
-//! | Which of many bodies overlap, come near or meet? What is the closest pair of two groups? | [`scene::Scene`] | events, impacts and results of the enabled queries |
+//! | Which of many bodies overlap, come near or meet? What is the closest pair of two groups? | [`scene::Scene`] | after `set_queries`: events, impacts and results |
 //! | Which boxes overlap? | [`broad::SweepAndPrune`] | pairs, events, stable ids |
 //!
 //! **Bodies and poses**
@@ -164,8 +164,8 @@
 //! * **Bounds hold.** The true signed distance lies in `lower..=upper`. Inputs count as exact: a
 //!   vertex v at the pose (q, t) is the rational point `R(q) v / |q|^2 + t`. The source of
 //!   the module `tolerance` derives every constant.
-//! * **One signed distance.** Distance and penetration depth are one continuous function with one
-//!   normal, from one algorithm, so nothing jumps at contact.
+//! * **One signed distance of convex bodies.** Distance and negative depth are one continuous
+//!   function of the pose, so the value does not jump at contact.
 //! * **A tracker changes the time, never the answer.** Contact state and predicates of polyhedra
 //!   are the same warm and cold, A to B and B to A, and distances agree within their bounds. A
 //!   tracker that last followed other bodies costs time only. If several feature pairs are exactly
@@ -177,20 +177,22 @@
 //!   Curved shapes and compounds scale exactly for sizes from 2^-90 to 2^90.
 //! * **Invalid input returns an error when a body or a pose is made**, with its index or value
 //!   ([`BuildError`], [`PoseError`]). After that no query panics, returns NaN or loops without
-//!   bound. Debug builds check every answer, and panic with a replay if the crate has a defect.
+//!   bound. Debug builds check the closest points of two polyhedra, and panic with a
+//!   replay if the crate has a defect.
 //! * **The same bits everywhere.** Answers have the same bits on every target with IEEE 754
 //!   arithmetic and for any number of threads. 32-bit x86 without SSE2 does not compile.
-//! * **Safe.** The crate contains no `unsafe` code. Bodies are [`Send`] and [`Sync`] and never
-//!   change; a tracker belongs to one pair at a time and owns no body.
+//! * **Safe.** The crate contains no `unsafe` code. Bodies are [`Send`] and [`Sync`]. No query
+//!   changes a body; only calls such as [`Mesh::set_vertices`] do. A tracker belongs to one pair at
+//!   a time and owns no body.
 //!
 //! | level | bounds |
 //! |---|---|
 //! | [`Tracker::propose`] | none: the features on which the walk ends |
-//! | [`Tracker::closest`], [`Tracker::distance`] | at most `1e-13 L` wide |
+//! | [`Tracker::closest`], [`Tracker::distance`] | at most `1e-13 L` wide, but for *degenerate depths* ([Limits](#limits)) |
 //! | [`Tracker::closest_with_local_depth`] | as `closest`; the depth is bounded from above, by a translation that separates the bodies |
 //! | `Tracker::closest_exact` | contact state exact, distance within one unit in the last place; depths as by `closest` |
 //! | [`Tracker::intersects`], [`Tracker::within`] | exact with the feature `exact`; without it, ties count as within |
-//! | [`impact::cast`] | a bracket of the first contact, or a miss, proven for every instant |
+//! | [`impact::cast`] | a bracket of the first contact, a miss, or a time until which the bodies are free: proven for every instant |
 //!
 //! The pair size L is the sum of both bounding radii plus the distance between the reference
 //! points. The reference point of a body is its origin. If the middle of the body's box is more
@@ -205,7 +207,7 @@
 //! | polyhedra, rounded or not | `1e-13 L` | exact (feature `exact`) | bounded both ways | [`Tracker::manifold`] |
 //! | curved shapes | `1e-13 L` | within `3e-14 L` touching or undecided; `intersects` and `within` return true unless a search proves the shapes apart | bounded both ways to `1e-13 L` if a ball inside the shapes proves the depth, else to about `2^-19 L`; wider if both have one centre | [`PairTracker::manifold`] |
 //! | superquadrics | `2e-13 L` | as curved shapes, within `1e-13 L` | as curved shapes | [`PairTracker::manifold`] |
-//! | meshes, compounds | `1e-13 L`; compounds whose pieces have poses `1.5e-13 L` | predicates of meshes and of compounds whose pieces have no pose exact (feature `exact`); within `1e-13 L` of contact, the contact state may be touching instead of separated or overlapping | [`PairTracker::penetration`]: an interval that may stay wide | [`PairTracker::contacts`], for shallow overlap |
+//! | meshes, compounds | `1e-13 L`; compounds whose pieces have poses `1.5e-13 L` | predicates of meshes and of compounds whose pieces have no pose exact (feature `exact`), but for two ties of [`PairTracker::within`]; within `1e-13 L` of contact, the contact state may be touching instead of separated or overlapping | [`PairTracker::penetration`]: an interval that may stay wide | [`PairTracker::contacts`], for shallow overlap |
 //! | Bézier surfaces | you choose | undecided if the interval allows both answers, at one pose perhaps warm and not cold | none | none |
 //!
 //! * **Sizes.** The extent of a body is from 1e-100 to 1e100; one body may be any number of times
@@ -214,7 +216,7 @@
 //!   pairs with surfaces and L below 2^-300 (5e-91) are measured by their origins alone.
 //! * **Witnesses of an overlap** lie on the supporting planes of the named features, not always on
 //!   the features: see [`Outcome::features`].
-//! * **Time of a depth.** 0.7 to 2 µs for small motions of bodies of 8 to 512 vertices, 10 µs at
+//! * **Time of a depth.** 0.5 to 5 µs for small motions of bodies of 8 to 512 vertices, 10 µs at
 //!   random poses of bodies of 40 vertices, milliseconds for round bodies of thousands of faces
 //!   about one centre.
 //! * **Degenerate depths** that no floating-point arithmetic decides (two needles a billionth as

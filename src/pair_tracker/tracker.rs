@@ -40,7 +40,7 @@ use nalgebra::{Unit, Vector3};
 /// | polyhedra, rounded or not | `1e-13 L` | exact (feature `exact`) |
 /// | cylinder, cone, ellipsoid | `1e-13 L`; depths `2^-19 L` | ties count as within |
 /// | superquadric | `2e-13 L`; depths `2^-19 L` | ties count as within |
-/// | meshes, compounds whose pieces have no pose | `1e-13 L` | exact (feature `exact`) |
+/// | meshes, compounds whose pieces have no pose | `1e-13 L` | exact (`exact`), but for two ties |
 /// | compounds whose pieces have poses | `1.5e-13 L` | ties count as within |
 /// | a Bézier surface | as requested, or `2^-30` of the radii plus `2^-38 L` | may be undecided |
 ///
@@ -215,9 +215,10 @@ impl PairTracker {
     /// contact and points of each component, up to 16,384 pairs of boxes and about 1,024 points. If
     /// more are needed, an overlap may be missed; the contact state is then
     /// [`ContactState::Touching`](crate::ContactState::Touching). The bounds of meshes bound the
-    /// distance without a sign. It is zero for bodies that touch or overlap, so the bounds hold in
-    /// both cases and bound no depth. Within `1e-13 L` of contact the contact state of such a pair
-    /// may differ between warm and cold trackers, and between A to B and B to A.
+    /// unsigned distance, which is zero for bodies that touch or overlap. The lower bound of an
+    /// overlap is minus infinity, because no depth is searched. Within `1e-13 L` of contact the
+    /// contact state of such a pair may differ between warm and cold trackers, and between A to B
+    /// and B to A.
     ///
     /// **Cost of meshes**: time in proportion to the pairs of triangles that are as close as the
     /// closest pair, up to rounding. Most bodies have a few such pairs; a dome 1e-9 above a copy of
