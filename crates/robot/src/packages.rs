@@ -57,7 +57,7 @@ impl Packages {
                 .strip_prefix("localhost")
                 .filter(|rest| rest.starts_with('/'))
                 .unwrap_or(path);
-            let missing = || FileErrorKind::Missing(format!("mesh {}", folder.join(path).display()));
+            let missing = || FileErrorKind::MissingMesh(folder.join(path).display().to_string());
             let mut files = spellings(path).map(|path| folder.join(path));
             return files.find(|file| file.is_file()).ok_or_else(missing);
         };
@@ -84,9 +84,7 @@ impl Packages {
         }
         let folders: String = self.folders.iter().map(|f| format!("{}, ", f.display())).collect();
         let places = format!("{folders}the folders above the URDF");
-        Err(FileErrorKind::Missing(format!(
-            "mesh {name:?} (looked for in {places})"
-        )))
+        Err(FileErrorKind::MissingMesh(format!("{name:?} (looked for in {places})")))
     }
 }
 

@@ -57,6 +57,10 @@ pub(super) struct RobotOptions {
     /// Measure and print how much each hull differs from its mesh
     #[arg(long)]
     hull_fit: bool,
+    /// Skip collision elements of the robot whose mesh file is missing, with a warning for each:
+    /// nothing is checked against them
+    #[arg(long)]
+    skip_missing_meshes: bool,
     /// Check adjacent links as well
     #[arg(long)]
     check_adjacent: bool,
@@ -74,7 +78,8 @@ impl RobotOptions {
         let mut options = LoadOptions::default()
             .meshes(self.geometry.into())
             .link_meshes(link_meshes)
-            .measure_hulls(self.hull_fit);
+            .measure_hulls(self.hull_fit)
+            .skip_missing_meshes(self.skip_missing_meshes);
         options.pieces.clone_from(&self.pieces);
         let files = RobotFiles {
             urdf: self.urdf.clone(),
