@@ -42,7 +42,8 @@ pub struct LoadOptions {
 }
 
 impl Default for LoadOptions {
-    /// Hulls that are not measured; missing meshes are errors; two full turns and ten metres in both directions.
+    /// Hulls that are not measured; missing meshes are errors; two full turns and ten metres in
+    /// both directions.
     fn default() -> Self {
         let turns = 4.0 * std::f64::consts::PI;
         Self {
