@@ -345,10 +345,12 @@ impl<'a> Reader<'a> {
         by_name: &HashMap<&str, usize>,
     ) -> Result<Drive, FileError> {
         let (mut factor, mut offset) = (1.0, 0.0);
-        let (mut at, mut passed): (usize, Vec<usize>) = (index, Vec::new());
+        let (mut at, mut passed, mut place) = (index, Vec::new(), HashMap::new());
         while let Some(mimic) = &self.joints[at].mimic {
-            if let Some(first) = passed.iter().position(|joint| *joint == at) {
-                let names = passed[first..].iter().map(|joint| self.joints[*joint].name.to_owned());
+            if let Some(first) = place.insert(at, passed.len()) {
+                let names = passed[first..]
+                    .iter()
+                    .map(|joint: &usize| self.joints[*joint].name.to_owned());
                 return Err(self.wrong_joint(at, FileErrorKind::MimicLoop(names.collect())));
             }
             passed.push(at);

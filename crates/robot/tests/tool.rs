@@ -287,6 +287,23 @@ fn an_srdf_that_names_a_link_the_robot_does_not_have_is_a_warning() {
     assert_eq!(code, 0, "{text}");
     assert!(text.contains("warning: ") && text.contains("family.srdf:6: "), "{text}");
     assert!(text.contains("link \"gone\" does not exist"), "{text}");
+    // A link of many pairs is one warning.
+    let other = "<disable_collisions link1=\"gone\" link2=\"lift\"/>";
+    let file = scratch(
+        "family.srdf",
+        &format!("<robot name=\"r\">\n{}\n{other}\n</robot>", [other; 40].join("\n")),
+    );
+    let (_, text) = run("clearance", &["--joints", "carry.csv", "--srdf", &file]);
+    let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("warning: ")).collect();
+    assert_eq!(lines.len(), 2, "{text}");
+    assert!(
+        lines[0].contains("family.srdf:2: ") && lines[0].contains("gone"),
+        "{text}"
+    );
+    assert!(
+        lines[0].ends_with("(and 40 more)") && lines[1].contains("\"lift\" does not exist"),
+        "{text}"
+    );
 }
 
 #[test]
