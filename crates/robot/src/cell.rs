@@ -10,6 +10,7 @@ use crate::geometry::{self, MeshUse, Solid};
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::space::Setup;
+use crate::text::check_content;
 use crate::turn::{from_xyzw, roll_pitch_yaw};
 
 /// An obstacle of a cell.
@@ -126,6 +127,7 @@ impl Cell {
         options: &LoadOptions,
     ) -> Result<Self, FileError> {
         let path = path.as_ref();
+        check_content(text).map_err(|reason| FileError::new(path, Some(1), "", reason))?;
         let cell: CellText = serde_json::from_str(text).map_err(|e| {
             let line = (e.line() > 0).then_some(e.line() as u32);
             FileError::new(path, line, "", FileErrorKind::Malformed(e.to_string()))

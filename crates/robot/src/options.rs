@@ -29,6 +29,11 @@ pub struct LoadOptions {
     pub pieces: Option<PathBuf>,
     /// Whether to measure how much each hull differs from its mesh; slow for large meshes.
     pub measure_hulls: bool,
+    /// Whether to skip collision elements of a robot whose mesh file does not exist.
+    ///
+    /// They are listed in [`Robot::skipped`](crate::Robot::skipped), and nothing is checked against
+    /// them. The meshes of a cell must exist.
+    pub skip_missing_meshes: bool,
     /// Least and greatest value of a revolute joint without limits, in radians.
     pub continuous_limits: [f64; 2],
     /// Least and greatest position of planar and floating joints, which URDF does not limit, in the
@@ -37,7 +42,8 @@ pub struct LoadOptions {
 }
 
 impl Default for LoadOptions {
-    /// Hulls that are not measured; two full turns and ten metres in both directions.
+    /// Hulls that are not measured; missing meshes are errors; two full turns and ten metres in
+    /// both directions.
     fn default() -> Self {
         let turns = 4.0 * std::f64::consts::PI;
         Self {
@@ -45,6 +51,7 @@ impl Default for LoadOptions {
             link_meshes: BTreeMap::new(),
             pieces: None,
             measure_hulls: false,
+            skip_missing_meshes: false,
             continuous_limits: [-turns, turns],
             floating_limits: [-10.0, 10.0],
         }
@@ -77,6 +84,13 @@ impl LoadOptions {
     #[must_use]
     pub fn measure_hulls(mut self, measure: bool) -> Self {
         self.measure_hulls = measure;
+        self
+    }
+
+    /// Returns the options that skip collision elements without their mesh file, or do not.
+    #[must_use]
+    pub fn skip_missing_meshes(mut self, skip: bool) -> Self {
+        self.skip_missing_meshes = skip;
         self
     }
 

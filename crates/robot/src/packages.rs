@@ -14,9 +14,10 @@ use crate::error::FileErrorKind;
 /// 1. each given folder, and the folders in it;
 /// 2. each folder above the URDF, and its folder NAME.
 ///
-/// The name of a folder with a `package.xml` is the one that this file says; otherwise it is the
-/// name of the folder. `file://` paths and plain paths are relative to the folder of the URDF. A
-/// path may have percent signs for its letters, such as `%20`.
+/// A folder whose `package.xml` says the name goes before one that has the name itself.
+///
+/// `file://` paths and plain paths are relative to the folder of the URDF. A path may have percent
+/// signs for its letters, such as `%20`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Packages {
     folders: Vec<PathBuf>,
@@ -57,7 +58,7 @@ impl Packages {
                 .strip_prefix("localhost")
                 .filter(|rest| rest.starts_with('/'))
                 .unwrap_or(path);
-            let missing = || FileErrorKind::Missing(format!("mesh {}", folder.join(path).display()));
+            let missing = || FileErrorKind::MissingMesh(folder.join(path).display().to_string());
             let mut files = spellings(path).map(|path| folder.join(path));
             return files.find(|file| file.is_file()).ok_or_else(missing);
         };
@@ -74,19 +75,18 @@ impl Packages {
             let above = folder
                 .ancestors()
                 .flat_map(|place| [place.to_owned(), place.join(package)]);
-            let mut files = given
-                .chain(above)
-                .filter(|place| place.join(rest).is_file() && is_package(place, package))
-                .map(|place| place.join(rest));
-            if let Some(file) = files.next() {
-                return Ok(file);
+            let places = given.chain(above).filter(|place| place.join(rest).is_file());
+            let places: Vec<PathBuf> = places.collect();
+            let is_declared = |place: &&PathBuf| declared_name(place).is_some_and(|name| name == package);
+            let is_named = |place: &&PathBuf| place.file_name().is_some_and(|name| name == package);
+            let place = places.iter().find(is_declared).or_else(|| places.iter().find(is_named));
+            if let Some(place) = place {
+                return Ok(place.join(rest));
             }
         }
         let folders: String = self.folders.iter().map(|f| format!("{}, ", f.display())).collect();
         let places = format!("{folders}the folders above the URDF");
-        Err(FileErrorKind::Missing(format!(
-            "mesh {name:?} (looked for in {places})"
-        )))
+        Err(FileErrorKind::MissingMesh(format!("{name:?} (looked for in {places})")))
     }
 }
 
@@ -105,22 +105,17 @@ fn absolute(folder: &Path) -> PathBuf {
     }
 }
 
-/// Returns whether a folder is the package of a name.
-fn is_package(folder: &Path, name: &str) -> bool {
-    let text = std::fs::read_to_string(folder.join("package.xml")).unwrap_or_default();
+/// Returns the name that the `package.xml` of a folder says.
+fn declared_name(folder: &Path) -> Option<String> {
+    let text = std::fs::read_to_string(folder.join("package.xml")).ok()?;
     let options = ParsingOptions {
         allow_dtd: true,
         ..ParsingOptions::default()
     };
-    let document = Document::parse_with_options(&text, options).ok();
-    let declared = document.as_ref().and_then(|document| {
-        let mut elements = document.root_element().children();
-        elements.find(|n| n.has_tag_name("name"))?.text()
-    });
-    match declared {
-        Some(declared) => declared.trim() == name,
-        None => folder.file_name().is_some_and(|own| own == name),
-    }
+    let document = Document::parse_with_options(&text, options).ok()?;
+    let mut elements = document.root_element().children();
+    let name = elements.find(|n| n.has_tag_name("name"))?;
+    name.text().map(|name| name.trim().to_owned())
 }
 
 /// Returns a path as it is written and, if they differ, with its percent signs decoded.

@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::{Geometry, HullFit};
 use lin_canny_plan::Drive;
 
-use crate::error::{FileError, FileErrorKind};
+use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::names::nearest;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
@@ -120,6 +120,7 @@ pub struct Robot {
     pub(crate) links: Vec<RobotLink>,
     pub(crate) joints: Vec<RobotJoint>,
     pub(crate) coordinates: Vec<Coordinate>,
+    pub(crate) skipped: Vec<Skipped>,
 }
 
 impl Robot {
@@ -177,6 +178,14 @@ impl Robot {
     #[must_use]
     pub fn coordinates(&self) -> &[Coordinate] {
         &self.coordinates
+    }
+
+    /// Returns the collision elements that were skipped because their mesh file does not exist.
+    ///
+    /// There are none unless [`LoadOptions::skip_missing_meshes`] is set.
+    #[must_use]
+    pub fn skipped(&self) -> &[Skipped] {
+        &self.skipped
     }
 
     /// Returns the index of a link.

@@ -74,6 +74,7 @@ impl Setup {
     ///
     /// The prefix distinguishes robots; for a single robot it may be empty.
     pub fn robot(&mut self, prefix: &str, robot: &Robot, pose: Isometry3<f64>) {
+        self.skipped.extend(robot.skipped.iter().cloned());
         let first = self.coordinates.len();
         let named = |name: &str| format!("{prefix}{name}");
         self.coordinates.extend(robot.coordinates.iter().map(|c| Coordinate {

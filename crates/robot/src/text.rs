@@ -37,6 +37,18 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<String, (u32, FileErrorKind)> {
     }
 }
 
+/// Returns an error if a text is empty, or stands for a file that was not fetched.
+pub(crate) fn check_content(text: &str) -> Result<(), FileErrorKind> {
+    let wrong = |what: &str| Err(FileErrorKind::Malformed(what.into()));
+    match text.trim_start_matches(MARK).trim_start() {
+        "" => wrong("the file is empty"),
+        text if text.starts_with("version https://git-lfs.github.com/") => {
+            wrong("the file is a Git LFS pointer (expected its content); run `git lfs pull` first")
+        }
+        _ => Ok(()),
+    }
+}
+
 fn windows(byte: u8) -> char {
     let letter = byte.checked_sub(0x80).and_then(|k| WINDOWS.get(usize::from(k)));
     letter.copied().unwrap_or(char::from(byte))

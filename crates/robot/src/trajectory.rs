@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::error::{FileError, FileErrorKind};
 use crate::names::nearest;
 use crate::robot::Coordinate;
+use crate::text::check_content;
 
 /// A sequence of configurations; each joint moves at constant speed from one to the next.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,6 +44,7 @@ impl Trajectory {
     /// As [`load`](Self::load).
     pub fn parse(text: &str, path: impl AsRef<Path>, coordinates: &[Coordinate]) -> Result<Self, FileError> {
         let path = path.as_ref();
+        check_content(text).map_err(|reason| FileError::new(path, Some(1), "", reason))?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut lines = Lines::new(text);
         let mut reader = csv::ReaderBuilder::new()

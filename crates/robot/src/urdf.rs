@@ -7,7 +7,7 @@ use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny_plan::Drive;
 use roxmltree::Node;
 
-use crate::error::{FileError, FileErrorKind};
+use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::geometry::{self, Solid};
 use crate::names::nearest;
 use crate::options::LoadOptions;
@@ -226,9 +226,9 @@ impl<'a> Reader<'a> {
         let mut number = vec![0; self.links.len()];
         order.iter().enumerate().for_each(|(k, (link, _))| number[*link] = k);
         let (coordinates, drives) = self.coordinates()?;
-        let (mut links, mut joints) = (Vec::new(), Vec::new());
+        let (mut links, mut joints, mut skipped) = (Vec::new(), Vec::new(), Vec::new());
         for &(link, mover) in &order {
-            links.push(self.link(link)?);
+            links.push(self.link(link, &mut skipped)?);
             let Some(mover) = mover else { continue };
             let joint = &self.joints[mover];
             joints.push(RobotJoint {
@@ -248,6 +248,7 @@ impl<'a> Reader<'a> {
             links,
             joints,
             coordinates,
+            skipped,
         })
     }
 
@@ -344,10 +345,12 @@ impl<'a> Reader<'a> {
         by_name: &HashMap<&str, usize>,
     ) -> Result<Drive, FileError> {
         let (mut factor, mut offset) = (1.0, 0.0);
-        let (mut at, mut passed): (usize, Vec<usize>) = (index, Vec::new());
+        let (mut at, mut passed, mut place) = (index, Vec::new(), HashMap::new());
         while let Some(mimic) = &self.joints[at].mimic {
-            if let Some(first) = passed.iter().position(|joint| *joint == at) {
-                let names = passed[first..].iter().map(|joint| self.joints[*joint].name.to_owned());
+            if let Some(first) = place.insert(at, passed.len()) {
+                let names = passed[first..]
+                    .iter()
+                    .map(|joint: &usize| self.joints[*joint].name.to_owned());
                 return Err(self.wrong_joint(at, FileErrorKind::MimicLoop(names.collect())));
             }
             passed.push(at);
@@ -397,7 +400,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn link(&self, link: usize) -> Result<RobotLink, FileError> {
+    fn link(&self, link: usize, skipped: &mut Vec<Skipped>) -> Result<RobotLink, FileError> {
         let (name, node) = self.links[link];
         let parts = self.xml.below(node, &["collision", "origin"], &PASSED)?;
         let origin = self.xml.at_most_one(&parts, "origin")?;
@@ -407,11 +410,18 @@ impl<'a> Reader<'a> {
             return Err(self.xml.error(&node, FileErrorKind::Malformed(what)));
         }
         let collisions = parts.iter().filter(|n| n.tag_name().name() == "collision");
-        let bodies: Result<Vec<LinkBody>, FileError> = collisions.map(|c| self.body(name, *c)).collect();
-        Ok(RobotLink {
-            name: name.into(),
-            bodies: bodies?,
-        })
+        let mut bodies = Vec::new();
+        for collision in collisions {
+            match self.body(name, *collision) {
+                Ok(body) => bodies.push(body),
+                Err(error) => match error.reason {
+                    FileErrorKind::MissingMesh(_) if self.options.skip_missing_meshes => skipped.push(error.into()),
+                    _ => return Err(error),
+                },
+            }
+        }
+        let name = name.into();
+        Ok(RobotLink { name, bodies })
     }
 
     fn body(&self, link: &str, collision: Node<'a, 'a>) -> Result<LinkBody, FileError> {

@@ -12,6 +12,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::error::{FileError, FileErrorKind};
 use crate::names::nearest;
+use crate::text::check_content;
 use crate::turn::{from_xyzw, roll_pitch_yaw};
 
 /// The largest coordinate of a body, as in [`lin_canny`].
@@ -35,6 +36,7 @@ pub(crate) struct Xml<'a> {
 
 impl<'a> Xml<'a> {
     pub(crate) fn parse(file: &'a Path, text: &'a str, root: &str) -> Result<Self, FileError> {
+        check_content(text).map_err(|reason| FileError::new(file, Some(1), "", reason))?;
         // The parser skips a byte order mark, but counts it in positions.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let options = ParsingOptions {

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion};
 use lin_canny::{ConvexPolyhedron, GeometryKind, PairTracker, RelativePose};
-use lin_canny_robot::{Cell, FileError, FileErrorKind, LoadOptions, MeshUse, MotionKind, Packages, Robot};
+use lin_canny_robot::{
+    Cell, FileError, FileErrorKind, LoadOptions, MeshUse, MotionKind, Packages, Robot, Srdf, Trajectory,
+};
 
 /// A folder of the examples.
 pub fn examples() -> PathBuf {
@@ -283,9 +285,9 @@ fn missing_and_foreign_meshes_are_named() {
         3,
         &["link \"b\"", "nowhere/x.stl"],
     );
-    assert!(matches!(reason, FileErrorKind::Missing(_)));
+    assert!(matches!(reason, FileErrorKind::MissingMesh(_)));
     let reason = refused(sphere, &mesh("x.obj"), 3, &["link \"b\"", "x.obj"]);
-    assert!(matches!(reason, FileErrorKind::Missing(_)));
+    assert!(matches!(reason, FileErrorKind::MissingMesh(_)));
     // A file that is there, and no mesh.
     let reason = refused(
         sphere,
@@ -639,6 +641,94 @@ fn hulls_of_flat_meshes_are_polygons() {
             };
             let [a, b] = [plane(0.0, 0.0), plane(1.0, 1.0)].map(|p| 2.0 * p[0]);
             assert!(low.x <= a.min(b) && high.x >= a.max(b), "{low} {high}");
+        }
+    }
+}
+
+/// A robot of three links of two meshes each, of which some files do not exist.
+fn with_meshes(is_there: impl Fn(usize) -> bool) -> String {
+    let mesh = |k: usize| {
+        let name = if is_there(k) {
+            "finger".into()
+        } else {
+            format!("gone{k}")
+        };
+        let mesh = format!("<mesh filename=\"package://gripper_arm/{name}.obj\"/>");
+        format!("<collision><geometry>\n{mesh}</geometry></collision>")
+    };
+    let links = (0..3).map(|k| format!("<link name=\"l{k}\">{}{}</link>", mesh(2 * k), mesh(2 * k + 1)));
+    let joint = |k: usize| {
+        let ends = format!("<parent link=\"l{}\"/><child link=\"l{k}\"/>", k - 1);
+        format!("<joint name=\"j{k}\" type=\"continuous\">{ends}</joint>")
+    };
+    let links: String = links.collect();
+    format!("<robot name=\"r\">{links}{}{}</robot>", joint(1), joint(2))
+}
+
+#[test]
+fn missing_meshes_are_skipped_only_if_asked_for() {
+    let load = |text: &str, options: &LoadOptions| {
+        Robot::parse(text, examples().join("r.urdf"), &Packages::default(), options)
+    };
+    let skip = LoadOptions::default().skip_missing_meshes(true);
+    for gone in 0..64usize {
+        let text = with_meshes(|k| gone >> k & 1 == 0);
+        let missing: Vec<usize> = (0..6).filter(|k| gone >> k & 1 == 1).collect();
+        match load(&text, &LoadOptions::default()) {
+            Ok(robot) => assert!(missing.is_empty() && robot.skipped().is_empty()),
+            Err(error) => assert_eq!(error.line, Some(missing[0] as u32 + 2), "{error}"),
+        }
+        let robot = load(&text, &skip).expect("a robot");
+        let lines: Vec<Option<u32>> = robot.skipped().iter().map(|s| s.line).collect();
+        let expected: Vec<Option<u32>> = missing.iter().map(|k| Some(*k as u32 + 2)).collect();
+        assert_eq!(lines, expected);
+        for (skipped, k) in robot.skipped().iter().zip(&missing) {
+            let told = skipped.to_string();
+            assert!(
+                told.contains(&format!("gone{k}.obj")) && told.contains("is missing"),
+                "{told}"
+            );
+        }
+        for (l, link) in robot.links().iter().enumerate() {
+            let there = [2 * l, 2 * l + 1].iter().filter(|k| !missing.contains(k)).count();
+            assert_eq!(link.bodies.len(), there);
+        }
+    }
+    // Any other fault of a mesh is still an error.
+    let text = with_meshes(|_| true);
+    for (from, to) in [
+        (" filename=\"package://gripper_arm/finger.obj\"", ""),
+        ("package://gripper_arm/finger.obj", "gripper.urdf"),
+        ("finger.obj\"", "finger.obj\" scale=\"0 1 1\""),
+        ("package://gripper_arm/finger.obj", "https://example.org/finger.obj"),
+    ] {
+        let changed = text.replacen(from, to, 1);
+        assert!(changed != text && load(&changed, &skip).is_err(), "{to}");
+    }
+    assert!(load(&text, &skip.clone().meshes(MeshUse::Pieces)).is_err());
+}
+
+#[test]
+fn empty_files_and_pointers_get_a_message_of_their_own() {
+    let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:0123\nsize 12345\n";
+    let robot = changed("chain", "chain").expect("a robot");
+    for (text, words) in [
+        ("", "the file is empty"),
+        (" \r\n\t\n", "the file is empty"),
+        ("\u{feff}", "the file is empty"),
+        (pointer, "git lfs pull"),
+        (&pointer.replace('\n', "\r\n"), "git lfs pull"),
+    ] {
+        let packages = Packages::default();
+        let errors = [
+            parse(text).err(),
+            Srdf::parse(text, "r.srdf", &robot).err(),
+            Cell::parse(text, "cell.json", &packages, &LoadOptions::default()).err(),
+            Trajectory::parse(text, "q.csv", robot.coordinates()).err(),
+        ];
+        for error in errors {
+            let error = error.expect("an error");
+            assert!(error.line == Some(1) && error.to_string().contains(words), "{error}");
         }
     }
 }

@@ -87,7 +87,7 @@ fn a_folder_that_is_only_on_the_way_is_not_above() {
 }
 
 #[test]
-fn the_name_of_a_package_is_the_one_in_its_package_xml() {
+fn a_package_has_the_name_in_its_package_xml_or_that_of_its_folder() {
     let root = tree(
         "named",
         &["checkout-main/meshes/u.obj", "arm/meshes/u.obj", "plain/meshes/u.obj"],
@@ -110,11 +110,18 @@ fn the_name_of_a_package_is_the_one_in_its_package_xml() {
         assert_eq!(found(&name("arm"), folder, packages).expect("a mesh"), 1);
         assert_eq!(found(&name("leg"), folder, packages).expect("a mesh"), 2);
         assert_eq!(found(&name("plain"), folder, packages).expect("a mesh"), 3);
-        assert!(found(&name("checkout-main"), folder, packages).is_err());
+        assert_eq!(found(&name("checkout-main"), folder, packages).expect("a mesh"), 1);
     }
     assert_eq!(found(&name("arm"), &above, &Packages::default()).expect("a mesh"), 1);
     assert_eq!(found(&name("plain"), &above, &Packages::default()).expect("a mesh"), 3);
-    assert!(found(&name("checkout-main"), &above, &Packages::default()).is_err());
+    assert_eq!(
+        found(&name("checkout-main"), &above, &Packages::default()).expect("a mesh"),
+        1
+    );
+    // A folder of that name, if no other folder says that it is the package.
+    let other = Packages::new([root.join("arm")]);
+    assert_eq!(found(&name("arm"), &elsewhere, &other).expect("a mesh"), 2);
+    assert!(found(&name("foot"), &elsewhere, &Packages::new([&root])).is_err());
 }
 
 #[test]

@@ -287,4 +287,77 @@ fn an_srdf_that_names_a_link_the_robot_does_not_have_is_a_warning() {
     assert_eq!(code, 0, "{text}");
     assert!(text.contains("warning: ") && text.contains("family.srdf:6: "), "{text}");
     assert!(text.contains("link \"gone\" does not exist"), "{text}");
+    // A link of many pairs is one warning.
+    let other = "<disable_collisions link1=\"gone\" link2=\"lift\"/>";
+    let file = scratch(
+        "family.srdf",
+        &format!("<robot name=\"r\">\n{}\n{other}\n</robot>", [other; 40].join("\n")),
+    );
+    let (_, text) = run("clearance", &["--joints", "carry.csv", "--srdf", &file]);
+    let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("warning: ")).collect();
+    assert_eq!(lines.len(), 2, "{text}");
+    assert!(
+        lines[0].contains("family.srdf:2: ") && lines[0].contains("gone"),
+        "{text}"
+    );
+    assert!(
+        lines[0].ends_with("(and 40 more)") && lines[1].contains("\"lift\" does not exist"),
+        "{text}"
+    );
+}
+
+#[test]
+fn missing_meshes_are_errors_or_warnings() {
+    let link = |name: &str, file: &str| {
+        let shape = format!("<geometry>\n<mesh filename='{file}'/></geometry>");
+        format!("<link name='{name}'><collision>{shape}</collision></link>")
+    };
+    let joint = "<joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint>";
+    let text = format!(
+        "<robot name='r'>{}{}{joint}</robot>",
+        link("a", "gone a.obj"),
+        link("b", "gone b.obj")
+    );
+    let robot = scratch("gone.urdf", &text);
+    let rows = scratch("gone.csv", "j\n0\n");
+    let (code, text) = run_of(&robot, "clearance", &["--joints", &rows]);
+    assert_eq!(code, 3, "{text}");
+    assert!(
+        text.contains("gone.urdf:2: ") && text.contains("gone a.obj is missing"),
+        "{text}"
+    );
+    let (code, text) = run_of(&robot, "clearance", &["--joints", &rows, "--skip-missing-meshes"]);
+    assert_eq!(code, 0, "{text}");
+    assert_eq!(text.matches("warning: ").count(), 2, "{text}");
+    for words in [
+        "gone.urdf:2: link \"a\"",
+        "gone a.obj is missing",
+        "gone.urdf:3: link \"b\"",
+        "gone b.obj is missing",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+}
+
+#[test]
+fn a_pointer_or_an_empty_file_is_named() {
+    for (text, words) in [
+        ("", "is empty"),
+        ("version https://git-lfs.github.com/spec/v1\n", "git lfs pull"),
+    ] {
+        let file = scratch("pointer", text);
+        for (robot, option) in [
+            (&*file, None),
+            ("gripper.urdf", Some("--srdf")),
+            ("gripper.urdf", Some("--cell")),
+        ] {
+            let mut arguments = vec!["--joints", "carry.csv"];
+            arguments.extend(option.into_iter().flat_map(|option| [option, &*file]));
+            let (code, told) = run_of(robot, "clearance", &arguments);
+            assert!(
+                code == 3 && told.contains("pointer:1: ") && told.contains(words),
+                "{told}"
+            );
+        }
+    }
 }

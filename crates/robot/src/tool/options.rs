@@ -1,10 +1,11 @@
 //! The options of all commands: the robot, its pairs, its cell.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use lin_canny::Geometry;
-use lin_canny_robot::{LoadOptions, MeshUse, Packages, Robot, RobotFiles, Setup};
+use lin_canny_robot::{LoadOptions, MeshUse, Packages, Robot, RobotFiles, Setup, Skipped};
 
 use super::ToolError;
 
@@ -57,6 +58,10 @@ pub(super) struct RobotOptions {
     /// Measure and print how much each hull differs from its mesh
     #[arg(long)]
     hull_fit: bool,
+    /// Skip collision elements of the robot whose mesh file is missing, with a warning for each:
+    /// nothing is checked against them
+    #[arg(long)]
+    skip_missing_meshes: bool,
     /// Check adjacent links as well
     #[arg(long)]
     check_adjacent: bool,
@@ -74,7 +79,8 @@ impl RobotOptions {
         let mut options = LoadOptions::default()
             .meshes(self.geometry.into())
             .link_meshes(link_meshes)
-            .measure_hulls(self.hull_fit);
+            .measure_hulls(self.hull_fit)
+            .skip_missing_meshes(self.skip_missing_meshes);
         options.pieces.clone_from(&self.pieces);
         let files = RobotFiles {
             urdf: self.urdf.clone(),
@@ -85,14 +91,28 @@ impl RobotOptions {
             check_adjacent: self.check_adjacent,
         };
         let (robot, setup) = files.load()?;
-        for skipped in setup.skipped() {
-            eprintln!("warning: {skipped}");
-        }
+        warn_of_skipped(setup.skipped());
         warn_of_turned_triangles(&robot);
         if self.hull_fit {
             print_hull_fits(&robot);
         }
         Ok((robot, setup))
+    }
+}
+
+/// Warns of what the files name and the setup does not hold, once for each element and reason.
+fn warn_of_skipped(skipped: &[Skipped]) {
+    let mut counts: HashMap<(&str, &str), usize> = HashMap::new();
+    for one in skipped {
+        *counts.entry((&one.element, &one.reason)).or_default() += 1;
+    }
+    for one in skipped {
+        // The first of each takes the count away.
+        match counts.remove(&(one.element.as_str(), one.reason.as_str())) {
+            Some(1) => eprintln!("warning: {one}"),
+            Some(count) => eprintln!("warning: {one} (and {} more)", count - 1),
+            None => {}
+        }
     }
 }
 
