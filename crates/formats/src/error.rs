@@ -57,7 +57,6 @@ impl Fault {
     }
 
     /// Returns the fault of a line with geometry that is not supported.
-    #[allow(dead_code)]
     pub(crate) fn unsupported(line: impl Into<Option<usize>>, what: impl Into<String>) -> Self {
         Self {
             line: line.into(),

@@ -16,10 +16,6 @@ pub enum MeshFormat {
     Obj,
     /// COLLADA 1.4 or 1.5.
     Collada,
-    /// glTF 2.0, as JSON or as GLB.
-    Gltf,
-    /// PLY, text or binary.
-    Ply,
 }
 
 /// A mesh file as read.
@@ -40,7 +36,7 @@ pub struct MeshFile {
 pub struct MeshObject {
     /// The name in the file; empty if it has none.
     pub name: String,
-    /// The points that triangles use, in the unit of the file (metres for COLLADA and glTF).
+    /// The points that triangles use, in the unit of the file (metres for COLLADA).
     pub points: Vec<[f64; 3]>,
     /// Three indices of points per triangle, counter-clockwise as seen from outside.
     pub triangles: Vec<[u32; 3]>,
@@ -73,7 +69,7 @@ impl MeshFile {
     }
 
     /// Returns the mesh of the bytes of a file. Errors name the file `path`; its extension matters
-    /// if the content does not decide the format, and its folder is the folder of further files.
+    /// if the content does not decide the format.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -88,7 +84,6 @@ impl MeshFile {
             MeshFormat::Stl => stl::read(bytes),
             MeshFormat::Obj => obj::read(bytes),
             MeshFormat::Collada => collada::read(bytes),
-            other => Err(Fault::unsupported(None, format!("{other:?}"))),
         };
         let mut file = file.map_err(error)?;
         file.objects.retain(|object| !object.triangles.is_empty());
@@ -133,17 +128,17 @@ fn format_of(bytes: &[u8], path: &Path) -> Result<MeshFormat, Fault> {
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     Ok(match extension.as_deref() {
         _ if stl::is_binary(bytes) => MeshFormat::Stl,
-        _ if bytes.starts_with(b"glTF") => MeshFormat::Gltf,
-        _ if lower.starts_with("ply\n") || lower.starts_with("ply\r") => MeshFormat::Ply,
+        _ if bytes.starts_with(b"glTF") => return Err(Fault::unsupported(None, "the format glTF")),
+        _ if lower.starts_with("ply\n") || lower.starts_with("ply\r") => {
+            return Err(Fault::unsupported(None, "the format PLY"));
+        }
         _ if start.contains("<COLLADA") => MeshFormat::Collada,
         Some("stl") => MeshFormat::Stl,
         Some("obj") => MeshFormat::Obj,
         Some("dae") => MeshFormat::Collada,
-        Some("gltf" | "glb") => MeshFormat::Gltf,
-        Some("ply") => MeshFormat::Ply,
         _ if lower.starts_with("solid") => MeshFormat::Stl,
         _ => {
-            let why = "unknown file extension (expected .stl, .obj, .dae, .gltf, .glb or .ply)";
+            let why = "unknown file extension (expected .stl, .obj or .dae)";
             return Err(unknown(why));
         }
     })
