@@ -34,6 +34,7 @@ mod obj;
 mod polygon;
 mod stl;
 mod text;
+mod xml;
 
 pub use error::{MeshFault, MeshFileError};
 pub use mesh::{MeshFile, MeshFormat, MeshObject, Skipped};

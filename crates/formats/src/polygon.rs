@@ -17,6 +17,10 @@ const FLAT: f64 = 0.1;
 /// Largest error of the area of the triangles, divided by the area of the polygon.
 const AREA: f64 = 1e-6;
 
+/// Largest distance of corners from a line, divided by their length, at which a polygon counts as
+/// without area.
+const LINE: f64 = 1e-15;
+
 type Point = [f64; 3];
 
 /// Cuts a polygon with holes into triangles with the outside of the polygon. Corners are indices;
@@ -34,8 +38,11 @@ pub(crate) fn triangulate(rings: &[&[u64]], point: impl Fn(u64) -> Point) -> Res
     let corners: Vec<Point> = outer.iter().map(|&k| point(k)).collect();
     let normal = normal(&corners);
     let axis = (0..3).fold(0, |best, k| if normal[k].abs() > normal[best].abs() { k } else { best });
-    if !(normal[axis].abs() > 0.0) {
-        return Ok(Vec::new());
+    if !(normal[axis].abs() > 0.0) || is_on_a_line(&corners) {
+        return match is_on_a_line(&corners) {
+            true => Ok(Vec::new()),
+            false => Err("polygon is not simple: its area is zero, but its corners are not on a line".into()),
+        };
     }
     check_flat(&corners, &normal)?;
     let is_turned = normal[axis] < 0.0;
@@ -80,6 +87,25 @@ fn normal(corners: &[Point]) -> Point {
         }
     }
     sum
+}
+
+/// Returns whether all corners are on a line, up to rounding.
+fn is_on_a_line(corners: &[Point]) -> bool {
+    let from = |p: &Point| [0, 1, 2].map(|k| p[k] - corners[0][k]);
+    let square = |v: &Point| v.iter().map(|x| x * x).sum::<f64>();
+    let farthest = corners
+        .iter()
+        .map(from)
+        .fold([0.0; 3], |far, v| if square(&v) > square(&far) { v } else { far });
+    let across = |v: &Point| {
+        let cross = [0, 1, 2].map(|k| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            v[i] * farthest[j] - v[j] * farthest[i]
+        });
+        square(&cross)
+    };
+    let largest = corners.iter().map(|p| across(&from(p))).fold(0.0, f64::max);
+    largest <= LINE * LINE * square(&farthest) * square(&farthest)
 }
 
 fn check_flat(corners: &[Point], normal: &Point) -> Result<(), String> {
@@ -353,6 +379,9 @@ mod tests {
 
     #[test]
     fn polygons_without_area_have_no_triangles() {
+        let bow = [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let found = triangulate(&[&[0, 1, 2, 3]], |k| bow[k as usize]);
+        assert!(found.expect_err("a bow tie of two equal halves").contains("not simple"));
         let points = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0]];
         assert!(
             triangulate(&[&[0, 1, 2, 3]], |k| points[k as usize])

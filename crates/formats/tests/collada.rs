@@ -1,12 +1,13 @@
-//! COLLADA: primitives of every kind at the positions of their nodes; whatever else could be geometry
-//! is an error with its line.
+//! COLLADA files: primitives of every kind at the places of their nodes; whatever is wrong is an
+//! error that names its line.
 
-mod support;
+use std::fmt::Write as _;
+use std::time::{Duration, Instant};
 
-use support::{BOX, bounds, parse, read_mutants, volume};
+use lin_canny_formats::{MeshFile, MeshFormat, MeshObject};
 
 /// A tetrahedron of triangles, and a cube of a polylist and single polygons, with an input that is
-/// skipped.
+/// passed over.
 const FILE: &str = r##"<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
   <asset><unit name="half" meter="0.5"/><up_axis>Y_UP</up_axis></asset>
@@ -37,248 +38,1344 @@ const FILE: &str = r##"<?xml version="1.0"?>
   <scene><instance_visual_scene url="#scene"/></scene>
 </COLLADA>"##;
 
-fn read(text: &str) -> Result<lin_canny_formats::MeshFile, String> {
-    parse(text, "a.dae").map_err(|e| e.to_string())
+/// The corners of a box 0.2 x 0.4 x 0.6, numbered x slowest and z fastest, and its triangles.
+const CORNERS: &str = "0 0 0 0 0 0.6 0 0.4 0 0 0.4 0.6 0.2 0 0 0.2 0 0.6 0.2 0.4 0 0.2 0.4 0.6";
+const SIDES: &str = "0 1 3 0 3 2 4 6 7 4 7 5 0 4 5 0 5 1 2 3 7 2 7 6 0 2 6 0 6 4 1 5 7 1 7 3";
+const STRIP: &str = "5 7 1 3 2 7 6 5 4 1 0 2 4 6";
+const VERTEX: &str = r##"<input semantic="VERTEX" source="#v" offset="0"/>"##;
+
+/// The number of triangles, the box, the area and the signed volume of a file.
+#[derive(Debug)]
+struct Measure {
+    triangles: usize,
+    low: [f64; 3],
+    high: [f64; 3],
+    area: f64,
+    volume: f64,
+}
+
+fn measure(objects: &[MeshObject]) -> Measure {
+    let mut all = Measure {
+        triangles: 0,
+        low: [f64::INFINITY; 3],
+        high: [f64::NEG_INFINITY; 3],
+        area: 0.0,
+        volume: 0.0,
+    };
+    for object in objects {
+        for point in &object.points {
+            for (k, x) in point.iter().enumerate() {
+                all.low[k] = if *x < all.low[k] { *x } else { all.low[k] };
+                all.high[k] = if *x > all.high[k] { *x } else { all.high[k] };
+            }
+        }
+        for triangle in &object.triangles {
+            let [a, b, c] = triangle.map(|k| object.points[k as usize]);
+            let [u, v] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
+            let n = [
+                u[1] * v[2] - u[2] * v[1],
+                u[2] * v[0] - u[0] * v[2],
+                u[0] * v[1] - u[1] * v[0],
+            ];
+            all.triangles += 1;
+            all.area += 0.5 * (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+            all.volume += (a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / 6.0;
+        }
+        // Every point is used.
+        let mut used = vec![false; object.points.len()];
+        object.triangles.iter().flatten().for_each(|k| used[*k as usize] = true);
+        assert!(used.into_iter().all(|used| used), "{object:?}");
+    }
+    all
+}
+
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() < 1e-12 * (1.0 + b.abs())
+}
+
+impl Measure {
+    fn check(&self, triangles: usize, low: [f64; 3], high: [f64; 3], area: f64, volume: f64) {
+        let of_box = (0..3).all(|k| near(self.low[k], low[k]) && near(self.high[k], high[k]));
+        assert!(
+            self.triangles == triangles && of_box && near(self.area, area) && near(self.volume, volume),
+            "{self:?}"
+        );
+    }
+}
+
+fn read(text: &str) -> Result<MeshFile, String> {
+    parse(text.as_bytes())
+}
+
+fn parse(bytes: &[u8]) -> Result<MeshFile, String> {
+    let file = MeshFile::parse(bytes, "a.dae").map_err(|e| {
+        let fault = e.fault.to_string();
+        assert!(fault.chars().count() <= 120 && !fault.ends_with('.'), "{fault}");
+        e.to_string()
+    })?;
+    assert_eq!(file.format, MeshFormat::Collada);
+    for object in &file.objects {
+        assert!(object.points.iter().flatten().all(|x| x.is_finite()));
+        let count = object.points.len();
+        assert!(object.triangles.iter().flatten().all(|k| (*k as usize) < count));
+    }
+    Ok(file)
+}
+
+/// A source of positions with its vertices.
+fn source(name: &str, numbers: &str, accessor: &str) -> String {
+    let count = numbers.split_whitespace().count();
+    format!(
+        r##"<source id="{name}-s"><float_array id="{name}-a" count="{count}">{numbers}</float_array>
+<technique_common><accessor source="#{name}-a" {accessor}</technique_common></source>
+<vertices id="{name}"><input semantic="POSITION" source="#{name}-s"/></vertices>"##
+    )
+}
+
+/// A file of a unit, libraries, and nodes of the scene.
+fn file(libraries: &str, nodes: &str) -> String {
+    format!(
+        r##"<?xml version="1.0" encoding="utf-8"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit meter="1" name="meter"/><up_axis>Z_UP</up_axis></asset>
+{libraries}
+<library_visual_scenes><visual_scene id="sc">{nodes}</visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#sc"/></scene></COLLADA>"##
+    )
+}
+
+/// A file of one mesh at the origin.
+fn of_mesh(mesh: &str) -> String {
+    file(&geometry(mesh), &placed(""))
+}
+
+fn geometry(mesh: &str) -> String {
+    format!(r#"<library_geometries><geometry id="g">{mesh}</geometry></library_geometries>"#)
+}
+
+fn placed(transforms: &str) -> String {
+    format!(r##"<node>{transforms}<instance_geometry url="#g"/></node>"##)
+}
+
+/// The mesh of the box, with primitives.
+fn box_mesh(primitives: &str) -> String {
+    let source = source("v", CORNERS, r#"count="8" stride="3"/>"#);
+    format!("<mesh>{source}\n{primitives}</mesh>")
+}
+
+fn sides() -> String {
+    format!(r#"<triangles count="12">{VERTEX}<p>{SIDES}</p></triangles>"#)
+}
+
+/// The box with transforms of its node.
+fn moved(transforms: &str) -> Result<MeshFile, String> {
+    read(&file(&geometry(&box_mesh(&sides())), &placed(transforms)))
+}
+
+const FAR: [f64; 3] = [0.2, 0.4, 0.6];
+const AREA: f64 = 2.0 * (0.2 * 0.4 + 0.2 * 0.6 + 0.4 * 0.6);
+const VOLUME: f64 = 0.2 * 0.4 * 0.6;
+
+fn is_the_box(text: &str) {
+    let file = read(text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    measure(&file.objects).check(12, [0.0; 3], FAR, AREA, VOLUME);
+}
+
+/// Asserts the error of a text.
+fn fails(text: &str, line: usize, words: &str) {
+    let error = read(text).expect_err(words);
+    assert!(
+        error.contains(&format!("line {line}: ")) && error.contains(words),
+        "{error} instead of line {line}: {words}"
+    );
+}
+
+/// Returns the line of the first letter of a part of a text.
+fn line_of(text: &str, part: &str) -> usize {
+    let at = text.find(part).unwrap_or_else(|| panic!("{part} in {text}"));
+    text[..at].matches('\n').count() + 1
 }
 
 #[test]
-fn primitives_are_at_the_positions_of_their_nodes() {
-    for text in [
-        FILE.to_owned(),
-        FILE.replace('\n', "\r\n"),
-        format!("\u{feff}{FILE}"),
-        format!("\n{FILE}"),
-    ] {
-        let file = read(&text).expect("a file");
-        // Half a metre a unit; the mirrored tetrahedron is turned outside again.
-        assert!(
-            (volume(&file) - (8.0 / 6.0 + 1.0 + 1.0) / 8.0).abs() < 1e-12,
-            "{}",
-            volume(&file)
-        );
-        let expected = [[4.0, 0.0, -1.0], [5.0, 2.5, 0.5]];
-        for (found, expected) in bounds(&file).iter().flatten().zip(expected.iter().flatten()) {
-            assert!((found - expected).abs() < 1e-12, "{:?}", bounds(&file));
-        }
-        let names: Vec<&str> = file.objects.iter().map(|o| o.name.as_str()).collect();
-        assert_eq!(names, ["cube", "tetra", "cube"]);
-    }
+fn primitives_stand_where_their_nodes_say() {
+    let file = read(FILE).expect("a mesh");
+    assert_eq!(file.objects.len(), 3);
+    let names: Vec<_> = file.objects.iter().map(|o| &o.name[..]).collect();
+    assert_eq!(names, ["tetra", "cube", "cube"]);
+    // Half a metre a unit; the mirrored tetrahedron is turned outside again.
+    let all = measure(&file.objects);
+    assert!(near(all.volume, (8.0 / 6.0 + 1.0 + 1.0) / 8.0), "{all:?}");
+    all.check(4 + 12 + 12, [4.0, 0.0, -1.0], [5.0, 2.5, 0.5], all.area, all.volume);
 }
 
 #[test]
 fn what_is_wrong_is_named_with_its_line() {
-    let wrong = |from: &str, to: &str, line: usize, word: &str| {
+    let fails = |from: &str, to: &str, line: usize, word: &str| {
         assert!(FILE.contains(from), "{from}");
-        let error = read(&FILE.replacen(from, to, 1)).expect_err(to);
-        assert!(
-            error.contains(&format!("line {line}:")) && error.contains(word),
-            "{error}"
-        );
+        fails(&FILE.replacen(from, to, 1), line, word);
     };
-    wrong("0 2 1 0 1 3", "0 2 4 0 1 3", 9, "does not exist");
-    wrong("0 2 1 0 1 3", "0 2 -1 0 1 3", 9, "invalid index");
-    wrong("0 2 1 0 1 3", "0 2 1 0 1", 9, "no multiple of 3");
-    wrong("triangles count=\"4\"", "triangles count=\"5\"", 9, "count is 5");
-    wrong("4 4 4 4<", "4 4 4 5<", 16, "vcount");
-    wrong("4 4 4 4<", "4 4 4<", 16, "vcount");
-    wrong("9 0 9 3", "9 0 9 3 9", 16, "no multiple of 2");
-    wrong("0 0 0 1 0 0 0 1 0", "0 0 0 1 x 0 0 1 0", 6, "invalid number");
-    wrong("0 0 0 1 0 0 0 1 0", "0 0 0 1 NaN 0 0 1 0", 9, "not finite");
-    wrong("0 0 0 1 0 0 0 1 0", "0 0 0 1 1e400 0 0 1 0", 9, "not finite");
-    wrong("0 0 0 1 0 0 0 1 0", "0 0 0 1 0 0 0 1", 6, "count is 12");
-    wrong("stride=\"3\"", "stride=\"0\"", 7, "stride");
-    wrong("stride=\"3\"", "stride=\"-3\"", 7, "stride");
-    wrong(
-        "accessor source=\"#t-arr\" count=\"4\"",
-        "accessor source=\"#t-arr\" count=\"5\"",
+    fails(
+        "0 2 1 0 1 3",
+        "0 2 4 0 1 3",
+        9,
+        "vertex 4 does not exist (expected less than 4)",
+    );
+    fails("0 2 1 0 1 3", "0 2 -1 0 1 3", 9, "invalid index: \"-1\"");
+    fails("4 4 4 4<", "4 4 4 5<", 16, "fewer corners");
+    fails("4 4 4 4<", "4 4 4 3<", 16, "1 more than vcount requires");
+    fails("4 4 4 4<", "4 4 4 2 2<", 16, "2 corners");
+    fails("4 4 4 4<", "4 4 4 0 4<", 16, "0 corners");
+    fails("0 0 0 1 0 0 0 1 0", "0 0 0 1 x 0 0 1 0", 6, "invalid number: \"x\"");
+    fails("0 0 0 1 0 0 0 1 0", "0 0 0 1 NaN 0 0 1 0", 6, "not finite");
+    fails("0 0 0 1 0 0 0 1 0", "0 0 0 1 1e400 0 0 1 0", 6, "not finite");
+    fails(
+        "stride=\"3\"",
+        "stride=\"0\"",
         7,
-        "count",
+        "invalid stride: 0 (expected 3 or more)",
     );
-    wrong("url=\"#tetra\"", "url=\"#tetrad\"", 23, "tetrad");
-    wrong("url=\"#tetra\"", "url=\"b.dae#tetra\"", 23, "another file");
-    wrong(
-        "instance_geometry url=\"#tetra\"",
-        "instance_controller url=\"#tetra\"",
-        23,
-        "skinned",
+    fails("stride=\"3\"", "stride=\"x\"", 7, "invalid stride: \"x\"");
+    fails("url=\"#tetra\"", "url=\"#tetrad\"", 23, "tetrad");
+    fails("source=\"#t-v\"", "source=\"#t\"", 9, "no element");
+    fails("<matrix>1 0", "<matrix>1", 24, "transform of 15 numbers (expected 16)");
+    fails("0 0 0 0 1</matrix>", "0 0 0 1 1</matrix>", 24, "0 0 0 1 as last row");
+    fails(
+        "<rotate>0 0 1 90",
+        "<rotate>0 0 1",
+        22,
+        "transform of 3 numbers (expected 4)",
     );
-    wrong(
-        "instance_geometry url=\"#tetra\"",
-        "instance_geometri url=\"#tetra\"",
-        23,
-        "unknown element",
+    fails("<scale>2 2 -2", "<scale>2 0 -2", 23, "flat");
+    fails("<scale>2 2 -2", "<scale>2 inf -2", 23, "not finite");
+    fails(
+        "<translate>10 0 0",
+        "<translate>10 0",
+        22,
+        "transform of 2 numbers (expected 3)",
     );
-    wrong("source=\"#t-v\"", "source=\"#t\"", 9, "does not exist");
-    wrong("<matrix>1 0", "<matrix>1", 24, "number of values");
-    wrong("0 0 0 1</matrix>", "0 0 1 1</matrix>", 24, "last row");
-    wrong("<scale>2 2 -2", "<scale>2 2 inf", 23, "not finite");
-    wrong("meter=\"0.5\"", "meter=\"-0.5\"", 3, "out of range");
     // A node of itself, and doubling without end.
-    wrong(
+    fails(
         "<instance_geometry url=\"#cube\"/></node></library",
         "<instance_node url=\"#two\"/><instance_node url=\"#two\"/></node></library",
         20,
         "form a cycle",
     );
-    for kind in [
-        "<spline/>",
-        "<brep/>",
-        "<convex_mesh convex_hull_of=\"#cube\"/>",
-        "<nurbs/>",
-    ] {
-        let text = FILE.replacen("<geometry id=\"tetra\">", &format!("<geometry id=\"tetra\">{kind}"), 1);
-        assert!(read(&text).expect_err(kind).contains("line 5"));
-    }
-    let text = FILE.replacen("<triangles", "<nurbs/><triangles", 1);
-    assert!(
-        read(&text)
-            .expect_err("an unknown primitive")
-            .contains("line 9: nurbs: unknown element in <mesh>")
-    );
     assert!(read(&FILE.replace("COLLADA", "collada")).is_err());
     assert!(read("<COLLADA").is_err_and(|e| e.contains("malformed")));
 }
 
-/// A file with one geometry of the given primitives over the eight corners of a box, and a triangle.
-fn of_box(primitives: &str) -> String {
-    let numbers: Vec<String> = BOX.iter().flatten().map(f64::to_string).collect();
-    format!(
-        r##"<?xml version="1.0" encoding="utf-8"?>
-<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit meter="1"/></asset>
-<library_geometries><geometry id="g"><mesh><source id="s"><float_array id="a" count="27">{} .9 .9 .9</float_array>
-<technique_common><accessor source="#a" count="9" stride="3"><param name="X"/><param name="Y"/><param name="Z"/></accessor></technique_common></source>
-<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
-{primitives}
-</mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="sc"><node><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
-<scene><instance_visual_scene url="#sc"/></scene></COLLADA>"##,
-        numbers.join(" ")
-    )
-}
-
-const INPUT: &str = r##"<input semantic="VERTEX" source="#v" offset="0"/>"##;
-const VOLUME: f64 = 0.2 * 0.4 * 0.6;
-
-fn is_box(text: &str) {
-    let file = read(text).unwrap_or_else(|e| panic!("{e}: {text}"));
-    assert!((volume(&file) - VOLUME).abs() < 1e-12, "{}: {text}", volume(&file));
-    // The ninth point, which nothing uses, is no part of the body.
-    assert_eq!(bounds(&file), [[0.0; 3], [0.2, 0.4, 0.6]], "{text}");
-    assert_eq!(file.whole().0.len(), 8);
-}
-
 #[test]
-fn strips_fans_polygons_and_lines_over_a_box() {
-    let strip = format!("<tristrips count=\"1\">{INPUT}<p>3 7 1 5 4 7 6 3 2 1 0 4 2 6</p></tristrips>");
-    // Inside out in the file, and kept so.
-    let file = read(&of_box(&strip)).expect("a strip");
-    assert!((volume(&file) + VOLUME).abs() < 1e-12 && file.whole().1.len() == 12);
-    let turned = of_box(&strip).replace("<node>", "<node><scale>1 1 -1</scale>");
-    assert!((volume(&read(&turned).expect("a strip")) + VOLUME).abs() < 1e-12);
-    let fans = format!("<trifans count=\"2\">{INPUT}<p>0 4 5 1 3 2 6 4</p><p>7 3 1 5 4 6 2 3</p></trifans>");
-    is_box(&of_box(&fans));
-    let quads = "0 1 3 2 4 6 7 5 0 4 5 1 2 3 7 6 0 2 6 4 1 5 7 3";
-    let list = format!("<polylist count=\"6\">{INPUT}<vcount>4 4 4 4 4 4</vcount><p>{quads}</p></polylist>");
-    is_box(&of_box(&list));
-    let lines =
-        format!("{list}<lines count=\"1\">{INPUT}<p>0 8</p></lines><linestrips>{INPUT}<p>0 8 1</p></linestrips>");
-    is_box(&of_box(&lines));
-    assert_eq!(read(&of_box(&lines)).expect("a box").skipped[0].what, "lines");
-    let words: Vec<&str> = quads.split(' ').collect();
-    let single: String = words.chunks(4).map(|q| format!("<p>{}</p>", q.join(" "))).collect();
-    is_box(&of_box(&format!("<polygons count=\"6\">{INPUT}{single}</polygons>")));
-    // Exporters and their spellings.
-    let box_file = of_box(&list);
-    for text in [
-        box_file.replace("<node>", "<node><rotate>0 0 0 0</rotate>"),
-        box_file.replace("<unit meter=\"1\"/>", "<unit meter=\"1,000000\"/>"),
-        box_file.replace("<COLLADA xmlns", "<!DOCTYPE COLLADA>\n<COLLADA xmlns"),
-        box_file
-            .replace("<param name=\"X\"/>", "<param/><param name=\"X\"/>")
-            .replace("stride=\"3\"", "stride=\"3\" offset=\"0\"")
-            .replace("<param/>", ""),
-        box_file.replace("<scene><instance_visual_scene url=\"#sc\"/></scene>", ""),
-        box_file.replace(
-            "<node>",
-            "<node><skew>0 1 0 0 0 1 0</skew><lookat>0 0 0 0 0 -1 0 1 0</lookat>",
-        ),
-    ] {
-        is_box(&text);
-    }
-    let no_scene = box_file.find("<library_visual").expect("scenes");
-    is_box(&format!("{}</COLLADA>", &box_file[..no_scene]));
-    let wide: Vec<u8> = [0xff, 0xfe]
-        .into_iter()
-        .chain(box_file.encode_utf16().flat_map(u16::to_le_bytes))
+fn every_second_triangle_of_a_strip_is_turned() {
+    let strip = box_mesh(&format!(r#"<tristrips count="1">{VERTEX}<p>{STRIP}</p></tristrips>"#));
+    is_the_box(&of_mesh(&strip));
+    // Two boxes as one strip, joined by repeated corners, and as two.
+    let far: Vec<String> = STRIP
+        .split(' ')
+        .map(|k| (k.parse::<u32>().expect("an index") + 8).to_string())
         .collect();
-    let file = parse(&wide, "a.dae").expect("UTF-16");
-    assert!((volume(&file) - VOLUME).abs() < 1e-12);
-    let shifted = box_file
-        .replace("27\">", "29\">7 7 ")
-        .replace("count=\"9\" stride", "count=\"9\" offset=\"2\" stride");
-    is_box(&shifted);
+    let far = far.join(" ");
+    let corners = format!(
+        "{CORNERS} {}",
+        CORNERS
+            .split(' ')
+            .enumerate()
+            .map(|(k, x)| if k % 3 == 0 && x == "0" {
+                "2"
+            } else if k % 3 == 0 {
+                "2.2"
+            } else {
+                x
+            })
+            .collect::<Vec<_>>()
+            .join(" ")
+    );
+    let source = source("v", &corners, r#"count="16" stride="3"/>"#);
+    for lists in [
+        format!(r#"count="1">{VERTEX}<p>{STRIP} 6 13 {far}</p>"#),
+        format!(r#"count="2">{VERTEX}<p>{STRIP}</p><p>{far}</p>"#),
+    ] {
+        let file = read(&of_mesh(&format!(
+            "<mesh>{source}<tristrips {lists}</tristrips></mesh>"
+        )))
+        .expect("a mesh");
+        measure(&file.objects).check(24, [0.0; 3], [2.2, 0.4, 0.6], 2.0 * AREA, 2.0 * VOLUME);
+    }
 }
 
 #[test]
-fn transforms_are_those_of_the_specification() {
-    let quads = "0 1 3 2 4 6 7 5 0 4 5 1 2 3 7 6 0 2 6 4 1 5 7 3";
-    let text = of_box(&format!(
-        "<polylist count=\"6\">{INPUT}<vcount>4 4 4 4 4 4</vcount><p>{quads}</p></polylist>"
-    ));
-    let moved = |transform: &str| read(&text.replace("<node>", &format!("<node>{transform}"))).expect("a box");
-    let near = |file: &lin_canny_formats::MeshFile, low: [f64; 3], high: [f64; 3]| {
-        let found = bounds(file);
-        let pairs = found.iter().flatten().zip(low.iter().chain(&high));
-        assert!(pairs.clone().all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
-        assert!(volume(file) > 0.0);
-    };
-    // An eye at (1, 0, 0) that looks along x: its z axis is -x, its y axis z, its x axis -y.
-    near(
-        &moved("<lookat>1 0 0 2 0 0 0 0 1</lookat>"),
-        [0.4, -0.2, 0.0],
-        [1.0, 0.0, 0.4],
+fn fans_go_round_their_first_corner() {
+    let fans = "<p>0 1 3 2 6 4 5 1</p><p>7 3 1 5 4 6 2 3</p>";
+    is_the_box(&of_mesh(&box_mesh(&format!(
+        r#"<trifans count="2">{VERTEX}{fans}</trifans>"#
+    ))));
+}
+
+/// The file of the report: a strip beside a geometry with one triangle.
+#[test]
+fn strips_stand_beside_triangles() {
+    let one = format!(
+        r##"<geometry id="h"><mesh>{}<triangles count="1"><input semantic="VERTEX" source="#v2" offset="0"/><p>0 1 2</p></triangles></mesh></geometry>"##,
+        source("v2", "-1 -1 -1 -1.1 -1 -1 -1 -1.1 -1", r#"count="3" stride="3"/>"#)
     );
-    // Points move along x by their y: 45 degrees.
-    near(&moved("<skew>45 0 1 0 1 0 0</skew>"), [0.0; 3], [0.6, 0.4, 0.6]);
-    near(&moved("<rotate>1 0 0 90</rotate>"), [0.0, -0.6, 0.0], [0.2, 0.0, 0.4]);
-    near(&moved("<scale>1 -1 1</scale>"), [0.0, -0.4, 0.0], [0.2, 0.0, 0.6]);
-    near(
-        &moved("<translate>1 2 3</translate><scale>2 2 2</scale>"),
+    let accessor = r#"count="8" stride="3"><param name="X" type="float"/></accessor>"#;
+    let strip = format!(
+        r#"<mesh>{}<tristrips count="1">{VERTEX}<p>3 7 1 5 4 7 6 3 2 1 0 4 2 6</p></tristrips></mesh>"#,
+        source("v", CORNERS, accessor)
+    );
+    let libraries = geometry(&strip).replace("</library_geometries>", &format!("{one}</library_geometries>"));
+    let node = r##"<node><instance_geometry url="#g"/><instance_geometry url="#h"/></node>"##;
+    let file = read(&file(&libraries, node)).expect("a mesh");
+    // This strip is inside out.
+    measure(&file.objects[..1]).check(12, [0.0; 3], FAR, AREA, -VOLUME);
+    measure(&file.objects[1..]).check(
+        1,
+        [-1.1, -1.1, -1.0],
+        [-1.0; 3],
+        0.005,
+        measure(&file.objects[1..]).volume,
+    );
+}
+
+#[test]
+fn points_that_no_triangle_uses_are_left_out() {
+    let corners = format!("{CORNERS} 0.9 0.9 0.9");
+    let source = source("v", &corners, r#"count="9" stride="3"/>"#);
+    let lines = format!(r#"<lines count="1">{VERTEX}<p>0 8</p></lines>"#);
+    for mesh in [sides(), format!("{}{lines}", sides()), format!("{lines}{}", sides())] {
+        let text = of_mesh(&format!("<mesh>{source}\n{mesh}</mesh>"));
+        is_the_box(&text);
+        let has_lines = mesh.contains("lines");
+        let skipped = read(&text).expect("a mesh").skipped;
+        let line = has_lines.then(|| line_of(&text, "<lines"));
+        assert_eq!(skipped.iter().find(|s| s.what == "lines").and_then(|s| s.line), line);
+    }
+}
+
+#[test]
+fn numbers_that_no_triangle_uses_may_be_anything() {
+    for word in ["NaN", "inf", "-INF", "1e400", "-nan(ind)", "1.#QNAN", "-1.#IND"] {
+        let corners = format!("{CORNERS} 0.9 {word} 0.9");
+        let count = r#"count="9" stride="3"/>"#;
+        let mesh = |lists: &str| format!("<mesh>{}\n{lists}</mesh>", source("v", &corners, count));
+        is_the_box(&of_mesh(&mesh(&sides())));
+        let used = mesh(&sides().replace("1 7 3<", "1 7 8<"));
+        fails(&of_mesh(&used), 4, "position 8 is not finite");
+    }
+    for word in ["x", "1,5", "0x10", "1e", "--1"] {
+        let corners = format!("{CORNERS} 0.9 {word} 0.9");
+        let mesh = source("v", &corners, r#"count="9" stride="3"/>"#);
+        fails(
+            &of_mesh(&format!("<mesh>{mesh}{}</mesh>", sides())),
+            4,
+            "invalid number",
+        );
+    }
+}
+
+#[test]
+fn polygons_keep_their_notch() {
+    // A U of one polygon, 0.1 thick.
+    let outline = "0 0 3 0 3 3 2 3 2 1 1 1 1 3 0 3";
+    let flat: Vec<&str> = outline.split(' ').collect();
+    let mut corners = String::new();
+    for z in ["0", "0.1"] {
+        flat.chunks(2)
+            .for_each(|p| write!(corners, "{} {} {z} ", p[0], p[1]).expect("a string"));
+    }
+    for first in 0..8 {
+        let ring = |k: usize| (k + first) % 8;
+        let mut faces = String::new();
+        (0..8)
+            .rev()
+            .for_each(|k| write!(faces, "{} ", ring(k)).expect("a string"));
+        (0..8).for_each(|k| write!(faces, "{} ", ring(k) + 8).expect("a string"));
+        for k in 0..8 {
+            let next = (k + 1) % 8;
+            write!(faces, "{k} {next} {} {} ", next + 8, k + 8).expect("a string");
+        }
+        let text = of_mesh(&format!(
+            r#"<mesh>{}<polylist count="10">{VERTEX}<vcount>8 8 4 4 4 4 4 4 4 4</vcount><p>{faces}</p></polylist></mesh>"#,
+            source("v", &corners, r#"count="16" stride="3"/>"#)
+        ));
+        let file = read(&text).expect("a mesh");
+        measure(&file.objects).check(28, [0.0; 3], [3.0, 3.0, 0.1], 14.0 + 1.6, 0.7);
+    }
+    // A quad with a notch at its last corner.
+    let text = of_mesh(&format!(
+        r#"<mesh>{}<polygons count="1">{VERTEX}<p>0 1 2 3</p></polygons></mesh>"#,
+        source("v", "0 0 0 0.4 0 0 0.4 0.4 0 0.35 0.05 0", r#"count="4" stride="3"/>"#)
+    ));
+    let file = read(&text).expect("a mesh");
+    measure(&file.objects).check(2, [0.0; 3], [0.4, 0.4, 0.0], 0.02, 0.0);
+}
+
+/// A plate 3 x 3 x 1 with a hole 1 x 1.
+#[test]
+fn polygons_keep_their_holes() {
+    let mut corners = String::new();
+    for z in [0, 1] {
+        for [x, y] in [[0, 0], [3, 0], [3, 3], [0, 3], [1, 1], [2, 1], [2, 2], [1, 2]] {
+            write!(corners, "{x} {y} {z} ").expect("a string");
+        }
+    }
+    let mut sides = String::new();
+    for k in 0..4 {
+        let next = (k + 1) % 4;
+        write!(sides, "<p>{k} {next} {} {}</p>", next + 8, k + 8).expect("a string");
+        write!(sides, "<p>{} {} {} {}</p>", next + 4, k + 4, k + 12, next + 12).expect("a string");
+    }
+    let plate = |lists: &str, count: usize| {
+        of_mesh(&format!(
+            r#"<mesh>{}
+<polygons count="{count}">{VERTEX}{lists}</polygons></mesh>"#,
+            source("v", &corners, r#"count="16" stride="3"/>"#)
+        ))
+    };
+    // Holes may turn either way.
+    for (bottom, top) in [("4 5 6 7", "15 14 13 12"), ("7 6 5 4", "12 13 14 15")] {
+        let bottom = format!("<ph><p>3 2 1 0</p><h>{bottom}</h></ph>");
+        let top = format!("<ph><p>8 9 10 11</p><h>{top}</h></ph>");
+        for lists in [
+            format!("{bottom}{top}{sides}"),
+            format!("{sides}{bottom}{top}"),
+            format!("{bottom}{sides}{top}"),
+        ] {
+            let file = read(&plate(&lists, 10)).expect("a mesh");
+            measure(&file.objects).check(32, [0.0; 3], [3.0, 3.0, 1.0], 32.0, 8.0);
+            fails(&plate(&lists, 9), 7, "wrong count of primitives: 9 (expected 10");
+        }
+    }
+    for list in [
+        "<ph><h>4 5 6 7</h></ph>",
+        "<ph><p>0 1 2 3</p><p>4 5 6 7</p></ph>",
+        "<ph><p>0 1 2 3</p><x>4 5 6 7</x></ph>",
+    ] {
+        fails(&plate(list, 1), 7, "is at the wrong place");
+    }
+    fails(&plate("<ph/>", 1), 7, "has no corners");
+    fails(
+        &plate("<ph><p>0 1 2 3</p><h>4 5</h></ph>", 1),
+        7,
+        "polygon of 2 corners",
+    );
+    fails(
+        &plate("<ph><p>0 1 2 3</p><h>4 5 16</h></ph>", 1),
+        7,
+        "vertex 16 does not exist",
+    );
+    // A hole outside the ring, and a bow tie.
+    fails(
+        &plate("<ph><p>4 5 6 7</p><h>0 1 2 3</h></ph>", 1),
+        7,
+        "has an invalid face",
+    );
+    fails(&plate("<p>0 2 1 3</p>", 1), 7, "has an invalid face");
+}
+
+#[test]
+fn a_polygon_that_crosses_itself_is_an_error() {
+    for list in ["<p>0 2 1 3</p>", "<p>0 1 3 2</p>", "<ph><p>1 3 2 0</p></ph>"] {
+        let text = format!("<polygons>{VERTEX}{list}</polygons>");
+        let corners = source("v", "0 0 0 4 0 0 4 4 0 0 3 0", r#"count="4" stride="3"/>"#);
+        fails(
+            &of_mesh(&format!("<mesh>{corners}\n{text}</mesh>")),
+            7,
+            "has an invalid face",
+        );
+    }
+}
+
+#[test]
+fn primitives_of_a_mesh_may_have_different_points() {
+    let lower = source("v", CORNERS, r#"count="8" stride="3"/>"#);
+    let reversed: Vec<&str> = CORNERS.split(' ').collect();
+    let reversed: Vec<String> = reversed.chunks(3).rev().map(|p| p.join(" ")).collect();
+    let upper = source("w", &reversed.join(" "), r#"count="8" stride="3"/>"#);
+    let other = VERTEX.replace("#v", "#w");
+    let (first, last) = SIDES.split_at(SIDES.len() / 2 + 1);
+    let last: Vec<String> = last
+        .split_whitespace()
+        .map(|k| (7 - k.parse::<u32>().expect("an index")).to_string())
+        .collect();
+    let text = of_mesh(&format!(
+        "<mesh>{lower}{upper}<triangles>{VERTEX}<p>{first}</p></triangles><triangles>{other}<p>{}</p></triangles></mesh>",
+        last.join(" ")
+    ));
+    is_the_box(&text);
+    assert_eq!(read(&text).expect("a mesh").objects.len(), 1);
+}
+
+#[test]
+fn counts_and_rests_are_checked() {
+    let with = |from: &str, to: &str, line: usize, word: &str| {
+        let text = of_mesh(&box_mesh(&sides()));
+        assert!(text.contains(from), "{from}");
+        fails(&text.replacen(from, to, 1), line, word);
+    };
+    with(
+        "<triangles count=\"12\"",
+        "<triangles count=\"11\"",
+        7,
+        "wrong count of primitives: 11 (expected 12",
+    );
+    with(
+        "<triangles count=\"12\"",
+        "<triangles count=\"99999999999999999999\"",
+        7,
+        "invalid count",
+    );
+    with(
+        "1 7 3<",
+        "1 7<",
+        7,
+        "35 corners of triangles (expected a multiple of 3)",
+    );
+    with("0 1 3 0", "0 1 3 3 0", 7, "37 corners");
+    with(
+        "count=\"24\"",
+        "count=\"23\"",
+        4,
+        "wrong count of numbers: 23 (expected 24",
+    );
+    with("0.2 0.4 0.6<", "0.2 0.4<", 4, "wrong count of numbers: 24 (expected 23");
+    with(
+        "count=\"8\"",
+        "count=\"9\"",
+        5,
+        "wrong count of positions: 9 (expected at most 8)",
+    );
+    with(
+        "count=\"8\"",
+        "count=\"7\"",
+        7,
+        "vertex 7 does not exist (expected less than 7)",
+    );
+    with(
+        "count=\"8\"",
+        "count=\"18446744073709551615\"",
+        5,
+        "wrong count of positions",
+    );
+    with(
+        "stride=\"3\"",
+        "stride=\"18446744073709551615\"",
+        5,
+        "wrong count of positions",
+    );
+    with(
+        "stride=\"3\"",
+        "stride=\"2\"",
+        5,
+        "invalid stride: 2 (expected 3 or more)",
+    );
+    with(
+        "stride=\"3\"",
+        "stride=\"4\"",
+        5,
+        "wrong count of positions: 8 (expected at most 6)",
+    );
+    with(
+        "count=\"8\" stride=\"3\"",
+        "stride=\"5\"",
+        5,
+        "24 numbers (expected a multiple of its stride, 5)",
+    );
+    with("count=\"8\"", "count=\"8\" offset=\"1\"", 5, "wrong count of positions");
+    with(
+        "count=\"8\"",
+        "count=\"8\" offset=\"18446744073709551615\"",
+        5,
+        "wrong count of positions",
+    );
+    with(
+        "offset=\"0\"",
+        "offset=\"1\"",
+        7,
+        "wrong count of primitives: 12 (expected 6",
+    );
+    with(
+        "offset=\"0\"",
+        "offset=\"18446744073709551615\"",
+        7,
+        "36 indices (expected a multiple of",
+    );
+    with("offset=\"0\"", "offset=\"-1\"", 7, "invalid offset");
+    with(
+        "offset=\"0\"/>",
+        "offset=\"0\"/><input semantic=\"NORMAL\"/>",
+        7,
+        "has no attribute offset",
+    );
+    with(
+        "offset=\"0\"/>",
+        "offset=\"0\"/><input semantic=\"NORMAL\" offset=\"4\"/>",
+        7,
+        "36 indices",
+    );
+    with(
+        "<triangles",
+        "<triangles><p>0 1 2</p></triangles><triangles",
+        7,
+        "no input of the semantic VERTEX",
+    );
+    with(
+        "<triangles",
+        &format!("<triangles count=\"2\">{VERTEX}</triangles><triangles"),
+        7,
+        "count of primitives: 2",
+    );
+    with(
+        "semantic=\"POSITION\"",
+        "semantic=\"NORMAL\"",
+        6,
+        "no input of the semantic POSITION",
+    );
+    with("<p>", &format!("{VERTEX}<p>"), 7, "second of the semantic VERTEX");
+    let lists = |lists: &str, word: &str| fails(&of_mesh(&box_mesh(lists)), 7, word);
+    for kind in ["tristrips", "trifans"] {
+        lists(
+            &format!("<{kind}>{VERTEX}<p>0 1</p></{kind}>"),
+            "2 corners of a strip or fan",
+        );
+        lists(
+            &format!("<{kind} count=\"2\">{VERTEX}<p>0 1 3</p></{kind}>"),
+            "wrong count of primitives: 2",
+        );
+    }
+    for count in [3, 5] {
+        let list = format!(
+            "<polylist count=\"{count}\">{VERTEX}<vcount>3 3 3 3</vcount><p>0 1 3 0 3 2 4 6 7 4 7 5</p></polylist>"
+        );
+        lists(&list, "wrong count of primitives");
+    }
+    lists(
+        &format!("<polylist>{VERTEX}<p>0 1 3</p></polylist>"),
+        "3 more than vcount",
+    );
+    lists(
+        &format!("<polylist>{VERTEX}<vcount>3</vcount></polylist>"),
+        "0 elements p",
+    );
+    lists(
+        &format!("<polylist>{VERTEX}<vcount>3</vcount><p>0 1 3</p><p>0 1 3</p></polylist>"),
+        "2 elements p",
+    );
+    // An accessor without counts, and primitives with nothing.
+    let text = of_mesh(&box_mesh(&sides()));
+    is_the_box(&text.replace(" count=\"8\" stride=\"3\"", ""));
+    is_the_box(&text.replace(" count=\"12\"", "").replace(" count=\"24\"", ""));
+    let nothing = format!("<polylist count=\"0\">{VERTEX}<vcount/><p/></polylist><triangles count=\"0\"/><triangles");
+    is_the_box(&text.replace("<triangles", &nothing));
+}
+
+#[test]
+fn accessors_choose_the_numbers_of_a_position() {
+    let with = |offset: usize, names: &[&str], order: &dyn Fn([&str; 3]) -> String| {
+        let mut numbers = "7 ".repeat(offset);
+        let all: Vec<&str> = CORNERS.split(' ').collect();
+        all.chunks(3).for_each(|p| numbers += &order([p[0], p[1], p[2]]));
+        let params: String = names
+            .iter()
+            .map(|name| match *name {
+                "" => "<param type=\"float\"/>".into(),
+                name => format!("<param name=\"{name}\" type=\"float\"/>"),
+            })
+            .collect();
+        let stride = order(["0"; 3]).split_whitespace().count();
+        let accessor = format!("count=\"8\" offset=\"{offset}\" stride=\"{stride}\">{params}</accessor>");
+        format!("<mesh>{}{}</mesh>", source("v", &numbers, &accessor), sides())
+    };
+    let is_the_box = |mesh: String| is_the_box(&of_mesh(&mesh));
+    is_the_box(with(0, &["X", "Y", "Z"], &|[x, y, z]| format!("{x} {y} {z} ")));
+    is_the_box(with(5, &["X", "Y", "Z"], &|[x, y, z]| format!("{x} {y} {z} ")));
+    is_the_box(with(0, &["", "X", "Y", "Z"], &|[x, y, z]| format!("9 {x} {y} {z} ")));
+    is_the_box(with(1, &["X", "", "Y", "", "Z"], &|[x, y, z]| {
+        format!("{x} 9 {y} NaN {z} ")
+    }));
+    is_the_box(with(0, &["", "A", "B", "", "C"], &|[x, y, z]| {
+        format!("8 {x} {y} 9 {z} ")
+    }));
+    is_the_box(with(0, &["Z", "X", "Y"], &|[x, y, z]| format!("{z} {x} {y} ")));
+    is_the_box(with(0, &["x", "y", "z"], &|[x, y, z]| format!("{x} {y} {z} 1 ")));
+    is_the_box(with(0, &[], &|[x, y, z]| format!("{x} {y} {z} ")));
+    let none = with(0, &["", "", "X"], &|[x, y, z]| format!("{x} {y} {z} "));
+    fails(&of_mesh(&none), 5, "names fewer than three coordinates");
+    let none = with(0, &["X", "Y", "Z", "W"], &|[x, y, z]| format!("{x} {y} {z} "));
+    fails(&of_mesh(&none), 5, "invalid stride: 3 (expected 4 or more)");
+}
+
+#[test]
+fn nodes_transform_in_the_order_of_the_file() {
+    let check = |transforms: &str, low: [f64; 3], high: [f64; 3], volume: f64| {
+        let file = moved(transforms).expect(transforms);
+        let all = measure(&file.objects);
+        all.check(12, low, high, all.area, volume);
+    };
+    check(
+        "<translate>1 2 3</translate><scale>2 2 2</scale>",
         [1.0, 2.0, 3.0],
         [1.4, 2.8, 4.2],
+        8.0 * VOLUME,
     );
-}
-
-#[test]
-fn holes_and_notches_stay_open() {
-    // A plate with a square hole, and a U.
-    let plate = r##"<polygons count="1"><input semantic="VERTEX" source="#v" offset="0"/><ph><p>0 1 2 3</p><h>4 5 6 7</h></ph></polygons>"##;
-    let u =
-        r##"<polygons count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2 3 4 5 6 7</p></polygons>"##;
-    for (corners, primitive, expected) in [
-        ("0 0 0 3 0 0 3 3 0 0 3 0 1 1 0 2 1 0 2 2 0 1 2 0", plate, 8.0),
-        ("0 0 0 3 0 0 3 3 0 2 3 0 2 1 0 1 1 0 1 3 0 0 3 0", u, 7.0),
-    ] {
-        let text = of_box(primitive);
-        let (from, to) = (
-            text.find("27\">").expect("numbers") + 4,
-            text.find(" .9 .9 .9").expect("numbers"),
-        );
-        let text = format!("{}{corners}{}", &text[..from], &text[to..]);
-        let file = read(&text).unwrap_or_else(|e| panic!("{e}"));
-        let (points, triangles) = file.whole();
-        let area: f64 = triangles
+    check(
+        "<scale>2 2 2</scale><translate>1 2 3</translate>",
+        [2.0, 4.0, 6.0],
+        [2.4, 4.8, 7.2],
+        8.0 * VOLUME,
+    );
+    check("<rotate>0 0 3 90</rotate>", [-0.4, 0.0, 0.0], [0.0, 0.2, 0.6], VOLUME);
+    check(
+        "<rotate>0 0 1 90</rotate><translate>1 0 0</translate>",
+        [-0.4, 1.0, 0.0],
+        [0.0, 1.2, 0.6],
+        VOLUME,
+    );
+    // A skew of 45 degrees that moves x by y.
+    check("<skew>45 0 1 0 1 0 0</skew>", [0.0; 3], [0.6, 0.4, 0.6], VOLUME);
+    // An eye at (5, 0, 0) that looks along -x, with z up: x, y, z of the node are y, z, x.
+    check(
+        "<lookat>5 0 0 1 0 0 0 0 1</lookat>",
+        [5.0, 0.0, 0.0],
+        [5.6, 0.2, 0.4],
+        VOLUME,
+    );
+    // Mirrors turn triangles over.
+    check("<scale>-1 1 1</scale>", [-0.2, 0.0, 0.0], [0.0, 0.4, 0.6], VOLUME);
+    check("<scale>-1 -1 -1</scale>", [-0.2, -0.4, -0.6], [0.0; 3], VOLUME);
+    check(
+        "<matrix>0 1 0 0 1 0 0 0 0 0 1 0 0 0 0 1</matrix>",
+        [0.0; 3],
+        [0.4, 0.2, 0.6],
+        VOLUME,
+    );
+    check(
+        "<scale>-1 1 1</scale><scale>1 -1 1</scale>",
+        [-0.2, -0.4, 0.0],
+        [0.0, 0.0, 0.6],
+        VOLUME,
+    );
+    // A rotation about nothing is the identity, and is named.
+    check("<rotate>0 0 0 0</rotate>", [0.0; 3], FAR, VOLUME);
+    check("<rotate>0 0 0 90</rotate>", [0.0; 3], FAR, VOLUME);
+    let file = moved("\n<rotate>0 0 0 0</rotate>").expect("a mesh");
+    assert!(
+        file.skipped
             .iter()
-            .map(|t| {
-                let [a, b, c] = t.map(|k| points[k as usize]);
-                0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
-            })
-            .sum();
-        assert!((area - expected).abs() < 1e-12, "{area}");
+            .any(|s| s.what.starts_with("rotate") && s.line.is_some())
+    );
+    for (transforms, word) in [
+        ("<skew>90 0 1 0 1 0 0</skew>", "less than 90"),
+        ("<skew>45 0 1 0 0 1 0</skew>", "perpendicular"),
+        ("<lookat>5 0 0 1 0 0 1 0 0</lookat>", "up across the view"),
+        ("<lookat>5 0 0 5 0 0 0 1 0</lookat>", "an eye away"),
+        (
+            "<lookat>5 0 0 5 0 0 0 1</lookat>",
+            "transform of 8 numbers (expected 9)",
+        ),
+        ("<skew>45 0 1 0 0 1</skew>", "transform of 6 numbers (expected 7)"),
+        ("<scale>1 1 0</scale>", "flat"),
+        (
+            "<rotate>1 0 0 33</rotate><scale>0 1 1</scale><rotate>1 2 3 44</rotate>",
+            "flat",
+        ),
+        ("<matrix>0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 1</matrix>", "flat"),
+        (
+            "<matrix>1.7e308 1.7e308 1.7e308 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix>",
+            "infinite",
+        ),
+        ("<scale>1e200 1 1</scale><scale>1e200 1 1</scale>", "not finite"),
+        (
+            "<matrix>1 0 0 0 0 1 0 0 0 0 1 0 5 0 0 1</matrix>",
+            "0 0 0 1 as last row",
+        ),
+        ("<twist>1</twist>", "the element \"twist\" of node is not supported"),
+    ] {
+        let error = moved(transforms).expect_err(word);
+        assert!(error.contains(word) && error.contains("line"), "{error}");
     }
 }
 
 #[test]
-fn mutants_are_read_or_named() {
-    read_mutants(FILE.as_bytes(), "a.dae", 10_000);
+fn a_geometry_may_be_placed_often() {
+    let nodes = |count: usize| {
+        (0..count).fold(String::new(), |text, k| {
+            text + &placed(&format!("<translate>{k} 0 0</translate>"))
+        })
+    };
+    let file = read(&file(&geometry(&box_mesh(&sides())), &nodes(100))).expect("a mesh");
+    assert_eq!(file.objects.len(), 100);
+    measure(&file.objects).check(1200, [0.0; 3], [99.2, 0.4, 0.6], 100.0 * AREA, 100.0 * VOLUME);
+}
+
+/// A file that doubles a box ever again asks for more memory than its size allows.
+#[test]
+fn instances_have_bounds() {
+    let library = |levels: usize, first: &str| {
+        let mut nodes = format!("<node id=\"n0\">{first}</node>");
+        for k in 1..=levels {
+            let below = format!("<instance_node url=\"#n{}\"/>", k - 1);
+            nodes += &format!("<node id=\"n{k}\">{below}{below}</node>");
+        }
+        let libraries = format!(
+            "{}<library_nodes>{nodes}</library_nodes>",
+            geometry(&box_mesh(&sides()))
+        );
+        file(&libraries, &format!("<node><instance_node url=\"#n{levels}\"/></node>"))
+    };
+    let body = "<instance_geometry url=\"#g\"/>";
+    assert_eq!(read(&library(6, body)).expect("a mesh").objects.len(), 64);
+    let start = Instant::now();
+    for text in [library(60, body), library(60, ""), library(900, body)] {
+        let error = read(&text).expect_err("too large");
+        assert!(error.contains("too large by repeated instances"), "{error}");
+    }
+    let error = read(&library(1001, body)).expect_err("too deep");
+    assert!(error.contains("nested more than 1000 deep"), "{error}");
+    let deep = format!(
+        "{}{}{}",
+        "<node>".repeat(100_000),
+        placed(""),
+        "</node>".repeat(100_000)
+    );
+    let error = read(&file(&geometry(&box_mesh(&sides())), &deep)).expect_err("too deep");
+    assert!(error.contains("nested more than 1000 deep"), "{error}");
+    assert!(start.elapsed() < Duration::from_secs(30), "{:?}", start.elapsed());
+}
+
+/// A file of a skin of the box.
+fn skinned(skin: &str, controllers: &str, transforms: &str) -> String {
+    let skin = format!("<controller id=\"c\"><skin source=\"#g\">{skin}<joints/><vertex_weights/></skin></controller>");
+    let libraries = format!(
+        "{}\n<library_controllers>{skin}{controllers}</library_controllers>",
+        geometry(&box_mesh(&sides()))
+    );
+    let instance = "\n<instance_controller url=\"#c\">\n<skeleton>#root</skeleton></instance_controller>";
+    file(&libraries, &format!("<node>{transforms}{instance}</node>"))
+}
+
+#[test]
+fn skins_are_at_rest() {
+    is_the_box(&skinned("", "", ""));
+    let matrix = |entries: &str| format!("<bind_shape_matrix>{entries} 0 0 0 1</bind_shape_matrix>");
+    let text = skinned(&matrix("1 0 0 5 0 1 0 6 0 0 1 7"), "", "<scale>2 2 2</scale>");
+    let file = read(&text).expect("a mesh");
+    measure(&file.objects).check(12, [10.0, 12.0, 14.0], [10.4, 12.8, 15.2], 4.0 * AREA, 8.0 * VOLUME);
+    let skeleton = file.skipped.iter().find(|s| s.what.starts_with("skeletons"));
+    assert_eq!(skeleton.and_then(|s| s.line), Some(line_of(&text, "<skeleton>")));
+    // A mirror turns triangles over.
+    let file = read(&skinned(&matrix("-1 0 0 0 0 1 0 0 0 0 1 0"), "", "")).expect("a mesh");
+    measure(&file.objects).check(12, [-0.2, 0.0, 0.0], [0.0, 0.4, 0.6], AREA, VOLUME);
+    // A skin of a skin, and of a morph.
+    let other = format!(
+        "<controller id=\"d\"><skin source=\"#g\">{}</skin></controller>",
+        matrix("2 0 0 0 0 2 0 0 0 0 2 0")
+    );
+    let text = skinned(&matrix("1 0 0 5 0 1 0 6 0 0 1 7"), &other, "").replacen("source=\"#g\"", "source=\"#d\"", 1);
+    let file = read(&text).expect("a mesh");
+    measure(&file.objects).check(12, [5.0, 6.0, 7.0], [5.4, 6.8, 8.2], 4.0 * AREA, 8.0 * VOLUME);
+    let at = line_of(&skinned("", "", ""), "<controller");
+    fails(&skinned(&matrix("1 0 0 5 0 1 0 6 0 0 1"), "", ""), at, "16 numbers");
+    fails(
+        &skinned(&matrix("1 0 0 x 0 1 0 6 0 0 1 7"), "", ""),
+        at,
+        "invalid number",
+    );
+    fails(&skinned("<twist/>", "", ""), at, "the element \"twist\" of skin");
+    fails(
+        &skinned("", "", "").replace("source=\"#g\"", "source=\"#c\""),
+        at,
+        "controllers form a cycle",
+    );
+    fails(
+        &skinned("", "", "").replace("source=\"#g\"", "source=\"#q\""),
+        at,
+        "geometry or controller has the id \"q\"",
+    );
+    fails(
+        &skinned("", "", "").replace("source=\"#g\"", ""),
+        at,
+        "no attribute source",
+    );
+    let empty = skinned("", "", "").replace("<skin source=\"#g\"><joints/><vertex_weights/></skin>", "");
+    fails(&empty, at, "no skin or morph");
+    let infinite = skinned(&matrix("1 0 0 inf 0 1 0 6 0 0 1 7"), "", "");
+    fails(&infinite, line_of(&infinite, "<instance_controller"), "not finite");
+}
+
+#[test]
+fn morphs_are_their_base_mesh() {
+    let morph = |weights: &str| {
+        let controller = format!(
+            r##"<controller id="c"><morph source="#g">
+<source id="w"><float_array id="wa" count="2">{weights}</float_array></source>
+<targets><input semantic="MORPH_TARGET" source="#t"/><input semantic="MORPH_WEIGHT" source="#w"/></targets></morph></controller>"##
+        );
+        skinned("", "", "").replace(
+            "<controller id=\"c\"><skin source=\"#g\"><joints/><vertex_weights/></skin></controller>",
+            &controller,
+        )
+    };
+    is_the_box(&morph("0 0"));
+    let skipped = read(&morph("0 0")).expect("a mesh").skipped;
+    assert!(skipped.iter().any(|s| s.what == "morph targets" && s.line.is_some()));
+    let line = line_of(&morph("0 0"), "<float_array id=\"wa\"");
+    for weights in ["0 0.5", "1 0", "0 NaN"] {
+        fails(
+            &morph(weights),
+            line,
+            "a morph with a weight other than 0 is not supported",
+        );
+    }
+    let skin = "<controller id=\"d\"><skin source=\"#c\"/></controller><controller id=\"c\">";
+    let text = morph("0 0")
+        .replace("<controller id=\"c\">", skin)
+        .replace("url=\"#c\"", "url=\"#d\"");
+    is_the_box(&text);
+}
+
+#[test]
+fn convex_meshes_are_meshes() {
+    let convex = box_mesh(&sides()).replace("mesh>", "convex_mesh>");
+    is_the_box(&of_mesh(&convex));
+    let hull = convex.replacen("<convex_mesh", "<convex_mesh convex_hull_of=\"#h\"", 1);
+    fails(&of_mesh(&hull), 4, "convex_hull_of) is not supported");
+}
+
+#[test]
+fn what_could_be_geometry_and_is_not_read_is_an_error() {
+    let text = of_mesh(&format!("\n{}\n", box_mesh(&sides())));
+    // Unknown elements, in the first, a middle and the last place.
+    for (behind, of) in [
+        ("<geometry id=\"g\">", "geometry"),
+        ("</mesh>\n", "geometry"),
+        ("<mesh>", "mesh"),
+        ("</source>", "mesh"),
+        ("</triangles>", "mesh"),
+        ("<triangles count=\"12\">", "triangles"),
+        ("</p>", "triangles"),
+        ("<node>", "node"),
+        ("<instance_geometry url=\"#g\"/>", "node"),
+        ("<visual_scene id=\"sc\">", "visual_scene"),
+        ("</node>", "visual_scene"),
+    ] {
+        for element in ["spline", "brep", "quads", "instance_mesh"] {
+            let at = text.find(behind).expect(behind) + behind.len();
+            let text = format!("{}\n<{element}/>{}", &text[..at], &text[at..]);
+            fails(
+                &text,
+                line_of(&text, &format!("<{element}/>")),
+                &format!("the element \"{element}\" of {of} is not"),
+            );
+        }
+    }
+    let line = line_of(&text, "<instance_geometry");
+    let with = |from: &str, to: &str, line: usize, word: &str| fails(&text.replacen(from, to, 1), line, word);
+    with(
+        "url=\"#g\"",
+        "url=\"other.dae#g\"",
+        line,
+        "a reference to another file: \"other.dae#g\" is not supported",
+    );
+    with(
+        "url=\"#g\"",
+        "url=\"http://a/b.dae\"",
+        line,
+        "a reference to another file",
+    );
+    with("url=\"#g\"", "", line, "no attribute url");
+    with(
+        "version=\"1.4.1\"",
+        "version=\"1.3.1\"",
+        2,
+        "version \"1.3.1\" of COLLADA is not supported",
+    );
+    with(
+        "<mesh>",
+        "<mesh convex_hull_of=\"\"><triangles count=\"1\"><p><p>0</p></p></triangles>",
+        5,
+        "VERTEX",
+    );
+    with(
+        "0.2 0.4 0.6<",
+        "0.2 0.4 <b/>0.6<",
+        5,
+        "the element \"b\" of float_array",
+    );
+    // Names that are there twice.
+    let line_of_input = line_of(&text, "<triangles");
+    with(
+        "<triangles",
+        "<vertices id=\"v\"/><triangles",
+        line_of_input,
+        "several elements have the id \"v\"",
+    );
+    is_the_box(&text.replacen("<triangles", "<source id=\"v\"/><triangles", 1));
+    is_the_box(&text.replacen("url=\"#g\"", "url=\"g\"", 1));
+    // No scene.
+    let start = text.find("<library_visual_scenes>").expect("a library");
+    let none = format!("{}</COLLADA>", &text[..start]);
+    is_the_box(&none);
+    let nodes = none.replace("</COLLADA>", "<library_nodes>\n<node/></library_nodes></COLLADA>");
+    fails(
+        &nodes,
+        line_of(&nodes, "<node/>"),
+        "a node in a file without a scene is not supported",
+    );
+    is_the_box(&text.replace("<scene><instance_visual_scene url=\"#sc\"/></scene>", ""));
+    let twice = text.replace("</scene>", "<instance_visual_scene url=\"#sc\"/></scene>");
+    fails(
+        &twice,
+        line_of(&twice, "<scene>"),
+        "instance_visual_scene is there twice",
+    );
+    // Nothing in the scene.
+    let empty = text.replace("<instance_geometry url=\"#g\"/>", "");
+    assert!(read(&empty).is_err_and(|e| e.contains("contains no triangle")));
+}
+
+#[test]
+fn the_unit_is_that_of_the_file() {
+    let text = of_mesh(&box_mesh(&sides()));
+    let unit = "<unit meter=\"1\" name=\"meter\"/>";
+    let with = |new: &str| read(&text.replacen(unit, new, 1));
+    for (meter, size) in [("0.01", 0.01), ("0,010000", 0.01), ("1e-2", 0.01), (" 2 ", 2.0)] {
+        let file = with(&format!("<unit meter=\"{meter}\"/>")).expect(meter);
+        let all = measure(&file.objects);
+        all.check(
+            12,
+            [0.0; 3],
+            FAR.map(|x| x * size),
+            all.area,
+            VOLUME * size * size * size,
+        );
+    }
+    for none in ["", "<unit/>", "<unit name=\"meter\"/>"] {
+        assert!(near(measure(&with(none).expect("a mesh").objects).volume, VOLUME));
+    }
+    for meter in ["", "0", "-1", "inf", "NaN", "1e400", "x", "1.000,5", "1,000,5", "0,5 m"] {
+        let error = with(&format!("<unit meter=\"{meter}\"/>")).expect_err(meter);
+        assert!(error.contains("line 3: unit is invalid"), "{error}");
+    }
+    let error = with(&format!("{unit}{unit}")).expect_err("two units");
+    assert!(error.contains("line 3: unit is there twice"), "{error}");
+    // The asset of a library counts for nothing, wherever it stands.
+    let other = "<library_cameras><asset>\n<unit meter=\"0.0254\"/></asset></library_cameras>";
+    for at in ["<asset>", "<library_geometries>", "<scene>"] {
+        let text = text.replacen(at, &format!("{other}{at}"), 1);
+        is_the_box(&text);
+        let skipped = read(&text).expect("a mesh").skipped;
+        let line = skipped
+            .iter()
+            .find(|s| s.what.starts_with("units"))
+            .and_then(|s| s.line);
+        assert_eq!(line, Some(line_of(&text, "<unit meter=\"0.0254\"")));
+    }
+    // A decimal comma anywhere else is an error.
+    fails(&text.replacen("0.4", "0,4", 1), 4, "invalid number: \"0,4\"");
+}
+
+#[test]
+fn what_is_passed_over_is_listed() {
+    let text = r##"<COLLADA version="1.5.0">
+<asset><up_axis>Y_UP</up_axis></asset>
+<library_materials/>
+<library_cameras/>
+<library_cameras/>
+<library_of_tools/>
+<library_geometries><geometry id="g" name="plate"><mesh>
+<source id="s"><float_array id="a">0 0 0 1 0 0 0 1 0</float_array></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+<linestrips><input semantic="VERTEX" source="#v" offset="0"/><p>0 1</p></linestrips>
+<triangles><input semantic="VERTEX" source="#v" offset="0"/>
+<input semantic="NORMAL" source="#n" offset="0"/>
+<input semantic="TEXCOORD" source="#n" offset="0"/>
+<input semantic="COLOR" source="#n" offset="0"/>
+<input semantic="TANGENT" source="#n" offset="0"/>
+<p>0 1 2</p></triangles>
+</mesh></geometry>
+<geometry id="h"/></library_geometries>
+<library_visual_scenes>
+<visual_scene id="sc"><node>
+<instance_camera url="#c"/>
+<instance_light url="#l"/>
+<extra/>
+<instance_geometry url="#g">
+<bind_material/></instance_geometry></node></visual_scene>
+<visual_scene id="other"/></library_visual_scenes>
+<scene><instance_visual_scene url="#sc"/>
+<instance_physics_scene url="#ps"/></scene></COLLADA>"##;
+    let file = read(text).expect("a mesh");
+    let mut skipped: Vec<_> = file
+        .skipped
+        .iter()
+        .map(|s| (s.line.unwrap_or(0), &s.what[..]))
+        .collect();
+    skipped.sort_unstable();
+    let expected = [
+        (2, "up_axis (points are not turned)"),
+        (3, "library_materials"),
+        (4, "library_cameras"),
+        (6, "unknown libraries"),
+        (10, "lines"),
+        (12, "normals"),
+        (13, "texture coordinates"),
+        (14, "colors"),
+        (15, "other inputs"),
+        (18, "geometries outside the scene"),
+        (21, "cameras"),
+        (22, "lights"),
+        (23, "extra"),
+        (25, "materials"),
+        (26, "visual scenes that are not selected"),
+        (28, "physics, kinematics and extra of the scene"),
+    ];
+    assert_eq!(skipped, expected);
+    assert_eq!(file.objects[0].name, "plate");
+    assert_eq!(file.objects[0].points, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+}
+
+/// The bytes of a text in every encoding and with every line end.
+fn encodings(text: &str) -> Vec<(&'static str, Vec<u8>)> {
+    let wide = |text: &str, bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+        std::iter::once(0xfeff)
+            .chain(text.encode_utf16())
+            .flat_map(bytes)
+            .collect()
+    };
+    let mut all = vec![
+        ("UTF-8", text.as_bytes().to_vec()),
+        ("byte order mark", ["\u{feff}", text].concat().into_bytes()),
+        ("UTF-16 LE", wide(text, u16::to_le_bytes)),
+        ("UTF-16 BE", wide(text, u16::to_be_bytes)),
+        ("CR", text.replace('\n', "\r").into_bytes()),
+        ("CR LF", text.replace('\n', "\r\n").into_bytes()),
+        ("UTF-16 CR LF", wide(&text.replace('\n', "\r\n"), u16::to_le_bytes)),
+        ("UTF-16 CR", wide(&text.replace('\n', "\r"), u16::to_be_bytes)),
+        ("tabs", text.replace(' ', "\t").into_bytes()),
+    ];
+    // A letter of Latin-1 in a comment, in the first, a middle and the last place.
+    for at in [
+        text.find("?>").map_or(0, |k| k + 2),
+        text.find("<mesh>").unwrap_or(0),
+        text.len(),
+    ] {
+        let mut bytes = text.as_bytes().to_vec();
+        bytes.splice(at..at, b"<!-- \xe9 -->".iter().copied());
+        all.push(("Latin-1", bytes));
+    }
+    all
+}
+
+#[test]
+fn all_encodings_and_line_ends_give_the_same_mesh() {
+    let expected = read(FILE).expect("a mesh");
+    for (encoding, bytes) in encodings(FILE) {
+        assert_eq!(parse(&bytes).expect(encoding), expected, "{encoding}");
+    }
+    // A name in Latin-1 and in UTF-8.
+    let named = FILE.replace("geometry id=\"tetra\"", "geometry id=\"tetra\" name=\"K\u{f6}rper\"");
+    let latin: Vec<u8> = named.chars().map(|c| c as u32 as u8).collect();
+    for bytes in [latin, named.into_bytes()] {
+        assert_eq!(parse(&bytes).expect("a mesh").objects[0].name, "K\u{f6}rper");
+    }
+    // A document type, blank lines in front, comments between and within numbers, CDATA.
+    for (from, to) in [
+        ("<COLLADA", "<!DOCTYPE COLLADA SYSTEM \"http://a/b.dtd\"><COLLADA"),
+        ("<COLLADA", "<!DOCTYPE COLLADA [ <!ELEMENT p (#PCDATA)> ]><COLLADA"),
+        ("0 2 1 0 1 3", "0 2<!-- two --> 1 0 1 3"),
+        ("0 2 1 0 1 3", "<!-- none -->0 2 1 0 1 3"),
+        ("0 2 1 0 1 3", "0 2 1 <![CDATA[0 1]]> 3"),
+        ("0 2 1 0 1 3", "0 2 1 &#48; 1 3"),
+        ("4 4 4 4<", "4 <?x y?>4 4 4<"),
+    ] {
+        assert_eq!(read(&FILE.replacen(from, to, 1)).expect(to), expected, "{to}");
+    }
+    let later = read(&format!(" \n\n{FILE}")).expect("a mesh");
+    assert_eq!(later.objects, expected.objects);
+    assert!(
+        later
+            .skipped
+            .iter()
+            .zip(&expected.skipped)
+            .all(|(a, b)| a.line == b.line.map(|line| line + 2))
+    );
+    fails(
+        &format!("\n\n{}", FILE.replacen("0 2 1 0", "0 2 x 0", 1)),
+        11,
+        "invalid index",
+    );
+    fails(
+        &format!("\n\n{}", FILE.replacen("</mesh>", "</mash>", 1)),
+        12,
+        "malformed XML",
+    );
+    // Entities can grow without bound.
+    for entity in ["<!ENTITY a \"0 1 2\">", "<!ENTITY a SYSTEM \"/etc/passwd\">"] {
+        let text = FILE.replacen("<COLLADA", &format!("<!DOCTYPE COLLADA [\n{entity}]><COLLADA"), 1);
+        fails(&text, 3, "the declaration of an entity is not supported");
+    }
+    // The XML parser needs a long time for these.
+    let start = Instant::now();
+    let prefixes = (0..3000).fold(String::new(), |text, k| text + &format!("<a xmlns:n{k}=\"u{k}\">"));
+    let attributes = (0..100_000).fold(String::new(), |text, k| text + &format!(" a{k}=''"));
+    for text in [
+        format!("<COLLADA>{prefixes}{}</COLLADA>", "</a>".repeat(3000)),
+        format!("<COLLADA {attributes}/>"),
+    ] {
+        let error = read(&text).expect_err("too long");
+        assert!(error.contains("prefixes or attributes is not supported"), "{error}");
+    }
+    assert!(start.elapsed() < Duration::from_secs(2));
+    // Any prefix of the namespace.
+    let prefixed = FILE
+        .replace("</", "</c:")
+        .replace('<', "<c:")
+        .replace("<c:/c:", "</c:")
+        .replace("<c:?", "<?");
+    assert_eq!(read(&prefixed.replace("xmlns=", "xmlns:c=")).expect("a mesh"), expected);
+}
+
+#[test]
+fn faults_keep_their_line_in_all_encodings() {
+    // Each number on a line of its own, so that the line tells the place.
+    let text = |corners: &[&str], sides: &[&str]| {
+        let triangles = format!(
+            "<triangles count=\"12\">{VERTEX}<p>\n{}</p></triangles>",
+            sides.join("\n")
+        );
+        of_mesh(&box_mesh(&triangles).replace(CORNERS, &format!("\n{}", corners.join("\n"))))
+    };
+    let corners: Vec<&str> = CORNERS.split(' ').collect();
+    let sides: Vec<&str> = SIDES.split(' ').collect();
+    let good = text(&corners, &sides);
+    is_the_box(&good);
+    let check = |text: &str, line: usize, fault: &str| {
+        for (encoding, bytes) in encodings(text) {
+            let error = parse(&bytes).expect_err(fault);
+            let is_right = error.contains(&format!("line {line}: ")) && error.contains(fault);
+            assert!(is_right, "{encoding}, line {line}, {fault}: {error}");
+        }
+    };
+    for (word, fault) in [("x", "invalid number"), ("NaN", "not finite"), ("1e999", "not finite")] {
+        for k in 0..corners.len() {
+            let mut changed = corners.clone();
+            changed[k] = word;
+            check(&text(&changed, &sides), line_of(&good, "<float_array") + 1 + k, fault);
+        }
+    }
+    for (word, fault) in [
+        ("x", "invalid index"),
+        ("-1", "invalid index"),
+        ("1.0", "invalid index"),
+        ("99999999999999999999", "invalid index"),
+        ("8", "vertex 8 does not exist"),
+    ] {
+        for k in 0..sides.len() {
+            let mut changed = sides.clone();
+            changed[k] = word;
+            check(&text(&corners, &changed), line_of(&good, "<triangles") + 1 + k, fault);
+        }
+    }
+}
+
+/// A small file with every kind of primitive, node and controller.
+fn everything() -> String {
+    let lists = format!(
+        r#"<triangles count="2">{VERTEX}<p>0 1 3 0 3 2</p></triangles>
+<trifans count="1">{VERTEX}<p>4 6 7 5</p></trifans>
+<tristrips count="1">{VERTEX}<p>0 4 1 5</p></tristrips>
+<polylist count="1">{VERTEX}<vcount>4</vcount><p>2 3 7 6</p></polylist>
+<polygons count="2">{VERTEX}<p>0 2 6 4</p><ph><p>1 5 7 3</p></ph></polygons>
+<lines count="1">{VERTEX}<p>0 7</p></lines>"#
+    );
+    skinned("<bind_shape_matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</bind_shape_matrix>", "", "<translate>1 0 0</translate><rotate>0 1 0 30</rotate><lookat>5 0 0 1 0 0 0 0 1</lookat><skew>45 0 1 0 1 0 0</skew>")
+        .replace(&sides(), &lists)
+        .replace("</instance_controller>", "</instance_controller><instance_geometry url=\"#g\"/>")
+}
+
+/// Numbers without a library: xorshift64*.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: usize) -> usize {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 33) as usize % bound
+    }
+}
+
+fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
+    const WORDS: [&str; 16] = [
+        "7",
+        "-",
+        "1e308",
+        "#cube",
+        "\"",
+        "<",
+        ">",
+        "99999999999",
+        "NaN",
+        "/",
+        "<p>",
+        "</p>",
+        "<!--",
+        "&#48;",
+        "18446744073709551615",
+        "#two",
+    ];
+    let at = random.below(bytes.len());
+    let end = (at + random.below(12)).min(bytes.len());
+    match random.below(7) {
+        0 => bytes[at] ^= 1 << random.below(8),
+        1 => bytes.truncate(at),
+        2 => drop(bytes.splice(at..at, WORDS[random.below(16)].bytes())),
+        3 => drop(bytes.splice(at..end, WORDS[random.below(16)].bytes())),
+        4 => {
+            let copy = bytes[at..end].to_vec();
+            let to = random.below(bytes.len());
+            drop(bytes.splice(to..to, copy));
+        }
+        5 => drop(bytes.drain(at..end)),
+        // Swaps two numbers.
+        _ => {
+            let digits: Vec<usize> = (0..bytes.len()).filter(|k| bytes[*k].is_ascii_digit()).collect();
+            if let [_, ..] = digits[..] {
+                bytes.swap(digits[random.below(digits.len())], digits[random.below(digits.len())]);
+            }
+        }
+    }
+    if bytes.is_empty() {
+        bytes.push(b'<');
+    }
+}
+
+#[test]
+fn changed_files_give_a_mesh_or_an_error() {
+    let mut random = Random(5);
+    let wide: Vec<u8> = std::iter::once(0xfeff)
+        .chain(FILE.encode_utf16())
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    let good = [FILE.as_bytes().to_vec(), everything().into_bytes(), wide];
+    good.iter()
+        .for_each(|bytes| assert!(parse(bytes).is_ok(), "{:?}", parse(bytes)));
+    let (mut meshes, mut errors) = (0, 0);
+    for k in 0..15_000 {
+        let mut bytes = good[k % 3].clone();
+        for _ in 0..=random.below(3) {
+            mutate(&mut bytes, &mut random);
+        }
+        let start = Instant::now();
+        match parse(&bytes) {
+            Ok(_) => meshes += 1,
+            Err(_) => errors += 1,
+        }
+        assert!(
+            start.elapsed() < Duration::from_secs(5),
+            "{}",
+            String::from_utf8_lossy(&bytes)
+        );
+    }
+    assert!(meshes > 500 && errors > 500, "{meshes} {errors}");
 }
