@@ -177,7 +177,7 @@ mod tests {
         let far = said(Isometry3::translation(0.0, f64::NAN, 0.0));
         assert_eq!(
             far,
-            "the pose of the body to insert is invalid: coordinate 1 of its translation is NaN"
+            "the pose of the body to insert is invalid: y of its translation is NaN"
         );
         let long = UnitQuaternion::new_unchecked(Quaternion::new(2.0, 0.0, 0.0, 0.0));
         let long = said(Isometry3::from_parts(Translation3::identity(), long));

@@ -36,14 +36,14 @@
 //!
 //! The checker of [`lin_canny_plan`] computes clearances with bounds, proves segments free over
 //! their whole length, and searches for paths. The command line tool `lin-canny-robot` does the
-//! same without a program.
+//! same without a program; it needs the feature `cli`, which is on by default.
 //!
 //! # How a URDF is converted
 //!
 //! * Boxes, cylinders, capsules and spheres keep their exact shape. A cylinder is not approximated
 //!   by a prism.
-//! * A box, capsule, cylinder or sphere whose sizes are zero is a point, a segment or a rectangle. A
-//!   cylinder of length zero with a radius is an error, as is a negative size. The hull of a flat
+//! * A box, capsule, cylinder or sphere whose sizes are zero is a point, a segment or a rectangle.
+//!   A cylinder of length zero with a radius is an error, as is a negative size. The hull of a flat
 //!   mesh is a polygon.
 //! * `quat_xyzw` is kept as a quaternion and may have any length. In a file of a version below 1.1,
 //!   where urdfdom ignores it, it is an error.
@@ -56,9 +56,9 @@
 //!   `origin` and `geometry`; below `joint`, `parent`, `child`, `origin`, `axis`, `limit` (without
 //!   effort and velocity) and `mimic`.
 //! * Elements without geometry or kinematics are passed over unread: `visual`, `inertial`,
-//!   `dynamics`, `calibration`, `safety_controller`, `transmission`, `gazebo`, `material`, `sensor`,
-//!   `ros2_control`, some of other tools, and all of a foreign namespace. A fault in them changes
-//!   nothing.
+//!   `dynamics`, `calibration`, `safety_controller`, `transmission`, `gazebo`, `material`,
+//!   `sensor`, `ros2_control`, some of other tools, and all of a foreign namespace. A fault in them
+//!   changes nothing.
 //! * Every other element is an error, and so is an element that is given twice, text between
 //!   elements, or an unknown attribute of `origin`, `axis`, `mimic` or a shape.
 //! * What xacro left is an error: run xacro on the file first.

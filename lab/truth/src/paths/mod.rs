@@ -83,14 +83,14 @@ fn is_same(signs: &[i32]) -> bool {
 }
 
 /// The polynomials whose signs decide contact, the volume first, and the decision.
-struct QueryOptions {
+struct ContactSigns {
     signs: Vec<Poly>,
     is_contact: fn(&[i32]) -> bool,
 }
 
 /// For each axis, three areas; for each coordinate, the differences between the vertex and the
 /// three face vertices.
-fn of_face(m: &[Vector]) -> QueryOptions {
+fn of_face(m: &[Vector]) -> ContactSigns {
     let (p, t) = (&m[0], [&m[1], &m[2], &m[3]]);
     let mut signs = vec![volume([p, t[0], t[1], t[2]])];
     for axis in 0..3 {
@@ -106,12 +106,12 @@ fn of_face(m: &[Vector]) -> QueryOptions {
         };
         s[0] == 0 && (0..3).all(|axis| is_same(&s[1 + 3 * axis..4 + 3 * axis])) && (0..3).all(of_box)
     };
-    QueryOptions { signs, is_contact }
+    ContactSigns { signs, is_contact }
 }
 
 /// For each axis, four areas; for each coordinate, the four differences between the ends of the
 /// edges.
-fn of_edges(m: &[Vector]) -> QueryOptions {
+fn of_edges(m: &[Vector]) -> ContactSigns {
     let [a, b, c, d] = [&m[0], &m[1], &m[2], &m[3]];
     let mut signs = vec![volume([a, b, c, d])];
     for axis in 0..3 {
@@ -131,10 +131,10 @@ fn of_edges(m: &[Vector]) -> QueryOptions {
         };
         s[0] == 0 && (0..3).all(crosses) && (0..3).all(of_box)
     };
-    QueryOptions { signs, is_contact }
+    ContactSigns { signs, is_contact }
 }
 
-impl QueryOptions {
+impl ContactSigns {
     fn truth(&self) -> Truth {
         let zero = RBig::ZERO;
         let at_zero: Vec<i32> = self.signs.iter().map(|p| p.sign_at(&zero)).collect();
