@@ -145,8 +145,8 @@ fn gears_turn_a_hair_apart() {
     let mut rng = Rng::new(1912);
     let mut tally = Tally::default();
     for k in 0..60 {
-        // A tooth of A faces a gap of B at the start; the tips are at radius two in sum, the gaps
-        // at 0.04 less.
+        // At the start a tooth of A faces a gap of B. Two facing teeth need a distance of 2, a
+        // tooth and a gap about 0.04 less.
         let apart = 2.001 - rng.range(0.0, 0.03);
         let gap = UnitQuaternion::from_scaled_axis(Vector3::z() * (std::f64::consts::PI / 12.0));
         let rates = [rng.range(50.0, 100.0), rng.range(50.0, 100.0)];

@@ -121,7 +121,7 @@ fn bars_that_cross_have_the_depth_of_their_edges() {
     assert!(all.iter().all(|m| *m > 0.99), "{all:?}");
 }
 
-/// Returns the result for bodies moved together until they overlap slightly, or more.
+/// Returns the median ratio for bodies moved together until they overlap slightly, or more.
 fn family(name: &str, a: &Soup, b: &Soup, seed: u64) -> f64 {
     let mut rng = Rng::new(seed);
     let (m, n) = (mesh(a), mesh(b));

@@ -1,4 +1,5 @@
-//! Families of poses against brute force: a few hundred each by default, ten thousand with `--ignored`.
+//! Families of poses against brute force: a few hundred each by default, ten thousand with
+//! `--ignored`.
 
 use super::{judge_by_surfaces, mesh, relative};
 use lin_canny::{ContactState, PairTracker};

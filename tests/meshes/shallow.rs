@@ -80,6 +80,6 @@ fn thin_bodies_a_little_way_in_have_a_contact() {
         };
         parted += usize::from(!PairTracker::new().intersects(a, b, &relative(&moved)));
     }
-    // For most overlaps, the deepest contact alone is enough to separate the bodies.
+    // In most overlaps, moving B out along the deepest contact separates the bodies.
     assert!(met > 400 && parted * 100 > met * 99, "{met} {parted}");
 }

@@ -266,7 +266,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "smooth",
         ],
     ),
-    // The state of a pair of shapes between queries: a tracker of cores, or the state of the curved solver.
+    // The state of a pair of shapes between queries: a tracker of cores, or the state of the curved
+    // solver.
     (
         "shape_tracker",
         &[
