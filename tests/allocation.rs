@@ -1,5 +1,7 @@
-//! Queries allocate nothing, whatever layer below the exact rung answers, overlaps in a tracker that has taken its memory
-//! before: counted by an allocator that counts, and so a process of its own.
+//! Promise: a query allocates nothing if a solver before the exact stage answers.
+//!
+//! An overlap allocates nothing in a tracker that already has its memory. A counting allocator
+//! counts, so this test is a separate process.
 
 use std::alloc::System;
 
@@ -13,7 +15,7 @@ use truth::support::body;
 #[global_allocator]
 static COUNTING: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// Allocations, new and grown, while `f` runs.
+/// Returns the allocations, new and grown, while `f` runs.
 fn allocations(f: impl FnOnce()) -> usize {
     let region = Region::new(COUNTING);
     f();
@@ -21,7 +23,7 @@ fn allocations(f: impl FnOnce()) -> usize {
     change.allocations + change.reallocations
 }
 
-// One test only: tests of one file run at the same time and would count each other's allocations.
+// One test only: tests of one file run concurrently and would count each other's allocations.
 #[test]
 fn queries_below_the_exact_rung_allocate_nothing() {
     assert!(
@@ -40,7 +42,7 @@ fn queries_below_the_exact_rung_allocate_nothing() {
     shapes.push(shapes::sphere(&mut rng, 300));
     let bodies: Vec<_> = shapes.iter().map(body).collect();
     let (mut separated, mut overlapping, mut fallbacks, mut tracked, mut points) = (0, 0, 0, 0, 0);
-    // Two cubes a rounding apart are work for double-double.
+    // Two cubes with a gap near rounding are solved in double-double.
     let near = RelativePose::from_isometry(&Isometry3::translation(2.0 + 2e-14, 0.3, 0.2)).unwrap();
     let mut answer = None;
     let count = allocations(|| answer = Some(Tracker::new().closest(&bodies[0], &bodies[0], &near)));
@@ -52,15 +54,17 @@ fn queries_below_the_exact_rung_allocate_nothing() {
         let axis = Vector3::from(rng.unit());
         let mut kept_points = 0;
         for k in 0..60 {
-            // From apart into overlap and out again; and now and then elsewhere.
+            // From separation into overlap and out again, with occasional jumps.
             let reach = 2.5 - 0.08 * f64::from(k);
             let pose = Isometry3::new(n * reach, axis * (0.02 * f64::from(k)));
             let pose = RelativePose::from_isometry(&pose).unwrap();
             let mut fresh: Vec<Tracker> = (0..3).map(|_| pair.clone()).collect();
             fresh.iter_mut().for_each(Tracker::reserve);
-            // Builds that check every answer copy the tracker for their report; `distance` is `closest` without that.
+            // Builds that check every answer copy the tracker for their report; `distance` is
+            // `closest` without the copy.
             let o = pair.clone().closest(a, b, &pose);
-            // The harness has threads of its own that may allocate meanwhile: the least of three counts is ours.
+            // The threads of the test harness may allocate meanwhile, so the least of three counts
+            // is taken.
             let count = fresh.iter_mut().map(|t| {
                 allocations(|| {
                     std::hint::black_box(t.distance(a, b, &pose));
@@ -73,7 +77,8 @@ fn queries_below_the_exact_rung_allocate_nothing() {
                 })
             });
             let lean = lean.min().unwrap();
-            // A manifold takes no more than the answer it is made from, and again at the same pose nothing.
+            // A manifold allocates no more than the outcome that it is made from, and nothing again
+            // at the same pose.
             let options = ManifoldOptions::with_prediction(0.1);
             let [mut answered, mut made, mut kept] = [usize::MAX; 3];
             let mut manifolds = [(); 3].map(|()| Manifold::new());
@@ -88,7 +93,8 @@ fn queries_below_the_exact_rung_allocate_nothing() {
             }
             points += manifolds[0].points().len();
             pair.closest(a, b, &pose);
-            // The first surface has four triangles, each point adds two; what is kept of it grows from query to query.
+            // The first polytope has four triangles, and each point adds two. The cached part grows
+            // from query to query.
             let is_plain = o.work.exacts == 0 && (o.state != ContactState::Overlapping || o.work.double_doubles == 0);
             let is_small = kept_points + o.work.points_added <= (256 - 4) / 2;
             kept_points = match o.solver {
@@ -98,7 +104,7 @@ fn queries_below_the_exact_rung_allocate_nothing() {
             if is_plain && is_small {
                 assert_eq!((count, lean), (0, 0), "{o:?}");
                 assert_eq!(made, answered, "{o:?}");
-                // Beyond the prediction every query asks anew.
+                // Beyond the prediction, every query computes again.
                 assert!(manifolds[0].points().is_empty() || kept == 0, "{o:?}");
                 separated += u32::from(o.state == ContactState::Separated);
                 overlapping += u32::from(o.state == ContactState::Overlapping);

@@ -1,5 +1,5 @@
-//! Promise: with the feature `tracing` a subscriber hears of solvers that fall back, of spent budgets and of refused input, and of
-//! nothing else.
+//! Promise: with the feature `tracing`, a subscriber receives events of solver fallbacks, spent
+//! budgets and rejected input, and no others.
 #![cfg(feature = "tracing")]
 
 use std::fmt::{Debug, Write};
@@ -47,7 +47,7 @@ impl Subscriber for Heard {
     fn exit(&self, _: &Id) {}
 }
 
-/// Returns what a subscriber hears while `call` runs.
+/// Returns the events that a subscriber receives while `call` runs.
 fn heard(call: impl FnOnce()) -> Vec<String> {
     let heard = Heard::default();
     tracing::subscriber::with_default(heard.clone(), call);

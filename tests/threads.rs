@@ -1,6 +1,7 @@
-//! Feature `parallel`: any number of threads gives the same events, slots, errors and questions to the filter.
+//! Feature `parallel`: any number of threads gives the same events, slots, errors and calls of the
+//! filter.
 //!
-//! A process of its own: the global pool of threads is made once in a process.
+//! It is a separate process, because the global thread pool is created once per process.
 #![cfg(feature = "parallel")]
 
 use lin_canny::broad::*;
@@ -14,7 +15,7 @@ fn with_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
         .install(work)
 }
 
-/// What a step told, in the order it was told.
+/// Results of a step, in their order.
 #[derive(Debug, PartialEq)]
 struct Told {
     error: BatchError,
@@ -24,8 +25,8 @@ struct Told {
     pairs: Vec<Pair>,
 }
 
-/// Twenty steps of a scene with two bad boxes each, one body replaced and one asked again, and a filter that refuses
-/// some pairs.
+/// Runs twenty steps of a scene with two bad boxes each, one body replaced and one tested again by
+/// the filter, which rejects some pairs.
 fn run(kind: Kind, threads: usize) -> Vec<Told> {
     let mut scene = Scene::new(kind, 1500);
     let from = if threads == 1 { usize::MAX } else { 0 };

@@ -1,4 +1,4 @@
-//! No zero of an answer has a sign: lattices of bodies that touch, zeros of both signs in poses,
+//! No zero in a result has a sign: lattices of touching bodies, and zeros of both signs in poses,
 //! quaternions and vertices.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -10,7 +10,7 @@ fn bits(x: f64) -> u64 {
     x.to_bits()
 }
 
-/// A sheet of one triangle in the plane z = -0.5.
+/// Returns a sheet of one triangle in the plane z = -0.5.
 fn sheet() -> Mesh {
     let corners = [[-0.5, -0.5, -0.5], [0.5, -0.5, -0.5], [-0.5, 0.5, -0.5]].map(Point3::from);
     Mesh::new(&corners, &[[0, 1, 2]]).unwrap()
@@ -24,7 +24,7 @@ fn a_sheet_and_a_can_that_touch_have_a_distance_without_a_sign() {
     assert_eq!((bits(found.distance), bits(found.lower)), (0, 0), "{found:?}");
 }
 
-/// Of pairs at distance zero the scene names the first, whatever their kinds.
+/// Of several pairs at distance zero, the scene returns the first, for all kinds.
 #[test]
 fn of_ties_at_zero_the_first_pair_is_the_closest() {
     let cube = || cuboid(Vector3::repeat(0.5)).unwrap();
@@ -50,7 +50,7 @@ fn of_ties_at_zero_the_first_pair_is_the_closest() {
     }
 }
 
-/// A number of a small lattice; zeros of both signs.
+/// Returns a number of a small lattice, with zeros of both signs.
 fn lattice(state: &mut u64) -> f64 {
     *state = state
         .wrapping_mul(6_364_136_223_846_793_005)
@@ -58,7 +58,7 @@ fn lattice(state: &mut u64) -> f64 {
     [-1.0, -0.5, -0.0, 0.0, 0.5, 1.0][(*state >> 33) as usize % 6]
 }
 
-/// A body of each kind; its vertices have zeros of both signs.
+/// Returns a body of each kind; its vertices have zeros of both signs.
 fn bodies(state: &mut u64) -> Vec<Geometry> {
     let mut point = || Point3::new(lattice(state), lattice(state), lattice(state));
     let cloud: Vec<_> = (0..12).map(|_| point()).collect();
@@ -86,7 +86,7 @@ fn bodies(state: &mut u64) -> Vec<Geometry> {
     all
 }
 
-/// Zeros of both signs beside and within the unit quaternions of quarter turns.
+/// Returns zeros of both signs around and within the unit quaternions of quarter turns.
 fn pose(state: &mut u64) -> Isometry3<f64> {
     let mut q = [0; 4].map(|_| lattice(state));
     if q.iter().filter(|x| x.abs() > 0.25).count() == 0 {

@@ -1,4 +1,4 @@
-//! Promise: the box of a placed body holds it exactly, and is no larger than its rounding.
+//! Promise: the box of a posed body contains it exactly, and is larger only by rounding.
 
 use lin_canny::broad::Aabb;
 use lin_canny::nalgebra::{Isometry3, Point3};
@@ -7,7 +7,7 @@ use truth::Pose;
 use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 
-/// Whether the exact place of every vertex is between the corners.
+/// Returns whether the exact position of every vertex is between the corners.
 fn holds(body: &ConvexPolyhedron, pose: &Pose, low: Point3<f64>, high: Point3<f64>) -> bool {
     let points: Vec<_> = body.vertex_points().map(Into::into).collect();
     let placed = truth::rational::placed(&points, pose);
@@ -15,7 +15,7 @@ fn holds(body: &ConvexPolyhedron, pose: &Pose, low: Point3<f64>, high: Point3<f6
     placed.iter().all(|p| (0..3).all(|k| inside(&p[k], k)))
 }
 
-/// How much larger a side is than the spread of the vertices, at most.
+/// Returns the largest excess of a side of the box over the extent of the vertices.
 fn excess(body: &ConvexPolyhedron, pose: &Pose, low: Point3<f64>, high: Point3<f64>) -> f64 {
     let at: Vec<Point3<f64>> = body.vertex_points().map(|p| pose.isometry() * p).collect();
     let worst = |k: usize| {
@@ -61,7 +61,7 @@ fn boxes_hold_the_body_and_are_tight() {
             let (low, high) = body.aabb_at(&pose.isometry(), &mut hint);
             assert!(holds(&body, &pose, low, high), "{} {pose:?}", shape.name);
             let reach = radius + truth::pose::norm(pose.t) + body.bounding_ball().0.coords.norm();
-            // A body about its own origin as far off as two radii is measured from there.
+            // A body within two radii of its origin is measured from the origin.
             let most = 3.3e-6 * radius + 3e-14 * reach;
             let excess = excess(&body, &pose, low, high);
             assert!(excess <= most, "{}: {excess:e} > {most:e}", shape.name);
@@ -71,7 +71,8 @@ fn boxes_hold_the_body_and_are_tight() {
     }
 }
 
-/// What turns far away is off by the rounding of the whole matrix, also along an axis that hardly sees it.
+/// The rotation of a far body has the rounding error of the whole matrix, even along an axis that
+/// hardly depends on it.
 #[test]
 fn boxes_hold_bodies_far_from_their_own_origin() {
     let mut rng = Rng::new(78);
@@ -88,7 +89,7 @@ fn boxes_hold_bodies_far_from_their_own_origin() {
             [p] => ConvexPolyhedron::point(p).expect("a point"),
             _ => ConvexPolyhedron::from_points(&points).expect("a solid"),
         };
-        // About z, then about x or y: along the other axis nothing of z is seen but rounding.
+        // About z, then about x or y: along the other axis, z contributes only rounding.
         let axis = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]][k % 2];
         let tilt = truth::pose::quat(axis, rng.range(-3.0, 3.0));
         let q = truth::pose::quat_mul(tilt, truth::pose::quat([0.0, 0.0, 1.0], rng.range(-3.0, 3.0)));

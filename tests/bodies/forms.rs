@@ -1,4 +1,4 @@
-//! Bodies scaled, moved and drawn; hulls of meshes and what they add.
+//! Bodies scaled, moved and random; hulls of meshes and their void fraction.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::{BuildError, ConvexPolyhedron, solids};
@@ -19,7 +19,7 @@ fn bodies() -> Vec<ConvexPolyhedron> {
     ]
 }
 
-/// Vertices by the caller's index.
+/// Returns vertices by the caller's index.
 fn by_source(body: &ConvexPolyhedron) -> Vec<(usize, Point3<f64>)> {
     let vertices = body.vertices();
     let mut named: Vec<_> = vertices
@@ -88,7 +88,7 @@ fn triangles_close_the_surface() {
     }
 }
 
-/// The distance of a point from the nearest triangle, each as a polygon of its own.
+/// Returns the distance of a point from the nearest triangle, each a separate polygon.
 fn gap(triangles: &[ConvexPolyhedron], p: &Point3<f64>) -> f64 {
     let each = triangles.iter().map(|t| (t.closest_point(p).unwrap() - p).norm());
     each.fold(f64::INFINITY, f64::min)
@@ -127,7 +127,8 @@ fn the_largest_gap_is_bracketed() {
         assert!((void_fraction - (1.0 - mesh.volume() / hull.volume())).abs() < 1e-12);
         println!("{fit}");
     }
-    // The middle of the disc that closes a torus: a circle of radius 1 in the plane z = 0, less the tube.
+    // The middle of the disc that closes a torus: a circle of radius 1 in the plane z = 0, less the
+    // tube.
     let torus = mesh(&soups::torus(96, 48, 0.3));
     let fit = torus.hull_fit(&torus.hull().unwrap());
     let exact = (1.0f64 + 0.09).sqrt() - 0.3;

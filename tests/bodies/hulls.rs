@@ -1,4 +1,5 @@
-//! Bodies from points: the hull is right for every hard family, judged by brute force over exact signs.
+//! Bodies from points: the hull is correct for every hard family, judged by brute force with exact
+//! signs.
 
 use lin_canny::polyhedron::{BuildError, ConvexPolyhedron, solids};
 use nalgebra::{Point3, Vector3};
@@ -13,13 +14,15 @@ fn side(a: &Point3<f64>, b: &Point3<f64>, c: &Point3<f64>, p: &Point3<f64>) -> f
     -orient3d(a, b, c, p)
 }
 
-/// A point in a box about the origin.
+/// Returns a point in a box about the origin.
 fn point(rng: &mut Rng, x: f64, y: f64, z: f64) -> Point3<f64> {
     Point3::from([x, y, z].map(|reach| rng.range(-reach, reach)))
 }
 
-/// The extreme points by definition: a supporting plane through three points holds all; on such a plane a point is
-/// extreme in the plane if it is extreme in the body. Cubic in the number of planes: for small clouds only.
+/// Returns the extreme points by definition, for small clouds only.
+///
+/// A supporting plane through three points has all points on one side. A point on such a plane is
+/// extreme in the plane if it is extreme in the body. The cost is cubic in the number of planes.
 fn brute_force_planes(points: &[Point3<f64>]) -> Vec<Vec<usize>> {
     let n = points.len();
     let mut planes = Vec::new();
@@ -43,7 +46,7 @@ fn brute_force_planes(points: &[Point3<f64>]) -> Vec<Vec<usize>> {
     planes
 }
 
-/// Every property a hull has, by exact signs.
+/// Asserts every property of a hull by exact signs.
 fn check(points: &[Point3<f64>], name: &str) -> ConvexPolyhedron {
     let body = ConvexPolyhedron::from_points(points).unwrap_or_else(|e| panic!("{name}: {e}"));
     let report = body.report();
@@ -168,7 +171,7 @@ fn hulls_of_hard_families_are_right() {
     }
 }
 
-/// Small integer coordinates: most triples are collinear or most quadruples coplanar somewhere.
+/// Small integer coordinates: many triples are collinear and many quadruples coplanar.
 #[test]
 fn degenerate_clouds_match_brute_force() {
     let mut rng = Rng::new(11);
@@ -345,7 +348,7 @@ fn refused_points_are_named() {
         matches!(&plane, BuildError::Flat { dimension: 2, span } if span.len() == 3),
         "{plane}"
     );
-    // one unit in the last place off the plane is a body
+    // one unit in the last place off the plane makes a body
     let sliver = [o, [1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 1.0, 2.0f64.next_up()]].map(Point3::from);
     assert!(check(&sliver, "sliver").report().thickness_ratio < 1e-15);
 }
@@ -388,8 +391,9 @@ fn random_bits_never_panic() {
     assert!(built > 500, "{built}");
 }
 
-/// Clouds large enough that points inside are left out before the hull: every point named as inside is strictly inside,
-/// and the body is that of its vertices alone.
+/// Clouds large enough that interior points are removed before the hull.
+///
+/// Every point reported as interior is strictly inside, and the body is that of its vertices alone.
 #[test]
 fn points_left_out_first_change_nothing() {
     let mut rng = Rng::new(5);

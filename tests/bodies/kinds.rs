@@ -1,4 +1,5 @@
-//! Bodies from faces, flat bodies and solids: what is built is what was given, in files too, and what is refused is named.
+//! Bodies from faces, flat bodies and solids: the body equals the input, files included, and each
+//! rejection names the fault.
 
 use lin_canny::polyhedron::{BuildError, ConvexPolyhedron, FaceId, solids};
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -39,7 +40,7 @@ fn faces_of_the_caller_are_found_again() {
         theirs.sort();
         assert_eq!(mine, theirs);
     }
-    // each face cut round a point in its middle: no piece has three corners of the face
+    // each face is cut around a point in its middle: no piece has three vertices of the face
     let mut pieces = Vec::new();
     for f in &faces {
         let middle = f.iter().fold(Vector3::zeros(), |s, &i| s + points[i as usize].coords) / 4.0;
@@ -115,7 +116,7 @@ fn faults_of_faces_are_named() {
     let mut twice = faces.clone();
     twice.push(faces[0].clone());
     assert!(matches!(refused(&points, &twice), BuildError::EdgeUsedTwice { .. }));
-    // a corner pulled off makes its faces bend
+    // moving a vertex makes its faces nonplanar
     let mut bent = points.clone();
     bent[7] = Point3::new(1.0, 1.0, 1.25);
     assert!(matches!(
@@ -297,7 +298,8 @@ fn solids_have_their_features_and_sizes() {
     }
 }
 
-/// Bodies as thin as one unit in the last place, on which a careless sign or a missing candidate shows.
+/// Bodies as thin as one unit in the last place, which reveal a careless sign or a missing
+/// candidate.
 #[test]
 fn slivers_at_rounding_level_behave() {
     let cluster = [
@@ -332,7 +334,7 @@ fn slivers_at_rounding_level_behave() {
         let centre = Point3::from(points.iter().fold(Vector3::zeros(), |s, p| s + p.coords) / points.len() as f64);
         assert!((body.closest_point(&centre).unwrap() - centre).norm() < 1e-15);
     }
-    // coordinates far below the flush limit are the caller's points all the same
+    // coordinates far below the flush limit are still the caller's points
     let mut corners = cube().0;
     corners[7].x += 1.0;
     corners[0].x = 5e-316;
@@ -379,7 +381,8 @@ fn stored_bodies_come_back_bit_for_bit() {
     }
 }
 
-/// A face that is exactly planar is so at the bound zero too, though its normal is rounded; one off by a last bit is not.
+/// An exactly planar face is accepted at bound zero although its normal is rounded; a face off by
+/// the last bit is rejected.
 #[test]
 fn exactly_planar_faces_need_no_room() {
     let mut rng = truth::rng::Rng::new(909);

@@ -1,4 +1,4 @@
-//! Promise: a body is what was given, and says of itself what is true.
+//! Promise: a body equals its input, and its properties are correct.
 
 mod boxes;
 mod forms;

@@ -1,10 +1,10 @@
-//! Promise: a body written as OBJ and read again is the body, bit for bit, at any scale.
+//! Promise: a body written as OBJ and read back has the same bits, at any scale.
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Mesh};
 
-/// Vertices and faces of a text.
+/// Returns the vertices and faces of a text.
 fn read(text: &str) -> (Vec<Point3<f64>>, Vec<Vec<usize>>) {
     let (mut points, mut faces) = (Vec::new(), Vec::new());
     for line in text.lines() {

@@ -1,4 +1,4 @@
-//! Long builds say how far they are, stop when they are told to, and give the same body whether asked or not.
+//! Long builds report progress, stop on request, and give the same body with or without a callback.
 
 use std::ops::ControlFlow;
 
@@ -13,7 +13,8 @@ fn cloud(count: usize) -> Vec<Point3<f64>> {
     (0..count).map(|_| Point3::from(rng.unit())).collect()
 }
 
-/// Notes every word of progress of a call, and checks that the work of a stage grows to its total and not beyond.
+/// Records every progress report of a call, and checks that the work of a stage grows up to its
+/// total.
 fn noted(call: impl FnOnce(&mut dyn FnMut(Progress) -> ControlFlow<()>)) -> Vec<&'static str> {
     let (mut stages, mut last) = (Vec::new(), 0);
     call(&mut |progress| {
@@ -32,7 +33,7 @@ fn noted(call: impl FnOnce(&mut dyn FnMut(Progress) -> ControlFlow<()>)) -> Vec<
     stages
 }
 
-/// Stops a call at each word in turn, until none is left; returns how often it stopped.
+/// Stops a call at each progress report in turn; returns how often it stopped.
 fn stopped(mut call: impl FnMut(&mut dyn FnMut(Progress) -> ControlFlow<()>) -> bool) -> usize {
     for words in 0_usize.. {
         let mut left = words;

@@ -1,4 +1,4 @@
-//! What one body tells of itself: mass, closest points, neighbours.
+//! Queries of one body: mass, closest points, neighbours.
 
 use lin_canny::Feature;
 use lin_canny::polyhedron::{ConvexPolyhedron, solids};
@@ -22,7 +22,7 @@ fn mass_properties_match_closed_forms() {
     let tetrahedron = ConvexPolyhedron::from_points(&corner).unwrap();
     assert!((tetrahedron.volume() - 4.0).abs() < 1e-15);
     assert!((tetrahedron.centroid() - Point3::new(0.5, 0.75, 1.0)).norm() < 1e-15);
-    // corner tetrahedron with legs a, b, c: xx = 3 V (b^2 + c^2) / 80, xy = V a b / 80
+    // tetrahedron at a vertex with legs a, b, c: xx = 3 V (b^2 + c^2) / 80, xy = V a b / 80
     let i = tetrahedron.inertia();
     assert!(
         (i[(0, 0)] - 4.0 * 3.0 * 25.0 / 80.0).abs() < 1e-14 && (i[(0, 1)] - 4.0 * 6.0 / 80.0).abs() < 1e-14,
@@ -31,7 +31,7 @@ fn mass_properties_match_closed_forms() {
     let sphere = solids::geodesic_sphere(5, 1.0).unwrap();
     assert!((sphere.volume() / (4.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 1e-3);
     assert!((sphere.inertia()[(1, 1)] / (0.4 * sphere.volume()) - 1.0).abs() < 1e-3);
-    // a needle in a general direction keeps all its digits
+    // a needle in a general direction loses no digits
     let turn = Rotation3::from_euler_angles(0.3, 0.7, 1.1);
     let e = [
         Vector3::new(1.0, 0.0, 0.0),
@@ -82,7 +82,8 @@ fn closest_points_are_optimal() {
     assert!(inside > 50 && outside > 500, "{inside} {outside}");
 }
 
-/// Beyond the end of a face that is a line but for rounding every side says "inside" by rounding alone.
+/// Beyond the end of a face that is nearly a line, only rounding makes every side test say
+/// "inside".
 #[test]
 fn closest_points_beyond_faces_that_are_nearly_lines() {
     use lin_canny::{RelativePose, Tracker, nalgebra::Isometry3};
@@ -91,7 +92,7 @@ fn closest_points_beyond_faces_that_are_nearly_lines() {
     for k in 0..2000 {
         let mut whole = || Vector3::from_fn(|_, _| rng.int(-4, 4) as f64);
         let (start, along, aside) = (whole(), whole(), whole());
-        // Decimal fractions: points of a line that rounding puts beside it.
+        // Decimal fractions: collinear points that rounding puts off the line.
         let at = |t: i32, s: f64| Point3::from((start + along * f64::from(t) + aside * s) * 0.85);
         let flat = [at(-2, 0.0), at(0, 0.0), at(1, 0.0)];
         let body = if k % 2 == 0 {
@@ -147,7 +148,8 @@ fn links_agree_and_foreign_ids_are_refused() {
     shared(&small);
 }
 
-/// A point is its own middle: where it stands in its own frame costs no digit, and its box is finite wherever that is.
+/// A point is its own centre: its position in its frame costs no digit, and its box is finite at
+/// any position.
 #[test]
 fn a_point_is_as_exact_far_from_its_own_origin_as_in_it() {
     use lin_canny::nalgebra::{Isometry3, UnitQuaternion};
@@ -164,7 +166,7 @@ fn a_point_is_as_exact_far_from_its_own_origin_as_in_it() {
         let o = Tracker::new().closest(&body, &point, &pose);
         let back = Tracker::new().closest(&point, &body, &pose.swapped());
         for o in [o, back] {
-            // By how much the place in the body's frame is rounded, and the promise.
+            // The rounding of the position in the body's frame, and the promised width.
             let size = 2.0 + o.upper.abs() + away * 2f64.powi(-49);
             assert!(o.upper - o.lower <= 1e-13 * size, "{away:e}: {o:?}");
             assert!((o.distance - back.distance).abs() <= 1e-13 * size, "{o:?}");
@@ -181,7 +183,7 @@ fn a_point_is_as_exact_far_from_its_own_origin_as_in_it() {
     }
 }
 
-/// Kind and index lead back to a feature of the body, and to nothing else.
+/// Kind and index identify a feature of the body, and nothing else.
 #[test]
 fn features_are_named_by_kind_and_index() {
     let body = solids::prism(5, 0.5, 1.0).unwrap();

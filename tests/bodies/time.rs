@@ -1,11 +1,12 @@
-//! Promise: a body is built in near `n log n`, also where many points lie on faces and edges of the hull.
+//! Promise: a body is built in nearly `n log n` time, even if many points lie on faces and edges of
+//! the hull.
 
 use cpu_time::ThreadTime;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Point3, Vector3};
 use truth::rng::Rng;
 
-/// Points near a sphere with coordinates of so few bits that sums of three are exact, times three.
+/// Returns points near a sphere with so few bits that sums of three are exact, times three.
 fn dyadic_sphere(n: usize) -> Vec<Vector3<f64>> {
     let mut rng = Rng::new(811);
     let bits = 2f64.powi(20);
@@ -14,7 +15,7 @@ fn dyadic_sphere(n: usize) -> Vec<Vector3<f64>> {
         .collect()
 }
 
-/// The vertices of a hull, and the exact centroids of its triangles.
+/// Returns the vertices of a hull, and the exact centroids of its triangles.
 fn with_centroids(n: usize) -> Vec<Point3<f64>> {
     on_faces(n, |corners| {
         (corners.len() == 3)
@@ -24,7 +25,7 @@ fn with_centroids(n: usize) -> Vec<Point3<f64>> {
     })
 }
 
-/// The vertices of a hull, and the exact midpoints of its edges.
+/// Returns the vertices of a hull, and the exact midpoints of its edges.
 fn with_midpoints(n: usize) -> Vec<Point3<f64>> {
     on_faces(n, |corners| {
         (0..corners.len())
@@ -46,7 +47,7 @@ fn on_faces(n: usize, more: impl Fn(&[Vector3<f64>]) -> Vec<Vector3<f64>>) -> Ve
     all.into_iter().map(Point3::from).collect()
 }
 
-/// Two ellipses in planes that are not parallel.
+/// Returns two ellipses in planes that are not parallel.
 fn skew_ellipses(n: usize) -> Vec<Point3<f64>> {
     let at = |k: usize| {
         let (s, c) = (std::f64::consts::TAU * (k / 2) as f64 / (n / 2) as f64).sin_cos();
@@ -59,7 +60,7 @@ fn skew_ellipses(n: usize) -> Vec<Point3<f64>> {
     (0..n).map(at).collect()
 }
 
-/// Time of the thread alone, the less of two, so that others on the machine do not count.
+/// Returns the CPU time of the thread, the less of two runs, to exclude other activity.
 fn time(points: &[Point3<f64>]) -> f64 {
     let once = || {
         let start = ThreadTime::now();
@@ -69,7 +70,8 @@ fn time(points: &[Point3<f64>]) -> f64 {
     once().min(once())
 }
 
-/// Four times the points took 10 to 18 times as long when every point on a face looked at all faces; now some 4 to 5.
+/// Four times the points may take at most nine times the time. Quadratic work per face took 10 to
+/// 18 times; now it is 4 to 5.
 #[test]
 fn four_times_the_points_take_no_nine_times_as_long() {
     for (name, make) in [

@@ -1,4 +1,4 @@
-//! Promise: any sequence of calls of the broad phase is answered or refused: no panic, and the pairs
+//! Promise: the broad phase accepts or rejects any sequence of calls without a panic, and its pairs
 //! are those of brute force.
 
 use proptest::prelude::*;
@@ -13,7 +13,8 @@ proptest! {
     }
 }
 
-/// What the fuzz target found, made small: a body thrown from one end of the range to the other within one column.
+/// A reduced finding of the fuzz target: a body moved from one end of the range to the other within
+/// one column.
 const FOUND: [&[u8]; 1] = [&[
     1, 1, 38, 251, 48, 1, 6, 0, 128, 128, 128, 128, 1, 0, 11, 0, 32, 0, 0, 128, 128, 128, 128, 128, 251, 254, 255, 255,
     250, 38, 251, 38, 251, 38, 251, 255, 48, 29, 255, 255, 48, 251, 38, 251, 251, 38, 59, 59, 219, 38, 251, 48, 1, 0,
@@ -27,7 +28,7 @@ fn what_was_found_stays_mended() {
     }
 }
 
-/// The bytes of a generator lead everywhere: calls are accepted and refused, pairs come and go.
+/// The bytes of a generator reach every case: calls are accepted and rejected, pairs start and end.
 #[test]
 fn the_mix_of_calls() {
     let mut rng = Rng::new(62);

@@ -8,7 +8,7 @@ use truth::rng::Rng;
 
 type Keys = BTreeSet<(BodyId, BodyId)>;
 
-/// The pairs there should be: all of all, by the definition.
+/// Returns the expected pairs by definition, from all pairs.
 fn expected(broad: &SweepAndPrune) -> Keys {
     let ids: Vec<BodyId> = broad.bodies().collect();
     let boxes: Vec<StoredBox> = ids.iter().map(|id| broad.stored_box(*id).unwrap()).collect();
@@ -27,7 +27,7 @@ fn present(broad: &SweepAndPrune) -> Keys {
     broad.pairs().map(|p| (p.a, p.b)).collect()
 }
 
-/// Replays events; they must be new, in order and sufficient.
+/// Replays events, which must be new, in order and sufficient.
 #[derive(Default)]
 struct Replay {
     pairs: Keys,
@@ -50,7 +50,7 @@ impl Replay {
     }
 }
 
-/// A broad phase and the pairs that its events tell.
+/// A broad phase, and the pairs according to its events.
 struct Fed {
     broad: SweepAndPrune,
     replay: Replay,
@@ -64,7 +64,7 @@ impl Fed {
         }
     }
 
-    /// A step; everything there is to compare is compared.
+    /// Runs a step and compares all results.
     fn step(&mut self) {
         self.replay.apply(self.broad.step());
         let expected = expected(&self.broad);
@@ -252,7 +252,7 @@ fn an_origin_keeps_far_scenes_fine() {
     let mut far = SweepAndPrune::with_settings(Settings::default().origin(origin));
     let scene = Scene::new(Kind::Pile, 300);
     for aabb in &scene.boxes {
-        // Quarter units, so that moving them off rounds nothing.
+        // Multiples of 1/256, so that moving them does not round.
         let snap = |p: Point3<f64>| p.map(|v| (v * 256.0).round() / 256.0);
         let aabb = Aabb::new(snap(aabb.min), snap(aabb.max));
         near.insert(&aabb, BodyOptions::moving()).unwrap();
@@ -341,7 +341,7 @@ fn touching_and_flat_boxes_are_pairs() {
         .unwrap();
     fed.broad.insert(&unit(-0.0, -1.0, 0.0), BodyOptions::moving()).unwrap();
     fed.step();
-    // The pairs of touching corner, point on corner (twice), point on point, touching face.
+    // The pairs: touching vertex, point on vertex (twice), point on point, touching face.
     assert_eq!(fed.broad.pair_count(), 5);
 }
 

@@ -1,4 +1,5 @@
-//! Promise: pairs are those of brute force where bounds are equal everywhere: bricks, lattices, stacks.
+//! Promise: pairs are those of brute force if bounds are equal everywhere: bricks, lattices,
+//! stacks.
 
 use lin_canny::broad::*;
 use lin_canny::nalgebra::{Point3, Vector3};
@@ -28,7 +29,7 @@ fn columns_on_lattices_equal_brute_force() {
     play(20_000, SweepAndPrune::new);
 }
 
-/// With the feature `parallel` and threads to spare, columns are dealt out from the first body on.
+/// With the feature `parallel` and several threads, columns are distributed from the first body on.
 #[test]
 fn shared_work_on_lattices_equals_brute_force() {
     play(2000, || {
@@ -36,7 +37,7 @@ fn shared_work_on_lattices_equals_brute_force() {
     });
 }
 
-/// Two million sequences or `LATTICE_SEQUENCES`: minutes.
+/// Plays two million sequences or `LATTICE_SEQUENCES`, which takes minutes.
 #[test]
 #[ignore = "minutes of work; run with --release"]
 fn two_million_sequences_equal_brute_force() {
@@ -66,7 +67,7 @@ fn two_million_sequences_equal_brute_force() {
     println!("{sum:?}");
 }
 
-/// A wall of bricks; one is lifted out and set back, or replaced, then two slide along each other.
+/// A wall of bricks: one is lifted out and put back, or replaced, then two slide along each other.
 fn wall(mut broad: SweepAndPrune, size: u32, gap: f64, replace: bool) {
     let brick = |x: f64, y: f64| Aabb::from_center(Point3::new(x, y, 0.0), Vector3::repeat(0.5));
     let mut wall = Vec::new();

@@ -1,4 +1,4 @@
-//! Promise: the broad phase finds the pairs that brute force finds, by either structure, whatever is called in whatever order.
+//! Promise: the broad phase finds the pairs that brute force finds, for any calls in any order.
 
 mod calls;
 mod frames;

@@ -1,4 +1,4 @@
-//! Questions about boxes equal the obvious answers.
+//! Queries of boxes agree with brute force.
 
 use lin_canny::broad::*;
 use nalgebra::{Point3, Vector3};
@@ -21,7 +21,7 @@ fn ask(kind: Kind) -> usize {
         broad.step();
         let boxes: Vec<StoredBox> = ids.iter().map(|id| broad.stored_box(*id).unwrap()).collect();
         scene.step();
-        // Calls not yet taken over by a step do not show.
+        // Calls have no effect on queries before the next step.
         ids.iter()
             .zip(&scene.boxes)
             .for_each(|(id, b)| broad.set_box(*id, b).unwrap());
@@ -48,7 +48,7 @@ fn ask(kind: Kind) -> usize {
             };
             let mut order: Vec<(f64, BodyId)> = boxes.iter().map(gap).zip(ids.iter().copied()).collect();
             order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            // As far as one of the boxes is, and no farther.
+            // Exactly as far as one of the boxes.
             let last = order[random.below(40)].0;
             for (count, farthest) in [(7, f64::INFINITY), (usize::MAX, 1.5), (usize::MAX, last), (20, last)] {
                 let near = broad.nearest(&asked, count, farthest).unwrap();

@@ -1,4 +1,4 @@
-//! A broad phase written down in the middle of its life and read again goes on identically, down to slots and order.
+//! A broad phase saved at any time and read back continues identically, including slots and order.
 #![cfg(feature = "serde")]
 
 use lin_canny::broad::*;
@@ -10,7 +10,7 @@ fn copy<B: serde::Serialize + serde::de::DeserializeOwned>(broad: &B) -> B {
     serde_json::from_str(&serde_json::to_string(broad).unwrap()).unwrap()
 }
 
-/// One step's calls, drawn from `random`.
+/// Makes the calls of one step, drawn from `random`.
 fn feed(broad: &mut SweepAndPrune, ids: &mut Vec<BodyId>, scene: &Scene, random: &mut Rng) {
     for k in 0..ids.len() {
         if broad.contains(ids[k]) && random.below(3) > 0 {
@@ -41,7 +41,7 @@ fn goes_on(mut broad: SweepAndPrune, n: usize) {
     );
     let mut random = Rng::new(5);
     for _ in 0..20 {
-        // Written down both between steps and after half of a step's calls.
+        // Saved between steps, and after half the calls of a step.
         let mut again = copy(&broad);
         let (mut other_ids, mut other_random) = (ids.clone(), random.clone());
         scene.step();

@@ -1,4 +1,5 @@
-//! Promise: a step costs in proportion to what changed in it. Counted are entries inside windows, not time.
+//! Promise: a step costs in proportion to its changes, measured by entries inside windows, not by
+//! time.
 
 use lin_canny::broad::*;
 use lin_canny::nalgebra::{Point3, Vector3};
@@ -12,7 +13,7 @@ fn shifted(aabb: &Aabb, by: Vector3<f64>) -> Aabb {
     Aabb::new(aabb.min + by, aabb.max + by)
 }
 
-/// Entries compared, step by step. `motion` says how body `i` moves in step `s`.
+/// Returns the entries compared in each step. `motion` returns the motion of body `i` in step `s`.
 fn scanned(mut boxes: Vec<Aabb>, mut motion: impl FnMut(usize, usize, &Aabb) -> Vector3<f64>) -> Vec<u64> {
     let mut broad = SweepAndPrune::new();
     let ids: Vec<_> = boxes
@@ -32,7 +33,8 @@ fn scanned(mut boxes: Vec<Aabb>, mut motion: impl FnMut(usize, usize, &Aabb) -> 
     counts
 }
 
-/// No step, the first included, compares more than `most` times the entries of the median step.
+/// Asserts that no step, including the first, compares more than `most` times the entries of the
+/// median step.
 fn assert_even(name: &str, most: u64, counts: &[u64]) {
     let mut sorted = counts.to_vec();
     sorted.sort_unstable();
@@ -43,8 +45,8 @@ fn assert_even(name: &str, most: u64, counts: &[u64]) {
     );
 }
 
-/// Plates in a hundred boxes, across each axis, all at random places in every step: the columns of
-/// the first steps are cut for other sizes.
+/// One box in a hundred is a plate perpendicular to each axis, all at random positions in every
+/// step: the columns of the first steps fit other sizes.
 #[test]
 fn plates_among_small_boxes() {
     let n = 4000;
@@ -67,7 +69,7 @@ fn plates_among_small_boxes() {
     }
 }
 
-/// Parallel needles in slow motion; now and then one wraps to the other side of the world.
+/// Parallel needles in slow motion; occasionally one moves to the other side of the world.
 #[test]
 fn needles_that_wrap() {
     let (mut rng, n) = (Rng::new(3), 4000);
@@ -87,8 +89,9 @@ fn needles_that_wrap() {
     assert_even("needles", 2, &counts);
 }
 
-/// Parallel needles of which one in a hundred moves, slowly, and one body that hops: the windows of
-/// the columns that are repaired must not be as wide as the hop.
+/// Parallel needles, one in a hundred moving slowly, and one body that jumps.
+///
+/// The windows of the repaired columns must not be as wide as the jump.
 #[test]
 fn a_hop_among_few_movers() {
     let (mut rng, n) = (Rng::new(4), 4000);
@@ -104,17 +107,18 @@ fn a_hop_among_few_movers() {
     assert_even("hops", 5, &counts[1..]);
 }
 
-/// A world that changes after a calm: centres of unit boxes, and the side of a box.
+/// A world that changes after a calm period: centres of unit boxes, and the side of a box.
 struct Change {
     name: &'static str,
-    /// Where a centre of the calm world is in the step after the calm, and the scale of its box.
+    /// Returns the new centre after the calm period, and the scale of its box.
     place: fn(usize, &Point3<f64>) -> (Point3<f64>, f64),
     steps: usize,
-    /// From which step on it is to cost no more than the calm, but for a few steps: bodies that fly far cost more by themselves.
+    /// Step after which the cost must be that of the calm period, except in a few steps: bodies
+    /// that fly far cost more.
     over: usize,
 }
 
-/// The part of a change that is done by a step, when it takes so many.
+/// Returns the completed fraction of a change that takes several steps.
 fn part(step: usize, steps: usize) -> f64 {
     ((step + 1) as f64 / steps as f64).min(1.0)
 }
@@ -162,7 +166,8 @@ const CHANGES: [Change; 5] = [
     },
 ];
 
-/// After so many calm steps of a cloud along x, few steps compare several times the entries of a calm one, and none of the last.
+/// After `calm` steps of a cloud along x, only a few steps may compare several times the entries of
+/// a calm step, and none of the last steps.
 fn change_after_calm(change: &Change, calm: usize) {
     let (mut rng, n) = (Rng::new(11), 1500);
     let place = |rng: &mut Rng| Point3::new(rng.range(-750.0, 750.0), rng.range(-7.5, 7.5), rng.range(-7.5, 7.5));
@@ -199,7 +204,7 @@ fn change_after_calm(change: &Change, calm: usize) {
     );
 }
 
-/// However long nothing asked for other columns, they are cut as soon as the present ones are far too dear.
+/// After any calm period, columns are cut again as soon as the current ones are much too expensive.
 #[test]
 fn changes_after_a_long_calm() {
     for change in &CHANGES {

@@ -1,5 +1,5 @@
-//! Meshes that rotate over a frame: hits are where closed forms say, what is told apart is apart, and contacts are of exact
-//! arithmetic.
+//! Meshes that rotate over a frame: hits agree with closed forms, misses are separated, and
+//! contacts agree with exact arithmetic.
 
 use super::meshes::{ends, moved, sheet, vertices};
 use lin_canny::continuous::{self, MovingMesh};
@@ -13,7 +13,7 @@ use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::{Point, Pose};
 
-/// A motion from one pose to another: the origin straight, the angle evenly.
+/// A motion between two poses: the origin moves straight, the angle evenly.
 struct Turning {
     axis: Point,
     angle: f64,
@@ -40,7 +40,7 @@ fn both(a: &MovingMesh, b: &MovingMesh, tolerance: f64) -> [Cast; 2] {
     [(a, b), (b, a)].map(|(a, b)| continuous::cast_meshes(a, b, tolerance).unwrap())
 }
 
-/// The instant at which a function rises above zero, to a rounding.
+/// Returns the instant at which a function rises above zero, up to rounding.
 fn root(f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..60 {
@@ -54,7 +54,7 @@ fn root(f: impl Fn(f64) -> f64) -> f64 {
     high
 }
 
-/// A blade turns about its middle until an edge meets a sheet, which may rise at the same time.
+/// A blade rotates about its middle until an edge meets a sheet, which may rise at the same time.
 #[test]
 fn a_turning_blade_hits_a_sheet_at_the_known_angle() {
     let mut rng = Rng::new(5);
@@ -77,7 +77,7 @@ fn a_turning_blade_hits_a_sheet_at_the_known_angle() {
             .map(|p| add(p, [0.0, 0.0, rise * 0.5 * (1.0 + 0.3 * p[0])]));
         let blade = soups::plate(1 + round % 3, half).map(|p| scale(p, size));
         let [rest, risen] = [rest, risen].map(|s| s.map(|p| scale(p, size)));
-        // Lowest of the corners over the sheet below, which stays a plane.
+        // The lowest vertex relative to the sheet below, which stays planar.
         let depth = |t: f64| {
             let (sine, cosine) = (angle * t).sin_cos();
             let corners = [-1.0, 1.0].map(|i| [-1.0, 1.0].map(|k| (i * half[0], k * half[2])));
@@ -133,12 +133,12 @@ fn a_turning_blade_hits_a_sheet_at_the_known_angle() {
     assert!(hits > 150, "{hits}");
 }
 
-/// The tip of a bar sweeps past a sheet, and dips into it for a moment, or just does not.
+/// The tip of a bar sweeps past a sheet, and either dips into it briefly or just misses it.
 #[test]
 fn a_tip_that_sweeps_past_a_sheet_hits_it_only_if_it_reaches_it() {
     let (mut rng, mut hits, mut misses) = (Rng::new(23), 0, 0);
     let n = mesh(&soups::plate(1, [0.05, 0.04, 1.0]));
-    // From the axis to the corners that come down first and last.
+    // From the axis to the vertices that come down first and last.
     let (radius, aside) = (0.05f64.hypot(1.0), 0.05f64.atan2(1.0));
     for round in 0..120 {
         let depth = [-1.0, 1.0][round % 2] * rng.log_range(1e-10, 1e-2);
@@ -149,7 +149,7 @@ fn a_tip_that_sweeps_past_a_sheet_hits_it_only_if_it_reaches_it() {
         let pose = |angle: f64| Pose::turn([0.0, 1.0, 0.0], angle, [0.0; 3]).isometry();
         let b = MovingMesh::new(&n, &n).unwrap();
         let b = b.with_poses(&pose(from), &pose(from + angle)).unwrap();
-        // A corner is in the sheet while it is nearer to the lowest place than this.
+        // A vertex is in the sheet while it is nearer to the lowest position than this.
         let reach = (1.0 - depth / radius).acos();
         let windows = [-aside, aside].map(|lowest| [lowest - reach, lowest + reach].map(|x| (x - from) / angle));
         for cast in both(&a, &b, 1e-9) {
@@ -175,7 +175,7 @@ fn a_tip_that_sweeps_past_a_sheet_hits_it_only_if_it_reaches_it() {
     assert!(hits > 60 && misses > 60, "{hits} {misses}");
 }
 
-/// The sheet at a time.
+/// Returns the sheet at a time.
 fn between([begin, end]: [&Soup; 2], t: f64) -> Soup {
     let points = (0..begin.points.len()).map(|v| {
         let (p, q) = (begin.points[v], end.points[v]);
@@ -197,7 +197,8 @@ struct Tally {
     intervals: u64,
 }
 
-/// Judges frames of bending sheets and bodies that turn: apart at 40 instants before, in contact by exact arithmetic at the hit.
+/// Judges frames of bending sheets and rotating bodies: separated at 40 instants before the hit, in
+/// contact by exact arithmetic at the hit.
 fn run(rounds: usize, seed: u64) -> Tally {
     let (mut tally, mut rng) = (Tally::default(), Rng::new(seed));
     let rest = sheet(6, 2.0);
@@ -284,7 +285,7 @@ fn bodies_that_turn_meet_bending_sheets_when_exact_arithmetic_says() {
     assert!(tally.near + tally.wide < 4, "{tally:?}");
 }
 
-/// No edge passes through a triangle where surfaces only touch, and no time is exact on an arc.
+/// If surfaces only touch, no edge passes through a triangle, and no time on an arc is exact.
 #[test]
 fn a_touch_of_a_body_that_turns_is_near_or_a_start() {
     let body = soups::plate(1, [0.5, 0.25, 0.125]);
@@ -314,7 +315,7 @@ fn a_touch_of_a_body_that_turns_is_near_or_a_start() {
     for impact in frame(-0.625, -0.125 - 1e-9) {
         assert!(matches!(impact, Impact::Miss), "{impact:?}");
     }
-    // The sheet rises into the body: the contact is in the time that it takes to get there.
+    // The sheet rises into the body: the contact time is the time of the rise.
     for impact in frame(-0.625, 0.375) {
         let Impact::Hit { safe, hit, .. } = impact else {
             panic!("{impact:?}")

@@ -1,4 +1,4 @@
-//! Half turns: a mesh over a frame goes round as `Steady::between` of the poses given.
+//! Half turns: a mesh over a frame rotates like `Steady::between` of its poses.
 
 use lin_canny::Mesh;
 use lin_canny::continuous::{self, MovingMesh};
@@ -9,12 +9,13 @@ use truth::forms::mesh;
 use truth::rng::Rng;
 use truth::soups;
 
-/// A quaternion as a pose, of a length that is off by rounding, or by what is accepted.
+/// Returns a quaternion as a pose, with a length that is off by rounding or by the accepted
+/// tolerance.
 fn turned(q: Quaternion<f64>, length: f64) -> Isometry3<f64> {
     Isometry3::from_parts(Vector3::zeros().into(), Unit::new_unchecked(q * length))
 }
 
-/// A small body at the place where the tip of a blade is half way round, or on the other side.
+/// A small body at the halfway position of the tip of a blade, or on the opposite side.
 #[test]
 fn a_mesh_turns_half_round_as_the_motion_of_its_poses_does() {
     let tip = Point3::new(1.0, 0.0, 0.0);
@@ -30,7 +31,7 @@ fn a_mesh_turns_half_round_as_the_motion_of_its_poses_does() {
             .coords
             .cross(&Vector3::from(rng.unit()));
         let axis = Unit::new_normalize(across).into_inner();
-        // Exactly half round as numbers go, or beside it by some roundings.
+        // Exactly half a turn in `f64`, or off by some roundings.
         let beside = [0.0, 0.0, 1e-17, -1e-17, 1e-16, -1e-15][round % 6];
         let last = Quaternion::from_parts(beside, axis) * first;
         let lengths = [0, 1].map(|_| 1.0 + [0.0, 1e-16, 3e-13][round % 3] * rng.range(-1.0, 1.0));

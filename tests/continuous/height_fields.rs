@@ -1,4 +1,4 @@
-//! Meshes that all but one condition of a height field hold of: each meets itself where the condition is broken.
+//! Meshes that violate exactly one condition of a height field: each meets itself at the violation.
 
 use super::meshes::{ends, judge, sheet};
 use lin_canny::continuous::{self, MovingMesh};
@@ -8,7 +8,7 @@ use truth::Point;
 use truth::pose::{add, scale};
 use truth::soups::Soup;
 
-/// Judges a mesh against itself over a frame; returns whether it meets.
+/// Judges a mesh against itself over a frame; returns whether it meets itself.
 fn meets(begin: &Soup, end: &Soup, what: &str) -> bool {
     let m = ends(begin, [begin, end]);
     let a = MovingMesh::new(&m[0], &m[1]).unwrap();
@@ -17,7 +17,7 @@ fn meets(begin: &Soup, end: &Soup, what: &str) -> bool {
     judge(&found.impact, p, p, true, what) > 0
 }
 
-/// The places of a soup over other triangles: without some of them.
+/// Returns the points of a soup without some of its triangles.
 fn without(soup: &Soup, gone: impl Fn(&[Point; 3]) -> bool) -> Soup {
     let triangles = soup
         .triangles
@@ -29,7 +29,8 @@ fn without(soup: &Soup, gone: impl Fn(&[Point; 3]) -> bool) -> Soup {
     }
 }
 
-/// Both sides of a slot close and slide into each other: the edges of the rim are parted at the begin alone.
+/// Both sides of a slot close and slide into each other: the edges of the boundary are separated
+/// only at the start.
 #[test]
 fn a_slot_that_closes_is_no_height_field() {
     let plane = sheet(8, 2.0);
@@ -51,8 +52,8 @@ fn a_slot_that_closes_is_no_height_field() {
     assert!((3..=9).contains(&met), "{met}");
 }
 
-/// A triangular hole shrinks, and its corner passes over the opposite edge: its rim has no two edges without a common
-/// vertex.
+/// A triangular hole shrinks until its corner passes over the opposite edge: no two edges of its
+/// boundary lack a common vertex.
 #[test]
 fn a_hole_that_turns_over_is_no_height_field() {
     let plane = sheet(6, 2.0);
@@ -80,7 +81,8 @@ fn a_hole_that_turns_over_is_no_height_field() {
     assert!((2..=8).contains(&met), "{met}");
 }
 
-/// A small sheet falls through the middle of a large one: rims that never cross, both counter-clockwise.
+/// A small sheet falls through the middle of a large one: their boundaries never cross, and both
+/// are counter-clockwise.
 #[test]
 fn two_sheets_over_each_other_are_no_height_field() {
     let (large, small) = (sheet(6, 2.0), sheet(2, 0.4));
@@ -105,13 +107,15 @@ fn two_sheets_over_each_other_are_no_height_field() {
     assert!((2..=7).contains(&met), "{met}");
 }
 
-/// Rings about a middle turn by half a turn in all: triangles have their sense at both ends, and turn over between.
+/// Rings about a centre rotate by half a turn: triangles have the same orientation at both ends and
+/// turn over in between.
 #[test]
 fn a_disc_that_turns_over_between_is_no_height_field() {
     const SIDES: u32 = 12;
     const RINGS: u32 = 7;
     let place = |ring: u32, k: u32, share: f64| {
-        // The inner rings turn by half a turn, the outer ones by less and less, up to the rim at rest.
+        // The inner rings rotate by half a turn, the outer ones by less and less, down to the
+        // boundary at rest.
         let turn = 0.5 * share * (f64::from(RINGS - ring) / f64::from(RINGS - 1)).min(1.0);
         let (sine, cosine) = (TAU * (f64::from(k) / f64::from(SIDES) + turn)).sin_cos();
         let r = 1.6f64.powi(ring as i32);
@@ -129,7 +133,8 @@ fn a_disc_that_turns_over_between_is_no_height_field() {
     let mut met = 0;
     for step in 0..6 {
         let share = 0.5 + 0.1 * f64::from(step);
-        // The innermost ring is narrow at the begin, so that it turns over one way before the other.
+        // The innermost ring is narrow at the start, so that it turns over in one direction before
+        // the other.
         let disc = |share: f64, narrow: f64| Soup {
             points: std::iter::once([0.0; 3])
                 .chain((1..=RINGS).flat_map(|ring| {

@@ -1,5 +1,5 @@
-//! Whole meshes that hold a hard query of each kind, judged by exact arithmetic: no hit is missed, none is false, touching is
-//! decided.
+//! Whole meshes that contain a hard query of each kind, judged by exact arithmetic: no missed hit,
+//! no false hit, and touching is decided.
 
 use super::Tally;
 use lin_canny::continuous::{self, MovingMesh};
@@ -14,9 +14,10 @@ use truth::soups::Soup;
 
 const WIDTH: f64 = 1e-6;
 
-/// The mesh at both ends; refused if vertices leave the range of lengths.
+/// Returns the mesh at both ends; an error if vertices leave the range of lengths.
 fn ends(moving: &Moving, rng: &mut Rng) -> Result<[Mesh; 2], VertexError> {
-    // Built where all vertices stand apart, so that none are joined and no triangle is dropped.
+    // Built with all vertices at different positions, so that none are merged and no triangle is
+    // removed.
     let rest = Soup {
         points: moving.paths.iter().map(|_| rng.unit()).collect(),
         triangles: moving.triangles.clone(),
@@ -33,7 +34,8 @@ fn over(ends: &[Mesh; 2]) -> MovingMesh<'_> {
     MovingMesh::new(&ends[0], &ends[1]).unwrap()
 }
 
-/// So many pairs of meshes of each kind, either slow or fast, both ways, and both as one against itself.
+/// Runs `count` pairs of meshes of each kind, slow and fast, in both orders, and both as one mesh
+/// against itself.
 fn run(count: usize, seed: u64) {
     let (mut sum, mut refused) = ([0; 3], 0);
     for (i, kind) in KINDS.iter().enumerate() {

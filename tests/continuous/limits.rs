@@ -9,7 +9,7 @@ use std::time::Duration;
 use truth::forms::mesh;
 use truth::soups;
 
-/// A cube of side two of which a vertex moved far out.
+/// Returns a cube of side two with one vertex far out.
 fn stretched(far: f64) -> Mesh {
     let mut cube = mesh(&soups::plate(1, [1.0, 1.0, 1.0]));
     let mut vertices = cube.vertices();
@@ -18,7 +18,7 @@ fn stretched(far: f64) -> Mesh {
     cube
 }
 
-/// One vertex is far out, and the body moves farther by a hundred magnitudes and more.
+/// One vertex is far out, and the body moves farther by a hundred orders of magnitude and more.
 #[test]
 fn wide_ranges_of_numbers_end_at_a_budget() {
     let mut unknown = 0;
@@ -33,7 +33,7 @@ fn wide_ranges_of_numbers_end_at_a_budget() {
                 let cast = continuous::cast_meshes(&moving, &still, Tolerance::Time(tolerance)).unwrap();
                 let spent = began.elapsed();
                 std::println!("{far:e} {away:e} {tolerance:e}: {cast:?} {spent:?}");
-                // Half a second on one core in release, and room for a build with checks.
+                // Half a second on one core in release; a build with checks takes longer.
                 assert!(spent < Duration::from_secs(5), "{spent:?}");
                 unknown += usize::from(matches!(cast.impact, Impact::Incomplete { .. }));
             }

@@ -1,5 +1,5 @@
-//! Promise: first contacts of vertices on straight paths are those of exact arithmetic: no miss is wrong, no hit false, and
-//! touching is decided.
+//! Promise: first contacts of vertices on straight paths agree with exact arithmetic: no false
+//! miss, no false hit, and touching is decided.
 
 mod arcs;
 mod half_turns;
@@ -16,7 +16,7 @@ use truth::paths::{self, Path, Truth};
 use truth::rational::exact;
 use truth::rng::Rng;
 
-/// Set to a number: so many queries of each kind.
+/// Variable that sets the number of queries of each kind.
 const MANY: &str = "LIN_CANNY_QUERIES";
 
 fn count() -> usize {
@@ -42,7 +42,7 @@ struct Tally {
 }
 
 impl Tally {
-    /// Compares an answer with the truth.
+    /// Compares an answer with the oracle.
     fn judge(&mut self, cast: &Cast, truth: &Truth, width: f64, case: &dyn std::fmt::Debug) {
         self.queries += u64::from(cast.queries);
         self.proofs += cast.proofs as usize;

@@ -1,4 +1,5 @@
-//! Meshes over a frame: first contacts are those of all pairs of triangles, and exact arithmetic finds them in the bracket.
+//! Meshes over a frame: first contacts are those of all pairs of triangles, and exact arithmetic
+//! confirms them in the bracket.
 
 use super::given;
 use lin_canny::continuous::{self, MovingMesh};
@@ -32,7 +33,7 @@ pub(crate) fn vertices(soup: &Soup) -> Vec<Point3<f64>> {
     soup.points.iter().map(|p| Point3::from(*p)).collect()
 }
 
-/// The mesh of a body at rest at two ends of a frame.
+/// Returns the mesh of a body at rest at both ends of a frame.
 pub(crate) fn ends(rest: &Soup, [begin, end]: [&Soup; 2]) -> [Mesh; 2] {
     let mut m = mesh(rest);
     m.set_vertices(&vertices(begin)).unwrap();
@@ -41,13 +42,14 @@ pub(crate) fn ends(rest: &Soup, [begin, end]: [&Soup; 2]) -> [Mesh; 2] {
     [before, m]
 }
 
-/// The paths of a triangle, of two places of the same soup.
+/// Returns the paths of a triangle between two states of the same soup.
 fn corners([begin, end]: [&Soup; 2], t: usize) -> [paths::Path; 3] {
     let (p, q) = (begin.corners(t), end.corners(t));
     [0, 1, 2].map(|k| [p[k], q[k]])
 }
 
-/// The first contact of all pairs of triangles by the crate's own kernel: at the begin, or between two times.
+/// Returns the first contact of all pairs of triangles by the crate's kernel: at the start, or
+/// between two times.
 fn brute(a: [&Soup; 2], b: [&Soup; 2], is_self: bool) -> Option<[f64; 2]> {
     let mut first = [f64::INFINITY; 2];
     for i in 0..a[0].triangles.len() {
@@ -93,7 +95,7 @@ pub(crate) fn judge(impact: &Impact, a: [&Soup; 2], b: [&Soup; 2], is_self: bool
                 seen.state == ContactState::Separated && seen.lower <= seen.upper,
                 "{what}: {impact:?}"
             );
-            // The triangles named meet in the bracket, or after it begins and before it ends.
+            // The reported triangles meet in the bracket, or after its start and before its end.
             let Truth::At(from, to) = named(seen.subshapes) else {
                 panic!("{what}: {impact:?} does not meet")
             };
@@ -104,7 +106,7 @@ pub(crate) fn judge(impact: &Impact, a: [&Soup; 2], b: [&Soup; 2], is_self: bool
     }
 }
 
-/// Ways of a body in a frame.
+/// Motions of a body in a frame.
 const WAYS: [&str; 6] = ["fall", "wave", "crumple", "fold", "lattice", "still"];
 
 pub(crate) fn moved(way: &str, rng: &mut Rng, rest: &Soup) -> [Soup; 2] {
@@ -194,13 +196,15 @@ fn a_mesh_meets_itself_when_all_pairs_of_triangles_say() {
     assert!(tally.iter().all(|n| *n > 3), "{tally:?}");
 }
 
-/// Strips that wind about an axis twice, or once and a little more, or nearly: every part is a height field, the whole is none, and
-/// layers that pass each other meet. A flat spiral is a height field that never meets itself.
+/// Strips that wind about an axis twice, or about once.
+///
+/// Every part is a height field, the whole is not, and layers that pass each other meet. A flat
+/// spiral is a height field that never meets itself.
 #[test]
 fn strips_that_wind_over_themselves_meet_when_all_pairs_of_triangles_say() {
     let mut tally = [0; 3];
     for (k, turns) in [2.0, 1.05, 0.97, 1.4, 2.0, 1.02].into_iter().enumerate() {
-        // Pitches, and how far the ends turn.
+        // Pitches, and the rotation of the ends.
         for (from, to, more) in [
             (0.3, -0.3, 0.0),
             (0.3, 0.02, 0.0),
@@ -211,7 +215,8 @@ fn strips_that_wind_over_themselves_meet_when_all_pairs_of_triangles_say() {
             (0.1, -0.05, 0.06),
         ] {
             let n = 40;
-            // Radii that grow keep even a flat strip off itself, if by more than the width a turn.
+            // Growing radii keep even a flat strip apart from itself, if they grow by more than the
+            // width per turn.
             let place = |i: u32, side: f64, (pitch, turns): (f64, f64)| {
                 let turn = turns * f64::from(i) / f64::from(n);
                 let (sine, cosine) = (std::f64::consts::TAU * turn).sin_cos();
@@ -239,7 +244,7 @@ fn strips_that_wind_over_themselves_meet_when_all_pairs_of_triangles_say() {
     assert!(tally.iter().all(|n| *n > 2), "{tally:?}");
 }
 
-/// A tree that is made anew between both ends of a frame changes no answer.
+/// A tree that is rebuilt between both ends of a frame changes no answer.
 #[test]
 fn a_tree_may_be_made_anew_within_a_frame() {
     let rest = sheet(12, 2.0);
@@ -278,7 +283,8 @@ fn a_tree_may_be_made_anew_within_a_frame() {
     }
 }
 
-/// The middle of a sheet is pushed over what is about it, and down: the rim stays as it is, and triangles turn over.
+/// The middle of a sheet is pushed over its surroundings, and down: the boundary stays fixed, and
+/// triangles turn over.
 #[test]
 fn a_sheet_that_is_pushed_over_itself_meets_itself_when_all_pairs_of_triangles_say() {
     let (mut tally, mut rng) = ([0; 3], Rng::new(29));

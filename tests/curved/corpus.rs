@@ -1,4 +1,4 @@
-//! Every line of `corpus.txt`, cold and warm, A to B and B to A.
+//! Every line of `corpus.txt`, cold and warm, in both orders.
 
 use super::Mix;
 use super::suites::sampled;
@@ -7,7 +7,7 @@ use lin_canny::{ContactState, Outcome, PairTracker, RelativePose, Shape};
 use truth::curved::{Kind, Place, parse};
 use truth::rng::Rng;
 
-/// A shape without its rounding, as ours and as the judge's.
+/// Returns a shape without its rounding, in our form and in the judge's.
 fn core(shape: &Shape) -> (Shape, Kind) {
     let kind = match shape.core() {
         Core::Polyhedron(body) => Kind::Hull(body.vertex_points().map(|p| p.coords.into()).collect()),
@@ -50,7 +50,7 @@ fn every_line_is_answered() {
         let size = at.size(&first, &second);
         assert_ne!(o.state, ContactState::Undecided, "{line} {o:?}");
         if matches!((a.core(), b.core()), (Core::Polyhedron(_), Core::Polyhedron(_))) {
-            // The judge of two polyhedra is elsewhere.
+            // Two polyhedra are judged elsewhere.
         } else if o.state == ContactState::Separated {
             mix.judge(&first, &second, &at, &o);
         } else {
@@ -59,7 +59,7 @@ fn every_line_is_answered() {
             assert!(o.upper - o.lower <= 3e-6 * size, "{line}: {o:?}");
         }
         classes[o.state as usize] += 1;
-        // Rounded: both radii less; warm, swapped, and after another pair.
+        // Rounded: both radii subtracted; warm, swapped, and after another pair.
         let mut tracker = PairTracker::new();
         let rounded = tracker.closest(&pair.a, &pair.b, &pair.pose);
         let radii = pair.a.rounding_radius() + pair.b.rounding_radius();

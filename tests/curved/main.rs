@@ -1,7 +1,9 @@
-//! Promise: bounds of curved pairs hold the truth and are no wider than 1e-13 L, warm and cold, A to B and B to A.
+//! Promise: bounds of curved pairs contain the true distance and are at most 1e-13 L wide, warm and
+//! cold, in both orders.
 //!
-//! The judge is the duality gap in double-double (`truth::curved`): the height of the difference along the normal returned is a lower
-//! bound of the truth, the distance of the witnesses and how far they are outside their shapes an upper one.
+//! The judge is the duality gap in double-double (`truth::curved`). The support value of the
+//! difference along the returned normal is a lower bound. The distance of the witnesses plus their
+//! distances outside their shapes is an upper bound.
 
 mod corpus;
 mod manifolds;
@@ -15,7 +17,7 @@ use lin_canny::{ContactState, Outcome, PairTracker, Solver};
 use truth::curved::{KINDS, Kind, Place, Wide};
 use truth::rng::Rng;
 
-/// What a suite met.
+/// Counts of a suite.
 #[derive(Default, Debug)]
 struct Mix {
     classes: [u32; 4],
@@ -28,15 +30,15 @@ struct Mix {
 }
 
 impl Mix {
-    /// Takes an answer for shapes apart.
+    /// Judges an outcome of separated shapes.
     fn judge(&mut self, a: &Kind, b: &Kind, place: &Place, o: &Outcome) {
         let (lower, upper) = place.truth(a, b, o);
         let size = place.size(a, b);
         let told = || format!("{a:?} {b:?} {place:?}\n{o:?}\n{lower:?} {upper:?}");
         assert!(o.lower <= o.distance && o.distance <= o.upper, "{}", told());
-        // Bounds of the finer arithmetic are closer than witnesses in f64 can say.
+        // Bounds in double-double are tighter than witnesses in `f64` can confirm.
         let fine = o.solver == Solver::DoubleDouble;
-        // The judge of superquadrics is no finer than f64.
+        // The judge of superquadrics is no more accurate than `f64`.
         let rough = [a, b].iter().any(|k| matches!(k, Kind::Superquadric(..)));
         let slack = if fine || rough { 8.0 * f64::EPSILON * size } else { 0.0 };
         assert!(
@@ -95,7 +97,7 @@ impl Mix {
     }
 }
 
-/// A pose at which two shapes are `gap` apart, found by moving B along the normal.
+/// Returns a pose at which two shapes are `gap` apart, by moving B along the normal.
 fn at_gap(a: &Kind, b: &Kind, rng: &mut Rng, gap: f64) -> Place {
     let far = 3.0 * (a.radius() + b.radius());
     let mut place = Place {
@@ -111,7 +113,7 @@ fn at_gap(a: &Kind, b: &Kind, rng: &mut Rng, gap: f64) -> Place {
     place
 }
 
-/// Poses of each pair of kinds; LIN_CANNY_CURVED sets another number.
+/// Returns the number of poses of each pair of kinds; LIN_CANNY_CURVED changes it.
 fn count() -> u32 {
     std::env::var("LIN_CANNY_CURVED")
         .ok()
@@ -119,7 +121,7 @@ fn count() -> u32 {
         .unwrap_or(300)
 }
 
-/// Each pair of kinds of which one is curved.
+/// Returns each pair of kinds with at least one curved shape.
 fn pairs() -> impl Iterator<Item = (&'static str, &'static str)> {
     (0..KINDS.len()).flat_map(|i| (i.max(3)..KINDS.len()).map(move |k| (KINDS[i], KINDS[k])))
 }

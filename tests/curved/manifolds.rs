@@ -1,5 +1,5 @@
-//! Promise: contacts of shapes lie on both surfaces, opposite each other along the normal, never deeper than the outcome;
-//! and those of a shape at rest stand still.
+//! Promise: contacts of shapes lie on both surfaces, opposite each other along the normal, never
+//! deeper than the outcome; contacts of a shape at rest stay fixed.
 
 use super::at_gap;
 use lin_canny::nalgebra::{Point3, Vector3};
@@ -15,13 +15,13 @@ fn plate() -> Kind {
     Kind::Hull((0..8).map(corner).collect())
 }
 
-/// A quarter turn about x: the axis lies along -y.
+/// Returns a quarter turn about x: the axis is along -y.
 fn lying() -> [f64; 4] {
     let s = 0.5f64.sqrt();
     [s, 0.0, 0.0, s]
 }
 
-/// `place` with a tremble of `size`, in translation and rotation.
+/// Returns `place` with noise of `size` in translation and rotation.
 fn trembled(place: &Place, size: f64, rng: &mut Rng) -> Place {
     let (turn, shift) = (truth::pose::quat(rng.unit(), size * rng.range(0.0, 1.0)), rng.in_ball());
     Place {
@@ -30,13 +30,13 @@ fn trembled(place: &Place, size: f64, rng: &mut Rng) -> Place {
     }
 }
 
-/// Everything that holds for any contact.
+/// Judges the properties of any contact.
 fn judge(kinds: [&Kind; 2], place: &Place, manifold: &Manifold, told: &str) {
     let size = place.size(kinds[0], kinds[1]);
     let (at, n) = (place.isometry(), manifold.normal());
     for (k, p) in manifold.points().iter().enumerate() {
         let between = at * p.point_on_b - p.point_on_a;
-        // Points of old contacts stand still.
+        // Points of cached contacts stay fixed.
         let width = manifold.upper() - manifold.lower();
         let apart = 1e-9 * size;
         let off = if manifold.is_fresh() {
@@ -62,8 +62,10 @@ fn judge(kinds: [&Kind; 2], place: &Place, manifold: &Manifold, told: &str) {
     }
 }
 
-/// Cylinder and cone at rest on a plate, trembling by 1e-7 of the radius: 1,000 frames, apart and overlapping, with contacts
-/// computed every frame (no drift) or as by default.
+/// Cylinder and cone rest on a plate, trembling by 1e-7 of the radius.
+///
+/// 1,000 frames, separated and overlapping, with contacts computed every frame (no drift) or with
+/// the default options.
 #[test]
 fn contacts_at_rest_stand_still() {
     let (can, hat, floor) = (Kind::Cylinder(1.0, R), Kind::Cone(1.0, R), plate());
@@ -83,7 +85,7 @@ fn contacts_at_rest_stand_still() {
             (-1e-4, 1.0 / 1024.0),
             (1e-9, 0.0),
         ] {
-            // Yawed, so that no axis of the shape is one of the plate.
+            // Rotated about z, so that no axis of the shape is an axis of the plate.
             let yaw = truth::pose::quat([0.0, 0.0, 1.0], 0.3);
             let rest = Place {
                 q: truth::pose::unit_quat(truth::pose::quat_mul(yaw, q)),
@@ -118,7 +120,8 @@ fn contacts_at_rest_stand_still() {
     }
 }
 
-/// A cylinder at the edge and at the corner of a plate, and upon another cylinder: the crossings of rim and edges.
+/// A cylinder at the edge and at the corner of a plate, and on another cylinder: the crossings of
+/// its rim and the edges.
 #[test]
 fn caps_are_clipped_by_edges_and_by_caps() {
     let (can, floor) = (Kind::Cylinder(1.0, R), plate());
@@ -142,7 +145,7 @@ fn caps_are_clipped_by_edges_and_by_caps() {
     let m = contacts(&floor, [3.0, 0.0, 1.501]);
     has(&m, [3.0, R]);
     has(&m, [3.0, -R]);
-    // Over the corner: the corner itself and a crossing on each edge.
+    // Over the corner: the corner and a crossing on each edge.
     let m = contacts(&floor, [3.0, 3.0, 1.501]);
     has(&m, [3.0, 3.0]);
     has(&m, [3.0, 3.0 - R]);
@@ -153,7 +156,7 @@ fn caps_are_clipped_by_edges_and_by_caps() {
     let across = (R * R - d * d / 4.0).sqrt();
     has(&m, [d / 2.0, across]);
     has(&m, [d / 2.0, -across]);
-    // A plate smaller than the cap: all its corners.
+    // A plate smaller than the cap: all its vertices.
     let small = Kind::Hull(
         (0..8)
             .map(|k| [0, 1, 2].map(|a| if k >> a & 1 == 1 { 0.2 } else { -0.2 }))
@@ -178,7 +181,7 @@ fn contacts_of_all_pairs_are_sound() {
         }
         let mut place = at_gap(&kinds[0], &kinds[1], &mut rng, 1e-3);
         if k % 2 == 0 {
-            // Axes up, or one of them over: caps and bases nearly flush.
+            // Axes up, or one of them upside down: caps and bases nearly flush.
             let (q, tilt) = (
                 *rng.pick(&[[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0], lying()]),
                 rng.log_range(1e-9, 0.02),
@@ -217,7 +220,8 @@ fn contacts_of_all_pairs_are_sound() {
     );
 }
 
-/// A rounded box has the contacts of its core, moved out along the normal; over frames, with the ids of the core.
+/// A rounded box has the contacts of its core, moved out along the normal; over frames they keep
+/// the ids of the core.
 #[test]
 fn rounded_polyhedra_have_the_contacts_of_their_cores() {
     let mut rng = Rng::new(2162);

@@ -1,5 +1,5 @@
-//! Promise: witnesses of every outcome (apart, touching, overlapping) lie on both surfaces, opposite each other along the
-//! normal at the distance returned.
+//! Promise: the witnesses of every outcome lie on both surfaces, opposite each other along the
+//! normal at the returned distance.
 
 use super::{at_gap, pairs};
 use lin_canny::nalgebra::Vector3;
@@ -8,13 +8,15 @@ use truth::curved::special::{about_parallel_axes, flush_over_edge};
 use truth::curved::{Kind, Place, matrix, turned_back, wide};
 use truth::rng::Rng;
 
-/// Largest error of witnesses, times L, and of those of superquadrics, whose heights are less exact; of a depth known to an
-/// interval, the width is added, as far as to `WIDE`.
+/// Largest error of witnesses in units of L, and of witnesses of superquadrics, whose support
+/// values are less accurate. If only an interval of the depth is known, its width is added, up to
+/// `WIDE`.
 const OFF: f64 = 1e-9;
 const ROUGH: f64 = 1e-8;
 const WIDE: f64 = 1e-6;
 
-/// How far the witnesses are from opposite, and from the surfaces, over L.
+/// Returns the errors of the witnesses relative to L: off the line along the normal, and off the
+/// surfaces.
 pub(crate) fn off(kinds: [&Kind; 2], radii: [f64; 2], place: &Place, o: &Outcome) -> [f64; 2] {
     let (at, n) = (place.isometry(), *o.normal);
     let between = at * o.point_on_b - o.point_on_a;
@@ -25,7 +27,7 @@ pub(crate) fn off(kinds: [&Kind; 2], radii: [f64; 2], place: &Place, o: &Outcome
         (kinds[0], o.point_on_a.coords, n, radii[0]),
         (kinds[1], o.point_on_b.coords, m, radii[1]),
     ] {
-        // On the supporting plane, and not outside of the core less the radius.
+        // On the supporting plane, and not outside the core less the radius.
         let below = kind.height(&wide(n.into())).0 + r - n.dot(&p);
         let outside = kind.outside(&wide((p - n * r).into()));
         beside = beside.max(below.abs()).max(outside);
@@ -33,7 +35,7 @@ pub(crate) fn off(kinds: [&Kind; 2], radii: [f64; 2], place: &Place, o: &Outcome
     [(between - n * o.distance).norm() / size, beside / size]
 }
 
-/// Errors of closed and of open answers.
+/// Errors of outcomes with tight bounds and of other outcomes.
 #[derive(Default, Debug)]
 struct Worst {
     apart: [f64; 2],
@@ -76,7 +78,7 @@ impl Worst {
     }
 }
 
-/// Rotations: as given, upside down, lying along y, and any, tilted a little or not at all.
+/// Returns a rotation: none, upside down, lying along y, or random; tilted slightly or not at all.
 fn turn(rng: &mut Rng) -> [f64; 4] {
     let s = 0.5f64.sqrt();
     let any = rng.quat();
@@ -85,7 +87,8 @@ fn turn(rng: &mut Rng) -> [f64; 4] {
     truth::pose::unit_quat(truth::pose::quat_mul(truth::pose::quat(rng.unit(), tilt), base))
 }
 
-/// Places from contact to the common centre: along an axis, beside it by a little, and along any direction.
+/// Returns positions from contact to the common centre: along an axis, slightly off it, or along
+/// any direction.
 fn shift(kinds: [&Kind; 2], rng: &mut Rng) -> [f64; 3] {
     let reach = kinds[0].radius().min(kinds[1].radius());
     let any = rng.unit();
@@ -140,7 +143,7 @@ fn witnesses_at_special_poses_are_opposite() {
     assert_eq!(worst.bad, 0, "{worst:?}");
 }
 
-/// A segment all but coaxial with a cylinder: balls on both sides of the axis are equally large.
+/// A segment nearly coaxial with a cylinder: balls on both sides of the axis are equally large.
 #[test]
 fn witnesses_of_a_capsule_along_the_axis_of_a_cylinder_are_opposite() {
     let (can, pill) = (
@@ -166,7 +169,8 @@ fn witnesses_of_a_capsule_along_the_axis_of_a_cylinder_are_opposite() {
     );
 }
 
-/// Along a motion through contact, warm: apart, touching and overlapping answers are all opposite.
+/// Along a motion through contact, with a warm tracker: the witnesses of all outcomes are opposite
+/// each other.
 #[test]
 fn witnesses_stay_opposite_through_contact() {
     let mut failed = String::new();

@@ -1,5 +1,5 @@
-//! Promise: the same holds at special poses: flush over an edge, about parallel axes, and for superquadrics near the limits of
-//! their exponents.
+//! Promise: the same holds at special poses: flush over an edge, near parallel axes, and for
+//! superquadrics near the limits of their exponents.
 
 use super::Mix;
 use lin_canny::nalgebra::Vector3;
@@ -8,15 +8,15 @@ use truth::curved::special::{about_parallel_axes, flush_over_edge, near_limits};
 use truth::curved::{KINDS, Kind, Place};
 use truth::rng::Rng;
 
-/// Whether an answer of shapes that are flush is the gap, along the axis of the faces.
+/// Returns whether an outcome of flush shapes is the gap along the axis of the faces.
 fn is_flush(o: &Outcome, side: f64, apart: f64, size: f64) -> bool {
     let near = |x: f64| (x - apart).abs() <= 1e-13 * size;
     let bounded = o.lower <= apart + 1e-15 * size && apart <= o.upper + 1e-15 * size;
     bounded && near(o.distance) && side * o.normal.z > 1.0 - 1e-9
 }
 
-/// A flat face flush on another that overlaps it by little: one quantity with one normal, however little, cold and lowered
-/// from above.
+/// A flat face flush on another with a small overlap: one signed distance with one normal for any
+/// overlap, cold and lowered from above.
 #[test]
 fn a_face_flush_over_an_edge_is_a_gap_along_its_axis() {
     let (mut rng, mut sideways, mut told) = (Rng::new(2400), [0; 3], String::new());
@@ -59,7 +59,8 @@ fn a_face_flush_over_an_edge_is_a_gap_along_its_axis() {
     assert_eq!(sideways, [0; 3], "cold, warm, contacts\n{told}");
 }
 
-/// Rotations by multiples of a quarter turn about one axis, tilted a little or not at all.
+/// Returns a rotation by a multiple of a quarter turn about one axis, tilted slightly or not at
+/// all.
 fn quarter(rng: &mut Rng) -> [f64; 4] {
     let axis = *rng.pick(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
     let angle = *rng.pick(&[0.0, 0.5, 1.0]) * core::f64::consts::PI;
@@ -70,7 +71,7 @@ fn quarter(rng: &mut Rng) -> [f64; 4] {
     ))
 }
 
-/// The pose of B moved along the axis between the origins to a gap.
+/// Returns the pose of B moved along the axis between the origins to a gap.
 fn moved_to(a: &Shape, b: &Shape, mut place: Place, gap: f64) -> Place {
     for _ in 0..3 {
         let o = PairTracker::new().closest(a, b, &place.pose());
@@ -79,7 +80,8 @@ fn moved_to(a: &Shape, b: &Shape, mut place: Place, gap: f64) -> Place {
     place
 }
 
-/// Superquadrics all but octahedra and boxes, close to contact: points of the shapes, bounds in order.
+/// Superquadrics that are nearly octahedra and boxes, close to contact: witnesses lie on the
+/// shapes, and bounds are ordered.
 #[test]
 fn superquadrics_near_the_limits_are_bounded_close_to_contact() {
     let (mut rng, mut mix) = (Rng::new(2401), Mix::default());
@@ -88,7 +90,7 @@ fn superquadrics_near_the_limits_are_bounded_close_to_contact() {
         let a = near_limits(&mut rng);
         let b = match rng.below(4) {
             0 => near_limits(&mut rng),
-            // A triangle all but flat against a tip.
+            // A triangle, nearly flat against a tip.
             1 | 2 => Kind::Hull((0..3).map(|_| rng.in_ball()).map(|p| [p[0], p[1], 0.0]).collect()),
             _ => Kind::random(KINDS[k % 6], &mut rng, 3.0),
         };
@@ -118,8 +120,8 @@ fn superquadrics_near_the_limits_are_bounded_close_to_contact() {
     assert!(mix.widest <= 2e-13, "{}", mix.widest);
 }
 
-/// Cylinders and cones about parallel axes: the depth is that of two polygons, to the width of bodies apart, though it is least
-/// along a whole circle of directions.
+/// Cylinders and cones about parallel axes: the depth is that of two polygons, as tight as for
+/// separated bodies, though a whole circle of directions attains it.
 #[test]
 fn depths_about_parallel_axes_are_closed() {
     let (mut rng, mut told, mut bad, mut deep) = (Rng::new(2402), String::new(), 0, 0);
@@ -146,7 +148,8 @@ fn depths_about_parallel_axes_are_closed() {
     assert!(bad == 0 && deep > 300, "{bad} of {deep}\n{told}");
 }
 
-/// The directions that a query of such superquadrics takes are no more than the documentation of `closest` says, at every gap.
+/// A query of such superquadrics uses at most the number of directions that the documentation of
+/// `closest` states, at every gap.
 #[test]
 fn superquadrics_near_the_limits_take_no_more_directions_than_stated() {
     let mut rng = Rng::new(2403);

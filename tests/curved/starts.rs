@@ -1,4 +1,4 @@
-//! Promise: a start along a normal changes the work of a query and never its bounds.
+//! Promise: a start along a normal changes the work of a query, never its bounds.
 
 use lin_canny::nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 use lin_canny::{ContactState, Manifold, ManifoldOptions, Outcome, PairTracker, Shape};
@@ -7,7 +7,7 @@ use truth::rng::Rng;
 
 use super::{Mix, at_gap, count, pairs};
 
-/// Work of the queries of one way to start.
+/// Work of the queries with one start policy.
 #[derive(Default, Debug)]
 struct Work {
     steps: u64,
@@ -25,7 +25,7 @@ impl Work {
     }
 }
 
-/// Two random shapes, a pose near contact, and the pose in the next frame.
+/// Returns two random shapes, a pose near contact, and the pose in the next frame.
 fn draw(first: &str, second: &str, rng: &mut Rng) -> ([Kind; 2], [Place; 2]) {
     let aspect = rng.log_range(1.0, 10.0);
     let [a, b] = [first, second].map(|kind| Kind::random(kind, rng, aspect));
@@ -66,7 +66,7 @@ fn starts_along_normals_change_the_work_alone() {
                 .closest(&x, &y, &pose)
                 .outcome;
             agree(&told, &cold);
-            // The start is that of the pair in this order, whichever kind is solved first.
+            // The start is that of the pair in this order, for any order of solving.
             let (pose_a, pose_b) = place.pose().poses();
             let in_world = pose_a.rotation * before.normal.into_inner();
             let back = Unit::new_normalize(-pose_b.rotation.inverse_transform_vector(&in_world));
@@ -98,7 +98,7 @@ fn starts_along_normals_change_the_work_alone() {
     assert!(told_work.mean() < 0.9 * cold_work.mean(), "{told_work:?} {cold_work:?}");
 }
 
-/// Polyhedra and meshes begin without a start, as before.
+/// Polyhedra and meshes use no start.
 #[test]
 fn other_pairs_take_no_start() {
     let cube = Shape::cuboid(Vector3::repeat(0.5)).expect("a cuboid");
@@ -118,7 +118,7 @@ fn other_pairs_take_no_start() {
     }
 }
 
-/// A local depth of curved shapes is told of overlaps alone, and parts them.
+/// A local depth of curved shapes is returned only for overlaps, and separates them.
 #[test]
 fn local_depths_of_curved_shapes_part_them() {
     let (mut deep, mut deeper) = (0, 0);
@@ -157,7 +157,8 @@ fn local_depths_of_curved_shapes_part_them() {
     assert!(deeper < deep / 50, "{deeper} of {deep}");
 }
 
-/// A tracked overlap, deep and spinning: the normal is of length one and proves the lower bound, whatever the start was.
+/// A tracked deep and spinning overlap: the normal has length one and proves the lower bound, for
+/// any start.
 #[test]
 fn normals_of_tracked_overlaps_prove_their_bounds() {
     let mut rng = Rng::new(4_117);

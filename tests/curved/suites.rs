@@ -11,7 +11,8 @@ fn closest(a: &Shape, b: &Shape, place: &Place) -> Outcome {
     PairTracker::new().closest(a, b, &place.pose()).outcome
 }
 
-/// The greatest height over many directions, climbed from the best few: never above the truth.
+/// Returns the greatest height over many directions, improved from the best few: never above the
+/// true distance.
 pub(crate) fn sampled(a: &Kind, b: &Kind, place: &Place, rng: &mut Rng) -> f64 {
     let height = |n: [f64; 3]| place.height(a, b, &wide(n)).0;
     let mut best: Vec<(f64, [f64; 3])> = (0..100).map(|_| rng.unit()).map(|n| (height(n), n)).collect();
@@ -52,7 +53,7 @@ fn overlaps_have_sound_depths() {
                 "{}",
                 told()
             );
-            // Any direction is a lower bound of the truth; the one returned proves the lower bound.
+            // Any direction is a lower bound; the returned one proves the lower bound.
             let s = sampled(&a, &b, &place, &mut rng);
             assert!(s <= o.upper + 1e-15 * size, "the depth is overstated: {s} {}", told());
             let proof = place.height(&a, &b, &wide((*o.normal).into())).0;
@@ -61,7 +62,7 @@ fn overlaps_have_sound_depths() {
             // Pushed along the normal by `push`: no deeper than that.
             assert!(o.upper >= -push - 1e-14 * size, "{}", told());
             match o.state {
-                // Pushed past an acute rim, along a normal that does not lead inside.
+                // Pushed past an acute rim, along a normal that does not point inside.
                 ContactState::Separated => continue,
                 ContactState::Overlapping if o.upper - o.lower <= 1e-13 * size => closed += 1,
                 ContactState::Overlapping => wide_ones += 1,
@@ -73,7 +74,7 @@ fn overlaps_have_sound_depths() {
                     (o.upper - o.lower) / size
                 );
             }
-            // A translation along the normal by the depth and a little parts them.
+            // A translation along the normal by slightly more than the depth separates them.
             let mut parted = place;
             parted.t = (Vector3::from(place.t) + *o.normal * (-o.lower + 1e-12 * size)).into();
             let o = closest(&a.shape(), &b.shape(), &parted);
@@ -87,12 +88,13 @@ fn overlaps_have_sound_depths() {
     );
 }
 
-/// Both intervals hold the same truth.
+/// Asserts that two intervals overlap.
 fn meet(o: &Outcome, p: &Outcome, what: &str) {
     assert!(o.lower <= p.upper && p.lower <= o.upper, "{what}: {o:?}\n{p:?}");
 }
 
-/// A ball is an ellipsoid of equal semi-axes; a core rounded is the core less the radius.
+/// A ball is an ellipsoid with equal semi-axes; the distance of a rounded core is that of the core
+/// less the radius.
 #[test]
 fn a_ball_is_an_ellipsoid_and_rounding_is_free() {
     let mut rng = Rng::new(2191);
@@ -137,7 +139,8 @@ fn a_cylinder_lies_between_its_prisms() {
     }
 }
 
-/// Cylinders and cones lying and standing on flat faces, tilted by 0 to 1e-4, and far flatter or longer than wide.
+/// Cylinders and cones on flat faces, tilted by 0 to 1e-4, and shapes much flatter or longer than
+/// wide.
 #[test]
 fn flush_and_extreme_pairs_close() {
     let mut rng = Rng::new(2193);
@@ -191,7 +194,8 @@ fn flush_and_extreme_pairs_close() {
     assert!(extreme.widest <= 1e-13, "{}", extreme.widest);
 }
 
-/// One tracker for all pairs, jumping from one to the next: the contact state is the same, the bounds meet; and so along a motion.
+/// One tracker for all pairs, alternating between them, and along a motion: the contact state is
+/// the same, and the bounds overlap.
 #[test]
 fn stale_and_warm_trackers_agree_with_cold_ones() {
     let (mut rng, mut pair) = (Rng::new(2194), PairTracker::new());
@@ -218,7 +222,7 @@ fn stale_and_warm_trackers_agree_with_cold_ones() {
     assert!(frames > 1000, "{frames}");
 }
 
-/// Scaling by a power of two scales the answer bit for bit; extreme sizes and places are answered.
+/// Scaling by a power of two scales the outcome exactly; extreme sizes and positions are answered.
 #[test]
 fn scales_are_no_matter() {
     let mut rng = Rng::new(2195);
@@ -261,7 +265,7 @@ fn scales_are_no_matter() {
                 off < 1e-13 && p.state == o.state && p.upper - p.lower <= 1e-12 * s,
                 "{s} {o:?} {p:?}"
             );
-            // A speck beside a shape of ordinary size, and shapes far from each other.
+            // A tiny shape next to a shape of ordinary size, and shapes far from each other.
             for (a, b) in [(shape(s), solid(1.0)), (solid(s), shape(1.0)), (shape(s), shape(1.0))] {
                 let q = closest(&a, &b, &place);
                 assert!(
@@ -284,8 +288,11 @@ fn scales_are_no_matter() {
     }
 }
 
-/// Linear maps keep gaps open: an ellipsoid and a hull, mapped so that the ellipsoid is a ball. A direction of one pair is
-/// a direction of the other, and so each normal proves a lower bound of the other distance.
+/// Linear maps preserve separation: an ellipsoid and a hull, mapped so that the ellipsoid becomes a
+/// ball.
+///
+/// A separating direction of one pair maps to one of the other pair, so each normal proves a lower
+/// bound of the other distance.
 #[test]
 fn affine_images_of_a_ball_are_ellipsoids() {
     let (mut rng, mut apart, mut together) = (Rng::new(2196), 0, 0);
@@ -305,7 +312,8 @@ fn affine_images_of_a_ball_are_ellipsoids() {
         };
         let o = closest(&ellipsoid.shape(), &kind.shape(), &at);
         let p = closest(&ball, &mapped.shape(), &at);
-        // Of a unit normal n of the mapped pair, the ellipsoid's is n over the semi-axes.
+        // A unit normal n of the mapped pair corresponds to n divided by the semi-axes for the
+        // ellipsoid.
         let back = Vector3::from([0, 1, 2].map(|k| p.normal[k] / axes[k]));
         let there = Vector3::from([0, 1, 2].map(|k| o.normal[k] * axes[k]));
         let slack = 1e-13 * (1.0 / axes.iter().fold(1.0f64, |m, x| m.min(*x)));

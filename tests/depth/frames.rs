@@ -1,4 +1,4 @@
-//! A depth over frames: it is continuous, and what is kept changes what it costs and not what it is.
+//! A depth over frames: it is continuous, and cached state changes its cost and not its value.
 
 use crate::{both, closest, pushed};
 use lin_canny::nalgebra::Vector3;
@@ -12,7 +12,8 @@ use truth::shapes;
 use truth::support;
 use truth::{Pose, workload};
 
-/// The signed distance changes no faster than the bodies move, on both sides of contact and across it.
+/// The signed distance changes no faster than the bodies move, on both sides of contact and across
+/// it.
 #[test]
 fn motions_through_contact_are_continuous() {
     let mut rng = Rng::new(503);
@@ -56,7 +57,8 @@ fn motions_through_contact_are_continuous() {
     assert!(classes[0] > 500 && classes[2] > 500, "{classes:?}");
 }
 
-/// A kept surface changes what an answer costs, not the answer; and its replay is the query bit for bit.
+/// A cached polytope changes the cost of an outcome, not the outcome; its replay is the query, bit
+/// for bit.
 #[test]
 fn warm_and_cold_agree_and_come_back() {
     let mut rng = Rng::new(504);
@@ -103,8 +105,10 @@ fn warm_and_cold_agree_and_come_back() {
     assert!(work[0] * 3 < work[1], "{work:?}");
 }
 
-/// A face on a face, trembling: another facet is the deepest in each frame, and mostly it covers what the kept surface is short of.
-/// Warm answers are the cold ones within the bounds, whatever proves them.
+/// A face on a face, trembling: the deepest facet changes in each frame, and it usually covers what
+/// the cached polytope lacks.
+///
+/// Warm outcomes equal cold ones within the bounds, for every solver.
 #[test]
 fn faces_that_tremble_on_faces() {
     let mut rng = Rng::new(505);
@@ -142,7 +146,7 @@ fn faces_that_tremble_on_faces() {
     assert!(frames > 2500 && grown * 2 < frames, "{grown} of {frames} frames grew");
 }
 
-/// The surface of other bodies is of no use and does no harm.
+/// The polytope of other bodies is useless and harmless.
 #[test]
 fn a_foreign_surface_does_no_harm() {
     let mut rng = Rng::new(505);
@@ -167,7 +171,8 @@ fn a_foreign_surface_does_no_harm() {
     }
 }
 
-/// A point or a segment in a body moves from over one face to over another: no face of its own lies flush on any.
+/// A point or a segment in a body moves from over one face to over another; it has no face that is
+/// flush on any.
 #[test]
 fn bodies_without_faces_keep_their_depth_over_frames() {
     let point = ConvexPolyhedron::point([0.0; 3].into()).expect("a point");
@@ -185,7 +190,7 @@ fn bodies_without_faces_keep_their_depth_over_frames() {
                 for k in 0..60 {
                     let t = f64::from(k) / 60.0;
                     let at = [0, 1, 2].map(|k| from[k] * (1.0 - t) + to[k] * t);
-                    // Along beneath the lid, whose faces are one but for rounding.
+                    // Along below the lid, whose faces are coplanar up to rounding.
                     let at = if std::ptr::eq(body, &lid) {
                         [at[0], at[1], 0.45]
                     } else {

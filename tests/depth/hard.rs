@@ -1,4 +1,4 @@
-//! Bodies and places at which rounding hides the depth, or its witnesses.
+//! Bodies and positions at which rounding hides the depth or its witnesses.
 
 use crate::{both, closest, judge, judge_both};
 use lin_canny::nalgebra::Vector3;
@@ -10,8 +10,9 @@ use truth::rng::Rng;
 use truth::shapes;
 use truth::support;
 
-/// A plate, and at a corner of it a speck a billionth as large and a million times thinner still: the volumes that prove the
-/// overlap are far below rounding of the plate's.
+/// A plate, and at its corner a body a billionth as large and a million times thinner.
+///
+/// The volumes that prove the overlap are far below the rounding of the plate's volumes.
 #[test]
 fn a_speck_on_the_corner_of_a_plate() {
     let corners = [[-1.0, -1.0, 0.0], [-1.0, -0.5, 0.0], [0.5, -1.0, 0.0], [0.0; 3]].map(|p| p.into());
@@ -31,8 +32,10 @@ fn a_speck_on_the_corner_of_a_plate() {
     }
 }
 
-/// All sides of a cone are equally near to the middle of its base: each is taken in before the depth is known, and each is
-/// named by the apex, which has as many edges.
+/// All sides of a cone are equally near to the middle of its base.
+///
+/// The solver adds each of them before the depth is known, and each is reported by the apex, which
+/// has as many edges.
 #[test]
 fn thousands_of_equal_depths_about_an_apex() {
     let corner = |p: [f64; 3]| lin_canny::nalgebra::Point3::from(p);
@@ -59,8 +62,9 @@ fn thousands_of_equal_depths_about_an_apex() {
     }
 }
 
-/// Bodies thinner than the rounding of their length, laid into each other: no surface of triangles closes in any floating-point
-/// arithmetic, and every facet is looked at.
+/// Bodies thinner than the rounding of their length, put into each other.
+///
+/// No polytope closes in floating-point arithmetic, so the solver tests every facet.
 #[test]
 fn bodies_thinner_than_rounding_have_a_depth() {
     let mut rng = Rng::new(29);
@@ -89,7 +93,7 @@ fn bodies_thinner_than_rounding_have_a_depth() {
     assert!(exact > 50, "{exact}");
 }
 
-/// The depth is below the least number: the bounds are about zero, and on the side of an overlap.
+/// The depth is below the least number: the bounds are near zero, on the side of an overlap.
 #[test]
 fn an_overlap_below_the_least_number() {
     let root = 1.414_213_562_373_095_4;
@@ -114,8 +118,8 @@ fn an_overlap_below_the_least_number() {
     }
 }
 
-/// A point in the skin of a needle of thousands of faces: what the surface did not close about has its witnesses from the list of all
-/// facets.
+/// A point just inside a needle with thousands of faces: if the polytope does not close, the list
+/// of all facets gives the witnesses.
 #[test]
 fn a_point_in_the_skin_of_a_needle_has_its_witnesses() {
     let mut rng = Rng::new(415);
@@ -144,7 +148,8 @@ fn a_point_in_the_skin_of_a_needle_has_its_witnesses() {
     assert!(inside > 20, "{inside}");
 }
 
-/// How near a witness is has nothing to do with how far the bodies are from their own origins, but for its own digits.
+/// The error of a witness is independent of the distance of the bodies from their origins, except
+/// for the digits of its coordinates.
 #[test]
 fn witnesses_of_far_bodies_are_as_good_as_their_coordinates() {
     let mut rng = Rng::new(416);
@@ -175,14 +180,15 @@ fn witnesses_of_far_bodies_are_as_good_as_their_coordinates() {
         deep += 1;
         doubled += usize::from(o.solver == Solver::DoubleDouble);
         let between = truth::bound::witness_distance(o.point_on_a.into(), &frame.a, o.point_on_b.into(), &frame.b);
-        // The coordinates of the one on B end with 2^-27.
+        // The coordinates of the witness on B end with 2^-27.
         let off = (between + o.distance).abs();
         assert!(off <= 3e-8, "{k}: {off:e} {o:?}");
     }
     assert!(deep > 300 && doubled > 15, "{deep} {doubled}");
 }
 
-/// A speck in a cube, from a soak: the triangles of the kept surface are needles, and f64 took another for the one that the normal meets.
+/// A small body in a cube, found by a soak: the triangles of the cached polytope are needles, and
+/// `f64` chose a wrong one for the normal.
 #[test]
 fn witnesses_among_needles_are_behind_each_other() {
     let replay: Replay = include_str!("../replays/needles.txt").parse().expect("a replay");

@@ -1,4 +1,5 @@
-//! The depth of an overlap is a function of the bodies and the pose: what a tracker was asked before shows in no bit.
+//! The depth of an overlap is a function of the bodies and the pose: earlier queries of a tracker
+//! change no bit.
 
 use lin_canny::{ContactState, ConvexPolyhedron, Outcome, Tracker};
 use truth::Pose;
@@ -8,7 +9,7 @@ use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::support;
 
-/// Overlaps asked of a tracker that comes from elsewhere, and of a new one.
+/// Outcomes of overlaps by a tracker with a history, compared with a new tracker.
 #[derive(Debug, Default)]
 struct Compared {
     overlaps: usize,
@@ -32,7 +33,7 @@ impl Compared {
     }
 }
 
-/// Frames in which B sinks into A and spins, by steps of a size.
+/// Returns frames in which B sinks into A and spins, in steps of one size.
 fn sinking(rng: &mut Rng, reach: f64, step: f64, frames: usize) -> Vec<Frame> {
     let (axis, way, q) = (rng.unit(), rng.unit(), rng.quat());
     let at = |k: usize| {
@@ -75,8 +76,8 @@ fn asked(tracker: &mut Tracker, a: &ConvexPolyhedron, b: &ConvexPolyhedron, fram
     tracker.closest(a, b, &support::relative(frame))
 }
 
-/// Two facets may be equally deep up to rounding, as where the foot of the origin lies on a ridge: which of the two is
-/// found first is a matter of the start.
+/// Two facets may be equally deep up to rounding, if the foot of the origin is on a ridge: the
+/// start then decides which is found first.
 #[test]
 #[ignore = "half a minute: a hundred thousand overlaps"]
 fn a_history_shows_in_two_of_a_hundred_thousand_depths_at_most() {

@@ -1,5 +1,7 @@
-//! A local depth bounds the depth from above, proven: exact depths of hard and ordinary bodies, warm, from a hint, from the
-//! tracker of a proven depth, and with the letters exchanged. Bodies apart are answered as ever.
+//! A local depth is a proven upper bound of the depth.
+//!
+//! It is compared with exact depths of hard and ordinary bodies: warm, from a hint, from the
+//! tracker of a proven depth, and with A and B exchanged. Separated bodies have ordinary outcomes.
 
 use crate::nearest::{nudged, pose, shape};
 use lin_canny::{
@@ -19,7 +21,7 @@ struct Pair<'a> {
     bodies: [&'a ConvexPolyhedron; 2],
 }
 
-/// How many answers were proven to be the least depth, how many were deeper, and how many had no lower bound.
+/// Numbers of outcomes proven to be the least depth, deeper ones, and ones without a lower bound.
 #[derive(Debug, Default)]
 struct Count {
     apart: usize,
@@ -30,7 +32,7 @@ struct Count {
 }
 
 impl Pair<'_> {
-    /// Everything an answer with a local depth says, against the truth.
+    /// Judges all results of a local depth against the oracle.
     fn judge(&self, frame: &Frame, o: &Outcome, truth: &Exact, count: &mut Count) {
         let [a, b] = self.bodies;
         let size = support::size(a, b, frame);
@@ -45,7 +47,8 @@ impl Pair<'_> {
         );
         let apart = bound::witness_distance(on_a, &frame.a, on_b, &frame.b);
         assert!((apart - o.distance.abs()).abs() <= 1e-13 * size, "{}", told());
-        // What makes the height of a facet an upper bound: B moved by the depth returned is beside A.
+        // The property that makes the height of a facet an upper bound: B moved by the returned
+        // depth is outside A.
         let normal = frame.a.rotate(o.normal.into_inner().into());
         let gap = bound::support_gap(x, &frame.a, y, &frame.b, normal);
         assert!((gap - o.distance).abs() <= 1e-13 * size, "{gap:e} {}", told());
@@ -90,7 +93,7 @@ fn local_depths_bound_the_exact_depth() {
             let truth = exact::solve(Body::from(&sa), &frame.a, Body::from(&sb), &frame.b);
             let (pose, swapped) = (support::relative(&frame), support::relative(&frame.swapped()));
             let [warm, mixed, turned] = &mut trackers;
-            // A surface kept by the proven depth, and its features.
+            // A polytope cached by the proven depth, and its features.
             if k % 2 == 0 {
                 mixed.closest(&a, &b, &pose);
             }
@@ -112,8 +115,8 @@ fn local_depths_bound_the_exact_depth() {
     assert!(least.iter().all(|&n| n > 400) && deeper > 50 && open > 100, "{count:?}");
 }
 
-/// Through contact and back: the contact state is that of the proven answer, the bounds hold its depth, and a proven answer of the
-/// same tracker is not misled.
+/// Through contact and back: the contact state equals that of the proven outcome, the bounds
+/// contain its depth, and a proven outcome of the same tracker is correct.
 #[test]
 fn motions_through_contact_keep_class_and_bounds() {
     let mut rng = Rng::new(522);
@@ -154,7 +157,8 @@ fn motions_through_contact_keep_class_and_bounds() {
     );
 }
 
-/// Contacts of a local depth lie on both bodies, and none is deeper than its bound; those of rounded bodies as well.
+/// Contacts of a local depth lie on both bodies, and none is deeper than its bound, for rounded
+/// bodies too.
 #[test]
 fn contacts_of_a_local_depth_are_no_deeper_than_the_bound() {
     let mut rng = Rng::new(523);
@@ -203,7 +207,7 @@ fn contacts_of_a_local_depth_are_no_deeper_than_the_bound() {
     assert!(points > 2000 && overlaps > 1000, "{points} {overlaps}");
 }
 
-/// Units that differ, and points of no size, get the proven depth or none.
+/// Bodies of different scales, and points without size, get the proven depth or none.
 #[test]
 fn bodies_of_different_scales_are_answered() {
     let (small, large) = (

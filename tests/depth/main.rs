@@ -1,4 +1,5 @@
-//! Promise: bodies that overlap get the depth, proven: the least translation that parts them, along the normal.
+//! Promise: overlapping bodies have a proven depth: the shortest translation along the normal that
+//! separates them.
 
 mod frames;
 mod hard;
@@ -23,8 +24,10 @@ fn closest(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame) -> Outcome
     Tracker::new().closest(a, b, &support::relative(frame))
 }
 
-/// Bounds, normal and witnesses of an overlap, by themselves: pushed along the normal by the greater bound of the depth
-/// the bodies are apart, by a little less than the depth they are not.
+/// Judges bounds, normal and witnesses of an overlap.
+///
+/// Pushed along the normal by the upper bound of the depth, the bodies are separated; by slightly
+/// less than the depth, they are not.
 fn judge(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &str) -> Outcome {
     let o = closest(a, b, frame);
     let size = support::size(a, b, frame);
@@ -37,7 +40,7 @@ fn judge(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &str) 
     assert!(o.upper - o.lower <= 1e-13 * size, "{told}");
     let n: [f64; 3] = frame.a.rotate(o.normal.into_inner().into());
     let pushed = |by: f64| closest(a, b, &pushed(frame, &o, by)).distance;
-    // Below this the rounding of the pushed pose decides.
+    // Below this size, the rounding of the pushed pose decides.
     if -o.distance > 1e-10 * size {
         assert!(pushed(-o.lower * (1.0 + 1e-12)) >= -1e-14 * size, "{told}");
         assert!(pushed(-0.999 * o.distance) < 0.0, "{told}");
@@ -54,7 +57,7 @@ fn judge(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &str) 
     o
 }
 
-/// The same with the letters exchanged, and both depths alike.
+/// Judges both orders, and asserts that both depths agree.
 fn judge_both(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &str) -> f64 {
     let there = judge(a, b, frame, what);
     let back = judge(b, a, &frame.swapped(), what);
@@ -66,7 +69,7 @@ fn judge_both(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &
     there.distance
 }
 
-/// Poses at which ties and zero volumes abound.
+/// Returns poses with many ties and zero volumes.
 fn hard_poses(rng: &mut Rng, radii: (f64, f64)) -> Vec<Frame> {
     let turned = Pose {
         q: rng.quat(),
@@ -91,7 +94,7 @@ fn hard_poses(rng: &mut Rng, radii: (f64, f64)) -> Vec<Frame> {
     ]
 }
 
-/// B moved along the normal of an answer.
+/// Returns B moved along the normal of an outcome.
 fn pushed(frame: &Frame, o: &Outcome, by: f64) -> Frame {
     let n: [f64; 3] = frame.a.rotate(o.normal.into_inner().into());
     let t = sub(frame.b.t, scale(n, -by));
@@ -160,7 +163,7 @@ fn larger_bodies_are_certified() {
     assert!(judged > 200, "{judged}");
 }
 
-/// Who asks for less does not pay.
+/// A query without a depth does not pay for it.
 #[test]
 fn a_depth_is_searched_for_on_request_only() {
     let cube = support::body(&shapes::cube());

@@ -1,5 +1,7 @@
-//! The nearest facet answers shallow overlaps, and never takes a facet for the nearest that is not: exact depths of hard and
-//! ordinary bodies, warm, cold, from a hint, and with the letters exchanged.
+//! The nearest facet answers shallow overlaps, and is always the correct facet.
+//!
+//! It is compared with exact depths of hard and ordinary bodies: warm, cold, from a hint, and with
+//! A and B exchanged.
 
 use crate::both;
 use lin_canny::{ContactState, ConvexPolyhedron, Outcome, Solver, Tracker};
@@ -26,7 +28,8 @@ pub(crate) fn shape(rng: &mut Rng) -> Shape {
     shape.stretched([by; 3]).solved()
 }
 
-/// A pose of a pair at about this depth: in general position, on a lattice, or with faces flush up to a tilt.
+/// Returns a pose of a pair at about this depth: in general position, on a lattice, or with faces
+/// flush up to a tilt.
 pub(crate) fn pose(
     rng: &mut Rng,
     (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
@@ -62,7 +65,7 @@ pub(crate) fn pose(
     frame
 }
 
-/// A small motion of B.
+/// Returns B after a small motion.
 pub(crate) fn nudged(rng: &mut Rng, frame: &Frame, reach: f64) -> Frame {
     let by = rng.log_range(1e-9, 1e-2);
     let q = unit_quat(quat_mul(quat(rng.unit(), by), frame.b.q));
@@ -115,7 +118,7 @@ fn nearest_facets_are_the_exact_depth() {
                 assert!(o.upper - o.lower <= 1e-13 * size, "{k} {o:?}");
                 if o.state == ContactState::Overlapping {
                     let is_surface = o.solver == Solver::Polytope;
-                    // No point but those of the pyramid, or of a surface kept.
+                    // No points except those of the first simplex or of a cached polytope.
                     count.facets += usize::from(is_surface && o.work.facets > 0 && o.work.points_added == 0);
                     count.surfaces += usize::from(is_surface && o.work.points_added > 0);
                     count.open += usize::from(!is_surface);

@@ -1,4 +1,4 @@
-//! Arbitrary bytes are bodies, poses and queries, or are refused; within a time.
+//! Arbitrary bytes are bodies, poses and queries, or are rejected, within a time limit.
 
 use std::time::{Duration, Instant};
 use truth::driven::bytes;
@@ -6,7 +6,7 @@ use truth::driven::bytes;
 use truth::driven::bytes::{Tally, drive};
 use truth::rng::Rng;
 
-/// Far above what any query takes; a loop without end would reach it.
+/// Far above the time of any query; an endless loop would exceed it.
 const LIMIT: Duration = Duration::from_secs(5);
 
 fn add(sum: &mut Tally, t: Tally) {
@@ -22,7 +22,7 @@ fn any_bytes_are_answered_or_refused() {
     let mut sum = Tally::default();
     for k in 0..20_000 {
         let mut text: Vec<u8> = (0..64 + rng.below(900)).map(|_| rng.bits() as u8).collect();
-        // Half of the inputs hold numbers of few kinds, so that points coincide and bodies touch.
+        // Half of the inputs have few kinds of numbers, so that points coincide and bodies touch.
         if k % 2 == 0 {
             text.iter_mut().for_each(|b| *b &= 0x3b);
         }
@@ -37,7 +37,8 @@ fn any_bytes_are_answered_or_refused() {
         add(&mut sum, tally.unwrap_or_default());
     }
     println!("{sum:?}");
-    // All ways are met: built and refused, posed and refused, and every contact state that exact arithmetic knows.
+    // All cases occur: bodies built and rejected, poses accepted and rejected, and every contact
+    // state that exact arithmetic distinguishes.
     let [separated, touching, overlapping, undecided] = sum.classes;
     assert!(
         sum.bodies.iter().all(|&n| n > 5000) && sum.poses.iter().all(|&n| n > 1000),

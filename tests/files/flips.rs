@@ -1,5 +1,7 @@
-//! Each number of a saved scene changed once: what is read back passes its own check and takes a step, and what does not is refused
-//! by a text that says why (feature `serde`).
+//! Each number of a saved scene is changed once (feature `serde`).
+//!
+//! A scene that can be read passes its check and takes a step. Otherwise the error states the
+//! reason.
 #![cfg(feature = "serde")]
 
 use super::hostile::{numbers, small_scene};
@@ -11,7 +13,7 @@ use lin_canny::scene::{Group, PairQueries, Scene};
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::{Value, json};
 
-/// What a number is changed to.
+/// Returns the replacements of a number.
 fn others(number: &Value) -> Vec<Value> {
     match (number.as_u64(), number.as_f64()) {
         (Some(0), _) => vec![json!(1), json!(2), json!(7)],
@@ -21,7 +23,8 @@ fn others(number: &Value) -> Vec<Value> {
     }
 }
 
-/// Changes each number once in each way, and checks what can be read: how many could, and could not.
+/// Replaces each number once by each replacement, and checks what can be read. Returns how many
+/// could and could not be read.
 fn flipped<T: Serialize + DeserializeOwned>(value: &T, mut check: impl FnMut(T) -> Result<(), String>) -> [usize; 2] {
     let text = serde_json::to_value(value).unwrap();
     let mut ways = Vec::new();
@@ -46,8 +49,8 @@ fn flipped<T: Serialize + DeserializeOwned>(value: &T, mut check: impl FnMut(T) 
     counts
 }
 
-/// A scene between a tick and its step, with velocities, a removed body, a pair that is ignored, and bodies without queries that have
-/// moved.
+/// Returns a scene between a tick and its step, with velocities, a removed body, an ignored pair,
+/// and moved bodies without queries.
 fn busy_scene() -> Scene {
     let (mut scene, ids) = small_scene();
     let impact = PairQueries::none().overlap(true).impact(Tolerance::Distance(1e-6));

@@ -1,4 +1,4 @@
-//! Files that were tampered with are refused, or hold bodies and poses as good as any (feature `serde`).
+//! Tampered files are rejected, or contain valid bodies and poses (feature `serde`).
 #![cfg(feature = "serde")]
 
 use lin_canny::broad::{Aabb, SweepAndPrune};
@@ -14,7 +14,7 @@ use truth::driven::bytes;
 use truth::rng::Rng;
 use truth::shapes;
 
-/// One to four bytes of a text changed to others that JSON knows.
+/// Returns a text with one to four bytes changed to others that occur in JSON.
 fn tampered(text: &str, rng: &mut Rng) -> String {
     let mut bytes = text.as_bytes().to_vec();
     for _ in 0..1 + rng.below(4) {
@@ -53,7 +53,7 @@ fn tampered_files_do_no_harm() {
     assert!(read.iter().chain(&refused).all(|&n| n > 20), "{read:?} {refused:?}");
 }
 
-/// The numbers of a text, each by the way to it.
+/// Collects the paths of all numbers of a text.
 pub(super) fn numbers(value: &Value, way: &str, found: &mut Vec<String>) {
     match value {
         Value::Number(_) => found.push(way.into()),
@@ -66,7 +66,8 @@ pub(super) fn numbers(value: &Value, way: &str, found: &mut Vec<String>) {
     }
 }
 
-/// One or two numbers of a text changed to others of their kind: the ends of the types, neighbours, and numbers from elsewhere.
+/// Returns a text with one or two numbers changed to others of their kind: limits of the types,
+/// neighbours, and numbers from elsewhere.
 fn mutated(text: &Value, ways: &[String], rng: &mut Rng) -> Value {
     let mut text = text.clone();
     for _ in 0..1 + rng.below(2) {
@@ -100,7 +101,8 @@ fn mutated(text: &Value, ways: &[String], rng: &mut Rng) -> Value {
     text
 }
 
-/// Changes numbers of what a value is in a file and uses what can be read: how many could.
+/// Changes numbers of a serialised value and uses each value that can be read. Returns how many
+/// could be read.
 fn survives<T: serde::Serialize + DeserializeOwned>(
     value: &T,
     rounds: usize,
@@ -122,7 +124,7 @@ fn survives<T: serde::Serialize + DeserializeOwned>(
     read
 }
 
-/// Two groups, of which one has no boxes as its range is infinite.
+/// Returns two groups, one of which has no boxes because its range is infinite.
 pub(super) fn small_scene() -> (Scene, Vec<BodyId>) {
     let group = |k| Group::new(k).unwrap();
     let none = PairQueries::none();
@@ -149,7 +151,7 @@ pub(super) fn small_scene() -> (Scene, Vec<BodyId>) {
     (scene, ids)
 }
 
-/// Everything that a step may come to: moves, removals, arrivals, other groups, questions.
+/// Uses all calls around a step: moves, removals, insertions, other groups, queries.
 fn use_scene(mut scene: Scene) {
     let shape = Arc::new(solids::octahedron(0.6).unwrap());
     let mut sum = *scene.report();
@@ -234,7 +236,8 @@ fn numbers_changed_in_the_file_of_a_broad_phase_do_no_harm() {
     assert!(read > 100, "{read}");
 }
 
-/// Counters at their end stay there; generations at theirs, and boxes that contradict the queries, are refused.
+/// Counters at their limit stay there. Generations at their limit, and boxes that contradict the
+/// queries, are rejected.
 #[test]
 fn counters_and_generations_at_their_end_do_no_harm() {
     let (a, pose) = (
@@ -275,14 +278,14 @@ fn counters_and_generations_at_their_end_do_no_harm() {
     assert!(changed("/partners/0", json!(0)).is_err());
 }
 
-/// All counters of a value at their end.
+/// Sets all counters of a value to their limit.
 fn at_their_end<T: serde::Serialize + DeserializeOwned>(value: &T) -> T {
     fn set(value: &mut Value, is_counter: bool) {
         match value {
             Value::Number(_) if is_counter => *value = json!(u64::MAX),
             Value::Array(list) => list.iter_mut().for_each(|v| set(v, is_counter)),
             Value::Object(map) => {
-                // The work of a single answer has no `windings`.
+                // The work of a single outcome has no `windings`.
                 let is_work = |key: &str, v: &Value| key == "work" && v.get("windings").is_some();
                 for (key, v) in map {
                     let is_named = ["totals", "counts", "convex", "trees", "surfaces"].contains(&key.as_str());
@@ -300,7 +303,7 @@ fn at_their_end<T: serde::Serialize + DeserializeOwned>(value: &T) -> T {
     serde_json::from_value(text).unwrap()
 }
 
-/// Trackers of every kind, and a scene at its last tick.
+/// Sets the counters of trackers of every kind, and of a scene at its last tick, to their limit.
 fn counters_at_their_end(pose: &RelativePose) {
     let body = solids::icosahedron(1.0).unwrap();
     let (shape, ball) = (Shape::from(body.clone()), Shape::ball(0.3).unwrap());

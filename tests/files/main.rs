@@ -1,4 +1,4 @@
-//! Promise: what is written is read back as it was, and what is no file of ours is refused or does no harm.
+//! Promise: a file reads back as it was written, and other input is rejected or harmless.
 
 mod bytes;
 mod flips;

@@ -1,4 +1,4 @@
-//! A replay is the query, bit for bit, and a text that is none is refused by line.
+//! A replay is the query, bit for bit, and an invalid text is rejected with its line.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
@@ -90,7 +90,7 @@ fn a_query_of_rounded_bodies_comes_back_bit_for_bit() {
     assert_eq!(PairTracker::new().replay(&ball, &ball, &pose), None);
 }
 
-/// The replay of two boxes with one line changed.
+/// Returns the replay of two boxes with one line changed.
 fn with(line: usize, text: &str) -> Result<Replay, ReplayError> {
     let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).unwrap();
     let pose = RelativePose::from_isometry(&Isometry3::translation(3.0, 0.0, 0.0)).unwrap();

@@ -1,4 +1,4 @@
-//! Promise: every public type of the feature `serde` comes back from a file as it was.
+//! Promise: every public type of the feature `serde` reads back as it was written.
 #![cfg(feature = "serde")]
 
 use lin_canny::polyhedron::solids;
@@ -58,7 +58,8 @@ fn answers_come_back() {
     }
 }
 
-/// A manifold goes on where it was; indices that are none are not used, and too many points are refused.
+/// A manifold continues after reading; invalid indices are not used, and too many points are
+/// rejected.
 #[test]
 fn a_manifold_keeps_its_names() {
     let cube = solids::cuboid(lin_canny::nalgebra::Vector3::new(0.5, 0.5, 0.5)).expect("a body");
@@ -71,7 +72,7 @@ fn a_manifold_keeps_its_names() {
     let text = serde_json::to_string(&m).expect("serialises");
     let mut back: Manifold = serde_json::from_str(&text).expect("deserialises");
     assert_eq!(back, m);
-    // Far enough for another look, too near for another choice.
+    // Far enough to compute the contacts again, too near to choose other points.
     let pose = support::shifted([0.31, 0.2, 0.99]);
     for manifold in [&mut m, &mut back] {
         t.manifold(&cube, &cube, &pose, &options, manifold);
@@ -85,7 +86,7 @@ fn a_manifold_keeps_its_names() {
     assert_eq!(back.points().len(), 4);
     damaged["count"] = 400.into();
     assert!(serde_json::from_value::<Manifold>(damaged).is_err());
-    // Older files name the bodies by two numbers, which are no longer known.
+    // Older files identify the bodies by two numbers, which are no longer known.
     let mut older: serde_json::Value = serde_json::from_str(&text).expect("is JSON");
     let made = older["made"].as_object_mut().expect("a computation");
     made.remove("fingerprints").expect("fingerprints");
@@ -97,7 +98,8 @@ fn a_manifold_keeps_its_names() {
     round_trip(&outcome.gradient_a());
 }
 
-/// Not every format can hold an infinity: what is not known yet, and what is wanted without limit, come back all the same.
+/// Not every format can store an infinity: unknown values and unlimited requests read back
+/// correctly all the same.
 #[test]
 fn what_is_infinite_comes_back() {
     let none = Manifold::new();
@@ -121,12 +123,13 @@ fn what_is_infinite_comes_back() {
     round_trip(&Distance::from(&open));
 }
 
-/// Faces of more than 24 corners know of a corner only whether it is on them, and beside rounding it may not be.
+/// In faces of more than 24 vertices, a vertex is only known to be on the face or not, and near
+/// rounding this may fail.
 #[test]
 fn a_manifold_of_large_faces_comes_back() {
     let disc = solids::prism(26, 0.2, 1.0).expect("a body");
     for k in 0..26 {
-        // Corner upon corner.
+        // Vertex on vertex.
         let angle = std::f64::consts::TAU * f64::from(k) / 26.0;
         let pose = truth::Pose::turn([0.0, 0.0, 1.0], angle, [0.0, 0.0, 0.4 + 1e-6]);
         let pose = RelativePose::from_isometry(&pose.isometry()).expect("a pose");
@@ -162,7 +165,8 @@ fn bodies_and_poses_come_back() {
     round_trip(a.report());
 }
 
-/// A file is input like any other: what is no body or pose is refused, and a tracker's features are only a hint.
+/// A file is untrusted input: invalid bodies and poses are rejected, and the features of a tracker
+/// are only a hint.
 #[test]
 fn damaged_files_are_refused() {
     let (a, b, pose) = query();
@@ -194,7 +198,7 @@ fn damaged_files_are_refused() {
     }
 }
 
-/// The surface of an overlap is input too: one that is none is dropped.
+/// The polytope of an overlap is untrusted input too: an invalid one is dropped.
 #[test]
 fn a_damaged_surface_does_no_harm() {
     let (a, b, _) = query();
@@ -222,7 +226,7 @@ fn a_damaged_surface_does_no_harm() {
     }
 }
 
-/// Shapes of every kind, rounded or not; what no constructor would make is refused.
+/// Shapes of every kind, rounded or not; a shape that no constructor would make is rejected.
 #[test]
 fn shapes_come_back() {
     let v = lin_canny::nalgebra::Vector3::new(0.5, 0.25, 0.75);
@@ -239,7 +243,7 @@ fn shapes_come_back() {
     for a in &shapes {
         let text = serde_json::to_string(a).expect("serialises");
         let back: Shape = serde_json::from_str(&text).expect("deserialises");
-        // A polyhedron comes back with another build report; every answer is the same.
+        // A polyhedron reads back with another build report; all outcomes are the same.
         let pose = support::shifted([1.3, 0.4, 1.5]);
         for b in &shapes {
             let answer = |s: &Shape| PairTracker::new().closest(s, b, &pose);
@@ -261,7 +265,7 @@ fn shapes_come_back() {
     }
 }
 
-/// A tracker keeps its counters; the pair begins anew.
+/// A tracker keeps its counters; the pair starts cold.
 #[test]
 fn a_tracker_of_any_pair_comes_back() {
     let a = Shape::cylinder(0.7, 0.5).expect("a shape");
@@ -281,7 +285,7 @@ fn a_tracker_of_any_pair_comes_back() {
     }
 }
 
-/// Surfaces come back bit for bit, with the errors of their sources; files that are wrong are refused.
+/// Surfaces read back bit for bit, with the errors of their sources; invalid files are rejected.
 #[test]
 fn surfaces_come_back() {
     use lin_canny::nalgebra::{Isometry3, Point3};
@@ -323,7 +327,7 @@ fn surfaces_come_back() {
         round_trip(&o);
         shared(&surface);
         shared(&tracker);
-        // The knots of the first patch, its first weight, the reach and the degrees.
+        // The knots of the first patch, its first weight, the radius and the degrees.
         let wrong = |from: &str, to: &str| {
             assert!(text.contains(from), "{text}");
             serde_json::from_str::<BezierSurface>(&text.replacen(from, to, 1)).map(drop)
@@ -344,7 +348,8 @@ fn surfaces_come_back() {
     );
 }
 
-/// Motions: what is stored is what was given; what follows from it is not read, and what a constructor refuses is refused.
+/// Motions: the stored input reads back exactly, derived values are not read, and input that a
+/// constructor rejects is rejected.
 #[test]
 fn motions_come_back_and_false_ones_are_refused() {
     use lin_canny::motion::{Motion, Nlerp, Steady};
@@ -402,7 +407,7 @@ fn motions_come_back_and_false_ones_are_refused() {
             let file = damaged(n.clone(), at, serde_json::json!(value));
             assert!(serde_json::from_value::<Nlerp>(file).is_err(), "{at}");
         }
-        // Numbers that follow from others, as older files have them, false: the motion is that of the rest.
+        // Derived numbers, present in older files, are false: the motion follows from the others.
         let mut file = s.clone();
         file["spin"] = serde_json::json!({"axis": [1.0, 0.0, 0.0], "rate": [0.0, 0.0]});
         assert_eq!(serde_json::from_value::<Steady>(file).expect("a motion"), steady);
@@ -410,12 +415,12 @@ fn motions_come_back_and_false_ones_are_refused() {
         file["axis"] = serde_json::json!([0.0, 0.0, 0.0]);
         file["versine"] = serde_json::json!(0.0);
         assert_eq!(serde_json::from_value::<Nlerp>(file).expect("a motion"), nlerp);
-        // The longer way round is the shorter way of the opposite quaternion.
+        // The longer rotation is the shorter rotation of the opposite quaternion.
         let mut file = n.clone();
         let opposite = |x: &serde_json::Value| serde_json::json!(-x.as_f64().expect("a number"));
         file["to"] = n["to"].as_array().expect("four").iter().map(opposite).collect();
         assert_eq!(serde_json::from_value::<Nlerp>(file).expect("a motion"), nlerp);
-        // A rotation of few digits is normalised.
+        // A rotation with few digits is normalised.
         let mut file = s.clone();
         let longer = |x: &serde_json::Value| serde_json::json!(x.as_f64().expect("a number") * (1.0 + 3e-13));
         file["rotation"] = s["rotation"].as_array().expect("four").iter().map(longer).collect();

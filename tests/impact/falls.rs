@@ -1,4 +1,4 @@
-//! Motions that are not uniform: gravity as a motion of the user's own, for every kind of pair.
+//! Motions that are not uniform: gravity as a user-defined motion, for every kind of pair.
 
 use super::pairs::{Bodies, Fall};
 use lin_canny::RelativePose;
@@ -7,7 +7,7 @@ use lin_canny::motion::Motion;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use truth::rng::Rng;
 
-/// Balls of diameter one meet when the way between the centres is one.
+/// Balls of diameter one meet when their centres are one apart.
 fn meeting(fall: &Fall) -> f64 {
     let apart = |t: f64| fall.pose(t).translation.vector.norm() - 1.0;
     let (mut free, mut met) = (0.0, 0.0);
@@ -26,7 +26,8 @@ fn meeting(fall: &Fall) -> f64 {
     met
 }
 
-/// Spheres dropped upon each other from aside, over intervals short and long: the answer is a hit on time.
+/// Spheres dropped onto each other with an offset, over short and long intervals: the cast returns
+/// a hit on time.
 #[test]
 fn round_bodies_fall_onto_each_other() {
     let bodies = Bodies::new(1.0);
@@ -57,7 +58,8 @@ fn round_bodies_fall_onto_each_other() {
     }
 }
 
-/// Thrown, pushed and spun at random, every kind of pair: free up to `safe`, and decided.
+/// Random throws, accelerations and spins, for every kind of pair: separated up to `safe`, and
+/// decided.
 #[test]
 fn every_kind_falls_and_is_never_late() {
     let bodies = Bodies::new(1.0);
@@ -71,7 +73,7 @@ fn every_kind_falls_and_is_never_late() {
         let mut b = Fall::random(&mut rng);
         let until = [1.0, 3.0, 20.0][rng.below(3)];
         if case % 3 > 0 {
-            // Aimed, so that about half of them meet.
+            // Aimed so that about half of them meet.
             b.linear += a.linear - b.start.translation.vector * rng.range(0.5, 2.0);
             b.gravity += a.gravity;
         }
@@ -109,7 +111,8 @@ fn every_kind_falls_and_is_never_late() {
     );
 }
 
-/// How long an overlap or a distance holds under gravity: no longer than the closed form, and most of it.
+/// The time for which an overlap or a distance holds under gravity: at most the closed form, and
+/// most of it.
 #[test]
 fn holds_are_most_of_what_there_is() {
     let bodies = Bodies::new(1.0);
@@ -131,7 +134,7 @@ fn holds_are_most_of_what_there_is() {
             });
         }
     }
-    // From afar: the first look of the cast proves most of the fall.
+    // From afar: the first step of the cast proves most of the fall.
     let fall = Fall {
         start: Isometry3::translation(0.0, 0.0, 3.0),
         gravity: Vector3::z() * -9.81,

@@ -1,4 +1,5 @@
-//! Hard scenes: spinning rods beside walls, bullets, bodies carried round, gears, grazing, contact at the ends.
+//! Hard scenes: spinning rods next to walls, bullets, bodies that rotate as one, gears, grazing
+//! motions, contact at the ends.
 
 use super::judge::{Judge, Tally};
 use super::radius;
@@ -21,7 +22,8 @@ fn rest() -> Velocity {
     Velocity::default()
 }
 
-/// A rod that spins beside a wall, the closest points at rest at the start: the time is known.
+/// A rod spins next to a wall, with closest points at rest at the start: the time of impact is
+/// known.
 #[test]
 fn a_rod_spins_into_a_wall() {
     let rod = solid(&shapes::cuboid([1.0, 1e-3, 1e-3]).points);
@@ -31,7 +33,8 @@ fn a_rod_spins_into_a_wall() {
     for k in 0..400 {
         let gap = rng.log_range(1e-4, 0.7);
         let drift = Vector3::from(rng.in_ball()) * f64::from(u8::from(k % 2 == 0));
-        // Along y, at x = gap before the wall; it turns about z by one radian a unit of time, and reaches the wall with a corner of its end.
+        // Along y, at x = gap before the wall. It rotates about z by one radian per unit of time,
+        // and a corner of its end reaches the wall.
         let start = Isometry3::from_parts(
             Vector3::new(-0.5 - 1e-3 - gap, 0.0, 0.0).into(),
             UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::FRAC_PI_2),
@@ -65,7 +68,7 @@ fn a_rod_spins_into_a_wall() {
     assert!(tally.medians()[0] <= 4, "{:?}", tally.medians());
 }
 
-/// A centimetre at a plate of two millimetres, 100 to 1000 metres in a second.
+/// A 1 cm body flies at a 2 mm plate at 100 to 1,000 m/s.
 #[test]
 fn bullets_do_not_pass_through_plates() {
     let mut rng = Rng::new(1910);
@@ -92,7 +95,8 @@ fn bullets_do_not_pass_through_plates() {
     assert!(tally.medians()[0] <= 5, "{:?}", tally.medians());
 }
 
-/// A turns in place and B goes along with its rim: they never come nearer. And bodies that move alike, or apart.
+/// A rotates in place, and B moves with it as one rigid body: they never approach. Also bodies that
+/// move alike, or apart.
 #[test]
 fn bodies_carried_along_never_meet() {
     let mut rng = Rng::new(1911);
@@ -100,7 +104,7 @@ fn bodies_carried_along_never_meet() {
     for k in 0..200 {
         let (a, b) = (body("box", 8, &mut rng), body("sphere", 16, &mut rng));
         let spin = Vector3::z() * rng.range(0.5, 6.0);
-        // As a rigid whole: B turns about A's origin.
+        // As one rigid body: B rotates about A's origin.
         let start = [at(0.0, 0.0, 0.0), at(1.7, 0.0, 0.0)];
         let ma = Steady::new(&start[0], Velocity::new(Vector3::zeros(), spin)).expect("a motion");
         let mb = Steady::about(
@@ -134,14 +138,15 @@ fn bodies_carried_along_never_meet() {
     assert!(tally.misses > 300, "{tally:?}");
 }
 
-/// Two gears turn fifty to a hundred radians, their teeth a hair apart or just meeting.
+/// Two gears rotate by fifty to a hundred radians, with teeth that nearly or just meet.
 #[test]
 fn gears_turn_a_hair_apart() {
     let gear = solid(&shapes::prism(12, 1.0, 0.2).points);
     let mut rng = Rng::new(1912);
     let mut tally = Tally::default();
     for k in 0..60 {
-        // A tooth of A beside a gap of B at the start; teeth reach two, gaps four hundredths less.
+        // At the start a tooth of A faces a gap of B. Two facing teeth need a distance of 2, a
+        // tooth and a gap about 0.04 less.
         let apart = 2.001 - rng.range(0.0, 0.03);
         let gap = UnitQuaternion::from_scaled_axis(Vector3::z() * (std::f64::consts::PI / 12.0));
         let rates = [rng.range(50.0, 100.0), rng.range(50.0, 100.0)];
@@ -157,7 +162,7 @@ fn gears_turn_a_hair_apart() {
     );
 }
 
-/// Between a hit and a miss by bisection: the grazing motion, to the last bits.
+/// Bisection between a hit and a miss: the grazing motion, to the last bits.
 #[test]
 fn grazing_motions_are_hits_misses_or_near() {
     let mut rng = Rng::new(1913);
@@ -203,7 +208,7 @@ fn grazing_motions_are_hits_misses_or_near() {
     assert_eq!(tally.unknown, 0);
 }
 
-/// Contact exactly where the interval begins or ends is contact.
+/// Contact exactly at the start or the end of the interval is contact.
 #[test]
 fn contact_at_the_ends_is_contact() {
     let cube = solid(&shapes::cuboid([1.0, 1.0, 1.0]).points);
@@ -256,7 +261,7 @@ fn brackets_are_as_narrow_as_asked() {
     }
 }
 
-/// Within a distance: as the cast of a body that is grown by it.
+/// A cast to a distance equals the cast of a body grown by the distance.
 #[test]
 fn within_a_distance() {
     let cube = solid(&shapes::cuboid([1.0, 1.0, 1.0]).points);
@@ -286,7 +291,8 @@ fn within_a_distance() {
     assert!(matches!(found.impact, Impact::AtStart { .. }));
 }
 
-/// Sweeps by nlerp between two poses, as step solvers take them: against dense predicates.
+/// Sweeps by nlerp between two poses, as time-stepping simulators use them, against dense
+/// predicates.
 #[test]
 fn sweeps_between_poses() {
     let mut rng = Rng::new(1915);

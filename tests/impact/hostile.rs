@@ -1,4 +1,4 @@
-//! Motions that are no motions, and intervals of no length: nothing is proven by them, and every cast ends.
+//! Invalid motions, and intervals without length: a cast proves nothing from them, and always ends.
 
 use super::pairs::{Bodies, Fall};
 use lin_canny::impact::{Cast, Impact, ImpactError, Tolerance, cast, cast_within, free_until, overlapping_until};
@@ -10,7 +10,7 @@ use truth::rng::Rng;
 
 const FINE: Tolerance = Tolerance::Distance(1e-6);
 
-/// A motion whose model has a number that is none, from a time on.
+/// A motion whose model has an invalid number, from a time on.
 struct Broken {
     way: Fall,
     field: usize,
@@ -18,7 +18,7 @@ struct Broken {
     from: f64,
 }
 
-/// Numbers of a model.
+/// Number of numbers in a model.
 const FIELDS: usize = 20;
 
 impl Motion for Broken {
@@ -62,7 +62,7 @@ fn a_course_that_is_none_proves_nothing() {
     for field in 0..FIELDS {
         let bound = if field < 12 { f64::NEG_INFINITY } else { -1.0 };
         for number in [f64::NAN, f64::INFINITY, bound] {
-            // From the begin on; and once the cast has come half way.
+            // From the start on, and from the time when the cast is halfway.
             for from in [0.0, 1.0] {
                 let way = towards(4.0, 1.0);
                 let broken = Broken {
@@ -94,7 +94,7 @@ fn a_course_that_is_none_proves_nothing() {
                         assert_eq!(held, 0.0, "{kind}, {what}");
                     }
                 });
-                // Bodies that meet at the begin do so whatever comes later.
+                // Bodies that meet at the start do so for any later model.
                 let broken = Broken {
                     way: towards(0.5, 1.0),
                     field,
@@ -114,7 +114,7 @@ fn a_course_that_is_none_proves_nothing() {
     assert!(late > 100, "{late}");
 }
 
-/// Velocities and bounds so large that squares of them are infinite.
+/// Velocities and bounds so large that their squares are infinite.
 #[test]
 fn a_course_beyond_all_squares_ends() {
     let bodies = Bodies::new(1.0);
@@ -129,7 +129,8 @@ fn a_course_beyond_all_squares_ends() {
             bodies.each(|kind, pair| {
                 let found = cast(pair, &Fall::still(), &broken, 1.0..8.0, FINE).expect("a cast");
                 let Cast { impact, .. } = found;
-                // The poses meet at 3, and the model allows for these poses unless it names other velocities.
+                // The poses meet at 3, and the model allows these poses unless it states other
+                // velocities.
                 let is_late = field >= 12 && matches!(impact, Impact::Miss);
                 assert!(!is_late, "{kind}, field {field} is {number}: {found:?}");
             });
@@ -137,7 +138,7 @@ fn a_course_beyond_all_squares_ends() {
     }
 }
 
-/// A pose that is none, from a time on.
+/// A motion whose pose is invalid from a time on.
 struct Lost(Fall);
 
 impl Motion for Lost {
@@ -162,8 +163,8 @@ fn a_pose_that_is_none_is_an_error() {
     });
 }
 
-/// At an instant a cast is the question whether the bodies are within the distance: the same answer as the measure, and a
-/// tie is met.
+/// At an instant, a cast asks whether the bodies are within the distance: it agrees with the
+/// measurement, and a tie counts as met.
 #[test]
 fn an_interval_without_length_is_an_instant() {
     let bodies = Bodies::new(1.0);
@@ -209,7 +210,7 @@ fn an_interval_without_length_is_an_instant() {
     assert!(starts > 120 && misses > 120, "{starts} {misses}");
 }
 
-/// A number of a motion: half of them ordinary, the others from all of the range.
+/// Returns a number of a motion: half of them ordinary, the others from the whole range.
 fn number(rng: &mut Rng) -> f64 {
     let extremes = [
         0.0, 5e-324, 1e-300, 1e-150, 1e-100, 1e-30, 1e-12, 1e-6, 1e3, 1e6, 1e15, 1e30, 1e100, 1e150, 1e300,
@@ -229,7 +230,7 @@ fn vector(rng: &mut Rng) -> Vector3<f64> {
     }
 }
 
-/// A motion of any numbers: one of the crate's, or one of a user.
+/// Returns a motion with any numbers: one of the crate's motions or a user-defined one.
 fn wild(rng: &mut Rng, at: Vector3<f64>) -> Box<dyn Motion> {
     let turn = UnitQuaternion::from_scaled_axis(Vector3::from(rng.in_ball()));
     let start = Isometry3::from_parts(at.into(), turn);
@@ -259,11 +260,11 @@ fn wild(rng: &mut Rng, at: Vector3<f64>) -> Box<dyn Motion> {
     })
 }
 
-/// Limit of looks, and of predicates of one round of a look.
+/// Limit of the steps of a cast, and of the predicates in one round of a step.
 const LOOKS: u32 = 20_000;
 const DOUBLINGS: u32 = 6;
 
-/// Numbers from all of the range, of every kind of pair: a cast ends after as many looks as it may take, the answer an
+/// Numbers from the whole range, for every kind of pair: a cast ends within its step limit, with an
 /// ordinary bracket.
 #[test]
 fn casts_end_at_any_numbers() {
@@ -331,7 +332,7 @@ fn casts_end_at_any_numbers() {
     assert!(answers.iter().all(|&n| n > 3), "{answers:?}");
 }
 
-/// A pair near and far in turns, whose contact is never proven.
+/// A pair alternately near and far, whose contact is never proven.
 struct Stubborn {
     is_near: bool,
 }
@@ -371,7 +372,8 @@ impl Separation for Stubborn {
     }
 }
 
-/// Each look asks for an overlap at some two hundred tolerances in vain: all of these count towards the limit.
+/// Each step tests for an overlap at about two hundred tolerances without success: all of these
+/// tests count towards the limit.
 #[test]
 fn rounds_of_a_look_count_as_looks() {
     let mut pair = Stubborn { is_near: false };
@@ -384,7 +386,7 @@ fn rounds_of_a_look_count_as_looks() {
     assert!(found.proofs > LOOKS / 2 && found.proofs <= LOOKS, "{found:?}");
 }
 
-/// A motion that stands still by its models, and is elsewhere from a time on.
+/// A motion that is at rest according to its models, but jumps from a time on.
 struct Liar(Fall, f64);
 
 impl Motion for Liar {
@@ -401,7 +403,7 @@ impl Motion for Liar {
     }
 }
 
-/// A motion that breaks its contract, so that bodies proven apart are seen to meet, has an answer with a name.
+/// A motion that breaks its contract, so that bodies proven separated meet, gets a named result.
 #[test]
 fn a_motion_that_breaks_its_contract_ends_by_name() {
     let bodies = Bodies::new(1.0);

@@ -5,7 +5,7 @@ use lin_canny::motion::{Motion, Steady};
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
 use truth::casts::{Advance, Throw, advance};
 
-/// What was seen.
+/// Counts of the results.
 #[derive(Default)]
 pub(crate) struct Tally {
     pub(crate) starts: u32,
@@ -13,9 +13,9 @@ pub(crate) struct Tally {
     pub(crate) misses: u32,
     pub(crate) near: u32,
     pub(crate) unknown: u32,
-    /// Queries of hits that turn by at most one radian, and by at most six.
+    /// Queries of hits with rotations of at most one radian, and of at most six.
     pub(crate) queries: [Vec<u32>; 2],
-    /// Of the misses that needed any.
+    /// Number of misses that needed queries, and their queries.
     pub(crate) of_misses: (u64, u64),
     pub(crate) widest: f64,
     pub(crate) advanced: u32,
@@ -73,7 +73,8 @@ impl<'a> Judge<'a> {
         tracker.intersects(self.bodies[0], self.bodies[1], &relative)
     }
 
-    /// No instant up to `safe` shows the bodies in contact: evenly spread, and ever nearer to the end.
+    /// Asserts that the bodies are separated at instants up to `safe`: evenly spread, and closer
+    /// and closer to the end.
     pub(crate) fn free(&self, safe: f64, instants: usize) {
         let mut tracker = Tracker::new();
         let evenly = (0..instants).map(|k| safe * k as f64 / instants as f64);
@@ -87,7 +88,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Casts and judges; `turn` is the greatest turn of the family.
+    /// Casts and judges; `turn` is the largest rotation of the family.
     pub(crate) fn cast(&self, tolerance: Tolerance, instants: usize, turn: f64, tally: &mut Tally) -> Cast {
         let [a, b] = &self.motions;
         let cast = cast(

@@ -1,5 +1,7 @@
-//! Promise: a cast is never wrong. Up to `safe`, and all along a miss, the bodies are apart at every instant looked at; at `hit` they
-//! meet; a second scheme, conservative advancement, contradicts none of it.
+//! Promise: a cast is never wrong.
+//!
+//! Up to `safe`, and during a whole miss, the bodies are separated at every sampled instant. At
+//! `hit` they meet. A second method, conservative advancement, contradicts none of it.
 
 mod falls;
 mod hard;
@@ -21,7 +23,7 @@ use lin_canny::impact::Tolerance;
 use truth::casts::{self, SHAPES, Throw};
 use truth::rng::Rng;
 
-/// Bodies of all families, small and large beside each other.
+/// Returns bodies of all families, small and large ones.
 pub(crate) fn bodies(rng: &mut Rng) -> Vec<ConvexPolyhedron> {
     let mut all: Vec<_> = SHAPES.iter().map(|s| casts::body(s, 8, rng)).collect();
     all.extend(["sphere", "flat", "plates"].map(|s| casts::body(s, 32, rng)));
@@ -39,7 +41,7 @@ pub(crate) fn radius(body: &ConvexPolyhedron) -> f64 {
     body.vertex_points().map(|p| p.coords.norm()).fold(0.0, f64::max)
 }
 
-/// Random throws of all families, from linear ones to a hundred turns.
+/// Casts random throws of all families, from linear ones to a hundred turns.
 fn throws(seed: u64, count: u64, instants: usize) -> Tally {
     let mut rng = Rng::new(seed);
     let bodies = bodies(&mut rng);
@@ -58,7 +60,7 @@ fn throws(seed: u64, count: u64, instants: usize) -> Tally {
     tally
 }
 
-/// Of some throws only one body moves, or both move alike.
+/// In some throws only one body moves, or both move alike.
 fn still(rng: &mut Rng, throw: &mut Throw) {
     let [a, b] = throw.velocity;
     match rng.below(10) {
@@ -97,7 +99,7 @@ fn casts_are_never_late_and_never_miss() {
     assert!(slow <= 5 && fast <= 7, "queries a hit: {slow} {fast}");
 }
 
-/// The whole run: 100,000 casts at 500 instants each.
+/// The full run: 100,000 casts at 500 instants each.
 #[test]
 #[ignore = "minutes"]
 fn a_hundred_thousand_casts() {

@@ -1,4 +1,5 @@
-//! Promise: a body on a motion is nowhere farther from the model of its motion than the remainder says, poses as rounded.
+//! Promise: a body on a motion is never farther from its motion model than the remainder states,
+//! with poses as rounded.
 
 use lin_canny::motion::{Motion, MotionError, MotionModel, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -15,14 +16,14 @@ fn pose(rng: &mut Rng) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::from(vector(rng, 3.0)), rotation)
 }
 
-/// Where a motion model has a point `s` after it was at `pose`.
+/// Returns the position of a point `s` after `pose` according to a motion model.
 fn place(model: &MotionModel, pose: &Isometry3<f64>, p: &Point3<f64>, s: f64) -> Vector3<f64> {
     let centre = (pose * model.pivot).coords + model.linear * s + model.acceleration * (0.5 * s * s);
     let turn = UnitQuaternion::from_scaled_axis(model.angular * s);
     centre + turn * (pose.rotation * (p - model.pivot))
 }
 
-/// What was seen: the largest part of the drift that is used, with and without what rounding is given.
+/// The largest used fraction of the remainder, with and without the allowance for rounding.
 #[derive(Default, Debug)]
 struct Used {
     rounding: f64,
@@ -30,7 +31,7 @@ struct Used {
     way: f64,
 }
 
-/// `truth` places the motion that is meant, `motion` the one that is followed.
+/// `truth` is the intended motion, `motion` the tested one.
 fn check(rng: &mut Rng, motion: &impl Motion, truth: &impl Motion, latest: f64, used: &mut Used) {
     let from = rng.range(0.0, latest);
     let span = rng.range(0.0, latest - from);
@@ -47,7 +48,7 @@ fn check(rng: &mut Rng, motion: &impl Motion, truth: &impl Motion, latest: f64, 
         let off = (truth.pose(from + s) * p).coords - place(&model, &start, &p, s);
         let bound = model.shift.at(s) + radius * model.turn.at(s);
         let constant = model.shift.0[0] + radius * model.turn.0[0];
-        // What the model here is rounded by itself.
+        // The rounding of the model evaluation in this test.
         let own = 1e-15 * radius * (1.0 + model.angular.norm() * s);
         assert!(
             off.norm() <= bound + own,
@@ -86,11 +87,11 @@ fn steady_motions_keep_to_their_courses() {
         }
         check(&mut rng, &motion, &motion, 1.0, &mut used);
     }
-    // The bound of rounding is used to a good part, and never left.
+    // A good part of the rounding bound is used, and it is never exceeded.
     assert!((0.05..=1.0).contains(&used.rounding) && used.way > 0.9, "{used:?}");
 }
 
-/// Motions whose accelerations differ from what is known by as much as is allowed.
+/// Motions whose accelerations differ from the known ones by the full allowance.
 #[test]
 fn open_motions_keep_to_their_courses() {
     let mut rng = Rng::new(1902);
@@ -114,7 +115,7 @@ fn open_motions_keep_to_their_courses() {
     assert!(used.whole > 0.9 && used.whole <= 1.0, "{used:?}");
 }
 
-/// Constant accelerations on top of a steady motion.
+/// Constant accelerations added to a steady motion.
 struct Pushed {
     nominal: Steady,
     axis: Vector3<f64>,
@@ -156,7 +157,7 @@ fn sweeps_keep_to_their_courses_and_ends() {
                 assert!(at.rotation.angle_to(&end.rotation) < 1e-7);
             }
         }
-        // Both are the same half way.
+        // Both are equal halfway.
         let (p, q) = (slerp.pose(0.5 * duration), nlerp.pose(0.5 * duration));
         assert!(
             (p.rotation.coords - q.rotation.coords)
@@ -225,7 +226,7 @@ fn numbers_that_are_no_motion_are_refused() {
         Translation3::identity(),
         UnitQuaternion::new_unchecked(Quaternion::new(1.1, 0.0, 0.0, 0.0)),
     );
-    // The only pose is that of A; of two poses the first is that of A.
+    // The error of a single pose names A; of two poses, the first is A's.
     let on = |made: Result<(), MotionError>, of: Operand| match made {
         Err(MotionError::Pose(PoseError::Rotation { body, .. } | PoseError::Translation { body, .. })) => {
             assert_eq!(body, of);

@@ -1,4 +1,4 @@
-//! One pair of every kind that can be cast, of any size, and motions that are none of the crate's.
+//! One pair of every kind that supports casts, of any size, and user-defined motions.
 
 use crate::Rng;
 use lin_canny::motion::{Motion, MotionModel, Remainder};
@@ -9,10 +9,10 @@ use lin_canny::surface::{BezierSurface, revolution};
 use lin_canny::{Compound, ConvexPolyhedron, Mesh, Shape};
 use lin_canny::{PairTracker, Tracker};
 
-/// Surfaces are built up to this coordinate.
+/// Largest coordinate of surfaces.
 const SURFACE_MAX: f64 = f64::from_bits((1023 + 200) << 52);
 
-/// Bodies that reach from -1/2 to 1/2 along x, times a size, however they turn about x.
+/// Bodies from -1/2 to 1/2 along x, times a size, at any rotation about x.
 pub(crate) struct Bodies {
     hull: ConvexPolyhedron,
     ball: Shape,
@@ -22,7 +22,7 @@ pub(crate) struct Bodies {
     surface: Option<BezierSurface>,
 }
 
-/// A cuboid as a mesh of twelve triangles.
+/// Returns a cuboid as a mesh of twelve triangles.
 fn mesh(half: Vector3<f64>) -> Mesh {
     let corner = |k: u32| {
         let sign = |bit: u32| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
@@ -57,7 +57,7 @@ impl Bodies {
         }
     }
 
-    /// Calls with a pair of every kind; without surfaces beyond the size of surfaces.
+    /// Calls with a pair of every kind, without surfaces if the size exceeds their range.
     pub(crate) fn each(&self, mut call: impl FnMut(&str, &mut dyn Separation)) {
         let Self {
             hull,
@@ -81,14 +81,15 @@ impl Bodies {
     }
 }
 
-/// A motion of a user: a fall from a pose with a velocity, turning evenly, its bounds as simple as can be.
+/// A user-defined motion: a fall from a pose with a velocity and a constant rotation, with the
+/// simplest bounds.
 #[derive(Clone, Copy)]
 pub(crate) struct Fall {
     pub(crate) start: Isometry3<f64>,
     pub(crate) linear: Vector3<f64>,
     pub(crate) angular: Vector3<f64>,
     pub(crate) gravity: Vector3<f64>,
-    /// Whether the model names the acceleration, or only bounds the deviation by it.
+    /// Whether the model states the acceleration, or only bounds the deviation by it.
     pub(crate) is_named: bool,
 }
 

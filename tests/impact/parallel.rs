@@ -1,5 +1,6 @@
-//! Faces that stay parallel: plates that spin and slide over each other, bodies carried round together. The gap never
-//! changes, so the looks must not grow as the gap shrinks.
+//! Faces that stay parallel: plates that spin and slide over each other, bodies that rotate as one.
+//!
+//! The gap never changes, so the number of steps must not grow as the gap shrinks.
 
 use lin_canny::Tracker;
 use lin_canny::Velocity;
@@ -10,15 +11,16 @@ use truth::casts::solid;
 use truth::rng::Rng;
 use truth::shapes;
 
-/// The most looks of casts at a gap, by the turn.
+/// Returns the largest number of steps of casts at a gap, by the rotation.
 fn most_looks(gap: f64, turn: f64) -> u32 {
-    // Rounding grows with the square of the turn of one step, so that a step turns by no more than the root of the gap
-    // over rounding.
+    // Rounding grows with the square of the rotation of one step, so a step rotates by at most the
+    // root of the gap divided by rounding.
     let step = (gap / 1e-12).sqrt();
     4 + (6.0 * turn / step) as u32
 }
 
-/// A plate spins and slides over a parallel one at rest, or over one that spins otherwise; either is A.
+/// A plate spins and slides over a parallel plate, which rests or spins differently; either may be
+/// A.
 #[test]
 fn plates_spin_over_plates() {
     let plate = solid(&shapes::cuboid([1.0, 0.8, 0.05]).points);
@@ -28,7 +30,7 @@ fn plates_spin_over_plates() {
     for case in 0..300 {
         let gap = rng.log_range(1e-12, 1e-2);
         let turn = [1.0, 6.0, 60.0][case % 3];
-        // The normal of the plates: an axis, or any direction.
+        // The normal of the plates: an axis, or a random direction.
         let tilt = if case % 2 == 0 {
             UnitQuaternion::identity()
         } else {
@@ -86,7 +88,7 @@ fn plates_spin_over_plates() {
     eprintln!("{most} looks at most");
 }
 
-/// The same with an approach so slow that the plates meet: on time, whatever the turn.
+/// The same with an approach so slow that the plates meet: on time, for any rotation.
 #[test]
 fn plates_that_sink_meet_on_time() {
     let plate = solid(&shapes::cuboid([1.0, 0.8, 0.05]).points);
@@ -113,7 +115,7 @@ fn plates_that_sink_meet_on_time() {
     }
 }
 
-/// Two bodies carried round as one, a hair apart: a long try has no margin left, a shorter one has.
+/// Two bodies rotate as one with a tiny gap: a long step has no margin left, a shorter one has.
 #[test]
 fn bodies_carried_round_a_hair_apart_never_meet() {
     let (cube, other) = (

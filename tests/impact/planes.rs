@@ -1,4 +1,4 @@
-//! Every plane's reach, judged by brute force over all vertices.
+//! The proven time of every plane, judged by brute force over all vertices.
 
 use super::{bodies, radius};
 use lin_canny::Tracker;
@@ -10,7 +10,7 @@ use lin_canny::{ConvexPolyhedron, Velocity};
 use truth::casts;
 use truth::rng::Rng;
 
-/// The gap along `n` of the world, over all vertices.
+/// Returns the gap along `n` of the world frame, over all vertices.
 fn gap(a: &ConvexPolyhedron, pa: &Isometry3<f64>, b: &ConvexPolyhedron, pb: &Isometry3<f64>, n: &Vector3<f64>) -> f64 {
     let offset = pb.translation.vector - pa.translation.vector;
     let high = a
@@ -30,15 +30,15 @@ struct Seen {
     balls: u32,
     whole: u32,
     cut: u32,
-    /// Which part of the time that a plane truly has was proven.
+    /// Fraction of the true time of a plane that was proven.
     part: Vec<f64>,
-    /// Steps by planes that keep their normal, and the same of them.
+    /// Steps by planes with a fixed normal, and their fractions.
     kept: u32,
     kept_part: Vec<f64>,
 }
 
 impl Seen {
-    /// Asserts that casts took planes that keep their normal, and that these are good ones.
+    /// Asserts that casts used planes with a fixed normal, and that these are good.
     fn assert_kept(&mut self, least: u32) {
         let part = median(&mut self.kept_part);
         eprintln!("{} planes that keep their normal, median part {part}", self.kept);
@@ -46,7 +46,7 @@ impl Seen {
     }
 }
 
-/// Judges one look, and every step of a cast.
+/// Judges one step, and every step of a cast.
 fn judge<A: Motion, B: Motion>(
     bodies: (&ConvexPolyhedron, &ConvexPolyhedron),
     motions: (&A, &B),
@@ -84,8 +84,9 @@ fn judge<A: Motion, B: Motion>(
     }
 }
 
-/// Asserts that the plane of a certificate parts all vertices as long as it says. Returns which part
-/// of the time was proven that the plane truly has; `None` if no plane proves it.
+/// Asserts that the plane of a certificate separates all vertices for the stated time.
+///
+/// Returns the fraction of the true time that was proven; `None` if no plane proves it.
 fn holds<A: Motion, B: Motion>(
     (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
     (ma, mb): (&A, &B),
@@ -149,7 +150,7 @@ fn planes_hold_over_all_vertices() {
     seen.assert_kept(4_000);
 }
 
-/// Pivots that are not the origin, accelerations, sweeps by nlerp, bodies far from their own origins.
+/// Pivots off the origin, accelerations, sweeps by nlerp, bodies far from their origins.
 #[test]
 fn planes_hold_for_every_motion() {
     let mut rng = Rng::new(1908);

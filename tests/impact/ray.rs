@@ -1,4 +1,5 @@
-//! Promise: a ray cast brackets the first point of a ray in a body, of every kind, at any scale.
+//! Promise: a ray cast brackets the first point of a ray in a body, for every kind and at any
+//! scale.
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
@@ -12,14 +13,14 @@ fn pose(rng: &mut Rng, size: f64) -> Isometry3<f64> {
     Isometry3::from_parts((Vector3::from(rng.unit()) * rng.range(0.0, 2.0) * size).into(), turn)
 }
 
-/// A ray from outside, at a point within the size about the origin of the body.
+/// Returns a ray from outside, at a point within the size about the origin of the body.
 fn ray_at(rng: &mut Rng, at: &Isometry3<f64>, size: f64) -> Ray {
     let origin = Point3::from(Vector3::from(rng.unit()) * rng.range(4.0, 9.0) * size);
     let aim = at * Point3::from(Vector3::from(rng.unit()) * rng.range(0.0, 1.2) * size);
     Ray::new(origin, aim - origin).expect("a direction")
 }
 
-/// The part of a ray within all half-spaces of a hull at a pose.
+/// Returns the part of a ray inside all half-spaces of a hull at a pose.
 fn clipped(hull: &ConvexPolyhedron, at: &Isometry3<f64>, ray: &Ray) -> Option<(f64, f64)> {
     let (origin, way) = (
         at.inverse_transform_point(&ray.origin),
@@ -39,7 +40,7 @@ fn clipped(hull: &ConvexPolyhedron, at: &Isometry3<f64>, ray: &Ray) -> Option<(f
     (from <= until).then_some((from, until))
 }
 
-/// Compares an answer with the part of the ray in the body, by closed form.
+/// Compares a result with the part of the ray in the body, by closed form.
 fn judge(found: RayCast, expected: Option<(f64, f64)>, slack: f64, told: &str) -> Option<RayHit> {
     match (found, expected) {
         (RayCast::Hit(hit), Some((from, _))) => {
@@ -97,7 +98,7 @@ fn rays_enter_hulls_where_half_spaces_say() {
     assert!(hits > 800 && misses > 200, "{hits} {misses}");
 }
 
-/// The same body as a hull, a shape, a mesh, a compound: one bracket.
+/// The same body as a hull, a shape, a mesh and a compound gives one bracket.
 #[test]
 fn rays_meet_every_kind_alike() {
     let mut rng = Rng::new(4712);
@@ -140,7 +141,7 @@ fn rays_meet_balls_and_sheets() {
         let square = 0.49 - (origin.coords + way * along).norm_squared();
         let expected = (square > 0.0).then(|| (along - square.sqrt(), along + square.sqrt()));
         let found = RayCaster::new().cast(&ball, &at, &ray, 40.0).expect("a ray");
-        // A root at a graze.
+        // A root at a grazing ray.
         let slack = 1e-12 + 1e-15 / square.abs().sqrt();
         hits[0] += usize::from(judge(found, expected, slack, &format!("ball {k}")).is_some());
 
@@ -178,7 +179,7 @@ fn lengths_insides_and_refusals() {
     }
 }
 
-/// A ray through a Bézier surface proves no hit, and no miss either.
+/// A ray through a Bézier surface proves neither a hit nor a miss.
 #[test]
 fn a_surface_of_patches_is_near() {
     let points: Vec<Point3<f64>> = (0..4)
@@ -199,7 +200,7 @@ fn a_surface_of_patches_is_near() {
     );
 }
 
-/// The first body of a scene is that of a cast at each.
+/// The first body of a scene is that of separate casts at each body.
 #[test]
 fn scenes_tell_the_first_body() {
     let mut rng = Rng::new(4714);
@@ -266,8 +267,8 @@ fn scenes_tell_the_first_body() {
     ));
 }
 
-/// A tip that a bounding ball touches, of a body far from its own origin, at poses whose quaternions are off unit length
-/// by all that is accepted: rays through the tip meet it.
+/// A tip on the bounding ball of a body far from its origin, at poses whose quaternions are off
+/// unit length by the full tolerance: rays through the tip hit it.
 #[test]
 fn rays_meet_tips_at_poses_off_unit_length() {
     let far = 1e3;
@@ -302,7 +303,7 @@ fn rays_meet_tips_at_poses_off_unit_length() {
     assert_eq!(met, 12);
 }
 
-/// A scene of a ball at some place, without any query, after steps in which the ball moved there.
+/// Returns a scene with a ball without queries, after steps in which the ball moved.
 fn ball_without_effects(moves: &[Isometry3<f64>]) -> (Scene, BodyId) {
     let mut scene = Scene::new();
     let ball = Shape::ball(0.5).expect("a ball");
@@ -315,7 +316,7 @@ fn ball_without_effects(moves: &[Isometry3<f64>]) -> (Scene, BodyId) {
     (scene, id)
 }
 
-/// Returns where a ray along x from the origin meets a body of a scene first, if it does.
+/// Returns the first body of a scene along the x axis, and its distance.
 fn met(scene: &Scene) -> Option<(BodyId, f64)> {
     let ray = Ray::new(Point3::origin(), Vector3::x()).expect("a direction");
     let found = scene.cast_ray(&ray, 10.0, |_| true).expect("no step is due");
@@ -328,8 +329,10 @@ fn is_met_at(scene: &Scene, id: BodyId, expected: f64) {
     assert!(is_right, "{told:?}, not {id} at {expected}");
 }
 
-/// Bodies without queries count where they are: moved by poses and by ticks, in a scene that was read
-/// back, after their queries are taken away, and among bodies that took the index of a removed one.
+/// Rays meet bodies without queries at their current poses.
+///
+/// The bodies move by poses and by ticks, in a scene that was read back, after their queries are
+/// removed, and if they reuse an index.
 #[test]
 fn rays_meet_bodies_without_effects_where_they_are() {
     let at = |x: f64, y: f64| Isometry3::translation(x, y, 0.0);
@@ -346,7 +349,7 @@ fn rays_meet_bodies_without_effects_where_they_are() {
     scene.step();
     is_met_at(&scene, id, 2.5);
 
-    // Queries are taken away, and given back.
+    // Queries are disabled, and enabled again.
     let (mut scene, id) = ball_without_effects(&[at(0.0, 50.0)]);
     let all = Group::default();
     let boxes = PairQueries::none().boxes(true);
@@ -363,7 +366,7 @@ fn rays_meet_bodies_without_effects_where_they_are() {
         assert_eq!(scene.check(), Ok(()));
     }
 
-    // A body of the index of a removed one.
+    // A body with the index of a removed body.
     let (mut scene, id) = ball_without_effects(&[at(0.0, 50.0), at(3.0, 0.0)]);
     scene.remove(id).expect("a body");
     scene.step();

@@ -1,5 +1,6 @@
-//! Promise: rays and meshes: the bracket holds the first crossing of a brute-force search, at any scale, from outside and inside, and of
-//! rays through vertices and along faces.
+//! Promise: the bracket of a ray and a mesh contains the first crossing of a brute-force search.
+//!
+//! Rays come from outside and inside at any scale, and pass through vertices and along faces.
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::Feature;
@@ -8,8 +9,9 @@ use truth::forms::mesh;
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 
-/// All crossings of a line with the triangles of a mesh: how far along it and the triangle, in order. `None` if one is near an edge or
-/// nearly parallel, or two are nearly equally far.
+/// Returns all crossings of a line with the triangles of a mesh: distance and triangle, in order.
+///
+/// `None` if one is near an edge or nearly parallel, or two are nearly equally far.
 fn crossings(soup: &Soup, origin: Vector3<f64>, way: Vector3<f64>) -> Option<Vec<(f64, usize)>> {
     let mut all = Vec::new();
     for t in 0..soup.triangles.len() {
@@ -66,7 +68,7 @@ fn rays_enter_meshes_at_their_first_crossing() {
                 let ray = Ray::new(at * Point3::from(origin * scale), at * way).expect("a direction");
                 let found = caster.cast(&body, &at, &ray, length * scale).expect("a ray");
                 let told = format!("{k} at {scale:e}: {found:?}, not {ahead:?} up to {length}");
-                // All bodies are simple, but for the cave, whose parts are nested.
+                // All bodies have one component except the cave, whose components are nested.
                 if *is_solid && ahead.len() % 2 == 1 {
                     assert_eq!(found, RayCast::Inside, "{told}");
                     counts[0] += 1;
@@ -104,7 +106,7 @@ fn rays_enter_meshes_at_their_first_crossing() {
     assert!(counts[0] > 100 && counts[1] > 300 && counts[2] > 500, "{counts:?}");
 }
 
-/// Rays along a lattice meet vertices, edges and diagonals head on, and run along faces.
+/// Rays along a lattice hit vertices, edges and diagonals head on, and run along faces.
 #[test]
 fn rays_of_a_lattice_meet_a_cut_cube() {
     let body = mesh(&soups::plate(4, [1.0; 3]));
@@ -129,7 +131,7 @@ fn rays_of_a_lattice_meet_a_cut_cube() {
                         );
                     }
                     RayCast::Miss if beside => {}
-                    // Along a face: up to rounding it meets.
+                    // Along a face: a hit up to rounding.
                     RayCast::Undecided { safe } if !inside && !beside => assert!(safe <= 2.0, "{found:?}"),
                     _ => panic!("{x} {y} along {axis}: {found:?}"),
                 }

@@ -1,4 +1,4 @@
-//! Casts at every size and on every clock: an answer is that of size one, and never late.
+//! Casts at every size and time scale: the result is that of size one, and never late.
 
 use super::pairs::{Bodies, Fall};
 use lin_canny::Tracker;
@@ -9,7 +9,8 @@ use lin_canny::{ConvexPolyhedron, Velocity};
 use truth::casts::{aimed, body};
 use truth::rng::Rng;
 
-/// Bodies end at one half of `size`; B flies towards A, both turning about the line of flight.
+/// Returns motions of bodies that end at one half of `size`: B flies towards A, both rotating about
+/// the line of flight.
 fn head_on(size: f64, tick: f64) -> [Steady; 2] {
     let pace = size / tick;
     let spin = Vector3::x() / tick;
@@ -20,7 +21,7 @@ fn head_on(size: f64, tick: f64) -> [Steady; 2] {
     [motion(0.0, 0.0, 0.75), motion(4.0, -1.0, -1.5)]
 }
 
-/// The answer in units of the clock.
+/// Returns the result in units of the clock.
 fn told(found: &Cast, tick: f64) -> (&'static str, f64, f64) {
     match found.impact {
         Impact::Hit { safe, hit, .. } => ("hit", safe / tick, hit / tick),
@@ -31,7 +32,8 @@ fn told(found: &Cast, tick: f64) -> (&'static str, f64, f64) {
     }
 }
 
-/// Head-on, every kind of pair meets when the way is gone, and not before the distance asked for.
+/// Head-on, every kind of pair meets when the gap is used up, and not before the requested
+/// distance.
 #[test]
 fn every_kind_meets_on_time_at_every_size() {
     for k in (-330..=330).step_by(44) {
@@ -43,7 +45,7 @@ fn every_kind_meets_on_time_at_every_size() {
             let motions = head_on(size, tick);
             let [a, b] = &motions;
             bodies.each(|kind, pair| {
-                // Surfaces are measured by their origins alone below this size: no hit is proven.
+                // Below this size, surfaces are measured only by their origins: no hit is proven.
                 let is_tiny = kind.contains("surface") && k < -290;
                 let tolerance = Tolerance::Distance(1e-6 * size);
                 for (until, keep, truth) in [(3.5, 0.0, 3.0), (2.5, 0.0, f64::NAN), (3.5, 1.0, 2.0)] {
@@ -74,7 +76,8 @@ fn scaled(body: &ConvexPolyhedron, size: f64) -> ConvexPolyhedron {
     ConvexPolyhedron::from_points(&points).expect("a solid")
 }
 
-/// Spinning throws of polyhedra: the answer at size one, bit for bit, at every other size and on every other clock.
+/// Spinning throws of polyhedra: the result of size one, bit for bit, at every other size and time
+/// scale.
 #[test]
 fn answers_scale_bit_for_bit() {
     let mut rng = Rng::new(1922);
@@ -127,7 +130,7 @@ fn answers_scale_bit_for_bit() {
     assert!(hits > 15 && misses > 10, "{hits} {misses}");
 }
 
-/// A motion on another clock, with velocities beyond the range of the crate's own motions.
+/// A motion on another time scale, with velocities beyond the range of the crate's motions.
 struct Clocked(Fall, f64);
 
 impl Motion for Clocked {
@@ -148,8 +151,8 @@ impl Motion for Clocked {
     }
 }
 
-/// Clocks on which squares and cubes of velocities leave f64: the answer is that of the clock of one, bit for bit, for
-/// every kind of pair.
+/// Time scales at which squares and cubes of velocities leave `f64`: the result of scale one, bit
+/// for bit, for every kind of pair.
 #[test]
 fn no_clock_changes_an_answer() {
     let bodies = Bodies::new(1.0);
@@ -170,7 +173,8 @@ fn no_clock_changes_an_answer() {
             is_named: case % 4 < 2,
         };
         let (a, b) = (fall(0.0, 0.0), fall(4.0, -1.0));
-        // Pairs of their own for each clock: bounds of surfaces depend on what is kept of the pose before.
+        // Separate pairs for each time scale: bounds of surfaces depend on the cached state of the
+        // previous pose.
         let ask = |clock: i32| {
             let tick = 2f64.powi(clock);
             let (a, b, until) = (Clocked(a, tick), Clocked(b, tick), 4.0 * tick);
@@ -185,7 +189,7 @@ fn no_clock_changes_an_answer() {
         };
         let one = ask(0);
         hits += one.iter().filter(|(_, found, ..)| found.0 == "hit").count();
-        // Twice the exponent of the clock, for the acceleration, stays in the range of f64.
+        // Twice the exponent of the time scale, for the acceleration, stays in the range of `f64`.
         for clock in [-500, -400, -200, 200, 330, 355, 400, 500] {
             assert_eq!(ask(clock), one, "case {case}, tick 2^{clock}");
         }
@@ -193,7 +197,7 @@ fn no_clock_changes_an_answer() {
     assert!(hits > 20, "{hits}");
 }
 
-/// A motion model bounds a displacement whatever the clock.
+/// A motion model bounds a displacement at any time scale.
 #[test]
 fn displacements_do_not_vanish() {
     for clock in [-900, -540, 540, 900] {

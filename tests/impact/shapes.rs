@@ -1,4 +1,5 @@
-//! Casts of rounded and curved shapes: closed forms for balls, and dense sampling for every pair of kinds.
+//! Casts of rounded and curved shapes: closed forms for balls, and dense sampling for every pair of
+//! kinds.
 
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
@@ -9,14 +10,14 @@ use truth::rng::Rng;
 
 const TOLERANCE: f64 = 1e-9;
 
-/// Instants of a motion at which the shapes are measured by a tracker of their own.
+/// Instants of a motion at which a separate tracker measures the shapes.
 const INSTANTS: usize = 100;
 
 fn steady(start: &Isometry3<f64>, linear: Vector3<f64>, angular: Vector3<f64>) -> Steady {
     Steady::new(start, Velocity::new(linear, angular)).expect("a finite motion")
 }
 
-/// The first root of `|x + v t| = r` for `t` in 0 to 1.
+/// Returns the first root of `|x + v t| = r` for `t` in 0 to 1.
 fn balls_meet(x: &Vector3<f64>, v: &Vector3<f64>, r: f64) -> Option<f64> {
     let (a, b, c) = (v.norm_squared(), x.dot(v), x.norm_squared() - r * r);
     let root = b * b - a * c;
@@ -51,7 +52,7 @@ fn balls_meet_when_the_closed_form_says() {
                 hits += 1;
             }
             (Impact::Miss, None) => misses += 1,
-            // A graze: neither side is far from it.
+            // A grazing motion: nearly a hit and nearly a miss.
             (Impact::Undecided { safe, .. }, _) => assert!(safe > 0.0, "case {case}"),
             (impact, t) => panic!("case {case}: {impact:?}, closed form {t:?}"),
         }

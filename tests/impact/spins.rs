@@ -1,4 +1,4 @@
-//! Bodies that turn faster than any look can follow.
+//! Bodies that rotate faster than the steps of a cast can follow.
 
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::Steady;
@@ -6,7 +6,8 @@ use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Geometry, Mesh, PairTracker, Shape, Velocity};
 
-/// Bodies that turn by 1e15 radians: a cast ends when its pace shows that it will not come to the end.
+/// Bodies that rotate by 1e15 radians: a cast ends when its pace shows that it will not reach the
+/// end.
 #[test]
 fn casts_of_bodies_that_turn_too_fast_end_early() {
     let grid = truth::forms::mesh(&truth::soups::plate(8, [1.0, 1.0, 0.1]));

@@ -1,4 +1,4 @@
-//! Faces upon faces: what they share is spanned, and nothing else.
+//! Faces on faces: contacts span the overlap of the faces, and nothing else.
 
 use crate::judge::judge;
 use crate::planar::spanned;
@@ -12,7 +12,7 @@ use truth::shapes;
 use truth::support;
 use truth::{Pose, workload};
 
-/// B's widest face on A's, anywhere on it, tilted by `tilt`.
+/// Puts B's widest face on A's at a random position, tilted by `tilt`.
 fn laid(a: &ConvexPolyhedron, b: &ConvexPolyhedron, distance: f64, tilt: f64, rng: &mut Rng) -> Frame {
     let ((face_a, ra), (face_b, rb)) = (widest_face(a), widest_face(b));
     let mut f = workload::stacked(face_a, face_b, rng.range(0.0, 6.3), distance);
@@ -45,7 +45,7 @@ fn faces_on_faces_are_spanned() {
         let distance = [-1e-3, 0.0, 1e-3, -1e-9][k % 4];
         let tilt = [0.0, 1e-9, 1e-4][k % 3];
         let frame = laid(a, b, distance, tilt, &mut rng);
-        // Faces that lie on each other: of steep ones the far vertices are beyond the prediction.
+        // Faces that lie on each other: far vertices of tilted ones are beyond the prediction.
         let options = flush(0.1, 8);
         let m = manifold(a, b, &frame, &options);
         judge(a, b, &frame, &m, &options, "laid");
@@ -94,13 +94,13 @@ fn large_faces_are_spanned() {
             few += usize::from(points < 0.1 * shared);
         }
     }
-    // Rays out of the tip of a long and narrow shape find its sides, not its other end: which witness of many an answer gives
-    // decides whether they begin there.
+    // Rays from the tip of a long and narrow shape find its sides, not its other end: the choice of
+    // the witness decides whether they start there.
     assert!(seen[0] > 1000 && seen[1] * 100 < seen[0] && few <= 2, "{seen:?} {few}");
 }
 
-/// A face that is narrower than rounding, in line with the side of another: what is past its tip is inside of every side of it but for
-/// rounding, and not on it.
+/// A face narrower than rounding, in line with the side of another: points past its tip are inside
+/// all its sides up to rounding, but not on it.
 #[test]
 fn nothing_is_shared_past_the_tip_of_a_sliver() {
     let table = lin_canny::polyhedron::solids::cuboid([2.0, 1.0, 1.0].into()).unwrap();
@@ -133,7 +133,8 @@ fn nothing_is_shared_past_the_tip_of_a_sliver() {
     assert!(points > 60, "{points}");
 }
 
-/// Corners once chosen are kept while they are corners: every frame of a slide is as sound as if it were the first.
+/// Chosen vertices are kept while they are vertices of the overlap: every frame of a slide is as
+/// sound as the first.
 #[test]
 fn kept_choices_are_sound() {
     let mut rng = Rng::new(606);
@@ -177,7 +178,7 @@ fn kept_choices_are_sound() {
     );
 }
 
-/// An angle below zero is taken as if it were above: corners are not kept for it where they are no more.
+/// A negative sine counts as its absolute value: vertices that have left the overlap are not kept.
 #[test]
 fn negative_angles_keep_no_corner_off_the_faces() {
     let body = support::body(&shapes::cuboid([1.0, 1.0, 0.2]));

@@ -1,4 +1,4 @@
-//! A manifold over frames: names last, old ones keep their bounds.
+//! A manifold over frames: ids persist, and cached manifolds keep their bounds.
 
 use lin_canny::{ConvexPolyhedron, FeaturePair, Manifold, ManifoldOptions, Tracker};
 use truth::contacts::widest_face;
@@ -25,7 +25,7 @@ fn names_last_at_rest() {
         for b in &bodies {
             for (noise, drift) in [(1e-6, None), (1e-4, None), (1e-7, Some(0.0))] {
                 let ((face_a, _), (face_b, reach)) = (widest_face(a), widest_face(b));
-                // Among them corner on corner and edge on edge.
+                // Including vertex on vertex and edge on edge.
                 let spin = if k % 2 == 0 { 0.0 } else { rng.range(0.0, 6.0) };
                 let start = workload::stacked(face_a, face_b, spin, -1e-3);
                 let (mut pair, mut m) = (Tracker::new(), Manifold::new());
@@ -48,7 +48,7 @@ fn names_last_at_rest() {
             }
         }
     }
-    // With no drift allowed every frame asks anew, and rounding chooses among equal corners.
+    // Without drift, every frame computes again, and rounding chooses among equal vertices.
     assert!(frames == 4500 && fresh < 1700 && full > 1000, "{frames} {fresh} {full}");
 }
 
@@ -70,7 +70,8 @@ fn sliding_contacts_keep_their_names_and_order() {
     }
 }
 
-/// Where a corner leaves the face it was over, two edges cross in its place: another pair of features, and the same contact.
+/// If a vertex leaves the face below it, a crossing of two edges replaces it: another feature pair,
+/// but the same contact.
 #[test]
 fn names_last_over_a_change_of_features() {
     let plate = support::body(&shapes::cuboid([4.0, 4.0, 0.5]));
@@ -91,8 +92,10 @@ fn names_last_over_a_change_of_features() {
     }
 }
 
-/// A corner to and fro over a border: its name goes to one of the two crossings that take its place, and comes back from either. No two
-/// contacts are called the same.
+/// A vertex moves to and fro over a border.
+///
+/// Its id moves to one of the two crossings that replace it, and returns from either. No two
+/// contacts have the same id.
 #[test]
 fn names_are_never_given_twice() {
     let plate = support::body(&shapes::cuboid([4.0, 4.0, 0.5]));
@@ -183,8 +186,8 @@ fn manifolds_of_other_bodies_are_made_anew() {
     assert!(m.is_fresh());
 }
 
-/// Points of bodies far from their own origin have fewer digits tha distances between the bodies: nothing is measured from them that
-/// an answer would say better.
+/// Points of bodies far from their origin have fewer digits than distances between the bodies:
+/// nothing is measured from them that an outcome gives more accurately.
 #[test]
 fn bodies_far_from_their_origin_are_asked_anew() {
     let away = [3e5, -2e5, 1e5];

@@ -1,4 +1,4 @@
-//! Bodies and poses that are hard on purpose.
+//! Deliberately hard bodies and poses.
 
 use crate::judge::judge;
 use crate::{exact, flush, manifold};
@@ -10,7 +10,7 @@ use truth::shapes::{self, Shape};
 use truth::support;
 use truth::{Point, Pose};
 
-/// Frames of all kinds, most of them near contact.
+/// Returns frames of all kinds, most of them near contact.
 fn hard_frames(rng: &mut Rng, radii: (f64, f64)) -> Vec<Frame> {
     let at = Pose {
         q: rng.quat(),
@@ -47,7 +47,7 @@ fn hard_bodies_get_sound_manifolds_whichever_is_named_first() {
     let (mut classes, mut counts, mut alike) = ([0; 4], [0; 9], 0);
     for (sa, a) in &bodies {
         for (sb, b) in &bodies {
-            // Concentric bodies of very many faces are for other tests.
+            // Other tests cover concentric bodies with very many faces.
             if a.vertex_count().max(b.vertex_count()) > 400 {
                 continue;
             }
@@ -73,7 +73,7 @@ fn hard_bodies_get_sound_manifolds_whichever_is_named_first() {
     assert!(alike > 500, "{alike}");
 }
 
-/// Whether both manifolds have one normal; then they have the same points where all fit in.
+/// Returns whether both manifolds have one normal; then they have the same points if all fit.
 fn mirrored(m: &Manifold, back: &Manifold, frame: &Frame, size: f64) -> bool {
     let n: Point = frame.a.rotate(m.normal().into_inner().into());
     let of_back: Point = frame.b.rotate(back.normal().into_inner().into());
@@ -92,8 +92,8 @@ fn mirrored(m: &Manifold, back: &Manifold, frame: &Frame, size: f64) -> bool {
         .all(|p| back.points().iter().any(|q| flipped(q.features) == p.features))
 }
 
-/// Where a facet of the difference is smaller than rounding, the closest features may name a face that is upright: over a place its
-/// height is anything, so it bears nothing.
+/// If a facet of the difference is smaller than rounding, the closest features may name an upright
+/// face: its height over a position is undefined, so it has no contact.
 #[test]
 fn upright_faces_bear_no_contact() {
     let mut rng = Rng::new(611);
@@ -114,7 +114,7 @@ fn upright_faces_bear_no_contact() {
                 t: scale(rng.unit(), size),
             },
         };
-        // Edge on edge, in each other by no more than rounding.
+        // Edge on edge, overlapping by no more than rounding.
         for _ in 0..4 {
             let o = Tracker::new().closest(&card, &plate, &support::relative(&frame));
             let by = [0.0, -1e-12, -1e-16, -1e-9][k / 2 % 4] - o.distance;
@@ -131,7 +131,7 @@ fn upright_faces_bear_no_contact() {
     assert!(points > 4000 && overlaps > 500, "{points} {overlaps}");
 }
 
-/// Which of thousands of faces and edges at a tip bears the contact is found by bisection.
+/// Bisection finds which of thousands of faces and edges at a tip carries the contact.
 #[test]
 fn a_tip_of_thousands_of_faces_is_promoted_to_the_right_one() {
     let mut rng = Rng::new(604);
@@ -141,7 +141,7 @@ fn a_tip_of_thousands_of_faces_is_promoted_to_the_right_one() {
         let cone = support::body(&shapes::cone(n, 1.0, height));
         let slope = (1.0f64 / height).atan();
         for k in 0..200 {
-            // The cone stands on its tip, leaning until a flank all but lies on the plate.
+            // The cone stands on its tip, leaning until a side nearly lies on the plate.
             let lean = slope.mul_add(-1.0, std::f64::consts::FRAC_PI_2) + [0.0, 0.004, -0.004, 0.1][k % 4];
             let up = [1.0, 0.0, 0.0];
             let turn = quat_mul(
@@ -180,7 +180,8 @@ fn a_tip_of_thousands_of_faces_is_promoted_to_the_right_one() {
     assert!(faces > 200 && tips > 30, "{faces} {edges} {tips}");
 }
 
-/// A face no wider than rounding upon one of many corners: rays in it leave anywhere, and its middle may lie outside.
+/// A face no wider than rounding on a face with many vertices: rays in it leave anywhere, and its
+/// centre may lie outside.
 #[test]
 fn slivers_upon_large_faces_hold_their_contacts() {
     let mut rng = Rng::new(608);

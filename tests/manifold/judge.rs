@@ -1,4 +1,4 @@
-//! What is true of every manifold.
+//! Properties of every manifold.
 
 use lin_canny::{ConvexPolyhedron, FaceId, Feature, Manifold, ManifoldOptions, Outcome, Solver, Tracker};
 use truth::Point;
@@ -6,7 +6,7 @@ use truth::motion::Frame;
 use truth::pose::{cross, dot, norm, scale, sub, unit};
 use truth::support;
 
-/// How far a point is off a feature of its body.
+/// Returns the distance of a point from a feature of its body.
 fn off(body: &ConvexPolyhedron, feature: Feature, p: Point) -> f64 {
     let at = |v| -> Point { body.vertex(v).expect("a vertex of the body").coords.into() };
     match feature {
@@ -17,7 +17,7 @@ fn off(body: &ConvexPolyhedron, feature: Feature, p: Point) -> f64 {
             let t = (dot(u, w) / dot(u, u)).clamp(0.0, 1.0);
             norm(sub(w, scale(u, t)))
         }
-        // One face stands for those that lie in its plane but for rounding.
+        // One face represents those that are coplanar up to rounding.
         Feature::Face(f) => {
             let n = body.face_plane(f).expect("a face of the body").0;
             let alike = |g: &FaceId| {
@@ -39,7 +39,7 @@ fn off(body: &ConvexPolyhedron, feature: Feature, p: Point) -> f64 {
     }
 }
 
-/// What is true of every manifold that was made for this frame; the answer it was made from.
+/// Judges a manifold that was computed for this frame; returns the outcome that it was made from.
 pub(crate) fn judge(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
@@ -52,7 +52,7 @@ pub(crate) fn judge(
     let pose = support::relative(frame);
     let outcome = Tracker::new().closest(a, b, &pose);
     let told = || format!("{what}: {m:?}\n{outcome:?}\n{frame:?}");
-    // In A's frame, where the offset of both has cancelled.
+    // In A's frame, where the offset of both cancels.
     let n: Point = m.normal().into_inner().into();
     let a_from_b = frame.relative();
     assert!(m.points().len() <= o.max_points, "{}", told());
@@ -61,9 +61,9 @@ pub(crate) fn judge(
         return outcome;
     }
     assert!(!m.points().is_empty(), "{}", told());
-    // Edges that are parallel but for the angle allowed are not quite across from each other.
+    // Edges that are parallel up to the allowed angle are not exactly opposite each other.
     let beside = m.features().is_some_and(|f| support::kinds(f) == (1, 1));
-    // Nor are more so than the witnesses.
+    // Nor more so than the witnesses.
     let witnesses = {
         let (p, q) = (outcome.point_on_a.coords.into(), outcome.point_on_b.coords.into());
         let between = sub(a_from_b.apply(q), p);
@@ -73,7 +73,8 @@ pub(crate) fn judge(
         let (on_a, on_b): (Point, Point) = (p.point_on_a.coords.into(), p.point_on_b.coords.into());
         assert!(support::are_of(p.features, a, b), "{}", told());
         let (from_a, from_b) = (off(a, p.features.a, on_a), off(b, p.features.b, on_b));
-        // Where rounding has split faces, the features a solver names need not hold its witnesses.
+        // If rounding has split faces, the features that a solver reports need not contain its
+        // witnesses.
         let of_answer = p.features == outcome.features && outcome.solver >= Solver::Gjk;
         assert!(
             of_answer || from_a.max(from_b) <= 1e-13 * size,

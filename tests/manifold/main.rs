@@ -1,5 +1,5 @@
-//! Promise: a manifold's points lie on the bodies, across from each other; the deepest is the certified answer's; what two faces
-//! share is spanned; names last.
+//! Promise: points of a manifold lie on the bodies, opposite each other; the deepest is that of the
+//! certified outcome; the overlap of two faces is spanned; ids persist.
 
 mod faces;
 mod frames;
@@ -22,7 +22,7 @@ fn exact(prediction: f64, max_points: usize) -> ManifoldOptions {
     o
 }
 
-/// Options under which only faces within a degree of the normal bear contacts.
+/// Returns options under which only faces within one degree of the normal carry contacts.
 fn flush(prediction: f64, max_points: usize) -> ManifoldOptions {
     let mut o = exact(prediction, max_points);
     o.max_face_sine = 1.0 / 64.0;
@@ -51,7 +51,7 @@ fn predictions_reach_as_far_as_they_say() {
         }
     }
     assert!(count.iter().all(|&c| c >= 49));
-    // Numbers that are none ask for nothing, and are no harm.
+    // Invalid numbers request nothing and are harmless.
     for (prediction, points) in [(f64::NAN, 0), (-1.0, 0), (f64::INFINITY, 4)] {
         let options = exact(prediction, 100);
         let mut m = Manifold::new();
@@ -65,7 +65,7 @@ fn predictions_reach_as_far_as_they_say() {
     assert_eq!(m.points().len(), 1);
 }
 
-/// Edges on faces and edges on edges have two contacts, corners have one.
+/// Edges on faces and edges on edges have two contacts, vertices have one.
 #[test]
 fn edges_and_corners_make_contacts() {
     let cube = support::body(&shapes::cube());
@@ -80,7 +80,7 @@ fn edges_and_corners_make_contacts() {
     let m = manifold(&cube, &cube, &on_edge, &options);
     assert_eq!((m.points().len(), m.features().map(support::kinds)), (2, Some((2, 1))));
     judge(&cube, &cube, &on_edge, &m, &options, "edge on face");
-    // Two edges crosswise.
+    // Two crossed edges.
     let base = Pose::turn([0.0, 1.0, 0.0], quarter, [0.0; 3]);
     let crossed = Frame {
         a: base,
@@ -102,7 +102,7 @@ fn edges_and_corners_make_contacts() {
     judge(&cube, &cube, &along, &m, &options, "edges along each other");
     let length = (m.points()[0].point_on_a - m.points()[1].point_on_a).norm();
     assert!((length - 1.5).abs() < 1e-12);
-    // A corner: the cube on its diagonal.
+    // A vertex: the cube on its diagonal.
     let axis = unit([1.0, -1.0, 0.0]);
     let corner = turned(axis, (1.0 / 3f64.sqrt()).acos(), [0.2, 0.1, 1.0 + 3f64.sqrt() - 0.01]);
     let m = manifold(&cube, &cube, &corner, &options);
@@ -110,7 +110,7 @@ fn edges_and_corners_make_contacts() {
     assert_eq!((m.points().len(), o.state), (1, ContactState::Overlapping));
 }
 
-/// The contacts of an outcome are those of a tracker that has seen nothing before, and a foreign outcome makes none.
+/// The contacts of an outcome are those of a new tracker, and a foreign outcome has none.
 #[test]
 fn an_outcome_gives_the_contacts_of_a_first_query() {
     let mut rng = truth::rng::Rng::new(611);

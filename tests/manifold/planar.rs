@@ -1,4 +1,5 @@
-//! What two faces share and what points span, in the plane across the normal, by brute force.
+//! Overlap of two faces and area of contact points, in the plane perpendicular to the normal, by
+//! brute force.
 
 use lin_canny::{ContactPoint, ConvexPolyhedron, Feature, Manifold};
 use truth::motion::Frame;
@@ -6,7 +7,7 @@ use truth::pose::{cross, dot, unit};
 use truth::support;
 use truth::{Point, Pose};
 
-/// Faces in the world seen along `n`, in two coordinates.
+/// Returns faces in the world frame seen along `n`, in two coordinates.
 fn seen(body: &ConvexPolyhedron, pose: &Pose, feature: Feature, [e1, e2]: [Point; 2]) -> Vec<[f64; 2]> {
     let Feature::Face(f) = feature else { return vec![] };
     let (n, offset) = body.face_plane(f).expect("a face");
@@ -28,7 +29,7 @@ fn area(p: &[[f64; 2]]) -> f64 {
     (0..p.len()).map(turn).sum::<f64>() / 2.0
 }
 
-/// One polygon cut by the sides of another, both counter-clockwise (Sutherland and Hodgman).
+/// Clips one polygon by the sides of another, both counter-clockwise (Sutherland and Hodgman).
 fn cut(mut p: Vec<[f64; 2]>, by: &[[f64; 2]]) -> Vec<[f64; 2]> {
     for k in 0..by.len() {
         let (q, r) = (by[k], by[(k + 1) % by.len()]);
@@ -50,7 +51,7 @@ fn cut(mut p: Vec<[f64; 2]>, by: &[[f64; 2]]) -> Vec<[f64; 2]> {
     p
 }
 
-/// The hull of a few points in the plane, counter-clockwise.
+/// Returns the hull of a few points in the plane, counter-clockwise.
 fn hull(mut p: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     p.sort_by(|x, y| x[0].total_cmp(&y[0]).then(x[1].total_cmp(&y[1])));
     let chain = |list: &mut dyn Iterator<Item = &[f64; 2]>| {
@@ -72,7 +73,8 @@ fn hull(mut p: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     low
 }
 
-/// Area the points of a manifold span, that of what its faces share, and how many corners the latter has.
+/// Returns the area that the points of a manifold span, the area of the overlap of its faces, and
+/// the number of its vertices.
 pub(crate) fn spanned(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
@@ -98,7 +100,7 @@ pub(crate) fn spanned(
         axes.map(|e| dot(e, x))
     };
     let points = hull(m.points().iter().map(at).collect());
-    // Faces that meet along an edge only: what they share is as wide as a corner is off by rounding.
+    // Faces that meet only along an edge: their overlap is as wide as the rounding of a vertex.
     let extent = shared.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
     let rounding = 8.0 * f64::EPSILON * extent * extent;
     let shared_area = area(&shared);

@@ -1,4 +1,5 @@
-//! Straight rims of faces of many corners beside, above and over straight edges: what the faces share is a line or a strip.
+//! Straight edges of faces with many vertices next to, above and over straight edges: the overlap
+//! is a line or a strip.
 
 use crate::judge::judge;
 use crate::{exact, manifold};
@@ -10,7 +11,7 @@ use truth::shapes;
 use truth::support;
 use truth::{Point, Pose};
 
-/// Half length of a straight rim along y, and half the width of its body along x.
+/// Half length of a straight edge along y, and half the width of its body along x.
 #[derive(Clone, Copy)]
 struct Rim {
     half: f64,
@@ -35,7 +36,7 @@ fn bodies() -> Vec<(ConvexPolyhedron, Rim)> {
     bodies
 }
 
-/// Length along y of what the bodies share, and of what the points of a manifold span.
+/// Returns the length along y of the overlap, and of the points of a manifold.
 fn lengths([a, b]: [Rim; 2], aside: f64, m: &Manifold) -> (f64, f64) {
     let shared = (a.half.min(aside + b.half) - (-a.half).max(aside - b.half)).max(0.0);
     let y = m.points().iter().map(|p| -> f64 {
@@ -54,7 +55,8 @@ fn straight_rims_bear_contacts_on_both_bodies() {
     let (mut lines, mut short) = (0, 0);
     for k in 0..6000 {
         let ((a, of_a), (b, of_b)) = (rng.pick(&bodies), rng.pick(&bodies));
-        // Of either sign: the rims are in line, the bodies apart beside each other, or they share a strip.
+        // Of either sign: the edges are in line, the bodies are separated sideways, or they share a
+        // strip.
         let across = match k % 4 {
             0 => 0.0,
             1 => rng.log_range(1e-17, 1e-3),
@@ -100,7 +102,8 @@ fn straight_rims_bear_contacts_on_both_bodies() {
     assert!(lines > 2000 && short == 0, "{short} of {lines}");
 }
 
-/// A box is drawn off a rim, along it and across: what is kept from frame to frame is as sound as what is chosen.
+/// A box moves off a straight edge, along it and perpendicular to it: cached contacts are as sound
+/// as new ones.
 #[test]
 fn contacts_kept_along_straight_rims_are_sound() {
     let (mut rng, bodies) = (Rng::new(622), bodies());
@@ -115,7 +118,7 @@ fn contacts_kept_along_straight_rims_are_sound() {
             rng.log_range(1e-17, 1e-3) * if rng.chance(0.5) { 1.0 } else { -1.0 },
         );
         let step = rng.log_range(1e-4, 0.05);
-        // Turned in common, rounding alone decides on which side of a rim another is.
+        // Rotated together, rounding alone decides on which side of one edge the other lies.
         let q = [Pose::IDENTITY.q, rng.quat()][usize::from(rng.chance(0.7))];
         let common = Pose {
             q,
@@ -138,7 +141,8 @@ fn contacts_kept_along_straight_rims_are_sound() {
     assert!(kept > 6000, "{kept}");
 }
 
-/// Rims in one line but for rounding, a hair apart, in turned frames: edges that rounding takes for crossing need not meet.
+/// Edges in one line up to rounding, nearly touching, in rotated frames: edges that seem to cross
+/// by rounding need not meet.
 #[test]
 fn rims_in_line_bear_contacts_only_where_they_meet() {
     let (mut rng, bodies) = (Rng::new(623), bodies());
@@ -149,7 +153,7 @@ fn rims_in_line_bear_contacts_only_where_they_meet() {
             2 => rng.log_range(1e-17, 1e-14),
             _ => -rng.log_range(1e-17, 1e-14),
         };
-        // Beside each other, or one over the other with both rims on one side.
+        // Next to each other, or one above the other with both edges on one side.
         let side = if rng.chance(0.7) { 1.0 } else { -1.0 };
         let aside = rng.range(-0.9, 0.9) * (of_a.half + of_b.half);
         let gap = rng.log_range(1e-15, 1e-13);

@@ -1,4 +1,5 @@
-//! Casts of meshes and compounds: safe times are free, hits meet, misses are misses, at dense samples.
+//! Casts of meshes and compounds: separated up to `safe`, in contact at hits and separated during
+//! misses, at dense samples.
 
 use super::{mesh, shapes};
 use lin_canny::impact::{Impact, Tolerance, cast};
@@ -11,7 +12,7 @@ use truth::pose::{add, scale};
 use truth::rng::Rng;
 use truth::soups;
 
-/// What casts found, and the queries they took.
+/// Results of casts, and their queries.
 #[derive(Debug, Default)]
 struct Tally {
     hits: u32,
@@ -24,7 +25,7 @@ fn steady(pose: Pose, linear: [f64; 3], angular: [f64; 3]) -> Steady {
     Steady::new(&pose.isometry(), Velocity::new(linear.into(), angular.into())).unwrap()
 }
 
-/// Casts two moving bodies over a unit of time and compares with dense samples.
+/// Casts two moving bodies over a unit of time, and compares with dense samples.
 fn judge<S: Separation>(
     pair: &mut S,
     state: &mut dyn FnMut(&RelativePose) -> ContactState,
@@ -122,7 +123,7 @@ fn casts_are_never_late() {
     }
 }
 
-/// A ball that flies along a wall a hundredth away: the wall does not stop the look.
+/// A ball that flies along a wall at a distance of 0.01: the wall does not shorten the steps.
 #[test]
 fn motion_along_a_wall_takes_few_looks() {
     let wall = mesh(&soups::plate(12, [4.0, 4.0, 0.1]));
@@ -135,7 +136,7 @@ fn motion_along_a_wall_takes_few_looks() {
     println!("{} looks", found.queries);
     assert_eq!(found.impact, Impact::Miss);
     assert!(found.queries <= 3, "{found:?}");
-    // Downward at a hundredth of the pace along the wall: met in time.
+    // Downward at a hundredth of the speed along the wall: the contact is found in time.
     let b = steady(Pose::shift([-3.0, 0.3, 0.31]), [6.0, 0.1, -0.06], [0.0; 3]);
     let found = cast(&mut pair, &a, &b, 0.0..1.0, Tolerance::Distance(1e-9)).unwrap();
     let Impact::Hit { safe, hit, .. } = found.impact else {

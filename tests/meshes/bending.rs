@@ -1,4 +1,5 @@
-//! Meshes that bend: after every replacement of vertices answers are those of brute force and of a mesh built anew.
+//! Meshes that deform: after every replacement of vertices, outcomes are those of brute force and
+//! of a new mesh.
 
 use super::{judge_by_surfaces, mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -12,7 +13,7 @@ use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::{Point, Pose};
 
-/// A sheet of n by n squares about the origin, of side 2.
+/// Returns a sheet of n by n squares about the origin, of side 2.
 pub(crate) fn sheet(n: u32) -> Soup {
     let at = |i: u32| 2.0 * f64::from(i) / f64::from(n) - 1.0;
     let points = (0..=n)
@@ -27,19 +28,19 @@ pub(crate) fn sheet(n: u32) -> Soup {
     Soup { points, triangles }
 }
 
-/// Ways to bend a body of size about two.
+/// Ways to deform a body of size about two.
 pub(crate) const WAYS: [&str; 8] = [
     "wave", "twist", "fold", "crumple", "lattice", "flatten", "shift", "still",
 ];
 
-/// The place of a point at a time from 0 to 1.
+/// Returns the position of a point at a time from 0 to 1.
 pub(crate) fn bent(way: &str, time: f64, [x, y, z]: Point) -> Point {
     let turned =
         |angle: f64, [x, y, z]: Point| [x, y * angle.cos() - z * angle.sin(), y * angle.sin() + z * angle.cos()];
     match way {
         "wave" => [x, y, z + 0.4 * time * (4.0 * x + 6.0 * time).sin()],
         "twist" => turned(3.0 * time * x, [x, y, z]),
-        // The half beyond x = 0 is turned about the y axis until it lies on the other.
+        // The half beyond x = 0 rotates about the y axis until it lies on the other half.
         "fold" if x > 0.0 => {
             let angle = std::f64::consts::PI * time;
             [x * angle.cos() - z * angle.sin(), y, x * angle.sin() + z * angle.cos()]
@@ -48,7 +49,7 @@ pub(crate) fn bent(way: &str, time: f64, [x, y, z]: Point) -> Point {
             let shake = |k: f64| 0.3 * time * (k * (x + 1.7 * y - 0.6 * z) + 9.0 * time + k).sin();
             [x + shake(11.0), y + shake(13.0), z + shake(17.0)]
         }
-        // Vertices come to equal places and triangles lose their area.
+        // Vertices coincide, and triangles lose their area.
         "lattice" => [x, y, z].map(|x| {
             let step = 0.05 + 0.6 * time;
             (x / step).round() * step
@@ -63,7 +64,7 @@ pub(crate) fn vertices(soup: &Soup) -> Vec<Point3<f64>> {
     soup.points.iter().map(|p| Point3::from(*p)).collect()
 }
 
-/// A slow tumble at some distance.
+/// Returns a slow tumble at some distance.
 fn motion(frames: usize, seed: u64) -> Vec<Pose> {
     let mut rng = Rng::new(seed);
     let (mut q, axis, at) = (rng.quat(), rng.unit(), rng.unit());
@@ -77,12 +78,12 @@ fn motion(frames: usize, seed: u64) -> Vec<Pose> {
     (0..frames).map(pose).collect()
 }
 
-/// The same body as a mesh built anew; `None` if nothing of it has an area.
+/// Returns the same body as a new mesh; `None` if no triangle has an area.
 pub(crate) fn anew(soup: &Soup) -> Option<Mesh> {
     Mesh::new(&vertices(soup), &soup.triangles).ok()
 }
 
-/// Triangles without area as the segments and points that they are.
+/// Returns triangles without area as segments and points.
 fn lines(soup: &Soup, triangles: impl Iterator<Item = u32>) -> Vec<Geometry> {
     let line = |t: u32| {
         let corners = soup.corners(t as usize);
@@ -208,7 +209,7 @@ fn parts_of_the_vertices_and_new_trees_equal_brute_force() {
     }
 }
 
-/// Rolls a sheet of side 2 up along x by so many turns.
+/// Rolls a sheet of side 2 up along x by some turns.
 fn rolled(turns: f64, [x, y, z]: Point) -> Point {
     let angle = turns * std::f64::consts::PI * (x + 1.0);
     let radius = (1.0 + 0.024 * angle) / (turns * std::f64::consts::PI);
@@ -262,7 +263,8 @@ fn bent_meshes_beside_other_kinds_are_as_meshes_built_anew() {
                 for (other, warm) in others.iter().zip(&mut warm) {
                     let pose = relative(pose);
                     let found = warm.closest(&m, other, &pose);
-                    // What a build drops is measured as what it is.
+                    // Triangles that a build removes are measured as the segments and points that
+                    // they are.
                     let left = lines(&now, fresh.report().degenerate.iter().copied());
                     let ask = |body: &Geometry| PairTracker::new().closest(body, other, &pose);
                     let each = left.iter().chain([&fresh_body]).map(ask);
@@ -336,7 +338,7 @@ fn scales_of_powers_of_two_are_bit_for_bit() {
     }
 }
 
-/// A mesh that grows and shrinks by far has its unit changed.
+/// A mesh that grows and shrinks by large factors changes its scale exponent.
 #[test]
 fn meshes_that_change_their_size_are_right() {
     let rest = soups::rock(1, 3);
@@ -411,7 +413,7 @@ fn wrong_vertices_are_refused_by_index_and_change_nothing() {
 #[test]
 fn meshes_that_bending_would_change_are_refused() {
     let mut rest = soups::torus(16, 8, 0.3);
-    // A triangle on a line, between three points of one of its edges.
+    // A collinear triangle, between three points of one of its edges.
     let [a, b, _] = rest.corners(0);
     rest.points.push([0, 1, 2].map(|k| 0.5 * (a[k] + b[k])));
     let (t, middle) = (rest.triangles[0], rest.points.len() as u32 - 1);
@@ -427,7 +429,7 @@ fn meshes_that_bending_would_change_are_refused() {
     let given = m.vertices();
     assert_eq!(m.set_vertices(&given), Err(VertexError::Dropped { triangle: dropped }));
 
-    // A square of two triangles on one side, of four on the other: closed along a line.
+    // A square of two triangles on one side, and of four on the other: closed along a line.
     let points = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.5, 0., 0.]].map(Point3::from);
     let halves = [[0, 2, 3], [3, 2, 1], [0, 1, 2]];
     let mut m = Mesh::new(&points, &halves).unwrap();
@@ -454,7 +456,7 @@ fn vertices_are_numbered_as_the_points_given() {
     }
 }
 
-/// A triangle that has become a point closes nothing, and opens nothing.
+/// A triangle that has become a point closes nothing and opens nothing.
 #[test]
 fn what_is_inside_a_body_with_points_for_triangles_is_inside() {
     let rest = soups::rock(1, 3);

@@ -1,5 +1,7 @@
-//! Meshes that bend beside every kind of geometry: every answer is that of all pairs of triangles and pieces, in both orders, warm
-//! and cold; rays by brute force, depths and contacts as of a mesh built anew.
+//! Deforming meshes with every kind of geometry.
+//!
+//! Every outcome agrees with all pairs of triangles and pieces, in both orders, warm and cold. Rays
+//! agree with brute force, depths and contacts with a new mesh.
 
 use super::bending::{anew, bent, sheet, vertices};
 use super::contacts::{check, deepest, within};
@@ -16,10 +18,10 @@ use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::{Point, Pose, brute};
 
-/// Shapes and their places.
+/// Shapes and their poses.
 type Pieces = Vec<(Isometry3<f64>, Shape)>;
 
-/// A geometry of each kind, and the pieces whose union it is.
+/// Returns a geometry of each kind, and the pieces whose union it is.
 fn kinds() -> Vec<(Geometry, Pieces)> {
     let hull = solids::random_hull(30, Vector3::new(0.4, 0.3, 0.3), 5).unwrap();
     let half = |x: f64| Vector3::new(x, 0.2, 0.25);
@@ -53,7 +55,8 @@ fn kinds() -> Vec<(Geometry, Pieces)> {
     all
 }
 
-/// The least distance of any triangle and any piece, each pair asked alone; zero if they meet.
+/// Returns the least distance of any triangle and any piece, each pair queried alone; zero if they
+/// meet.
 fn truth(soup: &Soup, m: &Mesh, pieces: &[(Isometry3<f64>, Shape)], pose: &Pose) -> f64 {
     let mut least = f64::INFINITY;
     for t in 0..soup.triangles.len() {
@@ -73,7 +76,7 @@ fn truth(soup: &Soup, m: &Mesh, pieces: &[(Isometry3<f64>, Shape)], pose: &Pose)
     least.max(0.0)
 }
 
-/// Trackers of one pair: kept, and kept in the other order.
+/// Trackers of one pair, one for each order.
 #[derive(Default)]
 struct Kept {
     there: PairTracker,
@@ -81,7 +84,7 @@ struct Kept {
 }
 
 impl Kept {
-    /// Asks in both orders, warm and cold, and compares; returns whether the bodies meet.
+    /// Queries both orders, warm and cold, and compares; returns whether the bodies meet.
     fn judge(&mut self, m: &Mesh, other: &Geometry, pose: &Pose, distance: f64, what: &str) -> bool {
         let at = relative(pose);
         let (one, two) = (GeometryRef::from(m), GeometryRef::from(other));
@@ -137,13 +140,13 @@ impl Kept {
     }
 }
 
-/// The witness on B in the frame of A.
+/// Returns the witness on B in the frame of A.
 fn at_point(at: &RelativePose, found: &PairOutcome) -> Point3<f64> {
     let (a, b) = at.poses();
     a.inverse() * b * found.point_on_b
 }
 
-/// Where a ray from outside first crosses a triangle.
+/// Returns the distance at which a ray from outside first crosses a triangle.
 fn crossing(soup: &Soup, from: Point, way: Point) -> f64 {
     let along = |t: usize| {
         let [a, b, c] = soup.corners(t);
@@ -167,7 +170,7 @@ fn bodies() -> [Soup; 3] {
 
 const BENDS: [&str; 4] = ["wave", "twist", "fold", "crumple"];
 
-/// A slow tumble, nearer and farther.
+/// Returns a slow tumble, approaching and receding.
 fn pose_at(frame: usize, seed: u64) -> Pose {
     let mut rng = Rng::new(seed);
     let (q, axis, at) = (rng.quat(), rng.unit(), rng.unit());
@@ -279,7 +282,7 @@ fn depths_and_contacts_of_bent_meshes_are_those_of_meshes_built_anew() {
                 let truth = deepest(cold.contacts(&once, other, &at, &options).unwrap());
                 let warm = there.contacts(&m, other, &at, &options).unwrap().to_vec();
                 let turned = back.contacts(other, &m, &at.swapped(), &options).unwrap();
-                // Normals of deep overlaps are those of hulls of patches.
+                // Normals of deep overlaps are those of hulls of convex patches.
                 if truth > -0.05 && truth < f64::INFINITY {
                     check(&warm, [Some(&now), None], &pose, &what);
                     check(turned, [None, Some(&now)], &inverse(&pose), &what);

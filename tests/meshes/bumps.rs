@@ -1,4 +1,5 @@
-//! Contacts on ground with ridges and valleys: bodies that overlap always have one, and no ghosts.
+//! Contacts on ground with ridges and valleys: overlapping bodies always have one, without ghost
+//! contacts.
 
 use super::contacts::{check, cuboid, deepest, exact, patches, within};
 use super::{mesh, relative};
@@ -9,7 +10,7 @@ use truth::pose::{quat, quat_mul, sub, unit, unit_quat};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 
-/// A floor in squares with random heights, as an open surface.
+/// Returns a floor of squares with random heights, as an open mesh.
 fn ground(n: usize, amplitude: f64, rng: &mut Rng) -> Soup {
     let m = n + 1;
     let place = |k: usize| [k % m, k / m].map(|i| 2.0 * i as f64 / n as f64 - 1.0);
@@ -33,7 +34,7 @@ fn ground(n: usize, amplitude: f64, rng: &mut Rng) -> Soup {
     }
 }
 
-/// The height of the ground under a point.
+/// Returns the height of the ground under a point.
 fn height(soup: &Soup, x: f64, y: f64) -> f64 {
     let at = |t: usize| {
         let [a, b, c] = soup.corners(t);
@@ -69,7 +70,7 @@ fn a_ball_rolls_over_bumps_without_ghosts_and_always_with_its_deepest_contact() 
             let at = relative(&Pose::shift(t));
             lin_canny::PairTracker::new().distance(&surface, &speck, &at).value + 1e-6
         };
-        // Down until the middle is as far from the ground as wanted.
+        // Down until the centre has the required distance from the ground.
         let (mut low, mut high) = (t[2] - 0.2, t[2]);
         for _ in 0..50 {
             t[2] = 0.5 * (low + high);
@@ -122,7 +123,7 @@ fn a_box_tumbles_over_bumps_without_ghosts() {
                 .to_vec();
             assert!((deepest(&cold) - truth).abs() < 1e-9, "{k} {truth} {cold:?}");
         } else {
-            // Overlaps: no deeper than the way down.
+            // Overlaps: no deeper than the descent.
             if found.is_empty() {
                 lost.push((k, gap));
                 continue;
@@ -139,7 +140,8 @@ fn a_box_tumbles_over_bumps_without_ghosts() {
     assert!(met == 400 && deep > 150, "{met} {deep}");
 }
 
-/// A corner below both faces of a valley: its foot on the plane of either lies beyond the bottom, where the face ends.
+/// A vertex below both faces of a valley: its foot on the plane of either lies beyond the bottom,
+/// where the face ends.
 #[test]
 fn a_corner_in_a_valley_has_contacts_along_both_of_its_faces() {
     let mut rng = Rng::new(6);
@@ -153,7 +155,8 @@ fn a_corner_in_a_valley_has_contacts_along_both_of_its_faces() {
         let (floor, cube) = (patches(&soup), cuboid([0.1; 3]));
         let mut tracker = PairTracker::new();
         for k in 0..200 {
-            // A corner of the cube below, next to the bottom line; its edges are steeper than the sides.
+            // A vertex of the cube below, next to the bottom line; its edges are steeper than the
+            // sides.
             let upright = quat(unit([-1.0, 1.0, 0.0]), 0.955);
             let q = unit_quat(quat_mul(quat(rng.unit(), rng.range(-0.2, 0.2)), upright));
             let depth = 10f64.powf(rng.range(-5.0, -2.0));

@@ -1,4 +1,5 @@
-//! Contacts by convex patches: no ghosts on inner edges, normals of the mesh, names that last.
+//! Contacts by convex patches: no ghost contacts on inner edges, normals of the mesh, ids that
+//! persist.
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Point3, Vector3};
@@ -16,7 +17,7 @@ pub(crate) fn within(prediction: f64) -> ManifoldOptions {
     ManifoldOptions::with_prediction(prediction)
 }
 
-/// Points chosen anew whenever a body moves at all.
+/// Returns options that choose points again for every motion.
 pub(crate) fn exact(prediction: f64) -> ManifoldOptions {
     let mut options = within(prediction);
     options.rebuild_motion = 0.0;
@@ -35,7 +36,7 @@ pub(crate) fn deepest(found: &[ContactGroup]) -> f64 {
     all(found).map(|c| c.point.separation).fold(f64::INFINITY, f64::min)
 }
 
-/// Triangles that hold a point within 1e-8, by brute force.
+/// Returns the triangles that contain a point within 1e-8, by brute force.
 fn holding(soup: &Soup, p: Point3<f64>) -> Vec<[Vector3<f64>; 3]> {
     let near = |t: &[Vector3<f64>; 3]| {
         let [a, b, c] = *t;
@@ -48,8 +49,9 @@ fn holding(soup: &Soup, p: Point3<f64>) -> Vec<[Vector3<f64>; 3]> {
     corners.filter(near).collect()
 }
 
-/// Whether a point lies on a mesh, and whether `n` is a normal of the mesh there: that of a face,
-/// or such that no triangle about the point rises along `n`.
+/// Returns whether a point lies on a mesh, and whether `n` is a normal of the mesh there.
+///
+/// A normal is that of a face, or such that no triangle around the point rises along it.
 pub(crate) fn is_normal(soup: &Soup, p: Point3<f64>, n: Vector3<f64>) -> (bool, bool) {
     let about = holding(soup, p);
     let own = |t: &[Vector3<f64>; 3]| (t[1] - t[0]).cross(&(t[2] - t[0])).normalize();
@@ -59,8 +61,10 @@ pub(crate) fn is_normal(soup: &Soup, p: Point3<f64>, n: Vector3<f64>) -> (bool, 
     (!about.is_empty(), of_face || in_cone)
 }
 
-/// Every contact on the meshes, opposite each other along its normal, and of every pair of patches
-/// one at least whose normal is a normal of both meshes.
+/// Asserts that every contact is on the meshes, opposite each other along its normal.
+///
+/// Of every pair of patches, at least one contact must have a normal that is a normal of both
+/// meshes.
 pub(crate) fn check(found: &[ContactGroup], soups: [Option<&Soup>; 2], pose: &Pose, what: &str) {
     let turn = pose.isometry().rotation;
     for c in all(found) {
@@ -117,7 +121,7 @@ fn convex_bodies_and_flat_regions_are_one_patch_turned_or_not() {
     assert!(found.count() < torus.triangles.len() / 2, "{}", found.count());
 }
 
-/// Facts of the tessellation vanish: a plate of a thousand triangles bears four points.
+/// The tessellation has no effect: a plate of a thousand triangles has four contacts.
 #[test]
 fn a_plate_on_a_plate_has_four_contacts_whose_names_last() {
     let plate = soups::plate(12, [1.0, 1.0, 0.05]);
@@ -219,7 +223,8 @@ fn an_l_in_an_l_has_contacts_along_both_walls() {
 #[test]
 fn an_l_on_an_l_and_a_finger_of_overlapping_parts_on_a_plate_rest_on_a_few_contacts() {
     let (l, plate) = (soups::bracket(), soups::plate(8, [2.0, 2.0, 0.1]));
-    // Three closed parts, each inside the next by a quarter, as the links of a hand are modelled; the tip points up.
+    // Three closed components, each inside the next by a quarter, like the links of a modelled
+    // hand; the tip points up.
     let link = soups::plate(2, [0.4, 0.15, 0.1]);
     let tip = Pose {
         q: quat([0.0, 1.0, 0.0], -0.5),
@@ -251,7 +256,7 @@ fn an_l_on_an_l_and_a_finger_of_overlapping_parts_on_a_plate_rest_on_a_few_conta
     }
 }
 
-/// A floor slides by under a body for a thousand frames: the normal is the plane's.
+/// A floor slides under a body for a thousand frames: the normal is that of the plane.
 fn slide((floor, turn): (&ConvexPatches, &Pose), (body, lift, count): (&ConvexPatches, f64, usize), what: &str) {
     let up = Vector3::from(turn.rotate([0.0, 0.0, 1.0]));
     let mut rng = Rng::new(3);
@@ -275,7 +280,7 @@ fn slide((floor, turn): (&ConvexPatches, &Pose), (body, lift, count): (&ConvexPa
 
 #[test]
 fn a_body_that_slides_over_inner_edges_for_a_thousand_frames_feels_none() {
-    // The inside of a room, as an open surface: the floor is at -1.
+    // The inside of a room, as an open mesh: the floor is at -1.
     let room = soups::plate(10, [2.0, 2.0, 1.0]).flipped();
     let turned = Pose {
         q: unit_quat([0.3, 0.2, 0.5, 0.7]),
@@ -324,7 +329,7 @@ fn a_body_in_a_corner_has_both_walls_and_a_body_behind_a_wall_none() {
         assert_eq!(found.len(), 2, "{k} {found:?}");
         assert!(found.iter().all(|g| g.contacts.len() == 4), "{k} {found:?}");
     }
-    // A box below a thin shelf, in whose hull it is.
+    // A box below a thin shelf, inside the shelf's hull.
     let mut shelf = soups::plate(4, [1.0, 1.0, 0.02]);
     shelf = shelf.with(&soups::plate(4, [0.1, 0.1, 0.5]).map(|p| add(p, [0.0, 0.0, 0.6])));
     let p = patches(&shelf);
@@ -398,8 +403,8 @@ fn pieces_bear_contacts_as_they_are() {
     assert!(all(&found).all(|c| c.patches == [0, 0] && (c.point.separation + 1e-3).abs() < 1e-12));
 }
 
-/// Two sheets of 128 triangles that face each other, and a prediction beyond everything: each pair of triangles is asked, and
-/// the call ends at once.
+/// Two sheets of 128 triangles that face each other, with a prediction beyond the bodies: every
+/// pair of triangles is queried, and the call ends soon.
 #[test]
 fn a_prediction_beyond_the_bodies_ends_in_time() {
     let mut rng = Rng::new(29);
@@ -427,7 +432,7 @@ fn a_prediction_beyond_the_bodies_ends_in_time() {
         println!("{prediction:e}: {} groups in {spent:?}", found.len());
         let deepest = deepest(found);
         assert!((deepest - nearest.distance).abs() <= 1e-12, "{deepest} {nearest:?}");
-        // A fifth of a second in release, and room for a build with checks.
+        // 0.2 s in release; a build with checks takes longer.
         assert!(spent < std::time::Duration::from_secs(5), "{spent:?}");
     }
 }

@@ -1,4 +1,5 @@
-//! Inside and outside: nested, linked, hollow and multi-part meshes, jumps through walls, flush boxes that overlap.
+//! Inside and outside: nested, linked, hollow and multi-component meshes, jumps through walls,
+//! flush boxes that overlap.
 
 use super::{mesh, relative};
 use lin_canny::{ContactState, MeshKind, PairTracker};
@@ -9,7 +10,7 @@ use truth::{Pose, brute};
 
 #[test]
 fn windings_decide_over_jumps() {
-    // A hollow ball; a ball that two overlapping parts make; a part in a part.
+    // A hollow ball; a ball made of two overlapping components; a component in a component.
     let two = soups::sphere(2).with(&soups::sphere(2).map(|p| [p[0] + 0.7, p[1], p[2]]));
     let nested = soups::sphere(2).with(&soups::sphere(2).map(|p| scale(p, 0.5)));
     let solids = [
@@ -61,7 +62,7 @@ fn an_open_mesh_holds_nothing_and_may_be_held() {
     let pebble = mesh(&soups::sphere(1).map(|p| scale(p, 0.05)));
     let found = PairTracker::new().closest(&bowl, &pebble, &relative(&Pose::IDENTITY));
     assert_eq!(found.state, ContactState::Separated);
-    // A surface in a solid shares points with it.
+    // An open mesh in a solid shares points with it.
     let ball = mesh(&soups::sphere(2).map(|p| scale(p, 3.0)));
     let found = PairTracker::new().closest(&ball, &bowl, &relative(&Pose::IDENTITY));
     assert_eq!((found.state, found.distance), (ContactState::Touching, 0.0));
@@ -123,7 +124,7 @@ fn crossings_and_nested_parts_are_named() {
         .clone()
         .with(&ball.clone().map(|p| [p[0] + 0.7, p[1] + 0.01, p[2] + 0.02]));
     let found = mesh(&two).inspect(10_000);
-    // Every pair of triangles, by its own.
+    // Every pair of triangles, each queried alone.
     let mut pairs = Vec::new();
     let half = ball.triangles.len();
     for i in 0..half {

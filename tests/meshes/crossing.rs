@@ -1,5 +1,7 @@
-//! Lower bounds of the penetration depth where edges cross and no vertex is inside: beside the certified depth of convex bodies,
-//! and beside translations that part the bodies.
+//! Lower bounds of the penetration depth if edges cross and no vertex is inside.
+//!
+//! They are compared with the certified depth of convex bodies, and with translations that separate
+//! the bodies.
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Point3, Vector3};
@@ -11,7 +13,7 @@ use truth::pose::{add, quat, quat_mul, scale, unit_quat};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 
-/// The ratios of lower and upper bounds of a family, and poses whose lower bound is zero.
+/// Ratios of lower and upper bounds of a family, and the number of poses with lower bound zero.
 #[derive(Default)]
 struct Ratios(Vec<f64>);
 
@@ -39,7 +41,7 @@ fn of_meshes(a: &Mesh, b: &Mesh, at: &RelativePose) -> PenetrationBounds {
     PairTracker::new().penetration(a, b, at).expect("two solids")
 }
 
-/// No shift shorter than the lower bound parts the bodies: of a few.
+/// Asserts, for some shifts, that no shift shorter than the lower bound separates the bodies.
 fn check(o: &PenetrationBounds, pose: &Pose, rng: &mut Rng, mut state: impl FnMut(&RelativePose) -> ContactState) {
     let moved = |by: Vector3<f64>| {
         relative(&Pose {
@@ -69,7 +71,7 @@ fn bars_that_cross_have_the_depth_of_their_edges() {
     let fine = soups::plate(4, halves[0]);
     let (mut coarse, mut cut, mut mixed) = (Ratios::default(), Ratios::default(), Ratios::default());
     for k in 0..60 {
-        // Each about its own axis, then one across the other.
+        // Each about its axis, then one across the other.
         let own = [0, 1].map(|_| quat([1.0, 0.0, 0.0], rng.range(0.3, 1.2)));
         let across = quat([0.0, 0.0, 1.0], rng.range(0.4, 1.57));
         let turned = bars[0].clone().moved(&Pose { q: own[0], t: [0.0; 3] });
@@ -79,7 +81,7 @@ fn bars_that_cross_have_the_depth_of_their_edges() {
             let points: Vec<_> = s.points.iter().map(|p| Point3::from(*p)).collect();
             Shape::from(ConvexPolyhedron::from_points(&points).unwrap())
         });
-        // Down until the edges cross by a little.
+        // Down until the edges cross slightly.
         let mut pose = Pose {
             q,
             t: [rng.range(-0.4, 0.4), rng.range(-0.2, 0.2), 0.5],
@@ -119,7 +121,7 @@ fn bars_that_cross_have_the_depth_of_their_edges() {
     assert!(all.iter().all(|m| *m > 0.99), "{all:?}");
 }
 
-/// Bodies moved together until they overlap by a little, or by more.
+/// Returns the median ratio for bodies moved together until they overlap slightly, or more.
 fn family(name: &str, a: &Soup, b: &Soup, seed: u64) -> f64 {
     let mut rng = Rng::new(seed);
     let (m, n) = (mesh(a), mesh(b));

@@ -1,4 +1,5 @@
-//! Work of queries of bodies that are in contact nearly everywhere: in one place, or in one another's.
+//! Work of queries of bodies that are in contact nearly everywhere: at the same pose, or filling
+//! each other.
 
 use super::{mesh, relative, shapes};
 use lin_canny::{ContactState, Mesh, MeshKind, PairTracker, TreeWork};
@@ -7,7 +8,7 @@ use truth::pose::{quat, scale};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 
-/// A dome of `2 n n` triangles over a square: a surface.
+/// Returns a dome of `2 n n` triangles over a square: an open mesh.
 fn dome(n: usize) -> Soup {
     let at = |i: usize, j: usize| (i * (n + 1) + j) as u32;
     let mut soup = Soup::default();
@@ -23,7 +24,7 @@ fn dome(n: usize) -> Soup {
     soup
 }
 
-/// Bodies of hundreds of triangles to thousands.
+/// Returns bodies with hundreds to thousands of triangles.
 fn crowded() -> Vec<Soup> {
     let mut all = shapes();
     all.extend([
@@ -33,13 +34,13 @@ fn crowded() -> Vec<Soup> {
         soups::gear(40),
         soups::plate(10, [1.0, 1.0, 0.05]),
         soups::cave(3, 0.7),
-        // Some hundred sides, ten radii long.
+        // About a hundred sides, ten radii long.
         soups::gear(25).map(|[x, y, z]| [x, y, 25.0 * z]),
     ]);
     all
 }
 
-/// A pose that moves a body by nearly nothing: by a turn, by a shift, or by both.
+/// Returns a pose that moves a body by nearly nothing: by a rotation, a shift, or both.
 fn nearly_nothing(rng: &mut Rng, k: usize) -> Pose {
     let by = 10f64.powf(rng.range(-17.0, -11.0));
     Pose {
@@ -48,7 +49,8 @@ fn nearly_nothing(rng: &mut Rng, k: usize) -> Pose {
     }
 }
 
-/// The work and the contact state of `closest`: cold, again, after another pose, and turned round.
+/// Returns the work and the contact state of `closest`: cold, again, after another pose, and
+/// swapped.
 fn closest(a: &Mesh, b: &Mesh, pose: &Pose) -> (TreeWork, ContactState) {
     let (at, mut tracker) = (relative(pose), PairTracker::new());
     let found = tracker.closest(a, b, &at);
@@ -117,7 +119,7 @@ fn surfaces_on_each_other_keep_their_class() {
             if gap < 5e-14 {
                 assert!(cold.work().trees.measured < 8, "{gap:e} {:?}", cold.work());
             }
-            // The predicate is exact below rounding, too.
+            // The predicate is exact below rounding too.
             let meets = PairTracker::new().intersects(&few, &few, &pose);
             assert_eq!(meets, gap == 0.0, "{gap:e} {flip}");
         }
@@ -137,7 +139,7 @@ fn depths_of_bodies_in_one_place_take_few_winding_numbers() {
             let mut tracker = PairTracker::new();
             let found = tracker.penetration(&m, &m, &at).unwrap();
             assert!(0.0 < found.lower && found.lower <= found.upper, "{found:?}");
-            // A dozen moves, at each of which either body's vertices are looked at.
+            // A dozen moves, each of which tests the vertices of both bodies.
             let (looks, work) = (24 * m.vertex_count() as u64, tracker.work());
             assert!(
                 found.queries <= 35 && 2 * work.trees.windings < looks + 100,

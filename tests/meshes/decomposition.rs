@@ -1,4 +1,5 @@
-//! Convex pieces in place of a mesh: gaps are bracketed, and distances are intervals that hold for the mesh.
+//! Convex pieces that replace a mesh: gaps are bracketed, and distances are intervals that hold for
+//! the mesh.
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -13,7 +14,7 @@ fn hull(points: &[[f64; 3]]) -> Piece {
     Piece::new(ConvexPolyhedron::from_points(&points).unwrap())
 }
 
-/// A tube as the hulls of stretches of so many rows of `m` points.
+/// Returns a tube as the hulls of stretches of `rows` rings of `m` points.
 fn stretches(soup: &Soup, m: usize, rows: usize) -> Compound {
     let count = soup.points.len() / m;
     let piece = |first: usize| {
@@ -23,14 +24,14 @@ fn stretches(soup: &Soup, m: usize, rows: usize) -> Compound {
     Compound::new((0..count).step_by(rows).map(piece).collect()).unwrap()
 }
 
-/// Meshes with pieces that are larger, smaller and none of both.
+/// Returns meshes with pieces that are larger, smaller, or neither.
 fn cases() -> Vec<(Mesh, Compound)> {
     let torus = soups::torus(24, 12, 0.3);
     let thin = soups::torus(24, 12, 0.25);
     let knot = soups::knot(104, 8, 0.12);
     let mut turned = stretches(&torus, 12, 3).pieces().to_vec();
     for piece in &mut turned {
-        // The same pieces, each in a frame of its own.
+        // The same pieces, each in a separate frame.
         let turn = Isometry3::new(Vector3::new(0.1, -0.2, 0.3), Vector3::new(0.4, 0.1, -0.2));
         let body = ConvexPolyhedron::from_points(&corners(piece).map(|p| turn * p).collect::<Vec<_>>()).unwrap();
         *piece = Piece {
@@ -71,7 +72,7 @@ fn gaps_are_bracketed() {
         for piece in d.pieces().pieces() {
             let all: Vec<_> = corners(piece).collect();
             for _ in 0..40 {
-                // Points of the hull, most of them on its surface: corners drawn a few at a time.
+                // Points of the hull, most of them on its surface: combinations of a few vertices.
                 let w = [0, 1, 2].map(|_| rng.range(0.0, 1.0));
                 let [a, b, c] = [0, 1, 2].map(|_| all[rng.below(all.len())].coords);
                 let p = (a * w[0] + b * w[1] + c * w[2]) / (w[0] + w[1] + w[2]);
@@ -141,7 +142,7 @@ fn distances_are_intervals_that_hold_for_the_mesh() {
 
 #[test]
 fn a_body_that_the_mesh_holds_and_the_pieces_do_not_is_found() {
-    // Six walls stand for a solid cube: near all of its surface, and hollow.
+    // Six walls that represent a solid cube: near all of its surface, but hollow.
     let cube = mesh(&soups::plate(2, [1.0, 1.0, 1.0]));
     let wall = |axis: usize, side: f64| {
         let mut half = Vector3::repeat(1.0);
@@ -163,7 +164,7 @@ fn a_body_that_the_mesh_holds_and_the_pieces_do_not_is_found() {
         (found.state, found.lower, found.upper),
         (ContactState::Overlapping, 0.0, 0.0)
     );
-    // The other way round: another body holds both.
+    // The opposite case: another body contains both.
     let big = mesh(&soups::sphere(2).map(|p| scale(p, 9.0)));
     let found = d.distance(&mut PairTracker::new(), &big, &relative(&Pose::IDENTITY));
     assert!(found.lower == 0.0, "{found:?}");
@@ -178,7 +179,7 @@ fn pieces_without_corners_are_refused_and_flat_ones_are_measured() {
     let rod = ConvexPolyhedron::segment(Point3::new(-1.0, 0.0, 0.0), Point3::new(2.0, 0.0, 0.0)).unwrap();
     let d = Decomposition::new(plate, Compound::from(Shape::from(rod))).unwrap();
     let fit = d.fit();
-    // The end of the rod stands out by one; a corner of the plate is the root of .26 away.
+    // The end of the rod protrudes by one; a corner of the plate is the root of 0.26 away.
     assert!(fit.excess_lower > 0.99 && fit.excess_upper < 1.01, "{fit}");
     assert!(fit.shortfall_lower > 0.5 && fit.shortfall_upper < 0.52, "{fit}");
 }

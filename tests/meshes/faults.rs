@@ -1,4 +1,4 @@
-//! Faults that files of real meshes have, made on purpose: none of them opens a closed surface.
+//! Generated faults of real mesh files: none of them opens a closed surface.
 
 use super::{mesh, relative};
 use lin_canny::{ContactState, MeshKind, PairTracker};
@@ -55,7 +55,7 @@ fn no_fault_opens_a_closed_surface() {
 
 #[test]
 fn layers_that_share_a_face_count_twice() {
-    // Two boxes, one as high again, on the same bottom.
+    // Two boxes on the same bottom, one higher than the other.
     let low = soups::plate(1, [1.0, 1.0, 0.5]);
     let high = low.clone().map(|[x, y, z]| [x, y, 2.0 * z + 0.5]);
     let both = low.with(&high);
@@ -73,8 +73,9 @@ fn layers_that_share_a_face_count_twice() {
     }
 }
 
-/// A cone of a fan whose edges at the apex are whole in one sector and cut at the middle in the
-/// next; the triangles without area between them are dropped.
+/// Returns a cone of a fan whose edges at the apex are alternately whole and cut at their middle.
+///
+/// The triangles without area between them are removed.
 fn cut_fan(n: u32) -> Soup {
     let grid = |x: f64| (x * 1_048_576.0).round() / 524_288.0;
     let rim = |k: u32| {
@@ -99,7 +100,7 @@ fn a_fan_of_triangles_without_area_builds_in_time() {
         let m = mesh(&cut_fan(n));
         assert_eq!(m.kind(), MeshKind::Solid, "{n}");
         assert_eq!(m.report().degenerate.len(), n as usize);
-        // Pairs of lines would take half a minute and more.
+        // Testing all pairs of lines would take half a minute or more.
         assert!(begun.elapsed().as_secs() < 20, "{:?}", begun.elapsed());
         let mut open = cut_fan(n);
         open.points[2 + n as usize + 7][2] += 1.0 / 1_048_576.0;

@@ -1,4 +1,4 @@
-//! Tracked over frames: slow motion, teleports, long rotation, skipped frames.
+//! Tracking over frames: slow motion, jumps, long rotation, skipped frames.
 
 use super::{judge, mesh, relative, shapes};
 use lin_canny::{ContactState, PairTracker};
@@ -7,7 +7,7 @@ use truth::pose::{quat, quat_mul, unit_quat};
 use truth::rng::Rng;
 use truth::soups;
 
-/// Frames of slow tumbling with a jump now and then.
+/// Returns frames of slow tumbling with occasional jumps.
 fn motion(frames: usize, degrees: f64, jump: usize, seed: u64) -> Vec<Pose> {
     let mut rng = Rng::new(seed);
     let (mut q, mut axis, mut at) = (rng.quat(), rng.unit(), rng.unit());
@@ -53,7 +53,7 @@ fn warm_equals_cold_over_many_frames() {
     let (a, b) = (mesh(&soups::rock(4, 1)), mesh(&soups::torus(60, 30, 0.3)));
     let mut tracker = PairTracker::new();
     for (k, pose) in motion(20_000, 0.5, 900, 3).iter().enumerate() {
-        // Some frames are left out, some only asked for a bound.
+        // Some frames are left out; some query only a lower bound.
         if k % 7 == 3 {
             continue;
         }
@@ -70,7 +70,7 @@ fn warm_equals_cold_over_many_frames() {
     }
     let work = tracker.work();
     assert!(work.trees.cuts * 10 < work.trees.queries, "{work:?}");
-    // The answer of a front is cheaper than one without.
+    // A query with a front is cheaper than one without.
     assert!(work.trees.bounds < 150 * work.trees.queries, "{work:?}");
 }
 

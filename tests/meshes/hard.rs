@@ -55,7 +55,7 @@ fn gaps_down_to_nothing_equal_brute_force() {
             t: scale(u, a.radius() + b.radius()),
         };
         let target = 10f64.powi(-(k % 13));
-        // Moved along the normal to the gap wanted.
+        // Moved along the normal to the required gap.
         for _ in 0..3 {
             let found = PairTracker::new().closest(&m, &n, &relative(&pose));
             let n = found.normal.into_inner();
@@ -103,7 +103,7 @@ fn soups_and_slivers_are_surfaces_and_equal_brute_force() {
 
 #[test]
 fn plates_that_slide_flush_need_no_finer_arithmetic_and_a_short_front() {
-    // Vertices stand exactly in planes: they touch, and pierce nothing.
+    // Vertices lie exactly in planes: they touch, and pierce nothing.
     let plate = soups::plate(19, [1.0, 1.0, 0.05]);
     let m = mesh(&plate);
     let mut tracker = PairTracker::new();
@@ -123,7 +123,7 @@ fn plates_that_slide_flush_need_no_finer_arithmetic_and_a_short_front() {
 
 #[test]
 fn solids_on_two_sides_of_a_plane_take_no_winding_numbers() {
-    // Their own boxes may be tilted, so that the boxes of the whole bodies overlap.
+    // The boxes may be tilted, so that the boxes of the whole bodies overlap.
     for n in [5, 10, 19] {
         let plate = soups::plate(n, [1.0, 1.0, 0.05]);
         let m = mesh(&plate);

@@ -1,5 +1,7 @@
-//! Frames of meshes that bend, judged by brute force in exact arithmetic: distances, classes, bounds, predicates and self-distances;
-//! rays, depths, surfaces and planners against meshes built anew.
+//! Frames of deforming meshes.
+//!
+//! Distances, contact states, bounds, predicates and self-distances are judged by brute force in
+//! exact arithmetic. Rays, depths, surfaces and planners are compared with new meshes.
 
 use super::bending::{WAYS, anew, bent, sheet, vertices};
 use super::own::judge_answer;
@@ -15,7 +17,7 @@ use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::{Pose, brute};
 
-/// Frames of one body that bends in one way.
+/// Frames of one body that deforms in one way.
 const CLIP: usize = 20;
 
 #[derive(Debug, Default)]
@@ -30,7 +32,7 @@ struct Tally {
     free: [usize; 2],
 }
 
-/// Whether one of two bodies whose surfaces are apart holds the other.
+/// Returns whether one of two bodies with separated surfaces contains the other.
 fn is_held((a, m): (&Soup, &Mesh), (b, n): (&Soup, &Mesh), pose: &Pose) -> bool {
     let inside = |s: &Soup, body: &Mesh, p| body.kind() == MeshKind::Solid && brute::winding(s, p).abs() > 0.5;
     inside(a, m, pose.apply(b.points[0])) || inside(b, n, pose.apply_inverse(a.points[0]))
@@ -96,7 +98,7 @@ impl Tally {
         self.selves[usize::from(square == RBig::ZERO)] += 1;
     }
 
-    /// Rays, depths, surfaces and planners: as of a mesh built anew.
+    /// Compares rays, depths, surfaces and planners with a new mesh.
     fn judge_others(&mut self, rng: &mut Rng, a: &Soup, m: &Mesh, (b, n): (&Soup, &Mesh), pose: &Pose, what: &str) {
         let Some(fresh) = anew(a).filter(|f| f.kind() == m.kind() && f.report().degenerate.is_empty()) else {
             return;
@@ -153,7 +155,7 @@ impl Tally {
     }
 }
 
-/// So many frames, from a seed.
+/// Runs `frames` frames from a seed.
 fn run(frames: usize, seed: u64) -> Tally {
     let mut tally = Tally::default();
     let mut rng = Rng::new(seed);

@@ -1,18 +1,20 @@
-//! Promise: kept state is recognised by all that it relies on, and by each alone. Two bodies that differ in nothing else are asked
-//! in turn by one tracker, which answers as fresh trackers do.
+//! Promise: cached state is recognised by everything that it relies on, and by each item alone.
+//!
+//! One tracker queries two bodies alternately that differ in nothing else. Its answers are those of
+//! new trackers.
 //!
 //! | state | relies on | test |
 //! |---|---|---|
-//! | front of two meshes | places of vertices, triangles below each node of the tree | `trees`, `stand_ins` |
+//! | front of two meshes | positions of vertices, triangles below each node of the tree | `trees`, `stand_ins` |
 //! | its claims after `set_vertices` | the caller's numbers of the vertices, every change since the build | `numbers`, `stand_ins` |
-//! | front of a mesh against itself | as both before | `trees`, `numbers` |
-//! | surface that stands for a mesh | as both before | `numbers` |
-//! | contact patches of a mesh | as both before, the caller's numbers of the triangles | `names` |
-//! | closest parts of the last answer | the order of triangles in the tree | `names` |
+//! | front of a mesh against itself | like both before | `trees`, `numbers` |
+//! | surface that represents a mesh | like both before | `numbers` |
+//! | contact patches of a mesh | like both before, the caller's numbers of the triangles | `names` |
+//! | closest subshapes of the last answer | the order of triangles in the tree | `names` |
 //! | pieces that came near | shapes and poses of all pieces, in their order | `pieces` |
-//! | closest features of two polyhedra | nothing: each is tried on the bodies as they are | `features` |
+//! | closest features of two polyhedra | nothing: each is tried on the current bodies | `features` |
 //! | manifold | vertices, faces and radius of both | `features` |
-//! | shape, compound or mesh that stands for another body | that body, by one of the above | `pieces`, `features` |
+//! | shape, compound or mesh that represents another body | that body, by one of the above | `pieces`, `features` |
 
 use super::relative;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -42,7 +44,7 @@ fn agree(found: &PairOutcome, fresh: &PairOutcome) -> bool {
     found.lower <= fresh.upper && fresh.lower <= found.upper && found.distance.is_finite()
 }
 
-/// Asks a tracker about bodies in turn, beside another; every answer is that of a fresh tracker.
+/// Queries bodies in turn against another body; every answer must be that of a new tracker.
 fn in_turn(bodies: &[Geometry], other: &Geometry, poses: &[RelativePose]) {
     let mut tracker = PairTracker::new();
     for (k, pose) in poses.iter().enumerate() {
@@ -66,7 +68,7 @@ fn in_turn(bodies: &[Geometry], other: &Geometry, poses: &[RelativePose]) {
     }
 }
 
-/// A bent sheet of squares, of which some vertices are named otherwise.
+/// Returns a bent sheet of squares in which some vertices are numbered differently.
 fn sheet(swaps: &[(usize, usize)]) -> Mesh {
     let place = |i: usize, j: usize| Point3::new(i as f64 * 0.25 - 1.0, j as f64 * 0.25 - 1.0, 0.0);
     let points: Vec<_> = (0..9).flat_map(|i| (0..9).map(move |j| place(i, j))).collect();
@@ -83,7 +85,7 @@ fn sheet(swaps: &[(usize, usize)]) -> Mesh {
     Mesh::new(&given, &named).unwrap()
 }
 
-/// The places of one list, for any of the sheets.
+/// Sets the vertices to one list of positions, for any of the sheets.
 fn bend(mesh: &mut Mesh) {
     let place = |k: u32| {
         let (x, y) = (f64::from(k / 9) * 0.25 - 1.0, f64::from(k % 9) * 0.25 - 1.0);
@@ -121,7 +123,7 @@ fn names_are_those_of_the_body_that_is_asked() {
     let die = cuboid([0.5; 3]);
     let given: Vec<_> = die.vertex_points().collect();
     let triangles: Vec<_> = die.triangles().map(|t| t.map(|v| v.index() as u32)).collect();
-    // The same body, its triangles and vertices named from the last on.
+    // The same body with reversed numbers of triangles and vertices.
     let last = given.len() as u32 - 1;
     let back: Vec<_> = triangles.iter().rev().map(|t| t.map(|v| last - v)).collect();
     let turned: Vec<_> = given.iter().rev().copied().collect();
@@ -134,7 +136,7 @@ fn names_are_those_of_the_body_that_is_asked() {
         let (points, triangles) = &lists[k % 2];
         let found = tracker.closest(&meshes[k % 2], &ball, pose);
         let corners = triangles[found.locations[0].subshape as usize].map(|v| points[v as usize]);
-        // The witness lies on the triangle that is named.
+        // The witness lies on the reported triangle.
         if found.lower > 0.0 {
             let named = Shape::from(ConvexPolyhedron::polygon(&corners).unwrap());
             let witness = Shape::from(ConvexPolyhedron::point(found.point_on_a).unwrap());

@@ -1,4 +1,4 @@
-//! Long thin triangles: shafts, cones, bearings, links and trays as CAD has them.
+//! Long thin triangles: CAD-like shafts, cones, bearings, links and trays.
 
 use super::{mesh, relative};
 use lin_canny::{Mesh, MeshKind, PairTracker};
@@ -21,7 +21,8 @@ fn turned_parts_are_solids() {
     }
 }
 
-/// A shaft that turns half a degree a frame across another, so many degrees, at a gap.
+/// Returns the pose of a shaft that rotates by half a degree per frame, at an angle to another and
+/// at a gap.
 fn crossing(k: usize, degrees: f64, gap: f64) -> Pose {
     let turn = quat([0.0, 0.0, 1.0], (0.5 * k as f64).to_radians());
     Pose {
@@ -92,7 +93,7 @@ fn work_does_not_grow_with_the_number_of_sides() {
         }
         bounds.push(worst);
     }
-    // Ten times the sides: less than their root.
+    // Ten times the sides: the work grows by less than the root of this factor.
     assert!(bounds[1] < 3 * bounds[0] && bounds[1] < 2_000, "{bounds:?}");
 }
 

@@ -1,4 +1,5 @@
-//! Promise: queries of meshes equal brute force over all pairs of triangles, whatever the tracker has seen before.
+//! Promise: queries of meshes equal brute force over all pairs of triangles, independent of earlier
+//! queries of the tracker.
 
 mod ahead;
 mod bending;
@@ -41,12 +42,12 @@ pub(crate) fn relative(pose: &Pose) -> RelativePose {
     RelativePose::from_isometry(&pose.isometry()).unwrap()
 }
 
-/// L of a pair.
+/// Returns L of a pair.
 pub(crate) fn size(a: &Soup, b: &Soup, pose: &Pose) -> f64 {
     a.radius() + b.radius() + truth::pose::norm(pose.t)
 }
 
-/// Closed meshes of a few hundred triangles.
+/// Returns closed meshes of a few hundred triangles.
 pub(crate) fn shapes() -> Vec<Soup> {
     vec![
         soups::torus(24, 12, 0.3),
@@ -146,7 +147,7 @@ fn random_poses_equal_brute_force() {
         );
         tally[usize::from(state == ContactState::Separated)] += 1;
         if k % 4 == 0 {
-            // B to A: the same contact state, and the same distance within the bounds.
+            // Swapped: the same contact state, and the same distance within the bounds.
             let back = PairTracker::new().closest(&meshes[j], &meshes[i], &relative(&pose).swapped());
             assert_eq!(back.state, state);
         }

@@ -1,4 +1,5 @@
-//! Families of poses against brute force: a few hundred each by default, ten thousand with `--ignored`.
+//! Families of poses against brute force: a few hundred each by default, ten thousand with
+//! `--ignored`.
 
 use super::{judge_by_surfaces, mesh, relative};
 use lin_canny::{ContactState, PairTracker};
@@ -8,26 +9,27 @@ use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::turned;
 
-/// How poses follow each other.
+/// Relation of successive poses.
 #[derive(Clone, Copy, Debug)]
 enum Motion {
-    /// Anywhere near.
+    /// Random nearby poses.
     Random,
-    /// Half a degree a frame, in and out of contact.
+    /// Half a degree per frame, in and out of contact.
     Tracked,
     /// Moved along the normal to gaps of 1 to 1e-12.
     Gaps,
-    /// Sliding and turning on a face, at gaps of 0 to 1e-6.
+    /// Sliding and rotating on a face, at gaps of 0 to 1e-6.
     Flush,
     /// Shifted by multiples of a quarter: faces in shared planes, edges on edges.
     Grid,
-    /// A shaft that turns about its own axis across another, at gaps of -0.05 to 0.3.
+    /// A shaft that rotates about its axis across another, at gaps of -0.05 to 0.3.
     Crossing,
-    /// Turning about the axis of the other and wandering off it, in a bore of a tenth more.
+    /// Rotating about the axis of the other with a drift, in a bore that is a tenth wider.
     Held,
 }
 
-/// How many poses were separated, touching, overlapping, and with one body inside the other.
+/// Returns how many poses were separated, touching, overlapping, and with one body inside the
+/// other.
 fn family(a: &Soup, b: &Soup, motion: Motion, count: usize, seed: u64) -> [usize; 4] {
     let (m, n) = (mesh(a), mesh(b));
     let mut rng = Rng::new(seed);

@@ -1,5 +1,7 @@
-//! Bounds of the penetration depth of a mesh and a body of pieces: beside the certified depth of two convex shapes, and beside a
-//! grid of translations judged by brute force.
+//! Bounds of the penetration depth of a mesh and a compound.
+//!
+//! They are compared with the certified depth of two convex shapes, and with a grid of translations
+//! judged by brute force.
 
 use super::pieces::soup;
 use super::{mesh, relative};
@@ -76,13 +78,13 @@ fn convex_meshes_and_shapes_of_every_kind_have_their_depth_between_the_bounds() 
         }
     }
     println!("met, and lower bounds above 0.9 of the depth: {tally:?}");
-    // Deep overlaps of boxes whose edges cross have no point as deep as the bodies.
+    // In deep overlaps of boxes with crossing edges, no point is as deep as the bodies.
     assert!(tally.iter().all(|t| t[0] >= 40 && 3 * t[1] > t[0]), "{tally:?}");
-    // The deepest point of a ball is found whatever the pose is.
+    // The deepest point of a ball is found at any pose.
     assert!(tally[0][1] == tally[0][0], "{tally:?}");
 }
 
-/// Whether two closed meshes share inner points, by brute force.
+/// Returns whether two closed meshes share interior points, by brute force.
 fn meets((a, b): (&Soup, &Soup), pose: &Pose) -> bool {
     let inside = |s: &Soup, p| brute::winding(s, p).abs() > 0.5;
     brute::distance(a, b, pose).0 == 0.0
@@ -90,7 +92,7 @@ fn meets((a, b): (&Soup, &Soup), pose: &Pose) -> bool {
         || inside(b, pose.apply_inverse(a.points[0]))
 }
 
-/// The shortest translation of a grid that parts two meshes, at most as long as `most`.
+/// Returns the shortest translation of a grid that separates two meshes, at most `most` long.
 fn shortest(soups: (&Soup, &Soup), pose: &Pose, most: f64, steps: i32) -> f64 {
     let axis = |k: i32| most * f64::from(k) / f64::from(steps);
     let mut best = most;

@@ -1,4 +1,5 @@
-//! Predicates and classes of solids an ulp apart, in one place, and in units far from each other.
+//! Predicates and contact states of solids a unit in the last place apart, at the same pose, and at
+//! very different scales.
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -9,7 +10,7 @@ use truth::pose::{quat, scale};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 
-/// A pyramid upright on z = 0, or on its side, or lying on its top.
+/// Returns a pyramid upright on z = 0, on its side, or on its top.
 fn pyramid(k: usize) -> Soup {
     let base = [[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0]];
     let mut points = base.to_vec();
@@ -22,7 +23,7 @@ fn at(t: [f64; 3]) -> RelativePose {
     relative(&Pose::shift(t))
 }
 
-/// Asks all queries for both orders, cold and warm.
+/// Runs all queries for both orders, cold and warm.
 fn each(a: &Mesh, b: &Mesh, pose: &RelativePose, check: impl Fn(&str, bool, bool), d: f64) {
     let back = pose.swapped();
     let mut kept = PairTracker::new();
@@ -64,7 +65,8 @@ fn solids_an_ulp_off_a_plate_do_not_meet() {
 
 #[test]
 fn solids_in_a_close_hole_do_not_meet() {
-    // A box in the hole of a box, an ulp below the ceiling: not held, not in contact.
+    // A box in the cavity of a box, one unit in the last place below the ceiling: not contained,
+    // not in contact.
     let hollow = soups::plate(1, [2.0, 2.0, 2.0]).with(&soups::plate(1, [1.0, 1.0, 1.0]).flipped());
     let hollow = mesh(&hollow);
     let inner = mesh(&soups::plate(1, [0.75, 0.75, 0.25]).map(|[x, y, z]| [x, y, z + (0.75 - 1e-15)]));
@@ -75,7 +77,7 @@ fn solids_in_a_close_hole_do_not_meet() {
         |when, meets, _| assert!(!meets, "{when}"),
         0.0,
     );
-    // The same box in a full one.
+    // The same box in a solid box.
     let full = mesh(&soups::plate(1, [2.0, 2.0, 1.0]));
     each(
         &full,
@@ -86,7 +88,7 @@ fn solids_in_a_close_hole_do_not_meet() {
     );
 }
 
-/// Solids of which every vertex is within rounding of the other's surface, but not every triangle.
+/// Solids with every vertex, but not every triangle, within rounding of the other's surface.
 #[test]
 fn solids_that_fill_the_height_of_a_hole_do_not_meet() {
     let hollow = mesh(&soups::plate(1, [2.0, 2.0, 2.0]).with(&soups::plate(1, [1.0, 1.0, 1.0]).flipped()));
@@ -135,7 +137,7 @@ fn bodies_in_one_place_overlap() {
         for t in [[0.0; 3], [5e-324, 0.0, 1e-16]] {
             assert_eq!(classes(&m, &m, &at(t)), [ContactState::Overlapping; 4], "{k} {t:?}");
         }
-        // Turned by no more than rounding.
+        // Rotated by no more than rounding.
         let turned = Pose {
             q: quat([0.6, 0.0, 0.8], 1e-15),
             t: [0.0; 3],
@@ -145,7 +147,7 @@ fn bodies_in_one_place_overlap() {
             [ContactState::Overlapping; 4],
             "{k}"
         );
-        // A fine part of the body on the body.
+        // A small copy of the body at the same pose.
         let inner = mesh(&soup.clone().map(|p| scale(p, 0.5)));
         let found = PairTracker::new().closest(&m, &inner, &at([0.0; 3]));
         assert_eq!(
@@ -161,7 +163,7 @@ fn a_part_deep_inside_decides_while_another_touches() {
     let block = mesh(&soups::plate(2, [1.0, 1.0, 1.0]));
     let mut rng = Rng::new(91);
     for k in 0..40 {
-        // One part lies on the top, the other one is inside.
+        // One component lies on the top, the other one is inside.
         let on = soups::plate(2, [0.25, 0.25, 0.25]).map(|p| [p[0], p[1], p[2] + 1.25]);
         let place = rng.in_ball().map(|x| 0.25 * x);
         let deep = soups::sphere(0).map(|p| [0, 1, 2].map(|i| 0.3 * p[i] + place[i]));
@@ -175,10 +177,11 @@ fn a_part_deep_inside_decides_while_another_touches() {
             [ContactState::Overlapping; 4],
             "{k}"
         );
-        // Without it the bodies touch.
+        // Without the inner component the bodies touch.
         assert_eq!(classes(&block, &mesh(&on), &at([0.0; 3])), [ContactState::Touching; 4]);
     }
-    // Two pins that fill two holes touch all over and share nothing; pushed to the side they do.
+    // Two pins that fill two holes touch all over and share no interior point; pushed sideways they
+    // do.
     let slab = soups::plate(1, [2.0, 1.0, 0.5]);
     let hole = |x: f64| {
         soups::plate(1, [0.25, 0.25, 0.5])

@@ -1,4 +1,5 @@
-//! A mesh against itself: distances, classes and pairs are those of brute force in exact arithmetic, whatever the tracker has seen.
+//! A mesh against itself: distances, contact states and pairs are those of brute force in exact
+//! arithmetic, independent of earlier queries.
 
 use super::bending::{WAYS, bent, sheet, vertices};
 use super::mesh;
@@ -25,7 +26,7 @@ pub(crate) fn judge_answer(found: &PairOutcome, square: &RBig, size: f64, what: 
     }
 }
 
-/// Asks a mesh against itself, and judges all answers; returns the contact state.
+/// Queries a mesh against itself and judges all answers; returns the contact state.
 fn judge(tracker: &mut PairTracker, soup: &Soup, m: &Mesh, what: &str) -> ContactState {
     let size = 2.0 * soup.radius();
     let (square, _) = itself(soup).expect("triangles that share no vertex");
@@ -108,7 +109,7 @@ fn a_mesh_against_itself_is_as_exact_arithmetic_says() {
     assert!(entries > 50_000 && failed * 3 < entries, "{entries} {failed}");
 }
 
-/// Distances that many pairs have, and exactly: layers of a lattice.
+/// Many pairs at exactly the same distance: layers of a lattice.
 #[test]
 fn ties_on_a_lattice_are_decided_exactly() {
     let rest = sheet(6);

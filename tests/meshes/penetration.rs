@@ -1,4 +1,5 @@
-//! Bounds of the penetration depth: of convex meshes beside the depth of the bodies, of others beside shifts by brute force.
+//! Bounds of the penetration depth: convex meshes against the depth of the bodies, other meshes
+//! against shifts by brute force.
 
 use super::{mesh, relative, shapes};
 use lin_canny::nalgebra::Vector3;
@@ -61,7 +62,8 @@ fn convex_meshes_have_the_depth_of_their_bodies_between_the_bounds() {
     assert!(met > 20 && close > 10, "{met} {close}");
 }
 
-/// The shift parts the bodies, and shifts shorter than the lower bound never do.
+/// Asserts that the shift separates the bodies, and that shifts shorter than the lower bound never
+/// do.
 fn check(found: &PenetrationBounds, pose: &Pose, rng: &mut Rng, mut state: impl FnMut(&RelativePose) -> ContactState) {
     assert!(0.0 <= found.lower && found.lower <= found.upper, "{found:?}");
     assert!(

@@ -1,4 +1,5 @@
-//! Bodies of convex pieces: against all pairs of pieces, in place and with poses of their own, tracked and cold.
+//! Compounds of convex pieces against all pairs of pieces, at identity and other poses, tracked and
+//! cold.
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::Vector3;
@@ -9,7 +10,7 @@ use truth::rng::Rng;
 use truth::soups::Soup;
 use truth::{Pose, brute};
 
-/// Boxes and hulls strung along a path.
+/// Returns boxes and hulls strung along a path.
 fn chain(count: usize, in_place: bool, seed: u64) -> Compound {
     let mut rng = Rng::new(seed);
     let pieces = (0..count).map(|k| {

@@ -1,4 +1,5 @@
-//! Promise: a point beside a closed mesh, and a ray beside or through one, is decided by exact arithmetic.
+//! Promise: exact arithmetic decides a point next to a closed mesh, and a ray next to or through
+//! one.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
@@ -18,7 +19,7 @@ fn point(x: f64, y: f64, z: f64) -> ConvexPolyhedron {
     ConvexPolyhedron::point(Point3::new(x, y, z)).expect("a point")
 }
 
-/// Where a body is that does not cross a surface.
+/// Location of a body that does not cross a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
     Outside,
@@ -26,7 +27,7 @@ enum Place {
     Inside,
 }
 
-/// Asks every question about a body beside a mesh, in both orders.
+/// Runs all queries of a body next to a mesh, in both orders.
 fn ask(mesh: &Geometry, body: &Geometry, pose: &RelativePose, place: Place, told: &str) {
     for (a, b, pose) in [(mesh, body, *pose), (body, mesh, pose.swapped())] {
         let mut tracker = PairTracker::new();
@@ -128,7 +129,7 @@ fn a_ray_next_to_a_face_has_no_hit() {
     }
 }
 
-/// Every ray is one that a cast of a point answered as near, or with a wide bracket.
+/// The cast of a moving point left every one of these rays undecided, or with a wide bracket.
 #[test]
 fn a_ray_in_the_plane_of_a_face_meets_the_edge_in_front() {
     let still = Isometry3::identity();
@@ -148,7 +149,7 @@ fn a_ray_in_the_plane_of_a_face_meets_the_edge_in_front() {
     }
 }
 
-/// A solid both as a hull and as a mesh, whose rays are decided by other code.
+/// A solid as a hull and as a mesh, whose rays are decided by different code.
 #[test]
 fn an_origin_next_to_a_face_of_a_hull_is_on_its_side_of_it() {
     let mut rng = Rng::new(71);
@@ -213,8 +214,10 @@ fn random_points_and_rays_next_to_meshes_are_decided() {
     assert!(is_mixed(&mix, 20), "{mix:?}");
 }
 
-/// The bounds of an origin a hair outside a hull hold zero.
-/// Triangles of a mesh may be smaller than the least extent of a body, and are decided as those of a mesh of any size.
+/// The bounds of an origin just outside a hull contain zero.
+///
+/// Triangles of a mesh may be smaller than the least extent of a body, and are decided like
+/// triangles of any size.
 #[test]
 fn spikes_smaller_than_a_body_may_be_are_decided() {
     points::play(17_587_455_744_622_523_356).expect("an answer that is right");
@@ -225,7 +228,7 @@ fn spikes_smaller_than_a_body_may_be_are_decided() {
     for k in 0..400 {
         let tip = Point3::new(0.5, 0.5, 0.5);
         let size = rng.log_range(1e-15, 1e-3);
-        // A base next to the corner of a cube, and an apex outside of the cube.
+        // A base next to the corner of a cube, and an apex outside the cube.
         let mut near = || tip + Vector3::from(rng.in_ball()) * size;
         let corners = [near(), near(), near(), Point3::new(1.5, 1.25, 1.0)];
         let Ok(spike) = ConvexPolyhedron::from_points(&corners) else {

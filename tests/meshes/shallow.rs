@@ -1,4 +1,4 @@
-//! Bodies that have entered each other a little have a contact, however thin they are and whatever their edges do.
+//! Bodies that overlap slightly have a contact, for any thickness and any edges.
 
 use super::contacts::{exact, is_normal, patches};
 use super::{mesh, relative};
@@ -8,7 +8,7 @@ use truth::pose::{add, scale, sub};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 
-/// Solids of all kinds, stretched by up to a hundred along each axis.
+/// Returns solids of all kinds, stretched by up to a hundred along each axis.
 fn stretched(rng: &mut Rng) -> Vec<Soup> {
     let all = [
         soups::screw(2, 12),
@@ -23,7 +23,8 @@ fn stretched(rng: &mut Rng) -> Vec<Soup> {
     (0..24).map(stretch).collect()
 }
 
-/// Moves B along `way` from afar until the bodies touch, and deeper by a part of their size up to a five-hundredth.
+/// Moves B along a direction from afar until the bodies touch, and deeper by up to 1/500 of their
+/// size.
 fn entered(a: &Mesh, b: &Mesh, size: f64, rng: &mut Rng) -> Pose {
     let (q, way) = (rng.quat(), rng.unit());
     let mut pose = Pose { q, t: scale(way, 4.0) };
@@ -79,6 +80,6 @@ fn thin_bodies_a_little_way_in_have_a_contact() {
         };
         parted += usize::from(!PairTracker::new().intersects(a, b, &relative(&moved)));
     }
-    // The deepest contact of most overlaps is all that holds the bodies.
+    // In most overlaps, moving B out along the deepest contact separates the bodies.
     assert!(met > 400 && parted * 100 > met * 99, "{met} {parted}");
 }

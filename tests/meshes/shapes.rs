@@ -1,4 +1,5 @@
-//! Shapes of every kind against meshes and in bodies of pieces: against all pairs of parts, in both orders, warm and cold.
+//! Shapes of every kind against meshes and in compounds: against all pairs of subshapes, in both
+//! orders, warm and cold.
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Point3, Vector3};
@@ -25,7 +26,7 @@ fn kinds() -> Vec<Shape> {
     ]
 }
 
-/// The least distance of any triangle and any piece, each pair asked alone.
+/// Returns the least distance of any triangle and any piece, each pair queried alone.
 fn all_pairs(soup: &Soup, body: &Compound, pose: &Pose) -> f64 {
     let mut least = f64::INFINITY;
     for t in 0..soup.triangles.len() {
@@ -38,7 +39,7 @@ fn all_pairs(soup: &Soup, body: &Compound, pose: &Pose) -> f64 {
     least.max(0.0)
 }
 
-/// A mesh and a body over frames of a tumbling motion; counts classes.
+/// Tumbles a mesh and a body over frames; counts contact states.
 fn tumble((soup, m): (&Soup, &Mesh), body: &Compound, seed: u64, tally: &mut [usize; 2]) {
     let mut rng = Rng::new(seed);
     let (mut q, axis, at) = (rng.quat(), rng.unit(), rng.unit());

@@ -1,4 +1,5 @@
-//! Faces that cancel: a window written as a cavity through the whole wall, its ends in the faces of the wall.
+//! Faces that cancel: a window modelled as a cavity through the whole wall, with its ends in the
+//! faces of the wall.
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::Point3;
@@ -8,7 +9,7 @@ use truth::driven::slots::union_of;
 use truth::rng::Rng;
 use truth::soups::Soup;
 
-/// A wall of 4 x 10 x 2 and its window, and a bar through the window.
+/// Returns a wall of 4 x 10 x 2 with its window, and a bar through the window.
 fn wall_and_bar(fine: usize) -> [Soup; 2] {
     let wall = union_of(&[[[-2.0, 0.0, -1.0], [2.0, 10.0, 1.0]]], 1);
     let window = union_of(&[[[-2.0, 3.0, -1.0], [2.0, 7.0, 1.0]]], fine).flipped();
@@ -43,7 +44,8 @@ fn a_bar_that_also_meets_the_wall_overlaps_it() {
 fn inspection_finds_faces_that_cancel() {
     let [wall, bar] = wall_and_bar(1).map(|s| mesh(&s));
     let found = wall.inspect(100);
-    // Both ends, and the sides of the window in the sides of the wall: two triangles each, on both of the other's.
+    // Both ends, and the sides of the window in the sides of the wall: two triangles each, on both
+    // of the other's.
     let faces: Vec<_> = found.cancelling.iter().flatten().collect();
     assert!(found.is_complete && found.crossings.is_empty(), "{found:?}");
     assert!(
@@ -52,7 +54,7 @@ fn inspection_finds_faces_that_cancel() {
     );
     assert!(!wall.inspect(1).is_complete);
     assert!(bar.inspect(100).cancelling.is_empty());
-    // A cavity that is wholly inside has none.
+    // A cavity entirely inside has none.
     let inner = bar_with_cavity();
     assert!(inner.inspect(100).cancelling.is_empty());
 }
@@ -62,7 +64,7 @@ fn bar_with_cavity() -> Mesh {
     mesh(&outer.with(&union_of(&[[[1.0; 3], [2.0; 3]]], 2).flipped()))
 }
 
-/// Triangles of a solid turned over at random, and the mesh as it was.
+/// Returns a solid with randomly flipped triangles, and the original mesh.
 fn mixed(soup: &Soup, part: f64, rng: &mut Rng) -> (Vec<Point3<f64>>, Vec<[u32; 3]>, Vec<u32>) {
     let points = soup.points.iter().map(|p| Point3::from(*p)).collect();
     let (mut triangles, mut turned) = (soup.triangles.clone(), Vec::new());
@@ -115,7 +117,7 @@ fn parts_that_face_inward_are_turned_with_the_parts_in_them() {
     triangles[5].swap(0, 1);
     let (solid, turned) = Mesh::oriented(&points, &triangles).unwrap();
     assert_eq!(solid.volume(), 56.0);
-    // All but the one that faced outward.
+    // All except the one that faced outward.
     assert_eq!(turned.len(), triangles.len() - 1);
     assert!(!turned.contains(&5));
 }
@@ -131,7 +133,7 @@ fn what_no_turning_closes_is_refused_by_an_edge() {
         open.starts_with("cannot orient the mesh: 1 triangles share the edge of points"),
         "{open}"
     );
-    // The projective plane of six vertices: closed, two triangles at each edge, one side.
+    // The projective plane of six vertices: closed, two triangles at each edge, one-sided.
     let plane = [
         [0, 1, 2],
         [0, 2, 3],

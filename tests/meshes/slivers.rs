@@ -1,4 +1,5 @@
-//! Triangles whose vertices are on one line but for rounding: an upper bound is the distance of points of both.
+//! Triangles whose vertices are collinear up to rounding: an upper bound is the distance of points
+//! of both.
 
 use lin_canny::nalgebra::Point3;
 use lin_canny::{Mesh, PairTracker};
@@ -67,7 +68,7 @@ fn run(count: u64) {
     assert!(mix.apart > 0 && mix.meeting > 0 && mix.own > mix.meshes / 4, "{mix:?}");
 }
 
-/// Three meshes a seed.
+/// Three meshes per seed.
 #[test]
 fn bounds_and_predicates_of_slivers_hold_over_the_integers() {
     run(340);

@@ -1,11 +1,12 @@
-//! Pins in slots: depths where edges cross and no vertex is inside, of U, blocks and doors, beside a closed form.
+//! Pins in slots: depths in U-shaped bodies, blocks and doors if edges cross and no vertex is
+//! inside, against a closed form.
 
 use super::mesh;
 use lin_canny::PairTracker;
 use truth::driven::slots::{Mix, play, union_of};
 use truth::soups::Soup;
 
-/// A U whose lower arm ends at y = `depth`, and a pin in its gap from y = 0 to 2.
+/// Returns a U whose lower arm ends at y = `depth`, and a pin in its gap from y = 0 to 2.
 fn pin_in_u(depth: f64) -> [Soup; 2] {
     let u = [
         [[-4.0, -3.0, -4.0], [5.0, depth, 4.0]],
@@ -61,7 +62,8 @@ fn play_all(count: u64) -> Mix {
     mix
 }
 
-/// Pins of pieces, which a search pushed into the other side of the slot, and shallow pins of meshes.
+/// Pins of compounds that a search once pushed into the other side of the slot, and shallow pins of
+/// meshes.
 #[test]
 fn pins_that_were_pushed_too_far_have_their_depth() {
     let seeds = [

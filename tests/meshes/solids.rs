@@ -1,4 +1,5 @@
-//! Promise: solids with faces in common have the contact state of whole numbers, wherever their origin lies.
+//! Promise: solids with common faces have the contact state of whole-number arithmetic, at any
+//! distance from their origin.
 
 use super::{mesh, relative};
 use lin_canny::{ContactState, ManifoldOptions, Mesh, PairTracker};
@@ -45,7 +46,7 @@ fn a_hundred_thousand_solids_have_the_class_of_whole_numbers() {
     played(100_000 / PLACES);
 }
 
-/// A box of twelve triangles.
+/// Returns a box of twelve triangles.
 fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
     let corner = |k: usize| [0, 1, 2].map(|i| if k >> i & 1 == 1 { high[i] } else { low[i] });
     let faces = [
@@ -69,7 +70,7 @@ fn state(a: &Mesh, b: &Mesh) -> ContactState {
     PairTracker::new().closest(a, b, &relative(&Pose::IDENTITY)).state
 }
 
-/// A column in metres of a survey, entered twice; a bolt, a sheet of foil.
+/// A column in survey coordinates, in metres, entered twice; a bolt; a sheet of foil.
 #[test]
 fn duplicates_overlap_wherever_they_stand() {
     for far in [0.0, 400.0, 1e3, 5e4, 1e6, 2.6e6, 1e9] {
@@ -93,7 +94,7 @@ fn an_insert_flush_with_a_wall_overlaps_in_both_orders() {
         let insert = cuboid([far + 10.0, 0.0, 10.0], [far + 16.0, 6.0, 16.0]);
         assert_eq!(state(&wall, &insert), ContactState::Overlapping, "{far}");
         assert_eq!(state(&insert, &wall), ContactState::Overlapping, "{far}");
-        // Beside the wall, in one plane with its front.
+        // Next to the wall, coplanar with its front.
         let beside = cuboid([far + 40.0, 0.0, 10.0], [far + 46.0, 6.0, 16.0]);
         assert_eq!(state(&wall, &beside), ContactState::Touching, "{far}");
         assert_eq!(state(&beside, &wall), ContactState::Touching, "{far}");

@@ -1,4 +1,5 @@
-//! What stands in for a body is equal to the body, and kept state is recognised by all that it relies on.
+//! A stand-in for a body is equal to the body, and cached state is recognised by everything that it
+//! relies on.
 
 use core::f64::consts::TAU;
 
@@ -15,7 +16,7 @@ fn cuboid(half: [f64; 3]) -> ConvexPolyhedron {
     solids::cuboid(Vector3::from(half)).unwrap()
 }
 
-/// A place along x, where no edge of a die is met.
+/// Returns a position along x that avoids the edges of a box.
 fn along_x(x: f64) -> RelativePose {
     RelativePose::from_isometry(&Isometry3::translation(x, 0.2, 0.1)).unwrap()
 }
@@ -27,7 +28,8 @@ fn at(shape: impl Into<Shape>, pose: Isometry3<f64>) -> Piece {
     }
 }
 
-/// Bodies that lose all their triangles when they are placed, or never had one: in x from 0 to 3.5 or at 3.5.
+/// Returns bodies that lose all their triangles at their pose, or never had one: in x from 0 to
+/// 3.5, or at 3.5.
 fn thin() -> Vec<(&'static str, Piece)> {
     let far = Isometry3::translation(3.5, 0.3, 0.1);
     let segment = ConvexPolyhedron::segment(Point3::origin(), Point3::new(3.5, 0.0, 0.0)).unwrap();
@@ -50,7 +52,8 @@ fn thin() -> Vec<(&'static str, Piece)> {
     ]
 }
 
-/// A plate up to x = 3.5, of which the corners of one side are as near to a plane of coordinates as a larger mesh can tell.
+/// Returns a plate up to x = 3.5 whose vertices on one side are as near to a coordinate plane as a
+/// larger mesh can resolve.
 fn flushed() -> Vec<Point3<f64>> {
     let corner = |k: usize| {
         let end = |i: usize, low: f64, high: f64| if k >> i & 1 == 0 { low } else { high };
@@ -65,7 +68,7 @@ fn pieces_without_triangles_stay_in_the_body() {
     for (name, piece) in thin() {
         let far = at(cube.clone(), Isometry3::translation(-3.0, 0.0, 0.0));
         let body = Compound::new(vec![far, piece]).unwrap();
-        // The die of side 2 at x = 5 is beyond x = 4.
+        // The box of side 2 at x = 5 is beyond x = 4.
         let die = cuboid([1.0; 3]);
         let mesh = Mesh::from_convex(&die).unwrap();
         let (mut warm, mut hull) = (PairTracker::new(), PairTracker::new());
@@ -107,7 +110,8 @@ fn pieces_without_triangles_stay_in_the_body() {
     }
 }
 
-/// A strip of 80 by 20 squares of side 1 / 40 about the origin, rolled up by so many turns beyond x = 0.
+/// Returns a strip of 80 by 20 squares of side 1 / 40 about the origin, rolled up by `turns` turns
+/// beyond x = 0.
 fn strip(turns: f64) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
     let rolled = |x: f64, y: f64| {
         if x <= 0.0 || turns == 0.0 {
@@ -129,7 +133,7 @@ fn strip(turns: f64) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
     )
 }
 
-/// Asks a tracker about one mesh, then about another, which fresh trackers judge.
+/// Queries one mesh and then another with one tracker; new trackers judge the second.
 fn ask_in_turn(first: &Mesh, second: &Mesh, calls: usize) {
     let probe = Mesh::from_convex(&cuboid([0.02; 3])).unwrap();
     let pose = |k: usize| {
@@ -139,7 +143,8 @@ fn ask_in_turn(first: &Mesh, second: &Mesh, calls: usize) {
     };
     let mut tracker = PairTracker::new();
     for k in 0..calls {
-        // The last at the pose of the other: what is kept of the first holds there.
+        // The last query is at the pose of the other mesh, where the cached state of the first one
+        // holds.
         for j in (0..4).rev() {
             tracker.closest(first, &probe, &pose(k + j));
         }
@@ -167,7 +172,7 @@ fn two_ways_to_one_shape_make_two_trees() {
         a.set_vertices(&flat).unwrap();
     }
     let order = |m: &Mesh| m.triangles().map(|t| t.0).collect::<Vec<_>>();
-    // Rolled up until a tree is made by itself.
+    // Rolled up until the tree is rebuilt automatically.
     let before = order(&a);
     let rolled = |k: u32| strip(f64::from(k)).0;
     let mut turns = 1;
@@ -185,7 +190,7 @@ fn two_ways_to_one_shape_make_two_trees() {
     ask_in_turn(&b, &a, 20);
 }
 
-/// One square of two triangles, its corners numbered in two ways.
+/// Returns one square of two triangles, with its vertices numbered in two ways.
 fn squares() -> ([Point3<f64>; 4], [Mesh; 2]) {
     let p = [(-10.0, -10.0), (10.0, -10.0), (10.0, 10.0), (-10.0, 10.0)].map(|(x, y)| Point3::new(x, y, 0.0));
     let a = Mesh::new(&p, &[[0, 1, 2], [0, 2, 3]]).unwrap();
@@ -232,7 +237,7 @@ fn one_list_bends_two_numberings_to_two_bodies() {
     }
 }
 
-/// Convex bodies of every measure about the origin.
+/// Returns convex bodies of all size classes about the origin.
 fn measures() -> Vec<ConvexPolyhedron> {
     let p = |x, y, z| Point3::new(x, y, z);
     vec![
@@ -309,7 +314,7 @@ fn played(count: u64) -> Mix {
     mix
 }
 
-/// Checks that every ingredient came up, at least so often in a thousand seeds.
+/// Asserts that every ingredient occurred at least a given number of times per thousand seeds.
 fn check(mix: &Mix, thousands: u64) {
     let some = |x: u64, least: u64| x >= least * thousands;
     assert!(mix.pieces.iter().all(|n| some(*n, 100)), "{mix:?}");
@@ -330,7 +335,8 @@ fn pieces_of_every_measure_are_those_of_the_body() {
     check(&played(1000), 1);
 }
 
-/// Needles of which one is placed, nearer than the rounding of the pose of the piece, which puts one into the other.
+/// Needles at poses, one nearer than the rounding of the pose of its piece, which puts one into the
+/// other.
 #[test]
 fn needles_nearer_than_the_rounding_of_their_poses_keep_their_distance() {
     stand_ins::play(14_877).expect("bounds that hold the distance");

@@ -1,4 +1,5 @@
-//! Contacts of a corner in a valley between two pieces, and between two faces of a mesh: along both faces, beside closed formulas.
+//! Contacts of a vertex in a valley between two pieces, and between two faces of a mesh: along both
+//! faces, against closed formulas.
 
 use super::contacts::exact;
 use super::{mesh, relative};
@@ -10,7 +11,8 @@ use truth::soups::Soup;
 
 const PREDICTION: f64 = 5e-3;
 
-/// A valley along y with its bottom at the origin: directions from the bottom up the faces, and the normals of the faces.
+/// A valley along y with its bottom at the origin: directions from the bottom up the faces, and the
+/// normals of the faces.
 struct Valley {
     up: [Vector3<f64>; 2],
     normals: [Vector3<f64>; 2],
@@ -25,7 +27,8 @@ impl Valley {
         }
     }
 
-    /// The body of one face and of the other: wedges that meet below the bottom, slabs that cross there, a slab on a slab.
+    /// Returns the bodies of both faces: wedges that meet below the bottom, slabs that cross there,
+    /// or a slab on a slab.
     fn sections(&self, kind: usize) -> [Vec<Vector3<f64>>; 2] {
         let ([e, f], [n, m]) = (self.up, self.normals);
         let zero = Vector3::zeros();
@@ -45,7 +48,7 @@ impl Valley {
         }
     }
 
-    /// The valley as two pieces in frames of their own.
+    /// Returns the valley as two pieces in separate frames.
     fn pieces(&self, kind: usize, radius: f64, rng: &mut Rng) -> ConvexPatches {
         let piece = |k: usize, rng: &mut Rng| {
             let own = if rng.below(2) == 0 {
@@ -73,7 +76,7 @@ impl Valley {
         ConvexPatches::from_compound(Compound::new(vec![piece(0, rng), piece(1, rng)]).unwrap())
     }
 
-    /// The valley as two faces of an open mesh.
+    /// Returns the valley as two faces of an open mesh.
     fn faces(&self) -> ConvexPatches {
         let ends = |p: Vector3<f64>| [[p.x, -1.0, p.z], [p.x, 1.0, p.z]];
         ConvexPatches::from_mesh(mesh(&Soup {
@@ -85,8 +88,8 @@ impl Valley {
         }))
     }
 
-    /// The lowest height over a face of the points of a body that are over it, and whether a vertex is there; infinite if none
-    /// is over the face.
+    /// Returns the lowest height above a face of the points of a body over it, and whether a vertex
+    /// is there; infinite if no point is over the face.
     fn lowest(&self, side: usize, (core, radius): (&[Vector3<f64>], f64)) -> (f64, bool) {
         let (n, e) = (self.normals[side], self.up[side]);
         let mut best = (f64::INFINITY, false);
@@ -108,7 +111,7 @@ impl Valley {
     }
 }
 
-/// A body whose deepest place is at its own origin, with its core and radius: the axis is z.
+/// Returns a body whose deepest point is at its origin, with its core and radius: the axis is z.
 fn body(kind: usize) -> (Shape, Vec<Vector3<f64>>, f64) {
     let hull = |core: Vec<Vector3<f64>>, radius: f64| {
         let points: Vec<_> = core.iter().map(|p| Point3::from(*p)).collect();
@@ -150,7 +153,7 @@ fn body(kind: usize) -> (Shape, Vec<Vector3<f64>>, f64) {
     }
 }
 
-/// Poses seen, and what was wrong.
+/// Poses judged, and their faults.
 #[derive(Default)]
 struct Tally {
     apart: usize,
@@ -168,7 +171,8 @@ impl Tally {
         }
     }
 
-    /// Every contact is on a face of the valley, along its normal, and opposite a point of the body.
+    /// Asserts that every contact is on a face of the valley, along its normal, and opposite a
+    /// point of the body.
     fn judge_all(&mut self, valley: &Valley, found: &[ContactGroup], pose: &Pose, what: &str) {
         for c in found.iter().flat_map(|g| &g.contacts) {
             let (n, on_a) = (c.normal.into_inner(), c.point.point_on_a.coords);
@@ -185,7 +189,7 @@ impl Tally {
         }
     }
 
-    /// Along each face over which the body is near, there is a contact, as deep as a vertex that is over the face.
+    /// Asserts that each face near the body has a contact, as deep as a vertex over the face.
     fn judge(
         &mut self,
         valley: &Valley,
@@ -228,7 +232,7 @@ impl Tally {
     }
 }
 
-/// Heights over both faces: apart, touching both, below both.
+/// Returns heights over both faces: separated, touching both, below both.
 fn heights(k: usize, rng: &mut Rng) -> [f64; 2] {
     let deep = |rng: &mut Rng| 10f64.powf(rng.range(-5.0, -2.3));
     match k % 4 {
@@ -241,7 +245,7 @@ fn heights(k: usize, rng: &mut Rng) -> [f64; 2] {
     }
 }
 
-/// Poses of a body over a valley, each judged; the tally of a hundred or more.
+/// Judges poses of a body over a valley; returns the tally of a hundred or more.
 fn poses(name: &str, make: impl Fn(&Valley, &mut Rng) -> ConvexPatches, kind: usize, seed: u64) -> Tally {
     let (mut rng, mut tally) = (Rng::new(seed), Tally::default());
     let (shape, core, radius) = body(kind);
@@ -252,7 +256,7 @@ fn poses(name: &str, make: impl Fn(&Valley, &mut Rng) -> ConvexPatches, kind: us
         let (left, right) = (rng.range(0.1, steep), rng.range(0.1, steep));
         let valley = Valley::new(left, right);
         let a = make(&valley, &mut rng);
-        // The axis between the normals, a little off.
+        // The axis between the normals, with a small deviation.
         let lean = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 0.5 * (left - right));
         let axis = Vector3::from(rng.unit());
         let tilt = if kind == 5 { 0.0 } else { rng.range(0.0, 0.15) };
@@ -275,7 +279,7 @@ fn poses(name: &str, make: impl Fn(&Valley, &mut Rng) -> ConvexPatches, kind: us
             .contacts_between(&a, &b, &at, &exact(PREDICTION))
             .to_vec();
         tally.judge(&valley, &found, (&placed, radius), &pose, &what);
-        // The other order has the same contacts, but for rounding.
+        // The other order has the same contacts, up to rounding.
         let back = PairTracker::new()
             .contacts_between(&b, &a, &at.swapped(), &exact(PREDICTION))
             .to_vec();
@@ -298,7 +302,7 @@ fn poses(name: &str, make: impl Fn(&Valley, &mut Rng) -> ConvexPatches, kind: us
     tally
 }
 
-/// Whether a tally has enough of every kind.
+/// Returns whether a tally has enough of every kind.
 fn passes(tally: &Tally) -> bool {
     tally.faults.is_empty() && tally.apart > 40 && tally.touching > 40 && tally.deep > 90 && tally.both > 150
 }
@@ -326,7 +330,7 @@ fn a_corner_between_two_faces_of_a_mesh_has_contacts_along_both() {
     assert!(all);
 }
 
-/// A corner beside a ridge that two pieces make has the contact of its side alone, or of the ridge.
+/// A vertex next to a ridge of two pieces has only the contact of its side, or of the ridge.
 #[test]
 fn a_corner_beside_a_ridge_between_two_pieces_has_contacts_of_the_ridge() {
     let mut rng = Rng::new(60);
@@ -362,7 +366,7 @@ fn a_corner_beside_a_ridge_between_two_pieces_has_contacts_of_the_ridge() {
         assert!(!found.is_empty(), "{what}");
         for c in found.iter().flat_map(|g| &g.contacts) {
             let (n, on_a) = (c.normal.into_inner(), c.point.point_on_a.coords);
-            // In the cone of the ridge; on one of the faces; and no deeper than the body is.
+            // In the normal cone of the ridge; on one of the faces; and no deeper than the body.
             let is_normal = n.y.abs() < 1e-9 && (0..2).all(|s| ridge.up[s].dot(&n) < 1e-9);
             let own = [0, 1].into_iter().any(|s| (n - ridge.normals[s]).norm() < 1e-9);
             let is_on = (0..2).any(|s| ridge.normals[s].dot(&on_a).abs() < 1e-9 && ridge.up[s].dot(&on_a) > -1e-9);

@@ -1,4 +1,5 @@
-//! Every case of `tests/corpus/`, at every level and in every disguise, and its motions tracked. The format stands in `tests/corpus/README.md`.
+//! Every case of `tests/corpus/`, at every level and in every disguise, and its motions tracked.
+//! `tests/corpus/README.md` defines the format.
 
 use std::path::Path;
 
@@ -15,20 +16,23 @@ fn cases() -> Vec<Case> {
     all
 }
 
-/// Bodies for which the oracle takes milliseconds.
+/// Returns whether the oracle takes only milliseconds for the bodies.
 fn is_small(c: &Case) -> bool {
     c.is_small(16)
 }
 
-/// One answer against what is known of the case. `unit` is the scale of the disguise; `exactly`: of the exact level;
-/// `moved`: the disguise moves the bodies by rounding.
+/// Judges one outcome against the values of the case.
+///
+/// `unit` is the scale of the disguise, `exactly` selects the exact level, and `moved` means that
+/// the disguise moves the bodies by rounding.
 fn judge(c: &Case, o: &Outcome, unit: f64, exactly: bool, what: &str) {
     let what = format!("{} {what}: {o:?}", c.name);
     assert_eq!(o.state, state(c.state), "{what}");
     assert!(o.lower <= o.distance && o.distance <= o.upper, "{what}");
     if let (truth::ContactState::Separated, Some(d)) = (c.state, c.distance) {
         let d = d * unit;
-        // The file holds the distance rounded to nearest: the truth is within half a unit of it.
+        // The file has the distance rounded to nearest: the true distance is within half a unit in
+        // the last place.
         assert!(
             o.lower <= d.next_up() && o.upper >= d.next_down(),
             "{what} misses {d:e}"
@@ -72,7 +76,7 @@ fn ask(c: &Case, a: &ConvexPolyhedron, b: &ConvexPolyhedron, poses: (&Pose, &Pos
     );
 }
 
-/// At most `most` of the pairs, spread over all.
+/// Returns at most `most` of the pairs, spread over all.
 fn starts(a: &ConvexPolyhedron, b: &ConvexPolyhedron, most: usize) -> Vec<FeaturePair> {
     if a.vertex_count() * b.vertex_count() > 2000 {
         return vec![];
@@ -93,7 +97,7 @@ fn run(c: &Case) {
     }
     for k in [-35, 35, 90] {
         let unit = 2f64.powi(k);
-        // Out of range at the other end, the case says nothing about scale.
+        // If the case leaves the range at the other end, it does not test the scale.
         if c.size() * unit > 1e200 || c.distance.is_some_and(|d| d != 0.0 && d.abs() * unit < 1e-290) {
             continue;
         }
@@ -114,7 +118,7 @@ fn run(c: &Case) {
     moved(c, &a, &b);
 }
 
-/// Moved in common: only the rounding of the poses may show.
+/// Moves both together: only the rounding of the poses may have an effect.
 fn moved(c: &Case, a: &ConvexPolyhedron, b: &ConvexPolyhedron) {
     let common = Pose::turn(truth::pose::unit([1.0, -2.0, 0.5]), 0.9, [3.0, 1.0, -2.0]);
     let (pa, pb) = (common.after(&c.pose_a), common.after(&c.pose_b));
@@ -131,7 +135,8 @@ fn moved(c: &Case, a: &ConvexPolyhedron, b: &ConvexPolyhedron) {
     }
 }
 
-/// Along the motions of the corpus one tracker answers every frame, one of them with the letters exchanged.
+/// Along the motions of the corpus, one tracker answers every frame, and another with A and B
+/// exchanged.
 #[test]
 fn motions_are_tracked() {
     let mut trackers = (Tracker::new(), Tracker::new());
@@ -190,8 +195,8 @@ fn the_oracle_agrees_with_the_corpus() {
     assert!(judged >= 80, "{judged}");
 }
 
-/// Bodies too large for the oracle: the gap along the answer's normal and the distance of its witnesses, both exact,
-/// have the distance of the file between them.
+/// Bodies too large for the oracle: the exact gap along the normal and the exact distance of the
+/// witnesses enclose the distance of the file.
 #[test]
 fn exact_bounds_agree_with_the_corpus() {
     let mut judged = 0;
@@ -220,7 +225,8 @@ fn exact_bounds_agree_with_the_corpus() {
     assert!(judged >= 15, "{judged}");
 }
 
-/// The table of who fails what was made of the corpus as it is, and shows no failure of the certified levels.
+/// The table of failures was made from the current corpus, and shows no failure of the certified
+/// levels.
 #[test]
 fn the_record_is_of_this_corpus() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/record/corpus.md");

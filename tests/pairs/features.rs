@@ -1,7 +1,8 @@
-//! Promise: each pair of feature kinds is answered right: known answers by hand, and all kinds met in random poses and
-//! motions.
+//! Promise: each pair of feature kinds is answered correctly: results computed by hand, and all
+//! kinds in random poses and motions.
 //!
-//! No answer names an edge beside a face or two faces: one of their vertices or edges stands for them.
+//! No outcome pairs an edge with a face, or a face with a face: one of their vertices or edges
+//! represents them.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
@@ -16,17 +17,18 @@ fn hull(points: &[[f64; 3]]) -> ConvexPolyhedron {
     ConvexPolyhedron::from_points(&points.iter().map(|&p| Point3::from(p)).collect::<Vec<_>>()).expect("a hull")
 }
 
-/// The cube of half size 1.
+/// Returns the cube of half size 1.
 fn cube() -> ConvexPolyhedron {
     solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).expect("a cube")
 }
 
-/// Tips on the axes at distance 1.
+/// Returns the octahedron with vertices on the axes at distance 1.
 fn octahedron() -> ConvexPolyhedron {
     solids::octahedron(1.0).expect("an octahedron")
 }
 
-/// A prism over the square with corners on the x and y axes, edges along z through them from -1 to 1.
+/// Returns a prism over the square with vertices on the x and y axes, with edges along z from -1 to
+/// 1.
 fn diamond_along_z() -> ConvexPolyhedron {
     hull(&[
         [1.0, 0.0, -1.0],
@@ -40,13 +42,13 @@ fn diamond_along_z() -> ConvexPolyhedron {
     ])
 }
 
-/// The same along y.
+/// Returns the same along y.
 fn diamond_along_y() -> ConvexPolyhedron {
     let turned: Vec<[f64; 3]> = diamond_along_z().vertex_points().map(|p| [p.x, p.z, p.y]).collect();
     hull(&turned)
 }
 
-/// B shifted by `shift`; the closest points, both in A's frame, and the kinds of the features.
+/// B shifted by `shift`; the closest points in A's frame, and the kinds of the features.
 struct Case {
     name: &'static str,
     a: ConvexPolyhedron,
@@ -143,7 +145,7 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// The case seen from a moved world, where nothing is along an axis.
+/// Checks the case in a moved world, where nothing is aligned with an axis.
 fn check(case: &Case, world: &Isometry3<f64>, swap: bool) {
     let pose_b = world * Translation3::from(case.shift);
     let (a, b) = if swap { (&case.b, &case.a) } else { (&case.a, &case.b) };
@@ -193,7 +195,7 @@ fn hand_made_cases() {
     }
 }
 
-/// Every pair of features as a start leads to the same answer.
+/// Every pair of features as a start leads to the same outcome.
 #[test]
 fn every_start_leads_to_the_answer() {
     for case in cases() {
@@ -218,7 +220,7 @@ fn every_start_leads_to_the_answer() {
     }
 }
 
-/// Counts `[kind of A][kind of B]` over poses and motions of all shipped solids.
+/// Counts `[kind of A][kind of B]` over poses and motions of all built-in solids.
 #[test]
 fn all_kinds_are_met() {
     let mut rng = Rng::new(302);

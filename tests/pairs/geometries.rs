@@ -22,7 +22,7 @@ fn meet(x: &Distance, y: &Distance, slack: f64) -> bool {
     x.lower <= y.upper + slack && y.lower <= x.upper + slack
 }
 
-/// One pair at one pose: fresh and kept trackers, both orders, predicates, and the form over time.
+/// Judges one pair at one pose: new and used trackers, both orders, predicates, and casts.
 fn judge((x, a): &Body, (y, b): &Body, pose: &RelativePose, kept: &mut [PairTracker; 2]) -> ContactState {
     let truth = forms::distance(a, b, pose);
     let found = PairTracker::new().closest(x, y, pose);
@@ -81,14 +81,14 @@ fn any_two_geometries_are_measured_in_either_order() {
     assert!(classes[0] > 400 && classes[2] > 100, "{classes:?}");
 }
 
-/// A tracker that goes from pair to pair answers each like a new one.
+/// A tracker that changes from pair to pair answers each like a new one.
 #[test]
 fn a_tracker_of_other_geometries_begins_anew() {
     let mut rng = Rng::new(39);
     let mut wandering = PairTracker::new();
     for kind in 0..4 {
         for _ in 0..40 {
-            // Geometries that live no longer than a query: an address may come again.
+            // Geometries that live no longer than a query: an address may be reused.
             let mut bodies = forms(kind);
             let (a, b) = (bodies.swap_remove(rng.below(bodies.len())), bodies.pop().unwrap());
             let pose = Pose {
@@ -140,7 +140,8 @@ fn any_two_geometries_meet_at_one_time_in_either_order() {
     assert!(hits > 60, "{hits}");
 }
 
-/// A mesh that is a solid is answered beside a surface as the hull that it covers, which has a road of its own.
+/// A solid mesh next to a surface is answered like the hull that it covers, which uses a separate
+/// path.
 #[test]
 fn a_mesh_beside_a_surface_is_a_solid() {
     let mut rng = Rng::new(41);
@@ -202,7 +203,8 @@ fn a_mesh_beside_a_surface_is_a_solid() {
     );
 }
 
-/// An open mesh has no inside, and one beyond the coordinates of surfaces only a ball.
+/// An open mesh has no inside, and a mesh beyond the coordinates of surfaces only has a bounding
+/// ball.
 #[test]
 fn meshes_that_no_surface_stands_for_have_bounds() {
     let corners = [[-9.0, -9.0, -1.0], [9.0, -9.0, -1.0], [0.0, 9.0, -1.0]].map(Point3::from);
@@ -232,7 +234,8 @@ fn meshes_that_no_surface_stands_for_have_bounds() {
     assert!(tracker.pair(&huge, &sphere(0.5)).measure(&at).lower <= 1e70);
 }
 
-/// Two convex geometries have the points of their manifold, other solids those of patches, a surface none.
+/// Two convex geometries have the points of their manifold, other solids those of convex patches, a
+/// surface none.
 #[test]
 fn contacts_of_any_two_geometries() {
     let die = solids::cuboid(Vector3::new(0.5, 0.5, 0.5)).unwrap();

@@ -1,4 +1,5 @@
-//! Promise: the gradient is the derivative of the exact signed distance by either pose, apart and overlapping, and one-sided at ties.
+//! Promise: the gradient is the derivative of the exact signed distance by either pose, separated
+//! and overlapping, and one-sided at ties.
 
 use lin_canny::nalgebra::Vector3;
 use lin_canny::{ContactState, Manifold, ManifoldOptions, Tracker};
@@ -10,7 +11,7 @@ use truth::shapes::{self, Shape};
 use truth::support;
 use truth::{Point, Pose};
 
-/// A pose moved along a twist in its own frame.
+/// Returns a pose moved along a twist in its frame.
 fn moved(pose: &Pose, linear: Point, angular: Point, by: f64) -> Pose {
     let length = truth::pose::norm(angular);
     let turn = if length > 0.0 {
@@ -40,7 +41,7 @@ fn truth(a: &Shape, b: &Shape, frame: &Frame) -> f64 {
 
 const STEP: f64 = 1e-6;
 
-/// Rates ahead and behind, of the exact signed distance.
+/// Returns the forward and backward rates of the exact signed distance.
 fn rates(a: &Shape, b: &Shape, frame: &Frame, twists: &Twists) -> (f64, f64) {
     let now = truth(a, b, frame);
     let (ahead, behind) = (
@@ -77,7 +78,7 @@ fn gradients_are_derivatives() {
         }
         let (ga, gb) = (o.gradient_a(), o.gradient_b(&pose));
         let mut twists = twists(&mut rng);
-        // One body at rest, now and then.
+        // Occasionally one body is at rest.
         if rng.chance(0.5) {
             twists[rng.below(2)] = [[0.0; 3]; 2];
         }
@@ -105,8 +106,8 @@ fn gradients_are_derivatives() {
     assert!(kinks < 30, "{kinks}");
 }
 
-/// Faces flat on faces, apart and overlapping: the rate ahead is the least over the contacts, and the gradient of one of them is no
-/// less.
+/// Faces flat on faces, separated and overlapping: the forward rate is the least over the contacts,
+/// and the gradient of one of them is no less.
 #[test]
 fn parallel_faces_have_one_sided_rates() {
     let mut rng = Rng::new(702);
@@ -140,7 +141,8 @@ fn parallel_faces_have_one_sided_rates() {
     assert!(tied == 300 && differ > 200, "{differ}");
 }
 
-/// As deep along several normals: the rate ahead is the largest over them, so that of the answer's is no more.
+/// Equally deep along several normals: the forward rate is the largest over them, so the outcome's
+/// rate is no greater.
 #[test]
 fn concentric_bodies_have_one_sided_rates() {
     let mut rng = Rng::new(703);

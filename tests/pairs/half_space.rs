@@ -1,4 +1,4 @@
-//! Promise: a polyhedron on a half-space has its exact height, and contacts that bear it.
+//! Promise: a polyhedron on a half-space has its exact height, and contacts that support it.
 
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
@@ -9,7 +9,7 @@ use truth::shapes;
 use truth::support;
 use truth::{Point, Pose};
 
-/// Heights of all vertices over a plane, by a scan.
+/// Returns the heights of all vertices above a plane, by a scan.
 fn heights(body: &ConvexPolyhedron, pose: &Pose, normal: Point, offset: f64) -> Vec<f64> {
     let height = |p: Point| dot(normal, pose.apply(p)) - offset;
     body.vertex_points().map(|p| height(p.into())).collect()
@@ -87,7 +87,7 @@ fn heights_and_contacts_are_those_of_a_scan() {
     assert!(counts[1] > 300 && counts[3] > 50 && counts[4] > 50, "{counts:?}");
 }
 
-/// A coin laid flat bears on points all round: its middle lies over their span, and so it does not tip.
+/// A flat coin has contacts all around: its centre is over their span, so it does not tip.
 #[test]
 fn coins_stand_on_points_all_round() {
     for sides in [3, 4, 5, 6, 8, 12, 32, 48, 128] {
@@ -105,7 +105,7 @@ fn coins_stand_on_points_all_round() {
             let contacts = floor.contacts(&coin, &relative(&pose), &ManifoldOptions::with_prediction(0.01));
             let points = contacts.points();
             assert_eq!(points.len(), sides.min(4), "{sides}");
-            // Angles about the middle of the coin, in order: no gap of half a turn.
+            // Angles about the centre of the coin, in order: no gap of half a turn.
             let mut angles: Vec<f64> = points
                 .iter()
                 .map(|p| p.point_on_body.y.atan2(p.point_on_body.x))
@@ -129,7 +129,7 @@ fn bodies_without_faces_and_far_bodies_have_contacts() {
         let contacts = floor.contacts(body, &relative(&Pose::IDENTITY), &options);
         assert_eq!(contacts.points().len(), count, "{contacts:?}");
     }
-    // A speck far from its own origin, and a pose that brings it back.
+    // A small body far from its origin, and a pose that brings it back.
     let away = 1e9;
     let speck =
         [[0.0; 3], [1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]].map(|p| [p[0] + away, p[1], p[2]].into());
@@ -153,7 +153,7 @@ fn half_spaces_that_are_none_are_refused() {
         let space = HalfSpace::new(Vector3::new(0.0, scale, 0.0), 2.0 * scale).expect("a half-space");
         assert_eq!((space.normal().y, space.offset()), (1.0, 2.0));
     }
-    // Options that are no numbers ask for nothing.
+    // Options that are NaN request nothing.
     let cube = solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).expect("a box");
     let floor = HalfSpace::new(Vector3::y(), 0.0).expect("a half-space");
     let mut options = ManifoldOptions::with_prediction(f64::NAN);

@@ -1,4 +1,5 @@
-//! Faces and vertices of thousands of edges: no query looks at all of them, and the answers are right.
+//! Faces and vertices with thousands of edges: no query visits all of them, and the outcomes are
+//! correct.
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::{ContactState, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, RelativePose, Solver, Tracker};
@@ -9,7 +10,7 @@ use truth::support::relative;
 use truth::workload;
 use truth::{Point, Pose};
 
-/// Corners of a polygon on an ellipse: evenly spaced ones on a circle, or random ones.
+/// Returns the vertices of a polygon on an ellipse: evenly spaced on a circle, or random.
 fn polygon(n: usize, rng: &mut Rng, even: bool) -> Vec<[f64; 2]> {
     let angle = |k| {
         if even {
@@ -28,7 +29,7 @@ fn body(shape: &str, n: usize, rng: &mut Rng) -> ConvexPolyhedron {
     let mut points: Vec<Point> = rim.iter().map(at(0.0)).collect();
     match shape {
         "prism" | "odd prism" => points.extend(rim.iter().map(at(0.4))),
-        // Of lids that rounding breaks into thousands of faces.
+        // With lids that rounding breaks into thousands of faces.
         "turned prism" => {
             points.extend(rim.iter().map(at(0.4)));
             let turn = turned().inverse();
@@ -50,7 +51,7 @@ fn body(shape: &str, n: usize, rng: &mut Rng) -> ConvexPolyhedron {
             let turn = turned().inverse();
             points = points.iter().map(|&p| (turn * Point3::from(p)).into()).collect();
         }
-        // Two apexes of thousands of edges, one of which joins them.
+        // Two apexes with thousands of edges, one of which joins them.
         "tent" => {
             points.retain(|p| p[1] > -0.01);
             points = points.iter().map(|p| [0.0, p[0], 0.1 + p[1]]).collect();
@@ -99,7 +100,8 @@ fn frames(a: &ConvexPolyhedron, b: &ConvexPolyhedron, degrees: Option<f64>, coun
     })
 }
 
-/// Steps of a query are as few on 8192 corners as on 512, warm and cold. Linear growth would be sixteen times as many.
+/// A query takes as few steps on 8192 vertices as on 512, warm and cold. With linear growth there
+/// would be sixteen times as many.
 #[test]
 fn no_query_takes_steps_in_proportion_to_the_corners() {
     for (x, y) in PAIRS {
@@ -127,7 +129,7 @@ fn no_query_takes_steps_in_proportion_to_the_corners() {
     }
 }
 
-/// In a motion that goes on evenly, walks begin where the features come next: most end before a leap is tried.
+/// In a steady motion, walks start at the predicted features: most end before a leap is tried.
 #[test]
 fn walks_begin_where_features_go() {
     for shape in ["prism", "cone"] {
@@ -141,8 +143,8 @@ fn walks_begin_where_features_go() {
     }
 }
 
-/// The answer is within its bounds of the truth: by any direction's supports over all vertices from below, and by the
-/// witnesses from above.
+/// Asserts that the outcome is within its bounds of the true distance: by support values over all
+/// vertices from below, and by the witnesses from above.
 fn assert_proven(a: &ConvexPolyhedron, b: &ConvexPolyhedron, f: &Frame, o: &Outcome) {
     let pose = relative(f);
     let (ra, rb) = (f.a.isometry(), f.b.isometry());
@@ -191,7 +193,7 @@ fn answers_on_large_features_are_right_warm_and_cold() {
     }
 }
 
-/// Against the exact rung, at gaps from a hundredth to a part in 1e10.
+/// Compares with the exact stage, at gaps from 1e-2 to 1e-10.
 #[cfg(feature = "exact")]
 #[test]
 fn answers_on_large_features_agree_with_exact_ones() {
@@ -226,7 +228,8 @@ fn answers_on_large_features_agree_with_exact_ones() {
     }
 }
 
-/// The extreme vertex of bodies with large features is the highest, also along normals, edges and what is next to them.
+/// The support vertex of bodies with large features is the highest, along normals, edges and
+/// directions near them too.
 #[test]
 fn extreme_vertices_of_large_features_are_the_highest() {
     for shape in [
@@ -261,8 +264,10 @@ fn extreme_vertices_of_large_features_are_the_highest() {
     }
 }
 
-/// One body upside down and another upon it, both as `un` turns them back: resting, sliding, apart and in each other by rounding and
-/// more, flush or off by rounding and more, in a world that is turned or not.
+/// Returns poses with one body upside down and the other upon it, both rotated back by `un`.
+///
+/// They rest, slide, are separated, or overlap by rounding and more, flush or off by rounding and
+/// more, in a rotated world or not.
 fn stacks(un: [UnitQuaternion<f64>; 2], rng: &mut Rng) -> Vec<RelativePose> {
     let upside_down = UnitQuaternion::new_unchecked(lin_canny::nalgebra::Quaternion::new(0.0, 1.0, 0.0, 0.0));
     let mut list = vec![];
@@ -289,8 +294,9 @@ fn consume<T>(answer: T) {
     std::hint::black_box(answer);
 }
 
-/// The longest CPU time of a kind of query, the shortest of three runs of it, in seconds; of up to nine runs if all take longer than a
-/// millisecond, as a run that the machine disturbed does.
+/// Returns the longest CPU time of a kind of query in seconds: the shortest of three runs each.
+///
+/// Up to nine runs if all take longer than a millisecond, as a disturbed run does.
 fn longest(a: &ConvexPolyhedron, b: &ConvexPolyhedron, list: &[RelativePose], kind: &str) -> f64 {
     let (mut tracker, mut manifold) = (Tracker::new(), Manifold::default());
     let mut longest = 0.0;
@@ -318,8 +324,11 @@ fn longest(a: &ConvexPolyhedron, b: &ConvexPolyhedron, list: &[RelativePose], ki
     longest
 }
 
-/// Where thousands of corners or edges are level but for rounding, every layer down to the exact one takes its turn, and none of them looks
-/// at all. Linear time would be 32 times as much; what is seen is up to five, of less than two milliseconds.
+/// If thousands of vertices or edges are level up to rounding, every stage up to the exact one is
+/// used, and none visits all of them.
+///
+/// Linear time would be 32 times as long; the observed factor is at most five, for times below two
+/// milliseconds.
 #[test]
 fn no_query_on_flush_features_takes_time_in_proportion_to_the_corners() {
     for (x, y) in [
@@ -354,7 +363,7 @@ fn no_query_on_flush_features_takes_time_in_proportion_to_the_corners() {
     }
 }
 
-/// The solver goes round such rims by halves, each rim in turn, and gets there.
+/// The solver bisects such boundaries, each in turn, and converges.
 #[test]
 fn nearly_parallel_rims_do_not_need_the_exact_rung() {
     for n in [8192, 16_384] {

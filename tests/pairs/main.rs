@@ -1,4 +1,4 @@
-//! Promise: answers about two bodies are right, and proven, however they are asked for.
+//! Promise: outcomes of two bodies are correct and proven for every query.
 
 mod corpus;
 mod features;

@@ -1,5 +1,5 @@
-//! What may change about a query without changing its answer: letters, unit, place, order of the points, the way the
-//! pose is given, the tracker.
+//! Changes of a query that must not change its outcome: order of bodies, unit, position, order of
+//! points, form of the pose, tracker.
 
 use lin_canny::{ContactState, Outcome, RelativePose, Tracker};
 use proptest::prelude::*;
@@ -9,7 +9,7 @@ use truth::shapes::{self, Shape};
 use truth::support::{body, relative};
 use truth::{Point, Pose};
 
-/// A pair at a pose of any kind, from a seed.
+/// Returns a pair at a pose of any kind, from a seed.
 fn scene(seed: u64) -> (Shape, Shape, Frame) {
     let mut rng = Rng::new(seed);
     let (a, b) = (shapes::small(&mut rng), shapes::small(&mut rng));
@@ -42,7 +42,8 @@ fn ask(a: &Shape, b: &Shape, pose: &RelativePose) -> [Outcome; 2] {
     ]
 }
 
-/// Two answers to the same question: neither proves the other wrong, and both are as near as rounding allows.
+/// Two outcomes of the same query: neither refutes the other, and both are as tight as rounding
+/// allows.
 fn agree(x: &Outcome, y: &Outcome, size: f64) -> Result<(), TestCaseError> {
     prop_assert_eq!(x.state, y.state, "{:?} {:?}", x, y);
     prop_assert!(x.lower <= y.upper && y.lower <= x.upper, "{:?} {:?}", x, y);
@@ -56,12 +57,13 @@ fn size(frame: &Frame) -> f64 {
     2.0 * 3f64.sqrt() + truth::pose::norm(truth::pose::sub(frame.b.t, frame.a.t))
 }
 
-/// Whether two distances are within a unit in the last place: of one halfway between two doubles either may be the answer.
+/// Returns whether two distances are within a unit in the last place: halfway between two doubles,
+/// either may be returned.
 fn neighbours(x: f64, y: f64) -> bool {
     x.next_down() <= y && y <= x.next_up()
 }
 
-/// The numbers of an answer times `unit`, bit for bit.
+/// Returns the numbers of an outcome times `unit`, bit for bit.
 fn bits(o: &Outcome, unit: f64) -> Vec<u64> {
     let lengths = [o.distance, o.lower, o.upper].into_iter();
     let points = o.point_on_a.iter().chain(o.point_on_b.iter()).copied();
@@ -86,7 +88,8 @@ proptest! {
 
     #[test]
     fn powers_of_two_change_only_the_exponent(seed: u64, step in -1i32..2, k in -85i32..86) {
-        // Bodies are stored in units of 2^210; a pair that straddles two units is answered in other arithmetic.
+        // Bodies are stored in units of 2^210; a pair on both sides of a border is answered in
+        // other arithmetic.
         let k = 210 * step + k;
         let (a, b, frame) = scene(seed);
         let unit = 2f64.powi(k);
@@ -101,7 +104,7 @@ proptest! {
     #[test]
     fn a_shift_that_both_translations_absorb_changes_no_bit(seed: u64, far in -20i32..20) {
         let (a, b, frame) = scene(seed);
-        // Multiples of 2^-20 and a shift by as round a number add without rounding.
+        // Multiples of 2^-20 and a shift by a round number add without rounding.
         let round = |t: Point| t.map(|x| (x * 1_048_576.0).round() / 1_048_576.0);
         let shift = [f64::from(far) * 65_536.0, 1024.0, -3.0 * f64::from(far)];
         let here = Frame { a: Pose { t: round(frame.a.t), ..frame.a }, b: Pose { t: round(frame.b.t), ..frame.b } };
@@ -117,7 +120,7 @@ proptest! {
         let (a, b, frame) = scene(seed);
         let mut rng = Rng::new(!seed);
         let (c, d) = (a.clone().shuffled(&mut rng), b.clone().shuffled(&mut rng));
-        // Vertices are numbered by place, so not even a bit may differ.
+        // Vertices are numbered by position, so all bits must be equal.
         for (x, y) in ask(&a, &b, &relative(&frame)).iter().zip(&ask(&c, &d, &relative(&frame))) {
             prop_assert_eq!(bits(x, 1.0), bits(y, 1.0));
         }
@@ -129,7 +132,8 @@ proptest! {
         let mut rng = Rng::new(seed ^ 1);
         let common = Pose { q: rng.quat(), t: truth::pose::scale(rng.unit(), 100.0) };
         let moved = frame.moved(&common);
-        // The motion is rounded where it is far out: a unit in the last place of 100 moves a body by 1.4e-14.
+        // The motion is rounded far from the origin: a unit in the last place of 100 moves a body
+        // by 1.4e-14.
         let slack = 1e-12;
         for (x, y) in ask(&a, &b, &relative(&frame)).iter().zip(&ask(&a, &b, &relative(&moved))) {
             if x.distance > slack {

@@ -1,5 +1,5 @@
-//! Promise: a tracker changes time, never the answer: along motions, after jumps, for bodies it was not made for, and for
-//! flat bodies.
+//! Promise: a tracker changes the time, never the outcome: along motions, after jumps, for other
+//! bodies, and for flat bodies.
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
@@ -12,7 +12,8 @@ use truth::shapes::Shape;
 use truth::support;
 use truth::support::{plain, relative};
 
-/// Two answers to one question: the same contact state, and bounds and distances that agree.
+/// Asserts that two outcomes of one query agree: the same contact state, and consistent bounds and
+/// distances.
 fn same(x: &Outcome, y: &Outcome, what: impl std::fmt::Display) {
     assert_eq!(x.state, y.state, "{what}:\n{x:?}\n{y:?}");
     let agree = x.lower <= y.upper && y.lower <= x.upper;
@@ -23,7 +24,8 @@ fn same(x: &Outcome, y: &Outcome, what: impl std::fmt::Display) {
     }
 }
 
-/// The answer of a separated pair by exact bounds: what the normal proves and the witnesses attain.
+/// Asserts the outcome of a separated pair by exact bounds: the normal proves it and the witnesses
+/// attain it.
 fn proved(a: &Shape, b: &Shape, frame: &Frame, o: &Outcome) {
     let normal = frame.a.rotate(o.normal.into_inner().into());
     let (on_a, on_b) = (o.point_on_a.coords.into(), o.point_on_b.coords.into());
@@ -48,7 +50,7 @@ fn radii(a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> (f64, f64) {
     (of(a), of(b))
 }
 
-/// Every kind of motion for one pair.
+/// Returns every kind of motion for one pair.
 fn motions(rng: &mut Rng, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Vec<(&'static str, Vec<Frame>)> {
     let r = radii(a, b);
     let start = motion::random_poses(rng, 1, r, (1.0, 1.1), 1.0)[0];
@@ -100,7 +102,7 @@ fn warm_equals_cold_in_every_frame() {
     );
 }
 
-/// Coherence: half a degree a frame costs about one look, and the walk itself answers.
+/// Coherence: half a degree per frame costs about one step, and the walk itself answers.
 #[test]
 fn steps_are_few_along_smooth_motions() {
     let mut rng = Rng::new(502);
@@ -114,12 +116,12 @@ fn steps_are_few_along_smooth_motions() {
             .for_each(|f| assert_eq!(t.closest(&a, &b, &relative(f)).state, ContactState::Separated));
         let totals = t.work();
         let steps = totals.steps as f64 / totals.queries as f64;
-        // Measured in the prototype of the walk: 1 + 0.085 sqrt(n) for half a degree.
+        // Measured on the prototype of the walk: 1 + 0.085 sqrt(n) for half a degree.
         assert!(
             steps < 1.2 + 0.17 * f64::from(n as u32).sqrt(),
             "{steps} steps a query, n = {n}"
         );
-        // A tracker may try the other start now and then, to know what it costs.
+        // A tracker may occasionally try the other start, to learn its cost.
         assert!(totals.queries == 4000 && totals.warm >= 3900, "{totals:?}");
         assert!(totals.answered_by(Solver::Walk) >= 3998, "{totals:?}");
     }
@@ -130,7 +132,7 @@ fn a_foreign_tracker_costs_time_only() {
     let mut rng = Rng::new(503);
     let large = solids::random_hull(700, Vector3::new(1.0, 0.7, 0.5), 4).expect("a hull");
     let bodies = bodies();
-    // From a large pair to small ones and back: ids that do not exist, and ids that mean another feature.
+    // From a large pair to small ones and back: ids that do not exist, and ids of other features.
     let mut t = Tracker::new();
     for _ in 0..2000 {
         let (a, b) = (rng.pick(&bodies), rng.pick(&bodies));
@@ -164,7 +166,7 @@ fn features_of_other_bodies_are_no_start() {
     );
 }
 
-/// Points, segments and polygons, against each other and against solids.
+/// Returns points, segments and polygons, against each other and against solids.
 fn flat_bodies() -> Vec<ConvexPolyhedron> {
     let p = |x, y, z| Point3::new(x, y, z);
     let ring: Vec<_> = (0..7)
@@ -204,7 +206,7 @@ fn flat_bodies_are_bodies() {
                 same(&warm, &Tracker::new().closest(a, b, &relative(&f)), "flat");
                 same(&warm, &back.closest(b, a, &relative(&f.swapped())), "flat, swapped");
                 assert!(support::are_of(warm.features, a, b));
-                // Two bodies without volume share no interior point; they may still cross.
+                // Two bodies without volume share no interior point, but may cross.
                 crossing += usize::from(warm.state != ContactState::Separated);
                 if warm.state == ContactState::Separated {
                     flat_proved(&plain_a, &plain_b, &f, &warm);
@@ -216,7 +218,7 @@ fn flat_bodies_are_bodies() {
     assert!(seen > 1500 && crossing > 100, "{seen} apart, {crossing} not");
 }
 
-/// As [`proved`], for bodies that may have no faces to lie behind.
+/// Like [`proved`], for bodies that may have no faces.
 fn flat_proved(a: &Shape, b: &Shape, frame: &Frame, o: &Outcome) {
     let normal = frame.a.rotate(o.normal.into_inner().into());
     let gap = bound::support_gap(a.into(), &frame.a, b.into(), &frame.b, normal);
@@ -233,7 +235,7 @@ fn flat_proved(a: &Shape, b: &Shape, frame: &Frame, o: &Outcome) {
     assert!(o.lower <= gap && apart <= o.upper, "{gap} {apart} {o:?}");
 }
 
-/// Known answers: crossing segments, a point on a polygon, parallel segments.
+/// Results computed by hand: crossing segments, a point on a polygon, parallel segments.
 #[test]
 fn flat_bodies_by_hand() {
     let p = |x, y, z| Point3::new(x, y, z);

@@ -1,7 +1,8 @@
-//! Promise: on small bodies every answer is that of exact arithmetic, in every way of asking.
+//! Promise: on small bodies every outcome is that of exact arithmetic, for every query.
 //!
-//! The judge is `truth::exact`, brute force over all feature pairs in integers. Bounds hold the truth, the distance is within
-//! 1e-14 L of it, witnesses lie in their bodies, the normal attains the distance; warm and cold, A to B and B to A.
+//! The judge is `truth::exact`, brute force over all feature pairs in integers. Bounds contain the
+//! true distance, the distance is within 1e-14 L of it, witnesses lie in their bodies, and the
+//! normal attains the distance. This holds warm and cold, in both orders.
 
 use lin_canny::{ConvexPolyhedron, Outcome, Tracker};
 use truth::bound;
@@ -16,10 +17,10 @@ use truth::{Body, Pose};
 /// Allowed error in units of L.
 const ERROR: f64 = 1e-14;
 
-/// Separated cases each of the four streams looks at.
+/// Number of separated cases in each of the four streams.
 const SEPARATED: usize = 1250;
 
-/// A pair of bodies, both ways of writing them.
+/// A pair of bodies in both forms.
 struct Pair {
     shapes: [Shape; 2],
     bodies: [ConvexPolyhedron; 2],
@@ -41,7 +42,7 @@ impl Pair {
         Self::new(b, a)
     }
 
-    /// Everything an outcome says, against the truth.
+    /// Judges all results of an outcome against the oracle.
     fn judge(&self, frame: &Frame, o: &Outcome, truth: &Exact, what: &str) {
         let [a, b] = &self.bodies;
         let allowed = ERROR * support::size(a, b, frame);
@@ -81,7 +82,7 @@ impl Pair {
         assert!(gap >= s - allowed, "gap along the normal {gap:e}, {}", told());
     }
 
-    /// Asks in every way; `warm` has seen this pair at other poses.
+    /// Runs every query; `warm` has seen this pair at other poses.
     fn ask(&self, frame: &Frame, warm: &mut Tracker) -> truth::ContactState {
         let truth = self.truth(frame);
         let ([a, b], pose) = (&self.bodies, support::relative(frame));
@@ -106,7 +107,7 @@ impl Pair {
     }
 }
 
-/// Random small bodies at random poses until enough were apart.
+/// Runs random small bodies at random poses until enough are separated.
 fn stream(seed: u64, make: impl Fn(&mut Rng) -> Shape) {
     let (mut separated, mut overlapping) = (0, 0);
     let mut rng = Rng::new(seed);
@@ -154,8 +155,8 @@ fn hard_families_again() {
     stream(104, shapes::small);
 }
 
-/// Poses at which bodies with small integer corners touch exactly: whole shifts, and quarter turns, which placement over
-/// the rationals keeps exact.
+/// Poses at which bodies with small integer vertices touch exactly: whole shifts, and quarter
+/// turns, which are exact over the rationals.
 #[test]
 fn touching_is_found() {
     let mut rng = Rng::new(105);

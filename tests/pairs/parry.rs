@@ -1,7 +1,8 @@
-//! Promise: distances are those of an independent engine, wherever that engine is right.
+//! Promise: distances agree with an independent engine, within that engine's accuracy.
 //!
-//! parry3d-f64 is asked twice: through the hull it builds itself, cold, and through its generic GJK with the cached simplex
-//! over our points. Its envelope (`truth::parry::tolerance`): bodies of size about 1, relative error below 6e-8 or `1e-15 / gap`.
+//! parry3d-f64 is queried twice: through its own hull, cold, and through its generic GJK with a
+//! cached simplex over our points. Its accuracy (`truth::parry::tolerance`): bodies of size about
+//! 1, relative error below 6e-8 or `1e-15 / gap`.
 
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
@@ -13,13 +14,13 @@ use truth::rng::Rng;
 use truth::shapes::Shape;
 use truth::support;
 
-/// Separated poses, over all pairs.
+/// Number of separated poses over all pairs.
 const POSES: usize = 100_000;
 
-/// Separated poses of one pair.
+/// Number of separated poses of one pair.
 const OF_PAIR: usize = 500;
 
-/// One body in all engines.
+/// A body in the form of each engine.
 struct Engines {
     ours: ConvexPolyhedron,
     shape: Shape,
@@ -41,7 +42,7 @@ impl Engines {
     }
 }
 
-/// Frames whose gap, from outcome `o` at `frame`, is closed down to a random small one along the witness line.
+/// Returns the frame with its gap reduced to a random small one along the line of the witnesses.
 fn closed_in(frame: &Frame, o: &Outcome, rng: &mut Rng) -> Frame {
     let gap = rng.log_range(1e-6, 1e-1).min(o.distance);
     let normal = frame.a.rotate(o.normal.into_inner().into());
@@ -50,7 +51,7 @@ fn closed_in(frame: &Frame, o: &Outcome, rng: &mut Rng) -> Frame {
     near
 }
 
-/// What is counted, so that the test is known not to be empty.
+/// Counts that show that the test is not empty.
 #[derive(Default)]
 struct Seen {
     separated: usize,

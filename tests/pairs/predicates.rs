@@ -1,4 +1,5 @@
-//! Promise: `intersects` and `within` are decided exactly, for closed sets, and agree with the distance.
+//! Promise: `intersects` and `within` are decided exactly for closed sets, and agree with the
+//! distance.
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
@@ -30,7 +31,7 @@ fn touching_is_within_zero() {
         assert!(t.intersects(&a, &b, &pose) && t.within(&a, &b, &pose, 0.0), "{at:?}");
         let o = t.closest(&a, &b, &pose);
         assert_eq!((o.state, o.distance), (ContactState::Touching, 0.0), "{at:?}");
-        // One bit further they are apart.
+        // One bit farther they are separated.
         let off = at.map(|x: f64| {
             if x.abs() == 1.0 {
                 x.signum() * 1.0f64.next_up()
@@ -69,7 +70,7 @@ fn within_is_sharp_to_the_last_bit() {
         let at = [1.0 + gap, 0.3, 0.1];
         assert!(within(at, gap) && !within(at, gap.next_down()), "{gap}");
     }
-    // Edges 3 and 4 apart along two axes, corners 2, 3 and 6 along three.
+    // Edges 3 and 4 apart along two axes, vertices 2, 3 and 6 along three.
     for (at, d) in [([4.0, 5.0, 0.0], 5.0), ([-3.0, 4.0, 7.0], 7.0)] {
         assert!(within(at, d) && !within(at, f64::next_down(d)), "{d}");
     }
@@ -88,7 +89,8 @@ fn distances_that_are_none() {
     }
 }
 
-/// Small bodies against exact arithmetic: at the correctly rounded distance, one bit below and one above.
+/// Small bodies against exact arithmetic: at the correctly rounded distance, one bit below and one
+/// above.
 #[test]
 fn predicates_are_those_of_the_oracle() {
     let mut rng = Rng::new(401);
@@ -123,7 +125,7 @@ fn predicates_are_those_of_the_oracle() {
     assert!(seen[0] > 150 && seen[2] > 50, "{seen:?}");
 }
 
-/// Along a motion through contact, with larger bodies: all questions tell one story.
+/// Along a motion through contact, with larger bodies: all queries agree.
 #[test]
 fn predicates_agree_with_the_distance() {
     let a = solids::random_hull(200, Vector3::new(1.0, 0.8, 0.5), 1).expect("a hull");
@@ -144,7 +146,7 @@ fn predicates_agree_with_the_distance() {
     assert!((50..550).contains(&hits), "{hits}");
 }
 
-/// A point is a body too: containment is intersection.
+/// A point is a body too: containment is intersection with a point.
 #[test]
 fn containment_is_intersection_with_a_point() {
     let body = solids::icosahedron(1.0).expect("an icosahedron");
@@ -164,8 +166,10 @@ fn containment_is_intersection_with_a_point() {
     assert!((300..1500).contains(&inside), "{inside}");
 }
 
-/// A tetrahedron turned by next to nothing about two axes, whose tip stands about as little in a wall or out of it: the
-/// coordinates of an exact direction are farther apart than f64 can hold.
+/// A tetrahedron rotated by almost nothing about two axes, whose tip is as slightly inside or
+/// outside a wall.
+///
+/// The coordinates of an exact direction differ by more than the range of `f64`.
 #[cfg(feature = "exact")]
 #[test]
 fn a_tip_barely_inside_is_seen() {
@@ -175,7 +179,7 @@ fn a_tip_barely_inside_is_seen() {
     let mut rng = Rng::new(404);
     let (mut seen, mut asked) = ([0; 2], 0);
     for _ in 0..32 {
-        // A cyclic exchange of the axes.
+        // A cyclic permutation of the axes.
         let first = rng.below(3);
         let place = |p: [f64; 3]| std::array::from_fn::<f64, 3, _>(|k| p[(k + 3 - first) % 3]);
         let solid = |points: &[[f64; 3]]| {
@@ -187,7 +191,7 @@ fn a_tip_barely_inside_is_seen() {
         let corners = [-8.0, 0.0].map(|x| ends.map(|y| ends.map(|z| [x, y, z])));
         let a = solid(corners.as_flattened().as_flattened());
         let b = solid(&[[0.0; 3], [0.0, -thin, -1.0], [1.0, 0.5, -0.625], [1.0, -0.5, -0.3125]]);
-        // The second vertex of B comes to stand at `x = y - 2 y + 2 thin z`.
+        // The second vertex of B moves to `x = y - 2 y + 2 thin z`.
         let z = two(-880 - rng.below(60) as i32);
         let y = (2.0 * thin * z * two(rng.below(5) as i32 - 3)) * rng.range(1.1, 1.9);
         let y = if rng.chance(0.6) {

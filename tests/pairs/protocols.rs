@@ -1,10 +1,12 @@
-//! Two protocols by which walks over features have been measured and found wanting.
+//! Two published protocols that revealed weaknesses of walks over features.
 //!
-//! Degeneracy (Mirtich 1998, algorithm 10): two cubes, the upper turned by a rotation as small as e^-20, move between two
-//! nearly parallel poses, and bisection looks for the pose at which the closest features change: there all tests are
-//! at their worst. In 100 000 trials the Lin-Canny code of its time cycled 4489 times.
+//! Degeneracy (Mirtich 1998, algorithm 10): two cubes, the upper rotated by as little as e^-20,
+//! move between two nearly parallel poses. Bisection searches the pose at which the closest
+//! features change: there all tests are at their worst. In 100 000 trials, the Lin-Canny code of
+//! its time cycled 4489 times.
 //!
-//! Coherence (Mirtich 1998, section 7): one body on a sinusoidal path turns by a fixed angle a frame.
+//! Coherence (Mirtich 1998, section 7): one body on a sinusoidal path rotates by a fixed angle per
+//! frame.
 
 use lin_canny::{ContactState, ConvexPolyhedron, Outcome, Solver, Tracker, TrackerWork};
 use truth::pose::{quat, unit};
@@ -13,10 +15,11 @@ use truth::shapes::{self, Shape};
 use truth::support::{assert_right, between, body};
 use truth::{Pose, exact};
 
-/// Upper bound of the width of a certified answer, in units of L.
+/// Largest width of a certified outcome, in units of L.
 const WIDTH: f64 = 1e-13;
 
-/// Fails unless an answer is separated and as narrow as promised; counts pairs the fallback had to answer.
+/// Asserts that an outcome is separated and as tight as promised; counts pairs that another solver
+/// answered.
 fn certified(o: &Outcome, size: f64, what: &str) {
     assert_eq!(o.state, ContactState::Separated, "{what}: {o:?}");
     assert!(o.upper - o.lower <= WIDTH * size, "{what}: {o:?}");
@@ -27,7 +30,8 @@ fn share(totals: &TrackerWork) -> f64 {
     1.0 - walked as f64 / totals.queries as f64
 }
 
-/// A pose of the degeneracy protocol: over the lower cube, turned a little about any axis.
+/// Returns a pose of the degeneracy protocol: above the lower cube, rotated slightly about any
+/// axis.
 fn nearly_parallel(rng: &mut Rng) -> Pose {
     let t = [rng.range(-4.0, 4.0), rng.range(-4.0, 4.0), 4.0];
     Pose {
@@ -44,8 +48,9 @@ fn middle(a: &Pose, b: &Pose) -> Pose {
     }
 }
 
-/// Bisects between two poses until the features change between poses that f64 cannot part. Each query starts from the
-/// features of the one before.
+/// Bisects between two poses until the features change between poses that `f64` cannot separate.
+///
+/// Each query starts from the features of the previous one.
 fn bisect(
     pair: &mut Tracker,
     a: &ConvexPolyhedron,
@@ -109,13 +114,15 @@ fn bisections_between_nearly_parallel_poses_end_in_proof() {
             share(&totals)
         );
         assert!(totals.queries as usize > 20 * trials, "{totals:?}");
-        // Of cubes none; of a plate one in 57 500, where a foot falls on a rim within rounding.
+        // None for cubes; for a plate one in 57 500, if a foot of a perpendicular is within
+        // rounding of an edge.
         let most = if shape.name.starts_with("cube") { 0.0 } else { 1e-4 };
         assert!(share(&totals) <= most, "{}: {totals:?}", shape.name);
     }
 }
 
-/// Frames of the coherence protocol: B on a sinusoidal path about A, turned by `degrees` more in each frame.
+/// Returns frames of the coherence protocol: B on a sinusoidal path about A, rotated by `degrees`
+/// more in each frame.
 fn sinusoid(rng: &mut Rng, frames: usize, degrees: f64) -> Vec<Pose> {
     let axis = unit(rng.unit());
     let phase: [f64; 3] = std::array::from_fn(|_| rng.range(0.0, std::f64::consts::TAU));
@@ -152,7 +159,7 @@ fn warm_is_cold_along_coherent_motion() {
                 let what = format!("{} frame {i}, {degrees} degrees", shape.name);
                 certified(&o, 10.0, &what);
                 certified(&c, 10.0, &what);
-                // Both hold the distance between their bounds, so neither may prove the other wrong.
+                // Both contain the distance in their bounds, so neither may refute the other.
                 assert!(o.lower <= c.upper && c.lower <= o.upper, "{what}: {o:?} {c:?}");
                 assert!((o.distance - c.distance).abs() <= 1e-14 * 10.0, "{what}: {o:?} {c:?}");
             }
@@ -165,7 +172,7 @@ fn warm_is_cold_along_coherent_motion() {
                 share(&totals),
                 share(&cold)
             );
-            // A tracker may try the other start where motion is fast.
+            // A tracker may try the other start if motion is fast.
             assert!(
                 totals.queries == 1000 && (degrees > 1.0 || totals.warm > 900),
                 "{totals:?}"

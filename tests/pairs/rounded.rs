@@ -1,7 +1,7 @@
-//! Promise: rounded polyhedra are their cores less both radii, on both sides of contact, and classes and predicates are
-//! exact.
+//! Promise: the distance of rounded polyhedra is that of their cores less both radii, on both sides
+//! of contact; contact states and predicates are exact.
 //!
-//! The judge is `truth::exact` on the cores; the radii are taken off in rational arithmetic by its two squares.
+//! The judge is `truth::exact` on the cores. The radii are subtracted in rational arithmetic.
 
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ use truth::shapes::Shape as Plain;
 use truth::support;
 use truth::{Body, Pose};
 
-/// A hull of four to eight random points, or a segment or a point.
+/// Returns a hull of four to eight random points, or a segment or a point.
 fn core(rng: &mut Rng, least: usize) -> Plain {
     let n = least.max(*rng.pick(&[1, 2, 4, 6, 8]));
     let core = Plain::hull("core", (0..n).map(|_| rng.in_ball()).collect::<Vec<_>>());
@@ -24,7 +24,7 @@ fn rounded(core: &Plain, r: f64) -> Shape {
     Shape::from(support::body(core)).rounded(r).expect("a radius")
 }
 
-/// Everything an outcome says of itself.
+/// Judges an outcome by itself.
 fn judge(o: &Outcome, pose: &RelativePose, size: f64) {
     assert!(o.lower <= o.distance && o.distance <= o.upper, "{o:?}");
     assert!(o.upper - o.lower <= 1e-13 * size, "{o:?}");
@@ -49,7 +49,7 @@ fn signed_distances_are_those_of_the_cores_less_the_radii() {
         let pose = support::between(&Pose::IDENTITY, &pose_b);
         let [a, b] = [0, 1].map(|k| rounded(&cores[k], radii[k]));
         let truth = exact::solve(Body::from(&cores[0]), &Pose::IDENTITY, Body::from(&cores[1]), &pose_b);
-        // The truth of the core is rounded once, and the difference twice.
+        // The distance of the cores is rounded once, and the difference twice.
         let s = truth.distance - radii[0] - radii[1];
         let size = 2.0 + radii[0] + radii[1] + truth::pose::norm(pose_b.t);
         let mut pair = PairTracker::new();
@@ -70,7 +70,7 @@ fn signed_distances_are_those_of_the_cores_less_the_radii() {
     assert!(classes[0] > 500 && classes[2] > 500, "{classes:?}");
 }
 
-/// Sums of radii that f64 does not hold, against distances that it does.
+/// Sums of radii that `f64` cannot represent, against distances that it can.
 #[test]
 fn classes_and_predicates_are_exact() {
     let tiny = f64::EPSILON / 4.0;
@@ -97,12 +97,12 @@ fn classes_and_predicates_are_exact() {
             judge(&o, &pose, 10.0);
         }
     }
-    // Three numbers whose sum f64 does not hold: 1 + 2^-54 + 4 against 5, and 4 less one unit.
+    // Three numbers whose sum `f64` cannot represent: 1 + 2^-54 + 4 against 5, and 4 less one unit.
     let (x, y) = (ball(1.0), ball(tiny));
     assert!(pair.within(&x, &y, &pose, 4.0));
     assert!(!pair.within(&x, &y, &pose, 4.0f64.next_down()));
     assert!(!pair.within(&x, &y, &pose, -1.0) && !pair.within(&x, &y, &pose, f64::NAN));
-    // A capsule beside a rounded box, touching along a segment.
+    // A capsule next to a rounded box, touching along a segment.
     let pill = Shape::capsule(1.0, 0.25).expect("a capsule");
     let die = Shape::cuboid(Vector3::new(1.0, 1.0, 1.0))
         .and_then(|s| s.rounded(0.5))
@@ -141,8 +141,7 @@ fn bad_parameters_are_refused_by_name() {
     refused(Shape::superquadric(Vector3::repeat(1.0), 2.0, 1.0), "exponent");
 }
 
-/// A shape of each kind.
-/// A tetrahedron without a symmetry.
+/// Returns a tetrahedron without symmetry.
 fn tent() -> ConvexPolyhedron {
     let corners = [[-0.5, -0.4, -0.3], [0.8, 0.0, -0.2], [0.1, 0.9, 0.1], [0.2, 0.1, 0.7]];
     ConvexPolyhedron::from_points(&corners.map(Point3::from)).expect("a solid")
@@ -153,7 +152,8 @@ fn triangle() -> ConvexPolyhedron {
     ConvexPolyhedron::polygon(&corners.map(Point3::from)).expect("a triangle")
 }
 
-/// Rounded cores of hardly any size weigh what a ball does, and thin ones what a capsule does.
+/// The mass of rounded cores of almost no size is that of a ball, and of thin cores that of a
+/// capsule.
 #[test]
 fn mass_of_rounded_cores_joins_balls_and_capsules() {
     let same = |a: Shape, b: Shape| {
@@ -182,7 +182,8 @@ fn mass_of_rounded_cores_joins_balls_and_capsules() {
     let mass = plate.expect("a plate").mass().expect("a mass");
     let volume = 8.0 * a * a * r + 4.0 * a * PI * r * r + 4.0 / 3.0 * PI * r * r * r;
     assert!((mass.volume - volume).abs() < 1e-6, "{mass:?} {volume}");
-    // The mean square of z: by the areas of the cross-sections, squares with round corners.
+    // The mean square of z, by the areas of the cross-sections, which are squares with round
+    // corners.
     let n = 100_000;
     let along = (0..n).map(|k| {
         let z = r * ((f64::from(k) + 0.5) / f64::from(n) * 2.0 - 1.0);
@@ -214,7 +215,7 @@ fn kinds() -> Vec<Shape> {
     .collect()
 }
 
-/// Mass, box and ball against random points inside, judged by `contains`.
+/// Mass, box and ball against random interior points, judged by `contains`.
 #[test]
 fn mass_box_and_ball_agree_with_containment() {
     let mut rng = Rng::new(1602);
@@ -264,7 +265,7 @@ fn mass_box_and_ball_agree_with_containment() {
     }
 }
 
-/// Heights are never below a point of the shape, and no looser than the box.
+/// Support values are never below a point of the shape, and no looser than the box.
 #[test]
 fn heights_hold_the_shape() {
     let mut rng = Rng::new(1603);

@@ -1,4 +1,5 @@
-//! Every pair of features as the start of a walk leads to the same contact state, and to bounds of the same distance.
+//! Every pair of features as the start of a walk leads to the same contact state, and to bounds of
+//! the same distance.
 
 use lin_canny::{ContactState, Solver, Tracker};
 use truth::rng::Rng;
@@ -6,7 +7,7 @@ use truth::shapes::{self, Shape};
 use truth::support::{assert_right, between, body, pairs};
 use truth::{Pose, exact};
 
-/// A corner of a thin plate: faces that come to a point of `angle` radians.
+/// Returns a corner of a thin plate: faces with an angle of `angle` radians at a vertex.
 fn tip(angle: f64) -> Shape {
     let points = vec![[0.0; 3], [-1.0, angle, 0.0], [-1.0, -angle, 0.0], [-0.5, 0.0, -1.0]];
     Shape::hull(format!("tip {angle:e}"), points).solved()
@@ -26,7 +27,7 @@ fn small_bodies(rng: &mut Rng) -> Vec<Shape> {
     all
 }
 
-/// Poses of every kind for a pair: apart, near, touching at the origin's planes, deep.
+/// Returns poses of every kind for a pair: separated, near, touching at the origin's planes, deep.
 fn poses(rng: &mut Rng) -> Vec<(Pose, Pose)> {
     let at = |q, t| (Pose::IDENTITY, Pose { q, t });
     let upright = Pose::IDENTITY.q;
@@ -57,7 +58,7 @@ fn every_pair_of_features_leads_to_the_same_answer() {
     let bodies = small_bodies(&mut rng);
     let (mut classes, mut walked, mut asked) = ([0; 3], 0u64, 0u64);
     for (i, sa) in bodies.iter().enumerate() {
-        // Each body beside itself and two others.
+        // Each body with itself and two others.
         for sb in [sa, &bodies[(i + 1) % bodies.len()], &bodies[(i + 5) % bodies.len()]] {
             let (a, b) = (body(sa), body(sb));
             for (k, (pa, pb)) in poses(&mut rng).into_iter().enumerate() {
@@ -77,15 +78,16 @@ fn every_pair_of_features_leads_to_the_same_answer() {
             }
         }
     }
-    // The mix is one: all classes are met, and most starts are walked from.
+    // The mix is complete: all contact states occur, and most starts are used.
     assert!(classes.iter().all(|&n| n > 5), "{classes:?}");
     assert!(walked * 10 > asked * 8, "{walked} of {asked}");
 }
 
 #[test]
 fn beyond_the_tip_of_a_face_the_face_is_not_the_closest_feature() {
-    // Over the plane of a face that ends in a corner of 1e-12 radians, 1e-4 beyond the corner: within rounding of both
-    // side planes. Taken for a point over the face it would be 1e-5 away, a tenth of the truth.
+    // Above the plane of a face that ends in a vertex of 1e-12 radians, 1e-4 beyond the vertex:
+    // within rounding of both side planes. As a point above the face, its distance would be 1e-5, a
+    // tenth of the true distance.
     let (sa, sb) = (tip(1e-12), Shape::hull("point", vec![[1e-4, 0.0, 1e-5]]));
     let (a, b) = (body(&sa), body(&sb));
     let truth = exact::solve((&sa).into(), &Pose::IDENTITY, (&sb).into(), &Pose::IDENTITY);

@@ -1,5 +1,5 @@
-//! Promise: bounds, exact distances and predicates hold where distances, their squares, or distances in the unit of a body are
-//! below the normal numbers, for extents from 1e-100 to 1e100.
+//! Promise: bounds, exact distances and predicates hold for subnormal distances, squares or scaled
+//! distances, for extents from 1e-100 to 1e100.
 #![cfg(feature = "exact")]
 
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
@@ -9,7 +9,8 @@ use std::cmp::Ordering;
 use std::sync::Arc;
 use truth::rng::Rng;
 
-/// A tetrahedron with three edges of length `e` along the axes, all rising or all falling, from a vertex at the origin.
+/// Returns a tetrahedron with three edges of length `e` along the axes, all ascending or all
+/// descending, from a vertex at the origin.
 fn corner(e: f64) -> ConvexPolyhedron {
     let o = Point3::origin();
     let points = [
@@ -21,20 +22,22 @@ fn corner(e: f64) -> ConvexPolyhedron {
     ConvexPolyhedron::from_points(&points).unwrap()
 }
 
-/// Two corners, tip to tip, the second moved by `t`: `t` is what is between them.
+/// Returns two such tetrahedra tip to tip, the second moved by `t`, which is the vector between
+/// them.
 fn tips(extents: [f64; 2], t: [f64; 3]) -> (ConvexPolyhedron, ConvexPolyhedron, RelativePose) {
     let pose = RelativePose::from_isometry(&Isometry3::translation(t[0], t[1], t[2])).unwrap();
     (corner(-extents[0]), corner(extents[1]), pose)
 }
 
-/// How `x` compares with the root of `n`, both in units of the least f64; `x` is a small multiple of it.
+/// Compares `x`, a small multiple of the least `f64`, with the root of `n` in units of it.
 fn against_root(x: f64, n: u64) -> Ordering {
     let units = if x <= 0.0 { 0 } else { x.to_bits() };
     assert!(units < 1 << 31, "{x:e} is not subnormal");
     (units * units).cmp(&n)
 }
 
-/// Bounds of bodies of any size hold, as do predicates, where the distance is a few units of the least f64.
+/// Bounds and predicates of bodies of any size hold if the distance is a few units of the least
+/// `f64`.
 #[test]
 fn a_distance_of_a_few_least_numbers_is_bounded() {
     let mut rng = Rng::new(701);
@@ -53,7 +56,8 @@ fn a_distance_of_a_few_least_numbers_is_bounded() {
                 {
                     assert_eq!(o.state == ContactState::Separated, n > 0, "{told} {o:?}");
                     assert_ne!(against_root(o.lower, n), Ordering::Greater, "{told} {o:?}");
-                    // The root of a sum of squares below 2^53 that is no square is off a whole number.
+                    // The root of a sum of squares below 2^53 that is not a square is not a whole
+                    // number.
                     if o.upper.to_bits() < 1 << 31 {
                         assert_ne!(against_root(o.upper, n), Ordering::Less, "{told} {o:?}");
                     }
@@ -72,7 +76,7 @@ fn a_distance_of_a_few_least_numbers_is_bounded() {
     assert_eq!(asked, 640);
 }
 
-/// A plate and a segment that stands off it by less than the least f64.
+/// A plate and a segment whose distance is less than the least `f64`.
 #[test]
 fn bodies_apart_by_less_than_the_least_number_do_not_intersect() {
     for side in [1e-30, 1e-33, 1e-60, 1e-98] {
@@ -101,7 +105,7 @@ fn bodies_apart_by_less_than_the_least_number_do_not_intersect() {
     }
 }
 
-/// The distance of large bodies in their own unit may be below the normal numbers while it is none in the caller's.
+/// The scaled distance of large bodies may be subnormal although it is normal in the caller's unit.
 #[test]
 fn an_exact_distance_of_large_bodies_is_right_to_the_last_bit() {
     let mut rng = Rng::new(702);
@@ -109,7 +113,7 @@ fn an_exact_distance_of_large_bodies_is_right_to_the_last_bit() {
     for e in [1e-33, 1.0, 1e32, 1e98] {
         for exponent in [-980, -880, -700, -640, -600, -400] {
             for _ in 0..10 {
-                // A distance that f64 holds: 2^2 + 3^2 + 6^2 = 7^2.
+                // A distance that `f64` can represent: 2^2 + 3^2 + 6^2 = 7^2.
                 let m = (1 + rng.below(1 << 40)) as f64 * 2f64.powi(exponent - 40);
                 let (a, b, pose) = tips([e, e], [2.0 * m, 3.0 * m, 6.0 * m]);
                 let o = Tracker::new().closest_exact(&a, &b, &pose);
@@ -127,7 +131,7 @@ fn an_exact_distance_of_large_bodies_is_right_to_the_last_bit() {
     assert_eq!(normal, 240);
 }
 
-/// The depth of overlapping bodies of any size, exactly.
+/// The exact depth of overlapping bodies of any size.
 #[test]
 fn a_shallow_depth_is_bounded_in_the_callers_unit() {
     for e in [1e-100, 1e-60, 1e-33, 1.0, 1e33, 1e98] {
@@ -152,7 +156,8 @@ fn a_shallow_depth_is_bounded_in_the_callers_unit() {
     }
 }
 
-/// A length and whether it is at most `d`, for numbers whose squares leave the range; none where rounding may decide.
+/// Returns whether a length is at most `d`, for numbers whose squares leave the range; `None` if
+/// rounding may decide.
 fn is_within(t: [f64; 3], d: f64) -> Option<bool> {
     let up = 2f64.powi(500);
     let [x, y, z] = t.map(|c| c * up);
@@ -161,7 +166,7 @@ fn is_within(t: [f64; 3], d: f64) -> Option<bool> {
     is_clear.then_some(squared < allowed)
 }
 
-/// Points whose distance has a square below the normal numbers.
+/// Returns points whose squared distance is subnormal.
 fn near_points(rng: &mut Rng) -> ([f64; 3], f64) {
     let size = 10f64.powf(rng.range(-165.0, -153.0));
     let t = [0; 3].map(|_| size * rng.range(-1.0, 1.0));

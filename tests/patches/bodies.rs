@@ -8,12 +8,13 @@ use truth::rng::Rng;
 
 pub(crate) const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// The side of a cylinder about z.
+/// Returns the side of a cylinder about z.
 pub(crate) fn tube(r: f64, h: f64) -> BezierSurface {
     revolution(&[&[[r, -h, 1.0], [r, h, 1.0]]]).expect("a cylinder")
 }
 
-/// A torus about z as sixteen rational patches: the radius of the circle of middles, and of the tube.
+/// Returns a torus about z as sixteen rational patches: the radius of the centre circle, and of the
+/// tube.
 pub(crate) fn torus(middle: f64, r: f64) -> BezierSurface {
     let arc = |k: usize| {
         let [(s, c), (t, d)] = [k, k + 1].map(|k| (k as f64 * std::f64::consts::FRAC_PI_2).sin_cos());
@@ -25,14 +26,14 @@ pub(crate) fn torus(middle: f64, r: f64) -> BezierSurface {
     revolution(&arcs).expect("a torus")
 }
 
-/// A vase of 32 patches.
+/// Returns a vase of 32 patches.
 pub(crate) fn vase() -> BezierSurface {
     let curves = truth::nets::vase();
     let curves: Vec<&[[f64; 3]]> = curves.iter().map(Vec::as_slice).collect();
     revolution(&curves).expect("a vase")
 }
 
-/// A bicubic patch over a square of size 2 with bumps.
+/// Returns a bicubic patch over a square of size 2 with bumps.
 pub(crate) fn bumpy(rng: &mut Rng, degrees: [usize; 2], bump: f64) -> BezierPatch {
     let points = grid(rng, degrees, bump);
     BezierPatch::polynomial(degrees, &points).expect("a patch")
@@ -43,7 +44,7 @@ pub(crate) fn grid(rng: &mut Rng, degrees: [usize; 2], bump: f64) -> Vec<Point3<
     points.into_iter().map(Point3::from).collect()
 }
 
-/// Any pose with the origins so far apart.
+/// Returns a random pose with the origins `apart` apart.
 pub(crate) fn place(rng: &mut Rng, apart: f64) -> Isometry3<f64> {
     let direction = Vector3::from(rng.unit());
     let turn = UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * rng.range(0.0, 3.1));

@@ -1,4 +1,4 @@
-//! Surfaces over time: closed forms, dense samples; nothing late, nothing missed.
+//! Surfaces over time: closed forms and dense samples; no late and no missed contact.
 
 use lin_canny::impact::{Impact, Tolerance, cast, cast_within, free_until};
 use lin_canny::motion::{Motion, Steady};
@@ -19,7 +19,7 @@ fn at(a: &Steady, b: &Steady, time: f64) -> RelativePose {
     RelativePose::new(&a.pose(time), &b.pose(time)).expect("a pose")
 }
 
-/// The first time at which two balls whose radii add up to `reach` meet.
+/// Returns the first time at which two balls whose radii add up to `reach` meet.
 fn meeting(from: Vector3<f64>, velocity: Vector3<f64>, reach: f64) -> Option<f64> {
     let (a, b, c) = (
         velocity.norm_squared(),
@@ -90,7 +90,7 @@ fn spheres_meet_on_time() {
     assert!(hits > 10, "{hits}");
 }
 
-/// A ball in a shell meets the shell from within.
+/// A ball in a shell meets the shell from the inside.
 #[test]
 fn hollows_are_no_matter() {
     let shell = sphere(1.0);
@@ -108,7 +108,8 @@ fn hollows_are_no_matter() {
     assert!(free.until > 0.05 && free.until < 0.55, "{free:?}");
 }
 
-/// Patches thrown at shapes of every kind: free up to `safe` by samples, met at the hit.
+/// Patches thrown at shapes of every kind: separated up to `safe` at samples, in contact at the
+/// hit.
 #[test]
 fn patches_meet_shapes_never_late() {
     let mut rng = Rng::new(42);
@@ -154,7 +155,7 @@ fn patches_meet_shapes_never_late() {
     assert!(hits > 60 && misses > 10, "{hits} {misses}");
 }
 
-/// Two patches: the cast agrees with a march in small steps.
+/// Two patches: the cast agrees with small steps.
 #[test]
 fn patches_meet_patches_never_late() {
     let mut rng = Rng::new(43);
@@ -184,7 +185,7 @@ fn patches_meet_patches_never_late() {
                 misses += 1;
                 1.0
             }
-            // The border of a patch that meets a border is no crossing: nothing is said to be free.
+            // A boundary of a patch that meets a boundary is no crossing: no time is proven free.
             Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => {
                 println!("{k}: {:?}", found.impact);
                 safe

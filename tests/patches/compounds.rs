@@ -1,4 +1,4 @@
-//! Surfaces against bodies of convex pieces: piece by piece, over time, in both orders.
+//! Surfaces against compounds: piece by piece, over time, in both orders.
 
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
@@ -10,7 +10,7 @@ use truth::rng::Rng;
 use crate::bodies::{bumpy, place, pose};
 use crate::shapes::{kinds, sampled};
 
-/// Three pieces of other kinds, turned, about the origin.
+/// Returns three pieces of different kinds, rotated, about the origin.
 fn body(rng: &mut Rng, k: usize) -> Compound {
     let shapes = kinds();
     let piece = |i: usize| {
@@ -135,7 +135,7 @@ fn bodies_of_pieces_are_met_on_time_in_both_orders() {
     assert!(hits > 20 && misses > 2, "{hits} {misses}");
 }
 
-/// Poses far beyond the size of the bodies, and numbers that are none.
+/// Poses far beyond the size of the bodies, and invalid numbers.
 #[test]
 fn far_bodies_have_bounds() {
     let mut rng = Rng::new(93);

@@ -8,7 +8,7 @@ use truth::rng::Rng;
 
 use crate::bodies::{place, pose, sphere, tube};
 
-/// Circles of rational patches are round to this, times the radius.
+/// Relative error of the roundness of circles of rational patches.
 const ROUND: f64 = 1e-15;
 
 fn holds(o: &PairOutcome, truth: f64, width: f64) {
@@ -32,7 +32,7 @@ fn spheres_apart_and_one_in_the_other() {
             apart - 1.5,
             1e-9,
         );
-        // One in the hollow of the other, off the middle.
+        // One in the hollow of the other, off its centre.
         let apart = rng.range(0.2, 0.45);
         let at = place(&mut rng, apart);
         let apart = at.translation.vector.norm();

@@ -1,4 +1,4 @@
-//! Saddles, poles, cusps, tangent and crossing surfaces, refused input, budgets.
+//! Saddles, poles, cusps, tangent and crossing surfaces, rejected input, budgets.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use lin_canny::surface::{BezierPatch, BezierSurface, Nurbs, SurfaceError, revolution};
@@ -33,7 +33,8 @@ fn saddles_in_each_other() {
     }
 }
 
-/// A saddle over a flatter one, and a dish in a wider dish: no plane stands between, and narrow intervals are no dearer.
+/// A saddle over a flatter one, and a dish in a wider dish: no plane separates them, and narrow
+/// intervals cost no more.
 #[test]
 fn hollows_and_saddles_cost_no_more_when_narrow() {
     let saddle = [
@@ -57,7 +58,7 @@ fn hollows_and_saddles_cost_no_more_when_narrow() {
                 judge(a, b, &at, &o, 1e-13);
                 assert!(o.is_converged || o.lower == 0.0, "{k} {gap}: {o:?}");
                 splits.push(tracker.work().surfaces.splits);
-                // Warm, and the other way round.
+                // Warm, and in the other order.
                 let again = tracker.closest_with(a, b, &pose(&at), &QueryOptions::new().width(width));
                 let back =
                     PairTracker::new().closest_with(b, a, &pose(&at).swapped(), &QueryOptions::new().width(width));
@@ -72,11 +73,12 @@ fn hollows_and_saddles_cost_no_more_when_narrow() {
     assert!(worst < 1.3, "{worst}");
 }
 
-/// A wall that ends above a floor by less than any interval resolves does not meet the floor, though the wall continued would.
+/// A wall that ends above a floor by less than any interval resolves does not meet the floor,
+/// though the extended wall would.
 #[test]
 fn a_border_that_stops_short_is_no_crossing() {
     let floor = one([2, 2], &square(|_, _| 0.0));
-    // The border that is lowest, z = 0 in its middle, is that of v = 0, v = 1, u = 0 and u = 1 in turn.
+    // The lowest boundary, z = 0 in its middle, is v = 0, v = 1, u = 0 and u = 1 in turn.
     let wall = |side: usize| {
         let at = |k: usize| {
             let (i, j) = (k / 3, k % 3);
@@ -109,7 +111,7 @@ fn a_border_that_stops_short_is_no_crossing() {
     }
 }
 
-/// Control points of a bowl of degree 3.
+/// Returns control points of a bowl of degree 3.
 fn cubic(bend: f64, height: f64) -> Vec<Point3<f64>> {
     let at = |k: usize| {
         let (x, y) = ((k / 4) as f64 / 1.5 - 1.0, (k % 4) as f64 / 1.5 - 1.0);
@@ -137,7 +139,7 @@ fn poles_face_each_other() {
 
 #[test]
 fn cusps_and_points() {
-    // A fold whose rows turn back upon themselves, a patch that is one point, a patch that is a curve.
+    // A fold whose rows turn back, a patch that is a point, a patch that is a curve.
     let fold: Vec<_> = [0.0, 1.0, 2.0]
         .iter()
         .flat_map(|y| [0.0, 1.0, 0.0].map(|x| Point3::new(x, *y, x * x)))
@@ -226,7 +228,7 @@ fn tangent_and_crossing_surfaces() {
 
 #[test]
 fn a_budget_ends_what_has_no_end() {
-    // Two cylinders about one axis are equally far everywhere.
+    // Two coaxial cylinders are equally far everywhere.
     let (a, b) = (tube(1.0, 1.0), tube(0.6, 1.0));
     let mut tracker = PairTracker::new();
     let few = QueryOptions::new().width(1e-9).splits(500);
@@ -247,13 +249,14 @@ fn a_budget_ends_what_has_no_end() {
     }
 }
 
-/// A turn about z by any angle.
+/// Returns a random rotation about z.
 fn about_z(rng: &mut Rng) -> Isometry3<f64> {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), rng.range(-3.0, 3.0));
     Isometry3::from_parts(Vector3::zeros().into(), turn)
 }
 
-/// Two surfaces that are equally far along a curve or over an area, one in the other; their place, and the distance.
+/// Returns two surfaces that are equally far along a curve or over an area, one inside the other,
+/// with their pose and distance.
 fn level(rng: &mut Rng, kind: usize) -> (BezierSurface, BezierSurface, Isometry3<f64>, f64) {
     let (r, part) = (rng.range(0.3, 1.5), rng.range(0.2, 0.999));
     let s = r * part;
@@ -266,7 +269,7 @@ fn level(rng: &mut Rng, kind: usize) -> (BezierSurface, BezierSurface, Isometry3
     }
 }
 
-/// Such pairs end long before their budget, at bounds that hold; warm as well.
+/// Such pairs end long before their budget, with valid bounds; warm too.
 #[test]
 fn surfaces_that_are_level_end_soon() {
     let mut widest = [0.0_f64; 5];
@@ -289,7 +292,7 @@ fn surfaces_that_are_level_end_soon() {
             );
             widest[kind] = widest[kind].max(o.upper - o.lower);
         }
-        // A wide interval is no harder than elsewhere.
+        // A wide interval costs no more than for other pairs.
         assert!(
             tracker
                 .closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(0.3))
@@ -301,7 +304,7 @@ fn surfaces_that_are_level_end_soon() {
     assert!(widest.iter().all(|w| *w < 0.3), "{widest:?}");
 }
 
-/// A patch and the same patch a little higher are close everywhere.
+/// A patch and its slightly raised copy are close everywhere.
 #[test]
 fn a_patch_just_above_itself_is_decided_soon_or_not() {
     for k in 0..6 {
@@ -328,7 +331,7 @@ fn a_patch_just_above_itself_is_decided_soon_or_not() {
             tracker.decide_within(&patch, &patch, &away, 0.0, &QueryOptions::new()),
             Decision::No
         );
-        // Farther up the query may be worth all of its budget, and no more.
+        // Farther up, the query may use all of its budget, and no more.
         let up = rng.log_range(1e-5, 1e-3);
         let before = tracker.work().surfaces.splits;
         let found = tracker.decide_within(
@@ -367,7 +370,7 @@ fn far_and_foreign() {
     assert_eq!((tracker.front_len(), tracker.work()), (0, Default::default()));
 }
 
-/// The mesh of a sphere with vertices on it.
+/// Returns the mesh of a sphere with vertices on it.
 fn globe(n: usize) -> Mesh {
     let mut points = Vec::new();
     for i in 0..=n {

@@ -1,4 +1,4 @@
-//! Promise: intervals of curved surfaces hold the truth and are as narrow as asked.
+//! Promise: intervals of curved surfaces contain the true distance and are as narrow as requested.
 
 mod bodies;
 mod casts;

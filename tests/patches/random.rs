@@ -12,7 +12,7 @@ use truth::rng::Rng;
 use crate::bodies::{grid, place, pose};
 use crate::truth::{Body, Sentence, judge, judge_shape};
 
-/// Kinds of surfaces, all of a size about 2.
+/// Kinds of surfaces, all of size about 2.
 pub(crate) const KINDS: [&str; 8] = [
     "polynomial",
     "rational",
@@ -24,11 +24,11 @@ pub(crate) const KINDS: [&str; 8] = [
     "flat",
 ];
 
-/// How a pair is placed.
+/// Relative positions of a pair.
 pub(crate) const PLACES: [&str; 4] = ["apart", "tangent", "nested", "close"];
 
-/// What is counted: far, near (by 0.01), sharing points as far as intervals tell; wider than asked;
-/// too long for the judge.
+/// Columns of the counts: far, near (within 0.01), sharing points as far as intervals resolve,
+/// wider than requested, too long for the judge.
 const COUNTS: [&str; 5] = ["apart", "near", "zero", "not reached", "not judged"];
 
 fn weights(rng: &mut Rng, count: usize) -> Vec<f64> {
@@ -43,7 +43,7 @@ fn tensor(rng: &mut Rng, degrees: [usize; 2], points: &[Point3<f64>], is_rationa
     }
 }
 
-/// Border or inner points on top of each other: poles, cusps, folds.
+/// Returns a patch with coinciding boundary or inner points: poles, cusps, folds.
 fn cusp(rng: &mut Rng, degrees: [usize; 2]) -> BezierPatch {
     let [p, q] = [degrees[0].max(2), degrees[1].max(2)];
     let mut points = grid(rng, [p, q], 0.8);
@@ -57,7 +57,7 @@ fn cusp(rng: &mut Rng, degrees: [usize; 2]) -> BezierPatch {
     tensor(rng, [p, q], &points, is_rational)
 }
 
-/// Of profiles that begin on the axis: poles and seams.
+/// Returns a surface of revolution with profiles that start on the axis: poles and seams.
 fn revolved(rng: &mut Rng) -> BezierSurface {
     if rng.chance(0.3) {
         return crate::bodies::sphere(rng.range(0.4, 1.0));
@@ -71,7 +71,7 @@ fn revolved(rng: &mut Rng) -> BezierSurface {
     revolution(&[&profile]).expect("a profile")
 }
 
-/// A B-spline of several patches.
+/// Returns a B-spline of several patches.
 fn spline(rng: &mut Rng) -> BezierSurface {
     let degrees = [1 + rng.below(4), 1 + rng.below(4)];
     let counts = degrees.map(|d| d + 1 + rng.below(3));
@@ -80,7 +80,7 @@ fn spline(rng: &mut Rng) -> BezierSurface {
         let inner = count - d - 1;
         let mut last = 0.0;
         for _ in 0..inner {
-            // A knot now and then twice: the surface is less smooth there.
+            // Occasionally a double knot: the surface is less smooth there.
             last += if d > 1 && last > 0.0 && rng.chance(0.3) {
                 0.0
             } else {
@@ -144,10 +144,10 @@ pub(crate) fn surface(rng: &mut Rng, kind: &str) -> BezierSurface {
     BezierSurface::new(vec![patch]).expect("a surface")
 }
 
-/// A random point of a surface with a normal there.
+/// Returns a random point of a surface with its normal.
 pub(crate) fn spot(rng: &mut Rng, s: &BezierSurface) -> (Vector3<f64>, Unit<Vector3<f64>>) {
     let patch = rng.pick(s.patches());
-    // At a border or a corner now and then.
+    // Occasionally at a boundary or a corner.
     let mut side = || {
         if rng.chance(0.15) {
             *rng.pick(&[0.0, 1.0])
@@ -162,14 +162,15 @@ pub(crate) fn spot(rng: &mut Rng, s: &BezierSurface) -> (Vector3<f64>, Unit<Vect
     )
 }
 
-/// A turn that takes one direction to another, with any turn about it.
+/// Returns a rotation that maps one direction to another, with a random rotation about it.
 fn turn(rng: &mut Rng, from: &Vector3<f64>, to: &Vector3<f64>) -> UnitQuaternion<f64> {
     let about = UnitQuaternion::from_axis_angle(&Unit::new_normalize(*to), rng.range(-3.0, 3.0));
     let half = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
     about * UnitQuaternion::rotation_between(from, to).unwrap_or(half)
 }
 
-/// B at A: spots of both opposite each other, so far apart along the normal, tilted by little or nothing.
+/// Puts B at A with two points opposite each other at a gap along the normal, tilted slightly or
+/// not at all.
 fn touching(rng: &mut Rng, [(p, n), (q, m)]: [(Vector3<f64>, Unit<Vector3<f64>>); 2], facing: f64) -> Isometry3<f64> {
     let gap = rng.log_range(1e-11, 0.1);
     let tilt = *rng.pick(&[0.0, 0.0, 1e-9, 1e-4, 0.1]);
@@ -194,7 +195,7 @@ pub(crate) fn placed(rng: &mut Rng, how: &str, spots: [(Vector3<f64>, Unit<Vecto
     }
 }
 
-/// Counts of a row: a kind of surface or shape, or a way to place it.
+/// Counts per kind of surface or shape, or per relative position.
 type Rows<const N: usize> = [[AtomicU64; 5]; N];
 
 fn add<const N: usize>(rows: &Rows<N>, row: usize, of: [bool; 5]) {
@@ -256,7 +257,7 @@ fn surfaces(seed: u64, cases: u64) -> [u64; 5] {
         assert!(o.lower <= o.distance && o.distance <= o.upper, "{}", what());
         assert_eq!(o.is_converged, o.upper - o.lower <= width, "{}", what());
         let sentence = judge(&a, &b, &at, &o, 2e-14 * (4.0 + at.translation.vector.norm()));
-        // Back at the same pose by another way, and exchanged.
+        // Back at the same pose by another path, and exchanged.
         let mut near = at;
         near.translation.vector += Vector3::from(rng.unit()) * rng.log_range(1e-6, 0.1);
         tracker.closest_with(&a, &b, &pose(&near), &QueryOptions::new().width(width));
@@ -349,8 +350,8 @@ fn bounds_hold_on_many_random_shapes() {
     assert!(wide <= 14 && open <= 2, "{wide} {open}");
 }
 
-/// Closest points lie inside patches, at borders, at corners: their surroundings are proven at once
-/// nearly always, and few nodes are split.
+/// Closest points inside patches, at boundaries and at corners: their neighbourhoods are nearly
+/// always proven at once, and few nodes are split.
 #[test]
 fn surroundings_of_the_closest_points_are_proven_at_once() {
     use crate::bodies::bumpy;
@@ -381,7 +382,7 @@ fn surroundings_of_the_closest_points_are_proven_at_once() {
     assert!(sum.regions > 110 && sum.splits < 128 * 40, "{sum:?}");
 }
 
-/// Work of two bicubic patches that tumble by half a degree a frame, cold and tracked.
+/// Prints the work of two bicubic patches that tumble by half a degree per frame, cold and tracked.
 #[test]
 #[ignore = "prints times"]
 fn cost() {

@@ -1,4 +1,5 @@
-//! What changes the numbers of a surface but not the surface changes no answer: intervals overlap.
+//! Changes of the numbers of a surface that do not change the surface change no result: intervals
+//! overlap.
 
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::surface::{BezierPatch, BezierSurface, Nurbs};
@@ -24,12 +25,12 @@ fn one(patch: BezierPatch) -> BezierSurface {
     BezierSurface::new(vec![patch]).expect("a surface")
 }
 
-/// Points and weights of a patch.
+/// Returns points and weights of a patch.
 fn parts(p: &BezierPatch) -> (Vec<Point3<f64>>, Vec<f64>) {
     p.control_points().unzip()
 }
 
-/// The patch with its degree in v raised by one.
+/// Returns the patch with its degree in v raised by one.
 fn raised(p: &BezierPatch) -> BezierPatch {
     let [m, n] = p.degrees();
     let (points, weights) = parts(p);
@@ -72,7 +73,7 @@ fn other_numbers_of_one_surface() {
             &at,
             "u and v exchanged",
         );
-        // A projective change of u: weights times the powers of a number.
+        // A projective change of u: weights times powers of a number.
         let of: Vec<f64> = (0..points.len())
             .map(|k| weights[k] * 1.7_f64.powi((k / (n + 1)) as i32))
             .collect();
@@ -96,8 +97,8 @@ fn other_numbers_of_one_surface() {
 
 #[test]
 fn a_triangle_is_half_of_a_plane_patch() {
-    // A function of degree 2 over a triangle, as a triangular patch and, on the part where x + y <= 1, below
-    // a tensor-product patch that reaches no closer.
+    // A function of degree 2 over a triangle: as a triangular patch, and below a tensor-product
+    // patch that comes no closer on the part with x + y <= 1.
     let f = |x: f64, y: f64| 0.3 * x * x - 0.4 * y * y + 0.2 * x * y;
     // The blossom of f at two corners.
     let blossom = |p: [f64; 2], q: [f64; 2]| 0.3 * p[0] * q[0] - 0.4 * p[1] * q[1] + 0.1 * (p[0] * q[1] + q[0] * p[1]);
@@ -124,7 +125,7 @@ fn a_triangle_is_half_of_a_plane_patch() {
     }
 }
 
-/// A value of a B-spline by its definition (Cox 1972, de Boor 1972).
+/// Returns a value of a B-spline by its definition (Cox 1972, de Boor 1972).
 fn basis(knots: &[f64], i: usize, degree: usize, t: f64) -> f64 {
     if degree == 0 {
         return f64::from(u8::from(knots[i] <= t && t < knots[i + 1]));

@@ -10,7 +10,7 @@ use truth::rng::Rng;
 
 use crate::bodies::{bumpy, place, pose, sphere, tube, vase};
 
-/// Every kind of convex shape, of size about one half.
+/// Returns every kind of convex shape, of size about one half.
 pub(crate) fn kinds() -> Vec<Shape> {
     let axes = Vector3::new(0.5, 0.3, 0.2);
     let made = [
@@ -49,7 +49,7 @@ fn balls_about_a_sphere_and_a_cylinder() {
             apart - 1.25,
             1e-9,
         );
-        // In the hollow, off the middle.
+        // In the hollow, off its centre.
         let inside = rng.range(0.2, 0.7);
         let at = place(&mut rng, inside);
         let apart = at.translation.vector.norm();
@@ -98,7 +98,7 @@ fn a_surface_through_or_within_a_shape_shares_points() {
             );
         }
     }
-    // Touching: neither is said.
+    // Touching: neither answer is proven.
     let ball = Shape::ball(0.5).expect("a ball");
     let mut tracker = PairTracker::new();
     let at = |x: f64| pose(&Isometry3::translation(0.6 * x, 0.8 * x, 0.0));
@@ -128,7 +128,7 @@ fn a_surface_through_or_within_a_shape_shares_points() {
     );
 }
 
-/// The boundary of a polyhedron as flat patches, against what the tracker of shapes says of the solid.
+/// The boundary of a polyhedron as flat patches, against the tracker of the solid.
 #[test]
 fn flat_patches_are_polyhedra() {
     let mut rng = Rng::new(33);
@@ -159,7 +159,7 @@ fn flat_patches_are_polyhedra() {
     assert!(apart > 150, "{apart}");
 }
 
-/// The least distance of a grid of points of a surface, by the tracker of shapes.
+/// Returns the least distance of a grid of points of a surface, by the tracker of shapes.
 pub(crate) fn sampled(a: &BezierSurface, b: &Shape, at: &RelativePose, n: usize) -> f64 {
     let point = Shape::from(ConvexPolyhedron::point(Point3::origin()).expect("a point"));
     let (pose_a, pose_b) = at.poses();
@@ -193,7 +193,7 @@ fn no_sample_is_closer_than_the_lower_bound() {
                 let cold = PairTracker::new().closest_with(&surface, shape, &at, &QueryOptions::new().width(1e-9));
                 assert!(o.lower <= cold.upper && cold.lower <= o.upper, "{k}: {o:?} {cold:?}");
                 assert!(o.lower <= least.max(0.0) + 1e-14, "{k}: {least} {o:?}");
-                // Samples are nowhere farther than some tenth from any point.
+                // Every point of the surface is within about 0.1 of a sample.
                 assert!(o.upper >= least.max(0.0) - 0.15, "{k}: {least} {o:?}");
                 if o.is_converged {
                     assert!(o.upper <= least.max(0.0) + 1e-9, "{k}: {least} {o:?}");

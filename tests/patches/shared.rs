@@ -1,4 +1,5 @@
-//! Trackers that were used for other bodies: their answers are those of new trackers, whatever the numbers of the bodies.
+//! Trackers that were used for other bodies: their results are those of new trackers, for any
+//! numbers of the bodies.
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::surface::{BezierPatch, BezierSurface};
@@ -11,7 +12,7 @@ use crate::shapes::kinds;
 
 const WIDTH: f64 = 1e-6;
 
-/// The surface with one number of one control point changed by some thousandths to tenths.
+/// Returns the surface with one number of one control point changed by thousandths to tenths.
 fn changed(rng: &mut Rng, s: &BezierSurface) -> BezierSurface {
     let mut patches = s.patches().to_vec();
     let which = rng.below(patches.len());
@@ -22,7 +23,7 @@ fn changed(rng: &mut Rng, s: &BezierSurface) -> BezierSurface {
     BezierSurface::new(patches).expect("a surface")
 }
 
-/// Any surface, and another: a little different, or of any kind.
+/// Returns a random surface and another: slightly different, or of any kind.
 fn two(rng: &mut Rng) -> [BezierSurface; 2] {
     let kind = rng.below(KINDS.len());
     let first = surface(rng, KINDS[kind]);
@@ -66,7 +67,7 @@ fn surfaces_of_every_kind_share_a_tracker() {
     }
 }
 
-/// A shape, and another: with another radius, or of any kind.
+/// Returns a shape and another: with another radius, or of any kind.
 fn two_shapes(rng: &mut Rng) -> [Shape; 2] {
     let kinds = kinds();
     let first = rng.pick(&kinds).clone();
@@ -108,7 +109,8 @@ fn is_consistent(x: Decision, y: Decision) -> bool {
     x.as_bool().is_none() || y.as_bool().is_none() || x == y
 }
 
-/// Here a tracker asks the piece first that was closest before, so bounds may differ within their interval.
+/// The tracker queries the previously closest piece first, so bounds may differ within their
+/// interval.
 #[test]
 fn surfaces_and_bodies_of_pieces_share_a_tracker() {
     let mut shared = PairTracker::new();
@@ -138,12 +140,12 @@ fn surfaces_and_bodies_of_pieces_share_a_tracker() {
     }
 }
 
-/// One step of a hash that can be undone: a change of one number is taken back by the next.
+/// One invertible step of a hash: the next step can undo a change of one number.
 fn step(h: u64, x: u64) -> u64 {
     (h ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
 }
 
-/// Two roofs whose tops differ in x and y so that hashes of the second kind agree.
+/// Returns two roofs whose tops differ in x and y so that such hashes collide.
 fn roofs_that_collide(rng: &mut Rng) -> [BezierSurface; 2] {
     let made = |top: [f64; 2]| {
         let mut points: Vec<Point3<f64>> = (0..4)
@@ -165,7 +167,8 @@ fn roofs_that_collide(rng: &mut Rng) -> [BezierSurface; 2] {
     }
 }
 
-/// Two rounded ellipsoids: the radius of the second makes up for all other numbers, if numbers are joined by `xor`.
+/// Returns two rounded ellipsoids with colliding hashes: if numbers are combined by `xor`, the
+/// radius of the second compensates all other numbers.
 fn eggs_that_collide(rng: &mut Rng) -> [Shape; 2] {
     let of = |axes: &Vector3<f64>| {
         [axes.x, axes.y, axes.z, 0.0, 0.0].iter().fold(1, |hash: u64, x| {
@@ -186,8 +189,8 @@ fn eggs_that_collide(rng: &mut Rng) -> [Shape; 2] {
     }
 }
 
-/// Bodies that hashes of invertible steps do not tell apart, found in some thousand tries: the tracker of one does not
-/// take its claims for the other.
+/// Bodies with colliding hashes of invertible steps, found in about a thousand tries: a tracker
+/// does not apply claims of one to the other.
 #[test]
 fn bodies_made_to_be_taken_for_each_other_are_told_apart() {
     let ball = sphere(0.5);

@@ -1,8 +1,8 @@
-//! The judge: a subdivision of its own, in twice the digits of f64.
+//! The judge: an independent subdivision, in double-double.
 //!
-//! The upper bound is judged by the points at the parameters returned. The lower bound by a search that
-//! must prove every pair of parts at least so far apart, along the normal returned, or along the line of
-//! the middles of both parts. f64 decides only what it decides with room to spare.
+//! The points at the returned parameters judge the upper bound. A search judges the lower bound: it
+//! must prove that every pair of parts is at least this far apart, along the returned normal or
+//! along the line of the middles of both parts. `f64` decides only with ample margin.
 
 use std::cell::OnceCell;
 use std::rc::Rc;
@@ -15,24 +15,24 @@ use truth::curved::{Kind, Triple, Wide, dot, matrix, norm, turned, turned_back, 
 
 type Homogeneous = [Wide; 4];
 
-/// Pairs that a judge looks at before it gives up.
+/// Largest number of pairs that the judge tests before it gives up.
 const LOOKS: usize = 600_000;
 
-/// What f64 may be off by on sets of a size of some tens.
+/// Error bound of `f64` on sets of a size of some tens.
 const ROUGH: f64 = 1e-12;
 
 /// A part of a surface, in A's frame.
 struct Part {
     degrees: [usize; 2],
     net: Vec<Homogeneous>,
-    /// The control points, rounded, and a ball about them.
+    /// The rounded control points, and a bounding ball.
     rough: Vec<Vector3<f64>>,
     middle: Vector3<f64>,
     size: f64,
     halves: OnceCell<[Rc<Part>; 2]>,
 }
 
-/// What a judge saw.
+/// Result of the judge.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Sentence {
     Holds,
@@ -57,7 +57,7 @@ fn less(a: &Triple, b: &Triple) -> Triple {
     [0, 1, 2].map(|k| a[k] - b[k])
 }
 
-/// A pose in twice the digits.
+/// A pose in double-double.
 struct Place {
     rotation: [Triple; 3],
     t: Triple,
@@ -93,7 +93,7 @@ impl Part {
         })
     }
 
-    /// The patches of a surface, placed; numbers are those of the surface.
+    /// Returns the patches of a surface at a pose; numbers are those of the surface.
     fn all(surface: &BezierSurface, pose: &Isometry3<f64>) -> Vec<Rc<Self>> {
         let pose = Place::new(pose);
         let placed = |(p, w): (Point3<f64>, f64)| {
@@ -117,7 +117,7 @@ impl Part {
         place(&curve(rows.collect(), at.parameters[0]))
     }
 
-    /// The halves by the direction in which the net is longer.
+    /// Returns the halves along the direction in which the net is longer.
     fn halves(&self) -> &[Rc<Self>; 2] {
         self.halves.get_or_init(|| {
             let [p, q] = self.degrees;
@@ -147,7 +147,7 @@ impl Part {
         })
     }
 
-    /// The greatest height along a direction.
+    /// Returns the support value along a direction.
     fn high(&self, n: &Triple) -> Wide {
         let heights = self.net.iter().map(|h| dot(&place(h), n));
         heights.reduce(Wide::max).expect("a point")
@@ -162,7 +162,7 @@ impl Part {
     }
 }
 
-/// Whether two parts are at least `goal` apart along a direction.
+/// Returns whether two parts are at least `goal` apart along a direction.
 fn is_apart(a: &Part, b: &Part, n: &Vector3<f64>, goal: f64) -> bool {
     let length = n.norm();
     if !(length > 0.0) {
@@ -223,7 +223,7 @@ pub(crate) fn judge(
     Sentence::Holds
 }
 
-/// A convex shape as a judge knows it, at a pose.
+/// A convex shape of the judge, at a pose.
 pub(crate) struct Body {
     pub(crate) kind: Kind,
     pub(crate) round: f64,
@@ -231,7 +231,7 @@ pub(crate) struct Body {
 }
 
 impl Body {
-    /// The support point along a direction.
+    /// Returns the support point along a direction.
     pub(crate) fn top(&self, n: &Vector3<f64>) -> Vector3<f64> {
         let point = ConvexPolyhedron::point(Point3::from(n * 100.0)).expect("a point");
         let at = RelativePose::from_isometry(&Isometry3::identity()).expect("a pose");
@@ -239,7 +239,7 @@ impl Body {
         found.point_on_b.coords
     }
 
-    /// The least height along a direction.
+    /// Returns the least height along a direction.
     fn low(&self, place: &Place, n: &Triple) -> Wide {
         let m = turned_back(&place.rotation, n).map(|x| -x);
         dot(n, &place.t) - self.kind.height(&m) - Wide::from(self.round) * norm(n)
@@ -261,14 +261,15 @@ impl Body {
             return;
         }
         assert!(off <= slack, "a witness {off:e} outside: {o:?}");
-        // By the core: a witness on a rounded shape is as far aside as the normal errs.
+        // By the core: a witness on a rounded shape is sideways by the error of the normal.
         let between = norm(&less(&place.of(&core), p)).0 - self.round;
         assert!(between <= o.upper + slack, "witnesses are {between:e} apart: {o:?}");
     }
 }
 
-/// Judges an outcome; panics if a bound is wrong by more than `slack`. Directions, and points that would
-/// refute a bound, are those of the tracker of shapes.
+/// Judges an outcome; panics if a bound is wrong by more than `slack`.
+///
+/// The tracker of shapes supplies the directions and the points that might refute a bound.
 pub(crate) fn judge_shape(a: &BezierSurface, b: &Body, pose: &Isometry3<f64>, o: &PairOutcome, slack: f64) -> Sentence {
     let (parts, place) = (Part::all(a, &Isometry3::identity()), Place::new(pose));
     b.judge_witnesses(

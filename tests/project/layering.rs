@@ -1,24 +1,26 @@
-//! Promise: the source keeps its layers. Reads `src/**` as text; what a compiler checks is left to it.
+//! Promise: the source respects its layers. The test reads `src/**` as text, and checks nothing
+//! that a compiler checks.
 //!
-//! Formatting is `rustfmt`'s, so a function ends at the first line that is its closing brace at its own indent.
+//! `rustfmt` formats the source, so a function ends at the first closing brace at its indentation.
 
 use std::path::{Path, PathBuf};
 
-/// Files of more lines are listed, tests inside them included.
+/// Files with more lines are listed, including their tests.
 const FILE: usize = 800;
 
-/// Functions of more lines are listed.
+/// Functions with more lines are listed.
 const FUNCTION: usize = 100;
 
 /// One source file.
 struct Source {
-    /// Its path below `src`, with `/`, without the room in which its layer stands.
+    /// Path below `src`, with `/`, without the top-level module of its layer.
     name: String,
     text: String,
 }
 
 impl Source {
-    /// The code without comments, documentation and the tests at the end, with line numbers from 1.
+    /// Returns the code with line numbers from 1, without comments, documentation and the tests at
+    /// the end.
     fn code(&self) -> impl Iterator<Item = (usize, &str)> {
         let lines = self
             .text
@@ -41,7 +43,7 @@ fn sources() -> Vec<Source> {
     all
 }
 
-/// The sources of the library and of the planner.
+/// Returns the sources of the library and of the planner.
 fn with_planner() -> Vec<Source> {
     let planner = below("crates/plan/src").into_iter().map(|s| Source {
         name: format!("plan/{}", s.name),
@@ -75,7 +77,7 @@ fn below(folder: &str) -> Vec<Source> {
     rust.map(source).collect()
 }
 
-/// The rooms of the ground floor, lowest first, and the layers of those that hold several.
+/// The top-level modules, lowest first, and the layers of those with several.
 const ROOMS: &[(&str, &[&str])] = &[
     ("base", &["tolerance", "callbacks", "num", "pose", "motion"]),
     ("body", &["polyhedron", "shape"]),
@@ -104,7 +106,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("scene", &[]),
 ];
 
-/// The path of a file or of a module from its layer on.
+/// Returns the path of a file or of a module, starting at its layer.
 fn layer_of(path: &str) -> &str {
     let Some((room, rest)) = path.split_once('/') else {
         return path;
@@ -116,12 +118,12 @@ fn layer_of(path: &str) -> &str {
     if stands { rest } else { path }
 }
 
-/// Fails with all of them if there are any.
+/// Fails with the whole list if it is not empty.
 fn none(what: &str, found: Vec<String>) {
     assert!(found.is_empty(), "{what}:\n  {}", found.join("\n  "));
 }
 
-/// Lines of code of the files picked that hold one of the words.
+/// Returns the lines of code in the selected files that contain one of the words.
 fn holding(words: &[&str], pick: impl Fn(&Source) -> bool) -> Vec<String> {
     let mut found = Vec::new();
     for s in sources().iter().filter(|s| pick(s)) {
@@ -132,7 +134,7 @@ fn holding(words: &[&str], pick: impl Fn(&Source) -> bool) -> Vec<String> {
     found
 }
 
-/// Whether `word` stands in the line, not as a part of a longer name.
+/// Returns whether `word` is in the line, not as a part of a longer name.
 fn has_word(line: &str, word: &str) -> bool {
     let of_name = |c: char| c.is_alphanumeric() || c == '_';
     line.match_indices(word).any(|(k, _)| {
@@ -144,8 +146,9 @@ fn has_word(line: &str, word: &str) -> bool {
     })
 }
 
-/// Prints files of more than 800 lines and functions of more than 100, and never fails: a file is as long as its idea, and
-/// `cargo test --test project -- --nocapture lengths` shows where two ideas may share one.
+/// Prints files of more than 800 lines and functions of more than 100, and never fails.
+///
+/// `cargo test --test project -- --nocapture lengths` shows files that may contain two topics.
 #[test]
 fn lengths_are_listed() {
     for s in with_planner() {
@@ -168,7 +171,8 @@ fn lengths_are_listed() {
     }
 }
 
-/// The modules of the crate that the code of a folder may name, lowest layer first. A file in no row fails the test.
+/// The modules of the crate that the code of a folder may use, lowest layer first. A file without a
+/// row fails the test.
 const MAY_USE: &[(&str, &[&str])] = &[
     ("tolerance", &[]),
     ("callbacks", &["callbacks"]),
@@ -176,14 +180,14 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("pose", &["callbacks", "tolerance", "num"]),
     // Poses, velocities and displacements: no shape.
     ("motion", &["tolerance", "num", "pose", "motion"]),
-    // The box of a posed polyhedron turns by the matrix of a pose.
+    // The box of a posed polyhedron rotates by the matrix of a pose.
     ("polyhedron", &["callbacks", "tolerance", "num", "pose", "polyhedron"]),
     // Geometry alone: cores, radii, supports.
     ("shape", &["tolerance", "num", "pose", "polyhedron", "shape"]),
     // Two posed shapes, the outcome and the certificate: no solver.
     ("pair", &["tolerance", "num", "pose", "polyhedron", "pair"]),
     ("soundness", &["tolerance", "num", "pose", "polyhedron", "pair"]),
-    // The walk knows no solver.
+    // The walk uses no solver.
     ("walk", &["tolerance", "num", "pose", "polyhedron", "pair", "walk"]),
     (
         "minimum",
@@ -204,7 +208,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "solve",
         ],
     ),
-    // Depth neither walks nor asks the ladder: an overlap is proven before.
+    // Depth uses neither the walk nor the solver ladder: an overlap is proven before.
     (
         "depth",
         &[
@@ -218,7 +222,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "depth",
         ],
     ),
-    // Contacts begin with an outcome, whichever solver found the outcome.
+    // Contacts start from an outcome, of any solver.
     (
         "contact",
         &["tolerance", "num", "pose", "motion", "polyhedron", "pair", "contact"],
@@ -262,7 +266,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "smooth",
         ],
     ),
-    // The state of a pair of shapes between queries: a tracker of cores, or the state of the curved solver.
+    // The state of a pair of shapes between queries: a tracker of cores, or the state of the curved
+    // solver.
     (
         "shape_tracker",
         &[
@@ -279,7 +284,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "smooth",
         ],
     ),
-    // A pair of any shapes over time: the plane knows no shape, the pair of polyhedra a tracker.
+    // A pair of any shapes over time: the separating plane uses no shape, the pair of polyhedra a
+    // tracker.
     (
         "separation",
         &[
@@ -296,7 +302,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "separation",
         ],
     ),
-    // Time of impact: motions and the seam, no shape.
+    // Time of impact: motions and the interface of a pair, no shape.
     (
         "impact",
         &[
@@ -312,7 +318,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ),
     // Ids, ticks and bounds only.
     ("schedule", &["tolerance"]),
-    // Meshes and bodies of pieces: leaves are asked by trackers.
+    // Meshes and compounds: trackers query their leaves.
     (
         "nonconvex",
         &[
@@ -333,7 +339,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "nonconvex",
         ],
     ),
-    // Curved surfaces: nets, the minimum-norm solver on their points; meshes are surfaces too.
+    // Curved surfaces: nets, with the minimum-norm solver on their points; meshes are converted
+    // too.
     (
         "surface",
         &[
@@ -351,7 +358,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "surface",
         ],
     ),
-    // A shape of any kind.
+    // A geometry of any kind.
     (
         "geometry",
         &[
@@ -456,7 +463,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// The ground floor has ten rooms at most, and a layer stands in a room no higher than those that use it.
+/// There are at most ten top-level modules, and no layer is in a module above the modules that use
+/// it.
 #[test]
 fn rooms_stand_in_order() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
@@ -490,7 +498,7 @@ fn rooms_stand_in_order() {
     assert!(order.is_sorted(), "{order:?}");
 }
 
-/// The layers in the first column of the table of ARCHITECTURE.md.
+/// Returns the layers in the first column of the table of ARCHITECTURE.md.
 fn layers_told() -> Vec<String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(root.join("ARCHITECTURE.md")).expect("ARCHITECTURE.md is text");
@@ -507,7 +515,7 @@ fn layers_told() -> Vec<String> {
         .collect()
 }
 
-/// A layer uses those before it, and ARCHITECTURE.md tells them in this order.
+/// A layer uses only the layers before it, and ARCHITECTURE.md lists them in this order.
 #[test]
 fn layers_stand_in_order() {
     let names: Vec<&str> = MAY_USE.iter().map(|(name, _)| *name).collect();
@@ -545,7 +553,8 @@ fn data_flows_one_way() {
                 let of_path = |c: &char| c.is_alphanumeric() || *c == '_' || *c == ':';
                 let path: String = rest.chars().take_while(of_path).collect::<String>().replace("::", "/");
                 let module = layer_of(&path).split('/').next().unwrap_or("").to_owned();
-                // Types named at the root are those of bodies and poses; a layer above is never one of them.
+                // Types named at the root are those of bodies and poses; a higher layer is never
+                // one of them.
                 let root = module.is_empty() || module.starts_with(char::is_uppercase);
                 if root || !allowed.contains(&module.as_str()) {
                     found.push(format!("{}:{k}: {}", s.name, line.trim()));
@@ -565,7 +574,7 @@ fn topology_knows_no_place() {
     );
 }
 
-/// The walk, its solvers and manifolds allocate nothing. Exact integers do.
+/// The walk, its solvers and manifolds allocate nothing, except for exact integers.
 #[test]
 fn queries_allocate_nothing_and_call_no_trait_object() {
     let folders = ["pair", "walk", "minimum", "solve", "contact"];
@@ -606,8 +615,8 @@ fn foreign_mathematics_stays_outside() {
     none("types of other engines", holding(&words, |s| !s.is_in("interop")));
 }
 
-/// No `1e-9` and no `1.000_01` anywhere but in the file of tolerances: every small number is a formula in machine
-/// epsilon.
+/// Numbers such as `1e-9` and `1.000_01` occur only in the file of tolerances: every small number
+/// is a formula in machine epsilon.
 #[test]
 fn tolerances_are_in_one_file() {
     let mut found = Vec::new();
@@ -621,7 +630,7 @@ fn tolerances_are_in_one_file() {
     none("tolerances outside tolerance.rs", found);
 }
 
-/// Whether a line of code holds a small number or a number next to one.
+/// Returns whether a line of code contains a small number, or a number next to one.
 fn holds_tolerance(line: &str) -> bool {
     let code: String = line.split('"').step_by(2).collect(); // without the texts of messages
     let small = code.match_indices("e-").any(|(k, _)| {
@@ -659,7 +668,7 @@ fn small_numbers_are_recognised() {
     }
 }
 
-/// Columns of a line that holds a comment and nothing else. Rows of tables cannot be wrapped.
+/// Columns of a line with only a comment. Rows of tables cannot be wrapped.
 const COMMENT: usize = 100;
 
 #[test]

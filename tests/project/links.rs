@@ -1,8 +1,8 @@
-//! Promise: no page of the repository names a file that is not there.
+//! Promise: no page of the repository refers to a file that does not exist.
 
 use std::path::{Path, PathBuf};
 
-/// Folders that hold no pages of ours.
+/// Folders without pages of this repository.
 const SKIPPED: [&str; 3] = ["target", ".git", "node_modules"];
 
 fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -17,7 +17,7 @@ fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The targets of the links of a page, without those of code blocks and code spans.
+/// Returns the targets of the links of a page, without those in code blocks and code spans.
 fn links(text: &str) -> Vec<String> {
     let mut found = Vec::new();
     for (k, block) in text.split("```").enumerate() {
@@ -40,7 +40,7 @@ fn links_of_all_pages_lead_to_files() {
         let text = std::fs::read_to_string(page).expect("a page is text");
         for link in links(&text) {
             let target = link.split('#').next().unwrap_or_default();
-            // Items of the library are checked by rustdoc.
+            // rustdoc checks the items of the library.
             let is_elsewhere = target.is_empty() || target.contains("://") || target.contains("::");
             seen += usize::from(!is_elsewhere);
             if !is_elsewhere && !page.parent().expect("a folder").join(target).exists() {
@@ -52,7 +52,7 @@ fn links_of_all_pages_lead_to_files() {
     assert!(missing.is_empty(), "{}", missing.join("\n"));
 }
 
-/// Paths in code spans: `crates/...`, `lab/...`, `tests/...` and the like name what is there.
+/// Paths in code spans exist: `crates/...`, `lab/...`, `tests/...` and the like.
 #[test]
 fn paths_in_pages_exist() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -78,7 +78,7 @@ fn paths_in_pages_exist() {
                 && !span.contains([' ', '*', '{', '<', '\n'])
                 && !span.contains("DATE");
             let path = span.trim_end_matches(['.', ',']).split('#').next().unwrap_or_default();
-            // A page of a package names its own folders, too.
+            // A page of a package may also name its own folders.
             let is_there = || {
                 page.ancestors()
                     .skip(1)

@@ -1,17 +1,19 @@
-//! Promise: the lock files of the workspaces beside the core hold what the manifests of this repository ask for. Their builds run with
-//! `--locked`, so a dependency that a member has gained since then would stop them.
+//! Promise: the lock files of the workspaces outside the core contain what the manifests of this
+//! repository require.
+//!
+//! Their builds run with `--locked`, so a dependency added to a member would stop them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// The workspaces beside the core.
+/// The workspaces outside the core.
 const WORKSPACES: [&str; 4] = ["crates/python", "crates/rerun", "crates/study", "crates/viewer"];
 
 fn read(name: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
-/// The text of a manifest by the name of its package.
+/// Returns the text of each manifest by the name of its package.
 fn manifests() -> BTreeMap<String, String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let below = ["crates", "lab"].into_iter().flat_map(|folder| {
@@ -29,7 +31,7 @@ fn quoted(line: &str) -> Option<String> {
     Some(line.split('"').nth(1)?.to_owned())
 }
 
-/// The names under `[dependencies]` of a manifest that no feature has to ask for.
+/// Returns the names under `[dependencies]` of a manifest that need no feature.
 fn dependencies(manifest: &str) -> BTreeSet<String> {
     let lines = manifest.lines().skip_while(|l| *l != "[dependencies]").skip(1);
     let keys = lines
@@ -39,7 +41,7 @@ fn dependencies(manifest: &str) -> BTreeSet<String> {
     names.filter(|n| !n.starts_with('#')).map(str::to_owned).collect()
 }
 
-/// The packages of a lock file that come from no registry, each with the names that it depends on.
+/// Returns the packages of a lock file that come from no registry, each with its dependencies.
 fn locked(lock: &str) -> BTreeMap<String, BTreeSet<String>> {
     let packages = lock.split("[[package]]").skip(1).filter(|p| !p.contains("\nsource = "));
     let named = packages.filter_map(|p| Some((quoted(p.lines().find(|l| l.starts_with("name = "))?)?, p)));
@@ -58,7 +60,7 @@ fn locks_hold_what_the_manifests_ask_for() {
         let packages = locked(&read(&format!("{workspace}/Cargo.lock")));
         assert!(packages.contains_key("lin-canny"), "{workspace}: {packages:?}");
         for (name, has) in &packages {
-            // A package below a workspace's folder is not asked for by another one.
+            // A workspace does not use packages below the folder of another workspace.
             let Some(manifest) = manifests.get(name) else {
                 continue;
             };

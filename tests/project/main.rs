@@ -1,4 +1,4 @@
-//! Promise: the source, the README and the lock files are what they say they are.
+//! Promise: the source, the README and the lock files are consistent.
 
 mod errors;
 mod layering;

@@ -1,4 +1,4 @@
-//! Promise: the README shows the example `hello` as it is, and every file it points to is there.
+//! Promise: the README shows the example `hello` verbatim, and every file that it links exists.
 
 use std::path::Path;
 
@@ -46,8 +46,8 @@ fn files_of_the_readme_exist() {
         .for_each(|name| assert!(!bytes(name).is_empty(), "{name} is empty"));
 }
 
-/// Every `cargo ... --test NAME`, `--example NAME` and `--bin NAME` of the README and of BENCHMARKS.md names one that exists in a
-/// package of the workspace.
+/// Every `cargo ... --test NAME`, `--example NAME` and `--bin NAME` of the README and of
+/// BENCHMARKS.md exists in a package of the workspace.
 #[test]
 fn commands_of_the_readme_exist() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -67,7 +67,7 @@ fn commands_of_the_readme_exist() {
     assert!(seen > 20, "{seen}");
 }
 
-/// Every example of the table of examples exists, and every example stands in the table.
+/// Every example of the table of examples exists, and the table lists every example.
 #[test]
 fn the_table_of_examples_is_complete() {
     let readme = read("README.md");
@@ -99,7 +99,8 @@ fn the_table_of_examples_is_complete() {
 /// Columns of a line of code that the documentation site shows without a scroll bar.
 const CODE: usize = 80;
 
-/// Lines of Rust in the documentation of a source file: line number and text, without hidden lines.
+/// Returns the lines of Rust in the documentation of a source file: line number and text, without
+/// hidden lines.
 fn doc_code(text: &str) -> Vec<(usize, String)> {
     let (mut is_code, mut is_rust, mut found) = (false, false, vec![]);
     for (line, number) in text.lines().zip(1..) {
@@ -148,7 +149,7 @@ fn code_of_the_documentation_is_narrow_and_needs_no_other_crate() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// The rows of all tables under a header, without the markup of links.
+/// Returns the rows of all tables under a header, without the markup of links.
 fn rows(text: &str, header: &str) -> Vec<String> {
     let lines = text.lines().map(|l| l.trim_start_matches("//! "));
     let (mut rows, mut is_table) = (vec![], false);

@@ -1,4 +1,5 @@
-//! Promise: what is no pose and no call of a scene is refused by name. These tests need no other crate of the checkout.
+//! Promise: invalid poses and calls of a scene are rejected with a named error. These tests need no
+//! other crate of the checkout.
 
 mod poses;
 mod scenes;

@@ -1,5 +1,5 @@
-//! Promise: a pose whose rotation is off its norm is refused by `new`, with a text that says how to mend it, and accepted
-//! by `new_normalized`; a rotation without a direction is refused by both.
+//! Promise: `new` rejects a pose whose rotation is not normalised, with a text that states the
+//! remedy, and `new_normalized` accepts it; both reject a rotation without a direction.
 
 use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{PoseError, RelativePose, Tracker, normalize_rotation, polyhedron::solids};
@@ -13,7 +13,7 @@ fn pose(w: f64, i: f64, j: f64, k: f64) -> Isometry3<f64> {
 fn an_integrated_rotation_is_accepted_when_normalised() {
     let step = UnitQuaternion::from_scaled_axis(Vector3::new(0.01, 0.02, 0.03));
     let mut rotation = UnitQuaternion::identity();
-    // The drift of products without normalisation: some 1e-16 each.
+    // The drift of products without normalisation: about 1e-16 each.
     for _ in 0..40_000 {
         rotation = UnitQuaternion::new_unchecked(rotation.into_inner() * step.into_inner());
     }

@@ -1,4 +1,4 @@
-//! Promise: a refused call of a scene names what was wrong and changes nothing.
+//! Promise: a rejected call of a scene names the fault and changes nothing.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
@@ -16,7 +16,7 @@ fn at(x: f64, y: f64, z: f64) -> Isometry3<f64> {
     Isometry3::translation(x, y, z)
 }
 
-/// A moving cube and a fixed one that overlap, and the id of a body that was removed.
+/// A moving cube and a fixed one that overlap, and the id of a removed body.
 struct Stage {
     scene: Scene,
     group: Group,
@@ -123,7 +123,7 @@ fn distances_and_options_that_are_none_are_refused() {
         let distance = none.distance(d);
         let manifold = none.manifold(ManifoldOptions::with_prediction(d));
         for queries in [within, manifold, distance] {
-            // A distance may be asked for however far bodies are.
+            // A distance may be requested at any range.
             if d != f64::INFINITY || queries.distance.is_none() {
                 assert!(matches!(
                     scene.set_queries(g, g, queries),
@@ -169,7 +169,7 @@ fn velocities_and_times_that_are_none_are_refused() {
     stage.assert_unchanged();
 }
 
-/// Where one body cannot move, none does, those before it neither.
+/// If one body cannot move, none moves, not even the bodies before it.
 #[test]
 fn an_advance_moves_all_bodies_or_none() {
     let mut stage = Stage::new();

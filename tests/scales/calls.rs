@@ -1,5 +1,7 @@
-//! Every public query, asked of a scene in units from `2^-330` to `2^330`: the answer is the answer in the unit 1,
-//! times the power of two, bit for bit or, where a row says so, in its bounds.
+//! Every public query on a scene in units from `2^-330` to `2^330`.
+//!
+//! The result is that of unit 1 times the power of two: bit for bit or, if a row says so, within
+//! its bounds.
 
 mod moving;
 mod named;
@@ -18,25 +20,24 @@ use truth::support::body;
 
 const CASES: u64 = 2;
 
-/// The exponents of the units: the ends, both sides of the borders between the units in which bodies are stored, and
-/// some between.
+/// Exponents of the units: the ends, both sides of the storage limits of bodies, and some between.
 const EXPONENTS: [i32; 19] = [
     -330, -316, -315, -272, -211, -210, -106, -105, -40, 1, 40, 80, 104, 105, 190, 210, 314, 315, 330,
 ];
 
 type Range = std::ops::RangeInclusive<i32>;
 
-/// Everything.
+/// All units.
 const ALL: Range = -330..=330;
 
-/// Velocities of a few sizes a unit of time are accepted up to 1e100.
+/// Velocities of a few sizes per unit of time are accepted up to 1e100.
 const CASTS: Range = -330..=324;
 
 /// Control points are accepted up to `2^200`.
 const SURFACES: Range = -211..=198;
 
-/// Bodies of one scene that differ in size, or are made of parts, are stored in one unit in the middle of a range of
-/// `2^210`; beyond, other arithmetic may answer, and only the bounds are the same.
+/// Bodies of one scene that differ in size, and compounds, are stored in one unit in the middle of
+/// a range of `2^210`. Beyond it, other arithmetic may answer, and only the bounds agree.
 const MIDDLE: Range = -90..=90;
 
 /// Boxes are stored in single precision, whose normal numbers are from `2^-126` to `2^127`.
@@ -45,7 +46,7 @@ const BOXES: Range = -110..=110;
 /// Coordinates of scenes are at most 1e37.
 const SCENES: Range = -110..=110;
 
-/// A part of an answer, lengths in the unit of the scene.
+/// A part of a result, with lengths in the unit of the scene.
 #[derive(Debug, PartialEq)]
 enum Word {
     /// Lower and upper bound of one number.
@@ -54,7 +55,7 @@ enum Word {
 }
 
 impl Word {
-    /// Whether two bounds hold one number.
+    /// Returns whether two intervals overlap.
     fn agrees(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Bounds(what, [low, high]), Self::Bounds(of, [lower, upper])) => {
@@ -65,13 +66,13 @@ impl Word {
     }
 }
 
-/// A scene in a unit: every length of it is a multiple of the unit.
+/// A scene in a unit: all its lengths are multiples of the unit.
 struct Scene {
     unit: f64,
     told: Vec<Word>,
 }
 
-/// A row: what is asked, in which units, and in which of these the answer has the same bits.
+/// A row: the query, its units, and the units in which the result has the same bits.
 type Row = (&'static str, Range, Range, fn(&mut Scene, &mut Rng));
 
 const ROWS: [Row; 21] = [
@@ -103,7 +104,7 @@ const ROWS: [Row; 21] = [
     ("scenes", SCENES, MIDDLE, worlds::scenes),
 ];
 
-/// Asks every row in every unit of its range.
+/// Runs every row in every unit of its range.
 #[test]
 fn every_query_scales_by_powers_of_two() {
     let ask = |row: fn(&mut Scene, &mut Rng), exponent: i32, case: u64| {
@@ -135,7 +136,7 @@ fn every_query_scales_by_powers_of_two() {
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 
-/// The first words that differ, or the numbers of words.
+/// Returns the first words that differ, or the numbers of words.
 fn first_fault<'a>(
     plain: impl Iterator<Item = &'a Word> + Clone,
     found: impl Iterator<Item = &'a Word> + Clone,
@@ -147,10 +148,10 @@ fn first_fault<'a>(
     differing.or_else(|| (counts.0 != counts.1).then(|| format!("{counts:?} words")))
 }
 
-/// Distances of the origins: deep, shallow, near contact, apart, far.
+/// Distances of the origins: deep, shallow, near contact, separated, far.
 const APART: [f64; 7] = [0.1, 0.9, 1.6, 1.75, 1.9, 2.5, 9.0];
 
-/// Distances asked about.
+/// Distances of the queries.
 const WITHIN: [f64; 4] = [0.0, 0.05, 0.3, 2.0];
 
 fn hulls(scene: &mut Scene, rng: &mut Rng) {
@@ -190,7 +191,7 @@ fn hulls(scene: &mut Scene, rng: &mut Rng) {
     }
 }
 
-/// Geometries of every kind that has no limit of its own, all pairs in both orders.
+/// Geometries of every kind without a separate limit, all pairs in both orders.
 fn geometries(scene: &mut Scene, rng: &mut Rng) {
     let unit = scene.unit;
     let hull = scene.round(rng, 12);
@@ -226,7 +227,7 @@ fn geometries(scene: &mut Scene, rng: &mut Rng) {
     }
 }
 
-/// Thin boxes, of whose sides several may be nearer than the facet of a local depth, from pose to pose.
+/// Thin boxes: several sides may be nearer than the facet of a local depth, from pose to pose.
 fn local_depths(scene: &mut Scene, rng: &mut Rng) {
     let [a, b] = [[0.3, 1.0, 1.0], [0.11, 0.11, 1.1]].map(|half| {
         let shape = shapes::cuboid(half);
@@ -277,7 +278,7 @@ fn half_spaces(scene: &mut Scene, rng: &mut Rng) {
     }
 }
 
-/// One shape of each kind.
+/// Returns one shape of each kind.
 fn curved(scene: &Scene) -> Vec<Shape> {
     let u = scene.unit;
     let axes = Vector3::new(1.0, 0.7, 0.5) * u;
@@ -324,7 +325,7 @@ fn shape_pairs(scene: &mut Scene, rng: &mut Rng) {
     }
 }
 
-/// A round body with a dent.
+/// Returns a round body with a dent.
 fn dented(scene: &Scene, rng: &mut Rng) -> Mesh {
     let hull = scene.round(rng, 24);
     let mut points: Vec<_> = hull.vertex_points().collect();
@@ -362,7 +363,7 @@ fn meshes(scene: &mut Scene, rng: &mut Rng) {
     }
 }
 
-/// The contacts of bodies of patches.
+/// Contacts of bodies of convex patches.
 fn patches(scene: &mut Scene, rng: &mut Rng) {
     let bodies = [dented(scene, rng), dented(scene, rng)].map(ConvexPatches::from_mesh);
     let pieces = [compound(scene, rng), compound(scene, rng)].map(ConvexPatches::from_compound);
@@ -411,7 +412,7 @@ fn fits(scene: &mut Scene, rng: &mut Rng) {
         let hull = mesh.hull().expect("a hull");
         let fit = mesh.hull_fit(&hull);
         scene.bounds("gap", fit.gap_lower, fit.gap_upper);
-        // Up to 2^990, a volume is a number.
+        // Up to 2^990, a volume is finite.
         let cubed = scene.unit * scene.unit * scene.unit;
         scene.plain("volume", (fit.hull_volume / cubed, mesh.volume() / cubed));
         scene.lengths("centroid", mesh.centroid().iter().copied());
@@ -459,7 +460,7 @@ fn pieces<'g>(scene: &mut Scene, rng: &mut Rng, a: impl Into<GeometryRef<'g>>, b
     }
 }
 
-/// A square of bumps, two units wide.
+/// Returns a square of bumps, two units wide.
 fn bumpy(scene: &Scene, rng: &mut Rng) -> BezierSurface {
     let points = scene.points(&truth::nets::bumps(rng, [2, 2], 0.5));
     let patch = BezierPatch::polynomial([2, 2], &points).expect("a patch");

@@ -1,11 +1,11 @@
-//! Pairs of curved shapes at powers of two: bit for bit where all are solved in the caller's unit, and where all are
-//! solved in their own.
+//! Pairs of curved shapes at powers of two: bit for bit where all are solved in the caller's unit,
+//! and where all are solved in a scaled unit.
 
 use lin_canny::nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::{ContactState, Geometry, PairTracker, RelativePose, Shape};
 use truth::rng::Rng;
 
-/// A pair as drawn: kinds, measures, a rotation and a translation.
+/// A drawn pair: kinds, sizes, a rotation and a translation.
 struct Pair {
     kinds: [usize; 2],
     measures: [[f64; 3]; 2],
@@ -28,7 +28,7 @@ impl Pair {
         }
     }
 
-    /// Class, distance and both bounds at a scale, in the unit of the pair as drawn.
+    /// Returns contact state, distance and both bounds at a scale, in the unit of the drawn pair.
     fn answer(&self, exponent: i32) -> (ContactState, [f64; 3]) {
         let (unit, back) = (2f64.powi(exponent), 2f64.powi(-exponent));
         let shape = |k: usize| {

@@ -1,5 +1,5 @@
-//! Promise: no absolute tolerance: the answer scales with the scene, whatever its unit, its place and the ratio of its
-//! bodies.
+//! Promise: there is no absolute tolerance: the result scales with the scene, for any unit,
+//! position and size ratio.
 
 mod calls;
 mod curved;
@@ -25,7 +25,7 @@ fn pairs(rng: &mut Rng) -> Vec<(Shape, Shape, Vec<Frame>)> {
     (0..40).map(|_| pair()).collect()
 }
 
-/// `x` is `y` times the power of two, bit for bit.
+/// Asserts that `x` is `y` times the power of two, bit for bit.
 fn is_scaled(x: &Outcome, y: &Outcome, by: f64) {
     let at = |o: &Outcome, s: f64| {
         let points = o
@@ -48,14 +48,14 @@ fn is_scaled(x: &Outcome, y: &Outcome, by: f64) {
     assert_eq!(at(x, 1.0), at(y, by), "scaled by {by:e}");
 }
 
-/// Bodies are stored in units of `2^(210 k)`: which one, by half the diagonal of the box.
+/// Returns k of the storage unit `2^(210 k)` of a body, from half the diagonal of its box.
 fn window(body: &ConvexPolyhedron) -> i32 {
     let (low, high) = body.aabb();
     (((high - low).norm() * 0.5).log2().floor() as i32 + 105).div_euclid(210)
 }
 
-/// Bit for bit where both bodies are stored in one unit; where a scale puts them on both sides of a border between two
-/// units, another solver may answer, and only contact state and bounds are the same.
+/// Bit for bit if both bodies are stored in one unit; if a scale puts them on both sides of a
+/// storage limit, another solver may answer, and only contact state and bounds agree.
 #[test]
 fn powers_of_two_change_no_bit() {
     let (mut separated, mut bordering) = (0, 0);
@@ -90,7 +90,8 @@ fn powers_of_two_change_no_bit() {
 fn extents_from_1e_minus_100_to_1e100() {
     let mut separated = 0;
     for (a, b, frames) in pairs(&mut Rng::new(602)) {
-        // Some sizes are no powers of two, so bodies are rounded: the exact oracle sees the rounded ones.
+        // Some sizes are not powers of two, so bodies are rounded: the exact oracle gets the
+        // rounded ones.
         for by in [1e-99, 1e-60, 1e-13, 1e13, 1e60, 1e99] {
             let (a, b) = (a.clone().scaled(by), b.clone().scaled(by));
             let (body_a, body_b) = (body(&a), body(&b));
@@ -111,7 +112,8 @@ fn extents_from_1e_minus_100_to_1e100() {
     assert!(separated > 800, "{separated}");
 }
 
-/// Lower bound, distance and upper bound in order with the gap the normal proves and the one the witnesses attain.
+/// Asserts the order of lower bound, distance and upper bound with the gap that the normal proves
+/// and the distance that the witnesses attain.
 fn proved(a: &Shape, b: &Shape, f: &Frame, o: &Outcome, unit: f64) {
     let normal = f.a.rotate(o.normal.into_inner().into());
     let gap = bound::support_gap(a.into(), &f.a, b.into(), &f.b, normal);
@@ -141,7 +143,7 @@ fn a_grain_beside_a_mountain() {
                 let turned = Tracker::new().closest(&body_b, &body_a, &relative(&f.swapped()));
                 assert_eq!(o.state, turned.state);
                 if o.state == ContactState::Separated {
-                    // To the rounding of the larger body.
+                    // Up to the rounding of the larger body.
                     proved(&a, &b, &f, &o, 10.0 * ratio);
                 }
             }
@@ -149,7 +151,8 @@ fn a_grain_beside_a_mountain() {
     }
 }
 
-/// Far from the world's origin only the rounding of the poses matters, and exact bounds see the poses as they are.
+/// Far from the world's origin only the rounding of the poses matters, and exact bounds use the
+/// rounded poses.
 #[test]
 fn far_from_the_origin() {
     let mut rng = Rng::new(604);
@@ -175,7 +178,8 @@ fn far_from_the_origin() {
     }
 }
 
-/// Bodies whose vertices lie far from their own origin: they turn about it, so poses are chosen to bring them back.
+/// Bodies whose vertices are far from their origin rotate about it, so poses are chosen that bring
+/// them back.
 #[test]
 fn vertices_far_from_their_own_origin() {
     let mut rng = Rng::new(605);
@@ -192,7 +196,7 @@ fn vertices_far_from_their_own_origin() {
             g.b.t = sub(f.b.t, f.b.rotate(offset));
             let o = Tracker::new().closest(&body_a, &body_b, &relative(&g));
             if o.state == ContactState::Separated {
-                // L is measured between the bodies, but the translation itself is rounded at 2e6.
+                // L is measured between the bodies, but the translation is rounded at 2e6.
                 proved(&a, &away, &g, &o, 1e7);
                 separated += 1;
             }
@@ -201,13 +205,13 @@ fn vertices_far_from_their_own_origin() {
     assert!(separated > 100, "{separated}");
 }
 
-/// A hull that the shift may have made exactly flat.
+/// Returns a hull that the shift may have made exactly flat.
 fn build(s: &Shape) -> Result<lin_canny::ConvexPolyhedron, lin_canny::BuildError> {
     let points: Vec<_> = s.points.iter().map(|&p| p.into()).collect();
     lin_canny::ConvexPolyhedron::from_points(&points)
 }
 
-/// Beyond what squares of lengths can hold.
+/// Distances whose squares overflow.
 #[test]
 fn distances_up_to_the_largest_number() {
     let cube = body(&shapes::cube());
@@ -230,7 +234,8 @@ fn distances_up_to_the_largest_number() {
     assert!(RelativePose::new(&far(-1.7e308), &far(1.7e308)).is_err());
 }
 
-/// A point has no size of its own: it is asked in the other body's unit, however small, and wherever it stands in its own frame.
+/// A point has no size: it is queried in the other body's unit, however small, and at any position
+/// in its frame.
 #[test]
 fn points_in_and_beside_bodies_of_any_size() {
     let ask = |body: &ConvexPolyhedron, point: &ConvexPolyhedron, pose: &RelativePose| {
@@ -247,7 +252,7 @@ fn points_in_and_beside_bodies_of_any_size() {
             let point = ConvexPolyhedron::point(p.into()).unwrap();
             let offset = norm(p);
             for x in [0.0, 0.25, 0.9, 1.0, 1.5, 1e3] {
-                // Where the point really is: differences of doubles that near are exact.
+                // The exact position of the point: differences of close doubles are exact.
                 let t = sub([x * by, 0.0, 0.0], p);
                 let at = add(p, t)[0] / by;
                 let truth = if at > 1.0 { at - 1.0 } else { (at - 1.0) / 3f64.sqrt() } * by;
@@ -258,7 +263,7 @@ fn points_in_and_beside_bodies_of_any_size() {
                         (o.distance - truth).abs() <= 1e-14 * size,
                         "{by:e} {place:?} {x}: {o:?}"
                     );
-                    // Beside its own origin a point touches but for the rounding of its place.
+                    // Away from its origin, a point touches up to the rounding of its position.
                     let state = match at.total_cmp(&1.0) {
                         Ordering::Less => ContactState::Overlapping,
                         Ordering::Equal => ContactState::Touching,
@@ -274,7 +279,8 @@ fn points_in_and_beside_bodies_of_any_size() {
     }
 }
 
-/// Bodies whose place in their own frame leaves nothing of them in doubles: contact state and bounds are right all the same.
+/// Bodies so far from their origin that doubles resolve nothing of them: contact state and bounds
+/// are correct all the same.
 #[test]
 fn points_beyond_all_measure_from_their_own_origin() {
     let cube = body(&shapes::cube());
@@ -290,7 +296,7 @@ fn points_beyond_all_measure_from_their_own_origin() {
             let held = o.lower <= -1.0 && -1.0 <= o.upper && o.upper - o.lower <= 1e-13 * (4.0 + away * 2f64.powi(-49));
             assert!(held, "{away:e}: {o:?}");
         }
-        // Two points a little apart, of which one shift takes the greater part away.
+        // Two points slightly apart, with one shift cancelling most of the distance.
         let near = support::shifted(add(scale(p, -1.0), [3e-12 * away, 0.0, 0.0]));
         let other = ConvexPolyhedron::point([0.0; 3].into()).unwrap();
         let o = Tracker::new().closest(&other, &point, &near);

@@ -1,4 +1,4 @@
-//! Meshes that bend in a scene: all queries see the vertices as they are.
+//! Deforming meshes in a scene: all queries use the current vertices.
 
 use super::{ALL, read_back};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -73,7 +73,7 @@ fn scenes_say_of_bent_meshes_what_pairs_say() {
         }
     }
     assert!(overlaps > 10 && contacts > 20, "{overlaps} {contacts}");
-    // The mesh that was shared is as it was.
+    // The shared mesh is unchanged.
     assert_eq!(shared.vertices(), vertices(&rest));
     let Geometry::Mesh(other) = scene.geometry(bodies[1]).unwrap() else {
         panic!()

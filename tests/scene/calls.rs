@@ -1,4 +1,4 @@
-//! Promise: whatever is called in whatever order, a scene says what is true.
+//! Promise: a scene returns correct results for any calls in any order.
 
 use crate::{NONE, group, read_back};
 use lin_canny::impact::Tolerance;
@@ -13,14 +13,14 @@ use truth::rng::Rng;
 use truth::shapes;
 use truth::support::body;
 
-/// The bytes of a generator lead everywhere.
+/// The bytes of a generator reach every case.
 #[test]
 fn any_calls_in_any_order_give_what_is_true() {
     let mut mix = Mix::default();
     for seed in 0..240 {
         let mut rng = Rng::of_case(77, seed);
         let mut bytes: Vec<u8> = (0..1500).map(|_| rng.bits() as u8).collect();
-        // The kinds in turn: those of many queries are rare.
+        // The kinds in turn: kinds with many queries are rare.
         bytes[0] = [0, 1, 0, 2, 1, 0, 3][seed as usize % 7];
         // Velocities and ticks of half a second in one world of three: bodies meet within a tick.
         if seed % 3 == 0 {
@@ -165,7 +165,7 @@ fn odd_scales_and_places_lose_nothing() {
     }
 }
 
-/// Turning alone: the closest points of a rod beside a wall stand still while its ends sweep in.
+/// Rotation alone: the closest points of a rod next to a wall are at rest while its ends sweep in.
 #[test]
 fn spinning_bodies_are_looked_at_in_time() {
     let g = Group::default();
@@ -176,7 +176,7 @@ fn spinning_bodies_are_looked_at_in_time() {
         Vector3::new(0.6, 0.0, 0.8),
         Vector3::new(0.36, 0.48, -0.8),
     ];
-    // Turned, so that the boxes overlap long before the bodies are near.
+    // Rotated, so that the boxes overlap long before the bodies are near.
     let frame = Isometry3::rotation(Vector3::new(0.4, 0.3, 0.7));
     let (mut events, mut skipped) = (0, 0);
     for (k, axis) in axes.iter().enumerate() {
@@ -208,7 +208,8 @@ fn spinning_bodies_are_looked_at_in_time() {
     assert!(events > 1000 && skipped > 3000, "{events} {skipped}");
 }
 
-/// Two cubes whose boxes overlap and which are apart: where the second is, and where it overlaps the first.
+/// Returns poses of two separated cubes whose boxes overlap: where the second is, and where it
+/// overlaps the first.
 fn places() -> [Isometry3<f64>; 2] {
     let turned = |x: f64| Isometry3::new(Vector3::new(x, x, 0.0), Vector3::z() * std::f64::consts::FRAC_PI_4);
     [turned(1.0), turned(0.5)]
@@ -222,7 +223,8 @@ fn pair_of_cubes(queries: PairQueries) -> (Scene, [BodyId; 3]) {
     (scene, ids)
 }
 
-/// Ticks pass, calls alone move bodies, and velocities are never set, set for a body far away, or set and taken back.
+/// Ticks pass, calls alone move bodies, and velocities are never set, set for a distant body, or
+/// set and reset.
 #[test]
 fn a_jump_wakes_a_pair_whatever_velocities_were_set() {
     let speed = Velocity::new(Vector3::z(), Vector3::zeros());
@@ -281,14 +283,14 @@ fn a_tick_in_which_all_bodies_rest_ends_with_its_step() {
                 .iter()
                 .filter(|e| e.change == Change::BoxesParted)
                 .count();
-            // The box of a body at rest holds no way.
+            // The box of a body at rest contains no swept motion.
             assert_eq!(met == 1, rest == 0 || tick == 0, "{rest} {tick}");
             assert_eq!(scene.check(), Ok(()));
         }
     }
 }
 
-/// A tick that moves nothing still says from where a body jumps, in the scene that was read back as in the other.
+/// A tick that moves nothing still records the start of a jump, also in a scene that was read back.
 #[test]
 #[cfg(feature = "serde")]
 fn a_scene_read_back_within_a_tick_goes_on_alike() {
@@ -318,7 +320,7 @@ fn a_scene_read_back_within_a_tick_goes_on_alike() {
     }
 }
 
-/// However fast a body is, its odometer stays a number, and its scene a file that can be read.
+/// At any speed, the odometer of a body stays finite, and its scene can be saved and read.
 #[test]
 fn no_speed_spoils_a_scene() {
     let impact = Some(Tolerance::Distance(1e-6));
@@ -340,7 +342,7 @@ fn no_speed_spoils_a_scene() {
                 assert_eq!(scene.check(), Ok(()));
                 scene = read_back(&scene);
             }
-            // What the odometer has gathered lets the pair still sleep.
+            // The accumulated odometer still lets the pair sleep.
             scene.set_velocity(ids[1], Velocity::default()).unwrap();
             let mut skipped = 0;
             for k in 0..9 {
@@ -354,7 +356,8 @@ fn no_speed_spoils_a_scene() {
     }
 }
 
-/// Contacts of meshes stay with the pair's tracker, which stays when another query is enabled.
+/// Contacts of meshes stay with the tracker of the pair, which persists if another query is
+/// enabled.
 #[test]
 fn contacts_end_when_they_are_no_longer_called_for() {
     let g = group(0);

@@ -1,4 +1,5 @@
-//! Promise: a scene finds what brute force over all pairs finds, on every frame, whatever is enabled and however cheaply.
+//! Promise: a scene finds what brute force over all pairs finds, on every frame, for all queries
+//! and all cost savings.
 
 use crate::{ALL, Keys, NONE, Replay};
 use lin_canny::scene::{Body, BodyId, Group, PairQueries, Scene};
@@ -45,7 +46,7 @@ impl Play {
         Self { crowd, scene, ids }
     }
 
-    /// The next frame of the crowd, for bodies that live.
+    /// Advances the crowd by one frame, for bodies that exist.
     fn step(&mut self) {
         self.crowd.step();
         for (id, pose) in self.ids.iter().zip(&self.crowd.poses) {
@@ -58,7 +59,8 @@ impl Play {
 /// Bounds of the distance of each pair.
 type Intervals = BTreeMap<(BodyId, BodyId), (f64, f64)>;
 
-/// What is true of all living pairs: those sharing a point, those within `d`, and the distances.
+/// Returns the pairs that share a point, the pairs within `d`, and the distances, of all existing
+/// bodies.
 fn truth(scene: &Scene, d: f64, trackers: &mut BTreeMap<(BodyId, BodyId), Tracker>) -> (Keys, Keys, Intervals) {
     let ids: Vec<BodyId> = scene.bodies().collect();
     let (mut overlapping, mut within, mut distances) = (Keys::new(), Keys::new(), BTreeMap::new());
@@ -85,7 +87,7 @@ fn truth(scene: &Scene, d: f64, trackers: &mut BTreeMap<(BodyId, BodyId), Tracke
 
 const D: f64 = 0.15;
 
-/// Growing sets, but for the third and fourth, which are both part of the fifth.
+/// Returns growing sets, except that the third and fourth are both parts of the fifth.
 fn ladder() -> [PairQueries; 9] {
     [
         NONE,
@@ -137,7 +139,7 @@ fn every_rung_equals_brute_force_on_every_frame() {
     assert!(seen[0] > 500 && seen[1] > 1000 && seen[2] > 3000, "{seen:?}");
 }
 
-/// The answers by pair and by body; returns how many distances were looked at.
+/// Checks the results by pair and by body; returns the number of distances checked.
 fn check_answers(
     scene: &Scene,
     queries: &PairQueries,
@@ -208,7 +210,7 @@ fn an_infinite_range_means_all_pairs_of_two_groups() {
         // 15 by 15, less the pairs of two fixed bodies: 5 by 5.
         assert_eq!(found, 15 * 15 - 25);
     }
-    // Back to boxes and out again: overlaps go on without an event.
+    // Back to boxes and out again: overlaps continue without an event.
     let near = NONE.overlap(true);
     let mut replay = Replay::default();
     for k in 0..30 {
@@ -282,7 +284,7 @@ fn dropping_an_effect_never_raises_a_work_counter() {
         for (queries, t) in ladder().iter().zip(&totals) {
             println!("{kind:?} {queries:?}: {t:?}");
         }
-        // What is not enabled is exactly zero.
+        // Work of disabled queries is exactly zero.
         for t in &totals[..2] {
             assert_eq!(
                 (t.active, t.queries, t.walked, t.certificates, t.depths),
@@ -324,7 +326,7 @@ fn a_scene_at_rest_does_nothing() {
         assert_eq!((c.boxes, c.active, c.queries, c.pairs), (0, 0, 0, pairs as u64));
         assert_eq!(report.times.total(), std::time::Duration::ZERO);
     }
-    // One body moves: only its pairs are asked.
+    // One body moves: only its pairs are queried.
     let id = play.ids[7];
     let of = play.scene.pairs_of(id).unwrap().len();
     let mut pose = *play.scene.pose(id).unwrap();
@@ -335,7 +337,7 @@ fn a_scene_at_rest_does_nothing() {
     assert!(c.queries + c.balls + c.skipped == of as u64 && of > 0);
 }
 
-/// The saving that the budget is there for: 2 % fill, 60 Hz.
+/// The purpose of the budget: 2 % density, 60 Hz.
 #[test]
 fn most_separated_pairs_are_answered_by_the_budget() {
     let kind = Kind::Gas { fill: 0.02, rate: 60.0 };
@@ -346,7 +348,7 @@ fn most_separated_pairs_are_answered_by_the_budget() {
             play.step();
             let c = play.scene.report().counts;
             if step >= 60 {
-                // What is told of overlaps costs a query in every step.
+                // Overlapping pairs cost a query in every step.
                 skipped += c.skipped;
                 asked += c.separated + c.balls; // two balls are no query, but no budget either
             }
@@ -360,7 +362,8 @@ fn most_separated_pairs_are_answered_by_the_budget() {
     }
 }
 
-/// A local depth in a scene bounds the depth, under contacts too, and neither query changes who overlaps.
+/// A local depth in a scene bounds the depth, under contacts too, and neither query changes the
+/// overlaps.
 #[test]
 fn local_depths_bound_the_depths() {
     let near = NONE.distance(0.3).features(true);
@@ -370,7 +373,7 @@ fn local_depths_bound_the_depths() {
         near.depth(true),
         near.local_depth(true),
         near.manifold(options),
-        // What calls for the depth gets the depth.
+        // A request for the depth returns the depth.
         near.manifold(options).depth(true),
         near.manifold(ManifoldOptions::with_prediction(D)).local_depth(true),
     ];

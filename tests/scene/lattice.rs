@@ -1,5 +1,7 @@
-//! Promise: a scene reports what brute force reports if bounds are equal everywhere: unit cubes on lattices that jump, are
-//! removed and inserted again, and slide slowly. Coordinates are multiples of 1/8, so touching is exact in any arithmetic.
+//! Promise: a scene reports what brute force reports if bounds are equal everywhere.
+//!
+//! Unit cubes on lattices jump, are removed and inserted again, and slide slowly. Coordinates are
+//! multiples of 1/8, so touching is exact in any arithmetic.
 
 use crate::ALL;
 use std::collections::BTreeSet;
@@ -16,9 +18,9 @@ type Place = [i32; 3];
 struct World {
     scene: Scene,
     cube: Arc<ConvexPolyhedron>,
-    /// Places in eighths.
+    /// Positions in eighths.
     bodies: Vec<(BodyId, Place)>,
-    /// Overlaps as the events tell.
+    /// Overlaps according to the events.
     told: BTreeSet<(BodyId, BodyId)>,
 }
 
@@ -61,7 +63,7 @@ impl World {
             .expect("a living body");
     }
 
-    /// Removes a body and inserts another, which takes over its index.
+    /// Removes a body and inserts another, which reuses its index.
     fn replace(&mut self, k: usize, place: Place) {
         self.scene.remove(self.bodies[k].0).expect("a living body");
         self.bodies[k] = (self.insert(place), place);
@@ -96,7 +98,8 @@ impl World {
     }
 }
 
-/// A brick is lifted out or replaced, then bricks slide along each other by less than a quarter of their size.
+/// A brick is lifted out or replaced, then bricks slide along each other by less than a quarter of
+/// their size.
 #[test]
 fn bricks_that_leave_a_wall_meet_others_again() {
     let mut overlaps = 0;

@@ -1,4 +1,4 @@
-//! Promise: a scene says of its bodies what brute force over all pairs says, on every frame.
+//! Promise: a scene reports what brute force over all pairs reports, on every frame.
 
 #[cfg(feature = "meshes")]
 mod bending;
@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 
 type Keys = BTreeSet<(BodyId, BodyId)>;
 
-/// The group of bodies that are given none.
+/// The default group of bodies.
 const ALL: Group = Group::new(0).unwrap();
 const NONE: PairQueries = PairQueries::none();
 
@@ -24,7 +24,7 @@ fn group(k: u8) -> Group {
     Group::new(k).expect("a group")
 }
 
-/// The scene as a file gives it back, if files are compiled in.
+/// Returns the scene as read back from a file, if serialisation is enabled; otherwise a clone.
 fn read_back(scene: &Scene) -> Scene {
     #[cfg(feature = "serde")]
     let read = serde_json::from_str(&serde_json::to_string(scene).unwrap()).unwrap();
@@ -33,7 +33,7 @@ fn read_back(scene: &Scene) -> Scene {
     read
 }
 
-/// Pairs as events tell them, which must be new, in order and sufficient.
+/// Pairs according to events, which must be new, in order and sufficient.
 #[derive(Default)]
 struct Replay {
     boxes: Keys,

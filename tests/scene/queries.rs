@@ -1,4 +1,5 @@
-//! Scenes beside brute force: the closest pair of two groups, ignored pairs, queries for all groups.
+//! Scenes against brute force: the closest pair of two groups, ignored pairs, queries for all
+//! groups.
 
 use crate::group;
 use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -14,7 +15,8 @@ fn pose(rng: &mut Rng, room: f64) -> Isometry3<f64> {
     truth::Pose { q, t }.isometry()
 }
 
-/// Bodies of the groups 1 and 2 in a room of half size `room`; every fourth body is fixed and has the user data 1.
+/// Returns bodies of the groups 1 and 2 in a room of half size `room`; every fourth body is fixed
+/// and has the user data 1.
 fn crowd(rng: &mut Rng, queries: PairQueries, count: [usize; 2], room: f64) -> Scene {
     let mut scene = Scene::new();
     for (g, h) in [(1, 1), (1, 2)] {
@@ -38,7 +40,7 @@ fn crowd(rng: &mut Rng, queries: PairQueries, count: [usize; 2], room: f64) -> S
     scene
 }
 
-/// The closest of all pairs, each measured by a tracker of its own.
+/// Returns the closest of all pairs, each measured by a separate tracker.
 fn brute(scene: &Scene, these: Group, those: Group) -> Option<(BodyId, BodyId, Outcome)> {
     let of = |g: Group| scene.bodies().filter(move |id| scene.group(*id) == Some(g));
     let is_fixed = |id| scene.user_data(id) == Some(1);
@@ -106,19 +108,19 @@ fn ignored_pairs_end_and_begin_again() {
     scene.ignore_pair(b, a).unwrap();
     assert!(scene.is_ignored(a, b) && !scene.is_ignored(b, c));
     assert_eq!(scene.ignored_pairs().collect::<Vec<_>>(), [(a, b)]);
-    // Until the step all answers are those of the last step.
+    // Until the next step, all results are those of the last step.
     assert!(scene.pair(a, b).is_some());
     let ends = [(a, b, Change::OverlapEnded), (a, b, Change::BoxesParted)];
     assert_eq!(changes(&mut scene), ends);
     assert!(scene.pair(a, b).is_none() && scene.pair(b, c).is_some());
-    // Boxes that part and meet again are no new pair.
+    // Boxes that separate and meet again make no new pair.
     scene.set_pose(a, at(-9.0)).unwrap();
     assert_eq!(changes(&mut scene), []);
     scene.set_pose(a, at(0.0)).unwrap();
     assert_eq!(changes(&mut scene), []);
     scene.allow_pair(a, b).unwrap();
     assert_eq!(changes(&mut scene), all[..2]);
-    // A pair is forgotten with its body, also if the index is used again.
+    // A pair is forgotten with its body, even if the index is reused.
     scene.ignore_pair(b, c).unwrap();
     scene.remove(c).unwrap();
     assert!(!scene.is_ignored(b, c) && scene.ignored_pairs().next().is_none());

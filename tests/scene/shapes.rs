@@ -1,5 +1,5 @@
-//! Promise: a scene of bodies of every kind finds what brute force over all pairs finds, on every frame; and queries that a
-//! pair of kinds cannot answer are refused by name.
+//! Promise: a scene of bodies of every kind finds what brute force over all pairs finds, on every
+//! frame; queries that a pair of kinds does not support are rejected with a named error.
 
 use crate::{ALL, NONE, Replay, read_back};
 use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -14,10 +14,10 @@ use truth::rng::Rng;
 
 const D: f64 = 0.2;
 
-/// The convex pieces of a body, placed in the frame of the body.
+/// The convex pieces of a body, posed in the frame of the body.
 type Pieces = Vec<(Shape, Isometry3<f64>)>;
 
-/// A body as a list of placed convex shapes: what brute force looks at.
+/// A body as a list of posed convex shapes, for brute force.
 struct Known {
     id: BodyId,
     pieces: Pieces,
@@ -30,7 +30,7 @@ fn pose(rng: &mut Rng, reach: f64) -> Isometry3<f64> {
     )
 }
 
-/// Every kind of convex shape.
+/// Returns every kind of convex shape.
 fn convex(k: usize, rng: &mut Rng) -> Shape {
     let axes = Vector3::new(rng.range(0.3, 0.6), rng.range(0.3, 0.6), rng.range(0.3, 0.6));
     let made = match k % 9 {
@@ -54,7 +54,7 @@ fn bracket() -> Compound {
     Compound::new(vec![Piece::new(beam), upright]).unwrap()
 }
 
-/// A polyhedron, compound or mesh, with its convex pieces.
+/// Returns a polyhedron, compound or mesh, with its convex pieces.
 fn solid(k: usize, rng: &mut Rng) -> (Geometry, Pieces) {
     let hull = solids::random_hull(12, Vector3::new(0.5, 0.4, rng.range(0.3, 0.6)), k as u64 + 5).unwrap();
     let whole = |hull: &ConvexPolyhedron| vec![(Shape::from(hull.clone()), Isometry3::identity())];
@@ -67,7 +67,8 @@ fn solid(k: usize, rng: &mut Rng) -> (Geometry, Pieces) {
     }
 }
 
-/// The least bounds of the signed distance over all pairs of pieces, and whether two share a point or are within `D`.
+/// Returns the least bounds of the signed distance over all pairs of pieces, and whether two share
+/// a point or are within `D`.
 fn brute(scene: &Scene, a: &Known, b: &Known) -> (f64, f64, bool, bool) {
     let (at_a, at_b) = (scene.pose(a.id).unwrap(), scene.pose(b.id).unwrap());
     let (mut lower, mut upper, mut overlaps, mut within) = (f64::INFINITY, f64::INFINITY, false, false);
@@ -83,7 +84,7 @@ fn brute(scene: &Scene, a: &Known, b: &Known) -> (f64, f64, bool, bool) {
     (lower, upper, overlaps, within)
 }
 
-/// What was seen: pairs apart, overlapping, within, measured, depths.
+/// Counts: pairs separated, overlapping, within, depths, skipped.
 #[derive(Debug, Default)]
 struct Mix {
     apart: usize,
@@ -93,7 +94,7 @@ struct Mix {
     skipped: u64,
 }
 
-/// Bounds of the two agree, up to the poses of pieces, which brute force composes in f64.
+/// Bounds agree up to the poses of pieces, which brute force composes in `f64`.
 const AGREE: f64 = 1e-12;
 
 fn check_frame(scene: &Scene, known: &[Known], replay: &Replay, queries: &PairQueries, mix: &mut Mix) {
@@ -102,7 +103,7 @@ fn check_frame(scene: &Scene, known: &[Known], replay: &Replay, queries: &PairQu
             let (a, b) = if x.id < y.id { (x, y) } else { (y, x) };
             let (lower, upper, overlaps, within) = brute(scene, a, b);
             let key = (a.id, b.id);
-            // A tie within rounding may go either way where pieces have poses of their own.
+            // A tie within rounding may be decided either way if pieces have poses.
             if lower.abs() > AGREE {
                 assert_eq!(replay.overlapping.contains(&key), overlaps, "{key:?}");
             }
@@ -425,7 +426,7 @@ fn queries_that_kinds_cannot_answer_are_refused_by_name() {
     let refusal = |query: &'static str, these, those| SceneError::Unanswered { query, these, those };
     let at = Isometry3::identity();
 
-    // When the body comes.
+    // If the body is inserted.
     let mut scene = Scene::new();
     scene.set_queries(ALL, other, near.depth(true)).unwrap();
     scene.insert(Body::moving(mesh()).group(other), at).unwrap();
@@ -437,7 +438,7 @@ fn queries_that_kinds_cannot_answer_are_refused_by_name() {
     );
     assert_eq!(scene.body_count(), 1);
 
-    // When the query comes; pairs within a group need two bodies that are not fixed.
+    // If the query is enabled; pairs within a group need two bodies that are not fixed.
     let cylinder = || Shape::cylinder(1.0, 1.0).unwrap();
     let mut scene = Scene::new();
     let deep = near.depth(true);
@@ -457,7 +458,7 @@ fn queries_that_kinds_cannot_answer_are_refused_by_name() {
     assert_eq!(scene.queries(ALL, other), NONE, "a refused call changes nothing");
     scene.set_queries(ALL, other, near).unwrap();
 
-    // When the group changes; the body keeps its group.
+    // If the group changes; the body keeps its group.
     let third = Group::new(2).unwrap();
     scene.set_queries(other, third, deep).unwrap();
     let refused = scene.set_group(id, third).unwrap_err();
@@ -465,7 +466,7 @@ fn queries_that_kinds_cannot_answer_are_refused_by_name() {
     assert_eq!(scene.group(id), Some(ALL));
     scene.set_group(id, ALL).unwrap();
 
-    // A body that is gone is no reason.
+    // A removed body is no reason.
     scene.remove(id).unwrap();
     scene.set_queries(ALL, other, deep).unwrap();
 

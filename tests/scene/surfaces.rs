@@ -1,4 +1,5 @@
-//! Promise: Bézier surfaces stand in scenes beside surfaces and convex shapes; what no tracker answers is refused by name.
+//! Promise: scenes support Bézier surfaces with surfaces and convex shapes; unsupported queries are
+//! rejected with a named error.
 
 use crate::{ALL, NONE, read_back};
 use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -11,7 +12,7 @@ use truth::rng::Rng;
 const D: f64 = 0.2;
 const FAR: f64 = 0.5;
 
-/// Bodies that are all round, with their radii; surfaces and shapes take turns.
+/// Returns round bodies with their radii, alternately surfaces and shapes.
 fn round_bodies(scene: &mut Scene, rng: &mut Rng, count: usize) -> Vec<(BodyId, f64, bool)> {
     let shells = [0.3, 0.4].map(|r| Geometry::from(sphere(r)));
     let mut bodies = Vec::new();
@@ -29,18 +30,19 @@ fn round_bodies(scene: &mut Scene, rng: &mut Rng, count: usize) -> Vec<(BodyId, 
     bodies
 }
 
-/// The distance of two round bodies, zero if they share a point; that of two shells in each other, too.
+/// Returns the distance of two round bodies, zero if they share a point; also of a shell inside
+/// another.
 fn truth(scene: &Scene, (a, r, a_is): (BodyId, f64, bool), (b, s, b_is): (BodyId, f64, bool)) -> f64 {
     let (p, q) = (scene.pose(a).unwrap(), scene.pose(b).unwrap());
     let apart = (p.translation.vector - q.translation.vector).norm();
     let outside = apart - r - s;
-    // The one that lies in the other is apart if the outer one is a shell.
+    // A body inside another is separated from it if the outer one is a shell.
     let within_a = if a_is { r - s - apart } else { 0.0 };
     let within_b = if b_is { s - r - apart } else { 0.0 };
     outside.max(within_a).max(within_b).max(0.0)
 }
 
-/// How many pairs overlapped, were within the distance, and were measured.
+/// Numbers of pairs that overlapped, were within the distance, and were measured.
 #[derive(Debug, Default)]
 struct Seen {
     overlapping: u32,
@@ -49,7 +51,7 @@ struct Seen {
 }
 
 impl Seen {
-    /// Asserts that the answers of a step are those of brute force.
+    /// Asserts that the results of a step are those of brute force.
     fn judge(&mut self, scene: &Scene, bodies: &[(BodyId, f64, bool)]) {
         for (k, x) in bodies.iter().enumerate() {
             for y in &bodies[k + 1..] {
@@ -104,7 +106,8 @@ fn a_scene_of_shells_and_balls_is_that_of_brute_force() {
     assert!(seen.overlapping > 50 && seen.within > 100 && seen.measured > 200);
 }
 
-/// The velocity of a body in the next tick: it falls and is thrown back; from tick 40 to tick 50 all bodies rest.
+/// Returns the velocity of a body in the next tick: it falls and is thrown back; from tick 40 to
+/// tick 50 all bodies rest.
 fn next(scene: &Scene, id: BodyId, tick: usize) -> Velocity {
     let (mut v, at) = (scene.velocity(id).unwrap(), scene.pose(id).unwrap().translation.vector);
     if (40..50).contains(&tick) {
@@ -119,8 +122,10 @@ fn next(scene: &Scene, id: BodyId, tick: usize) -> Velocity {
     v
 }
 
-/// Shells and balls under gravity, a third of them at rest from the start. Of three scenes one asks for everything in every
-/// tick, one as it likes, and one is saved and read back between `advance` and `step`.
+/// Shells and balls under gravity, a third of them at rest from the start.
+///
+/// Of three scenes, one queries everything in every tick, one uses its defaults, and one is saved
+/// and read back between `advance` and `step`.
 #[test]
 fn shells_fall_and_rest_and_are_read_back_in_the_middle_of_a_tick() {
     let mut scenes: Vec<Scene> = (0..3).map(|_| Scene::new()).collect();
@@ -192,7 +197,7 @@ fn impacts_of_surfaces_are_found() {
     }
 }
 
-/// Two balls as one body beside a shell, inserted before the shell and after.
+/// Two balls as one body next to a shell, inserted before the shell and after it.
 #[test]
 fn bodies_of_pieces_stand_beside_surfaces() {
     let ball = |x: f64| Piece {

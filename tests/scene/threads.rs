@@ -1,4 +1,5 @@
-//! Features `parallel` and `serde`: any number of threads gives the same bits, and so does a scene that was written and read back.
+//! Features `parallel` and `serde`: any number of threads gives the same bits, and so does a scene
+//! that was saved and read back.
 #![cfg(all(feature = "parallel", feature = "serde"))]
 
 use lin_canny::scene::{Body, BodyId, Event, Group, PairQueries, Scene, Settings};
@@ -19,7 +20,7 @@ fn sets() -> [PairQueries; 6] {
     ]
 }
 
-/// A scene of three groups with different queries.
+/// Returns a scene of three groups with different queries.
 fn scene(crowd: &Crowd, settings: Settings) -> (Scene, Vec<BodyId>) {
     let group = |k: usize| Group::new(k as u8).unwrap();
     let mut scene = Scene::with_settings(settings);
@@ -73,7 +74,7 @@ fn seen(scene: &Scene) -> Seen {
         )
     });
     let mut counts = scene.report().counts;
-    // Of the columns of the broad phase, which are made anew when a scene is read.
+    // Swaps of the columns of the broad phase, which are rebuilt when a scene is read.
     counts.swaps = 0;
     (scene.events().to_vec(), pairs.collect(), counts)
 }
@@ -127,7 +128,7 @@ fn a_scene_goes_on_from_a_file_bit_for_bit() {
         )
         .unwrap();
         for k in 0..30 {
-            // Written in every state: calls pending or not.
+            // Saved in every state, with or without pending calls.
             advance(&mut one, &ids, &mut crowd);
             match k % 5 {
                 0 => one.step(),
@@ -176,7 +177,7 @@ fn a_damaged_file_is_refused_or_does_no_harm() {
     let mut paths = vec![];
     numbers(&known, &mut vec![], &mut paths);
     let (mut refused, mut lived) = (0, 0);
-    // Every eleventh number in the file becomes another.
+    // Every eleventh number in the file is replaced.
     for (k, path) in paths.iter().enumerate().step_by(11) {
         for value in [0u32, 1, 5, 4_000_000_000] {
             let mut text = known.clone();
@@ -205,7 +206,7 @@ fn a_damaged_file_is_refused_or_does_no_harm() {
     assert!(refused > 50 && lived > 50, "{refused} {lived}");
 }
 
-/// Paths of all numbers in a text.
+/// Collects the paths of all numbers in a text.
 #[cfg(feature = "serde")]
 fn numbers(value: &serde_json::Value, path: &mut Vec<String>, out: &mut Vec<String>) {
     use serde_json::Value;

@@ -1,5 +1,5 @@
-//! Promise: bodies with velocities are looked at when a proof ends and no sooner, with the same events; and no body passes
-//! through another where impacts are enabled.
+//! Promise: pairs of bodies with velocities are queried when a proof expires and no earlier, with
+//! the same events; no body passes through another if impacts are enabled.
 
 use crate::{ALL, NONE, read_back};
 use lin_canny::impact::{Impact, Tolerance};
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use truth::rng::Rng;
 
-/// How a scene decides which pairs to look at.
+/// Policy that selects the queried pairs of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Policy {
     /// Every pair of boxes, in every step.
@@ -24,7 +24,8 @@ enum Policy {
     Continuous,
 }
 
-/// Hulls of 32 vertices in a box with walls, speeds to 8 and spins to 6, bouncing off each other.
+/// Hulls of 32 vertices in a box with walls, with speeds to 8 and spins to 6, bouncing off each
+/// other.
 struct Gas {
     scene: Scene,
     ids: Vec<BodyId>,
@@ -110,7 +111,7 @@ impl Gas {
     }
 }
 
-/// Events as the user sees them: ids of pairs depend on the boxes, which impacts make larger.
+/// Returns events as a user sees them: ids of pairs depend on the boxes, which impacts enlarge.
 fn seen(events: &[Event]) -> Vec<(BodyId, BodyId, Change)> {
     events.iter().map(|e| (e.a, e.b, e.change)).collect()
 }
@@ -149,7 +150,8 @@ fn looks_at_separated_pairs_follow_proofs_with_the_same_events() {
         assert_eq!(boxes.events, budget.events);
         assert_eq!(boxes.events, schedule.events);
         assert_eq!(seen(&boxes.events), seen(&continuous.events));
-        // Detection gated by boxes alone looks at every pair of boxes; here two balls answer for some of these.
+        // Detection by boxes alone queries every pair of boxes; here two balls decide some of
+        // these.
         let pairs_apart = boxes.counts.separated + boxes.counts.balls;
         let ratio = schedule.counts.separated as f64 / pairs_apart as f64;
         let all = continuous.counts.queries as f64 / (boxes.counts.queries + boxes.counts.balls) as f64;
@@ -166,7 +168,7 @@ fn looks_at_separated_pairs_follow_proofs_with_the_same_events() {
     }
 }
 
-/// A body that flies: its shape, and the shape as placed convex pieces.
+/// A flying body: its id, and its shape as posed convex pieces.
 struct Flyer {
     id: BodyId,
     pieces: Vec<(Shape, Isometry3<f64>)>,
@@ -208,10 +210,11 @@ fn convex(k: usize) -> Geometry {
     made.unwrap().into()
 }
 
-/// Instants of a tick at which all pairs are looked at.
+/// Instants of a tick at which all pairs are tested.
 const INSTANTS: usize = 40;
 
-/// Pairs that met, pairs seen to meet by samples, and pairs that went through each other and are apart at both ends.
+/// Pairs that met, pairs that meet at samples, and pairs that passed through each other and are
+/// separated at both ends.
 #[derive(Debug, Default)]
 struct Mix {
     impacts: usize,
@@ -229,7 +232,7 @@ fn intersects(x: &Flyer, y: &Flyer, at: &Isometry3<f64>, on: &Isometry3<f64>) ->
     })
 }
 
-/// Compares the impacts of the last tick with samples of the motions before it.
+/// Compares the impacts of the last tick with samples of its motions.
 fn check_tick(scene: &Scene, flyers: &[Flyer], motions: &BTreeMap<BodyId, Steady>, tick: f64, mix: &mut Mix) {
     assert!(scene.impacts().is_sorted_by(|x, y| x.safe() <= y.safe()));
     let found: BTreeMap<_, _> = scene.impacts().iter().map(|i| ((i.a, i.b), i)).collect();
@@ -287,7 +290,7 @@ fn fly(shapes: Vec<(Geometry, Compound)>, queries: PairQueries, seed: u64) -> Mi
     let mut mix = Mix::default();
     for round in 0..24 {
         for flyer in &flyers {
-            // Now and then a body keeps its motion, is thrown anew, or jumps.
+            // At random, a body keeps its motion, is thrown again, or jumps.
             if round % 6 == 0 || rng.chance(0.2) {
                 let at = Vector3::from(rng.in_ball()) * 4.0;
                 let aim = (Vector3::from(rng.in_ball()) * 2.0 - at) * rng.log_range(1.0, 100.0);
@@ -307,7 +310,7 @@ fn fly(shapes: Vec<(Geometry, Compound)>, queries: PairQueries, seed: u64) -> Mi
         let motions = flyers.iter().map(motion).collect();
         scene.advance(tick).unwrap();
         if round % 5 == 4 {
-            // A jump after the tick is none of its motion.
+            // A jump after the tick is not part of its motion.
             scene
                 .set_pose(flyers[0].id, Isometry3::translation(0.0, 0.0, 9.0))
                 .unwrap();
@@ -407,7 +410,7 @@ fn schedules_survive_every_kind_of_disturbance() {
             }
             assert_eq!(all[0], all[1], "seed {seed} round {round}");
             assert_eq!(all[1], all[2], "seed {seed} round {round}");
-            // A scene that was read back sorts its lists anew.
+            // A scene that was read back sorts its lists again.
             let [one, mut other] = [1, 2].map(|k| scenes[k].report().counts);
             other.swaps = one.swaps;
             assert_eq!(one, other);
@@ -467,7 +470,7 @@ fn the_last_tick_of_a_schedule_ends() {
 
 #[test]
 fn no_answer_about_a_pair_that_was_removed_counts() {
-    // What is removed, and whether bodies were disturbed before.
+    // The removed item, and whether bodies were disturbed before.
     for (k, disturbed) in [(0, false), (0, true), (1, false), (1, true), (2, false), (2, true)] {
         let mut schedule = Schedule::new();
         schedule.insert(1, 2);

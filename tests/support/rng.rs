@@ -1,16 +1,17 @@
-//! A seeded generator of random numbers: xoshiro256++ (Blackman and Vigna 2019), its state filled by splitmix64.
+//! Seeded generator of random numbers: xoshiro256++ (Blackman and Vigna 2019), with its state
+//! filled by splitmix64.
 //!
-//! The same seed gives the same bits on every machine, so a failing case is named by its seed. The unit tests of the
-//! library and the package `truth` use this file, so it names nothing of either.
+//! The same seed gives the same bits on every machine, so a seed identifies a failing case. The
+//! unit tests of the library and the package `truth` use this file, so it depends on neither.
 
-/// The generator. `Rng::new(seed)`; any seed will do, zero too.
+/// The generator. `Rng::new(seed)` accepts any seed, including zero.
 #[derive(Clone, Debug)]
 pub struct Rng {
     state: [u64; 4],
 }
 
 impl Rng {
-    /// The stream of `seed`.
+    /// Returns the stream of `seed`.
     pub fn new(seed: u64) -> Self {
         let mut s = seed;
         Self {
@@ -18,13 +19,13 @@ impl Rng {
         }
     }
 
-    /// A stream of its own for the `k`-th case of this seed, whatever was drawn before it.
+    /// Returns a separate stream for the `k`-th case of this seed, independent of earlier draws.
     pub fn of_case(seed: u64, k: u64) -> Self {
         let mut s = k;
         Self::new(seed ^ splitmix(&mut s))
     }
 
-    /// 64 random bits.
+    /// Returns 64 random bits.
     pub fn bits(&mut self) -> u64 {
         let s = &mut self.state;
         let out = s[0].wrapping_add(s[3]).rotate_left(23).wrapping_add(s[0]);
@@ -38,54 +39,54 @@ impl Rng {
         out
     }
 
-    /// Uniform in `[0, 1)`, a multiple of `2^-53`.
+    /// Returns a uniform number in `[0, 1)`, a multiple of `2^-53`.
     pub fn uniform(&mut self) -> f64 {
         (self.bits() >> 11) as f64 * (0.5 / (1u64 << 52) as f64)
     }
 
-    /// Uniform in `[lo, hi)`.
+    /// Returns a uniform number in `[lo, hi)`.
     pub fn range(&mut self, lo: f64, hi: f64) -> f64 {
         lo + (hi - lo) * self.uniform()
     }
 
-    /// In `[lo, hi)` with a uniform logarithm; both positive.
+    /// Returns a number in `[lo, hi)` with a uniform logarithm; both limits must be positive.
     pub fn log_range(&mut self, lo: f64, hi: f64) -> f64 {
         self.range(lo.ln(), hi.ln()).exp()
     }
 
-    /// Uniform in `0..n`, `n > 0`. The bias is below `n / 2^64`.
+    /// Returns a uniform number in `0..n`, `n > 0`. The bias is below `n / 2^64`.
     pub fn below(&mut self, n: usize) -> usize {
         ((u128::from(self.bits()) * n as u128) >> 64) as usize
     }
 
-    /// Uniform in `lo..=hi`.
+    /// Returns a uniform number in `lo..=hi`.
     pub fn int(&mut self, lo: i64, hi: i64) -> i64 {
         lo + self.below((hi - lo + 1) as usize) as i64
     }
 
-    /// True with probability `p`.
+    /// Returns true with probability `p`.
     pub fn chance(&mut self, p: f64) -> bool {
         self.uniform() < p
     }
 
-    /// `1` or `-1`.
+    /// Returns `1` or `-1`.
     pub fn sign(&mut self) -> f64 {
         if self.bits() >> 63 == 0 { 1.0 } else { -1.0 }
     }
 
-    /// One of `items`, which is not empty.
+    /// Returns one of `items`, which must not be empty.
     pub fn pick<'a, T>(&mut self, items: &'a [T]) -> &'a T {
         &items[self.below(items.len())]
     }
 
-    /// `items` in a random order (Fisher and Yates).
+    /// Shuffles `items` (Fisher and Yates).
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for i in (1..items.len()).rev() {
             items.swap(i, self.below(i + 1));
         }
     }
 
-    /// A uniform direction, unit up to rounding.
+    /// Returns a uniform direction, unit up to rounding.
     pub fn unit(&mut self) -> [f64; 3] {
         loop {
             let p: [f64; 3] = std::array::from_fn(|_| self.range(-1.0, 1.0));
@@ -96,13 +97,13 @@ impl Rng {
         }
     }
 
-    /// Uniform in the unit ball.
+    /// Returns a uniform point in the unit ball.
     pub fn in_ball(&mut self) -> [f64; 3] {
         let r = self.uniform().cbrt();
         self.unit().map(|x| x * r)
     }
 
-    /// A uniform rotation as a quaternion `x, y, z, w`, unit up to rounding.
+    /// Returns a uniform rotation as a quaternion `x, y, z, w`, unit up to rounding.
     pub fn quat(&mut self) -> [f64; 4] {
         loop {
             let q: [f64; 4] = std::array::from_fn(|_| self.range(-1.0, 1.0));

@@ -1,4 +1,4 @@
-//! Casts, and the clearances and segments of a planner.
+//! Casts, and clearances and segments of a planner.
 
 use super::{Scene, bumpy, compound, curved, dented};
 use lin_canny::impact::{Tolerance, cast, cast_within, free_until, overlapping_until};
@@ -7,7 +7,7 @@ use lin_canny::{PairTracker, Tracker};
 use lin_canny_plan::{Checker, TranslationSpace, World};
 use truth::rng::Rng;
 
-/// Every question about a pair of motions.
+/// Runs every query of a pair of motions.
 fn casts(scene: &mut Scene, rng: &mut Rng, what: &str, mut pair: impl Separation) {
     let unit = scene.unit;
     for _ in 0..3 {
@@ -56,7 +56,7 @@ pub(super) fn surface_casts(scene: &mut Scene, rng: &mut Rng) {
     casts(scene, rng, "surface and compound", PairTracker::new().pair(&a, &body));
 }
 
-/// A robot of one body among a few others, and configurations of it.
+/// Returns a robot of one body among a few others, and configurations of it.
 fn room(scene: &Scene, rng: &mut Rng) -> (Checker<TranslationSpace>, Vec<[f64; 3]>) {
     let mut world = World::new();
     world.robot_body("robot", scene.round(rng, 20));

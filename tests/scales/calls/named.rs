@@ -1,9 +1,10 @@
-//! No public query is left out of the rows: their names are read from the source.
+//! The rows cover every public query: the names are read from the source.
 
-/// Functions that take a pose and return no length: of a cached front, of a walk's record, of a text.
+/// Functions that take a pose and return no length: checks of a cached front, the trace of a walk,
+/// a text.
 const NOT_ASKED: [&str; 4] = ["check", "trace", "replay", "in_world"];
 
-/// The names of the public functions of a file that take a relative pose.
+/// Returns the names of the public functions of a file that take a relative pose.
 fn asked_by_pose(text: &str) -> impl Iterator<Item = &str> {
     let is_end = |c: char| c == '{' || c == ';';
     let functions = text.split("    pub fn ").skip(1);

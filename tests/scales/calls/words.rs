@@ -1,4 +1,4 @@
-//! What a scene makes and tells: lengths in its unit, and bodies, poses and motions of its size.
+//! Content and results of a scene: lengths in its unit, and bodies, poses and motions of its size.
 
 use super::{Scene, Word};
 use lin_canny::impact::Impact;
@@ -99,7 +99,8 @@ impl Scene {
         points.iter().map(|&p| Point3::from(p) * self.unit).collect()
     }
 
-    /// A round body whose box has a half diagonal from 1 to 2, so that any two are stored in one unit.
+    /// Returns a round body whose box has a half diagonal from 1 to 2, so that any two are stored
+    /// in one unit.
     pub(super) fn round(&self, rng: &mut Rng, n: usize) -> ConvexPolyhedron {
         let shape = shapes::sphere(rng, n).stretched([1.0, 0.9, 0.8]);
         let body = body(&shape.stretched([self.unit; 3]));
@@ -109,7 +110,7 @@ impl Scene {
         body
     }
 
-    /// Any turn, with the origins so far apart.
+    /// Returns a random rotation, with the origins `apart` apart.
     pub(super) fn place(&self, rng: &mut Rng, apart: f64) -> Isometry3<f64> {
         let [x, y, z, w] = rng.quat();
         let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
@@ -122,7 +123,7 @@ impl Scene {
         RelativePose::new(&a, &(a * b)).expect("a pose")
     }
 
-    /// Two motions whose bodies meet in about half of all cases.
+    /// Returns two motions whose bodies meet in about half of all cases.
     pub(super) fn motions(&self, rng: &mut Rng) -> [Steady; 2] {
         let start = self.place(rng, 4.0);
         let aim = Vector3::from(rng.unit()) * (rng.range(0.0, 2.5) * self.unit);

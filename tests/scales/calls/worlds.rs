@@ -1,4 +1,4 @@
-//! Worlds of boxes, and scenes of bodies of every kind: events, pairs and answers.
+//! Worlds of boxes, and scenes of bodies of every kind: events, pairs and results.
 
 use super::{Scene, compound, curved, dented};
 use lin_canny::broad::{self, Aabb, SweepAndPrune};
@@ -51,7 +51,7 @@ fn world(scene: &mut Scene, rng: &mut Rng, mut broad: SweepAndPrune) {
 const CONVEX: Group = Group::new(0).expect("a group");
 const PARTS: Group = Group::new(1).expect("a group");
 
-/// Bodies of every kind in one scene: first put elsewhere frame by frame, then carried by velocities.
+/// Bodies of every kind in one scene: first moved frame by frame, then by velocities.
 pub(super) fn scenes(scene: &mut Scene, rng: &mut Rng) {
     let mut world = scene::Scene::new();
     let queries = PairQueries::none()
@@ -64,7 +64,7 @@ pub(super) fn scenes(scene: &mut Scene, rng: &mut Rng) {
         .manifold(ManifoldOptions::with_prediction(0.1 * scene.unit))
         .impact(Tolerance::Distance(1e-4 * scene.unit));
     world.set_queries(CONVEX, CONVEX, queries).expect("queries");
-    // Bodies of parts have no depth in a scene.
+    // Compounds and meshes have no depth in a scene.
     let queries = queries.depth(false);
     world.set_queries(PARTS, CONVEX, queries).expect("queries");
     world.set_queries(PARTS, PARTS, queries).expect("queries");

@@ -61,8 +61,8 @@ pub fn flush_over_edge(rng: &mut Rng) -> ([Kind; 2], Place, f64, f64) {
     let overlap = widths[0].min(widths[1]) * share * rng.range(0.5, 1.0);
     let mut t = [0.0; 3];
     t[along] = outward[along] * (widths[0] + widths[1] - overlap);
-    // Two discs overlap only near the line of their centres; a disc and a box also overlap beside
-    // it.
+    // Two discs overlap only near the line of their centres; a disc and a box also overlap away
+    // from it.
     if let Some(flat) = [&a, &b].into_iter().find(|kind| matches!(kind, Kind::Hull(_))) {
         t[1 - along] = 0.9 * reach(flat, up, across) * rng.range(-1.0, 1.0);
     }
