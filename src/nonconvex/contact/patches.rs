@@ -390,7 +390,7 @@ impl<'a> Growing<'a> {
 /// Returns the vertices of a patch that span its hull within a tolerance.
 ///
 /// For each plane these are the vertices of the hull of its triangles, so that a flat face stays
-/// flat whatever vertices are inside it.
+/// flat, independent of the vertices inside it.
 pub(super) fn corners(mesh: &Mesh, patch: &PatchTriangles, tolerance: f64) -> Vec<u32> {
     let mut by_plane: Vec<(u32, u32)> = patch.iter().map(|&(t, plane)| (plane, t)).collect();
     by_plane.sort_unstable();

@@ -11,7 +11,7 @@
 //! and tell the signs of other polynomials at a root ([`Root`]).
 //!
 //! Sources: Collins and Akritas 1976 (bisection by Descartes' rule of signs); Collins 1967
-//! (remainder sequences). Bernstein coefficients stand for the sign variations.
+//! (remainder sequences). Bernstein coefficients give the sign variations.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -138,7 +138,7 @@ impl<'a> ExactPair<'a> {
     }
 
     /// Returns polynomials one of which is zero at the first contact, unless that is at time zero:
-    /// the contact is told by signs of polynomials, and one that is not zero changes its sign.
+    /// the signs of polynomials decide the contact, and one that is not zero changes its sign.
     fn candidates(&self) -> Vec<Polynomial> {
         let volume = self.volume();
         if !volume.is_zero() {

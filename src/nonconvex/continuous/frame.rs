@@ -49,7 +49,7 @@ pub struct MovingMesh<'a> {
 }
 
 impl<'a> MovingMesh<'a> {
-    /// Takes a mesh as it is at the begin and as it is at the end: a clone from before
+    /// Takes a mesh as it is at the start and as it is at the end: a clone from before
     /// [`set_vertices`](Mesh::set_vertices), and the mesh after. Both are the same for a body that
     /// does not bend.
     ///
@@ -127,7 +127,7 @@ impl<'a> MovingMesh<'a> {
         })
     }
 
-    /// Returns both meshes as seen from where the first is at the begin, without turning, and this
+    /// Returns both meshes as seen from where the first is at the start, without turning, and this
     /// place: far from the origin of the world places are rounded by less.
     pub(super) fn beside(a: &Self, b: &Self) -> Result<([Self; 2], Vector3<f64>), ImpactError> {
         let origin = a.poses[0].translation.vector;
@@ -229,7 +229,8 @@ impl<'a> MovingMesh<'a> {
         moment.rotation * own + moment.place
     }
 
-    /// Returns the axes of the box of a node, the last first; between the ends those of the begin.
+    /// Returns the axes of the box of a node, the last first; between the ends, the axes of the
+    /// start.
     pub(super) fn axes(&self, node: u32, moment: &Moment) -> [Vector3<f64>; 3] {
         let mesh = &self.meshes[usize::from(moment.time == 1.0)];
         let b = &mesh.tree.boxes[node as usize];

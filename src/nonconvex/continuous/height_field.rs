@@ -43,7 +43,7 @@ const NONE: u32 = u32::MAX;
 /// An edge of more than two triangles, or of two of unlike sense.
 const UNCLEAR: u32 = u32::MAX - 1;
 
-/// A mesh whose parts are asked whether they are height fields.
+/// A mesh whose parts are tested for being height fields.
 pub(super) struct HeightFields<'a> {
     of: &'a MovingMesh<'a>,
     /// Vertices at both ends, seen from the first, all coordinates below a quarter: projected by

@@ -150,8 +150,8 @@ impl<'a> FrameSearch<'a> {
         self.placed == 0.0
     }
 
-    /// Goes through the frame in steps short enough for the sagitta to be small beside the meshes,
-    /// until a step has a contact or something open.
+    /// Goes through the frame in steps short enough for the sagitta to be small compared with the
+    /// meshes, until a step has a contact or something open.
     fn run(mut self) -> Cast {
         let size = self.a.half_size().smaller(self.b.half_size());
         let wanted = sqrt(self.sagitta / (ARC_PART * size)).at_most(ARC_STEPS);
@@ -171,7 +171,7 @@ impl<'a> FrameSearch<'a> {
         self.told()
     }
 
-    /// Goes down both trees. Contacts found shorten the time for which the rest is asked.
+    /// Goes down both trees. Contacts found shorten the time for which the rest is tested.
     fn descend(&mut self) {
         let mut open = vec![[0, 0]];
         while let Some([i, j]) = open.pop() {
@@ -204,9 +204,9 @@ impl<'a> FrameSearch<'a> {
         [begin, self.first.hit.smaller(end)]
     }
 
-    /// Returns whether a direction parts two nodes from the begin of the step to the first contact
-    /// known: at any instant the highest point of a node is no higher than the mean, by the time,
-    /// of its highest points at the ends, and the sagitta.
+    /// Returns whether a direction separates two nodes from the start of the step to the first
+    /// contact known: at any instant the highest point of a node is no higher than the mean, by the
+    /// time, of its highest points at the ends, and the sagitta.
     fn is_parted(&mut self, [i, j]: NodePair) -> bool {
         self.work.intervals = self.work.intervals.saturating_add(1);
         let doubt = self.doubt();
@@ -249,7 +249,7 @@ impl<'a> FrameSearch<'a> {
         self.sagitta * (length * length) * (1.0 + 32.0 * UNIT) + self.placed + rounding
     }
 
-    /// Returns which part of the step is asked.
+    /// Returns which part of the step is tested.
     fn share(&self) -> f64 {
         let [begin, end] = self.step.each(|[a, _]| a.time);
         let [_, until] = self.times();
@@ -411,7 +411,7 @@ impl<'a> TrianglesOnArcs<'a> {
             if safe == 0.0 && tried == 1 && self.is_start(work) {
                 return FirstContact::Start;
             }
-            // A contact at the begin of the interval is deeper later.
+            // A contact at the start of the interval is deeper later.
             let later = (safe + width).smaller(latest);
             if end - safe <= 0.5 * width
                 && let Some(hit) = [end, later].into_iter().find(|t| self.is_crossed(*t, work))
@@ -439,7 +439,7 @@ impl<'a> TrianglesOnArcs<'a> {
         })
     }
 
-    /// Returns whether the triangles, as they are placed at the begin, share a point.
+    /// Returns whether the triangles, as they are placed at the start, share a point.
     fn is_start(&self, work: &mut SearchWork) -> bool {
         let [a, b] = self.at_rest(0.0);
         matches!(search::triangles(&a, &b, 1.0, work), FirstContact::Start)

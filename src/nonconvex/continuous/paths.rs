@@ -134,7 +134,7 @@ impl<const A: usize, const B: usize> VertexPlaces<A, B> {
         low - high - PATH_GAP * (n.x.abs() + n.y.abs() + n.z.abs())
     }
 
-    /// Returns the three corners of each part; the last vertex stands for those missing.
+    /// Returns the three corners of each part; the last vertex replaces missing vertices.
     pub(super) fn triangles(&self) -> [triangle::Triangle; 2] {
         [from_fn(|k| self.a[k.min(A - 1)]), from_fn(|k| self.b[k.min(B - 1)])]
     }
@@ -158,7 +158,7 @@ pub(super) trait Parts {
 
 /// Four vertices: a vertex and a face, or two edges.
 pub(super) trait FourVertices: Parts {
-    /// Returns six times the signed volume of the four vertices: its sign tells on which side of
+    /// Returns six times the signed volume of the four vertices: its sign is the side of
     /// the face the vertex is, or how two edges pass, and it is zero if they lie in one plane. The
     /// three vectors may be those of different instants.
     fn volume(by: [&Self; 3]) -> f64;

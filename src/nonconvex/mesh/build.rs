@@ -537,7 +537,7 @@ mod tests {
         }
     }
 
-    /// Links of the tree that no list of triangles tells.
+    /// Links of the tree that do not follow from the list of triangles.
     #[test]
     fn fingerprints_are_of_the_links_of_the_tree() {
         let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[x, y]| Point3::new(x, y, 0.0));
@@ -552,7 +552,7 @@ mod tests {
         crate::body::polyhedron::power_of_two(exponent)
     }
 
-    /// Calls that move no vertex change neither the tree nor when it is made anew.
+    /// Calls that move no vertex change neither the tree nor when it is rebuilt.
     #[test]
     fn calls_that_move_nothing_are_not_counted() {
         let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[x, y]| Point3::new(x, y, 0.0));

@@ -205,7 +205,7 @@ impl Mesh {
     /// component, as few triangles as possible are flipped so that all agree. Then whole components
     /// that lie in no other component are flipped to face outward. A component inside another one
     /// keeps its orientation relative to the outermost component around it, so that a cavity stays
-    /// a cavity. A mesh that is closed as given is not changed, whatever its orientations are. The
+    /// a cavity. A mesh that is closed as given is not changed, for any orientations. The
     /// call takes about three times as long as [`new`](Self::new).
     ///
     /// # Errors

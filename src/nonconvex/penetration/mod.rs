@@ -296,7 +296,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
     }
 }
 
-/// Returns the bounds, and the winding numbers taken beside the queries. `None` if a body is a
+/// Returns the bounds, and the winding numbers counted next to the queries. `None` if a body is a
 /// surface.
 fn bounds<A: Parted, B: Parted>(
     a: &A,
@@ -327,7 +327,7 @@ fn bounds<A: Parted, B: Parted>(
 }
 
 impl MeshTracker {
-    /// Returns bounds of the penetration depth of two solids, as told at
+    /// Returns bounds of the penetration depth of two solids, as described at
     /// `PairTracker::penetration`; `None` if a mesh is a surface.
     pub(crate) fn penetration(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Option<PenetrationBounds> {
         let (found, windings) = bounds(a, b, a_from_b, |pose| {
@@ -340,8 +340,8 @@ impl MeshTracker {
 }
 
 impl CompoundTracker {
-    /// Returns bounds of the penetration depth of two solids, meshes or bodies of pieces, as told
-    /// at `PairTracker::penetration`; `None` if a mesh is a surface.
+    /// Returns bounds of the penetration depth of two solids, meshes or bodies of pieces, as
+    /// described at `PairTracker::penetration`; `None` if a mesh is a surface.
     pub(crate) fn penetration<A: Parted, B: Parted>(
         &mut self,
         a: &A,
