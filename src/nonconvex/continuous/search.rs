@@ -11,62 +11,63 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::nonconvex::query::triangle::Triangle;
 
-/// Least width of an interval of time in which a first contact of vertices on straight paths is
-/// looked for before exact arithmetic decides. Not measured.
+/// Least width of an interval of time that floating-point arithmetic searches for a first contact
+/// of vertices on straight paths, before exact arithmetic decides. Not measured.
 const PATH_WIDTH: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// Most intervals of time tried for one pair of a vertex and a face or of two edges. Not measured.
+/// Largest number of intervals of time that are tested for one pair of a vertex and a face or of
+/// two edges. Not measured.
 const PATH_INTERVALS: u32 = 128;
 
-/// Bits beyond which an integer of an exact decision of vertices on straight paths counts as wide.
-/// Of coordinates that differ by less than twenty magnitudes none is.
+/// Number of bits beyond which an integer of an exact decision counts as wide. No integer is wide
+/// if the coordinates differ by fewer than twenty orders of magnitude.
 #[cfg(feature = "exact")]
 const WIDE: usize = 1024;
 
-/// Most products of words of wide integers in the exact decisions of one call, which then ends as
-/// unknown.
+/// Largest number of products of words of wide integers in the exact decisions of one call. Beyond
+/// it the call ends without a decision.
 #[cfg(feature = "exact")]
 const WIDE_WORK: u64 = 100_000_000;
 
-/// Most rounds in which the interval about the zero of a volume is narrowed. Not measured.
+/// Largest number of rounds that narrow the interval around the zero of a volume. Not measured.
 const PATH_ROUNDS: u32 = 32;
 
-/// Least width of a bracket: some roundings of times near one.
+/// Least width of a bracket: a few rounding errors of times near one.
 pub(super) const LEAST_WIDTH: f64 = 4.0 * f64::EPSILON;
 
-/// What floating point proves of a frame.
+/// What floating-point arithmetic proves about a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum FirstContact {
-    /// Apart from time zero to the end of the time searched.
+    /// The parts are separated from time zero to the end of the searched time.
     Miss,
-    /// In contact at time zero.
+    /// The parts are in contact at time zero.
     Start,
-    /// Apart until `safe`; the first contact is not after `hit`.
+    /// The parts are separated until `safe`, and the first contact is at the latest at `hit`.
     Hit { safe: f64, hit: f64 },
-    /// Apart until `safe`, zero for nothing; nothing is known of later instants.
+    /// The parts are separated until `safe` (zero if nothing is proven); later instants are unknown.
     Open { safe: f64 },
 }
 
 /// The work of a search.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SearchWork {
-    /// Intervals of time tried.
+    /// Number of tested intervals of time.
     pub(super) intervals: u32,
-    /// Crossings that were tried to be proven, and exact decisions.
+    /// Number of attempts to prove a crossing, and of exact decisions.
     pub(super) proofs: u32,
     /// Work of exact decisions on wide integers.
     pub(super) wide: WideWork,
 }
 
-/// Work of exact decisions on integers that are wider than those of ordinary coordinates: products
-/// of words. Paths of a few magnitudes never count.
+/// Work of exact decisions on wide integers, in products of words. Coordinates of a few orders of
+/// magnitude need no such integers.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct WideWork(u64);
 
 #[cfg(feature = "exact")]
 impl WideWork {
-    /// Counts the work of so many operations on two integers of so many bits; `None` if the budget
-    /// is spent.
+    /// Counts the work of a number of operations on two integers with these numbers of bits.
+    /// Returns `None` if the budget is used up.
     pub(super) fn count(&mut self, operations: usize, [one, other]: [usize; 2]) -> Option<()> {
         if one.max(other) > WIDE {
             let words = |bits: usize| bits as u64 / 64 + 1;
@@ -78,7 +79,7 @@ impl WideWork {
         self.left()
     }
 
-    /// Returns `None` if the budget is spent.
+    /// Returns `None` if the budget is used up.
     pub(super) fn left(self) -> Option<()> {
         (self.0 <= WIDE_WORK).then_some(())
     }
@@ -116,8 +117,8 @@ where
     })
 }
 
-/// Halves the time until a direction parts the pair in every part, or `settle` gives an answer for
-/// a part.
+/// Halves the time until a direction separates the pair in every interval, or `settle` returns an
+/// answer for an interval.
 pub(super) fn search<const A: usize, const B: usize>(
     paths: &VertexPaths<A, B>,
     until: f64,
@@ -156,8 +157,8 @@ where
     FirstContact::Miss
 }
 
-/// Returns whether a direction proves the pair apart between two instants, or the four vertices
-/// are never in one plane.
+/// Returns whether the pair is proven separated between two instants: by a direction, or because
+/// the four vertices are never in one plane.
 pub(super) fn is_free<const A: usize, const B: usize>(
     paths: &VertexPaths<A, B>,
     [s, e]: [f64; 2],
@@ -175,8 +176,8 @@ where
         || paths.are_straight() && VertexPlaces::is_never_flat(both)
 }
 
-/// Narrows an interval in which the volume has a single zero, and the parts meet at that instant
-/// alone: by secants, a side step on either side of each.
+/// Narrows an interval in which the volume has a single zero, so that the parts can meet at that
+/// instant only. The method is the secant method with a step to each side of the estimate.
 fn narrow<const A: usize, const B: usize>(
     paths: &VertexPaths<A, B>,
     [mut low, mut high]: [f64; 2],
@@ -218,8 +219,8 @@ where
     [low, high]
 }
 
-/// Most intervals of time tried for a pair of triangles as a whole, before its vertices, edges and
-/// faces are tried pair by pair. Not measured.
+/// Largest number of intervals of time that are tested for a pair of triangles as a whole, before
+/// its pairs of features are tested. Not measured.
 const TRIANGLE_INTERVALS: u32 = 12;
 
 /// Returns the first contact of a vertex and a face, in a bracket at most `width` wide if rounding
@@ -260,8 +261,8 @@ fn edge_edge_until(
     VertexPaths::new(a, b).map_or(FirstContact::Start, |paths| first_contact(&paths, until, width, work))
 }
 
-/// Returns until when a pair that is not settled is apart: undecided, or in a bracket that rounding
-/// keeps wide.
+/// Returns until when an open pair is separated: the pair is undecided, or rounding keeps its
+/// bracket wide.
 fn unsettled(found: FirstContact, width: f64) -> Option<f64> {
     match found {
         FirstContact::Open { safe } => Some(safe),
@@ -270,7 +271,7 @@ fn unsettled(found: FirstContact, width: f64) -> Option<f64> {
     }
 }
 
-/// Returns what is found, or what exact arithmetic decides of the rest.
+/// Returns the result, or what exact arithmetic decides about an open pair.
 fn decided(
     found: FirstContact,
     width: f64,
