@@ -276,9 +276,12 @@
 //! 4. Every answer carries bounds (the duality gap of Gilbert, Johnson and Keerthi 1988).
 //! 5. Behind the walk stand solvers that do not walk; no answer is lost to a cycle.
 //! 6. Overlapping bodies are an answer with a depth and a proof, not a walk that never ends.
-// What meshes and surfaces alone use lies idle without them.
+// Without surfaces or exact arithmetic, code that only they use is dead.
 #![cfg_attr(docsrs, feature(doc_cfg))]
-#![cfg_attr(not(feature = "surfaces"), allow(dead_code, unused_imports, unused_macros))]
+#![cfg_attr(
+    not(all(feature = "surfaces", feature = "exact")),
+    allow(dead_code, unused_imports, unused_macros)
+)]
 #![no_std]
 // Bits that differ by target are refused by `.clippy.toml`; tests are free.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
