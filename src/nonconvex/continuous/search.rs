@@ -44,7 +44,8 @@ pub(super) enum FirstContact {
     Start,
     /// The parts are separated until `safe`, and the first contact is at the latest at `hit`.
     Hit { safe: f64, hit: f64 },
-    /// The parts are separated until `safe` (zero if nothing is proven); later instants are unknown.
+    /// The parts are separated until `safe` (zero if nothing is proven); later instants are
+    /// unknown.
     Open { safe: f64 },
 }
 
