@@ -1,11 +1,11 @@
-//! A convex region inside a solid mesh around an inner point.
+//! A convex region inside a solid mesh around an interior point.
 //!
 //! ```text
-//!     +-----------.   own plane of the nearest triangle
+//!     +-----------.   plane of the nearest triangle
 //!     |    x      |
-//!     |     `.    |   A plane through the point of a triangle that is nearest to x, upright on
-//!     +--------`--+   the way there, has the triangle beyond it. So has the plane of a triangle
-//!              / \    that x is below.
+//!     |     `.    |   Each triangle lies outside a plane: its own plane if x is far enough below it,
+//!     +--------`--+   and otherwise the plane through its point nearest to x, perpendicular to the
+//!              / \    direction from x to this point.
 //! ```
 //!
 //! Triangles are processed in order of their distance, the nearest first. A triangle that is
@@ -38,10 +38,11 @@ use crate::nonconvex::tree::height;
 
 /// Maximum number of planes of a convex region; with more, the region is made half as wide.
 ///
-/// In the same overlaps the bounds are equal with 32 and with 512.
+/// In the overlaps of `CELL_REACH` the bounds are equal with 32 and with 512.
 const CELL_PLANES: usize = 128;
 
-/// Number of widths tried for a convex region. In the same overlaps the bounds are equal with one.
+/// Number of widths tried for a convex region. In the overlaps of `CELL_REACH` the bounds are equal
+/// with one.
 const CELL_HALVINGS: usize = 4;
 
 /// Returns a convex body inside a solid mesh around a point; `None` if none is found.
@@ -67,8 +68,8 @@ pub(super) fn cell(mesh: &Mesh, place: &Vector3<f64>, reach: f64) -> Option<Shap
 
 /// A plane of the cell with normal `n`.
 ///
-/// All of the cell is at most `level` high along `n`. Every triangle outside the plane is higher by
-/// more than a margin.
+/// The cell is at most `level` high along `n`. Every triangle outside the plane is higher by more
+/// than a margin.
 struct CellPlane {
     n: Vector3<f64>,
     level: f64,
