@@ -118,8 +118,7 @@ impl<'a> ExactPair<'a> {
             .unwrap_or(FirstContact::Open { safe: 0.0 })
     }
 
-    /// Returns the first contact, or `None` if halving found no root or sign or the budget is
-    /// spent.
+    /// Returns the first contact; `None` if a limit is reached before.
     fn first_contact(&self, width: f64, work: &mut WideWork) -> Option<FirstContact> {
         work.left()?;
         if self.is_in_contact(&mut Root::zero(), work)? {
@@ -216,11 +215,10 @@ impl<'a> ExactPair<'a> {
         }
     }
 
-    /// Returns numbers that are all at least zero if the pair is in contact in the plane of
-    /// `normal`.
+    /// Returns numbers that are all at least zero if the pair is in contact.
     ///
-    /// These are multiples of the barycentric coordinates of the common point: in the face, or on
-    /// both edges.
+    /// All vertices lie in the plane with this normal. The numbers are multiples of the barycentric
+    /// coordinates of the common point: in the face, or on both edges.
     fn shares(&self, normal: &Vector) -> Vec<Polynomial> {
         match self {
             ExactPair::Segment([p, a, b]) => vec![dot(&sub(p, a), &sub(b, p))],
@@ -254,7 +252,7 @@ impl<'a> ExactPair<'a> {
 struct Polynomial(Vec<IBig>);
 
 /// Largest number of halvings of an interval around a root. Far fewer separate the roots of
-/// polynomials whose coefficients have several thousand bits.
+/// polynomials whose coefficients have a few thousand bits.
 const MOST: u32 = 1 << 16;
 
 impl Polynomial {
@@ -490,8 +488,7 @@ impl Root {
             }
             if !is_unequal {
                 let common = self.of.common_divisor(other, work)?;
-                // The interval holds at most one root of each of the two, so also of their common
-                // divisor.
+                // The interval holds one root of `of`, so at most one of the common divisor.
                 let is_common = |at: Vec<IBig>| variations(&at) % 2 == 1;
                 if common.degree() > 0 && is_common(common.bernstein(&self.low, self.halvings, work)?) {
                     return Some(0);
@@ -505,7 +502,7 @@ impl Root {
 
     /// Returns two numbers around the root: one below it, and one that is not below it.
     ///
-    /// They differ by less than `width` plus a rounding. Returns `None` if the budget is spent. The
+    /// They differ by at most `width` plus a rounding. Returns `None` if the budget is spent. The
     /// root must not be zero, and `width` must not be below `2^-1000`.
     fn bracket(&mut self, width: f64, work: &mut WideWork) -> Option<[f64; 2]> {
         while !self.is_exact && crate::body::polyhedron::power_of_two(-(self.halvings as i32)) > width {

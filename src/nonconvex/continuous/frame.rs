@@ -54,9 +54,8 @@ impl<'a> MovingMesh<'a> {
     /// The first is a clone from before [`set_vertices`](Mesh::set_vertices), the second the mesh
     /// after it. Both are the same mesh for a body that does not deform.
     ///
-    /// If the mesh built parts of its tree again in between, this call makes a mesh with the
-    /// vertices of the start in the tree of the end. This takes as long as replacing all vertices a
-    /// few times.
+    /// If parts of the tree were rebuilt in between, this call makes a mesh with the vertices of
+    /// the start in the tree of the end. This takes as long as replacing all vertices a few times.
     ///
     /// # Errors
     /// Returns [`ImpactError::Mesh`] if the two do not have the same triangles and vertices.

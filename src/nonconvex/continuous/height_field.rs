@@ -44,7 +44,7 @@ const NONE: u32 = u32::MAX;
 /// The edge has more than two triangles, or two that do not have opposite directions along it.
 const UNCLEAR: u32 = u32::MAX - 1;
 
-/// A mesh, prepared for tests whether regions of it are height fields.
+/// A mesh whose regions are tested for being height fields.
 pub(super) struct HeightFields<'a> {
     of: &'a MovingMesh<'a>,
     /// Vertices at both ends relative to the first vertex, all coordinates below a quarter.

@@ -266,8 +266,9 @@ impl<'a> FrameSearch<'a> {
         ((until - begin) / (end - begin) * (1.0 + 8.0 * UNIT)).at_most(1.0)
     }
 
-    /// Tests two triangles, unless they share a vertex of one mesh or the pair was tested in the
-    /// other order.
+    /// Tests two triangles that share no vertex.
+    ///
+    /// Each pair of a mesh against itself is tested in one order only.
     fn ask(&mut self, pair: NodePair) {
         let [x, y] = pair;
         if self.first.is_start {

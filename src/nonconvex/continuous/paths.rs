@@ -34,9 +34,9 @@ impl VertexPath {
     }
 }
 
-/// The vertices of A and B relative to the first vertex of A as it moves, scaled by a power of two.
+/// The vertices of A and B relative to the moving first vertex of A, and scaled.
 ///
-/// The largest coordinate is from 1/2 to 1.
+/// The factor is a power of two that puts the largest coordinate between 1/2 and 1.
 pub(super) struct VertexPaths<const A: usize, const B: usize> {
     a: [[Vector3<f64>; 2]; A],
     b: [[Vector3<f64>; 2]; B],
@@ -85,8 +85,7 @@ impl<const A: usize, const B: usize> VertexPaths<A, B> {
 
     /// Returns whether a direction separates A and B at two times, and so at all times in between.
     ///
-    /// The support values along the direction are those of vertices on straight paths, which are
-    /// linear in time.
+    /// Along a fixed direction, the coordinates of vertices on straight paths are linear in time.
     #[inline(always)]
     pub(super) fn are_parted(&self, both: [&VertexPlaces<A, B>; 2], n: &Vector3<f64>) -> bool {
         // The sum of the magnitudes is at least the length.

@@ -24,7 +24,7 @@ const PATH_INTERVALS: u32 = 128;
 const WIDE: usize = 1024;
 
 /// Largest number of products of words of wide integers in the exact decisions of one call. Beyond
-/// it the call returns an open result.
+/// it, exact decisions return an open result.
 #[cfg(feature = "exact")]
 const WIDE_WORK: u64 = 100_000_000;
 
@@ -225,8 +225,8 @@ where
     [low, high]
 }
 
-/// Largest number of time intervals for a pair of triangles as a whole, before its vertices, edges
-/// and faces are tested pair by pair. Not measured.
+/// Largest number of time intervals for a pair of triangles as a whole. If they are not enough, its
+/// vertices, edges and faces are tested pair by pair. Not measured.
 const TRIANGLE_INTERVALS: u32 = 12;
 
 /// Returns the first contact of a vertex and a face, in a bracket of `width` if rounding allows.

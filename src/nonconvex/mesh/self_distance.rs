@@ -210,7 +210,7 @@ mod tests {
     use super::*;
     use crate::rng::Rng;
 
-    /// Vertices that go away and come back, by ways that are those of near nodes, or of their own.
+    /// Vertices move away and return, together with those of near nodes or independently.
     #[test]
     fn fronts_hold_what_they_claim() {
         let n = 14;

@@ -1,18 +1,20 @@
 //! A convex region inside a solid mesh around an interior point.
 //!
 //! ```text
-//!     +-----------.   plane of the nearest triangle
+//!     +-----------.   own plane of the nearest triangle
 //!     |    x      |
-//!     |     `.    |   Each triangle lies outside a plane: its own plane if x is far enough below it,
-//!     +--------`--+   and otherwise the plane through its point nearest to x, perpendicular to the
-//!              / \    direction from x to this point.
+//!     |     `.    |   A plane through the point of a triangle that is nearest to x, upright on
+//!     +--------`--+   the way there, has the triangle beyond it. So has the plane of a triangle
+//!              / \    that x is below.
 //! ```
 //!
 //! Triangles are processed in order of their distance, the nearest first. A triangle that is
-//! already outside a plane needs no separate plane. No triangle is below all planes, so the region
-//! there is wholly inside or wholly outside, and a winding number decides. The triangles and the
-//! vertices of the region are then checked against the planes, so no step between has to be
-//! correct.
+//! already outside a plane needs no separate plane. For any other triangle, its own plane is added
+//! if x is far enough below it. Otherwise the plane passes through the nearest point of the
+//! triangle, perpendicular to the direction from x to this point. No triangle is below all planes,
+//! so the region there is wholly inside or wholly outside the mesh, and a winding number decides.
+//! The triangles and the vertices of the region are then checked against the planes, so no earlier
+//! step has to be correct.
 //!
 //! Source: the first step of IRIS (Deits and Tedrake 2015, "Computing large convex regions of
 //! obstacle-free space through semidefinite programming"), with a ball instead of the ellipsoid.

@@ -17,8 +17,8 @@
 //! Let the inner body contain the ball around x. If x is inside a solid mesh, the mesh contains the
 //! ball around x up to the foot. Two balls around one point share interior points until they are
 //! moved by the sum of their radii. If x is outside, the foot is a point of the mesh that is
-//! `radius - distance` deep in the ball. A vertex is a ball of radius zero. The bound holds for every point
-//! tried.
+//! `radius - distance` deep in the ball. A vertex is a ball of radius zero. The bound holds for
+//! every point tried.
 //!
 //! ```text
 //!     +---------------+
@@ -388,12 +388,14 @@ const DEEP_STRETCHES: usize = 128;
 /// neighbours. Not measured.
 const CROSSED_LEAVES: usize = 1 << 14;
 
-/// A point of both bodies in A's frame with its approximate depth in one of them, and the number of
-/// winding numbers computed; lengths are in the caller's unit.
+/// A point of both bodies in A's frame, and the number of winding numbers computed.
+///
+/// The point comes with its approximate depth in one of the bodies, in the caller's unit.
 type InnerMiddle = (Option<(Point3<f64>, f64)>, u64);
 
-/// An edge by its vertices (the lower one first), a fraction of its length, and the unit normal of
-/// a triangle at the edge.
+/// A point on an edge: the vertices of the edge, and the fraction of its length.
+///
+/// The lower vertex is first. The unit normal is that of a triangle at the edge.
 type EdgePart = ([u32; 2], f64, Vector3<f64>);
 
 /// Returns the deepest midpoint of a segment of an edge inside the other body.

@@ -178,7 +178,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
     fn pushed(&mut self, first: inner::ProvenDepth) -> Option<Vector3<f64>> {
         let mut shift = first.way;
         for _ in 0..PUSHES {
-            // Without this, bodies that touch would be moved further, in a slot into its other
+            // Without this, a body that touches one side of a slot would be moved on into the other
             // side.
             shift = self.longer(&shift);
             if self.parts(&shift) {
