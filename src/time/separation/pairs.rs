@@ -24,7 +24,7 @@ const RIM: usize = 64;
 /// Factor by which a ball around the centre of the box must be smaller to replace the ball around
 /// the origin.
 ///
-/// It is tighter, but adds a lever arm to every bound. Not measured.
+/// The smaller ball is tighter, but adds a lever arm to every bound. Not measured.
 const SMALLER: f64 = 0.8;
 
 /// Support values of bodies with at most this many vertices come from a scan. It takes linear time,
