@@ -287,7 +287,7 @@ pub(super) fn cover<'a>(
 
 /// Returns whether a covered point of a face is at the end of the uncovered region of the face.
 ///
-/// This is so if some point of the face next to it is not covered.
+/// This is so if some point of the face near this point is not covered.
 fn is_end(body: &Compound, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
     let Some(Piece { shape, pose, .. }) = body.pieces().get(of as usize) else {
         return false;
@@ -356,8 +356,7 @@ fn dot_at(point: &Point3<f64>) -> Option<(Shape, RelativePose)> {
     Some((Shape::from(dot), at))
 }
 
-/// Maximum number of pieces that are cut out of a face, one after the other, to find its uncovered
-/// region. Not measured.
+/// Maximum number of pieces that are cut out of a face to find its uncovered region. Not measured.
 const COVERS: usize = 4;
 
 /// Returns whether the surface of the union is at least `depth` away from a point inside.

@@ -64,8 +64,8 @@ pub struct PatchContact {
     pub normal: Unit<Vector3<f64>>,
     /// The two points, in the bodies' frames.
     ///
-    /// Features are those of the patches' hulls. If the contact represents an overlap in which no
-    /// patches have a valid contact, they are features of triangles or pieces.
+    /// Features belong to the hulls of the patches. If the contact represents an overlap in which
+    /// no patches have a valid contact, they belong to triangles or pieces.
     pub point: ContactPoint,
 }
 
@@ -91,7 +91,6 @@ pub struct ContactGroup {
 /// solids overlap and the hulls of their patches have no valid contact, one contact is returned
 /// along a separating translation. It costs as much as a depth query. A solid that is deep inside
 /// another one, away from all patches, has no contact.
-/// deep inside another one, away from all patches, has none.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactTracker {
     fingerprints: [Fingerprint; 2],

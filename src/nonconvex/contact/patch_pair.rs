@@ -1,7 +1,7 @@
 //! Contacts of two patches that are near each other.
 //!
-//! These are the contacts of their hulls that lie on the surfaces of both bodies, and contacts next
-//! to a vertex whose foot on the plane of a face is beyond the end of the face.
+//! These are the contacts of their hulls that lie on the surfaces of both bodies. There are also
+//! contacts next to a vertex whose foot on the plane of a face is beyond the end of the face.
 //!
 //! ```text
 //!    face \       / other face     A vertex v in a valley is below both faces. Its foot on the
@@ -159,7 +159,7 @@ impl PosedPatches<'_> {
         })
     }
 
-    /// Returns whether a point is at the end of a face of a piece and on a face of the other body.
+    /// Returns whether a point is valid, or at the end of a face of a piece, on both bodies.
     fn is_at_end(&self, n: &Vector3<f64>, point: &ContactPoint) -> bool {
         let PatchQuery {
             a,
@@ -355,12 +355,11 @@ const SHORT_EDGE: f64 = 1.0 / 1_048_576.0;
 const EDGE_HALVINGS: usize = 30;
 
 impl PosedPatches<'_> {
-    /// Returns the outcome along a face's normal for the lowest point over the face of certain
-    /// edges.
+    /// Returns an outcome along a face's normal at the lowest point of an edge over the face.
     ///
-    /// These are the edges at the other convex body's deepest vertex, which is itself not over the
-    /// face. If the face ends in a valley, contacts within the prediction are valid. On any other
-    /// face the contact must overlap, and the face must be the nearest to the vertex.
+    /// The edges are those at the deepest vertex of the other convex body, if this vertex is not
+    /// over the face. If the face ends in a valley, contacts within the prediction are valid. On
+    /// any other face the contact must overlap, and the face must be the nearest to the vertex.
     fn beside(&self, is_of_a: bool, outcome: &Outcome, is_nearest: bool) -> Option<Outcome> {
         let (part, feature) = if is_of_a {
             (&self.parts[1].0, outcome.features.b)

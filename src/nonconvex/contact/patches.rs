@@ -13,7 +13,6 @@
 //!    solid.
 //! 2. Signs have a tolerance. The vertices of a rotated plane are rounded, so about half of its
 //!    inner edges are reflex by a few units.
-//!    are reflex by a few units as often as not.
 
 use alloc::boxed::Box;
 use alloc::collections::VecDeque;
@@ -390,7 +389,7 @@ impl<'a> Growing<'a> {
 /// Returns the vertices of a patch that span its hull within a tolerance.
 ///
 /// For each plane these are the vertices of the hull of its triangles, so that a flat face stays
-/// flat, independent of the vertices inside it.
+/// flat for any vertices inside it.
 pub(super) fn corners(mesh: &Mesh, patch: &PatchTriangles, tolerance: f64) -> Vec<u32> {
     let mut by_plane: Vec<(u32, u32)> = patch.iter().map(|&(t, plane)| (plane, t)).collect();
     by_plane.sort_unstable();

@@ -1,17 +1,17 @@
-//! The first contact in exact arithmetic: whether four vertices on straight paths meet, and when,
-//! as an isolated root of a polynomial.
+//! First contact of four vertices on straight paths, in exact integer arithmetic.
 //!
-//! At an instant of contact the four vertices lie in one plane. Unless they do so all the time,
-//! that leaves at most three instants, the roots of a cubic; at each the signs of further
-//! polynomials tell whether the vertex is in the face or the edges cross. If the vertices never
-//! leave one plane, the first contact is at time zero, or where one of those polynomials changes
-//! its sign.
+//! 1. At a contact the four vertices lie in one plane, so their volume, a cubic in time, is zero.
+//!    If the cubic is not zero everywhere, it has at most three roots.
+//! 2. At each root, the signs of further polynomials decide whether the vertex is in the face or
+//!    the edges cross.
+//! 3. If the vertices stay in one plane, the first contact is at time zero or at a root of one of
+//!    the further polynomials, where it changes its sign.
 //!
-//! Polynomials over the integers ([`Polynomial`]) have their roots in the unit interval isolated,
-//! and tell the signs of other polynomials at a root ([`Root`]).
+//! [`Polynomial`] isolates its roots in the unit interval. [`Root`] computes the signs of other
+//! polynomials at a root.
 //!
 //! Sources: Collins and Akritas 1976 (bisection by Descartes' rule of signs); Collins 1967
-//! (remainder sequences). Bernstein coefficients give the sign variations.
+//! (remainder sequences). Departure: sign changes are those of Bernstein coefficients.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -30,7 +30,7 @@ use crate::nonconvex::query::triangle::Triangle;
 /// A vector whose coordinates are polynomials in time.
 type Vector = [Polynomial; 3];
 
-/// A vertex and a segment, a vertex and a face, or two segments: the vertices as they move.
+/// The moving vertices of a vertex and a segment, a vertex and a face, or two segments.
 #[derive(Clone)]
 enum ExactPair<'a> {
     Segment([&'a Vector; 3]),
@@ -38,8 +38,9 @@ enum ExactPair<'a> {
     Edges([&'a Vector; 4]),
 }
 
-/// Returns the first contact of a vertex and a face, in a bracket at most about `width` wide;
-/// open only if a limit is reached.
+/// Returns the first contact of a vertex and a face.
+///
+/// The bracket is at most about `width` wide. The result is open only if a limit is reached.
 pub(super) fn vertex_face(
     vertex: &VertexPath,
     face: &[VertexPath; 3],
@@ -50,14 +51,15 @@ pub(super) fn vertex_face(
     ExactPair::Face([&p, &a, &b, &c]).found(width, work)
 }
 
-/// Returns the first contact of two edges, in a bracket at most about `width` wide; open only
-/// if a limit is reached.
+/// Returns the first contact of two edges.
+///
+/// The bracket is at most about `width` wide. The result is open only if a limit is reached.
 pub(super) fn edge_edge(a: &[VertexPath; 2], b: &[VertexPath; 2], width: f64, work: &mut WideWork) -> FirstContact {
     let [a, b, c, d] = moving([&a[0], &a[1], &b[0], &b[1]]);
     ExactPair::Edges([&a, &b, &c, &d]).found(width, work)
 }
 
-/// Returns whether an edge of one triangle passes through the inside of the other.
+/// Returns whether an edge of one triangle passes through the interior of the other.
 pub(super) fn pierce(p: &Triangle, q: &Triangle) -> bool {
     let numbers = p.iter().chain(q).flat_map(|v| v.iter().copied());
     let lowest = lowest_bit(numbers).unwrap_or(0);
@@ -80,7 +82,7 @@ pub(super) fn pierce(p: &Triangle, q: &Triangle) -> bool {
     through(&p, &q) || through(&q, &p)
 }
 
-/// Returns the paths over the integers, by a common power of two.
+/// Returns the paths as integers, all scaled by the same power of two.
 fn moving(paths: [&VertexPath; 4]) -> [Vector; 4] {
     let ends = |p: &VertexPath| [p.start, p.end];
     let numbers = paths.iter().flat_map(|p| ends(p)).flat_map(|v| [v.x, v.y, v.z]);
@@ -116,8 +118,7 @@ impl<'a> ExactPair<'a> {
             .unwrap_or(FirstContact::Open { safe: 0.0 })
     }
 
-    /// Returns the first contact; `None` if halving has not found a root or a sign, or the budget
-    /// is spent.
+    /// Returns the first contact; `None` if a limit is reached before.
     fn first_contact(&self, width: f64, work: &mut WideWork) -> Option<FirstContact> {
         work.left()?;
         if self.is_in_contact(&mut Root::zero(), work)? {
@@ -137,8 +138,10 @@ impl<'a> ExactPair<'a> {
         Some(bracket.map_or(FirstContact::Miss, |[safe, hit]| FirstContact::Hit { safe, hit }))
     }
 
-    /// Returns polynomials one of which is zero at the first contact, unless that is at time zero:
-    /// the signs of polynomials decide the contact, and one that is not zero changes its sign.
+    /// Returns polynomials of which one is zero at the first contact, unless that is at time zero.
+    ///
+    /// The signs of these polynomials decide the contact, and one that is not zero everywhere
+    /// changes its sign at the contact.
     fn candidates(&self) -> Vec<Polynomial> {
         let volume = self.volume();
         if !volume.is_zero() {
@@ -154,7 +157,7 @@ impl<'a> ExactPair<'a> {
         all
     }
 
-    /// Returns whether the parts are in contact at an instant.
+    /// Returns whether the pair is in contact at a time; `None` if this is not decided.
     fn is_in_contact(&self, at: &mut Root, work: &mut WideWork) -> Option<bool> {
         if at.sign_of(&self.volume(), work)? != 0 {
             return Some(false);
@@ -184,8 +187,10 @@ impl<'a> ExactPair<'a> {
         Some(true)
     }
 
-    /// Six times the volume of the four vertices; for a vertex and a segment a coordinate of the
-    /// cross product that is not zero, if any.
+    /// Returns six times the volume of the four vertices.
+    ///
+    /// For a vertex and a segment, returns a coordinate of the cross product instead: one that is
+    /// not zero everywhere, if there is one.
     fn volume(&self) -> Polynomial {
         match self {
             ExactPair::Segment(_) => {
@@ -198,8 +203,10 @@ impl<'a> ExactPair<'a> {
         }
     }
 
-    /// The normal of the face, the common perpendicular of the edges; zero of a vertex on the line
-    /// of its segment.
+    /// Returns the normal of the face or the common perpendicular of the edges.
+    ///
+    /// For a vertex and a segment, returns a cross product that is zero if the vertex is on the
+    /// line of the segment.
     fn normal(&self) -> Vector {
         match self {
             ExactPair::Segment([p, a, b]) => cross(&sub(b, a), &sub(p, a)),
@@ -208,8 +215,10 @@ impl<'a> ExactPair<'a> {
         }
     }
 
-    /// The numbers that are not negative if the parts, in one plane with a normal, are in contact:
-    /// shares of the vertices of a face, or of the ends of both edges, in the point.
+    /// Returns numbers that are all at least zero if the pair is in contact.
+    ///
+    /// All vertices lie in the plane with this normal. The numbers are multiples of the barycentric
+    /// coordinates of the common point: in the face, or on both edges.
     fn shares(&self, normal: &Vector) -> Vec<Polynomial> {
         match self {
             ExactPair::Segment([p, a, b]) => vec![dot(&sub(p, a), &sub(b, p))],
@@ -226,7 +235,7 @@ impl<'a> ExactPair<'a> {
         }
     }
 
-    /// What the pair is if there is no normal: vertices and segments.
+    /// Returns the pairs of a vertex and a segment that decide a pair whose normal is zero.
     fn segments(&self) -> Vec<ExactPair<'a>> {
         match *self {
             ExactPair::Segment(_) => Vec::new(),
@@ -238,12 +247,12 @@ impl<'a> ExactPair<'a> {
     }
 }
 
-/// A polynomial by its coefficients, the constant first and the last not zero; zero has none.
+/// A polynomial by its coefficients, the constant first. The last is not zero; zero has none.
 #[derive(Clone, Debug, PartialEq)]
 struct Polynomial(Vec<IBig>);
 
-/// Most halvings of an interval about a root, far beyond what separates the roots of polynomials
-/// whose coefficients have some thousand bits.
+/// Largest number of halvings of an interval around a root. Far fewer separate the roots of
+/// polynomials whose coefficients have a few thousand bits.
 const MOST: u32 = 1 << 16;
 
 impl Polynomial {
@@ -258,7 +267,7 @@ impl Polynomial {
         self.0.is_empty()
     }
 
-    /// Returns the bits of the widest coefficient.
+    /// Returns the number of bits of the widest coefficient.
     fn bits(&self) -> usize {
         self.0.iter().map(BitTest::bit_len).max().unwrap_or(0)
     }
@@ -312,7 +321,7 @@ impl Polynomial {
         Self(self.0.iter().map(|c| c / &common).collect())
     }
 
-    /// Returns quotient and remainder of a multiple of the polynomial by another one, which is not
+    /// Returns quotient and remainder of a multiple of the polynomial, divided by one that is not
     /// zero.
     fn divided(&self, by: &Self) -> (Self, Self) {
         let (mut rest, mut quotient) = (self.clone(), Self(Vec::new()));
@@ -333,7 +342,7 @@ impl Polynomial {
         let (mut a, mut b) = (self.clone().primitive(), other.clone().primitive());
         while !b.is_zero() {
             let bits = a.bits().max(b.bits());
-            // Quotients of polynomials, and divisors of their coefficients.
+            // The work of the quotients of polynomials and of the divisors of their coefficients.
             work.count(8 * a.0.len() * b.0.len(), [bits, bits])?;
             let rest = a.divided(&b).1.primitive();
             (a, b) = (b, rest);
@@ -341,7 +350,7 @@ impl Polynomial {
         Some(a)
     }
 
-    /// Returns a multiple of the polynomial of the same roots, each once.
+    /// Returns a polynomial with the same roots, each of them simple.
     fn square_free(&self, work: &mut WideWork) -> Option<Self> {
         let common = self.common_divisor(&self.derivative(), work)?;
         Some(if common.degree() == 0 {
@@ -351,8 +360,10 @@ impl Polynomial {
         })
     }
 
-    /// Returns multiples of the Bernstein coefficients from `k / 2^j` to `(k + 1) / 2^j`, each by
-    /// the same positive factor; `None` if the budget is spent.
+    /// Returns the Bernstein coefficients from `k / 2^j` to `(k + 1) / 2^j`, up to a positive
+    /// factor.
+    ///
+    /// All coefficients have the same factor. Returns `None` if the budget is spent.
     fn bernstein(&self, k: &IBig, j: usize, work: &mut WideWork) -> Option<Vec<IBig>> {
         let n = self.degree();
         work.count((n + 1) * (n + 2), [self.bits() + j * n, k.bit_len()])?;
@@ -371,7 +382,7 @@ impl Polynomial {
         Some((0..=n).map(of).collect())
     }
 
-    /// Returns the roots from zero to one, in order; `None` if halving has not isolated them.
+    /// Returns the roots from zero to one, in order; `None` if a limit is reached before.
     fn roots(&self, work: &mut WideWork) -> Option<Vec<Root>> {
         let simple = self.square_free(work)?;
         let mut roots = Vec::new();
@@ -409,16 +420,19 @@ impl Polynomial {
     }
 }
 
-/// Returns the number of changes of sign, zeros left out: the number of roots in the open interval
-/// or more by an even number.
+/// Returns the number of sign changes, zeros left out.
+///
+/// This exceeds the number of roots in the open interval by zero or by an even number.
 fn variations(coefficients: &[IBig]) -> usize {
     let signs = coefficients.iter().map(sign).filter(|s| *s != 0);
     let (count, _) = signs.fold((0, 0), |(count, last), s| (count + usize::from(last * s < 0), s));
     count
 }
 
-/// A root of a polynomial without multiple roots: the only one between `low / 2^halvings` and the
-/// next such number, or that number itself.
+/// A root of a polynomial that has only simple roots.
+///
+/// It is the only root between `low / 2^halvings` and `(low + 1) / 2^halvings` or, if exact,
+/// `low / 2^halvings` itself.
 #[derive(Clone, Debug)]
 struct Root {
     of: Polynomial,
@@ -457,7 +471,7 @@ impl Root {
         Some(())
     }
 
-    /// Returns the sign of a polynomial at the root; `None` if halving has not found it.
+    /// Returns the sign of a polynomial at the root; `None` if a limit is reached before.
     fn sign_of(&mut self, other: &Polynomial, work: &mut WideWork) -> Option<i32> {
         if other.is_zero() {
             return Some(0);
@@ -474,7 +488,7 @@ impl Root {
             }
             if !is_unequal {
                 let common = self.of.common_divisor(other, work)?;
-                // The interval holds one root of either, if any.
+                // The interval holds one root of `of`, so at most one of the common divisor.
                 let is_common = |at: Vec<IBig>| variations(&at) % 2 == 1;
                 if common.degree() > 0 && is_common(common.bernstein(&self.low, self.halvings, work)?) {
                     return Some(0);
@@ -486,9 +500,10 @@ impl Root {
         None
     }
 
-    /// Returns numbers of f64 about the root, less than `width` and a rounding apart: one below,
-    /// and one that is not below; `None` if the budget is spent. Zero is no root here, and `width`
-    /// not below `2^-1000`.
+    /// Returns two numbers around the root: one below it, and one that is not below it.
+    ///
+    /// They differ by at most `width` plus a rounding. Returns `None` if the budget is spent. The
+    /// root must not be zero, and `width` must not be below `2^-1000`.
     fn bracket(&mut self, width: f64, work: &mut WideWork) -> Option<[f64; 2]> {
         while !self.is_exact && crate::body::polyhedron::power_of_two(-(self.halvings as i32)) > width {
             self.refine(work)?;
@@ -505,7 +520,7 @@ impl Root {
     }
 }
 
-/// Returns `k / 2^j`, from zero to one, rounded down and up.
+/// Returns `k / 2^j`, which is from zero to one, rounded down and up.
 fn rounded(k: &IBig, j: usize) -> [f64; 2] {
     if k.is_zero() {
         return [0.0, 0.0];

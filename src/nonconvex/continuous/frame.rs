@@ -1,4 +1,4 @@
-//! A mesh over a frame: its vertices at both ends, and where it is at instants between.
+//! A mesh over a frame: its vertices at both ends and its positions in between.
 
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
@@ -16,7 +16,7 @@ use crate::nonconvex::tree::Below;
 use crate::nonconvex::tree::height;
 use crate::time::impact::ImpactError;
 
-/// The rotation and the place of a mesh at an instant of a frame.
+/// The rotation and the position of a mesh at a time of a frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moment {
     pub(super) time: f64,
@@ -40,21 +40,22 @@ impl Moment {
 /// sets its poses.
 #[derive(Clone, Debug)]
 pub struct MovingMesh<'a> {
-    /// The mesh at both ends, in one tree.
+    /// The mesh at both ends. Both have the same tree layout.
     meshes: [Cow<'a, Mesh>; 2],
     poses: [Isometry3<f64>; 2],
     pub(super) ends: [Moment; 2],
-    /// How the mesh moves if it rotates.
+    /// The motion of the mesh, if it rotates.
     motion: Option<Steady>,
 }
 
 impl<'a> MovingMesh<'a> {
-    /// Takes a mesh as it is at the start and as it is at the end: a clone from before
-    /// [`set_vertices`](Mesh::set_vertices), and the mesh after. Both are the same for a body that
-    /// does not bend.
+    /// Returns a moving mesh, from the mesh at the start and at the end of the frame.
     ///
-    /// If parts of the tree were built again in between, a mesh with the vertices of the start is
-    /// made in the tree of the end. This takes as long as a few replacements of all vertices.
+    /// The first is a clone from before [`set_vertices`](Mesh::set_vertices), the second the mesh
+    /// after it. Both are the same mesh for a body that does not deform.
+    ///
+    /// If parts of the tree were rebuilt in between, this call makes a mesh with the vertices of
+    /// the start in the tree of the end. This takes as long as replacing all vertices a few times.
     ///
     /// # Errors
     /// Returns [`ImpactError::Mesh`] if the two do not have the same triangles and vertices.
@@ -82,14 +83,16 @@ impl<'a> MovingMesh<'a> {
         [&self.meshes[0], &self.meshes[1]]
     }
 
-    /// Moves the mesh from one pose to another: its origin on a straight path, its rotation by the
-    /// lesser angle about one axis, both at constant velocity
-    /// ([`Steady::between`](crate::motion::Steady::between)).
+    /// Moves the mesh from one pose to another at constant linear and angular velocity.
     ///
-    /// If the mesh does not rotate, places at both ends are rounded, within some 1e-15 of their
-    /// size, and vertices are on straight paths between these places. Points of a mesh that rotates
-    /// move on arcs: what is proven of them holds for the motion itself, rounding included, so that
-    /// a touch that no surface passes ends as [`Undecided`](crate::impact::Impact::Undecided).
+    /// The origin of the mesh moves on a straight path. The rotation is about one axis, by the
+    /// smaller of the two angles ([`Steady::between`](crate::motion::Steady::between)).
+    ///
+    /// If the mesh does not rotate, positions at both ends are rounded, by about 1e-15 of their
+    /// size, and vertices are on straight paths between these positions. If the mesh rotates, its
+    /// points move on arcs, and proofs hold for the motion itself, rounding included. So a contact
+    /// in which no surface passes through the other is reported as
+    /// [`Undecided`](crate::impact::Impact::Undecided).
     ///
     /// # Errors
     /// Returns an error if [`RelativePose::new`](crate::RelativePose::new) rejects a pose.
@@ -100,8 +103,10 @@ impl<'a> MovingMesh<'a> {
         self.posed([*begin, *end])
     }
 
-    /// Returns the mesh at other poses. Where it rotates, the motion is made of the poses as given:
-    /// rounded once more, a half turn could go the other way round.
+    /// Returns the mesh at other poses.
+    ///
+    /// If the mesh rotates, the motion is made from the poses as given. If they were rounded once
+    /// more, a rotation by 180° could change its direction.
     fn posed(self, poses: [Isometry3<f64>; 2]) -> Result<Self, ImpactError> {
         let unit = |pose: &Isometry3<f64>| {
             let rotation = UnitQuaternion::new_normalize(pose.rotation.into_inner());
@@ -127,8 +132,10 @@ impl<'a> MovingMesh<'a> {
         })
     }
 
-    /// Returns both meshes as seen from where the first is at the start, without turning, and this
-    /// place: far from the origin of the world places are rounded by less.
+    /// Returns both meshes relative to the position of the first at the start, and this position.
+    ///
+    /// The axes stay parallel to those of the world. Far from the origin of the world this reduces
+    /// the rounding of positions.
     pub(super) fn beside(a: &Self, b: &Self) -> Result<([Self; 2], Vector3<f64>), ImpactError> {
         let origin = a.poses[0].translation.vector;
         let seen = |of: &Self| {
@@ -146,7 +153,7 @@ impl<'a> MovingMesh<'a> {
         self.motion.is_none()
     }
 
-    /// Returns where the mesh is at a time; of a mesh on straight paths at both ends alone.
+    /// Returns the pose of the mesh at a time.
     pub(super) fn moment(&self, time: f64) -> Moment {
         match &self.motion {
             Some(motion) => Moment::new(time, &motion.pose(time)),
@@ -159,7 +166,7 @@ impl<'a> MovingMesh<'a> {
         }
     }
 
-    /// Returns the place of a vertex in the frame of the mesh.
+    /// Returns the position of a vertex in the frame of the mesh.
     fn own(&self, vertex: u32, time: f64) -> Vector3<f64> {
         let [begin, end] = self.both();
         let at = |mesh: &Mesh| mesh.given(&mesh.points[vertex as usize]).coords;
@@ -174,18 +181,18 @@ impl<'a> MovingMesh<'a> {
         Point3::from(moment.rotation * self.own(vertex, moment.time) + moment.place)
     }
 
-    /// Returns the corners of a triangle at an instant.
+    /// Returns the vertices of a triangle at a time.
     pub(super) fn corners(&self, triangle: u32, moment: &Moment) -> [Point3<f64>; 3] {
         self.meshes[0].triangles[triangle as usize].each(|v| self.point(v, moment))
     }
 
-    /// Returns the corners of a triangle as they move from one instant to another.
+    /// Returns the paths of the vertices of a triangle between two times.
     pub(super) fn paths(&self, triangle: u32, [from, to]: [&Moment; 2]) -> [VertexPath; 3] {
         let (from, to) = (self.corners(triangle, from), self.corners(triangle, to));
         [0, 1, 2].each(|k| VertexPath::new(from[k], to[k]))
     }
 
-    /// Returns all vertices as they are at both ends.
+    /// Returns the paths of all vertices over the frame.
     pub(super) fn vertices(&self) -> Vec<VertexPath> {
         let count = self.meshes[0].points.len() as u32;
         let [from, to] = &self.ends;
@@ -201,8 +208,10 @@ impl<'a> MovingMesh<'a> {
         self.meshes[0].tree.below(node)
     }
 
-    /// Returns an upper bound of the height of the points below a node at an instant. Between both
-    /// ends no point is higher than the mean, by the time, of the highest at the ends.
+    /// Returns an upper bound of the support value of the points below a node at a time.
+    ///
+    /// Between the ends, no point exceeds the support values at both ends, interpolated linearly in
+    /// time.
     pub(super) fn height(&self, node: u32, n: &Vector3<f64>, moment: &Moment) -> f64 {
         let own = moment.rotation.tr_mul(n);
         let of = |mesh: &Mesh| height(&mesh.tree, node, &own) * mesh.unit();
@@ -215,7 +224,7 @@ impl<'a> MovingMesh<'a> {
         highest + n.dot(&moment.place)
     }
 
-    /// Returns the middle of the box of a node.
+    /// Returns the centre of the box of a node.
     pub(super) fn middle(&self, node: u32, moment: &Moment) -> Vector3<f64> {
         let of = |mesh: &Mesh| {
             let tree = &mesh.tree;
@@ -229,7 +238,7 @@ impl<'a> MovingMesh<'a> {
         moment.rotation * own + moment.place
     }
 
-    /// Returns the axes of the box of a node, the last first; between the ends, the axes of the
+    /// Returns the axes of the box of a node in reverse order; before the end, the axes at the
     /// start.
     pub(super) fn axes(&self, node: u32, moment: &Moment) -> [Vector3<f64>; 3] {
         let mesh = &self.meshes[usize::from(moment.time == 1.0)];
@@ -237,19 +246,19 @@ impl<'a> MovingMesh<'a> {
         [2, 1, 0].each(|k| moment.rotation * b.axis(k))
     }
 
-    /// Returns how far vertices are from the origin of the mesh's frame at most.
+    /// Returns the largest distance of a vertex from the origin of the mesh's frame.
     pub(super) fn radius(&self) -> f64 {
         let [begin, end] = self.both().each(|mesh| mesh.radius * mesh.unit());
         begin.larger(end)
     }
 
-    /// Returns half the diagonal of the box of the mesh, or the radius if that is less.
+    /// Returns half the diagonal of the box of the mesh, or the radius if it is smaller.
     pub(super) fn half_size(&self) -> f64 {
         let [begin, end] = self.both().each(Parted::half_size);
         begin.larger(end)
     }
 
-    /// Returns the largest coordinate of a point, or more.
+    /// Returns an upper bound of all coordinates of the points.
     pub(super) fn reach(&self) -> f64 {
         let [begin, end] = [0, 1].each(|k| {
             let mesh = &self.meshes[k];
@@ -263,7 +272,7 @@ impl<'a> MovingMesh<'a> {
         f64::from(mesh.tree.boxes[node as usize].radius()) * mesh.tree.unit() * mesh.unit()
     }
 
-    /// Returns how far a vertex moves in the frame of the mesh at most.
+    /// Returns an upper bound of how far a vertex moves in the frame of the mesh.
     pub(super) fn bend(&self) -> f64 {
         let [begin, end] = self.both();
         if core::ptr::eq(begin, end) {
@@ -271,22 +280,22 @@ impl<'a> MovingMesh<'a> {
         }
         let both = begin.points.iter().zip(&end.points);
         let most = both.fold(0.0, |m: f64, (p, q)| m.larger((end.given(q) - begin.given(p)).amax()));
-        // The largest coordinate of a vector, times the root of three.
+        // The length of a vector is at most the root of three times its largest coordinate.
         1.75 * most
     }
 
-    /// Returns how far a point can be from the straight path between its places at both ends: at
-    /// most an eighth of the square of the time, one, times the acceleration. A mesh of radius `r`
-    /// about its origin that turns by `w` and whose vertices move by up to `l` in its frame
-    /// accelerates them by at most `r w^2 + 2 l w`.
+    /// Returns an upper bound of the distance of a point from the straight path between its ends.
+    ///
+    /// The bound is one eighth of the square of the time, which is one, times the acceleration. If
+    /// a mesh of radius `r` about its origin rotates by `w` and its vertices move by up to `l` in
+    /// its frame, the acceleration is at most `r w^2 + 2 l w`.
     pub(super) fn sagitta(&self, radius: f64, bend: f64) -> f64 {
         let Some(motion) = &self.motion else { return 0.0 };
         let angle = length(&motion.velocity().angular);
         0.125 * angle * (radius * angle + 2.0 * bend) * (1.0 + 16.0 * UNIT)
     }
 
-    /// Returns how far the corners of a triangle can be from straight paths, as
-    /// [`sagitta`](Self::sagitta) does.
+    /// Returns the bound of [`sagitta`](Self::sagitta) for the vertices of a triangle.
     pub(super) fn sagitta_of(&self, triangle: u32) -> f64 {
         if self.is_straight() {
             return 0.0;
@@ -301,7 +310,7 @@ impl<'a> MovingMesh<'a> {
     }
 }
 
-/// Returns why a motion between two poses is refused.
+/// Returns the error for a motion that is rejected.
 fn refused(error: MotionError) -> ImpactError {
     match error {
         MotionError::Pose(pose) => ImpactError::Pose(pose),

@@ -1,24 +1,25 @@
-//! Parts of a mesh that are height fields over a frame: seen along one direction no point hides
-//! another one, so that no two triangles without a common vertex meet.
+//! Regions of a mesh that are height fields over a frame, so that they cannot meet themselves.
 //!
-//! Volino and Magnenat-Thalmann 1994 pass over parts whose normals lie in a cone and whose outline
-//! does not cross itself. Here both are proven over the frame, for triangles on straight paths,
-//! projected by a fixed linear map to a plane:
+//! Along one direction, no point of a height field hides another. So no two triangles without a
+//! common vertex meet. Volino and Magnenat-Thalmann 1994 skip regions whose normals lie in a cone
+//! and whose boundary does not cross itself. This module proves both over the whole frame, for
+//! triangles on straight paths, projected to a plane by a fixed linear map:
 //!
-//! 1. **Every triangle keeps its sense.** The area of its projection is a quadratic in time, of
-//!    Bernstein coefficients that are all positive.
-//! 2. **The rim is simple.** Edges to triangles outside the part form loops in which no vertex is
-//!    twice. Two edges of the rim that share no vertex are parted by a line at both ends of the
-//!    frame; two that share one never fold back: their cross product or their scalar product keeps
-//!    its sign.
+//! 1. **Every triangle keeps its orientation.** The area of its projection is a quadratic in time,
+//!    and all its Bernstein coefficients are positive.
+//! 2. **The boundary is simple.** Edges to triangles outside the region form loops in which no
+//!    vertex occurs twice. If two boundary edges share no vertex, a line separates them at both
+//!    ends of the frame. If they share a vertex, they never fold back: their cross product or their
+//!    scalar product keeps its sign.
 //! 3. **At most one loop runs counter-clockwise.**
 //!
-//! The number of triangles over a point of the plane, counted with their sense, is the sum of the
-//! winding numbers of the loops about it, so by 3 at most one, and by 1 the number itself. Two
-//! triangles that share no vertex, and meet in the projection at a point, would have disjoint
-//! stars there. A star within the part covers all sides of the point, a star at the rim one side of
-//! it; two at the rim are at two places of it, which 2 excludes. So some point nearby would be
-//! covered twice.
+//! Proof. Count the triangles over a point of the plane with their orientation. The count is the
+//! sum of the winding numbers of the loops around the point, so by 3 it is at most one. By 1 the
+//! count is the number of triangles. Suppose that two triangles share no vertex and meet in the
+//! projection at a point. Then their stars there are disjoint. A star in the interior of the region
+//! covers all sides of the point, and a star at the boundary covers one side. Two stars at the
+//! boundary would be at two points of it that coincide, which 2 excludes. So some point nearby
+//! would be covered twice.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -31,27 +32,28 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{PATH_AREA, PATH_GAP, UNIT};
 use crate::body::polyhedron::{exponent_of, power_of_two};
 
-/// A place in the plane.
+/// A point in the plane.
 type PlanePlace = [f64; 2];
 
-/// Places at both ends of the frame.
+/// A point at both ends of the frame.
 type PlaneWay = [PlanePlace; 2];
 
-/// Beyond an edge is no triangle.
+/// There is no triangle across the edge.
 const NONE: u32 = u32::MAX;
 
-/// An edge of more than two triangles, or of two of unlike sense.
+/// The edge has more than two triangles, or two that do not have opposite directions along it.
 const UNCLEAR: u32 = u32::MAX - 1;
 
-/// A mesh whose parts are tested for being height fields.
+/// A mesh whose regions are tested for being height fields.
 pub(super) struct HeightFields<'a> {
     of: &'a MovingMesh<'a>,
-    /// Vertices at both ends, seen from the first, all coordinates below a quarter: projected by
-    /// rows of coordinates up to one they are below one, off by less than 4 UNIT.
+    /// Vertices at both ends relative to the first vertex, all coordinates below a quarter.
+    /// Projected by rows whose coordinates are at most one, they are below one and wrong by less
+    /// than 4 UNIT.
     places: Vec<[Vector3<f64>; 2]>,
-    /// The triangle beyond each edge, three for each triangle.
+    /// The triangle across each edge, three for each triangle.
     across: Vec<u32>,
-    /// The end of the edge of the rim that begins at a vertex; `NONE` between two questions.
+    /// The end of the boundary edge that starts at a vertex; `NONE` between two tests.
     next: Vec<u32>,
     rim: Vec<[u32; 2]>,
 }
@@ -62,7 +64,7 @@ impl<'a> HeightFields<'a> {
         let seen = |p: &VertexPath| [p.start, p.end].each(|x| x.coords - first);
         let mut places: Vec<_> = vertices.iter().map(seen).collect();
         let largest = places.iter().flatten().fold(0.0, |m: f64, v| m.larger(v.amax()));
-        // A factor below the normal numbers is two factors.
+        // If the factor is not a normal number, it must be applied as two factors.
         let e = if largest > 0.0 { exponent_of(largest) + 3 } else { 0 };
         let factors = [power_of_two(-e / 2), power_of_two(-e - (-e / 2))];
         for place in places.iter_mut().flatten() {
@@ -77,8 +79,7 @@ impl<'a> HeightFields<'a> {
         }
     }
 
-    /// Returns whether the triangles below one or two nodes are proven to be a height field
-    /// together.
+    /// Returns whether the triangles below one or two nodes together are proven a height field.
     pub(super) fn holds(&mut self, nodes: &[u32]) -> bool {
         let tree = &self.of.both()[0].tree;
         let of = |k: usize| nodes.get(k).map_or(0..0, |&node| tree.range(node));
@@ -112,7 +113,7 @@ impl<'a> HeightFields<'a> {
         self.is_rim_simple(&rows)
     }
 
-    /// Returns two rows that project to a plane that most triangles face: any rows will do.
+    /// Returns two rows that project to a plane which most triangles face. Any rows are valid.
     fn rows(&self, triangles: impl Iterator<Item = u32>) -> [Vector3<f64>; 2] {
         let mut n = Vector3::zeros();
         for t in triangles {
@@ -138,8 +139,7 @@ impl<'a> HeightFields<'a> {
         self.places[vertex as usize].each(|x| [p.dot(&x), q.dot(&x)])
     }
 
-    /// Returns whether the loops of the rim are simple over the frame, and at most one runs
-    /// counter-clockwise.
+    /// Returns whether the boundary loops are simple, and at most one runs counter-clockwise.
     fn is_rim_simple(&mut self, rows: &[Vector3<f64>; 2]) -> bool {
         let mut is_once = true;
         for &[from, to] in &self.rim {
@@ -154,7 +154,7 @@ impl<'a> HeightFields<'a> {
         is_simple
     }
 
-    /// Returns whether no edge of the rim ever lies back on the next one.
+    /// Returns whether no boundary edge ever folds back onto the next one.
     fn never_folds(&self, rows: &[Vector3<f64>; 2]) -> bool {
         self.rim.iter().all(|&[from, to]| {
             let after = self.next[to as usize];
@@ -163,8 +163,7 @@ impl<'a> HeightFields<'a> {
             }
             let [a, b, c] = [from, to, after].each(|v| self.way(v, rows));
             let turns = crosses([&a, &b], [&b, &c]);
-            // The scalar product is the cross product with the other vector turned by a right
-            // angle.
+            // The scalar product is the cross product with the other vector rotated by 90°.
             let turned = |way: &PlaneWay| way.each(|[x, y]| [-y, x]);
             turns.iter().all(|x| *x > PATH_AREA)
                 || turns.iter().all(|x| *x < -PATH_AREA)
@@ -174,7 +173,7 @@ impl<'a> HeightFields<'a> {
         })
     }
 
-    /// Returns whether every two edges of the rim that share no vertex are parted by a line.
+    /// Returns whether a line separates every two boundary edges that share no vertex.
     fn are_rim_edges_apart(&self, rows: &[Vector3<f64>; 2]) -> bool {
         let edge = |&[from, to]: &[u32; 2]| {
             let ways = [from, to].each(|v| self.way(v, rows));
@@ -221,8 +220,7 @@ impl<'a> HeightFields<'a> {
     }
 }
 
-/// Returns the Bernstein coefficients of the cross product of the ways from `a` to `b` and from `c`
-/// to `d` between both ends.
+/// Returns the Bernstein coefficients of the cross product of `b - a` and `d - c` over the frame.
 fn crosses([a, b]: [&PlaneWay; 2], [c, d]: [&PlaneWay; 2]) -> [f64; 3] {
     let way = |p: &PlaneWay, q: &PlaneWay| [0, 1].each(|k| [q[k][0] - p[k][0], q[k][1] - p[k][1]]);
     let cross = |u: PlanePlace, v: PlanePlace| u[0] * v[1] - u[1] * v[0];
@@ -230,7 +228,7 @@ fn crosses([a, b]: [&PlaneWay; 2], [c, d]: [&PlaneWay; 2]) -> [f64; 3] {
     [cross(u, w), 0.5 * (cross(u, x) + cross(v, w)), cross(v, x)]
 }
 
-/// Returns whether a line parts two edges at both ends, and so at all instants between.
+/// Returns whether a line separates two edges at both ends, and so at all times in between.
 fn are_parted(p: &[PlaneWay; 2], q: &[PlaneWay; 2]) -> bool {
     let middle = |edge: &[PlaneWay; 2]| [0, 1].each(|k| edge.iter().flatten().map(|place| place[k]).sum::<f64>());
     let ([a, b], [c, d]) = (middle(p), middle(q));
@@ -258,10 +256,12 @@ fn are_parted(p: &[PlaneWay; 2], q: &[PlaneWay; 2]) -> bool {
     })
 }
 
-/// Returns the triangle beyond each edge: the only one that has the edge the other way, if no other
-/// one has it this way.
+/// Returns the triangle across each edge.
+///
+/// This is the only triangle with the edge in the opposite direction, if no other triangle has the
+/// edge in the same direction.
 fn across(triangles: &[[u32; 3]], vertices: usize) -> Vec<u32> {
-    // The edges that begin at each vertex.
+    // The edges that start at each vertex.
     let mut starts = vec![0u32; vertices + 1];
     triangles.iter().flatten().for_each(|&v| starts[v as usize + 1] += 1);
     (0..vertices).for_each(|v| starts[v + 1] += starts[v]);

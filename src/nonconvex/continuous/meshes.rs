@@ -1,8 +1,11 @@
-//! Meshes over a frame: pairs of nodes of both trees that a direction parts at both ends, and the
-//! first contact of the pairs of triangles that are left.
+//! First contact of two meshes over a frame.
 //!
-//! Triangles of meshes that rotate are on straight paths but for the sagitta of the arcs, which
-//! falls with the square of the time ([`TrianglesOnArcs`]).
+//! 1. A search of both trees discards the node pairs that a direction separates at both ends of the
+//!    time interval.
+//! 2. The first contact of each remaining pair of triangles is computed.
+//!
+//! Triangles of rotating meshes deviate from straight paths by the sagitta of their arcs, which
+//! shrinks with the square of the time interval ([`TrianglesOnArcs`]).
 
 use crate::base::num::each::Each;
 use crate::pair::draft::direction;
@@ -22,9 +25,9 @@ use crate::nonconvex::tree::Below;
 use crate::pair::outcome::ContactState;
 use crate::time::impact::{Cast, ImpactError, Tolerance};
 
-/// A frame of meshes that rotate is searched in so many steps that the sagitta of a step is at most
-/// this part of the radius of the smaller mesh, but in no more steps than the other number. Not
-/// measured.
+/// If a mesh rotates, the frame is searched in equal steps. The number of steps makes the sagitta
+/// of a step at most `ARC_PART` times the half size of the smaller mesh, but it is at most
+/// `ARC_STEPS + 1`. Not measured.
 const ARC_PART: f64 = 1.0 / 1024.0;
 const ARC_STEPS: f64 = 64.0;
 
@@ -70,7 +73,7 @@ const ARC_STEPS: f64 = 64.0;
 /// ```
 ///
 /// # Errors
-/// If the tolerance is negative or not finite.
+/// Returns an error if the tolerance is negative or not finite.
 pub fn cast_meshes(a: &MovingMesh, b: &MovingMesh, tolerance: Tolerance) -> Result<Cast, ImpactError> {
     let vertices = [a.vertices(), b.vertices()];
     let width = width(vertices.iter().flatten(), tolerance)?;
@@ -87,7 +90,7 @@ pub fn cast_meshes(a: &MovingMesh, b: &MovingMesh, tolerance: Tolerance) -> Resu
 /// Only triangles that share no vertex count. Poses have no effect.
 ///
 /// # Errors
-/// If the tolerance is negative or not finite.
+/// Returns an error if the tolerance is negative or not finite.
 pub fn cast_self(mesh: &MovingMesh, tolerance: Tolerance) -> Result<Cast, ImpactError> {
     let [begin, end] = mesh.both();
     let here = MovingMesh::new(begin, end)?;
@@ -98,24 +101,25 @@ pub fn cast_self(mesh: &MovingMesh, tolerance: Tolerance) -> Result<Cast, Impact
     Ok(FrameSearch { fields, ..search }.run())
 }
 
-/// Two meshes over a frame, or one and itself.
+/// Search for the first contact of two meshes over a frame, or of one mesh with itself.
 struct FrameSearch<'a> {
     a: &'a MovingMesh<'a>,
     b: &'a MovingMesh<'a>,
     is_self: bool,
-    /// Of a mesh and itself.
+    /// Only for a mesh against itself.
     fields: Option<HeightFields<'a>>,
     width: f64,
-    /// Where the world's points are seen from.
+    /// Origin of the coordinates in the world.
     origin: Vector3<f64>,
-    /// The part of the frame that is searched: both meshes at its begin, and at its end.
+    /// The searched interval of the frame: both meshes at its start, and at its end.
     step: [[Moment; 2]; 2],
-    /// How far places of two points are from the motions together; zero on straight paths.
+    /// Bound of the position errors of two points together; zero on straight paths.
     placed: f64,
-    /// How far points of both meshes are from straight paths over the frame, together.
+    /// Bound of the distances of points of both meshes from straight paths over the frame,
+    /// together.
     sagitta: f64,
     first: First,
-    /// The triangles of the first contact, or of what is open, so far.
+    /// The triangles of the first contact found so far, or of an open pair if there is no contact.
     pair: NodePair,
     work: SearchWork,
 }
@@ -150,8 +154,9 @@ impl<'a> FrameSearch<'a> {
         self.placed == 0.0
     }
 
-    /// Goes through the frame in steps short enough for the sagitta to be small compared with the
-    /// meshes, until a step has a contact or something open.
+    /// Searches the frame in steps until a step has a contact or an open pair.
+    ///
+    /// The steps are short enough for the sagitta to be small compared with the meshes.
     fn run(mut self) -> Cast {
         let size = self.a.half_size().smaller(self.b.half_size());
         let wanted = sqrt(self.sagitta / (ARC_PART * size)).at_most(ARC_STEPS);
@@ -171,7 +176,7 @@ impl<'a> FrameSearch<'a> {
         self.told()
     }
 
-    /// Goes down both trees. Contacts found shorten the time for which the rest is tested.
+    /// Searches both trees. Each contact found shortens the time that remains to be searched.
     fn descend(&mut self) {
         let mut open = vec![[0, 0]];
         while let Some([i, j]) = open.pop() {
@@ -198,15 +203,18 @@ impl<'a> FrameSearch<'a> {
         }
     }
 
-    /// Returns the times of the step, up to the first contact known: what is later changes nothing.
+    /// Returns the start of the step, and its end or the first contact known. Later events have no
+    /// effect.
     fn times(&self) -> [f64; 2] {
         let [begin, end] = self.step.each(|[a, _]| a.time);
         [begin, self.first.hit.smaller(end)]
     }
 
     /// Returns whether a direction separates two nodes from the start of the step to the first
-    /// contact known: at any instant the highest point of a node is no higher than the mean, by the
-    /// time, of its highest points at the ends, and the sagitta.
+    /// contact known.
+    ///
+    /// At any time, the support value of a node is at most the linear interpolation of its support
+    /// values at both ends, plus the sagitta.
     fn is_parted(&mut self, [i, j]: NodePair) -> bool {
         self.work.intervals = self.work.intervals.saturating_add(1);
         let doubt = self.doubt();
@@ -227,8 +235,7 @@ impl<'a> FrameSearch<'a> {
         along(&way) || along(&begin) || along(&end) || all.any(|axes| axes.into_iter().any(|n| along(&turned(n))))
     }
 
-    /// Returns whether the triangles below two nodes of one mesh, or below one, are a height field
-    /// together.
+    /// Returns whether the triangles below one or two nodes of a mesh together are a height field.
     fn is_height_field(&mut self, [i, j]: NodePair) -> bool {
         let Some(fields) = &mut self.fields else { return false };
         self.work.intervals = self.work.intervals.saturating_add(1);
@@ -239,17 +246,17 @@ impl<'a> FrameSearch<'a> {
         }
     }
 
-    /// Returns what a gap of two nodes must exceed.
+    /// Returns what a gap between two nodes must exceed.
     fn doubt(&self) -> f64 {
         let [begin, end] = self.step.each(|[a, _]| a.time);
         let length = end - begin;
-        // Heights of two nodes, the rotations of the direction, and the rounding of places: each
-        // less than the error of a height.
+        // Support values of two nodes, rotations of the direction, and rounding of positions. Each
+        // is less than the error of a support value.
         let rounding = 4.0 * CERTIFICATE * UNIT * (self.a.reach() + self.b.reach());
         self.sagitta * (length * length) * (1.0 + 32.0 * UNIT) + self.placed + rounding
     }
 
-    /// Returns which part of the step is tested.
+    /// Returns the fraction of the step that must still be searched.
     fn share(&self) -> f64 {
         let [begin, end] = self.step.each(|[a, _]| a.time);
         let [_, until] = self.times();
@@ -259,7 +266,9 @@ impl<'a> FrameSearch<'a> {
         ((until - begin) / (end - begin) * (1.0 + 8.0 * UNIT)).at_most(1.0)
     }
 
-    /// Asks two triangles, unless they share a vertex of one mesh, or were asked.
+    /// Tests two triangles that share no vertex.
+    ///
+    /// Each pair of a mesh against itself is tested in one order only.
     fn ask(&mut self, pair: NodePair) {
         let [x, y] = pair;
         if self.first.is_start {
@@ -293,7 +302,7 @@ impl<'a> FrameSearch<'a> {
         }
     }
 
-    /// Returns two triangles as they move over the frame on straight paths.
+    /// Returns the straight paths of two triangles over the frame.
     fn paths(&self, [x, y]: NodePair) -> [[VertexPath; 3]; 2] {
         let of = |mesh: &MovingMesh, triangle| mesh.paths(triangle, mesh.ends.each_ref());
         [of(self.a, x), of(self.b, y)]
@@ -324,7 +333,7 @@ impl<'a> FrameSearch<'a> {
                     seen.point_on_b += self.origin;
                 }
                 if state == ContactState::Separated {
-                    // Of these two triangles.
+                    // The bounds are those of these two triangles.
                     seen.lower = (seen.lower - self.placed).at_least(0.0);
                     seen.upper += self.placed;
                 }
@@ -334,14 +343,15 @@ impl<'a> FrameSearch<'a> {
     }
 }
 
-/// Most intervals of time tried for a pair of triangles of meshes that rotate. Not measured.
+/// Largest number of time intervals for one pair of triangles of rotating meshes. Not measured.
 const ARC_INTERVALS: u32 = 1024;
 
-/// Returns how far the places of two points, computed at an instant, are from the motions together.
+/// Returns a bound of the position errors of two points together, computed at one time.
 ///
-/// With `L` the largest coordinates of both meshes, a place errs by the pose of its motion (64 UNIT
-/// of the radius, 48 of the place: `TURN`, `PLACED_CENTRE`), by the matrix and the product (33
-/// UNIT) and by the mean of both ends and the sum, 4 UNIT: less than twice `CERTIFICATE`.
+/// Let `L` be the largest coordinate of both meshes. A position has three errors: the pose of the
+/// motion (64 UNIT of the radius by `TURN`, 48 of the position by `PLACED_CENTRE`), the matrix and
+/// the product (33 UNIT), and the interpolation and the sum (4 UNIT). Together they are less than
+/// twice `CERTIFICATE`.
 pub(super) fn placed(a: &MovingMesh, b: &MovingMesh) -> f64 {
     2.0 * CERTIFICATE * UNIT * (a.reach() + b.reach())
 }
@@ -350,13 +360,13 @@ pub(super) fn placed(a: &MovingMesh, b: &MovingMesh) -> f64 {
 struct TrianglesOnArcs<'a> {
     of: [&'a MovingMesh<'a>; 2],
     triangles: NodePair,
-    /// How far the places of corners, as computed, are from the motion.
+    /// Bound of the errors of the computed vertex positions.
     placed: f64,
-    /// How far corners are from straight paths over the frame.
+    /// Bound of the distances of vertices from straight paths over the frame.
     sagitta: f64,
 }
 
-/// Corners of both triangles at an instant.
+/// Vertices of both triangles at a time.
 type Corners = [[Point3<f64>; 3]; 2];
 
 impl<'a> TrianglesOnArcs<'a> {
@@ -377,14 +387,15 @@ impl<'a> TrianglesOnArcs<'a> {
         })
     }
 
-    /// Returns both triangles at rest as they are at an instant.
+    /// Returns both triangles at rest, in their positions at a time.
     pub(super) fn at_rest(&self, time: f64) -> [[VertexPath; 3]; 2] {
         self.at(time).each(|corners| corners.each(|p| VertexPath::new(p, p)))
     }
 
-    /// Returns the first contact between two instants, in a bracket at most `width` wide if the
-    /// contact is deep enough by then. The triangles are apart until the first. A contact that
-    /// begins in that time may be proven later, up to `latest`.
+    /// Returns the first contact between two times. The triangles are separated before the first.
+    ///
+    /// The bracket is at most `width` wide if the triangles are deep enough in each other by then.
+    /// If a contact starts in the interval, its proof may be at a later time, up to `latest`.
     pub(super) fn first_contact(
         &self,
         [from, until]: [f64; 2],
@@ -392,7 +403,7 @@ impl<'a> TrianglesOnArcs<'a> {
         width: f64,
         work: &mut SearchWork,
     ) -> FirstContact {
-        // A quarter: an edge may take some time to pass beyond doubt.
+        // A quarter, because an edge may need some time to pass by more than the errors.
         let width = (0.25 * width).at_least(LEAST_WIDTH);
         let (mut safe, mut tried) = (from, 0);
         let mut ends = [until; 64];
@@ -427,7 +438,7 @@ impl<'a> TrianglesOnArcs<'a> {
         FirstContact::Miss
     }
 
-    /// Returns whether a direction parts the triangles over an interval of this length.
+    /// Returns whether a direction separates the triangles over an interval of this length.
     fn are_apart(&self, [x, y]: [&Corners; 2], length: f64) -> bool {
         let paths = |k: usize| [0, 1, 2].each(|i| VertexPath::new(x[k][i], y[k][i]));
         let slack = self.placed + self.sagitta * (length * length) * (1.0 + 8.0 * UNIT);
@@ -439,14 +450,16 @@ impl<'a> TrianglesOnArcs<'a> {
         })
     }
 
-    /// Returns whether the triangles, as they are placed at the start, share a point.
+    /// Returns whether the triangles, in their rounded positions at the start, share a point.
     fn is_start(&self, work: &mut SearchWork) -> bool {
         let [a, b] = self.at_rest(0.0);
         matches!(search::triangles(&a, &b, 1.0, work), FirstContact::Start)
     }
 
-    /// Returns a contact that is proven at an instant after the time until which the triangles are
-    /// proven apart, at distances that double.
+    /// Returns a contact proven after `safe`, the time until which the triangles are proven
+    /// separated.
+    ///
+    /// The intervals after `safe` that are tried double in length.
     fn crossed_later(&self, [safe, latest]: [f64; 2], width: f64, work: &mut SearchWork) -> FirstContact {
         let mut ahead = width;
         while ahead < latest - safe {
@@ -462,8 +475,9 @@ impl<'a> TrianglesOnArcs<'a> {
         FirstContact::Open { safe }
     }
 
-    /// Returns whether an edge of one triangle passes through the inside of the other at an
-    /// instant, beyond all doubt about their places.
+    /// Returns whether an edge of one triangle passes through the interior of the other at a time.
+    ///
+    /// The result is true only if this holds for all position errors.
     fn is_crossed(&self, time: f64, work: &mut SearchWork) -> bool {
         work.proofs = work.proofs.saturating_add(1);
         let [a, b] = self.at_rest(time);
@@ -481,8 +495,10 @@ impl<'a> TrianglesOnArcs<'a> {
     }
 }
 
-/// Returns the common perpendiculars of the edges of two triangles, both ways: where two edges
-/// nearly meet, the way between the closest points has lost its direction.
+/// Returns the common perpendiculars of the edges of two triangles, in both directions.
+///
+/// They are needed where two edges nearly meet, because the vector between the closest points is
+/// then too short to have a reliable direction.
 fn crosses(places: &VertexPlaces<3, 3>) -> impl Iterator<Item = Vector3<f64>> {
     let edge = |t: &[Vector3<f64>; 3], k: usize| t[(k + 1) % 3] - t[k];
     (0..18).map(move |k| {
@@ -491,11 +507,12 @@ fn crosses(places: &VertexPlaces<3, 3>) -> impl Iterator<Item = Vector3<f64>> {
     })
 }
 
-/// Returns whether an edge of a triangle certainly passes through the inside of another one, with
-/// coordinates below a half, each corner off by at most `off`, below 1/64.
+/// Returns whether an edge of a triangle is proven to pass through the interior of another one.
+///
+/// Coordinates are below a half. Each vertex is wrong by at most `off`, which is below 1/64.
 fn passes(p: &[Vector3<f64>; 3], q: &[Vector3<f64>; 3], off: f64) -> bool {
-    // Three vectors of lengths up to the root of three, each off by twice as much as a corner:
-    // 3 * 2 * 3 off, and the squares and the cube of it, 0.4 off.
+    // The three vectors have lengths up to the root of three, and each is wrong by at most twice
+    // the error of a vertex: 3 * 2 * 3 off. The terms of second and third order are 0.4 off.
     let doubt = PATH_VOLUME + 20.0 * off;
     let sign = |a: &Vector3<f64>, others: [&Vector3<f64>; 3]| {
         let [u, v, w] = others.each(|x| x - a);

@@ -48,6 +48,7 @@
 //! 6. **Height fields.** In a mesh against itself, no direction separates patches that share
 //!    vertices. Such patches are proven at once: seen along one direction, no triangle flips and
 //!    the boundary never crosses itself.
+//!
 //! # Guarantees
 //!
 //! Results hold for the paths themselves, over the real numbers, for all positions of the vertices:
@@ -171,7 +172,8 @@ where
 
 /// Returns the result of a search as a cast.
 ///
-/// An open result is `Undecided` if rounding, or a deviation from straight paths, hides the answer.
+/// An open result is `Undecided` if rounding or curved paths hide the answer (`is_near`), and
+/// `Incomplete` otherwise.
 fn cast_of(
     found: FirstContact,
     work: &SearchWork,
@@ -223,8 +225,8 @@ fn width<'a>(paths: impl Iterator<Item = &'a VertexPath>, tolerance: Tolerance) 
     if let Tolerance::Time(width) = tolerance {
         return Ok(width);
     }
-    // The distance changes by at most the displacements of two points; each is at most sqrt 3 times
-    // its largest coordinate.
+    // The distance changes by at most the displacements of two points. Each displacement is at most
+    // the root of three times its largest coordinate.
     let way = paths.fold(0.0, |m: f64, p| m.larger((p.end - p.start).amax()));
     Ok(if way > 0.0 {
         (0.25 * size / way).at_most(1.0)

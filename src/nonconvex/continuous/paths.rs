@@ -1,5 +1,5 @@
-//! Two sets of vertices on straight paths, in numbers of their own size, and what a direction
-//! proves of them.
+//! Two sets of vertices on straight paths, scaled to their size, and what a direction proves of
+//! them.
 
 use core::array::from_fn;
 use nalgebra::{Point3, Vector3};
@@ -34,26 +34,28 @@ impl VertexPath {
     }
 }
 
-/// The vertices of two parts, seen from the first vertex of A as it moves, and divided by a power
-/// of two: the largest coordinate is from 1/2 to 1.
+/// The vertices of A and B relative to the moving first vertex of A, and scaled.
+///
+/// The factor is a power of two that puts the largest coordinate between 1/2 and 1.
 pub(super) struct VertexPaths<const A: usize, const B: usize> {
     a: [[Vector3<f64>; 2]; A],
     b: [[Vector3<f64>; 2]; B],
-    /// A gap that must be exceeded, in stored lengths: zero for paths that are straight.
+    /// A gap must exceed this, in stored lengths. Zero for straight paths.
     slack: f64,
     /// One stored length in the caller's unit, as two factors.
     pub(super) unit: [f64; 2],
 }
 
-/// The vertices at an instant.
+/// The vertices at a time.
 pub(super) struct VertexPlaces<const A: usize, const B: usize> {
     pub(super) a: [Vector3<f64>; A],
     pub(super) b: [Vector3<f64>; B],
 }
 
 impl<const A: usize, const B: usize> VertexPaths<A, B> {
-    /// Returns the paths in their own numbers; `None` if all vertices are at one place all the
-    /// time. Coordinates must be at most `2^1000`.
+    /// Returns the scaled paths; `None` if all vertices are at one point all the time.
+    ///
+    /// Coordinates must be at most `2^1000`.
     pub(super) fn new(a: &[VertexPath; A], b: &[VertexPath; B]) -> Option<Self> {
         let first = &a[0];
         let seen = |p: &VertexPath| [p.start - first.start, p.end - first.end];
@@ -62,11 +64,11 @@ impl<const A: usize, const B: usize> VertexPaths<A, B> {
         if largest == 0.0 {
             return None;
         }
-        // The number 2^60 makes subnormal numbers normal ones.
+        // The factor 2^60 makes subnormal numbers normal.
         let lift = if largest < power_of_two(-1000) { 60 } else { 0 };
         let e = exponent_of(largest * power_of_two(lift)) + 1;
         let (once, rest) = (power_of_two(lift), power_of_two(-e));
-        // A factor below the normal numbers is two factors.
+        // If the factor is not a normal number, it must be applied as two factors.
         let scaled = |v: &Vector3<f64>| v * once * rest;
         let each = |p: &[Vector3<f64>; 2]| p.each_ref().each(scaled);
         let (a, b) = (a.each_ref().map(each), b.each_ref().map(each));
@@ -75,27 +77,28 @@ impl<const A: usize, const B: usize> VertexPaths<A, B> {
         Some(Self { a, b, slack, unit })
     }
 
-    /// Asks for gaps beyond a slack, in the caller's unit.
+    /// Returns the paths with a slack that gaps must exceed, in the caller's unit.
     pub(super) fn within(mut self, slack: f64) -> Self {
         self.slack = slack / self.unit[0] / self.unit[1] * (1.0 + 4.0 * UNIT);
         self
     }
 
-    /// Returns whether a direction parts A and B at two instants, and so at all instants between:
-    /// the heights of vertices on straight paths are linear in time.
+    /// Returns whether a direction separates A and B at two times, and so at all times in between.
+    ///
+    /// Along a fixed direction, the coordinates of vertices on straight paths are linear in time.
     #[inline(always)]
     pub(super) fn are_parted(&self, both: [&VertexPlaces<A, B>; 2], n: &Vector3<f64>) -> bool {
-        // The sum of magnitudes is no less than the length.
+        // The sum of the magnitudes is at least the length.
         let size = size(n);
         size > 0.0 && both.iter().all(|x| x.gap(n) > self.slack * size)
     }
 
-    /// Returns whether signs of volumes prove anything: not if gaps must exceed a slack.
+    /// Returns whether signs of volumes prove anything, which is so if there is no slack.
     pub(super) fn are_straight(&self) -> bool {
         self.slack == 0.0
     }
 
-    /// Returns the places at a time, each coordinate off by at most 4 UNIT.
+    /// Returns the positions at a time. Each coordinate is wrong by at most 4 UNIT.
     #[inline(always)]
     pub(super) fn at(&self, time: f64) -> VertexPlaces<A, B> {
         VertexPlaces {
@@ -105,18 +108,17 @@ impl<const A: usize, const B: usize> VertexPaths<A, B> {
     }
 }
 
-/// Returns the place at a time of a vertex with these ends.
+/// Returns the position at a time of a vertex with these ends.
 #[inline(always)]
 pub(crate) fn place([begin, end]: &[Vector3<f64>; 2], time: f64) -> Vector3<f64> {
     begin * (1.0 - time) + end * time
 }
 
-/// Returns the sum of the magnitudes of a direction's coordinates; zero if it is no direction to
-/// use.
+/// Returns the sum of the magnitudes of a direction's coordinates; zero if it is out of range.
 #[inline(always)]
 pub(super) fn size(n: &Vector3<f64>) -> f64 {
     let size = n.x.abs() + n.y.abs() + n.z.abs();
-    // Beside such directions, products that underflow do not count.
+    // Compared with directions in this range, products that underflow are negligible.
     if size > PATH_DIRECTION && size < 1.0 / PATH_DIRECTION {
         size
     } else {
@@ -125,8 +127,7 @@ pub(super) fn size(n: &Vector3<f64>) -> f64 {
 }
 
 impl<const A: usize, const B: usize> VertexPlaces<A, B> {
-    /// Returns a lower bound of how far B is above A along a direction, in lengths of the
-    /// direction.
+    /// Returns a lower bound of the gap from A to B along a direction, in lengths of the direction.
     #[inline(always)]
     pub(super) fn gap(&self, n: &Vector3<f64>) -> f64 {
         let high = self.a.iter().fold(f64::NEG_INFINITY, |m: f64, p| m.larger(n.dot(p)));
@@ -134,23 +135,25 @@ impl<const A: usize, const B: usize> VertexPlaces<A, B> {
         low - high - PATH_GAP * (n.x.abs() + n.y.abs() + n.z.abs())
     }
 
-    /// Returns the three corners of each part; the last vertex replaces missing vertices.
+    /// Returns both sides as triangles. The last vertex stands in for missing ones.
     pub(super) fn triangles(&self) -> [triangle::Triangle; 2] {
         [from_fn(|k| self.a[k.min(A - 1)]), from_fn(|k| self.b[k.min(B - 1)])]
     }
 }
 
-/// What the search for a first contact asks of a pair of parts.
+/// What the search for a first contact needs of a pair.
 pub(super) trait Parts {
-    /// Returns a direction from A to B along which the parts may be apart: between points that are
-    /// nearly the closest.
+    /// Returns a candidate for a separating direction from A to B.
+    ///
+    /// It is the vector between points that are nearly the closest.
     fn toward(&self) -> Vector3<f64>;
 
-    /// Returns normals of the faces, or the common perpendicular of two edges, towards B; zero for
-    /// none.
+    /// Returns the normals of the faces or the common perpendicular of two edges, towards B.
+    ///
+    /// A missing normal is zero.
     fn normals(&self) -> [Vector3<f64>; 2];
 
-    /// Returns whether the vertices are certainly not in one plane at any instant between two.
+    /// Returns whether the vertices are proven not to lie in one plane at any time between two.
     fn is_never_flat(_: [&Self; 2]) -> bool {
         false
     }
@@ -158,31 +161,35 @@ pub(super) trait Parts {
 
 /// Four vertices: a vertex and a face, or two edges.
 pub(super) trait FourVertices: Parts {
-    /// Returns six times the signed volume of the four vertices: its sign is the side of
-    /// the face the vertex is, or how two edges pass, and it is zero if they lie in one plane. The
-    /// three vectors may be those of different instants.
+    /// Returns six times the signed volume of the four vertices.
+    ///
+    /// The sign is the side of the face on which the vertex lies, or the side on which two edges
+    /// pass each other. The volume is zero if the vertices lie in one plane. The three vectors may
+    /// be taken at different times.
     fn volume(by: [&Self; 3]) -> f64;
 
-    /// Returns whether, at all instants between two, the vertex projects into the face along a
-    /// direction, or the edges cross as seen along the direction.
+    /// Returns whether the pair overlaps in projection along a direction at all times between two.
+    ///
+    /// This means that the vertex projects into the face, or that the edges cross.
     fn is_over(both: [&Self; 2], n: &Vector3<f64>) -> bool;
 }
 
-/// Returns the sign of a number beyond doubt, else zero.
+/// Returns the sign of a number, or zero if the number is within the doubt.
 #[inline(always)]
 fn certain(x: f64, doubt: f64) -> i32 {
     i32::from(x > doubt) - i32::from(x < -doubt)
 }
 
-/// Returns the sign of `((j - i) x (k - i)) . n` if the sign is the same at all instants between
-/// two, else zero: the product is a quadratic in time, of one sign if its Bernstein coefficients
-/// are.
+/// Returns the sign of `((j - i) x (k - i)) . n` if it is the same at all times between two.
+///
+/// Returns zero otherwise. The product is a quadratic in time, which has one sign if its Bernstein
+/// coefficients have.
 fn turn(at: [[&Vector3<f64>; 3]; 2], n: &Vector3<f64>, doubt: f64) -> i32 {
     let [first, second, third] = areas(at).each(|area| certain(area.dot(n), doubt));
     if first == second && second == third { first } else { 0 }
 }
 
-/// Returns the Bernstein coefficients of `(j - i) x (k - i)` between two instants.
+/// Returns the Bernstein coefficients of `(j - i) x (k - i)` between two times.
 #[inline(always)]
 pub(crate) fn areas(at: [[&Vector3<f64>; 3]; 2]) -> [Vector3<f64>; 3] {
     let [[a, b], [c, d]] = at.each(|[i, j, k]| [j - i, k - i]);
@@ -195,7 +202,7 @@ pub(crate) fn determinant([a, b, c]: [&Vector3<f64>; 3]) -> f64 {
     a.cross(b).dot(c)
 }
 
-/// Returns a direction turned so that it points from one point to another.
+/// Returns a direction, negated if needed so that it has no negative component along `way`.
 #[inline(always)]
 fn turned(n: Vector3<f64>, way: &Vector3<f64>) -> Vector3<f64> {
     if n.dot(way) < 0.0 { -n } else { n }
@@ -281,7 +288,7 @@ fn is_never_flat<P: FourVertices>([x, y]: [&P; 2]) -> bool {
     signs[0] != 0 && signs.iter().all(|s| *s == signs[0])
 }
 
-/// Returns the four Bernstein coefficients of the volume between two instants, a cubic in time.
+/// Returns the four Bernstein coefficients of the volume between two times, a cubic in time.
 pub(super) fn volumes<P: FourVertices>(x: &P, y: &P) -> [f64; 4] {
     let v = |by: [&P; 3]| P::volume(by);
     [
@@ -298,15 +305,15 @@ pub(crate) fn third([x, y, z]: [f64; 3]) -> f64 {
     (x + y + z) / 3.0
 }
 
-/// Returns the sign of a volume beyond doubt, else zero.
+/// Returns the sign of a volume, or zero if rounding hides it.
 #[inline(always)]
 pub(super) fn volume_sign(volume: f64) -> i32 {
     certain(volume, PATH_VOLUME)
 }
 
-/// Returns the way between points of two edges that are nearly the closest.
+/// Returns the vector between points of two edges that are nearly the closest.
 fn between_edges([p, q]: &[Vector3<f64>; 2], [r, s]: &[Vector3<f64>; 2]) -> Vector3<f64> {
-    // NaN, of edges without length, becomes zero.
+    // NaN, which edges of length zero give, becomes zero.
     let part = |x: f64| if x > 0.0 { if x < 1.0 { x } else { 1.0 } } else { 0.0 };
     let (u, v, w) = (q - p, s - r, p - r);
     let (uu, vv, uv, uw, vw) = (u.norm_squared(), v.norm_squared(), u.dot(&v), u.dot(&w), v.dot(&w));

@@ -1,8 +1,8 @@
-//! The search for the first contact of two parts: halves of the time that no direction proves, a
-//! proof of the crossing, and what is left for exact arithmetic.
+//! Search for the first contact of two elements: a vertex and a face, two edges or two triangles.
 //!
-//! First comes the search for any two parts, then what floating point proves and exact arithmetic
-//! decides of a vertex and a face, two edges and two triangles.
+//! 1. An interval of time that no direction proves is halved.
+//! 2. In floating point, a crossing is proven by the signs of volumes.
+//! 3. Exact arithmetic decides the rest.
 
 use nalgebra::Vector3;
 
@@ -11,48 +11,47 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::nonconvex::query::triangle::Triangle;
 
-/// Least width of an interval of time that floating-point arithmetic searches for a first contact
-/// of vertices on straight paths, before exact arithmetic decides. Not measured.
+/// Smallest interval of time in which the search for vertices on straight paths is continued before
+/// exact arithmetic decides. Not measured.
 const PATH_WIDTH: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// Largest number of intervals of time that are tested for one pair of a vertex and a face or of
-/// two edges. Not measured.
+/// Largest number of time intervals for a vertex and a face or for two edges. Not measured.
 const PATH_INTERVALS: u32 = 128;
 
-/// Number of bits beyond which an integer of an exact decision counts as wide. No integer is wide
-/// if the coordinates differ by fewer than twenty orders of magnitude.
+/// Number of bits beyond which an integer of an exact decision counts as wide. If coordinates
+/// differ by fewer than twenty orders of magnitude, no integer is wide.
 #[cfg(feature = "exact")]
 const WIDE: usize = 1024;
 
 /// Largest number of products of words of wide integers in the exact decisions of one call. Beyond
-/// it the call ends without a decision.
+/// it, exact decisions return an open result.
 #[cfg(feature = "exact")]
 const WIDE_WORK: u64 = 100_000_000;
 
-/// Largest number of rounds that narrow the interval around the zero of a volume. Not measured.
+/// Largest number of rounds in which the interval around the root of a volume is narrowed. Not
+/// measured.
 const PATH_ROUNDS: u32 = 32;
 
-/// Least width of a bracket: a few rounding errors of times near one.
+/// Smallest width of a bracket: a few roundings of times near one.
 pub(super) const LEAST_WIDTH: f64 = 4.0 * f64::EPSILON;
 
-/// What floating-point arithmetic proves about a frame.
+/// Result of a search for a first contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum FirstContact {
-    /// The parts are separated from time zero to the end of the searched time.
+    /// Separated from time zero to the end of the searched time.
     Miss,
     /// The parts are in contact at time zero.
     Start,
-    /// The parts are separated until `safe`, and the first contact is at the latest at `hit`.
+    /// Separated until `safe`; the first contact is not after `hit`.
     Hit { safe: f64, hit: f64 },
-    /// The parts are separated until `safe` (zero if nothing is proven); later instants are
-    /// unknown.
+    /// Separated until `safe`, where zero proves nothing. Nothing is known of later times.
     Open { safe: f64 },
 }
 
 /// The work of a search.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SearchWork {
-    /// Number of tested intervals of time.
+    /// Number of time intervals tried.
     pub(super) intervals: u32,
     /// Number of attempts to prove a crossing, and of exact decisions.
     pub(super) proofs: u32,
@@ -60,15 +59,17 @@ pub(super) struct SearchWork {
     pub(super) wide: WideWork,
 }
 
-/// Work of exact decisions on wide integers, in products of words. Coordinates of a few orders of
-/// magnitude need no such integers.
+/// Work of exact decisions on wide integers, in products of words.
+///
+/// Paths whose coordinates differ by a few orders of magnitude never count.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct WideWork(u64);
 
 #[cfg(feature = "exact")]
 impl WideWork {
-    /// Counts the work of a number of operations on two integers with these numbers of bits.
-    /// Returns `None` if the budget is used up.
+    /// Counts operations on two integers with these numbers of bits.
+    ///
+    /// Returns `None` if the budget is spent.
     pub(super) fn count(&mut self, operations: usize, [one, other]: [usize; 2]) -> Option<()> {
         if one.max(other) > WIDE {
             let words = |bits: usize| bits as u64 / 64 + 1;
@@ -86,8 +87,9 @@ impl WideWork {
     }
 }
 
-/// Returns the first contact of a vertex and a face or of two edges in the time until `until`, in
-/// a bracket at most `width` wide if rounding allows.
+/// Returns the first contact of a vertex and a face or of two edges before `until`.
+///
+/// The bracket is at most `width` wide if rounding allows.
 pub(super) fn first_contact<const A: usize, const B: usize>(
     paths: &VertexPaths<A, B>,
     until: f64,
@@ -105,7 +107,8 @@ where
         }
         let volumes = volumes(x, y);
         let signs = volumes.each(volume_sign);
-        // Two coefficients that may turn back may belong to three contacts.
+        // If both inner coefficients may differ in sign from the outer ones next to them, the cubic
+        // may have three roots.
         let is_single = signs[1] == signs[0] || signs[2] == signs[3];
         (signs[0] * signs[3] == -1 && (is_single || e - s <= width.at_least(PATH_WIDTH))).then(|| {
             let [safe, hit] = if is_single {
@@ -118,8 +121,8 @@ where
     })
 }
 
-/// Halves the time until a direction separates the pair in every interval, or `settle` returns an
-/// answer for an interval.
+/// Halves the time until a direction separates the pair in every interval, or `settle` returns a
+/// result.
 pub(super) fn search<const A: usize, const B: usize>(
     paths: &VertexPaths<A, B>,
     until: f64,
@@ -131,7 +134,7 @@ where
     VertexPlaces<A, B>: Parts,
 {
     let (mut safe, mut tried) = (0.0, 0);
-    // The ends of the intervals that follow, the next one last.
+    // The ends of the following intervals, the next one last.
     let mut ends = [until; 64];
     let mut count = 1;
     let mut x = paths.at(0.0);
@@ -158,8 +161,9 @@ where
     FirstContact::Miss
 }
 
-/// Returns whether the pair is proven separated between two instants: by a direction, or because
-/// the four vertices are never in one plane.
+/// Returns whether the pair is proven separated between two times.
+///
+/// The proof is a direction, or that the four vertices never lie in one plane.
 pub(super) fn is_free<const A: usize, const B: usize>(
     paths: &VertexPaths<A, B>,
     [s, e]: [f64; 2],
@@ -177,8 +181,9 @@ where
         || paths.are_straight() && VertexPlaces::is_never_flat(both)
 }
 
-/// Narrows an interval in which the volume has a single zero, so that the parts can meet at that
-/// instant only. The method is the secant method with a step to each side of the estimate.
+/// Narrows an interval in which the volume has one root, and the pair is in contact only there.
+///
+/// Uses the secant method with a step to each side of each estimate.
 fn narrow<const A: usize, const B: usize>(
     paths: &VertexPaths<A, B>,
     [mut low, mut high]: [f64; 2],
@@ -220,12 +225,11 @@ where
     [low, high]
 }
 
-/// Largest number of intervals of time that are tested for a pair of triangles as a whole, before
-/// its pairs of features are tested. Not measured.
+/// Largest number of time intervals for a pair of triangles as a whole. If they are not enough, its
+/// vertices, edges and faces are tested pair by pair. Not measured.
 const TRIANGLE_INTERVALS: u32 = 12;
 
-/// Returns the first contact of a vertex and a face, in a bracket at most `width` wide if rounding
-/// allows.
+/// Returns the first contact of a vertex and a face, in a bracket of `width` if rounding allows.
 pub(super) fn vertex_face(
     vertex: &[VertexPath; 1],
     face: &[VertexPath; 3],
@@ -236,7 +240,7 @@ pub(super) fn vertex_face(
     decided(found, width, work, |wide| exact_vertex_face(vertex, face, width, wide))
 }
 
-/// Returns the first contact of two edges, in a bracket at most `width` wide if rounding allows.
+/// Returns the first contact of two edges, in a bracket of `width` if rounding allows.
 pub(super) fn edge_edge(a: &[VertexPath; 2], b: &[VertexPath; 2], width: f64, work: &mut SearchWork) -> FirstContact {
     let found = edge_edge_until(a, b, 1.0, width, work);
     decided(found, width, work, |wide| exact_edge_edge(a, b, width, wide))
@@ -262,8 +266,9 @@ fn edge_edge_until(
     VertexPaths::new(a, b).map_or(FirstContact::Start, |paths| first_contact(&paths, until, width, work))
 }
 
-/// Returns until when an open pair is separated: the pair is undecided, or rounding keeps its
-/// bracket wide.
+/// Returns the time until which an unsettled pair is separated; `None` if the pair is settled.
+///
+/// A pair is unsettled if it is open or if rounding keeps its bracket wide.
 fn unsettled(found: FirstContact, width: f64) -> Option<f64> {
     match found {
         FirstContact::Open { safe } => Some(safe),
@@ -272,7 +277,7 @@ fn unsettled(found: FirstContact, width: f64) -> Option<f64> {
     }
 }
 
-/// Returns the result, or what exact arithmetic decides about an open pair.
+/// Returns the result, improved by exact arithmetic if it is unsettled.
 fn decided(
     found: FirstContact,
     width: f64,
@@ -323,7 +328,7 @@ fn pierce(p: &Triangle, q: &Triangle) -> bool {
     super::exact::pierce(p, q)
 }
 
-/// Without exact arithmetic, a start in contact ends as open.
+/// Without exact arithmetic, a contact at the start is reported as open.
 #[cfg(not(feature = "exact"))]
 fn pierce(_: &Triangle, _: &Triangle) -> bool {
     false
@@ -351,7 +356,7 @@ impl Elements {
     }
 }
 
-/// The six pairs of a vertex and a face and the nine pairs of edges of two triangles.
+/// Returns the six pairs of a vertex and a face and the nine pairs of edges of two triangles.
 fn elements(a: &[VertexPath; 3], b: &[VertexPath; 3]) -> impl Iterator<Item = Elements> {
     let (a, b) = (*a, *b);
     let edge = |t: &[VertexPath; 3], k: usize| [t[k], t[(k + 1) % 3]];
@@ -363,14 +368,15 @@ fn elements(a: &[VertexPath; 3], b: &[VertexPath; 3]) -> impl Iterator<Item = El
 
 /// Returns the first contact of two triangles.
 ///
-/// Triangles apart at time zero first meet where a vertex meets a face or two edges meet: at the
-/// first contact a plane supports both, and what they share lies in that plane.
+/// If triangles are separated at time zero, their first contact is that of a vertex and a face or
+/// of two edges. At this time a plane supports both triangles, and all common points lie in this
+/// plane.
 pub(super) fn triangles(a: &[VertexPath; 3], b: &[VertexPath; 3], width: f64, work: &mut SearchWork) -> FirstContact {
     triangles_until(a, b, 1.0, width, work)
 }
 
-/// Returns the first contact of two triangles as [`triangles`] does, and misses after `until` as
-/// well.
+/// Returns the first contact of two triangles as [`triangles`] does, or a miss if it is after
+/// `until`.
 pub(super) fn triangles_until(
     a: &[VertexPath; 3],
     b: &[VertexPath; 3],
@@ -399,7 +405,7 @@ pub(super) fn triangles_until(
             None => first.add(found),
         }
     }
-    // Those that nothing is known of first, as they may end the search.
+    // Pairs with the smallest `safe` come first, because they may end the search.
     open.sort_by(|x, y| x.0.total_cmp(&y.0));
     for (safe, found, pair) in open {
         if safe < first.hit {
@@ -416,9 +422,9 @@ pub(super) fn triangles_until(
 #[derive(Clone, Copy, Debug)]
 pub(super) struct First {
     pub(super) is_start: bool,
-    /// All pairs are apart until here.
+    /// All pairs are separated until here.
     pub(super) safe: f64,
-    /// A pair is in contact not after this.
+    /// A pair is in contact at or before this time.
     pub(super) hit: f64,
 }
 

@@ -36,9 +36,13 @@ impl Mesh {
     ///
     /// # Errors
     ///
-    /// Returns an error if a coordinate is not finite, if a triangle names a point that does not
-    /// exist, if there are more than 2^27 points or triangles, if no triangle is left, or if the
-    /// extent is outside 1e-100..1e100.
+    /// Returns an error in these cases:
+    ///
+    /// - A coordinate is not finite.
+    /// - A triangle names a point that does not exist.
+    /// - There are more than 2^27 points or triangles.
+    /// - No triangle is left.
+    /// - The extent is outside 1e-100..1e100, or a coordinate of a used point exceeds 1e116.
     pub fn new(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
         Self::built(points, triangles, &mut Watch::none())
     }
@@ -477,7 +481,7 @@ mod tests {
     use super::*;
     use crate::nonconvex::contact::ConvexPatches;
 
-    /// Everything that a kept state relies on, changed alone.
+    /// Changes each input that cached state depends on, one at a time.
     #[test]
     fn fingerprints_are_of_all_that_kept_states_rely_on() {
         let p = |x: f64, y: f64| Point3::new(x, y, 0.0);
@@ -493,17 +497,17 @@ mod tests {
         let mesh = built();
         assert_eq!(mesh.fingerprint, built().fingerprint);
 
-        // Places, and the unit of coordinates.
+        // Positions, and the scale of coordinates.
         let moved: Vec<_> = points.iter().map(|q| p(q.x, q.y + 1.0)).collect();
         let larger: Vec<_> = points.iter().map(|q| q * power(210)).collect();
-        // Numbers of vertices and of triangles: the same body in the same tree.
+        // Indices of vertices and of triangles: the same body in the same tree.
         let last = points.len() as u32 - 1;
         let back: Vec<_> = points.iter().rev().copied().collect();
         let of_back: Vec<_> = triangles.iter().map(|t| t.map(|v| last - v)).collect();
         let mut exchanged = triangles.clone();
         exchanged.swap(0, 100);
         let turned: Vec<_> = triangles.iter().map(|t| [t[1], t[2], t[0]]).collect();
-        // Trees: made by call after the vertices came back, and by the mesh itself.
+        // Trees: rebuilt by a call after the vertices have returned, and rebuilt by the mesh.
         let mut rebuilt = built();
         rebuilt.set_vertices(&moved).unwrap();
         rebuilt.set_vertices(&points).unwrap();
@@ -537,7 +541,7 @@ mod tests {
         }
     }
 
-    /// Links of the tree that do not follow from the list of triangles.
+    /// Links of the tree do not follow from the list of triangles.
     #[test]
     fn fingerprints_are_of_the_links_of_the_tree() {
         let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[x, y]| Point3::new(x, y, 0.0));
@@ -552,7 +556,7 @@ mod tests {
         crate::body::polyhedron::power_of_two(exponent)
     }
 
-    /// Calls that move no vertex change neither the tree nor when it is rebuilt.
+    /// Calls that move no vertex change neither the tree nor the time of its next rebuild.
     #[test]
     fn calls_that_move_nothing_are_not_counted() {
         let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[x, y]| Point3::new(x, y, 0.0));

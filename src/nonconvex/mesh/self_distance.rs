@@ -210,7 +210,7 @@ mod tests {
     use super::*;
     use crate::rng::Rng;
 
-    /// Vertices that move away and return, on the paths of near nodes or on their own.
+    /// Vertices move away and return, together with those of near nodes or independently.
     #[test]
     fn fronts_hold_what_they_claim() {
         let n = 14;

@@ -343,8 +343,8 @@ impl Judge for TriangleJudge<'_> {
         };
         let enough = distance.smaller(known) - frame.tie + frame.error;
         if best >= enough {
-            // The direction of so near witness points has an error of rounding divided by their
-            // distance. Long triangles and whole plates in flush contact are affected.
+            // The direction between such near witness points has an error of rounding divided by
+            // their distance. It affects long triangles and whole plates in flush contact.
             if distance < SHARP * frame.size {
                 let level = enough.larger(best - frame.error);
                 let sharp = |n: &Vector3<f64>| gap(&p, &q, n) >= level;

@@ -1,4 +1,4 @@
-//! A convex region inside a solid mesh around an inner point.
+//! A convex region inside a solid mesh around an interior point.
 //!
 //! ```text
 //!     +-----------.   own plane of the nearest triangle
@@ -9,10 +9,12 @@
 //! ```
 //!
 //! Triangles are processed in order of their distance, the nearest first. A triangle that is
-//! already outside a plane needs no separate plane. No triangle is below all planes, so the region
-//! there is wholly inside or wholly outside, and a winding number decides. The triangles and the
-//! vertices of the region are then checked against the planes, so no step between has to be
-//! correct.
+//! already outside a plane needs no separate plane. For any other triangle, its own plane is added
+//! if x is far enough below it. Otherwise the plane passes through the nearest point of the
+//! triangle, perpendicular to the direction from x to this point. No triangle is below all planes,
+//! so the region there is wholly inside or wholly outside the mesh, and a winding number decides.
+//! The triangles and the vertices of the region are then checked against the planes, so no earlier
+//! step has to be correct.
 //!
 //! Source: the first step of IRIS (Deits and Tedrake 2015, "Computing large convex regions of
 //! obstacle-free space through semidefinite programming"), with a ball instead of the ellipsoid.
@@ -38,10 +40,11 @@ use crate::nonconvex::tree::height;
 
 /// Maximum number of planes of a convex region; with more, the region is made half as wide.
 ///
-/// In the same overlaps the bounds are equal with 32 and with 512.
+/// In the overlaps of `CELL_REACH` the bounds are equal with 32 and with 512.
 const CELL_PLANES: usize = 128;
 
-/// Number of widths tried for a convex region. In the same overlaps the bounds are equal with one.
+/// Number of widths tried for a convex region. In the overlaps of `CELL_REACH` the bounds are equal
+/// with one.
 const CELL_HALVINGS: usize = 4;
 
 /// Returns a convex body inside a solid mesh around a point; `None` if none is found.
@@ -67,8 +70,8 @@ pub(super) fn cell(mesh: &Mesh, place: &Vector3<f64>, reach: f64) -> Option<Shap
 
 /// A plane of the cell with normal `n`.
 ///
-/// All of the cell is at most `level` high along `n`. Every triangle outside the plane is higher by
-/// more than a margin.
+/// The cell is at most `level` high along `n`. Every triangle outside the plane is higher by more
+/// than a margin.
 struct CellPlane {
     n: Vector3<f64>,
     level: f64,

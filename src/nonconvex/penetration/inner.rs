@@ -15,10 +15,10 @@
 //! ```
 //!
 //! Let the inner body contain the ball around x. If x is inside a solid mesh, the mesh contains the
-//! ball around x up to the foot. Two balls around one point share inner points until they are moved
-//! by the sum of their radii. If x is outside, the foot is a point of the mesh that is `radius -
-//! distance` deep in the ball. A vertex is a ball of radius zero. The bound holds for every point
-//! tried, good or not.
+//! ball around x up to the foot. Two balls around one point share interior points until they are
+//! moved by the sum of their radii. If x is outside, the foot is a point of the mesh that is
+//! `radius - distance` deep in the ball. A vertex is a ball of radius zero. The bound holds for
+//! every point tried.
 //!
 //! ```text
 //!     +---------------+
@@ -82,7 +82,7 @@ struct InnerPoints<'a> {
     windings: u64,
 }
 
-/// Returns the deepest overlap found, if an inner point is found, and the count of winding numbers.
+/// Returns the deepest overlap, if an interior point is found, and the count of winding numbers.
 ///
 /// The translation is that of B, in A's frame and the caller's unit.
 pub(super) fn deepest<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -> (Option<ProvenDepth>, u64) {
@@ -379,7 +379,7 @@ fn about(body: PartsRef, place: &Vector3<f64>, reach: f64) -> Vec<(Shape, Isomet
     }
 }
 
-/// Maximum number of segments of edges whose midpoints are tested as a start. Not measured.
+/// Maximum number of edge segments whose midpoints are tested. Not measured.
 const DEEP_STRETCHES: usize = 128;
 
 /// Maximum number of pairs of leaves that are searched for edges that cross the other mesh.
@@ -388,12 +388,14 @@ const DEEP_STRETCHES: usize = 128;
 /// neighbours. Not measured.
 const CROSSED_LEAVES: usize = 1 << 14;
 
-/// A point of both bodies in A's frame with its approximate depth in one of them, and the number of
-/// winding numbers computed; lengths are in the caller's unit.
+/// A point of both bodies in A's frame, and the number of winding numbers computed.
+///
+/// The point comes with its approximate depth in one of the bodies, in the caller's unit.
 type InnerMiddle = (Option<(Point3<f64>, f64)>, u64);
 
-/// An edge by its vertices (the lower one first), a fraction of its length, and the unit normal of
-/// a triangle at the edge.
+/// A point on an edge: the vertices of the edge, and the fraction of its length.
+///
+/// The lower vertex is first. The unit normal is that of a triangle at the edge.
 type EdgePart = ([u32; 2], f64, Vector3<f64>);
 
 /// Returns the deepest midpoint of a segment of an edge inside the other body.

@@ -1,25 +1,35 @@
 //! Bounds of the penetration depth of two solids that are not convex.
 //!
-//! The depth is the length of the shortest translation of B after which the bodies share no inner
-//! point. A point of one body that is `r` deep inside the other must leave, so the depth is at
-//! least `r`; any translation after which the bodies are proven apart is at least as long as the
-//! depth. Two convex parts must be parted as well, so their depth is a lower bound too: that of two
-//! pieces, or of convex parts of meshes (`cell`) about the middle of an overlap that a translation
-//! ends. The last is the depth itself where the bodies are convex about the overlap, as at edges
-//! that cross without a vertex inside. Nor need the parts be about one point: those about the
-//! middle of each body are the bodies themselves, up to rounding, if these are convex and have few
-//! faces.
+//! The depth is the length of the shortest translation of B after which the bodies share no
+//! interior point.
 //!
-//! The search moves B by the deepest point, or the deepest pair of pieces (`inner`), until the
-//! bodies are apart, then shortens the translation by bisection; and it shortens the translation
-//! that parts the hulls. If no vertex is inside the other body and the bounds differ, it moves B by
-//! the overlap of convex parts about the middle of a stretch of an edge that is inside the other
-//! body (`inner`): of a pin in a slot, whose edges cross and whose hull fills the mouth of the
-//! slot. None of this need find the shortest: the interval stays open, and says so.
+//! **Lower bounds.** If a point of one body is `r` deep inside the other, the depth is at least
+//! `r`. The depth of two convex parts, one of each body, is a lower bound too, because the
+//! translation separates them as well. The parts are:
 //!
-//! Source: the two bounds of Zhang, Kim, Varadhan and Manocha 2007, "Generalized penetration depth
-//! computation" (there for convex containers and pieces); moving by local depths: Je et al. 2012,
-//! "PolyDepth". Departure: both ends are proven.
+//! - two pieces of compounds;
+//! - convex regions of meshes (`cell`) around the middle of an overlap that a translation ends. If
+//!   the bodies are convex near the overlap, this bound is the depth itself; for example, if edges
+//!   cross and no vertex is inside;
+//! - regions around the middle of each body. If the bodies are convex and have few faces, these
+//!   regions are the bodies themselves, up to rounding.
+//!
+//! **Upper bound.** The length of any translation after which the bodies are proven separated.
+//!
+//! The search for a short translation:
+//!
+//! 1. Move B by the deepest point or the deepest pair of pieces (`inner`) until the bodies are
+//!    separated. A second start is the translation that separates the hulls.
+//! 2. Shorten each translation by bisection.
+//! 3. If no vertex is inside the other body and the bounds differ, move B by the overlap of convex
+//!    regions around a point of an edge that is inside the other body (`inner`). An example is a
+//!    pin in a slot: edges cross, and the hull of the slotted body fills the slot.
+//!
+//! No step is certain to find the shortest translation. If none does, the bounds are not tight.
+//!
+//! Source: both bounds are from Zhang, Kim, Varadhan and Manocha 2007, "Generalized penetration
+//! depth computation" (there for convex containers and pieces). Translations by local depths are
+//! from Je et al. 2012, "PolyDepth". Departure: both bounds are proven.
 
 mod cell;
 mod inner;
@@ -41,26 +51,26 @@ use crate::nonconvex::pieces::CompoundTracker;
 use crate::nonconvex::query::state::PosedTrees;
 use crate::pair::outcome::ContactState;
 
-/// Bounds of a depth whose difference is below this part of the upper one are left as they are.
+/// If the bounds differ by less than this part of the upper one, edges are not searched.
 const TIGHT: f64 = 1.0 / 1_048_576.0;
 
-/// Width to each side of the convex part of a body that proves a depth, in the depth. In 372
-/// overlaps of bars, Ls, gears, tori, rocks and screws the bounds are the same with 1 to 16; with
-/// 0.5 lower bounds of bars are 0.90 of the upper ones instead of 1.
+/// Distance to which the convex region of a mesh extends to each side, in depths. In 372 overlaps
+/// of bars, Ls, gears, tori, rocks and screws, the bounds are equal with 1 to 16. With 0.5, the
+/// lower bound of bars is 0.90 of the upper one instead of 1.
 const CELL_REACH: f64 = 4.0;
 
-/// Moves by the deepest overlap in a search for a translation that parts two bodies. Of 24 overlaps
-/// of Ls the ratio of lower and upper bound is 0.78 at 10 % with 4, 0.83 with 12 and 32; of gears
-/// 0.63 and 0.67.
+/// Largest number of moves by the deepest overlap. For 24 overlaps of Ls, the 10 % quantile of the
+/// ratio of lower to upper bound is 0.78 with 4 moves, and 0.83 with 12 or 32. For gears it is 0.63
+/// with 4, and 0.67 with 12 or 32.
 const PUSHES: usize = 12;
 
-/// Bisections of the length of a translation that parts two bodies: a thousandth of the length. Of
-/// 24 overlaps of Ls the ratio of lower and upper bound is 0.78 at 10 % with 6, 0.83 with 10 and
-/// 16; of gears 0.61, 0.67 and 0.67.
+/// Number of bisections of the length of a separating translation; ten give a thousandth of the
+/// length. For 24 overlaps of Ls, the 10 % quantile of the ratio of lower to upper bound is 0.78
+/// with 6 bisections, and 0.83 with 10 or 16. For gears it is 0.61, 0.67 and 0.67.
 const HALVINGS: usize = 10;
 
-/// By which factor a translation that should part two bodies is longer: rounding shall not keep
-/// them in contact.
+/// Factor by which separating translations are longer than computed, so that rounding does not keep
+/// the bodies in contact.
 pub(super) const BEYOND: f64 = 1.0 + 1.0 / 1_073_741_824.0;
 
 /// Bounds of the penetration depth of two bodies.
@@ -83,11 +93,10 @@ pub struct PenetrationBounds {
     pub queries: u32,
 }
 
-/// What a tracker found at a pose: the contact state of the bodies, a lower bound of the distance,
-/// and the closest point of A.
+/// Result of a tracker at a pose: contact state, lower bound of the distance, closest point of A.
 type FoundAtPose = (ContactState, f64, Point3<f64>);
 
-/// Two bodies whose depth is sought, and a query of a tracker.
+/// Two bodies whose depth is computed, and a query of a tracker.
 struct Overlap<'a, A, B, Q> {
     a: &'a A,
     b: &'a B,
@@ -95,14 +104,15 @@ struct Overlap<'a, A, B, Q> {
 }
 
 impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> Overlap<'_, A, B, Q> {
-    /// Returns a lower bound of the distance of the bodies at a pose, if they are proven apart, and
-    /// the closest point of A.
+    /// Returns a lower bound of the distance at a pose and the closest point of A.
+    ///
+    /// Returns `None` if the bodies are not proven separated.
     fn apart(&mut self, pose: &RelativePose) -> Option<(f64, Point3<f64>)> {
         let (state, lower, point) = (self.query)(pose);
         (state == ContactState::Separated).then_some((lower, point))
     }
 
-    /// Returns the translation of B that parts convex bodies about both, at least `least` long.
+    /// Returns the translation of B that separates the hulls of both bodies, at least `least` long.
     fn by_hulls(&self, pose: &RelativePose, least: f64) -> Option<Vector3<f64>> {
         let hulls = hull(self.a.by_kind()).and_then(|a| Ok((a, hull(self.b.by_kind())?)));
         let (a, b) = hulls.ok()?;
@@ -122,11 +132,11 @@ fn hull(body: PartsRef) -> Result<ConvexPolyhedron, BuildError> {
 struct PenetrationSearch<'a, A, B, Q> {
     bodies: Overlap<'a, A, B, Q>,
     at: Isometry3<f64>,
-    /// A distance within the rounding of a pose that is shifted.
+    /// Bound of the rounding error of a translated pose.
     noise: f64,
     queries: u32,
     windings: u64,
-    /// The last translation after which the bodies were apart, and the closest point of A.
+    /// The last translation after which the bodies were separated, and the closest point of A.
     parted: Option<(Vector3<f64>, Point3<f64>)>,
 }
 
@@ -152,7 +162,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         found
     }
 
-    /// Returns a translation that moves the balls about the boxes apart.
+    /// Returns a translation that separates the bounding balls of the boxes.
     fn far(&self) -> Vector3<f64> {
         let (low_a, high_a) = self.bodies.a.corners_of_box();
         let (low_b, high_b) = self.bodies.b.corners_of_box();
@@ -164,11 +174,12 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         n * (0.5 * reach * BEYOND + 4.0 * self.noise - length).at_least(0.0)
     }
 
-    /// Moves B by the deepest overlap found until the bodies are apart.
+    /// Moves B by the deepest overlap found until the bodies are separated.
     fn pushed(&mut self, first: inner::ProvenDepth) -> Option<Vector3<f64>> {
         let mut shift = first.way;
         for _ in 0..PUSHES {
-            // Bodies that touch would be pushed on, in a slot into the other side.
+            // Without this, a body that touches one side of a slot would be moved on into the other
+            // side.
             shift = self.longer(&shift);
             if self.parts(&shift) {
                 return Some(shift);
@@ -176,15 +187,15 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
             let pose = self.shifted(&shift)?;
             match self.deepest(&pose) {
                 Some(more) => shift += more.way * BEYOND,
-                // Edges cross, and no inner point is found.
+                // Edges cross, and no interior point is found.
                 None => shift *= 1.25,
             }
         }
         None
     }
 
-    /// Returns the overlap of convex parts of both bodies about a point of an edge that is inside
-    /// the other body.
+    /// Returns the overlap of convex parts of both bodies around an edge's point inside the other
+    /// body.
     fn on_edges(&mut self, pose: &RelativePose) -> Option<inner::ProvenDepth> {
         let (a, b) = (self.bodies.a, self.bodies.b);
         let (found, windings) = inner::deepest_middle(a, b, pose);
@@ -195,7 +206,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         parts.into_iter().flatten().max_by(|x, y| x.depth.total_cmp(&y.depth))
     }
 
-    /// Moves B by overlaps about edges until the bodies are apart.
+    /// Moves B by overlaps around edges until the bodies are separated.
     fn pushed_by_edges(&mut self, first: inner::ProvenDepth) -> Option<Vector3<f64>> {
         let mut shift = first.way;
         for _ in 0..PUSHES {
@@ -210,15 +221,15 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         None
     }
 
-    /// Returns a translation that is longer by more than the rounding of the pose.
+    /// Returns a longer translation, by more than the rounding of the pose.
     fn longer(&self, shift: &Vector3<f64>) -> Vector3<f64> {
         shift * (BEYOND + 4.0 * self.noise / sqrt(shift.norm_squared()))
     }
 
-    /// Shortens a translation that parts the bodies, to no less than `lower`.
+    /// Shortens a separating translation, to no less than `lower`.
     fn shortened(&mut self, shift: Vector3<f64>, lower: f64) -> Vector3<f64> {
         let length = sqrt(shift.norm_squared());
-        // The shortest that the lower bound leaves.
+        // The shortest translation that the lower bound allows.
         let least = shift * (lower / length);
         if lower > 0.0 {
             let least = self.longer(&least);
@@ -241,8 +252,9 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         shift * high
     }
 
-    /// Returns a lower bound of the depth by convex parts about the middle of the overlap that the
-    /// last translation ended: where the bodies then were nearest.
+    /// Returns a lower bound of the depth by convex parts around the middle of the overlap.
+    ///
+    /// The middle is taken between the bodies where they were closest after the last translation.
     fn between(&self, pose: &RelativePose) -> f64 {
         let Some((shift, on_a)) = &self.parted else { return 0.0 };
         let (middle, length) = (on_a - shift * 0.5, sqrt(shift.norm_squared()));
@@ -250,9 +262,9 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         found.map_or(0.0, |d| d.depth - self.noise)
     }
 
-    /// Shortens a translation, and keeps it if it is the shortest that parts the bodies.
+    /// Shortens a translation, and keeps it if it is the shortest separating one.
     fn improve(&mut self, pose: &RelativePose, start: &Vector3<f64>, lower: &mut f64, best: &mut Vector3<f64>) {
-        // Beyond the rounding of the pose too.
+        // Longer by the rounding of the pose too.
         let start = self.longer(start);
         if start.norm_squared() > 0.0 && self.parts(&start) {
             let shift = self.shortened(start, *lower);
@@ -266,7 +278,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
     fn run(mut self, pose: &RelativePose) -> (PenetrationBounds, u64) {
         let deepest = self.deepest(pose);
         let mut lower = deepest.map_or(0.0, |d| (d.depth - self.noise).at_least(0.0));
-        // Convex parts about the middles: all of a convex body.
+        // Convex regions around the centres contain all of a convex body.
         let wholes = inner::of_wholes(self.bodies.a, self.bodies.b, pose);
         lower = wholes.map_or(lower, |d| lower.larger(d.depth - self.noise));
         let mut best = self.far();
@@ -296,8 +308,9 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
     }
 }
 
-/// Returns the bounds, and the winding numbers counted next to the queries. `None` if a body is a
-/// surface.
+/// Returns the bounds, and the number of winding numbers computed in addition to the queries.
+///
+/// Returns `None` if a body is an open mesh.
 fn bounds<A: Parted, B: Parted>(
     a: &A,
     b: &B,
@@ -327,8 +340,9 @@ fn bounds<A: Parted, B: Parted>(
 }
 
 impl MeshTracker {
-    /// Returns bounds of the penetration depth of two solids, as described at
-    /// `PairTracker::penetration`; `None` if a mesh is a surface.
+    /// Returns bounds of the penetration depth of two solids; `None` if a mesh is open.
+    ///
+    /// See `PairTracker::penetration`.
     pub(crate) fn penetration(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Option<PenetrationBounds> {
         let (found, windings) = bounds(a, b, a_from_b, |pose| {
             let found = self.closest(a, b, pose);
@@ -340,8 +354,9 @@ impl MeshTracker {
 }
 
 impl CompoundTracker {
-    /// Returns bounds of the penetration depth of two solids, meshes or bodies of pieces, as
-    /// described at `PairTracker::penetration`; `None` if a mesh is a surface.
+    /// Returns bounds of the penetration depth of two solids, meshes or compounds.
+    ///
+    /// Returns `None` if a mesh is open. See `PairTracker::penetration`.
     pub(crate) fn penetration<A: Parted, B: Parted>(
         &mut self,
         a: &A,

@@ -176,7 +176,7 @@ mod tests {
     use super::*;
     use crate::rng::Rng;
 
-    /// Against the displacement itself, over growths of every degree and size.
+    /// Compares the time with the displacement itself, for growths of every degree and size.
     #[test]
     fn nothing_is_held_too_long_or_given_up_too_early() {
         let mut rng = Rng::new(17);

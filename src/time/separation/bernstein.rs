@@ -39,7 +39,7 @@ pub(super) fn positive_until(coefficients: [f64; 4]) -> f64 {
     from * (1.0 - ROOT)
 }
 
-/// Returns what [`positive_until`] does, for a straight line with these values at 0 and at 1.
+/// Returns the result of [`positive_until`] for a straight line with these values at 0 and at 1.
 #[inline]
 pub(super) fn line_positive_until(first: f64, last: f64) -> f64 {
     let margin = BERNSTEIN * first.abs().at_least(last.abs());
@@ -94,8 +94,9 @@ mod tests {
         rest(c, x)[0]
     }
 
-    /// Against a dense search for the first sign change, on cubics whose middle coefficients dip
-    /// below the ends.
+    /// Compares the bound with a dense search for the first sign change.
+    ///
+    /// The middle coefficients of the cubics dip below the ends.
     #[test]
     fn no_root_comes_before_the_bound() {
         let mut rng = Rng::new(7);
@@ -118,7 +119,8 @@ mod tests {
         assert!(whole > 3000 && tight > 5000 && dips > 300, "{whole} {tight} {dips}");
     }
 
-    /// A line ends where the cubic with the coefficients of the line does, but for rounding.
+    /// The bound of a line equals that of the cubic with the line's coefficients, except for
+    /// rounding.
     #[test]
     fn a_line_is_a_cubic() {
         let mut rng = Rng::new(8);

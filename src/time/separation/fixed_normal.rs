@@ -1,9 +1,9 @@
 //! A plane that keeps its normal: the gap along the normal is at least a parabola.
 //!
 //! Shapes that do not rotate need no other plane. In a cast far from contact, this plane proves
-//! most of what a plane that rotates with the features proves, without support points. A step of it
-//! leaves the part of the gap by which the shapes may rotate into each other, so planes that rotate
-//! make the last steps.
+//! most of what a plane that rotates with the features proves, and it needs no support points. A
+//! step by this plane leaves the part of the gap by which the shapes may rotate into each other. So
+//! rotating planes make the last steps.
 
 use crate::time::separation::plane::AHEAD;
 use nalgebra::Vector3;
@@ -27,17 +27,18 @@ const CUT_FAR: f64 = (1u64 << 24) as f64;
 /// measured.
 const CUT_MOST: f64 = 1.0 / (1u64 << 60) as f64;
 
-/// In a cast a plane keeps its normal if rotations give no point more than this fraction of the
-/// velocity at which the pivots approach each other.
+/// Largest velocity by rotation at which a plane keeps its normal in a cast.
 ///
-/// The plane then proves three quarters or more of the time to contact, without support points.
+/// It is a fraction of the velocity at which the pivots approach each other. The plane then proves
+/// three quarters or more of the time to contact, without support points.
 const FIXED_SHARE: f64 = 0.3;
 
-/// In a cast a plane rotates with the features if the gap is less than this fraction of the sum of
-/// both radii, because its steps converge quadratically.
+/// Smallest gap at which a plane of rotating shapes keeps its normal in a cast, as a fraction of
+/// the sum of both radii. Nearer, it rotates with the features, because these steps converge
+/// quadratically.
 ///
-/// Measured from 1e-4 to 0.4 on casts of hulls of 8 to 512 vertices: .001 to .005 take 9 to 18 %
-/// less time than planes that always rotate.
+/// Values from 1e-4 to 0.4 were measured on casts of hulls of 8 to 512 vertices. With 0.001 to
+/// 0.005 the casts take 9 to 18 % less time than with planes that always rotate.
 const FIXED_GAP: f64 = 0.002;
 
 /// Returns whether neither shape rotates: then the gap along a normal is exactly a parabola.
@@ -163,10 +164,10 @@ impl<'a> FixedNormal<'a> {
 }
 
 impl PairMotion {
-    /// Returns a proof by a plane that keeps its normal, if this is worth it.
+    /// Returns a proof by a plane that keeps its normal, if the plane proves enough.
     ///
-    /// It is if the plane proves the whole motion, or is expected to prove most of what a plane
-    /// that rotates can. A plane that rotates takes support points.
+    /// It must prove the whole motion, or be expected to prove most of what a rotating plane can. A
+    /// rotating plane needs support points.
     pub(crate) fn by_fixed_normal<S: Separation + ?Sized>(&self, pair: &S, seen: &Measurement) -> Option<FreeSpan> {
         if !seen.by_plane {
             return None;
@@ -210,8 +211,7 @@ pub(super) fn time_to(way: f64, slope: f64, bend: f64) -> f64 {
     }
 }
 
-/// Returns the factor by which an interval is cut if a bound over it is `excess` times what is
-/// allowed.
+/// Returns the factor by which an interval is cut if its bound is `excess` times the allowed value.
 ///
 /// - **Near the bound**: by a quarter, so that no cut is much too deep.
 /// - **Far from the bound**: by what a bound of degree eight needs at least, so that about a
@@ -236,8 +236,9 @@ mod tests {
     use super::*;
     use crate::rng::Rng;
 
-    /// Bounds of every degree and size, and infinite ones: about a hundred cuts suffice, and none
-    /// is much too deep.
+    /// For bounds of every degree and size, and infinite ones, about a hundred cuts suffice.
+    ///
+    /// No cut is much too deep.
     #[test]
     fn cuts_end_soon_and_none_is_much_too_deep() {
         let mut rng = Rng::new(29);

@@ -192,8 +192,9 @@ impl PairMotion {
         self.model_a.is_known() && self.model_b.is_known()
     }
 
-    /// Returns the motion on a clock on which the span is at least one and less than two, and the
-    /// unit of this clock, a power of two.
+    /// Returns the motion on a clock that suits its span, and the unit of this clock.
+    ///
+    /// The unit is a power of two. The span on this clock is at least one and less than two.
     ///
     /// On this clock, rates are displacements and angles of the whole motion. So the underflow of
     /// squares and cubes of rates is negligible compared with the rounding of the pair size.

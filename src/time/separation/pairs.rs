@@ -21,20 +21,20 @@ use nalgebra::{Point3, Vector3};
 /// search takes linear time. Not measured.
 const RIM: usize = 64;
 
-/// The ball around the middle of the box replaces the ball around the origin if it is smaller by
-/// this factor.
+/// Factor by which a ball around the centre of the box must be smaller to replace the ball around
+/// the origin.
 ///
-/// It is tighter, but adds a lever arm to every bound. Not measured.
+/// The smaller ball is tighter, but adds a lever arm to every bound. Not measured.
 const SMALLER: f64 = 0.8;
 
-/// Support values of bodies with at most this many vertices come from a scan: linear time, but no
-/// climb to prove. Not measured.
+/// Support values of bodies with at most this many vertices come from a scan. It takes linear time,
+/// but needs no climb and no proof. Not measured.
 const FEW: usize = 24;
 
-/// A direction nearer than this to the normal of a face, as a 1-norm, takes the support value from
-/// the plane of the face and a bound of the difference.
+/// Directions nearer than this to the normal of a face, as a 1-norm, use the plane of the face.
 ///
-/// This saves a climb along the face; the value is slightly too large. Not measured.
+/// The support value is that of the plane plus a bound of the difference. This saves a climb along
+/// the face; the value is slightly too large. Not measured.
 const FLUSH: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// Two convex polyhedra that can be measured over time.
@@ -221,8 +221,9 @@ impl<'a> PolyhedronPair<'a> {
         }
     }
 
-    /// Returns four points of the Minkowski difference that are expected to contain the origin just
-    /// behind the facet of the closest features.
+    /// Returns four points of the Minkowski difference that probably contain the origin.
+    ///
+    /// The origin is then just behind the facet of the closest features.
     ///
     /// They are the triangle of the facet that contains the witnesses, and the point farthest
     /// behind the facet.
@@ -294,7 +295,7 @@ impl Separation for PolyhedronPair<'_> {
     }
 }
 
-/// Returns a support value along a direction, from the middle of the body.
+/// Returns a support value along a direction, relative to the centre of the body.
 #[inline(always)]
 pub(crate) fn over_middle(height: f64, direction: &Vector3<f64>, middle: &Vector3<f64>) -> f64 {
     height - direction.dot(middle)

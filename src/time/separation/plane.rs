@@ -68,23 +68,22 @@ use crate::base::num::scalar::magnitude;
 use crate::base::pose::{Operand, rotation_matrix};
 use crate::base::tolerance::{PLANE, TILT};
 
-/// Factor from the expected root to the first interval tried: more room for the bound against a
-/// larger remainder.
+/// Factor from the expected root to the first interval tried. A longer interval gives the bound
+/// more room, but has a larger remainder.
 ///
 /// Measured with [`TRIES`]: 1.2 planes per step.
 pub(super) const AHEAD: f64 = 1.25;
 
-/// If a plane proves less than this fraction of the interval tried, it is tried again with twice
-/// the proven time: a longer step for another plane.
+/// Fraction of the interval tried below which a plane is tried again, with twice the proven time.
+/// This gives a longer step for the cost of another plane.
 ///
 /// Measured with [`TRIES`].
 const ENOUGH: f64 = 0.4;
 
-/// Largest number of tries of a plane. Measured: 1.4 on average.
+/// Largest number of tries of a plane. The measured average is 1.4.
 const TRIES: u32 = 3;
 
-/// Gap, as a multiple of the sum of both radii, beyond which a plane that does not rotate is tried
-/// as well.
+/// Gap beyond which a plane that does not rotate is tried too, in units of the sum of both radii.
 ///
 /// It saves up to 40 % of the measured steps for the time of a second plane.
 const FAR: f64 = 0.05;
@@ -234,7 +233,7 @@ impl PlaneSide {
         }
     }
 
-    /// Bound of the third derivative of a direction, times the cube of an interval.
+    /// Returns a bound of the third derivative of a direction, times the cube of an interval.
     ///
     /// Takes the angle by which the direction rotates and the length of the path of its tip.
     fn remainder(&self, turn: &Turn, interval: f64, [angle, tilt]: [f64; 2]) -> f64 {
@@ -403,8 +402,9 @@ impl PlaneBetween<'_> {
         PLANE * q * q * (set.size + ways) + set.flight.keep + set.drift.0[0] + f64::MIN_POSITIVE
     }
 
-    /// Returns the time at which the current support points would meet the plane from both sides,
-    /// with the drifts against them.
+    /// Returns the time at which the current support points would meet the plane from both sides.
+    ///
+    /// The drifts count against the gap.
     ///
     /// Infinite if never.
     fn expected(&self) -> f64 {
@@ -415,7 +415,7 @@ impl PlaneBetween<'_> {
         time_to(self.gap, slope - d1, bend - d2)
     }
 
-    /// Bound of the remainder of Taylor's theorem over an interval.
+    /// Returns a bound of the remainder of Taylor's theorem over an interval.
     ///
     /// This is the bound of the third derivative of the gap, times the cube of the interval, over
     /// six. All factors are angles and displacements of the interval, so no cube of a rate leaves
@@ -432,10 +432,10 @@ impl PlaneBetween<'_> {
         (of_way + of_a + of_b) * ((1.0 + PLANE) / 6.0)
     }
 
-    /// Returns the interval, cut until the remainder is at most twice the gap and the margin leaves
-    /// half of the gap.
+    /// Returns the interval, cut to keep the remainder and the margin small.
     ///
-    /// Zero for an interval without end.
+    /// The remainder is then at most twice the gap, and the margin leaves half of the gap. Returns
+    /// zero for an infinite interval.
     fn shortened(&self, interval: f64) -> f64 {
         let mut interval = if interval < f64::INFINITY { interval } else { 0.0 };
         let (now, half) = (self.taken(0.0), 0.5 * self.gap);
@@ -451,7 +451,8 @@ impl PlaneBetween<'_> {
         }
     }
 
-    /// Bernstein coefficients of a cubic that is nowhere above the gap over an interval.
+    /// Returns the Bernstein coefficients of a cubic that is nowhere above the gap over an
+    /// interval.
     fn coefficients<S: Separation + ?Sized>(&self, pair: &mut S, length: f64) -> [f64; 4] {
         let (set, [f0, f1, f2]) = (self.setting, self.way);
         let taken = self.taken(length);
@@ -479,7 +480,7 @@ impl PlaneBetween<'_> {
         ]
     }
 
-    /// Bernstein coefficients of the drifts, without their constant part.
+    /// Returns the Bernstein coefficients of the drifts, without their constant part.
     fn drifts(&self, length: f64) -> (f64, f64, f64) {
         let [_, d1, d2, d3] = self.setting.drift.0;
         let (linear, square) = (d1 * length, 0.5 * d2 * length * length);
@@ -489,7 +490,9 @@ impl PlaneBetween<'_> {
     }
 }
 
-/// Upper bound of the length of the cross product of a rate with a unit vector, from the product.
+/// Returns an upper bound of the length of the cross product of a rate with a unit vector.
+///
+/// The caller passes the product.
 pub(super) fn tilt(product: &Vector3<f64>, rate: &Vector3<f64>) -> f64 {
     length(product) + TILT * one_norm(rate)
 }
