@@ -2,8 +2,8 @@
 //!
 //! The polygon is projected by dropping one coordinate, so that its coordinates stay as they are. A
 //! convex polygon becomes a fan. Any other becomes the triangles of a constrained Delaunay
-//! triangulation that are inside by parity: the number of edges between a triangle and the outside
-//! is odd. Corners on a line stay, because the faces next to the polygon use them.
+//! triangulation around which the border winds once and no hole winds. Corners on a line stay,
+//! because the faces next to the polygon use them.
 
 use std::collections::{HashMap, VecDeque};
 
@@ -13,9 +13,6 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 /// Largest distance of a corner from the plane of its polygon, divided by the size of the polygon.
 /// Faces of curved bodies with four corners are often not flat.
 const FLAT: f64 = 0.1;
-
-/// Largest error of the area of the triangles, divided by the area of the polygon.
-const AREA: f64 = 1e-6;
 
 /// Largest distance of corners from a line, divided by their length, at which a polygon counts as
 /// without area.
@@ -29,36 +26,37 @@ type Point = [f64; 3];
 /// Equal neighbours are one corner. A polygon without area has no triangles.
 pub(crate) fn triangulate(rings: &[&[u64]], point: impl Fn(u64) -> Point) -> Result<Vec<[u64; 3]>, String> {
     let rings: Vec<Vec<u64>> = rings.iter().map(|ring| without_repeats(ring, &point)).collect();
-    let Some(outer) = rings.first().filter(|ring| ring.len() > 2) else {
+    let Some(outer) = rings.first() else {
         return Ok(Vec::new());
     };
     if let ([a, b, c], [_]) = (&outer[..], &rings[..]) {
         return Ok(vec![[*a, *b, *c]]);
     }
-    let corners: Vec<Point> = outer.iter().map(|&k| point(k)).collect();
-    let normal = normal(&corners);
-    let axis = (0..3).fold(0, |best, k| if normal[k].abs() > normal[best].abs() { k } else { best });
-    if !(normal[axis].abs() > 0.0) || is_on_a_line(&corners) {
-        return match is_on_a_line(&corners) {
+    let corners = relative(&rings, &point)?;
+    let border = &corners[..outer.len()];
+    if is_on_a_line(border) {
+        return match rings[1..].iter().all(|hole| hole.len() < 3) {
             true => Ok(Vec::new()),
-            false => Err("polygon is not simple: its area is zero, but its corners are not on a line".into()),
+            false => Err(HOLE_OUTSIDE.into()),
         };
     }
+    let normal = normal(border);
+    let axis = (0..3).fold(0, |best, k| if normal[k].abs() > normal[best].abs() { k } else { best });
+    if !(normal[axis].abs() > 0.0) {
+        return Err("polygon is not simple: its area is zero, but its corners are not on a line".into());
+    }
     check_flat(&corners, &normal)?;
-    let is_turned = normal[axis] < 0.0;
     let flat = |k: u64| {
         let p = point(k);
         Point2::new(p[(axis + 1) % 3], p[(axis + 2) % 3])
     };
-    let mut triangles = match (rings.len() == 1).then(|| fan(outer, is_turned, &flat)).flatten() {
-        Some(fan) => return Ok(fan),
-        None => by_parity(&rings, &flat)?,
-    };
-    check_area(&rings, &triangles, &flat)?;
-    if is_turned {
-        triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    match (rings.len() == 1)
+        .then(|| fan(outer, normal[axis] < 0.0, &flat))
+        .flatten()
+    {
+        Some(fan) => Ok(fan),
+        None => by_winding(&rings, &point, &flat),
     }
-    Ok(triangles)
 }
 
 fn without_repeats(ring: &[u64], point: &impl Fn(u64) -> Point) -> Vec<u64> {
@@ -74,13 +72,29 @@ fn without_repeats(ring: &[u64], point: &impl Fn(u64) -> Point) -> Vec<u64> {
     kept
 }
 
+/// Returns the corners of all rings relative to the first corner and divided by their size, because
+/// products of large or tiny coordinates overflow or vanish.
+fn relative(rings: &[Vec<u64>], point: &impl Fn(u64) -> Point) -> Result<Vec<Point>, String> {
+    let corners: Vec<Point> = rings.iter().flatten().map(|&k| point(k)).collect();
+    let from = |p: &Point| [0, 1, 2].map(|k| p[k] - corners[0][k]);
+    let size = corners
+        .iter()
+        .flat_map(from)
+        .fold(0.0, |size: f64, x| size.max(x.abs()));
+    if !size.is_finite() {
+        return Err("size of a polygon is not finite".into());
+    }
+    Ok(corners
+        .iter()
+        .map(|p| from(p).map(|x| if size > 0.0 { x / size } else { 0.0 }))
+        .collect())
+}
+
 /// Returns the normal of a polygon by Newell's method: twice the area along each axis.
 fn normal(corners: &[Point]) -> Point {
     let mut sum = [0.0; 3];
-    // Relative to a corner, because products of large coordinates lose the area.
-    let from = |p: Point| [0, 1, 2].map(|k| p[k] - corners[0][k]);
-    for (k, &p) in corners.iter().enumerate() {
-        let (p, q) = (from(p), from(corners[(k + 1) % corners.len()]));
+    for (k, p) in corners.iter().enumerate() {
+        let q = corners[(k + 1) % corners.len()];
         for (axis, sum) in sum.iter_mut().enumerate() {
             let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
             *sum += p[i] * q[j] - p[j] * q[i];
@@ -89,14 +103,12 @@ fn normal(corners: &[Point]) -> Point {
     sum
 }
 
-/// Returns whether all corners are on a line, up to rounding.
+/// Returns whether all corners are on a line through the origin, up to rounding.
 fn is_on_a_line(corners: &[Point]) -> bool {
-    let from = |p: &Point| [0, 1, 2].map(|k| p[k] - corners[0][k]);
     let square = |v: &Point| v.iter().map(|x| x * x).sum::<f64>();
     let farthest = corners
         .iter()
-        .map(from)
-        .fold([0.0; 3], |far, v| if square(&v) > square(&far) { v } else { far });
+        .fold([0.0; 3], |far, v| if square(v) > square(&far) { *v } else { far });
     let across = |v: &Point| {
         let cross = [0, 1, 2].map(|k| {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
@@ -104,32 +116,25 @@ fn is_on_a_line(corners: &[Point]) -> bool {
         });
         square(&cross)
     };
-    let largest = corners.iter().map(|p| across(&from(p))).fold(0.0, f64::max);
+    let largest = corners.iter().map(across).fold(0.0, f64::max);
     largest <= LINE * LINE * square(&farthest) * square(&farthest)
 }
 
+/// Checks corners of size 1, those of holes included.
 fn check_flat(corners: &[Point], normal: &Point) -> Result<(), String> {
     let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
     let heights = corners
         .iter()
-        .map(|p| (0..3).map(|k| (p[k] - corners[0][k]) * normal[k]).sum::<f64>() / length);
+        .map(|p| (0..3).map(|k| p[k] * normal[k]).sum::<f64>() / length);
     let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
         (low.min(h), high.max(h))
     });
-    let side = |k: usize| {
-        let values = corners.iter().map(|p| p[k]);
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-            (low.min(x), high.max(x))
-        });
-        high - low
-    };
-    let size = side(0).max(side(1)).max(side(2));
-    if high - low <= FLAT * size {
+    let height = high - low;
+    if height <= FLAT {
         return Ok(());
     }
-    let height = high - low;
     Err(format!(
-        "polygon is not flat: its corners are up to {height:.3e} apart along its normal (size {size:.3e})"
+        "polygon is not flat: {height:.3e} of its size along its normal (expected at most {FLAT})"
     ))
 }
 
@@ -147,29 +152,50 @@ fn fan(ring: &[u64], is_turned: bool, flat: &impl Fn(u64) -> Point2<f64>) -> Opt
         if is_turned { turn < 0.0 } else { turn > 0.0 }
     };
     let is_convex = (0..n).all(|k| turns(ring[k], ring[(k + 1) % n], ring[(k + 2) % n]));
+    // A border that winds around its first corner turns the same way everywhere, but leaves the
+    // side of its first edge.
+    let is_beside = (2..n).all(|k| turns(ring[0], ring[1], ring[k]));
     let fan: Vec<[u64; 3]> = (1..n - 1).map(|k| [ring[0], ring[k], ring[k + 1]]).collect();
-    (is_convex && fan.iter().all(|&[a, b, c]| turns(a, b, c))).then_some(fan)
+    (is_convex && is_beside && fan.iter().all(|&[a, b, c]| turns(a, b, c))).then_some(fan)
 }
 
-/// Returns the triangles inside by parity, counter-clockwise in the projection.
-fn by_parity(rings: &[Vec<u64>], flat: &impl Fn(u64) -> Point2<f64>) -> Result<Vec<[u64; 3]>, String> {
+const HOLE_OUTSIDE: &str = "polygon has a hole outside its border or in another hole";
+
+/// How often rings wind around a face: pairs of ring and number, without zeros, by ring.
+type Windings = Vec<(usize, i32)>;
+
+/// Returns the triangles around which the border winds once and no hole winds. They have the
+/// orientation of the border.
+fn by_winding(
+    rings: &[Vec<u64>],
+    point: &impl Fn(u64) -> Point,
+    flat: &impl Fn(u64) -> Point2<f64>,
+) -> Result<Vec<[u64; 3]>, String> {
     let mut cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
     let mut corner_of: HashMap<FixedVertexHandle, u64> = HashMap::new();
     let mut handles: Vec<Vec<FixedVertexHandle>> = Vec::new();
     for ring in rings {
         let mut of_ring = Vec::new();
         for &corner in ring {
-            let handle = cdt
-                .insert(flat(corner))
-                .map_err(|e| format!("corner of a polygon is out of range: {e}"))?;
-            corner_of.entry(handle).or_insert(corner);
+            let p = flat(corner);
+            let why = |_| {
+                format!(
+                    "corner of a polygon is out of range: {:e} {:e} (expected 0 or 1.8e-43..=3e60)",
+                    p.x, p.y
+                )
+            };
+            let handle = cdt.insert(p).map_err(why)?;
+            let first = *corner_of.entry(handle).or_insert(corner);
+            if point(first) != point(corner) {
+                return Err("polygon is not flat: two of its corners differ only along its normal".into());
+            }
             of_ring.push(handle);
         }
         handles.push(of_ring);
     }
-    // How often the rings pass an edge: an even number is no border.
-    let mut uses: HashMap<[FixedVertexHandle; 2], usize> = HashMap::new();
-    for ring in &handles {
+    // What an edge adds to the windings where it is crossed from its right to its left.
+    let mut steps: HashMap<[FixedVertexHandle; 2], Windings> = HashMap::new();
+    for (number, ring) in handles.iter().enumerate() {
         for (k, &from) in ring.iter().enumerate() {
             let to = ring[(k + 1) % ring.len()];
             if from == to {
@@ -182,64 +208,56 @@ fn by_parity(rings: &[Vec<u64>], flat: &impl Fn(u64) -> Point2<f64>) -> Result<V
             if cdt.get_edge_from_neighbors(from, to).is_none() {
                 return Err("polygon is not simple: a corner lies on another edge".into());
             }
-            *uses.entry(key(from, to)).or_default() += 1;
+            add(steps.entry([from, to]).or_default(), number, 1);
+            add(steps.entry([to, from]).or_default(), number, -1);
         }
     }
-    let mut is_inside = HashMap::from([(cdt.outer_face().fix(), false)]);
-    let mut waiting: VecDeque<_> = cdt.convex_hull().map(|edge| (edge.rev().fix(), edge.fix())).collect();
-    // The hull is given by edges of the outer face; both sides are tried.
+    let mut windings: HashMap<_, Windings> = HashMap::from([(cdt.outer_face().fix(), Vec::new())]);
+    // Edges whose right side is known, or whose left side is the outer face.
+    let mut waiting: VecDeque<_> = cdt
+        .convex_hull()
+        .flat_map(|edge| [edge.fix(), edge.rev().fix()])
+        .collect();
     let mut triangles = Vec::new();
-    while let Some((one, other)) = waiting.pop_front() {
-        for (from, to) in [(one, other), (other, one)] {
-            let (from, to) = (cdt.directed_edge(from), cdt.directed_edge(to));
-            let Some(&side) = is_inside.get(&from.face().fix()) else {
-                continue;
-            };
-            let face = to.face();
-            if is_inside.contains_key(&face.fix()) {
-                continue;
-            }
-            let count = uses.get(&key(to.from().fix(), to.to().fix())).copied().unwrap_or(0);
-            let inside = side != (count % 2 == 1);
-            is_inside.insert(face.fix(), inside);
-            let Some(triangle) = face.as_inner() else {
-                continue;
-            };
-            if inside {
-                triangles.push(triangle.vertices().map(|v| corner_of[&v.fix()]));
-            }
-            for edge in triangle.adjacent_edges() {
-                waiting.push_back((edge.fix(), edge.rev().fix()));
-            }
+    let mut sign = None;
+    while let Some(edge) = waiting.pop_front() {
+        let edge = cdt.directed_edge(edge);
+        let Some(triangle) = edge.face().as_inner() else {
+            continue;
+        };
+        if windings.contains_key(&edge.face().fix()) {
+            continue;
         }
+        let mut here = windings[&edge.rev().face().fix()].clone();
+        for &(ring, step) in steps.get(&[edge.from().fix(), edge.to().fix()]).into_iter().flatten() {
+            add(&mut here, ring, step);
+        }
+        match here[..] {
+            [] => {}
+            [(0, w)] | [(0, w), (_, -1 | 1)] if w.abs() == 1 && *sign.get_or_insert(w) == w => {}
+            [(0, _)] => return Err("polygon is not simple: its border winds twice or in both senses".into()),
+            _ => return Err(HOLE_OUTSIDE.into()),
+        }
+        if let [(0, w)] = here[..] {
+            let [a, b, c] = triangle.vertices().map(|v| corner_of[&v.fix()]);
+            triangles.push(if w > 0 { [a, b, c] } else { [a, c, b] });
+        }
+        windings.insert(edge.face().fix(), here);
+        waiting.extend(triangle.adjacent_edges().map(|edge| edge.rev().fix()));
     }
-    Ok(triangles)
+    match triangles.is_empty() {
+        true => Err("polygon is not simple: its border winds around no area".into()),
+        false => Ok(triangles),
+    }
 }
 
-/// Checks that the triangles have the area of the first ring without the holes.
-fn check_area(rings: &[Vec<u64>], triangles: &[[u64; 3]], flat: &impl Fn(u64) -> Point2<f64>) -> Result<(), String> {
-    let area = |ring: &[u64]| {
-        let origin = flat(ring[0]);
-        let at = |k: usize| flat(ring[k % ring.len()]);
-        let cross =
-            |p: Point2<f64>, q: Point2<f64>| (p.x - origin.x) * (q.y - origin.y) - (p.y - origin.y) * (q.x - origin.x);
-        (0..ring.len()).map(|k| cross(at(k), at(k + 1))).sum::<f64>().abs()
-    };
-    let border = area(&rings[0]);
-    let holes: f64 = rings[1..]
-        .iter()
-        .filter(|hole| hole.len() > 2)
-        .map(|hole| area(hole))
-        .sum();
-    let covered: f64 = triangles.iter().map(|t| area(t)).sum();
-    if (covered - (border - holes)).abs() <= AREA * border {
-        return Ok(());
+/// Adds a step to the winding of a ring.
+fn add(windings: &mut Windings, ring: usize, step: i32) {
+    match windings.binary_search_by_key(&ring, |&(ring, _)| ring) {
+        Ok(at) if windings[at].1 + step == 0 => drop(windings.remove(at)),
+        Ok(at) => windings[at].1 += step,
+        Err(at) => windings.insert(at, (ring, step)),
     }
-    Err("polygon has a hole outside its border, or its border winds around an area twice".into())
-}
-
-fn key(a: FixedVertexHandle, b: FixedVertexHandle) -> [FixedVertexHandle; 2] {
-    if a.index() < b.index() { [a, b] } else { [b, a] }
 }
 
 #[cfg(test)]
