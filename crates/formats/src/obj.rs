@@ -8,7 +8,7 @@ use crate::mesh::{MeshFile, MeshFormat, ObjectBuilder, SkippedList};
 use crate::{polygon, text};
 
 /// Words that are no part of a body.
-const PASSED_OVER: [&str; 36] = [
+const PASSED_OVER: [&str; 34] = [
     "l",
     "p",
     "vt",
@@ -42,8 +42,6 @@ const PASSED_OVER: [&str; 36] = [
     "sp",
     "end",
     "con",
-    "bzp",
-    "bsp",
     "cdc",
 ];
 
@@ -55,12 +53,17 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
     let mut faces: Vec<(usize, usize, Vec<i64>)> = Vec::new();
     let mut names = vec![String::new()];
     let mut skipped = SkippedList::default();
-    for (line, words) in joined_lines(&text) {
-        let mut words = words.split_whitespace();
+    for (line, joined) in joined_lines(&text) {
+        let mut words = joined.split_whitespace();
         let Some(word) = words.next() else {
             continue;
         };
-        match word.to_ascii_lowercase().as_str() {
+        let word_lower = word.to_ascii_lowercase();
+        if !matches!(word_lower.as_str(), "v" | "f" | "fo") && joined.lines().skip(1).any(begins_geometry) {
+            let why = format!("line {word} continues with a vertex, a face or a surface after its backslash");
+            return Err(Fault::malformed(line, why));
+        }
+        match word_lower.as_str() {
             "v" => points.push(vertex(line, words)?),
             "f" | "fo" => {
                 let corners: Result<Vec<i64>, Fault> = words.map(|word| corner(line, word, points.len())).collect();
@@ -68,9 +71,11 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
             }
             "o" => names.push(words.collect::<Vec<_>>().join(" ")),
             known if PASSED_OVER.contains(&known) => skipped.add(line, known),
-            "surf" => return Err(Fault::unsupported(line, "a free-form surface (surf)")),
+            known @ ("surf" | "bzp" | "bsp" | "cdp") => {
+                return Err(Fault::unsupported(line, format!("a free-form surface ({known})")));
+            }
             "call" | "csh" => return Err(Fault::unsupported(line, format!("the command {word}"))),
-            _ => return Err(Fault::malformed(line, format!("unknown word: {word:?}"))),
+            _ => return Err(Fault::malformed(line, format!("unknown word: {}", text::quoted(word)))),
         }
     }
     let mut objects: Vec<ObjectBuilder> = names.into_iter().map(ObjectBuilder::new).collect();
@@ -84,8 +89,15 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
     })
 }
 
-/// Returns the lines without comments; a backslash at the end of a line joins the next line. A
-/// joined line has the number of its first line.
+/// Returns whether a line begins with a word of geometry. Such a line behind a name that ends with a
+/// backslash (`usemtl C:\`) is a part of the name by the format, but was not meant to be.
+fn begins_geometry(line: &str) -> bool {
+    let word = line.split_whitespace().next().unwrap_or("").to_ascii_lowercase();
+    ["v", "f", "fo", "surf", "bzp", "bsp", "cdp", "call", "csh"].contains(&word.as_str())
+}
+
+/// Returns the lines without comments; a backslash at the end of a line joins the next line, with a
+/// line feed between the two. A joined line has the number of its first line.
 fn joined_lines(text: &str) -> impl Iterator<Item = (usize, String)> {
     let mut lines = text::lines(text);
     std::iter::from_fn(move || {
@@ -98,7 +110,7 @@ fn joined_lines(text: &str) -> impl Iterator<Item = (usize, String)> {
             match code.trim_end().strip_suffix('\\').filter(|_| !is_comment) {
                 Some(code) => {
                     joined.push_str(code);
-                    joined.push(' ');
+                    joined.push('\n');
                 }
                 None => {
                     joined.push_str(code);
@@ -121,7 +133,12 @@ fn vertex<'a>(line: usize, words: impl Iterator<Item = &'a str>) -> Result<[f64;
         return Err(Fault::malformed(line, why));
     }
     let number = |word: &str| {
-        let why = || format!("invalid number of a vertex: {word:?} (expected a finite number)");
+        let why = || {
+            format!(
+                "invalid number of a vertex: {} (expected a finite number)",
+                text::quoted(word)
+            )
+        };
         text::number(word).ok_or_else(|| Fault::malformed(line, why()))
     };
     let numbers: Result<Vec<f64>, Fault> = words.iter().map(|word| number(word)).collect();
@@ -143,7 +160,10 @@ fn corner(line: usize, word: &str, read: usize) -> Result<i64, Fault> {
     let why = |what: &str| {
         Fault::malformed(
             line,
-            format!("{what} of a face: {word:?} (expected a vertex index from 1)"),
+            format!(
+                "{what} of a face: {} (expected a vertex index from 1)",
+                text::quoted(word)
+            ),
         )
     };
     let index: i64 = first.parse().map_err(|_| why("invalid corner"))?;

@@ -412,4 +412,85 @@ mod tests {
                 .is_empty()
         );
     }
+
+    #[test]
+    fn borders_around_their_first_corner_are_an_error() {
+        let spiral = [
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [0.0, 1.0],
+            [-1.0, 0.0],
+            [0.0, -1.0],
+            [1.3, 0.75],
+        ];
+        let found = triangulate(&[&[0, 1, 2, 3, 4, 5]], |k| {
+            let [x, y] = spiral[k as usize];
+            [x, y, 0.0]
+        });
+        assert!(found.expect_err("a spiral").contains("edges cross"));
+    }
+
+    #[test]
+    fn corners_along_the_normal_are_an_error() {
+        let points = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [1.0, 1.0, 0.09],
+            [0.0, 1.0, 0.0],
+        ];
+        let found = triangulate(&[&[0, 1, 2, 3, 4]], |k| points[k as usize]);
+        assert!(found.expect_err("a step").contains("along its normal"));
+    }
+
+    #[test]
+    fn borders_that_touch_themselves_wind_once() {
+        // A square and a loop from its first corner: a hole if the loop runs back, or covered twice.
+        let points = [
+            [0.0, 0.0],
+            [4.0, 0.0],
+            [4.0, 4.0],
+            [0.0, 4.0],
+            [2.0, 1.0],
+            [1.0, 2.0],
+            [0.0, 0.0],
+        ];
+        let at = |k: u64| [points[k as usize][0], points[k as usize][1], 0.0];
+        let area = |t: &[u64; 3]| 0.5 * twice_area(&t.map(at))[2];
+        let back = triangulate(&[&[0, 1, 2, 3, 6, 5, 4]], at).expect("a hole that touches its border");
+        assert_eq!(back.iter().map(area).sum::<f64>(), 16.0 - 1.5);
+        let twice = triangulate(&[&[0, 1, 2, 3, 6, 4, 5]], at);
+        assert!(twice.expect_err("covered twice").contains("winds twice"));
+    }
+
+    #[test]
+    fn holes_are_inside_the_border_and_outside_other_holes() {
+        let square = |x: f64, z: f64, r: f64| [[x - r, -r, z], [x + r, -r, z], [x + r, r, z], [x - r, r, z]];
+        let cut = |holes: &[[Point; 4]]| {
+            let points: Vec<Point> = [square(0.0, 0.0, 1.0)].iter().chain(holes).flatten().copied().collect();
+            let rings: Vec<[u64; 4]> = (0..=holes.len() as u64)
+                .map(|k| [0, 1, 2, 3].map(|c| 4 * k + c))
+                .collect();
+            let rings: Vec<&[u64]> = rings.iter().map(|ring| &ring[..]).collect();
+            triangulate(&rings, |k| points[k as usize]).map(|triangles| triangles.len())
+        };
+        assert_eq!(cut(&[square(0.5, 0.0, 2e-4), square(-0.5, 0.0, 2e-4)]), Ok(14));
+        // Holes that share an edge are one hole.
+        assert_eq!(cut(&[square(-0.25, 0.0, 0.25), square(0.25, 0.0, 0.25)]), Ok(10));
+        for (holes, why) in [
+            (vec![square(3.0, 0.0, 2e-4)], "outside its border"),
+            (vec![square(0.0, 0.0, 0.5), square(0.0, 0.0, 2e-4)], "in another hole"),
+            (vec![square(0.0, 0.0, 1.0)], "winds around no area"),
+            (vec![square(0.0, 5.0, 0.5)], "not flat"),
+            (vec![square(0.9, 0.0, 0.2)], "edges cross"),
+        ] {
+            match (cut(&holes), why) {
+                (Err(error), _) => assert!(error.contains(why), "{error}"),
+                (Ok(count), _) => panic!("{count} triangles: {why}"),
+            }
+        }
+        let line = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let found = triangulate(&[&[0, 1], &[0, 1, 2, 3]], |k| line[k as usize]);
+        assert!(found.expect_err("a hole in a line").contains("hole"));
+    }
 }

@@ -42,6 +42,16 @@ pub(crate) fn number(word: &str) -> Option<f64> {
     word.parse().ok().filter(|x: &f64| x.is_finite())
 }
 
+/// Returns a word of a file for an error, cut if it is long.
+pub(crate) fn quoted(word: &str) -> String {
+    let start: String = word.chars().take(24).collect();
+    if start.len() < word.len() {
+        format!("{start:?}...")
+    } else {
+        format!("{start:?}")
+    }
+}
+
 /// Returns the lines of a text, counted from 1. A line ends with LF, CR or CR LF.
 pub(crate) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let mut rest = Some(text);

@@ -123,6 +123,54 @@ fn notches_stay_open() {
     }
 }
 
+/// Returns a text with each line end, in UTF-8 with and without a mark, UTF-16 and Latin-1.
+fn encodings(text: &str) -> Vec<Vec<u8>> {
+    let ends = ["\n", "\r", "\r\n"].map(|end| text.replace('\n', end));
+    let wide = |bytes: fn(u16) -> [u8; 2]| {
+        let marked = format!("\u{feff}{text}");
+        marked.encode_utf16().flat_map(bytes).collect::<Vec<u8>>()
+    };
+    let mut all = ends.map(String::into_bytes).to_vec();
+    all.push(format!("\u{feff}{text}").into_bytes());
+    all.push([text.as_bytes(), b" # \xfc"].concat());
+    all.extend([wide(u16::to_le_bytes), wide(u16::to_be_bytes)]);
+    all
+}
+
+#[test]
+fn every_encoding_is_read() {
+    for bytes in encodings(&(vertices() + &faces())) {
+        let file = parse(bytes, "a.obj").expect("a box");
+        assert!((volume(&file) - VOLUME).abs() < 1e-12);
+        assert_eq!(file.whole().1.len(), 12);
+    }
+}
+
+#[test]
+fn errors_are_short() {
+    let long = "9x".repeat(50_000);
+    for fault in [long.clone(), format!("v {long} 0 0"), format!("f {long} 1 2")] {
+        let error = parse(vertices() + &fault, "a.obj").expect_err("a long word");
+        assert!(error.fault.to_string().len() <= 120, "{error}");
+    }
+}
+
+#[test]
+fn faces_of_any_size_are_kept() {
+    let body = vertices() + &faces();
+    for exponent in [-300, -110, -81, -50, 50, 78, 100, 155, 300] {
+        let e = format!("e{exponent}");
+        let quad = format!("v 0 0 0\nv 1{e} 0 0\nv 1{e} 1{e} 0\nv 0 1{e} 0\n");
+        let notch = format!("v 0 0 0\nv 4{e} 0 0\nv 4{e} 4{e} 0\nv 3{e} 1{e} 0\n");
+        for points in [quad, notch] {
+            match parse(format!("{body}{points}f -4 -3 -2 -1\n"), "a.obj") {
+                Ok(file) => assert_eq!(file.whole().1.len(), 14, "{points}"),
+                Err(error) => assert!(error.to_string().contains("out of range"), "{error}"),
+            }
+        }
+    }
+}
+
 #[test]
 fn a_fault_anywhere_is_named_with_its_line() {
     let lines: Vec<String> = (vertices() + &faces()).lines().map(Into::into).collect();
@@ -143,6 +191,11 @@ fn a_fault_anywhere_is_named_with_its_line() {
         "v 1 2 3 0.5",
         "v 1,5 2 3",
         "surf 0 1 0 1 1 2 3 4",
+        "bzp 1 2 3 4 5 6 7 8 1 2 3 4 5 6 7 8",
+        "bsp 1 2 3 4 5 6 7 8 1 2 3 4 5 6 7 8",
+        "cdp 1 2 3 4 5 6 7 8 1 2 3 4 5 6 7 8",
+        "usemtl C:\\\nf 1 2 3",
+        "o a\\\nV 1 2 3",
         "call other.obj",
         "vv 1 2 3",
         "solid",
@@ -151,9 +204,11 @@ fn a_fault_anywhere_is_named_with_its_line() {
         for fault in faults {
             let mut lines = lines.clone();
             lines.insert(at, fault.into());
-            let error = parse(lines.join("\n"), "a.obj").expect_err(fault);
-            assert_eq!(error.line, Some(at + 1), "{fault}: {error}");
-            assert!(error.to_string().starts_with("a.obj, line "), "{error}");
+            for bytes in encodings(&lines.join("\n")) {
+                let error = parse(bytes, "a.obj").expect_err(fault);
+                assert_eq!(error.line, Some(at + 1), "{fault}: {error}");
+                assert!(error.to_string().starts_with("a.obj, line "), "{error}");
+            }
         }
     }
     let bow = "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 2 0\nf 1 2 3 4\n";
