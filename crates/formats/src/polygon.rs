@@ -461,6 +461,8 @@ mod tests {
         assert_eq!(back.iter().map(area).sum::<f64>(), 16.0 - 1.5);
         let twice = triangulate(&[&[0, 1, 2, 3, 6, 4, 5]], at);
         assert!(twice.expect_err("covered twice").contains("winds twice"));
+        let whole = triangulate(&[&[0, 1, 2, 3, 0, 1, 2, 3]], at);
+        assert!(whole.expect_err("all covered twice").contains("winds twice"));
     }
 
     #[test]

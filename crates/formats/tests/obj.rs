@@ -211,6 +211,10 @@ fn a_fault_anywhere_is_named_with_its_line() {
             }
         }
     }
+    for word in ["surf", "bzp", "BSP", "cdp"] {
+        let error = parse(vertices() + &faces() + word + " 1 2 3 4", "a.obj").expect_err(word);
+        assert!(error.to_string().contains("surface"), "{error}");
+    }
     let bow = "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 2 0\nf 1 2 3 4\n";
     assert!(
         parse(bow, "a.obj")
@@ -228,4 +232,21 @@ fn mutants_are_read_or_named() {
         faces()
     );
     read_mutants(text.as_bytes(), "a.obj", 20_000);
+    // Faces with notches, spikes, a keyhole and corners on a line, which are not cut as fans.
+    let rings = [
+        "1 2 3 4 5 6 7 8",
+        "8 7 6 5 4 3 2 1",
+        "1 2 9 3 8",
+        "1 2 3 8 1 5 6 4 5",
+        "-9 -8 -7 -2",
+    ];
+    let points = "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 2 3 0\nv 2 1 0\nv 1 1 .01\nv 1 3 0\nv 0 3 0\nv 3 1 0\n";
+    let faces: String = rings.iter().map(|ring| format!("f {ring}\n")).collect();
+    let start = std::time::Instant::now();
+    read_mutants((points.to_owned() + &faces).as_bytes(), "a.obj", 20_000);
+    assert!(
+        start.elapsed().as_secs() < 60,
+        "20,000 small files took {:?}",
+        start.elapsed()
+    );
 }
