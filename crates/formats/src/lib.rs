@@ -20,9 +20,9 @@
 //! * A point belongs to an object only if a triangle uses it.
 //! * Numbers are `f64` and finite. A count in a header is never believed: memory grows with the
 //!   file, not with the count.
-//! * A polygon is cut into triangles that cover the polygon and nothing else. Its corners may be out
-//!   of a plane by a tenth of its size, because quads of curved bodies often are; the file then does
-//!   not say where the surface is between them, and the reader chooses the diagonals.
+//! * A polygon is cut into triangles that cover the polygon and nothing else. Its corners may
+//!   depart from a plane by a tenth of its size, because quads of curved bodies often do. The file
+//!   then leaves the surface between them open, and the reader chooses the diagonals.
 //! * A mirror turns triangles over, so that they keep their outside.
 //!
 //! # When not to use it

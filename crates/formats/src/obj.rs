@@ -89,8 +89,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
     })
 }
 
-/// Returns whether a line begins with a word of geometry. Such a line behind a name that ends with a
-/// backslash (`usemtl C:\`) is a part of the name by the format, but was not meant to be.
+/// Returns whether a line begins with a word of geometry. Such a line behind a name that ends with
+/// a backslash (`usemtl C:\`) is a part of the name by the format, but was not meant to be.
 fn begins_geometry(line: &str) -> bool {
     let word = line.split_whitespace().next().unwrap_or("").to_ascii_lowercase();
     ["v", "f", "fo", "surf", "bzp", "bsp", "cdp", "call", "csh"].contains(&word.as_str())

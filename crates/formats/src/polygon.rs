@@ -445,7 +445,7 @@ mod tests {
 
     #[test]
     fn borders_that_touch_themselves_wind_once() {
-        // A square and a loop from its first corner: a hole if the loop runs back, or covered twice.
+        // A square and a loop from its first corner: a hole if it runs back, or covered twice.
         let points = [
             [0.0, 0.0],
             [4.0, 0.0],
