@@ -1,5 +1,6 @@
 //! The world: robot bodies, obstacles, and the pairs that may touch.
 
+use std::collections::BTreeSet;
 use std::string::{String, ToString};
 use std::vec::Vec;
 
@@ -16,7 +17,7 @@ use lin_canny::Geometry;
 pub struct World {
     pub(crate) robot: Vec<(String, Geometry)>,
     pub(crate) obstacles: Vec<(String, Geometry, Isometry3<f64>)>,
-    pub(crate) excluded: Vec<(WorldId, WorldId)>,
+    pub(crate) excluded: BTreeSet<(WorldId, WorldId)>,
 }
 
 /// A robot body or an obstacle, by its index in the order of insertion.
@@ -77,7 +78,14 @@ impl World {
         Ok(())
     }
 
-    /// Returns the excluded pairs, each with the smaller id first.
+    /// Excludes the pair of two bodies.
+    ///
+    /// An id that the world does not have excludes nothing.
+    pub fn exclude_pair(&mut self, a: WorldId, b: WorldId) {
+        self.excluded.insert((a.min(b), a.max(b)));
+    }
+
+    /// Returns the excluded pairs in ascending order, each with the smaller id first.
     pub fn excluded(&self) -> impl ExactSizeIterator<Item = [WorldId; 2]> {
         self.excluded.iter().map(|&(a, b)| [a, b])
     }

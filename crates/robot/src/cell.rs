@@ -39,10 +39,11 @@ pub struct Obstacle {
 /// }
 /// ```
 ///
-/// A body is a `box`, `cylinder`, `capsule`, `sphere` or `mesh`. Its pose in the world is `xyz`,
-/// and either `rpy` in radians or the quaternion `xyzw`. The path of a mesh file is relative to the
-/// folder of the JSON file, or starts with `package://` or `file://`. `as` is `hull`, `mesh` or
-/// `pieces`; the default is that of the options.
+/// A body is a `box` (`size`), `cylinder`, `capsule` or `cone` (`radius` and `length`), `sphere`
+/// (`radius`), `ellipsoid` (`radii`) or `mesh`. Axes are along z, the apex of a cone is above. Its
+/// pose in the world is `xyz`, and either `rpy` in radians or the quaternion `xyzw`. The path of a
+/// mesh file is relative to the folder of the JSON file, or starts with `package://` or `file://`.
+/// `as` is `hull`, `mesh` or `pieces`; the default is that of the options.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Cell {
@@ -69,6 +70,8 @@ struct BodyText {
     cylinder: Option<RoundText>,
     capsule: Option<RoundText>,
     sphere: Option<SphereText>,
+    ellipsoid: Option<EllipsoidText>,
+    cone: Option<RoundText>,
     mesh: Option<MeshText>,
     #[serde(default)]
     xyz: [f64; 3],
@@ -93,6 +96,12 @@ struct RoundText {
 #[serde(deny_unknown_fields)]
 struct SphereText {
     radius: f64,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EllipsoidText {
+    radii: [f64; 3],
 }
 
 #[derive(serde::Deserialize)]
@@ -167,6 +176,16 @@ impl BodyText {
                 .as_ref()
                 .map(|&SphereText { radius }| Solid::Sphere { radius }),
         );
+        solids.extend(
+            self.ellipsoid
+                .as_ref()
+                .map(|&EllipsoidText { radii }| Solid::Ellipsoid { radii }),
+        );
+        solids.extend(
+            self.cone
+                .as_ref()
+                .map(|&RoundText { radius, length }| Solid::Cone { radius, length }),
+        );
         match (&solids[..], &self.mesh) {
             ([solid], None) => solid.geometry(),
             ([], Some(mesh)) => {
@@ -175,7 +194,9 @@ impl BodyText {
                 let usage = mesh.usage.unwrap_or(options.meshes);
                 Ok(geometry::of_mesh(&file, &scale, usage, options)?.0)
             }
-            ([], None) => Err(FileErrorKind::Missing("box, cylinder, capsule, sphere or mesh".into())),
+            ([], None) => Err(FileErrorKind::Missing(
+                "box, cylinder, capsule, sphere, ellipsoid, cone or mesh".into(),
+            )),
             _ => Err(FileErrorKind::Malformed(
                 "body has several shapes (expected one)".into(),
             )),

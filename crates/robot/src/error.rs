@@ -1,6 +1,7 @@
 //! The error of a file.
 
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use crate::names::nearest;
 use crate::text;
@@ -219,6 +220,20 @@ impl FileError {
     pub(crate) fn read(file: &Path) -> Result<String, Self> {
         let bytes = std::fs::read(file).map_err(|e| Self::new(file, None, "", FileErrorKind::Read(e)))?;
         text::decode(&bytes).map_err(|(line, reason)| Self::new(file, Some(line), "", reason))
+    }
+}
+
+/// An element of a file, for an error of it.
+#[derive(Clone, Debug)]
+pub(crate) struct Place {
+    pub(crate) file: Rc<Path>,
+    pub(crate) line: u32,
+    pub(crate) element: String,
+}
+
+impl Place {
+    pub(crate) fn error(&self, reason: FileErrorKind) -> FileError {
+        FileError::new(&self.file, Some(self.line), self.element.clone(), reason)
     }
 }
 

@@ -28,10 +28,33 @@ pub enum MeshUse {
 /// A solid that is centred at its origin, with its axis along z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Solid {
-    Box { size: [f64; 3] },
-    Cylinder { radius: f64, length: f64 },
-    Capsule { radius: f64, length: f64 },
-    Sphere { radius: f64 },
+    Box {
+        size: [f64; 3],
+    },
+    Cylinder {
+        radius: f64,
+        length: f64,
+    },
+    /// The length is that of the axis, without the caps.
+    Capsule {
+        radius: f64,
+        length: f64,
+    },
+    Sphere {
+        radius: f64,
+    },
+    Ellipsoid {
+        radii: [f64; 3],
+    },
+    /// The apex is at the end of positive z.
+    Cone {
+        radius: f64,
+        length: f64,
+    },
+    /// All below the plane `z = 0`, as far as `extent` in each direction.
+    HalfSpace {
+        extent: f64,
+    },
 }
 
 impl Solid {
@@ -40,10 +63,12 @@ impl Solid {
         let wrong = |e: &dyn std::fmt::Display| FileErrorKind::Geometry(e.to_string());
         let sizes: &[(&str, f64)] = match self {
             Self::Box { size: [x, y, z] } => &[("size", *x), ("size", *y), ("size", *z)],
-            Self::Cylinder { radius, length } | Self::Capsule { radius, length } => {
+            Self::Cylinder { radius, length } | Self::Capsule { radius, length } | Self::Cone { radius, length } => {
                 &[("radius", *radius), ("length", *length)]
             }
+            Self::Ellipsoid { radii: [x, y, z] } => &[("radii", *x), ("radii", *y), ("radii", *z)],
             Self::Sphere { radius } => &[("radius", *radius)],
+            Self::HalfSpace { extent } => &[("extent of planes", *extent)],
         };
         if let Some(&(field, value)) = sizes.iter().find(|(_, size)| !(*size >= 0.0)) {
             let field = field.into();
@@ -61,11 +86,13 @@ impl Solid {
                 let body = solids::cuboid(Vector3::from(size) * 0.5).map_err(|e| wrong(&e))?;
                 return Ok(Geometry::from(body));
             }
-            Self::Cylinder { radius: 0.0, length } | Self::Capsule { radius: 0.0, length } => {
+            Self::Cylinder { radius: 0.0, length }
+            | Self::Capsule { radius: 0.0, length }
+            | Self::Cone { radius: 0.0, length } => {
                 let end = Point3::new(0.0, 0.0, 0.5 * length);
                 return flat(&[-end, end]).map(Geometry::from);
             }
-            Self::Cylinder { radius, length: 0.0 } => {
+            Self::Cylinder { radius, length: 0.0 } | Self::Cone { radius, length: 0.0 } => {
                 let rule = "expected a length above 0, such as 1e-6";
                 return Err(FileErrorKind::Geometry(format!(
                     "disc of radius {radius} and length 0 ({rule})"
@@ -76,6 +103,15 @@ impl Solid {
             // URDF allows a capsule of length zero, which is a ball.
             Self::Capsule { radius, length: 0.0 } | Self::Sphere { radius } => Shape::ball(radius),
             Self::Capsule { radius, length } => Shape::capsule(0.5 * length, radius),
+            Self::Ellipsoid { radii } => Shape::ellipsoid(Vector3::from(radii)),
+            Self::Cone { radius, length } => Shape::cone(0.5 * length, radius),
+            Self::HalfSpace { extent } => {
+                let corner = |k: usize| {
+                    let [x, y] = [k & 1, k >> 1 & 1].map(|side| if side == 1 { extent } else { -extent });
+                    Point3::new(x, y, if k >> 2 == 1 { 0.0 } else { -extent })
+                };
+                return hull(&(0..8).map(corner).collect::<Vec<_>>()).map(Geometry::from);
+            }
         };
         Ok(Geometry::from(shape.map_err(|e| wrong(&e))?))
     }

@@ -39,11 +39,14 @@ pub struct LoadOptions {
     /// Least and greatest position of planar and floating joints, which URDF does not limit, in the
     /// unit of the file.
     pub floating_limits: [f64; 2],
+    /// Half the side of the box that stands for an infinite plane of MJCF or SDFormat; the box is
+    /// as deep. In the unit of the file.
+    pub plane_extent: f64,
 }
 
 impl Default for LoadOptions {
     /// Hulls that are not measured; missing meshes are errors; two full turns and ten metres in
-    /// both directions.
+    /// both directions; planes that extend a thousand metres.
     fn default() -> Self {
         let turns = 4.0 * std::f64::consts::PI;
         Self {
@@ -54,6 +57,7 @@ impl Default for LoadOptions {
             skip_missing_meshes: false,
             continuous_limits: [-turns, turns],
             floating_limits: [-10.0, 10.0],
+            plane_extent: 1000.0,
         }
     }
 }
@@ -105,6 +109,13 @@ impl LoadOptions {
     #[must_use]
     pub fn floating_limits(mut self, limits: [f64; 2]) -> Self {
         self.floating_limits = limits;
+        self
+    }
+
+    /// Returns the options with another extent of the boxes that stand for infinite planes.
+    #[must_use]
+    pub fn plane_extent(mut self, extent: f64) -> Self {
+        self.plane_extent = extent;
         self
     }
 

@@ -10,7 +10,8 @@ use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::names::nearest;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
-use crate::urdf;
+use crate::xml::Xml;
+use crate::{mjcf, sdformat, urdf};
 
 /// The kind of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,6 +121,10 @@ pub struct Robot {
     pub(crate) links: Vec<RobotLink>,
     pub(crate) joints: Vec<RobotJoint>,
     pub(crate) coordinates: Vec<Coordinate>,
+    /// Pairs of adjacent links, the smaller index first.
+    pub(crate) adjacent: Vec<[usize; 2]>,
+    /// Pairs of bodies that the file excludes: indices over the bodies of all links.
+    pub(crate) excluded: Vec<[usize; 2]>,
     pub(crate) skipped: Vec<Skipped>,
 }
 
@@ -139,7 +144,7 @@ impl Robot {
     /// As [`load`](Self::load).
     pub fn load_with(path: impl AsRef<Path>, packages: &Packages, options: &LoadOptions) -> Result<Self, FileError> {
         let path = path.as_ref();
-        urdf::parse(path, &FileError::read(path)?, packages, options)
+        Self::parse(&FileError::read(path)?, path, packages, options)
     }
 
     /// Returns the robot of a URDF text. Errors name the file `path`, and relative mesh paths are
@@ -153,7 +158,13 @@ impl Robot {
         packages: &Packages,
         options: &LoadOptions,
     ) -> Result<Self, FileError> {
-        urdf::parse(path.as_ref(), text, packages, options)
+        let xml = Xml::parse(path.as_ref(), text)?;
+        match xml.root().tag_name().name() {
+            "robot" => urdf::read(&xml, packages, options),
+            "mujoco" => mjcf::read(&xml, packages, options),
+            "sdf" => sdformat::read(&xml, packages, options),
+            _ => Err(xml.unknown_root("robot, mujoco or sdf")),
+        }
     }
 
     /// Returns the name.
@@ -203,23 +214,41 @@ impl Robot {
         }
     }
 
-    /// Returns the pairs of adjacent links.
+    /// Returns the pairs of adjacent links, by their indices.
     ///
     /// Two links are adjacent if one joint connects them, or several joints with links without
-    /// bodies between them.
+    /// bodies between them. In an MJCF file, bodies that no joint moves relative to each other are
+    /// one link, and no link is adjacent to the world, as in MuJoCo.
     #[must_use]
-    pub fn adjacent(&self) -> Vec<[usize; 2]> {
-        let has_bodies = |link: usize| !self.links[link].bodies.is_empty();
-        let mut pairs = Vec::new();
-        for link in (1..self.links.len()).filter(|&k| has_bodies(k)) {
-            let mut before = self.joints[link - 1].parent;
-            while before > 0 && !has_bodies(before) {
-                before = self.joints[before - 1].parent;
-            }
-            if has_bodies(before) {
-                pairs.push([before, link]);
-            }
-        }
-        pairs
+    pub fn adjacent(&self) -> &[[usize; 2]] {
+        &self.adjacent
     }
+
+    /// Returns the pairs of bodies that the file excludes, each as link and body of the link.
+    ///
+    /// MJCF excludes pairs by `contype` and `conaffinity`, `exclude` and `pair`; SDFormat by
+    /// `collide_bitmask`; URDF excludes none.
+    #[must_use]
+    pub fn excluded(&self) -> Vec<[(usize, usize); 2]> {
+        let links = self.links.iter().enumerate();
+        let bodies = links.flat_map(|(k, link)| (0..link.bodies.len()).map(move |body| (k, body)));
+        let bodies: Vec<(usize, usize)> = bodies.collect();
+        self.excluded.iter().map(|pair| pair.map(|k| bodies[k])).collect()
+    }
+}
+
+/// Returns the pairs of adjacent links by the joints, where joint k moves link k + 1.
+pub(crate) fn adjacent_by_joints(links: &[RobotLink], joints: &[RobotJoint]) -> Vec<[usize; 2]> {
+    let has_bodies = |link: usize| !links[link].bodies.is_empty();
+    let mut pairs = Vec::new();
+    for link in (1..links.len()).filter(|&k| has_bodies(k)) {
+        let mut before = joints[link - 1].parent;
+        while before > 0 && !has_bodies(before) {
+            before = joints[before - 1].parent;
+        }
+        if has_bodies(before) {
+            pairs.push([before, link]);
+        }
+    }
+    pairs
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
-use lin_canny_plan::{Checker, Drive, JointKind, JointTree, PlanError, TreeJoint, World};
+use lin_canny_plan::{Checker, Drive, JointKind, JointTree, PlanError, TreeJoint, World, WorldId};
 
 use crate::error::Skipped;
 use crate::geometry::radius;
@@ -45,6 +45,8 @@ pub struct Setup {
     bodies: Vec<SetupBody>,
     adjacent: Vec<[String; 2]>,
     ignored: BTreeSet<[String; 2]>,
+    /// Pairs of bodies that files exclude.
+    excluded: Vec<[usize; 2]>,
     /// Links without bodies, because an SRDF may name them.
     frames: BTreeSet<String>,
     obstacles: Vec<(String, Geometry, Isometry3<f64>)>,
@@ -72,7 +74,8 @@ impl Setup {
 
     /// Adds a robot whose root link has this pose in the world.
     ///
-    /// The prefix distinguishes robots; for a single robot it may be empty.
+    /// The prefix distinguishes robots; for a single robot it may be empty. Pairs that the file of
+    /// the robot excludes are not checked: see [`Robot::excluded`].
     pub fn robot(&mut self, prefix: &str, robot: &Robot, pose: Isometry3<f64>) {
         self.skipped.extend(robot.skipped.iter().cloned());
         let first = self.coordinates.len();
@@ -93,6 +96,9 @@ impl Setup {
             }
             links.push(link);
         }
+        let before = self.bodies.len();
+        self.excluded
+            .extend(robot.excluded.iter().map(|pair| pair.map(|k| k + before)));
         for (link, &at) in robot.links.iter().zip(&links) {
             if link.bodies.is_empty() {
                 self.frames.insert(named(&link.name));
@@ -115,7 +121,7 @@ impl Setup {
                 });
             }
         }
-        let pairs = robot.adjacent().into_iter();
+        let pairs = robot.adjacent.iter();
         self.adjacent
             .extend(pairs.map(|pair| pair.map(|k| named(&robot.links[k].name))));
     }
@@ -212,6 +218,9 @@ impl Setup {
         }
         for (name, geometry, pose) in &self.obstacles {
             world.obstacle(name, geometry.clone(), *pose);
+        }
+        for [a, b] in &self.excluded {
+            world.exclude_pair(WorldId::Robot(*a), WorldId::Robot(*b));
         }
         let is_frame = |name: &String| self.frames.contains(name);
         for [a, b] in self.ignored.iter().filter(|pair| !pair.iter().any(is_frame)) {

@@ -69,7 +69,10 @@ impl Srdf {
     /// # Errors
     /// As [`load`](Self::load).
     pub fn parse(text: &str, path: impl AsRef<Path>, robot: &Robot) -> Result<Self, FileError> {
-        let xml = Xml::parse(path.as_ref(), text, "robot")?;
+        let xml = Xml::parse(path.as_ref(), text)?;
+        if xml.root().tag_name().name() != "robot" {
+            return Err(xml.unknown_root("robot"));
+        }
         let mut srdf = Self::default();
         let mut alone = Vec::new();
         let read = &["disable_collisions", "enable_collisions", "disable_default_collisions"];

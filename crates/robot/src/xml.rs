@@ -10,7 +10,7 @@ use lin_canny::RelativePose;
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 
-use crate::error::{FileError, FileErrorKind};
+use crate::error::{FileError, FileErrorKind, Place};
 use crate::names::nearest;
 use crate::text::check_content;
 use crate::turn::{from_xyzw, roll_pitch_yaw};
@@ -35,7 +35,7 @@ pub(crate) struct Xml<'a> {
 }
 
 impl<'a> Xml<'a> {
-    pub(crate) fn parse(file: &'a Path, text: &'a str, root: &str) -> Result<Self, FileError> {
+    pub(crate) fn parse(file: &'a Path, text: &'a str) -> Result<Self, FileError> {
         check_content(text).map_err(|reason| FileError::new(file, Some(1), "", reason))?;
         // The parser skips a byte order mark, but counts it in positions.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -54,11 +54,6 @@ impl<'a> Xml<'a> {
             let reason = FileErrorKind::Malformed(format!("elements are nested too deep (expected at most {DEPTH})"));
             return Err(FileError::new(file, Some(xml.line(&node)), "", reason));
         }
-        let found = xml.root().tag_name().name();
-        if found != root {
-            let reason = FileErrorKind::Malformed(format!("unknown root element: {found:?} (expected {root:?})"));
-            return Err(xml.error(&xml.root(), reason));
-        }
         // The parser ignores the values that a document type gives to missing attributes.
         let before = text.get(..xml.root().range().start).unwrap_or_default();
         if before.contains("<!ATTLIST") {
@@ -70,6 +65,21 @@ impl<'a> Xml<'a> {
 
     pub(crate) fn root(&self) -> Node<'_, 'a> {
         self.document.root_element()
+    }
+
+    /// Returns the error of a root element that is not expected.
+    pub(crate) fn unknown_root(&self, expected: &str) -> FileError {
+        let found = self.root().tag_name().name();
+        let reason = FileErrorKind::Malformed(format!("unknown root element: {found:?} (expected {expected})"));
+        self.error(&self.root(), reason)
+    }
+
+    pub(crate) fn place(&self, node: &Node) -> Place {
+        Place {
+            file: self.file.into(),
+            line: self.line(node),
+            element: title(node),
+        }
     }
 
     /// Returns the error of an element.

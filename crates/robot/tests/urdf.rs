@@ -353,7 +353,7 @@ fn files_that_are_no_good_xml_get_a_message_that_helps() {
         (body.replace("<link", "\n<xacro:x/><link"), 2, "run xacro"),
         (body.replace("\"a\"", "\"a & b\""), 1, "&amp;"),
         ("<robot name=\"r\">\n\n<link name=\"a\"/>\n".into(), 3, "never closed"),
-        ("<sdf/>".into(), 1, "\"sdf\" (expected \"robot\")"),
+        ("<world/>".into(), 1, "\"world\" (expected robot, mujoco or sdf)"),
     ] {
         let error = parse(&text).expect_err(&text);
         assert!(error.to_string().contains(words), "{error}");
