@@ -32,6 +32,7 @@
 mod collada;
 mod error;
 mod mesh;
+mod msh;
 mod obj;
 mod polygon;
 mod stl;

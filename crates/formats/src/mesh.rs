@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use crate::error::{Fault, MeshFault, MeshFileError};
-use crate::{collada, obj, stl, text};
+use crate::{collada, msh, obj, stl, text};
 
 /// Format of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -16,6 +16,8 @@ pub enum MeshFormat {
     Obj,
     /// COLLADA 1.4 or 1.5.
     Collada,
+    /// MSH, the binary meshes of MuJoCo.
+    Msh,
 }
 
 /// A mesh file as read.
@@ -84,6 +86,7 @@ impl MeshFile {
             MeshFormat::Stl => stl::read(bytes),
             MeshFormat::Obj => obj::read(bytes),
             MeshFormat::Collada => collada::read(bytes),
+            MeshFormat::Msh => msh::read(bytes),
         };
         let mut file = file.map_err(error)?;
         file.objects.retain(|object| !object.triangles.is_empty());
@@ -136,9 +139,10 @@ fn format_of(bytes: &[u8], path: &Path) -> Result<MeshFormat, Fault> {
         Some("stl") => MeshFormat::Stl,
         Some("obj") => MeshFormat::Obj,
         Some("dae") => MeshFormat::Collada,
+        Some("msh") => MeshFormat::Msh,
         _ if lower.starts_with("solid") => MeshFormat::Stl,
         _ => {
-            let why = "unknown file extension (expected .stl, .obj or .dae)";
+            let why = "unknown file extension (expected .stl, .obj, .dae or .msh)";
             return Err(unknown(why));
         }
     })

@@ -7,6 +7,7 @@ use lin_canny::{Geometry, normalize_rotation};
 
 use crate::error::{FileError, FileErrorKind};
 use crate::geometry::{self, MeshUse, Solid};
+use crate::mesh_file::MeshPlacing;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::space::Setup;
@@ -190,9 +191,9 @@ impl BodyText {
             ([solid], None) => solid.geometry(),
             ([], Some(mesh)) => {
                 let file = packages.find(&mesh.file, folder)?;
-                let scale = Vector3::from(mesh.scale.unwrap_or([1.0; 3]));
+                let placing = MeshPlacing::scaled(mesh.scale.unwrap_or([1.0; 3]))?;
                 let usage = mesh.usage.unwrap_or(options.meshes);
-                Ok(geometry::of_mesh(&file, &scale, usage, options)?.0)
+                Ok(geometry::of_mesh(&file, &placing, usage, options)?.0)
             }
             ([], None) => Err(FileErrorKind::Missing(
                 "box, cylinder, capsule, sphere, ellipsoid, cone or mesh".into(),

@@ -8,11 +8,11 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{BuildError, Compound, ConvexPolyhedron, Geometry, HullFit, Mesh, Piece, Shape};
 
 use crate::error::FileErrorKind;
-use crate::mesh_file::{self, Soup};
+use crate::mesh_file::{self, MeshPlacing, Soup};
 use crate::options::LoadOptions;
 
 /// The body that is made from a mesh.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum MeshUse {
@@ -151,49 +151,48 @@ fn flat(points: &[Point3<f64>]) -> Result<ConvexPolyhedron, FileErrorKind> {
 /// Returns the body of a mesh file, and the fit of its hull if requested.
 pub(crate) fn of_mesh(
     file: &Path,
-    scale: &Vector3<f64>,
+    placing: &MeshPlacing,
     usage: MeshUse,
     options: &LoadOptions,
 ) -> Result<(Geometry, Option<HullFit>), FileErrorKind> {
     let of_file = |file: &Path, why: String| FileErrorKind::Geometry(format!("mesh {}: {why}", file.display()));
-    if let Some(&value) = scale.iter().find(|s| **s == 0.0) {
-        return Err(FileErrorKind::Range {
-            field: "scale".into(),
-            value,
-        });
+    if usage != MeshUse::Pieces {
+        let named = |e: FileErrorKind| of_file(file, e.to_string());
+        return of_soup(mesh_file::whole(file, placing)?, usage, options).map_err(named);
     }
-    match usage {
-        MeshUse::Hull => {
-            let soup = mesh_file::whole(file, scale)?;
-            let hull = hull(&soup.points).map_err(|e| of_file(file, e.to_string()))?;
-            let mesh = options.measure_hulls.then(|| Mesh::new(&soup.points, &soup.triangles));
-            let fit = mesh.and_then(Result::ok).map(|mesh| mesh.hull_fit(&hull));
-            Ok((Geometry::from(hull), fit))
-        }
-        MeshUse::Mesh => {
-            let Soup { points, triangles } = mesh_file::whole(file, scale)?;
-            let mesh = Mesh::new(&points, &triangles).map_err(|e| of_file(file, e.to_string()))?;
-            Ok((Geometry::from(mesh), None))
-        }
-        MeshUse::Pieces => {
-            let Some(folder) = &options.pieces else {
-                return Err(FileErrorKind::Missing("folder of the convex pieces".into()));
-            };
-            let beside = folder.join(file.file_stem().unwrap_or_default()).with_extension("obj");
-            if !beside.is_file() {
-                return Err(FileErrorKind::Missing(format!(
-                    "file {} of the convex pieces",
-                    beside.display()
-                )));
-            }
-            let hulls = mesh_file::objects(&beside, scale)?;
-            let hulls = hulls.iter().map(|soup| hull(&soup.points).map(Piece::new));
-            let hulls: Result<Vec<Piece>, _> = hulls.collect();
-            let hulls = hulls.map_err(|e| of_file(&beside, e.to_string()))?;
-            let compound = Compound::new(hulls).map_err(|e| of_file(&beside, e.to_string()))?;
-            Ok((Geometry::from(compound), None))
-        }
+    let Some(folder) = &options.pieces else {
+        return Err(FileErrorKind::Missing("folder of the convex pieces".into()));
+    };
+    let beside = folder.join(file.file_stem().unwrap_or_default()).with_extension("obj");
+    if !beside.is_file() {
+        return Err(FileErrorKind::Missing(format!(
+            "file {} of the convex pieces",
+            beside.display()
+        )));
     }
+    let hulls = mesh_file::objects(&beside, placing)?;
+    let hulls = hulls.iter().map(|soup| hull(&soup.points).map(Piece::new));
+    let hulls: Result<Vec<Piece>, _> = hulls.collect();
+    let hulls = hulls.map_err(|e| of_file(&beside, e.to_string()))?;
+    let compound = Compound::new(hulls).map_err(|e| of_file(&beside, e.to_string()))?;
+    Ok((Geometry::from(compound), None))
+}
+
+/// Returns the body of points and triangles: their hull, or the mesh. A hull needs no triangles.
+pub(crate) fn of_soup(
+    soup: Soup,
+    usage: MeshUse,
+    options: &LoadOptions,
+) -> Result<(Geometry, Option<HullFit>), FileErrorKind> {
+    let Soup { points, triangles } = soup;
+    let mesh = || Mesh::new(&points, &triangles).map_err(|e| FileErrorKind::Geometry(e.to_string()));
+    if usage == MeshUse::Mesh {
+        return Ok((Geometry::from(mesh()?), None));
+    }
+    let hull = hull(&points)?;
+    let mesh = options.measure_hulls.then(mesh).and_then(Result::ok);
+    let fit = mesh.map(|mesh| mesh.hull_fit(&hull));
+    Ok((Geometry::from(hull), fit))
 }
 
 /// Returns an upper bound of the distance from the origin of a body's frame to its farthest point.

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny_formats::{MeshFile, MeshObject};
+use lin_canny::nalgebra::{Matrix3, Point3, Vector3};
+use lin_canny_formats::MeshFile;
 
 use crate::error::FileErrorKind;
 
@@ -13,46 +13,64 @@ pub(crate) struct Soup {
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
-impl Soup {
-    fn new(object: MeshObject, scale: &Vector3<f64>) -> Self {
-        let scaled = |p: [f64; 3]| Point3::from(Vector3::from(p).component_mul(scale));
-        let mut triangles = object.triangles;
-        // A mirror turns the mesh inside out.
-        if scale.x * scale.y * scale.z < 0.0 {
-            triangles.iter_mut().for_each(|t| t.swap(1, 2));
+/// How the points of a mesh are moved: by `before`, and then by a linear map.
+pub(crate) struct MeshPlacing {
+    before: Vector3<f64>,
+    linear: Matrix3<f64>,
+}
+
+impl MeshPlacing {
+    /// Returns an error if a factor of the scale is zero.
+    pub(crate) fn scaled(scale: [f64; 3]) -> Result<Self, FileErrorKind> {
+        Self::new(Vector3::zeros(), Matrix3::identity(), scale)
+    }
+
+    /// Returns the placing that moves, then turns, then scales.
+    pub(crate) fn new(before: Vector3<f64>, turn: Matrix3<f64>, scale: [f64; 3]) -> Result<Self, FileErrorKind> {
+        if let Some(&value) = scale.iter().find(|s| **s == 0.0) {
+            let field = "scale".into();
+            return Err(FileErrorKind::Range { field, value });
         }
-        Self {
-            points: object.points.into_iter().map(scaled).collect(),
-            triangles,
-        }
+        let linear = Matrix3::from_diagonal(&Vector3::from(scale)) * turn;
+        Ok(Self { before, linear })
     }
 }
 
-/// Returns the scaled objects of a file.
-pub(crate) fn objects(file: &Path, scale: &Vector3<f64>) -> Result<Vec<Soup>, FileErrorKind> {
+impl Soup {
+    /// Returns the moved mesh, or an error if a point is then not finite.
+    pub(crate) fn new(
+        points: &[[f64; 3]],
+        mut triangles: Vec<[u32; 3]>,
+        placing: &MeshPlacing,
+    ) -> Result<Self, FileErrorKind> {
+        let placed = |p: &[f64; 3]| Point3::from(placing.linear * (Vector3::from(*p) + placing.before));
+        let points: Vec<Point3<f64>> = points.iter().map(placed).collect();
+        if !points.iter().all(|p| p.iter().all(|x| x.is_finite())) {
+            return Err(FileErrorKind::Geometry("a scaled point is not finite".into()));
+        }
+        // A mirror turns the mesh inside out.
+        if placing.linear.determinant() < 0.0 {
+            triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        Ok(Self { points, triangles })
+    }
+}
+
+/// Returns the placed objects of a file.
+pub(crate) fn objects(file: &Path, placing: &MeshPlacing) -> Result<Vec<Soup>, FileErrorKind> {
+    let named = |e: FileErrorKind| FileErrorKind::Geometry(format!("mesh {}: {e}", file.display()));
     let mesh = MeshFile::load(file)?;
-    let soups: Vec<Soup> = mesh
+    let soups = mesh
         .objects
         .into_iter()
-        .map(|object| Soup::new(object, scale))
-        .collect();
-    match soups
-        .iter()
-        .flat_map(|soup| &soup.points)
-        .find(|p| !p.iter().all(|x| x.is_finite()))
-    {
-        Some(_) => Err(FileErrorKind::Geometry(format!(
-            "mesh {}: a scaled point is not finite",
-            file.display()
-        ))),
-        None => Ok(soups),
-    }
+        .map(|object| Soup::new(&object.points, object.triangles, placing));
+    soups.collect::<Result<_, _>>().map_err(named)
 }
 
 /// Returns all objects of a file as one mesh.
-pub(crate) fn whole(file: &Path, scale: &Vector3<f64>) -> Result<Soup, FileErrorKind> {
+pub(crate) fn whole(file: &Path, placing: &MeshPlacing) -> Result<Soup, FileErrorKind> {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
-    for soup in objects(file, scale)? {
+    for soup in objects(file, placing)? {
         let first = points.len() as u32;
         points.extend(soup.points);
         triangles.extend(soup.triangles.iter().map(|t| t.map(|k| k + first)));

@@ -81,6 +81,17 @@ pub struct LinkBody {
     pub hull_fit: Option<HullFit>,
 }
 
+impl LinkBody {
+    pub(crate) fn new(origin: Isometry3<f64>, geometry: Geometry) -> Self {
+        Self {
+            origin,
+            geometry,
+            mesh: None,
+            hull_fit: None,
+        }
+    }
+}
+
 /// A link: a name and bodies.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -161,7 +172,7 @@ impl Robot {
         let xml = Xml::parse(path.as_ref(), text)?;
         match xml.root().tag_name().name() {
             "robot" => urdf::read(&xml, packages, options),
-            "mujoco" => mjcf::read(&xml, packages, options),
+            "mujoco" => mjcf::read(&xml, options),
             "sdf" => sdformat::read(&xml, packages, options),
             _ => Err(xml.unknown_root("robot, mujoco or sdf")),
         }

@@ -9,6 +9,7 @@ use roxmltree::Node;
 use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::geometry::{self, Solid};
 use crate::link_tree::{FileJoint, Follows, LinkTree};
+use crate::mesh_file::MeshPlacing;
 use crate::names::nearest;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
@@ -277,7 +278,8 @@ impl<'a> Reader<'a> {
                 let scale = xml.numbers(&shape, "scale")?.unwrap_or([1.0; 3]);
                 let file = self.packages.find(name, self.folder).map_err(wrong)?;
                 let usage = self.options.mesh_of(link);
-                let body = geometry::of_mesh(&file, &Vector3::from(scale), usage, self.options);
+                let placing = MeshPlacing::scaled(scale).map_err(wrong)?;
+                let body = geometry::of_mesh(&file, &placing, usage, self.options);
                 let (geometry, hull_fit) = body.map_err(wrong)?;
                 return Ok(LinkBody {
                     origin,
@@ -287,11 +289,6 @@ impl<'a> Reader<'a> {
                 });
             }
         };
-        Ok(LinkBody {
-            origin,
-            geometry: solid.geometry().map_err(wrong)?,
-            mesh: None,
-            hull_fit: None,
-        })
+        Ok(LinkBody::new(origin, solid.geometry().map_err(wrong)?))
     }
 }

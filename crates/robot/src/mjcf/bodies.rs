@@ -1,0 +1,538 @@
+//! Bodies, frames, copies and joints.
+
+use std::collections::{HashMap, HashSet};
+
+use lin_canny::nalgebra::{Isometry3, Translation3, Unit, Vector3};
+
+use super::element::Element;
+use super::geom::{Assets, Source, placed};
+use super::settings::{Classes, Settings, check, euler};
+use crate::error::{FileError, FileErrorKind, Place, Skipped};
+use crate::link_tree::{FileJoint, Follows};
+use crate::robot::{MotionKind, RobotLink};
+use crate::turn::{about, direction};
+
+/// Attributes of a frame; a body has more of them.
+const FRAME: [&str; 8] = [
+    "name",
+    "childclass",
+    "pos",
+    "quat",
+    "axisangle",
+    "xyaxes",
+    "zaxis",
+    "euler",
+];
+const BODY: [&str; 14] = [
+    "name",
+    "childclass",
+    "pos",
+    "quat",
+    "axisangle",
+    "xyaxes",
+    "zaxis",
+    "euler",
+    "mocap",
+    "gravcomp",
+    "sleep",
+    "simple",
+    "fuse",
+    "user",
+];
+
+/// Elements below a body that hold neither geometry for collisions nor kinematics.
+const PASSED: [&str; 4] = ["inertial", "site", "camera", "light"];
+
+/// Elements below a body that are read, or are an error that names them.
+const READ: [&str; 10] = [
+    "body",
+    "frame",
+    "replicate",
+    "geom",
+    "joint",
+    "freejoint",
+    "attach",
+    "composite",
+    "flexcomp",
+    "plugin",
+];
+
+/// Maximum number of elements with those of all copies.
+const MOST_ELEMENTS: usize = 200_000;
+
+/// A geom that collides.
+pub(super) struct Geom {
+    pub(super) name: Option<String>,
+    /// The link of the body, and the index of the geom among the bodies of the link.
+    pub(super) link: usize,
+    pub(super) body: usize,
+    /// The bits `contype` and `conaffinity`.
+    pub(super) kind: i32,
+    pub(super) with: i32,
+}
+
+/// The tree of bodies. Each body is a link; a body with several joints has links between them.
+pub(super) struct Model<'e> {
+    pub(super) links: Vec<RobotLink>,
+    pub(super) joints: Vec<FileJoint>,
+    pub(super) geoms: Vec<Geom>,
+    /// The link of each body.
+    pub(super) bodies: HashMap<String, usize>,
+    /// For each link, the group of links that no joint moves relative to each other. The world is
+    /// in group 0.
+    pub(super) groups: Vec<usize>,
+    /// For each group, the group that it moves relative to.
+    pub(super) groups_above: Vec<Option<usize>>,
+    pub(super) skipped: Vec<Skipped>,
+    classes: &'e Classes,
+    source: &'e Source<'e>,
+    assets: Assets<'e>,
+    /// Geoms that explicit pairs name.
+    paired: HashSet<&'e str>,
+    /// Names of joints and geoms, with the kind.
+    names: HashSet<(&'static str, String)>,
+    body_count: usize,
+    joint_count: usize,
+    element_count: usize,
+}
+
+/// Where an element stands.
+#[derive(Clone, Copy)]
+struct Scope<'s> {
+    /// The link of the body around the element.
+    link: usize,
+    /// The pose of the frame around the element, in the frame of the body.
+    frame: Isometry3<f64>,
+    /// The class of elements that name none.
+    class: &'s str,
+    /// What copies append to names.
+    suffix: &'s str,
+}
+
+impl<'e> Model<'e> {
+    pub(super) fn new(
+        classes: &'e Classes,
+        source: &'e Source<'e>,
+        assets: Assets<'e>,
+        paired: HashSet<&'e str>,
+    ) -> Self {
+        let world = RobotLink {
+            name: "world".into(),
+            bodies: Vec::new(),
+        };
+        Self {
+            links: vec![world],
+            joints: Vec::new(),
+            geoms: Vec::new(),
+            bodies: HashMap::from([("world".into(), 0)]),
+            groups: vec![0],
+            groups_above: vec![None],
+            skipped: Vec::new(),
+            classes,
+            source,
+            assets,
+            paired,
+            names: HashSet::new(),
+            body_count: 0,
+            joint_count: 0,
+            element_count: 0,
+        }
+    }
+
+    /// Adds all below a section `worldbody`.
+    pub(super) fn world(&mut self, section: &'e Element) -> Result<(), FileError> {
+        let scope = Scope {
+            link: 0,
+            frame: Isometry3::identity(),
+            class: "main",
+            suffix: "",
+        };
+        self.below(section, scope)
+    }
+
+    fn below(&mut self, parent: &'e Element, scope: Scope) -> Result<(), FileError> {
+        for element in parent.below(&READ, &PASSED)? {
+            self.element_count += 1;
+            if self.element_count > MOST_ELEMENTS {
+                let why = format!("copies make too many elements (expected at most {MOST_ELEMENTS})");
+                return Err(element.error(FileErrorKind::Malformed(why)));
+            }
+            match element.name.as_str() {
+                "body" => self.body(element, scope)?,
+                "frame" => {
+                    element.check_attributes(&FRAME)?;
+                    let settings = Settings::own(element);
+                    let pose = settings.pose(self.source.compiler)?;
+                    let scope = Scope {
+                        frame: placed(&element.place, &scope.frame, &pose)?,
+                        class: self.classes.below(element, scope.class)?,
+                        ..scope
+                    };
+                    self.below(element, scope)?;
+                }
+                "replicate" => self.copies(element, scope)?,
+                "geom" => self.geom(element, scope)?,
+                // The joints of a body are read with the body.
+                "joint" | "freejoint" if scope.link > 0 => {}
+                "joint" | "freejoint" => {
+                    let why = "joint of the world (expected a body around it)";
+                    return Err(element.error(FileErrorKind::Malformed(why.into())));
+                }
+                name => return Err(element.unsupported(format!("the element {name}"))),
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the copies of an element `replicate`: each is moved relative to the one before.
+    fn copies(&mut self, element: &'e Element, scope: Scope) -> Result<(), FileError> {
+        element.check_attributes(&["count", "sep", "offset", "euler"])?;
+        let text = element.needed("count")?;
+        let why = || format!("invalid count: {text:?} (expected a whole number from 1)");
+        let count: usize = (text.trim().parse().ok().filter(|n| *n > 0))
+            .ok_or_else(|| element.error(FileErrorKind::Malformed(why())))?;
+        let offset = Vector3::from(element.numbers::<3>("offset")?.unwrap_or_default());
+        let angles = element.numbers::<3>("euler")?.unwrap_or_default();
+        let step = Isometry3::from_parts(Translation3::from(offset), euler(angles, self.source.compiler));
+        let separator = element.get("sep").unwrap_or_default();
+        let digits = (count - 1).to_string().len();
+        let mut frame = scope.frame;
+        for k in 0..count {
+            let suffix = format!("{separator}{k:0digits$}{}", scope.suffix);
+            let scope = Scope {
+                frame,
+                suffix: &suffix,
+                ..scope
+            };
+            self.below(element, scope)?;
+            self.element_count += 1;
+            if self.element_count > MOST_ELEMENTS {
+                let why = format!("copies make too many elements (expected at most {MOST_ELEMENTS})");
+                return Err(element.error(FileErrorKind::Malformed(why)));
+            }
+            frame = placed(&element.place, &frame, &step)?;
+        }
+        Ok(())
+    }
+
+    fn body(&mut self, element: &'e Element, scope: Scope) -> Result<(), FileError> {
+        element.check_attributes(&BODY)?;
+        self.body_count += 1;
+        let name = match element.get("name") {
+            Some(name) => format!("{name}{}", scope.suffix),
+            None => format!("body{}", self.body_count),
+        };
+        let settings = Settings::own(element);
+        let pose = placed(&element.place, &scope.frame, &settings.pose(self.source.compiler)?)?;
+        let class = self.classes.below(element, scope.class)?;
+        let mut joints = Vec::new();
+        self.joints_of(
+            element,
+            Scope {
+                class,
+                frame: Isometry3::identity(),
+                ..scope
+            },
+            &mut joints,
+        )?;
+        let link = self.add_joints(element, &name, scope.link, &pose, joints)?;
+        if self.bodies.insert(name, link).is_some() {
+            return Err(element.error(FileErrorKind::Repeated));
+        }
+        let scope = Scope {
+            link,
+            frame: Isometry3::identity(),
+            class,
+            suffix: scope.suffix,
+        };
+        self.below(element, scope)
+    }
+
+    /// Collects the joints of a body, with those in its frames and copies.
+    fn joints_of(&mut self, parent: &'e Element, scope: Scope, joints: &mut Vec<BodyJoint>) -> Result<(), FileError> {
+        for element in &parent.children {
+            match element.name.as_str() {
+                "joint" | "freejoint" => {
+                    let joint = self.joint(element, scope)?;
+                    joints.push(joint);
+                }
+                "frame" => {
+                    let pose = Settings::own(element).pose(self.source.compiler)?;
+                    let scope = Scope {
+                        frame: placed(&element.place, &scope.frame, &pose)?,
+                        class: self.classes.below(element, scope.class)?,
+                        ..scope
+                    };
+                    self.joints_of(element, scope, joints)?;
+                }
+                "replicate" => {
+                    let has_joint = element.children.iter().find(|child| child.name.ends_with("joint"));
+                    if let Some(joint) = has_joint {
+                        return Err(joint.unsupported("a copied joint of one body"));
+                    }
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn joint(&mut self, element: &'e Element, scope: Scope) -> Result<BodyJoint, FileError> {
+        self.joint_count += 1;
+        let name = match element.get("name") {
+            Some(name) => format!("{name}{}", scope.suffix),
+            None => format!("joint{}", self.joint_count - 1),
+        };
+        if !self.names.insert(("joint", name.clone())) {
+            return Err(element.error(FileErrorKind::Repeated));
+        }
+        let is_free = element.name == "freejoint";
+        let settings = if is_free {
+            element.check_attributes(&["name", "group", "align"])?;
+            Settings::own(element)
+        } else {
+            check(element)?;
+            self.classes.of(element, "joint", scope.class)?
+        };
+        let wrong = |reason| element.error(reason);
+        let kind = match settings.get("type").unwrap_or("hinge") {
+            _ if is_free => MotionKind::Floating,
+            "hinge" => MotionKind::Revolute,
+            "slide" => MotionKind::Prismatic,
+            "free" => MotionKind::Floating,
+            kind => return Err(element.unsupported(format!("a joint of type {kind:?}"))),
+        };
+        let unit = match kind {
+            MotionKind::Revolute => self.source.compiler.angle,
+            _ => 1.0,
+        };
+        let axis = settings.numbers("axis")?.unwrap_or([0.0, 0.0, 1.0]);
+        let axis = direction(axis).ok_or_else(|| {
+            let field = "length of the axis".into();
+            wrong(FileErrorKind::Range { field, value: 0.0 })
+        })?;
+        let place = Vector3::from(settings.numbers::<3>("pos")?.unwrap_or_default());
+        let anchor = scope.frame * lin_canny::nalgebra::Point3::from(place);
+        let reference = settings.numbers("ref")?.map_or(0.0, |[x]| x) * unit;
+        let range = settings.numbers::<2>("range")?;
+        let is_limited = match settings.get("limited").unwrap_or("auto") {
+            "true" => true,
+            "false" => false,
+            "auto" => range.is_some() && self.source.compiler.has_automatic_limits,
+            other => return Err(element.unknown_value("limited", other, "true, false or auto")),
+        };
+        let limits = match range.filter(|_| is_limited) {
+            Some([lower, upper]) if lower > upper => return Err(wrong(FileErrorKind::Limits { lower, upper })),
+            Some(range) => range.map(|x| x * unit),
+            None if is_limited => return Err(wrong(FileErrorKind::Missing("attribute range".into()))),
+            None => [f64::NEG_INFINITY, f64::INFINITY],
+        };
+        Ok(BodyJoint {
+            place: element.place.clone(),
+            name,
+            kind,
+            axis: scope.frame.rotation * axis,
+            anchor: anchor.coords,
+            limits: if kind == MotionKind::Floating {
+                [f64::NEG_INFINITY, f64::INFINITY]
+            } else {
+                limits
+            },
+            reference: if kind == MotionKind::Floating { 0.0 } else { reference },
+        })
+    }
+
+    /// Adds the link of a body below its joints, and returns it.
+    fn add_joints(
+        &mut self,
+        body: &Element,
+        name: &str,
+        parent: usize,
+        pose: &Isometry3<f64>,
+        joints: Vec<BodyJoint>,
+    ) -> Result<usize, FileError> {
+        let group = match joints.first() {
+            None => self.groups[parent],
+            Some(_) => {
+                self.groups_above.push(Some(self.groups[parent]));
+                self.groups_above.len() - 1
+            }
+        };
+        let is_free = |joint: &BodyJoint| joint.kind == MotionKind::Floating;
+        if let Some(joint) = joints.iter().find(|joint| is_free(joint)) {
+            let why = "free joint of a body below another body, or beside another joint (expected it alone)";
+            if joints.len() > 1 || parent > 0 {
+                return Err(joint.place.error(FileErrorKind::Malformed(why.into())));
+            }
+        }
+        let mut before = parent;
+        let mut origin = *pose;
+        let add = |model: &mut Self, link: String, joint: FileJoint| {
+            model.links.push(RobotLink {
+                name: link,
+                bodies: Vec::new(),
+            });
+            model.groups.push(group);
+            model.joints.push(joint);
+        };
+        let count = joints.len();
+        for (k, joint) in joints.into_iter().enumerate() {
+            let child = self.links.len();
+            let at = Translation3::from(joint.anchor);
+            let is_last = k + 1 == count && joint.anchor == Vector3::zeros();
+            let link = if is_last {
+                name.to_owned()
+            } else {
+                format!("{name}:{}", joint.name)
+            };
+            let is_free = is_free(&joint);
+            let joint = FileJoint {
+                place: joint.place,
+                name: joint.name,
+                kind: joint.kind,
+                parent: before,
+                child,
+                origin: if is_free { Isometry3::identity() } else { origin * at },
+                axis: joint.axis,
+                limits: joint.limits,
+                reference: joint.reference,
+                follows: None,
+            };
+            add(self, link, joint);
+            if is_last {
+                return Ok(child);
+            }
+            origin = Isometry3::from_parts(at.inverse(), lin_canny::nalgebra::UnitQuaternion::identity());
+            before = child;
+        }
+        let child = self.links.len();
+        let weld = FileJoint {
+            place: body.place.clone(),
+            name: format!("{name}:weld"),
+            kind: MotionKind::Fixed,
+            parent: before,
+            child,
+            origin,
+            axis: Vector3::z_axis(),
+            limits: [f64::NEG_INFINITY, f64::INFINITY],
+            reference: 0.0,
+            follows: None,
+        };
+        add(self, name.to_owned(), weld);
+        Ok(child)
+    }
+
+    fn geom(&mut self, element: &'e Element, scope: Scope) -> Result<(), FileError> {
+        check(element)?;
+        if let Some(plugin) = element.children.first() {
+            return Err(plugin.unsupported("a geom of a plugin"));
+        }
+        let settings = self.classes.of(element, "geom", scope.class)?;
+        let name = element.get("name").map(|name| format!("{name}{}", scope.suffix));
+        if name
+            .as_ref()
+            .is_some_and(|name| !self.names.insert(("geom", name.clone())))
+        {
+            return Err(element.error(FileErrorKind::Repeated));
+        }
+        let kind = settings.whole_number("contype", 1)?;
+        let with = settings.whole_number("conaffinity", 1)?;
+        let is_paired = name.as_ref().is_some_and(|name| self.paired.contains(name.as_str()));
+        if kind == 0 && with == 0 && !is_paired {
+            return Ok(());
+        }
+        let link = &mut self.links[scope.link];
+        let body = self.assets.geom(&settings, &link.name, self.source);
+        let mut body = match body {
+            Ok(body) => body,
+            Err(error) => match error.reason {
+                FileErrorKind::MissingMesh(_) if self.source.options.skip_missing_meshes => {
+                    self.skipped.push(error.into());
+                    return Ok(());
+                }
+                _ => return Err(error),
+            },
+        };
+        body.origin = placed(&element.place, &scope.frame, &body.origin)?;
+        self.geoms.push(Geom {
+            name,
+            link: scope.link,
+            body: link.bodies.len(),
+            kind,
+            with,
+        });
+        link.bodies.push(body);
+        Ok(())
+    }
+
+    /// Lets a joint follow another one, or holds it, as an element `equality/joint` says.
+    pub(super) fn equality(&mut self, element: &'e Element) -> Result<(), FileError> {
+        let known = [
+            "name", "class", "active", "solref", "solimp", "joint1", "joint2", "polycoef",
+        ];
+        element.check_attributes(&known)?;
+        let settings = self.classes.of(element, "equality", "main")?;
+        match settings.get("active").unwrap_or("true") {
+            "true" => {}
+            "false" => return Ok(()),
+            other => return Err(element.unknown_value("active", other, "true or false")),
+        }
+        let find = |name: &str| {
+            let known = self.joints.iter().position(|joint| joint.name == name);
+            known.ok_or_else(|| {
+                let names = self.joints.iter().map(|joint| joint.name.as_str());
+                element.error(FileErrorKind::Unknown {
+                    kind: "joint",
+                    name: name.into(),
+                    near: crate::names::nearest(name, names),
+                })
+            })
+        };
+        let follower = find(element.needed("joint1")?)?;
+        let leader = element.get("joint2").map(find).transpose()?;
+        let mut factors = settings.up_to("polycoef", 5)?;
+        if factors.is_empty() {
+            factors = vec![0.0, 1.0];
+        }
+        factors.resize(5, 0.0);
+        let has_value = |k: usize| matches!(self.joints[k].kind, MotionKind::Revolute | MotionKind::Prismatic);
+        if !has_value(follower) || leader.is_some_and(|k| !has_value(k)) || self.joints[follower].follows.is_some() {
+            return Err(element.unsupported("equality of a joint that is free, held or follows another one"));
+        }
+        match leader {
+            Some(_) if factors[2..].iter().any(|x| *x != 0.0) => {
+                Err(element.unsupported("polycoef of a degree above 1"))
+            }
+            Some(leader) => {
+                let (joint, reference) = (self.joints[leader].name.clone(), self.joints[leader].reference);
+                let follower = &mut self.joints[follower];
+                follower.follows = Some(Follows {
+                    joint,
+                    factor: factors[1],
+                    offset: factors[0] + follower.reference - factors[1] * reference,
+                });
+                Ok(())
+            }
+            None => {
+                let joint = &mut self.joints[follower];
+                joint.origin *= match joint.kind {
+                    MotionKind::Prismatic => Isometry3::from(Translation3::from(joint.axis.into_inner() * factors[0])),
+                    _ => Isometry3::from_parts(Translation3::identity(), about(&joint.axis, factors[0])),
+                };
+                joint.kind = MotionKind::Fixed;
+                Ok(())
+            }
+        }
+    }
+}
+
+/// A joint of a body, in the frame of the body.
+struct BodyJoint {
+    place: Place,
+    name: String,
+    kind: MotionKind,
+    axis: Unit<Vector3<f64>>,
+    anchor: Vector3<f64>,
+    limits: [f64; 2],
+    reference: f64,
+}

@@ -1,0 +1,111 @@
+//! Converts an MJCF file, MuJoCo's XML, to a robot.
+//!
+//! The root link is the world, and every body is a link. The rules are those of MuJoCo's chapter
+//! "XML reference" (mujoco.readthedocs.io).
+
+mod bodies;
+mod element;
+mod geom;
+mod pairs;
+mod settings;
+
+use std::path::Path;
+
+use bodies::Model;
+use element::Element;
+use geom::{Assets, Source};
+use pairs::Contacts;
+use settings::{Classes, Compiler};
+
+use crate::error::{FileError, FileErrorKind, Skipped};
+use crate::link_tree::LinkTree;
+use crate::options::LoadOptions;
+use crate::robot::Robot;
+use crate::xml::Xml;
+
+/// Sections that are read.
+const READ: [&str; 8] = [
+    "compiler",
+    "option",
+    "default",
+    "asset",
+    "worldbody",
+    "contact",
+    "equality",
+    "deformable",
+];
+
+/// Sections that hold neither geometry for collisions nor kinematics.
+const PASSED: [&str; 9] = [
+    "size",
+    "visual",
+    "statistic",
+    "custom",
+    "tendon",
+    "actuator",
+    "sensor",
+    "keyframe",
+    "extension",
+];
+
+pub(crate) fn read(xml: &Xml, options: &LoadOptions) -> Result<Robot, FileError> {
+    let (root, skipped) = Element::root(xml)?;
+    let all: Vec<&Element> = root.below(&READ, &PASSED)?.collect();
+    let sections = |name: &str| -> Vec<&Element> { all.iter().copied().filter(|s| s.name == name).collect() };
+    let compiler = Compiler::new(&sections("compiler"))?;
+    let classes = Classes::new(&sections("default"))?;
+    let assets = Assets::new(&sections("asset"), &classes)?;
+    let contacts = Contacts::new(&sections("contact"))?;
+    for section in sections("deformable") {
+        if let Some(flex) = section.below(&["flex"], &["skin"])?.next() {
+            return Err(flex.unsupported("a flexible body"));
+        }
+    }
+    let source = Source {
+        compiler: &compiler,
+        options,
+        folder: xml.file.parent().unwrap_or(Path::new("")),
+    };
+    let mut model = Model::new(&classes, &source, assets, contacts.geoms()?);
+    for section in sections("worldbody") {
+        model.world(section)?;
+    }
+    let known = ["joint", "connect", "weld", "tendon", "flex", "flexvert", "flexstrain"];
+    for section in sections("equality") {
+        for element in section.below(&known, &[])? {
+            if element.name == "joint" {
+                model.equality(element)?;
+            } else {
+                let what = format!("the equality {}", element.name);
+                model.skipped.push(Skipped::from(element.unsupported(what)));
+            }
+        }
+    }
+    let names: Vec<&str> = model.links.iter().map(|link| link.name.as_str()).collect();
+    let mut different = std::collections::HashSet::new();
+    if let Some(name) = names.iter().find(|name| !different.insert(**name)) {
+        let why = format!("two bodies or joints have the name {name:?} (expected different names)");
+        return Err(root.error(FileErrorKind::Malformed(why)));
+    }
+    let tree = LinkTree::new(&names, &model.joints, options, &root.place)?;
+    let (links, joints) = (model.links.clone(), std::mem::take(&mut model.joints));
+    let mut robot = tree.robot(root.get("model").unwrap_or("MuJoCo Model"), links, joints);
+    robot.skipped = skipped;
+    robot.skipped.append(&mut model.skipped);
+    pairs::set(&mut robot, &model, &contacts, has_adjacent(&sections("option"))?)?;
+    Ok(robot)
+}
+
+/// Returns whether pairs of adjacent bodies are not checked: the flag `filterparent`.
+fn has_adjacent(sections: &[&Element]) -> Result<bool, FileError> {
+    let mut has = true;
+    for flags in sections.iter().flat_map(|s| &s.children).filter(|e| e.name == "flag") {
+        match flags.get("filterparent") {
+            None => {}
+            Some("enable") => has = true,
+            Some("disable") => has = false,
+            Some(other) => return Err(flags.unknown_value("filterparent", other, "enable or disable")),
+        }
+    }
+    Ok(has)
+}

@@ -1,0 +1,150 @@
+//! Which pairs of geoms MuJoCo checks: bits, excluded bodies, explicit pairs, adjacent bodies.
+
+use std::collections::{HashMap, HashSet};
+
+use super::bodies::Model;
+use super::element::Element;
+use super::settings::check;
+use crate::error::{FileError, FileErrorKind, Skipped};
+use crate::names::nearest;
+use crate::robot::Robot;
+
+/// The sections `contact`.
+#[derive(Default)]
+pub(super) struct Contacts<'e> {
+    pub(super) excludes: Vec<&'e Element>,
+    pub(super) pairs: Vec<&'e Element>,
+}
+
+impl<'e> Contacts<'e> {
+    pub(super) fn new(sections: &[&'e Element]) -> Result<Self, FileError> {
+        let mut contacts = Self::default();
+        for section in sections {
+            for element in section.below(&["pair", "exclude"], &[])? {
+                if element.name == "pair" {
+                    check(element)?;
+                    contacts.pairs.push(element);
+                } else {
+                    element.check_attributes(&["name", "body1", "body2"])?;
+                    contacts.excludes.push(element);
+                }
+            }
+        }
+        Ok(contacts)
+    }
+
+    /// Returns the names of the geoms of pairs, which are checked even if their bits are zero.
+    pub(super) fn geoms(&self) -> Result<HashSet<&'e str>, FileError> {
+        let names = self
+            .pairs
+            .iter()
+            .flat_map(|pair| ["geom1", "geom2"].map(|end| pair.needed(end)));
+        names.collect()
+    }
+}
+
+/// Sets the adjacent and the excluded pairs of a robot.
+pub(super) fn set(robot: &mut Robot, model: &Model, contacts: &Contacts, adjacent: bool) -> Result<(), FileError> {
+    let links: HashMap<&str, usize> = robot
+        .links
+        .iter()
+        .enumerate()
+        .map(|(k, l)| (l.name.as_str(), k))
+        .collect();
+    // The index of the first body of each link, and for each body of the robot its geom.
+    let mut first = Vec::new();
+    let mut count = 0;
+    for link in &robot.links {
+        first.push(count);
+        count += link.bodies.len();
+    }
+    let mut geom_of = vec![0; count];
+    let mut body_of = HashMap::new();
+    for (k, geom) in model.geoms.iter().enumerate() {
+        let body = first[links[model.links[geom.link].name.as_str()]] + geom.body;
+        geom_of[body] = k;
+        if let Some(name) = &geom.name {
+            body_of.insert(name.as_str(), body);
+        }
+    }
+    let mut checked = HashSet::new();
+    for pair in &contacts.pairs {
+        let end = |field: &str| {
+            let name = pair.needed(field)?;
+            body_of.get(name).copied().ok_or_else(|| {
+                pair.error(FileErrorKind::Unknown {
+                    kind: "geom",
+                    name: name.into(),
+                    near: nearest(name, body_of.keys().copied()),
+                })
+            })
+        };
+        let [a, b] = [end("geom1")?, end("geom2")?];
+        let is_rigid = [a, b].map(|body| model.groups[model.geoms[geom_of[body]].link]);
+        if is_rigid[0] == is_rigid[1] {
+            let what = "a pair of geoms that never move relative to each other".into();
+            robot
+                .skipped
+                .push(Skipped::from(pair.error(FileErrorKind::Unsupported(what))));
+        }
+        checked.insert([a.min(b), a.max(b)]);
+    }
+    let mut apart = HashSet::new();
+    for exclude in &contacts.excludes {
+        let end = |field: &str| {
+            let name = exclude.needed(field)?;
+            let link = model.bodies.get(name).copied();
+            link.ok_or_else(|| {
+                exclude.error(FileErrorKind::Unknown {
+                    kind: "body",
+                    name: name.into(),
+                    near: nearest(name, model.bodies.keys().map(String::as_str)),
+                })
+            })
+        };
+        let [a, b] = [end("body1")?, end("body2")?];
+        apart.insert([a.min(b), a.max(b)]);
+    }
+    let above = |group: usize| model.groups_above[group];
+    for a in 0..count {
+        for b in a + 1..count {
+            let [one, other] = [a, b].map(|body| &model.geoms[geom_of[body]]);
+            let [p, q] = [one, other].map(|geom| model.groups[geom.link]);
+            if checked.contains(&[a, b]) || p == q {
+                continue;
+            }
+            let do_meet = one.kind & other.with != 0 || other.kind & one.with != 0;
+            let bodies = [one.link.min(other.link), one.link.max(other.link)];
+            if !do_meet || apart.contains(&bodies) {
+                robot.excluded.push([a, b]);
+            }
+            let is_adjacent = adjacent && (above(p) == Some(q) && q != 0 || above(q) == Some(p) && p != 0);
+            if is_adjacent {
+                let links = [one, other].map(|geom| links[model.links[geom.link].name.as_str()]);
+                robot.adjacent.push([links[0].min(links[1]), links[0].max(links[1])]);
+            }
+        }
+    }
+    robot.adjacent.sort_unstable();
+    robot.adjacent.dedup();
+    // An explicit pair of adjacent links is checked, and the other pairs of these links are not.
+    let link_of = |body: usize| links[model.links[model.geoms[geom_of[body]].link].name.as_str()];
+    for &[a, b] in &checked {
+        let pair = [link_of(a).min(link_of(b)), link_of(a).max(link_of(b))];
+        let Ok(at) = robot.adjacent.binary_search(&pair) else {
+            continue;
+        };
+        robot.adjacent.remove(at);
+        for a in first[pair[0]]..first[pair[0]] + robot.links[pair[0]].bodies.len() {
+            for b in first[pair[1]]..first[pair[1]] + robot.links[pair[1]].bodies.len() {
+                let bodies = [a.min(b), a.max(b)];
+                if !checked.contains(&bodies) {
+                    robot.excluded.push(bodies);
+                }
+            }
+        }
+    }
+    robot.excluded.sort_unstable();
+    robot.excluded.dedup();
+    Ok(())
+}
