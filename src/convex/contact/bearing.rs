@@ -131,9 +131,11 @@ pub(crate) enum Facet<'a> {
     /// The face or edge of a polyhedron that carries the contact, found as for two polyhedra.
     Body(&'a ConvexPolyhedron),
     Round(RoundFace),
-    /// A generator of a curved side: both ends, the features that contain them, and the side.
+    /// A generator of a curved side: both ends, the radii of the shape there, the features that
+    /// contain them, and the side.
     Straight {
         ends: [Vector3<f64>; 2],
+        radii: [f64; 2],
         names: [Feature; 2],
         side: Feature,
     },
@@ -171,6 +173,8 @@ pub(super) struct ProjectedFacet {
     names: [Feature; LARGE],
     edges: [Feature; LARGE],
     pub(super) circle: Option<Circle>,
+    /// Radii of the shape at the ends of a segment; zero for the edge of a polyhedron.
+    radii: [f64; 2],
     /// Height over the witness, and the descent along both axes.
     level: f64,
     fall: [f64; 2],
@@ -185,6 +189,7 @@ impl ProjectedFacet {
             names: [feature; LARGE],
             edges: [feature; LARGE],
             circle: None,
+            radii: [0.0; 2],
             level: 0.0,
             fall: [0.0; 2],
         }
@@ -204,9 +209,15 @@ impl ProjectedFacet {
         match facet {
             Facet::Body(body) => Self::of_body(body, axes, closest, options, previous, side),
             Facet::Round(face) => Self::of_round(face, axes),
-            Facet::Straight { ends, names, side } => {
+            Facet::Straight {
+                ends,
+                radii,
+                names,
+                side,
+            } => {
                 let mut patch = Self::empty(*side);
                 patch.count = 2;
+                patch.radii = *radii;
                 for k in 0..2 {
                     (patch.points[k], patch.names[k]) = (axes.to_local(&ends[k]), names[k]);
                 }
@@ -323,6 +334,12 @@ impl ProjectedFacet {
         let u = [q[0] - p[0], q[1] - p[1]];
         let t = ((at[0] - p[0]) * u[0] + (at[1] - p[1]) * u[1]) / (u[0] * u[0] + u[1] * u[1]);
         if t > 0.0 { t.at_most(1.0) } else { 0.0 }
+    }
+
+    /// Returns the radius of the shape at a parameter of a segment.
+    pub(super) fn radius(&self, t: f64) -> f64 {
+        let [from, to] = self.radii;
+        from + t * (to - from)
     }
 
     /// Returns the vector in space from the centre of a circle to the point of its plane over `at`.

@@ -24,9 +24,10 @@ use crate::pair::outcome::{Outcome, Solver};
 /// more. So contacts do not move up to a tilt of 2e-4. Not measured.
 const ROUND: f64 = 1.0 / 65_536.0;
 
-/// Number of Newton steps to a crossing of two rims. Convergence is quadratic, from an error of the
-/// order of the squared sine of the angle between the faces.
-const NEWTON: usize = 3;
+/// Maximum number of Newton steps to a crossing of two rims. Convergence is quadratic, from an error
+/// of the order of the squared sine of the angle between the faces, but slow at rims that nearly
+/// touch along a tangent: these have no crossing in most cases, and need not have one.
+const NEWTON: usize = 8;
 
 /// Returns the contacts of two facets, for the outcome of two cores.
 pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], before: &Manifold) -> Contacts {
@@ -56,8 +57,7 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
     };
     let noise = ACROSS * query.size();
     let mut candidates = Candidates::new(distance, query.options.prediction);
-    let beside = noise * query.least_radius();
-    clip(&patches, noise, query.options.max_face_sine, beside, &mut candidates);
+    clip(&patches, noise, query.options.max_face_sine, &mut candidates);
     let is_round = patches.iter().any(|p| p.circle.is_some());
     let tie = if is_round { ROUND * query.least_radius() } else { noise };
     let deep = outcome.upper + AGREE * query.size() + tie;
@@ -135,10 +135,10 @@ fn contact(candidate: &ContactCandidate, axes: &[Axes; 2], patches: &[ProjectedF
 }
 
 /// Adds the vertices of the overlap of two facets.
-fn clip(patches: &[ProjectedFacet; 2], noise: f64, sine: f64, beside: f64, candidates: &mut Candidates) {
+fn clip(patches: &[ProjectedFacet; 2], noise: f64, sine: f64, candidates: &mut Candidates) {
     let [a, b] = patches;
     if a.is_segment() && b.is_segment() {
-        overlap(patches, sine, beside, candidates);
+        overlap(patches, sine, noise, candidates);
         return;
     }
     for (side, (of, over)) in [(a, b), (b, a)].into_iter().enumerate() {
@@ -181,7 +181,7 @@ fn clip(patches: &[ProjectedFacet; 2], noise: f64, sine: f64, beside: f64, candi
             );
         });
     }
-    cross_rims(a, b, |at, root| {
+    cross_rims(a, b, noise, |at, root| {
         candidates.push(
             at,
             [a.height(at), b.height(at)],
@@ -213,8 +213,9 @@ fn cross_rim(of: &ProjectedFacet, edge: usize, round: &ProjectedFacet, mut take:
 }
 
 /// Calls `take` with the two crossings of the rims of two round faces: of the circles, then by
-/// Newton's method of their projections.
-fn cross_rims(a: &ProjectedFacet, b: &ProjectedFacet, mut take: impl FnMut([f64; 2], usize)) {
+/// Newton's method of their projections. Crossings that are off a rim by more than `noise` are left
+/// out.
+fn cross_rims(a: &ProjectedFacet, b: &ProjectedFacet, noise: f64, mut take: impl FnMut([f64; 2], usize)) {
     let (Some(first), Some(second)) = (&a.circle, &b.circle) else {
         return;
     };
@@ -238,17 +239,21 @@ fn cross_rims(a: &ProjectedFacet, b: &ProjectedFacet, mut take: impl FnMut([f64;
             at[0] += (f * dg[1] - g * df[1]) / area;
             at[1] += (df[0] * g - dg[0] * f) / area;
         }
-        if at.iter().all(|x| x.is_finite()) {
+        // NaN is off both rims.
+        if a.inside_by(at).abs() <= noise && b.inside_by(at).abs() <= noise {
             take(at, root);
         }
     }
 }
 
 /// Adds the ends of the overlap of two nearly parallel segments. For other segments it adds
-/// nothing, because they cross at the witness points. Ends whose squared lateral distance from the
-/// other segment exceeds `beside` are left out: there, the surface around a generator is below the
-/// generator by more than rounding.
-fn overlap([a, b]: &[ProjectedFacet; 2], sine: f64, beside: f64, candidates: &mut Candidates) {
+/// nothing, because they cross at the witness points.
+///
+/// A segment is the highest line of a surface that falls on both sides of it, by `d * d / 2 r` at a
+/// lateral distance `d` if the shape has the radius `r` there. The contact is on the segment with
+/// the smaller radius, and beside the other one. It is left out if it is then below the surface of
+/// that one by more than `noise`.
+fn overlap([a, b]: &[ProjectedFacet; 2], sine: f64, noise: f64, candidates: &mut Candidates) {
     let direction = |patch: &ProjectedFacet| {
         let [p, q] = patch.ends(0);
         [q[0] - p[0], q[1] - p[1]]
@@ -261,18 +266,24 @@ fn overlap([a, b]: &[ProjectedFacet; 2], sine: f64, beside: f64, candidates: &mu
         return;
     }
     for k in 0..2 {
-        for (side, (of, to)) in [(a, b), (b, a)].into_iter().enumerate() {
+        for (side, (of, to, u)) in [(a, b, u), (b, a, v)].into_iter().enumerate() {
             let [x, y, height] = of.points[k];
-            let t = to.along([x, y]);
             let [p, q] = to.ends(0);
-            let off = [0, 1].each(|i| p[i] + t * (q[i] - p[i]) - of.points[k][i]);
-            if t > 0.0 && t < 1.0 && squared(off) <= beside {
-                let (mut heights, mut on) = ([height, to.height([x, y])], [Location::vertex(k), Location::WHOLE]);
+            let w = [q[0] - p[0], q[1] - p[1]];
+            let along = |u: [f64; 2]| ((x - p[0]) * u[0] + (y - p[1]) * u[1]) / (w[0] * u[0] + w[1] * u[1]);
+            let (own, other) = (of.radius(k as f64), to.radius(along(w)));
+            // The contact is off the segment of the larger radius, perpendicular to that segment.
+            let t = if own > other { along(u) } else { along(w) };
+            let foot = [0, 1].each(|i| p[i] + t * w[i]);
+            let beside = squared([foot[0] - x, foot[1] - y]);
+            if t > 0.0 && t < 1.0 && beside <= noise * own.larger(other).larger(noise) {
+                let at = if own > other { foot } else { [x, y] };
+                let (mut heights, mut on) = ([height, to.height(at)], [Location::vertex(k), Location::WHOLE]);
                 if side == 1 {
                     heights.reverse();
                     on.reverse();
                 }
-                candidates.push([x, y], heights, on);
+                candidates.push(at, heights, on);
             }
         }
     }

@@ -169,6 +169,7 @@ impl Bearing {
         let out = Vector3::new(n.x, n.y, 0.0) * (r / flat);
         Facet::Straight {
             ends: [out + Vector3::z() * h, out - Vector3::z() * h],
+            radii: [r; 2],
             names: [upper_rim, lower_rim],
             side,
         }
@@ -197,6 +198,7 @@ impl Bearing {
         let end = Vector3::new(n.x * (r / flat), n.y * (r / flat), -h);
         Facet::Straight {
             ends: [Vector3::z() * h, end],
+            radii: [0.0, r],
             names: [Feature::Vertex(VertexId(0)), rim],
             side,
         }
