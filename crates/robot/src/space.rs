@@ -45,10 +45,10 @@ pub struct Setup {
     bodies: Vec<SetupBody>,
     adjacent: Vec<[String; 2]>,
     ignored: BTreeSet<[String; 2]>,
-    /// Links without bodies, because an SRDF may name them.
-    frames: BTreeSet<String>,
+    /// Links without bodies, because an SRDF may name them, and skipped obstacles.
+    pub(crate) frames: BTreeSet<String>,
     obstacles: Vec<(String, Geometry, Isometry3<f64>)>,
-    skipped: Vec<Skipped>,
+    pub(crate) skipped: Vec<Skipped>,
 }
 
 #[derive(Clone, Debug)]
@@ -161,7 +161,7 @@ impl Setup {
         self.ignored.insert([a.to_owned(), b.to_owned()]);
     }
 
-    /// Returns what the files of the robots name and this setup does not hold.
+    /// Returns what the files of the robots and cells name and this setup does not hold.
     #[must_use]
     pub fn skipped(&self) -> &[Skipped] {
         &self.skipped
@@ -171,6 +171,12 @@ impl Setup {
     #[must_use]
     pub fn coordinates(&self) -> &[Coordinate] {
         &self.coordinates
+    }
+
+    /// Returns whether a link with bodies or an obstacle has this name.
+    pub(crate) fn has_body(&self, name: &str) -> bool {
+        let links = self.bodies.iter().map(|body| &body.name);
+        links.chain(self.obstacles.iter().map(|o| &o.0)).any(|n| n == name)
     }
 
     pub(crate) fn bodies(&self) -> &[SetupBody] {
