@@ -173,6 +173,16 @@ impl Setup {
         &self.coordinates
     }
 
+    /// Widens the limits of all coordinates by `slack` at both ends, in radians or lengths.
+    ///
+    /// Recorded values often exceed a limit by their rounding.
+    pub fn widen_limits(&mut self, slack: f64) {
+        for coordinate in &mut self.coordinates {
+            let [low, high] = coordinate.limits;
+            coordinate.limits = [low - slack, high + slack];
+        }
+    }
+
     /// Returns whether a link with bodies or an obstacle has this name.
     pub(crate) fn has_body(&self, name: &str) -> bool {
         let links = self.bodies.iter().map(|body| &body.name);
