@@ -470,6 +470,21 @@ fn the_least_clearance_along_a_motion_is_enclosed() {
         "{text}"
     );
 
+    // The arm touches the ball between the rows.
+    let cell = scratch(
+        "touch.json",
+        "{\"bodies\": [{\"name\": \"touched\", \"sphere\": {\"radius\": 0.2}, \"xyz\": [1.3, 0, 0]}]}",
+    );
+    let arguments = ["--cell", &cell, "--joints", &rows, "--csv", &out, "--along"];
+    let (code, text) = run_of(&robot, "clearance", &arguments);
+    assert_eq!(code, 4, "{text}");
+    let row = &table(&out)[0];
+    assert_eq!(
+        [&*row["verdict"], &*row["lower"], &*row["b"]],
+        ["undecided", "", "touched"]
+    );
+    assert!(text.contains("undecided, at most "), "{text}");
+
     let rows = scratch("one.csv", "turn\n0\n");
     let (code, text) = run_of(&robot, "clearance", &["--joints", &rows, "--along"]);
     assert!(

@@ -11,23 +11,24 @@ pub(super) fn names<C: ConfigurationSpace>(checker: &Checker<C>, pair: WorldPair
 ///
 /// Minus infinity is a lower bound that is not known.
 pub(super) fn distance(lower: f64, upper: f64) -> String {
-    let is_known = lower.is_finite();
-    let value = if is_known { 0.5 * (lower + upper) } else { upper };
-    let digits = if value == 0.0 {
-        0.0
-    } else {
-        4.0 - value.abs().log10().floor()
-    };
-    let (scale, digits) = (10f64.powf(digits.clamp(0.0, 15.0)), digits.clamp(0.0, 15.0) as usize);
-    if !is_known {
-        return format!("at most {:.digits$} m", (upper * scale).ceil() / scale);
+    if !lower.is_finite() {
+        // Five digits are off by at most a part of 5e-5.
+        return format!("at most {} m", five_digits(upper + 6e-5 * upper.abs()));
     }
-    let value = (value * scale).round() / scale;
-    let width = f64::max(upper - value, value - lower);
-    match width {
-        0.0 => format!("{value:.digits$} m"),
+    let text = five_digits(0.5 * (lower + upper));
+    let value = text.parse().unwrap_or(upper);
+    match f64::max(upper - value, value - lower) {
+        0.0 => format!("{text} m"),
         // Two digits are off by at most 5 %.
-        _ => format!("{value:.digits$} +- {:.1e} m", 1.06 * width),
+        width => format!("{text} +- {:.1e} m", 1.06 * width),
+    }
+}
+
+fn five_digits(x: f64) -> String {
+    match x.abs() {
+        0.0 => "0".to_owned(),
+        size if size < 1e-3 => format!("{x:.4e}"),
+        size => format!("{x:.0$}", f64::max(4.0 - size.log10().floor(), 0.0) as usize),
     }
 }
 
@@ -77,7 +78,9 @@ mod tests {
     fn printed_bounds_enclose_the_bounds() {
         assert_eq!(distance(0.25, 0.25), "0.25000 m");
         assert_eq!(distance(0.013_592_1, 0.013_592_3), "0.013592 +- 3.2e-7 m");
+        assert_eq!(distance(2e-9, 2e-9), "2.0000e-9 m");
         assert_eq!(distance(f64::NEG_INFINITY, 0.0), "at most 0 m");
+        assert_eq!(distance(f64::NEG_INFINITY, 0.123_451), "at most 0.12346 m");
         for k in -60..60 {
             let x = 0.3 * 1.7f64.powi(k);
             for (lower, upper) in [(x, x), (x, x * 1.001), (-x, x), (-x, -0.9 * x)] {
@@ -86,7 +89,7 @@ mod tests {
                 let [value, width] = [(); 2].map(|()| words.next().unwrap_or_default());
                 let is_inside = value - width <= lower && upper <= value + width;
                 assert!(is_inside, "{text} does not enclose {lower} to {upper}");
-                assert!(x < 1e-10 || width <= 1.2 * (upper - lower) + 1e-4 * x, "{text}");
+                assert!(width <= 1.2 * (upper - lower) + 1e-4 * x, "{text}");
             }
         }
     }
