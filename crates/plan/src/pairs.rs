@@ -1,5 +1,6 @@
 //! The pairs of a checker, each with a tracker, and the boxes of the obstacles.
 
+use std::collections::BTreeSet;
 use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
@@ -83,7 +84,7 @@ impl Pairs {
         pairs.boxes.step();
         for i in 0..world.robot.len() {
             for k in 0..world.obstacles.len() {
-                let entry = pairs.add(world, WorldPair::new(i, WorldId::Obstacle(k)))?;
+                let entry = pairs.add(&world.excluded, WorldPair::new(i, WorldId::Obstacle(k)));
                 pairs.table.push(entry);
             }
         }
@@ -91,7 +92,7 @@ impl Pairs {
         for i in 0..world.robot.len() {
             for k in i + 1..world.robot.len() {
                 if !is_rigid(i, k) {
-                    pairs.add(world, WorldPair::new(i, WorldId::Robot(k)))?;
+                    pairs.add(&world.excluded, WorldPair::new(i, WorldId::Robot(k)));
                 }
             }
         }
@@ -106,9 +107,9 @@ impl Pairs {
         Ok(())
     }
 
-    fn add(&mut self, world: &World, pair: WorldPair) -> Result<u32, PlanError> {
-        if world.is_excluded(pair) {
-            return Ok(NONE);
+    fn add(&mut self, excluded: &BTreeSet<(WorldId, WorldId)>, pair: WorldPair) -> u32 {
+        if excluded.contains(&(pair.a, pair.b)) {
+            return NONE;
         }
         self.all.push(TrackedPair {
             pair,
@@ -117,7 +118,7 @@ impl Pairs {
             stretch: 0,
             begun: 0,
         });
-        Ok(self.all.len() as u32 - 1)
+        self.all.len() as u32 - 1
     }
 
     /// Drops the cached state of all trackers; each is reset at its next query.
@@ -180,7 +181,8 @@ impl Pairs {
 }
 
 impl WorldPair {
-    fn new(body: usize, b: WorldId) -> Self {
+    /// Returns a pair with the smaller id first: `b` is an obstacle or a later robot body.
+    pub(crate) fn new(body: usize, b: WorldId) -> Self {
         Self {
             a: WorldId::Robot(body),
             b,

@@ -78,11 +78,26 @@ impl World {
         Ok(())
     }
 
-    /// Excludes the pair of two bodies.
+    /// Excludes all pairs for which `is_excluded` returns true.
     ///
-    /// An id that the world does not have excludes nothing.
-    pub fn exclude_pair(&mut self, a: WorldId, b: WorldId) {
-        self.excluded.insert((a.min(b), a.max(b)));
+    /// ```
+    /// # use lin_canny_plan::{World, WorldId};
+    /// # use lin_canny::{Shape, nalgebra::Isometry3};
+    /// let mut world = World::new();
+    /// let [arm, hand] = ["arm", "hand"].map(|name| world.robot_body(name, Shape::ball(0.1).unwrap()));
+    /// world.obstacle("post", Shape::ball(0.2)?, Isometry3::translation(1.0, 0.0, 0.0));
+    /// // The robot is checked against the post only.
+    /// world.exclude_if(|pair| matches!(pair.b, WorldId::Robot(_)));
+    /// assert!(world.excluded().eq([[arm, hand]]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn exclude_if(&mut self, is_excluded: impl Fn(WorldPair) -> bool) {
+        for k in 0..self.robot.len() {
+            let robot = (k + 1..self.robot.len()).map(WorldId::Robot);
+            let others = robot.chain((0..self.obstacles.len()).map(WorldId::Obstacle));
+            let pairs = others.map(|b| WorldPair::new(k, b)).filter(|pair| is_excluded(*pair));
+            self.excluded.extend(pairs.map(|pair| (pair.a, pair.b)));
+        }
     }
 
     /// Returns the excluded pairs in ascending order, each with the smaller id first.
@@ -128,10 +143,6 @@ impl World {
         let obstacles = self.obstacles.iter().map(|o| &o.1);
         let is_convex = |shape: &Geometry| matches!(shape, Geometry::Polyhedron(_) | Geometry::Convex(_));
         !self.robot.iter().map(|b| &b.1).chain(obstacles).all(is_convex)
-    }
-
-    pub(crate) fn is_excluded(&self, pair: WorldPair) -> bool {
-        self.excluded.contains(&(pair.a.min(pair.b), pair.a.max(pair.b)))
     }
 
     fn named(&self, name: &str) -> Vec<WorldId> {

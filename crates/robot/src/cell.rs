@@ -5,7 +5,7 @@ use std::path::Path;
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{Geometry, normalize_rotation};
 
-use crate::error::{FileError, FileErrorKind};
+use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::geometry::{self, MeshUse, Solid};
 use crate::mesh_file::MeshPlacing;
 use crate::options::LoadOptions;
@@ -52,6 +52,12 @@ pub struct Cell {
     pub obstacles: Vec<Obstacle>,
     /// Names of links and obstacles that may touch.
     pub ignored: Vec<[String; 2]>,
+    /// Bodies that were skipped because their mesh file does not exist.
+    ///
+    /// There are none unless [`LoadOptions::skip_missing_meshes`] is set.
+    pub skipped: Vec<Skipped>,
+    /// Names of the skipped bodies, because `ignored` may hold them.
+    missing: Vec<String>,
 }
 
 #[derive(serde::Deserialize)]
@@ -143,18 +149,26 @@ impl Cell {
             FileError::new(path, line, "", FileErrorKind::Malformed(e.to_string()))
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let mut obstacles = Vec::new();
+        let mut found = Self::default();
         for (k, body) in cell.bodies.into_iter().enumerate() {
             let element = format!("bodies[{k}] {:?}", body.name);
             let wrong = |reason| FileError::new(path, None, element.clone(), reason);
-            obstacles.push(Obstacle {
-                pose: body.pose().map_err(wrong)?,
-                geometry: body.geometry(folder, packages, options).map_err(wrong)?,
-                name: body.name,
-            });
+            let pose = body.pose().map_err(wrong)?;
+            match body.geometry(folder, packages, options) {
+                Ok(geometry) => found.obstacles.push(Obstacle {
+                    name: body.name,
+                    geometry,
+                    pose,
+                }),
+                Err(reason @ FileErrorKind::MissingMesh(_)) if options.skip_missing_meshes => {
+                    found.skipped.push(wrong(reason).into());
+                    found.missing.push(body.name);
+                }
+                Err(reason) => return Err(wrong(reason)),
+            }
         }
-        let ignored = cell.ignore;
-        Ok(Self { obstacles, ignored })
+        found.ignored = cell.ignore;
+        Ok(found)
     }
 }
 
@@ -231,6 +245,10 @@ impl Setup {
         for obstacle in &cell.obstacles {
             self.obstacle(&obstacle.name, obstacle.geometry.clone(), obstacle.pose);
         }
+        self.skipped.extend(cell.skipped.iter().cloned());
+        // Another body of this name still has its pairs.
+        let missing = cell.missing.iter().filter(|name| !self.has_body(name));
+        self.frames.extend(missing.cloned().collect::<Vec<_>>());
         for [a, b] in &cell.ignored {
             self.ignore_pair(a, b);
         }

@@ -29,10 +29,11 @@ pub struct LoadOptions {
     pub pieces: Option<PathBuf>,
     /// Whether to measure how much each hull differs from its mesh; slow for large meshes.
     pub measure_hulls: bool,
-    /// Whether to skip collision elements of a robot whose mesh file does not exist.
+    /// Whether to skip collision elements of a robot and bodies of a cell whose mesh file does not
+    /// exist.
     ///
-    /// They are listed in [`Robot::skipped`](crate::Robot::skipped), and nothing is checked against
-    /// them. The meshes of a cell must exist.
+    /// They are listed in [`Robot::skipped`](crate::Robot::skipped) and
+    /// [`Cell::skipped`](crate::Cell::skipped), and nothing is checked against them.
     pub skip_missing_meshes: bool,
     /// Least and greatest value of a revolute joint without limits, in radians.
     pub continuous_limits: [f64; 2],
@@ -91,7 +92,7 @@ impl LoadOptions {
         self
     }
 
-    /// Returns the options that skip collision elements without their mesh file, or do not.
+    /// Returns the options that skip bodies without their mesh file, or do not.
     #[must_use]
     pub fn skip_missing_meshes(mut self, skip: bool) -> Self {
         self.skip_missing_meshes = skip;

@@ -45,12 +45,12 @@ pub struct Setup {
     bodies: Vec<SetupBody>,
     adjacent: Vec<[String; 2]>,
     ignored: BTreeSet<[String; 2]>,
-    /// Pairs of bodies that files exclude.
-    excluded: Vec<[usize; 2]>,
-    /// Links without bodies, because an SRDF may name them.
-    frames: BTreeSet<String>,
+    /// Pairs of bodies that files exclude, the smaller index first.
+    excluded: BTreeSet<[usize; 2]>,
+    /// Links without bodies, because an SRDF may name them, and skipped obstacles.
+    pub(crate) frames: BTreeSet<String>,
     obstacles: Vec<(String, Geometry, Isometry3<f64>)>,
-    skipped: Vec<Skipped>,
+    pub(crate) skipped: Vec<Skipped>,
 }
 
 #[derive(Clone, Debug)]
@@ -167,7 +167,7 @@ impl Setup {
         self.ignored.insert([a.to_owned(), b.to_owned()]);
     }
 
-    /// Returns what the files of the robots name and this setup does not hold.
+    /// Returns what the files of the robots and cells name and this setup does not hold.
     #[must_use]
     pub fn skipped(&self) -> &[Skipped] {
         &self.skipped
@@ -177,6 +177,22 @@ impl Setup {
     #[must_use]
     pub fn coordinates(&self) -> &[Coordinate] {
         &self.coordinates
+    }
+
+    /// Widens the limits of all coordinates by `slack` at both ends, in radians or lengths.
+    ///
+    /// Recorded values often exceed a limit by their rounding.
+    pub fn widen_limits(&mut self, slack: f64) {
+        for coordinate in &mut self.coordinates {
+            let [low, high] = coordinate.limits;
+            coordinate.limits = [low - slack, high + slack];
+        }
+    }
+
+    /// Returns whether a link with bodies or an obstacle has this name.
+    pub(crate) fn has_body(&self, name: &str) -> bool {
+        let links = self.bodies.iter().map(|body| &body.name);
+        links.chain(self.obstacles.iter().map(|o| &o.0)).any(|n| n == name)
     }
 
     pub(crate) fn bodies(&self) -> &[SetupBody] {
@@ -219,9 +235,10 @@ impl Setup {
         for (name, geometry, pose) in &self.obstacles {
             world.obstacle(name, geometry.clone(), *pose);
         }
-        for [a, b] in &self.excluded {
-            world.exclude_pair(WorldId::Robot(*a), WorldId::Robot(*b));
-        }
+        world.exclude_if(|pair| match (pair.a, pair.b) {
+            (WorldId::Robot(a), WorldId::Robot(b)) => self.excluded.contains(&[a, b]),
+            _ => false,
+        });
         let is_frame = |name: &String| self.frames.contains(name);
         for [a, b] in self.ignored.iter().filter(|pair| !pair.iter().any(is_frame)) {
             world.exclude(a, b)?;

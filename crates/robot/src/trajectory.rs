@@ -34,8 +34,42 @@ impl Trajectory {
     /// value is not a number within its limits, or times do not increase. The error names the line
     /// and the column.
     pub fn load(path: impl AsRef<Path>, coordinates: &[Coordinate]) -> Result<Self, FileError> {
+        Self::load_with_rest(path, coordinates, &[])
+    }
+
+    /// Returns the trajectory of a CSV file, which may lack the columns of some coordinates.
+    ///
+    /// A coordinate without a column has its value of `rest`, in the order of `coordinates`. `None`
+    /// and values beyond the end of `rest` require a column.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn load_with_rest(
+        path: impl AsRef<Path>,
+        coordinates: &[Coordinate],
+        rest: &[Option<f64>],
+    ) -> Result<Self, FileError> {
         let path = path.as_ref();
-        Self::parse(&FileError::read(path)?, path, coordinates)
+        Self::read(&FileError::read(path)?, path, coordinates, rest)
+    }
+
+    /// Returns values for [`load_with_rest`](Self::load_with_rest): those of a CSV file with one
+    /// row, and `None` for each coordinate without a column.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), except that columns may be missing. Returns an error if the file
+    /// has several rows.
+    pub fn load_rest(path: impl AsRef<Path>, coordinates: &[Coordinate]) -> Result<Vec<Option<f64>>, FileError> {
+        let path = path.as_ref();
+        let missing = vec![Some(f64::NAN); coordinates.len()];
+        let found = Self::load_with_rest(path, coordinates, &missing)?;
+        match &found.rows[..] {
+            [row] => Ok(row.iter().map(|&x| Some(x).filter(|x| !x.is_nan())).collect()),
+            rows => {
+                let reason = format!("too many rows: {} (expected 1)", rows.len());
+                Err(FileError::new(path, None, "", FileErrorKind::Malformed(reason)))
+            }
+        }
     }
 
     /// Returns the trajectory of a CSV text. Errors name the file `path`.
@@ -43,7 +77,10 @@ impl Trajectory {
     /// # Errors
     /// As [`load`](Self::load).
     pub fn parse(text: &str, path: impl AsRef<Path>, coordinates: &[Coordinate]) -> Result<Self, FileError> {
-        let path = path.as_ref();
+        Self::read(text, path.as_ref(), coordinates, &[])
+    }
+
+    fn read(text: &str, path: &Path, coordinates: &[Coordinate], rest: &[Option<f64>]) -> Result<Self, FileError> {
         check_content(text).map_err(|reason| FileError::new(path, Some(1), "", reason))?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut lines = Lines::new(text);
@@ -56,7 +93,7 @@ impl Trajectory {
         let malformed = |e: csv::Error| FileError::new(path, None, "", FileErrorKind::Malformed(e.to_string()));
         let header = reader.headers().map_err(malformed)?;
         let (line, count) = (lines.of(header.position()), header.len());
-        let columns = columns(header, coordinates)
+        let columns = columns(header, coordinates, rest)
             .map_err(|(column, reason)| FileError::new(path, Some(line), column, reason))?;
         let mut trajectory = Self::default();
         let mut times = Vec::new();
@@ -68,7 +105,8 @@ impl Trajectory {
                 return Err(FileError::new(path, Some(line), "", FileErrorKind::Malformed(reason)));
             }
             let wrong = |column: &str, reason| FileError::new(path, Some(line), format!("column {column:?}"), reason);
-            let mut row = vec![0.0; coordinates.len()];
+            let mut row: Vec<f64> = rest.iter().map(|value| value.unwrap_or_default()).collect();
+            row.resize(coordinates.len(), 0.0);
             for (text, column) in record.iter().zip(&columns) {
                 let name = column.map_or(TIME, |k| &coordinates[k].name);
                 let value = number(text, name).map_err(|reason| wrong(name, reason))?;
@@ -148,6 +186,7 @@ fn number(text: &str, name: &str) -> Result<f64, FileErrorKind> {
 fn columns(
     header: &csv::StringRecord,
     coordinates: &[Coordinate],
+    rest: &[Option<f64>],
 ) -> Result<Vec<Option<usize>>, (String, FileErrorKind)> {
     let mut columns = Vec::new();
     for name in header {
@@ -166,13 +205,16 @@ fn columns(
         }
         columns.push(column);
     }
-    match (0..coordinates.len()).find(|k| !columns.contains(&Some(*k))) {
-        Some(k) => Err((
-            String::new(),
-            FileErrorKind::Missing(format!("column {:?}", coordinates[k].name)),
-        )),
-        None => Ok(columns),
-    }
+    let has_value = |k: &usize| columns.contains(&Some(*k)) || matches!(rest.get(*k), Some(Some(_)));
+    let missing: Vec<usize> = (0..coordinates.len()).filter(|k| !has_value(k)).collect();
+    let Some(first) = missing.first().map(|&k| &coordinates[k].name) else {
+        return Ok(columns);
+    };
+    let what = match missing.len() {
+        1 => format!("column {first:?}"),
+        count => format!("column {first:?} (first of {count})"),
+    };
+    Err((String::new(), FileErrorKind::Missing(what)))
 }
 
 /// Returns configurations as the text of a CSV file.

@@ -217,3 +217,162 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
     println!("{poses} poses, worst {worst:e}, {replaced} that MuJoCo replaced by those of the inertia; {pairs} pairs");
     (same, not_loaded)
 }
+
+/// A body with a geom around text.
+fn with(inside: &str) -> String {
+    format!(
+        "<mujoco>\n<worldbody>\n<body name=\"b\">\n<joint name=\"j\"/><geom size=\"1\"/>\n{inside}\n</body>\n</worldbody>\n</mujoco>"
+    )
+}
+
+#[test]
+fn faults_are_named_with_line_and_element() {
+    let mut wrong = Vec::new();
+    for (text, line, words) in [
+        (with("<geom sise=\"1\"/>"), 5, "attribute \"sise\" does not exist; did you mean \"size\"?"),
+        (with("<geon size=\"1\"/>"), 5, "element \"geon\" does not exist; did you mean \"geom\"?"),
+        (with("<geom type=\"box\" size=\"1 1\"/>"), 5, "number of the attribute size is missing"),
+        (with("<geom size=\"-1\"/>"), 5, "size is out of range: -1.0"),
+        (with("<geom size=\"nan\"/>"), 5, "invalid size: \"nan\""),
+        (with("<geom size=\"1e999\"/>"), 5, "invalid size"),
+        (with("<geom type=\"sdf\"/>"), 5, "a geom of type \"sdf\" is not supported"),
+        (with("<geom type=\"mesh\" mesh=\"x\"/>"), 5, "mesh \"x\" does not exist"),
+        (with("<geom mesh=\"x\" size=\"1\"/>"), 5, "expected type=\"mesh\""),
+        (with("<geom type=\"hfield\" hfield=\"x\"/>"), 5, "height field \"x\" does not exist"),
+        (with("<geom class=\"x\" size=\"1\"/>"), 5, "class \"x\" does not exist"),
+        (with("<geom size=\"1\" quat=\"0 0 0 0\"/>"), 5, "length of quat is out of range"),
+        (with("<geom size=\"1\" quat=\"1 0 0 0\" euler=\"0 0 0\"/>"), 5, "several orientations"),
+        (with("<geom type=\"capsule\" size=\"1\" fromto=\"0 0 0 0 0 0\"/>"), 5, "length of fromto"),
+        (with("<geom type=\"capsule\" size=\"1\" pos=\"1 0 0\" fromto=\"0 0 0 0 0 1\"/>"), 5, "both pos and fromto"),
+        (with("<geom size=\"1\" contype=\"0.5\"/>"), 5, "invalid contype"),
+        (with("<geom size=\"1\"><plugin/></geom>"), 5, "a geom of a plugin is not supported"),
+        (with("<joint type=\"ball\"/>"), 5, "a joint of type \"ball\" is not supported"),
+        (with("<joint name=\"j\"/>"), 5, "name is already in use"),
+        (with("<joint axis=\"0 0 0\"/>"), 5, "length of the axis"),
+        (with("<joint range=\"2 1\"/>"), 5, "lower limit 2 is above upper limit 1"),
+        (with("<joint limited=\"true\"/>"), 5, "attribute range is missing"),
+        (with("<freejoint/>"), 5, "free joint"),
+        (with("<body><freejoint/><geom size=\"1\"/></body>"), 5, "free joint"),
+        (with("<body name=\"b\"/>"), 5, "name is already in use"),
+        (with("<body name=\"world\"/>"), 5, "name is already in use"),
+        (with("<body pos=\"1e200 0 0\"/>"), 5, ""),
+        (with("<composite/>"), 5, "the element composite is not supported"),
+        (with("<flexcomp/>"), 5, "the element flexcomp is not supported"),
+        (with("<attach/>"), 5, "the element attach is not supported"),
+        (with("<replicate count=\"0\"/>"), 5, "invalid count"),
+        (with("<replicate count=\"2\"><joint/></replicate>"), 5, "a copied joint"),
+        (with("<replicate count=\"999999999\"><body/></replicate>"), 5, "too many elements"),
+        (with("<replicate count=\"999999999\"></replicate>"), 5, "too many elements"),
+        (with("<include file=\"gone.xml\"/>"), 5, "included file \"gone.xml\" is missing"),
+        ("<mujoco>\n<compiler coordinate=\"global\"/></mujoco>".into(), 2, "coordinate=\"global\" is not supported"),
+        ("<mujoco>\n<compiler eulerseq=\"xyw\"/></mujoco>".into(), 2, "three letters of xyzXYZ"),
+        ("<mujoco>\n<compiler angle=\"grad\"/></mujoco>".into(), 2, "radian or degree"),
+        ("<mujoco>\n<wordbody/></mujoco>".into(), 2, "did you mean \"worldbody\"?"),
+        ("<mujoco>\n<deformable><flex/></deformable></mujoco>".into(), 2, "a flexible body"),
+        ("<mujoco>\n<asset><model/></asset></mujoco>".into(), 2, ""),
+        ("<mujoco>\n<default><default class=\"x\"/>\n<default class=\"x\"/></default></mujoco>".into(), 3, "already in use"),
+        ("<mujoco>\n<worldbody><joint/></worldbody></mujoco>".into(), 2, "joint of the world"),
+        ("<mujoco>\n<contact><exclude body1=\"a\" body2=\"b\"/></contact></mujoco>".into(), 2, "body \"a\" does not exist"),
+        ("<mujoco>\n<contact><pair geom1=\"a\" geom2=\"b\"/></contact></mujoco>".into(), 2, "geom \"a\" does not exist"),
+        ("<mujoco>\n<equality><joint joint1=\"a\"/></equality></mujoco>".into(), 2, "joint \"a\" does not exist"),
+        ("<mujoco>\n<asset><mesh name=\"m\"/></asset><worldbody><geom type=\"mesh\" mesh=\"m\"/></worldbody></mujoco>".into(), 2, "file or vertex is missing"),
+        ("<mujoco>\n<asset><mesh name=\"m\" vertex=\"0 0\"/></asset><worldbody><geom type=\"mesh\" mesh=\"m\"/></worldbody></mujoco>".into(), 2, "not triples"),
+        ("<mujoco>\n<asset><mesh name=\"m\" vertex=\"0 0 0\" face=\"0 0 1\"/></asset><worldbody><geom type=\"mesh\" mesh=\"m\"/></worldbody></mujoco>".into(), 2, "vertex of face is out of range"),
+        ("<mujoco>\n<asset><hfield name=\"h\" nrow=\"2\" ncol=\"2\" size=\"1 1 1 1\" elevation=\"0 0 0\"/></asset><worldbody><geom type=\"hfield\" hfield=\"h\"/></worldbody></mujoco>".into(), 2, "3 heights (expected 4)"),
+        ("<mujoco>\n<asset><hfield name=\"h\" nrow=\"999999999\" ncol=\"2\" size=\"1 1 1 1\"/></asset><worldbody><geom type=\"hfield\" hfield=\"h\"/></worldbody></mujoco>".into(), 2, "invalid nrow"),
+    ] {
+        match parse(&text) {
+            Ok(_) => wrong.push(format!("no error: {text}")),
+            Err(error) => {
+                let is_right = error.to_string().contains(words) && error.line == Some(line);
+                if !is_right || error.reason.to_string().len() > 160 {
+                    wrong.push(format!("{error} (expected {words:?} at line {line})"));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn what_is_left_out_is_listed_with_its_line() {
+    let text = with("text").replace(
+        "</mujoco>",
+        "<equality>\n<weld body1=\"b\"/>\n<joint joint1=\"j\"/></equality></mujoco>",
+    );
+    let robot = parse(&text).expect("a robot");
+    let skipped: Vec<String> = robot.skipped().iter().map(ToString::to_string).collect();
+    assert_eq!(skipped.len(), 2, "{skipped:?}");
+    assert!(
+        skipped[0].contains("text between elements")
+            && skipped[1].contains("r.xml:9: equality weld: the equality weld"),
+        "{skipped:?}"
+    );
+    // Without a second joint, the joint is held.
+    assert!(robot.coordinates().is_empty());
+    assert_eq!(robot.joints()[0].kind, MotionKind::Fixed);
+}
+
+#[test]
+fn names_that_the_file_leaves_out_are_numbers() {
+    let text = "<mujoco><worldbody><body><joint/><geom size=\"1\"/><body name=\"x\"><joint type=\"slide\"/></body></body></worldbody></mujoco>";
+    let robot = parse(text).expect("a robot");
+    let links: Vec<&str> = robot.links().iter().map(|link| link.name.as_str()).collect();
+    assert_eq!(links, ["world", "body1", "x"]);
+    let names: Vec<&str> = robot.coordinates().iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["joint0", "joint1"]);
+    let options = LoadOptions::default();
+    assert_eq!(robot.coordinates()[0].limits, options.continuous_limits);
+    assert_eq!(robot.coordinates()[1].limits, options.floating_limits);
+}
+
+/// Bytes of good files are changed, removed and doubled: the result is a robot or an error.
+#[test]
+fn changed_files_give_a_robot_or_an_error() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/mujoco/models");
+    let mut state = 88_172_645_463_325_252_u64;
+    let mut below = move |n: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state % n as u64) as usize
+    };
+    let words = [
+        "\"0\"",
+        "-1",
+        "1e308",
+        "nan",
+        "<",
+        "/>",
+        "\"",
+        "body",
+        "geom",
+        "frame",
+        "class=\"long\"",
+        "1 2 3 4 5 6 7",
+    ];
+    let mut loaded = 0;
+    for name in ["frames", "pairs", "equality", "meshes"] {
+        let file = format!("{folder}/{name}.xml");
+        let text = std::fs::read_to_string(&file).expect("a file");
+        for _ in 0..1000 {
+            let mut bytes = text.clone().into_bytes();
+            for _ in 0..1 + below(3) {
+                let at = below(bytes.len());
+                match below(4) {
+                    0 => bytes[at] = below(128) as u8,
+                    1 => drop(bytes.drain(at..(at + 1 + below(20)).min(bytes.len()))),
+                    2 => {
+                        let until = (at + below(60)).min(bytes.len());
+                        let part = bytes[at..until].to_vec();
+                        bytes.splice(at..at, part);
+                    }
+                    _ => drop(bytes.splice(at..at, words[below(words.len())].bytes())),
+                }
+            }
+            let text = String::from_utf8_lossy(&bytes);
+            loaded += u32::from(Robot::parse(&text, &file, &Packages::default(), &LoadOptions::default()).is_ok());
+        }
+    }
+    assert!(loaded > 100, "{loaded}");
+}

@@ -258,24 +258,376 @@ fn what_is_wrong_is_named() {
     named("certify", &["--joints", "carry.csv", "--margin", "-1"], 3, &["margin"]);
 }
 
+/// A swing: spheres of radius 0.1 at (0.5, 0, 0) and (1, 0, 0) that rotate about a sphere of radius
+/// 0.1 at the origin.
+fn swing(joint: &str) -> String {
+    let ball =
+        |x: f64| format!("<collision><origin xyz='{x} 0 0'/><geometry><sphere radius='0.1'/></geometry></collision>");
+    let text = format!(
+        "<robot name='r'><link name='hub'>{}</link><link name='arm'>{}{}</link>{joint}</robot>",
+        ball(0.0),
+        ball(0.5),
+        ball(1.0)
+    );
+    let name = format!("swing_{}.urdf", joint.len());
+    scratch(&name, &text)
+}
+
+const TURN: &str = "<joint name='turn' type='revolute'><parent link='hub'/><child link='arm'/><axis xyz='0 0 1'/>
+    <limit lower='-1.5' upper='1.5' effort='1' velocity='1'/></joint>";
+const ENDLESS: &str =
+    "<joint name='turn' type='continuous'><parent link='hub'/><child link='arm'/><axis xyz='0 0 1'/></joint>";
+
+/// Two balls of radius 0.2 at (3, 0, 0) and (0, 1.5, 0).
+fn balls() -> String {
+    let ball =
+        |name: &str, at: &str| format!("{{\"name\": \"{name}\", \"sphere\": {{\"radius\": 0.2}}, \"xyz\": {at}}}");
+    let bodies = [ball("far ball", "[3, 0, 0]"), ball("side ball", "[0, 1.5, 0]")];
+    scratch("balls.json", &format!("{{\"bodies\": [{}]}}", bodies.join(", ")))
+}
+
+/// Distance of the far ball from the nearer ball of the arm at an angle.
+fn far(q: f64) -> f64 {
+    (10.0 - 6.0 * q.cos()).min(9.25 - 3.0 * q.cos()).sqrt() - 0.3
+}
+
+/// Distance of the side ball from the nearer ball of the arm at an angle.
+fn side(q: f64) -> f64 {
+    (3.25 - 3.0 * q.sin()).min(2.5 - 1.5 * q.sin()).sqrt() - 0.3
+}
+
+/// The rows of a table, each by the names of its columns.
+fn table(file: &str) -> Vec<std::collections::HashMap<String, String>> {
+    let mut reader = csv::Reader::from_path(file).expect("the table");
+    reader.deserialize().map(|row| row.expect("a row")).collect()
+}
+
+fn number(text: &str) -> f64 {
+    text.parse().expect("a number")
+}
+
 #[test]
-fn a_goal_in_contact_is_no_refused_file() {
+fn the_robot_is_measured_against_the_cell_or_itself() {
+    let (robot, cell) = (swing(TURN), balls());
+    let (rows, out) = (
+        scratch("against.csv", "turn\n0\n0.4\n-1.5\n"),
+        scratch("against_out.csv", ""),
+    );
+    let measure = |against: &str| {
+        let arguments = ["--cell", &cell, "--joints", &rows, "--csv", &out, "--check-adjacent"];
+        let (code, text) = run_of(&robot, "clearance", &[&arguments[..], &["--against", against]].concat());
+        assert_eq!(code, 0, "{text}");
+        (table(&out), text)
+    };
+    // The arm keeps its distance of 0.3 from the hub: the least of all.
+    for against in ["all", "self"] {
+        let (found, text) = measure(against);
+        for row in found {
+            assert!((number(&row["distance"]) - 0.3).abs() < 1e-12, "{row:?}");
+            assert_eq!([&row["a"], &row["b"]], ["hub", "arm"]);
+        }
+        assert!(text.contains("least clearance 0.30000 +- "), "{text}");
+    }
+    let (found, _) = measure("cell");
+    for (row, q) in found.iter().zip([0.0, 0.4, -1.5]) {
+        // Of the hub, of the balls of the arm.
+        let least = far(q).min(side(q)).min(1.2);
+        let [lower, upper] = ["lower", "upper"].map(|name| number(&row[name]));
+        assert!(
+            lower <= least + 1e-15 && least - 1e-15 <= upper && upper - lower < 1e-12,
+            "{row:?}"
+        );
+    }
+    assert_eq!([&found[1]["a"], &found[1]["b"]], ["arm", "side ball"]);
+    // Nothing would be checked.
+    let (code, text) = run_of(&robot, "clearance", &["--joints", &rows, "--against", "cell"]);
+    assert!(code == 2 && text.contains("--cell"), "{text}");
+}
+
+#[test]
+fn pairs_have_columns() {
+    let (robot, cell) = (swing(TURN), balls());
+    let (rows, out) = (
+        scratch("pairs.csv", "turn\n0\n0.4\n-1.5\n"),
+        scratch("pairs_out.csv", ""),
+    );
+    let arguments = [
+        "--cell",
+        &cell,
+        "--joints",
+        &rows,
+        "--csv",
+        &out,
+        "--pairs",
+        "--check-adjacent",
+    ];
+    let (code, text) = run_of(&robot, "clearance", &arguments);
+    assert_eq!(code, 0, "{text}");
+    let head = std::fs::read_to_string(&out).expect("the table");
+    let titles = "hub - arm,hub - far ball,hub - side ball,arm - far ball,arm - side ball";
+    assert!(
+        head.lines()
+            .next()
+            .is_some_and(|line| line.ends_with(&format!(",b_z,{titles}"))),
+        "{head}"
+    );
+    for (row, q) in table(&out).iter().zip([0.0f64, 0.4, -1.5]) {
+        for (name, distance) in [
+            ("hub - arm", 0.3),
+            ("hub - far ball", 2.7),
+            ("hub - side ball", 1.2),
+            ("arm - far ball", far(q)),
+            ("arm - side ball", side(q)),
+        ] {
+            assert!((number(&row[name]) - distance).abs() < 1e-12, "{name}: {row:?}");
+        }
+    }
+    let (code, text) = run_of(&robot, "clearance", &["--joints", &rows, "--pairs"]);
+    assert!(code == 2 && text.contains("--csv"), "{text}");
+}
+
+#[test]
+fn the_least_clearance_along_a_motion_is_enclosed() {
+    let (robot, cell) = (swing(TURN), balls());
+    let rows = scratch("along.csv", "turn,time\n-1,0\n0.5,2\n0.25,3\n");
+    let out = scratch("along_out.csv", "");
+    let arguments = [
+        "--cell",
+        &cell,
+        "--joints",
+        &rows,
+        "--csv",
+        &out,
+        "--along",
+        "--check-adjacent",
+        "--against",
+    ];
+    let (code, text) = run_of(&robot, "clearance", &[&arguments[..], &["cell"]].concat());
+    assert_eq!(code, 0, "{text}");
+    let found = table(&out);
+    // The side ball is closest at the greatest angle.
+    for (row, ([from, to], t, time)) in found.iter().zip([(["2", "3"], 1.0, 2.0), (["3", "4"], 0.0, 2.0)]) {
+        assert_eq!(
+            [&*row["from_line"], &*row["to_line"], &*row["verdict"]],
+            [from, to, "free"]
+        );
+        let [lower, upper] = ["lower", "upper"].map(|name| number(&row[name]));
+        let least = side(0.5);
+        assert!(
+            lower <= least && least <= upper + 1e-15 && upper - lower < 2e-3 * least,
+            "{row:?}"
+        );
+        assert!(
+            (number(&row["t"]) - t).abs() < 1e-2 && (number(&row["time"]) - time).abs() < 2e-2,
+            "{row:?}"
+        );
+        assert_eq!([&row["a"], &row["b"]], ["arm", "side ball"]);
+    }
+    assert!(
+        text.contains("lines 2 to 3: least clearance 1.03") && text.contains("time 2.000000: arm"),
+        "{text}"
+    );
+    assert!(
+        text.contains("0 of 2 segments in contact; least clearance 1.03"),
+        "{text}"
+    );
+    let (code, text) = run_of(&robot, "clearance", &[&arguments[..], &["self"]].concat());
+    assert!(code == 0 && text.contains("hub - arm"), "{text}");
+    let least = number(&table(&out)[0]["lower"]);
+    assert!((0.2995..=0.3).contains(&least), "{least}");
+
+    // Least between the rows: the arm passes the far ball at angle 0, where no row is.
+    let cell = scratch(
+        "near.json",
+        "{\"bodies\": [{\"name\": \"near\", \"sphere\": {\"radius\": 0.2}, \"xyz\": [1.301, 0, 0]}]}",
+    );
+    let rows = scratch("past.csv", "turn\n-1\n1.4\n");
+    let arguments = ["--cell", &cell, "--joints", &rows, "--csv", &out, "--along"];
+    let (code, text) = run_of(&robot, "clearance", &arguments);
+    assert_eq!(code, 0, "{text}");
+    let row = &table(&out)[0];
+    let [lower, upper, t] = ["lower", "upper", "t"].map(|name| number(&row[name]));
+    assert!(
+        lower > 0.0 && lower <= 0.001 && upper >= 0.001 && upper - lower < 0.1 * upper,
+        "{row:?}"
+    );
+    assert!((t - 1.0 / 2.4).abs() < 1e-2, "{row:?}");
+
+    // The arm meets the ball at the angle at which the centres are 0.3 apart.
+    let cell = scratch(
+        "ahead.json",
+        "{\"bodies\": [{\"name\": \"ahead\", \"sphere\": {\"radius\": 0.2}, \"xyz\": [1.2, 0, 0]}]}",
+    );
+    let arguments = ["--cell", &cell, "--joints", &rows, "--csv", &out, "--along"];
+    let (code, text) = run_of(&robot, "clearance", &arguments);
+    assert_eq!(code, 1, "{text}");
+    let row = &table(&out)[0];
+    let angle = ((1.0 + 1.44 - 0.09) / 2.4f64).acos();
+    assert!((number(&row["t"]) - (1.0 - angle) / 2.4).abs() < 1e-5, "{row:?}");
+    assert_eq!([&*row["verdict"], &*row["lower"], &*row["upper"]], ["blocked", "", "0"]);
+    assert!(
+        text.contains("1 of 1 segments in contact") && text.contains("first contact at 0.33"),
+        "{text}"
+    );
+
+    // The arm touches the ball between the rows.
+    let cell = scratch(
+        "touch.json",
+        "{\"bodies\": [{\"name\": \"touched\", \"sphere\": {\"radius\": 0.2}, \"xyz\": [1.3, 0, 0]}]}",
+    );
+    let arguments = ["--cell", &cell, "--joints", &rows, "--csv", &out, "--along"];
+    let (code, text) = run_of(&robot, "clearance", &arguments);
+    assert_eq!(code, 4, "{text}");
+    let row = &table(&out)[0];
+    assert_eq!(
+        [&*row["verdict"], &*row["lower"], &*row["b"]],
+        ["undecided", "", "touched"]
+    );
+    assert!(text.contains("undecided, at most "), "{text}");
+
+    let rows = scratch("one.csv", "turn\n0\n");
+    let (code, text) = run_of(&robot, "clearance", &["--joints", &rows, "--along"]);
+    assert!(
+        code == 3 && text.contains("one.csv: too few rows: 1 (expected at least 2)"),
+        "{text}"
+    );
+}
+
+#[test]
+fn joints_without_a_column_have_a_value_in_another_file() {
+    let out = scratch("rest_out.csv", "");
+    let few = scratch("few.csv", "elbow,turn\n1.2,0.6\n1.2,0.5\n");
+    let all = scratch(
+        "all.csv",
+        &format!("{HEAD}0.6,0.6,1.2,0,0.8,0,0.01\n0.5,0.6,1.2,0,0.8,0,0.01\n"),
+    );
+    // A column of the rows comes before the same column of the rest.
+    let rest = scratch("rest.csv", &format!("{HEAD}0,0.6,0,0,0.8,0,0.01\n"));
+    let distances = |arguments: &[&str]| {
+        let (code, text) = run("clearance", &with(&[&["--csv", &out], arguments].concat()));
+        assert_eq!(code, 0, "{text}");
+        std::fs::read_to_string(&out).expect("the table")
+    };
+    let (ours, theirs) = (
+        distances(&["--joints", &few, "--rest", &rest]),
+        distances(&["--joints", &all]),
+    );
+    assert_eq!(ours, theirs);
+    for command in ["certify", "plan"] {
+        let (code, text) = run(command, &with(&["--joints", &few, "--rest", &rest]));
+        assert_eq!(code, 0, "{text}");
+    }
+    let named = |arguments: &[&str], words: &[&str]| {
+        let (code, text) = run("clearance", arguments);
+        assert_eq!(code, 3, "{text}");
+        for word in words {
+            assert!(text.contains(word), "{text} does not name {word}");
+        }
+    };
+    let words = ["few.csv:1: column \"lift\" (first of 5) is missing; see --rest"];
+    named(&["--joints", &few], &words);
+    let part = scratch("part.csv", "lift,roll,bend,twist\n0.6,0,0.8,0\n");
+    named(
+        &["--joints", &few, "--rest", &part],
+        &["few.csv:1: column \"left\" is missing; see --rest"],
+    );
+    let two = scratch("two.csv", &format!("{HEAD}0,0,0,0,0,0,0\n0,0,0,0,0,0,0\n"));
+    named(
+        &["--joints", &few, "--rest", &two],
+        &["two.csv: too many rows: 2 (expected 1)"],
+    );
+    let odd = scratch("odd.csv", "lift,roll,bend,twist,left,tail\n0.6,0,0.8,0,0,0\n");
+    named(
+        &["--joints", &few, "--rest", &odd],
+        &["odd.csv:1", "\"tail\" does not exist"],
+    );
+    let wild = scratch("wild.csv", "lift,roll,bend,twist,left\n9,0,0.8,0,0\n");
+    named(
+        &["--joints", &few, "--rest", &wild],
+        &["wild.csv:2", "lift", "9.0; see --limit-slack"],
+    );
+}
+
+#[test]
+fn limits_are_widened_by_options() {
+    let rows = scratch("over.csv", "turn\n-1.5000001\n0\n");
+    let robot = swing(TURN);
+    let (code, text) = run_of(&robot, "clearance", &["--joints", &rows]);
+    assert!(
+        code == 3 && text.contains("-1.5000001; see --limit-slack and --turns"),
+        "{text}"
+    );
+    let out = scratch("over_out.csv", "");
+    let cell = balls();
+    let slack = ["--cell", &cell, "--limit-slack", "1e-6", "--joints", &rows];
+    let (code, text) = run_of(&robot, "clearance", &[&slack[..], &["--pairs", "--csv", &out]].concat());
+    assert_eq!(code, 0, "{text}");
+    // The row is measured as it is.
+    assert!((number(&table(&out)[0]["arm - far ball"]) - far(-1.500_000_1)).abs() < 1e-12);
+    for command in ["certify", "plan"] {
+        let (code, text) = run_of(&robot, command, &slack);
+        assert_eq!(code, 0, "{text}");
+    }
+    let robot = swing(ENDLESS);
+    let rows = scratch("turns.csv", "turn\n0\n18\n");
+    let (code, text) = run_of(&robot, "certify", &["--joints", &rows]);
+    assert!(
+        code == 3 && text.contains("turns.csv:3") && text.contains("--turns"),
+        "{text}"
+    );
+    for (turns, code) in [("2.8", 3), ("2.9", 0)] {
+        let (found, text) = run_of(&robot, "certify", &["--joints", &rows, "--turns", turns]);
+        assert_eq!(found, code, "{text}");
+    }
+    for option in ["--turns", "--limit-slack"] {
+        let (code, text) = run_of(&robot, "certify", &["--joints", &rows, option, "inf"]);
+        assert!(code == 2 && text.contains("expected a finite number"), "{text}");
+    }
+}
+
+#[test]
+fn a_blocked_start_or_goal_has_its_own_code() {
     let rows = scratch(
         "goal_down.csv",
         &format!("{HEAD}0,0.3,0.6,0,0.8,0,0.01\n0,0.9,1.3,0,0.8,0,0.01\n"),
     );
     let (code, text) = run("plan", &with(&["--joints", &rows]));
-    assert!(code == 1 && text.contains("at the goal"), "{code}: {text}");
+    assert!(
+        code == 6 && text.contains("goal_down.csv:3: ") && text.contains("in contact at the goal"),
+        "{code}: {text}"
+    );
+    let (robot, cell) = (swing(TURN), balls());
+    let rows = scratch("start_near.csv", "turn\n0.5\n-1\n");
+    let arguments = ["--cell", &cell, "--joints", &rows, "--margin", "1.2"];
+    let (code, text) = run_of(&robot, "plan", &arguments);
+    assert_eq!(code, 6, "{text}");
+    let mut found = text.split(' ').filter_map(|word| word.parse::<f64>().ok());
+    let [value, width] = [(); 2].map(|()| found.next().expect("a number"));
+    assert!((value - side(0.5)).abs() <= width && width < 1e-4, "{text}");
+    let words = "m apart at the start (expected more than 1.2 m)";
+    assert!(
+        text.contains("start_near.csv:2: arm and side ball are 1.0345 +- ") && text.contains(words),
+        "{text}"
+    );
 }
 
 #[test]
 fn bodies_within_the_margin_are_not_said_to_meet() {
-    let (code, text) = run("certify", &with(&["--joints", "carry.csv", "--margin", "0.2"]));
+    // The centres are 1.4 apart if the sine of the angle is 0.36.
+    let (robot, cell) = (swing(TURN), balls());
+    let rows = scratch("margin.csv", "turn,time\n-1,0\n0.5,3\n");
+    let arguments = ["--cell", &cell, "--joints", &rows, "--margin", "1.1"];
+    let (code, text) = run_of(&robot, "certify", &arguments);
     assert_eq!(code, 1, "{text}");
-    assert!(
-        text.contains("come within the margin of 0.2 at") && !text.contains(" meet at"),
-        "{text}"
-    );
+    let t = (0.36f64.asin() + 1.0) / 1.5;
+    let mut found = text
+        .split([' ', ','])
+        .filter_map(|word| word.parse::<f64>().ok())
+        .skip(2);
+    let [at, time] = [(); 2].map(|()| found.next().expect("a number"));
+    assert!((at - t).abs() < 1e-5 && (time - 3.0 * t).abs() < 3e-5, "{text}");
+    let words = "lines 2 to 3: arm - side ball come within 1.1 m at 0.9";
+    assert!(text.contains(words) && !text.contains(" meet "), "{text}");
 }
 
 #[test]
@@ -337,6 +689,41 @@ fn missing_meshes_are_errors_or_warnings() {
     ] {
         assert!(text.contains(words), "{text}");
     }
+}
+
+#[test]
+fn missing_meshes_of_a_cell_are_errors_or_warnings() {
+    let text = "{\"bodies\": [
+        {\"name\": \"side ball\", \"sphere\": {\"radius\": 0.2}, \"xyz\": [0, 1.5, 0]},
+        {\"name\": \"part\", \"mesh\": {\"file\": \"gone part.stl\"}},
+        {\"name\": \"side ball\", \"mesh\": {\"file\": \"gone ball.stl\"}}],
+        \"ignore\": [[\"hub\", \"part\"], [\"arm\", \"side ball\"]]}";
+    let (robot, cell) = (swing(TURN), scratch("gone.json", text));
+    let rows = scratch("gone_cell.csv", "turn\n0.5\n");
+    let arguments = ["--cell", &cell, "--joints", &rows];
+    let (code, text) = run_of(&robot, "clearance", &arguments);
+    assert_eq!(code, 3, "{text}");
+    assert!(
+        text.contains("gone.json: bodies[1] \"part\": mesh ") && text.contains("gone part.stl is missing"),
+        "{text}"
+    );
+    let out = scratch("gone_out.csv", "");
+    let more = ["--skip-missing-meshes", "--csv", &out, "--pairs"];
+    let (code, text) = run_of(&robot, "clearance", &[&arguments[..], &more].concat());
+    assert_eq!(code, 0, "{text}");
+    assert_eq!(text.matches("warning: ").count(), 2, "{text}");
+    assert!(
+        text.contains("bodies[1] \"part\"") && text.contains("bodies[2] \"side ball\""),
+        "{text}"
+    );
+    // The pairs of the other body of the name are still ignored.
+    let head = std::fs::read_to_string(&out).expect("the table");
+    assert!(
+        head.lines()
+            .next()
+            .is_some_and(|line| line.ends_with("b_z,hub - side ball")),
+        "{head}"
+    );
 }
 
 #[test]

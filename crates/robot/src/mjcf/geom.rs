@@ -8,13 +8,14 @@ use lin_canny::{Geometry, HullFit, Mesh};
 
 use super::element::{Element, numbers};
 use super::settings::{Classes, Compiler, Settings, check, segment};
-use crate::error::{FileError, FileErrorKind};
+use crate::error::{FileError, FileErrorKind, Place};
 use crate::geometry::{self, MeshUse, Solid};
 use crate::mesh_file::{MeshPlacing, Soup};
 use crate::names::nearest;
 use crate::options::LoadOptions;
 use crate::robot::LinkBody;
 use crate::turn::from_xyzw;
+use crate::xml::EXTENT_MAX;
 
 /// Maximum number of coordinates of a mesh in the file, and of heights of a height field.
 const MOST_NUMBERS: usize = 30_000_000;
@@ -24,8 +25,11 @@ pub(super) struct Assets<'e> {
     meshes: HashMap<String, (&'e Element, Settings<'e>)>,
     fields: HashMap<String, &'e Element>,
     /// Bodies of meshes that have been read.
-    read: HashMap<(String, MeshUse), (Geometry, Option<HullFit>, Option<PathBuf>)>,
+    read: HashMap<(String, MeshUse), MeshBody>,
 }
+
+/// A mesh as a body: the geometry, how much its hull differs from it, and the file.
+type MeshBody = (Geometry, Option<HullFit>, Option<PathBuf>);
 
 impl<'e> Assets<'e> {
     pub(super) fn new(sections: &[&'e Element], classes: &'e Classes) -> Result<Self, FileError> {
@@ -133,12 +137,7 @@ impl<'e> Assets<'e> {
         Ok(LinkBody::new(origin, geometry))
     }
 
-    fn mesh(
-        &mut self,
-        geom: &Settings,
-        usage: MeshUse,
-        reader: &Source,
-    ) -> Result<(Geometry, Option<HullFit>, Option<PathBuf>), FileError> {
+    fn mesh(&mut self, geom: &Settings, usage: MeshUse, reader: &Source) -> Result<MeshBody, FileError> {
         let name = needed(geom, "mesh")?;
         if let Some(read) = self.read.get(&(name.to_owned(), usage)) {
             return Ok(read.clone());
@@ -349,13 +348,15 @@ fn unknown<'n>(
 
 /// Returns a pose after a pose, or an error if it is too far away.
 pub(super) fn placed(
-    settings: &crate::error::Place,
+    place: &Place,
     outer: &Isometry3<f64>,
     inner: &Isometry3<f64>,
 ) -> Result<Isometry3<f64>, FileError> {
     let pose = outer * inner;
-    match lin_canny::RelativePose::from_isometry(&pose) {
-        Ok(_) => Ok(pose),
-        Err(e) => Err(settings.error(FileErrorKind::Geometry(e.to_string()))),
+    let value = pose.translation.vector.amax();
+    if !(value <= EXTENT_MAX) {
+        let field = "position".into();
+        return Err(place.error(FileErrorKind::Range { field, value }));
     }
+    Ok(pose)
 }

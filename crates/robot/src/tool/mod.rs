@@ -5,6 +5,7 @@ mod clearance;
 mod ignorable;
 mod options;
 mod plan;
+mod text;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -12,16 +13,17 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use lin_canny_robot::FileError;
-use lin_canny_robot::plan::{Checker, ConfigurationSpace, PlanError, WorldPair};
+use lin_canny_robot::plan::PlanError;
 
 const ENDS: &str = "\
 Exit codes:
   0  every row is clear, every segment is proven free, or a path was found
-  1  a row, the start or the goal is in contact, or a segment is blocked
+  1  a row is in contact, or a segment is blocked
   2  wrong arguments
   3  a file is invalid or cannot be written
   4  undecided: a pair is within rounding error of contact
-  5  no path found within the limits; a path may exist";
+  5  no path found within the limits; a path may exist
+  6  the start or the goal of `plan` is in contact or within the margin";
 
 /// Compute clearances, proven motions and paths of a robot from its URDF
 #[derive(Parser)]
@@ -33,7 +35,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Find the closest pair at each row of a file of configurations
+    /// Find the closest pair at each row of a file of configurations, or along the motion between
     Clearance(clearance::ClearanceOptions),
     /// Prove that the motion from row to row is free, or report the time and the pair that collides
     Certify(certify::CertifyOptions),
@@ -61,8 +63,12 @@ enum ToolError {
     Plan(#[from] PlanError),
     #[error("{}: cannot be written: {reason}", file.display())]
     Write { file: PathBuf, reason: std::io::Error },
-    #[error("{}: {reason}", file.display())]
-    Rows { file: PathBuf, reason: String },
+    #[error("{}:{line}: {reason}", file.display())]
+    Blocked { file: PathBuf, line: u32, reason: String },
+    #[error("{error}; see {see}")]
+    Rows { error: Box<FileError>, see: &'static str },
+    #[error("{}: too few rows: {count} (expected at least {least})", file.display())]
+    TooFew { file: PathBuf, count: usize, least: usize },
 }
 
 pub(crate) fn main() -> ExitCode {
@@ -79,8 +85,11 @@ pub(crate) fn main() -> ExitCode {
         Ok(End::NoPath) => ExitCode::from(5),
         Err(error) => {
             eprintln!("lin-canny-robot: {error}");
-            let is_contact = matches!(error, ToolError::Plan(PlanError::Contact { .. }));
-            ExitCode::from(if is_contact { 1 } else { 3 })
+            ExitCode::from(if matches!(error, ToolError::Blocked { .. }) {
+                6
+            } else {
+                3
+            })
         }
     }
 }
@@ -98,30 +107,5 @@ fn progress(what: &'static str, length: u64) -> ProgressBar {
     match ProgressStyle::with_template("{prefix} {wide_bar} {pos}/{len} {eta}") {
         Ok(style) => bar.with_style(style).with_prefix(what),
         Err(_) => bar,
-    }
-}
-
-fn names<C: ConfigurationSpace>(checker: &Checker<C>, pair: WorldPair) -> [String; 2] {
-    [pair.a, pair.b].map(|part| checker.name(part).to_owned())
-}
-
-/// A CSV table in memory.
-struct Table(csv::Writer<Vec<u8>>);
-
-impl Table {
-    fn new(columns: &[&str]) -> Self {
-        let mut table = Self(csv::Writer::from_writer(Vec::new()));
-        table.row(columns);
-        table
-    }
-
-    /// Writing to memory does not fail.
-    fn row(&mut self, cells: &[impl AsRef<[u8]>]) {
-        let _ = self.0.write_record(cells);
-    }
-
-    fn text(self) -> String {
-        let bytes = self.0.into_inner().unwrap_or_default();
-        String::from_utf8_lossy(&bytes).into_owned()
     }
 }

@@ -1,11 +1,11 @@
 //! The options of all commands: the robot, its pairs, its cell.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use lin_canny::Geometry;
-use lin_canny_robot::{LoadOptions, MeshUse, Packages, Robot, RobotFiles, Setup, Skipped};
+use lin_canny_robot::{FileErrorKind, LoadOptions, MeshUse, Packages, Robot, RobotFiles, Setup, Skipped, Trajectory};
 
 use super::ToolError;
 
@@ -58,13 +58,62 @@ pub(super) struct RobotOptions {
     /// Measure and print how much each hull differs from its mesh
     #[arg(long)]
     hull_fit: bool,
-    /// Skip collision elements of the robot whose mesh file is missing, with a warning for each:
-    /// nothing is checked against them
+    /// Skip collision elements of the robot and bodies of the cell whose mesh file is missing, with a
+    /// warning for each: nothing is checked against them
     #[arg(long)]
     skip_missing_meshes: bool,
     /// Check adjacent links as well
     #[arg(long)]
     check_adjacent: bool,
+    /// Full turns that a joint without limits may make each way
+    #[arg(long, value_name = "N", default_value = "2", value_parser = not_negative)]
+    turns: f64,
+    /// Widen the limits of all joints by X at both ends, in radians or metres; recorded values often
+    /// exceed a limit by 1e-7
+    #[arg(long, value_name = "X", default_value = "0", value_parser = not_negative)]
+    limit_slack: f64,
+}
+
+/// The rows of a command.
+#[derive(Args)]
+pub(super) struct RowOptions {
+    /// Configurations: one column per joint, in any order, and optionally `time`
+    #[arg(long, value_name = "Q.csv")]
+    joints: PathBuf,
+    /// Values of the joints without a column in Q.csv: a CSV file with column names and one row
+    #[arg(long, value_name = "FILE")]
+    rest: Option<PathBuf>,
+}
+
+impl RowOptions {
+    /// Returns the file of the rows.
+    pub(super) fn file(&self) -> &Path {
+        &self.joints
+    }
+
+    /// Returns at least this number of rows.
+    pub(super) fn load(&self, setup: &Setup, least: usize) -> Result<Trajectory, ToolError> {
+        let coordinates = setup.coordinates();
+        let rows = match &self.rest {
+            Some(file) => Trajectory::load_rest(file, coordinates)
+                .and_then(|rest| Trajectory::load_with_rest(&self.joints, coordinates, &rest)),
+            None => Trajectory::load(&self.joints, coordinates),
+        };
+        let rows = rows.map_err(|error| {
+            let see = match &error.reason {
+                FileErrorKind::Missing(what) if what.starts_with("column") => "--rest",
+                FileErrorKind::Range { .. } => "--limit-slack and --turns",
+                _ => return ToolError::File(error),
+            };
+            let error = Box::new(error);
+            ToolError::Rows { error, see }
+        })?;
+        let (file, count) = (self.joints.clone(), rows.rows.len());
+        if count < least {
+            return Err(ToolError::TooFew { file, count, least });
+        }
+        Ok(rows)
+    }
 }
 
 fn link_geometry(text: &str) -> Result<(String, MeshGeometry), String> {
@@ -72,11 +121,19 @@ fn link_geometry(text: &str) -> Result<(String, MeshGeometry), String> {
     Ok((link.into(), MeshGeometry::from_str(kind, true)?))
 }
 
+fn not_negative(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().map_err(|e| e.to_string())?;
+    let value = Some(value).filter(|x| (0.0..f64::INFINITY).contains(x));
+    value.ok_or("expected a finite number, at least 0".into())
+}
+
 impl RobotOptions {
     /// Returns the robot, and the setup of robot and cell for a checker.
     pub(super) fn load(&self) -> Result<(Robot, Setup), ToolError> {
         let link_meshes = self.link.iter().map(|(link, kind)| (link.clone(), (*kind).into()));
+        let angle = self.turns * std::f64::consts::TAU;
         let mut options = LoadOptions::default()
+            .continuous_limits([-angle, angle])
             .meshes(self.geometry.into())
             .link_meshes(link_meshes)
             .measure_hulls(self.hull_fit)
@@ -90,7 +147,8 @@ impl RobotOptions {
             options,
             check_adjacent: self.check_adjacent,
         };
-        let (robot, setup) = files.load()?;
+        let (robot, mut setup) = files.load()?;
+        setup.widen_limits(self.limit_slack);
         warn_of_skipped(setup.skipped());
         warn_of_turned_triangles(&robot);
         if self.hull_fit {

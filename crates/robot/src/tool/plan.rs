@@ -5,26 +5,26 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use lin_canny::Progress;
-use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanOptions};
+use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanError, PlanOptions};
 use lin_canny_robot::{RobotRecorder, Trajectory, csv_text};
 
-use super::options::RobotOptions;
+use super::options::{RobotOptions, RowOptions};
+use super::text::{distance, names};
 use super::{End, ToolError, write};
 
 #[derive(Args)]
 pub(super) struct PlanArguments {
     #[command(flatten)]
     robot: RobotOptions,
-    /// Configurations: the first row is the start, the last row the goal
-    #[arg(long, value_name = "Q.csv")]
-    joints: PathBuf,
+    #[command(flatten)]
+    rows: RowOptions,
     /// Output file with the path [default: stdout]
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
     /// Output recording of the motion along the path, for the viewer
     #[arg(long, value_name = "OUT.jsonl")]
     record: Option<PathBuf>,
-    /// Minimum distance of all pairs, in the unit of the robot
+    /// Minimum distance of all pairs in metres
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
     margin: f64,
     /// Random seed
@@ -45,14 +45,8 @@ fn duration(text: &str) -> Result<Duration, String> {
 
 pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
     let (_, setup) = options.robot.load()?;
-    let rows = Trajectory::load(&options.joints, setup.coordinates())?.rows;
-    let [start, .., goal] = &rows[..] else {
-        let (file, reason) = (
-            options.joints.clone(),
-            "too few rows (expected a start and a goal)".into(),
-        );
-        return Err(ToolError::Rows { file, reason });
-    };
+    let rows = options.rows.load(&setup, 2)?;
+    let (start, goal) = (&rows.rows[0], &rows.rows[rows.rows.len() - 1]);
     let mut checker = setup.checker()?;
     checker.set_margin(options.margin)?;
     let began = Instant::now();
@@ -62,7 +56,11 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
         .queries(u64::MAX);
     let found = checker.plan_with_progress(start, goal, &search, &mut |_| {
         Progress::stop_if(began.elapsed() > options.seconds)
-    })?;
+    });
+    let found = match found {
+        Err(PlanError::Contact { end, a, b }) => return Err(blocked(options, &mut checker, &rows, end, [a, b])),
+        found => found?,
+    };
     let Some(path) = found.path else {
         eprintln!("no path found in {:.1?}; a path may exist", began.elapsed());
         return Ok(End::NoPath);
@@ -83,6 +81,32 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
         checker.path_length(&path)
     );
     Ok(End::Free)
+}
+
+/// Returns the error of a start or goal in contact or within the margin, with its closest pair.
+fn blocked(
+    options: &PlanArguments,
+    checker: &mut Checker<JointTree>,
+    rows: &Trajectory,
+    end: &'static str,
+    [mut a, mut b]: [String; 2],
+) -> ToolError {
+    let row = if end == "start" { 0 } else { rows.rows.len() - 1 };
+    let mut how = "in contact or closer than the margin".to_owned();
+    if let Ok(Some(near)) = checker.clearance(&rows.rows[row]) {
+        [a, b] = names(checker, near.pair);
+        let (far, margin) = (distance(near.lower, near.upper), options.margin);
+        how = if near.upper <= 0.0 {
+            format!("in contact at the {end}")
+        } else {
+            format!("{far} apart at the {end} (expected more than {margin} m)")
+        };
+    }
+    ToolError::Blocked {
+        file: options.rows.file().to_owned(),
+        line: rows.lines[row],
+        reason: format!("{a} and {b} are {how}"),
+    }
 }
 
 /// Recorded frames per segment of the path.
