@@ -65,6 +65,29 @@
 //! * Files are UTF-8, UTF-16, or ISO-8859-1 or windows-1252 if the XML declaration says so.
 //! * The `<up_axis>` of a COLLADA file is ignored.
 //!
+//! # How an MJCF file is converted
+//!
+//! [`Robot::load`] reads MuJoCo's XML as well, if the root element is `mujoco`. Poses of bodies and
+//! geoms are those of MuJoCo to 1e-12; the pairs that are checked are those of MuJoCo.
+//!
+//! * The root link is `world`, and each body is a link. A body with several joints, or with a joint
+//!   whose `pos` is not zero, has links without bodies before it: `body:joint`. Without a name in
+//!   the file, bodies and joints are `body3` and `joint2`, with MuJoCo's numbers.
+//! * A coordinate is MuJoCo's `qpos` of the joint, so that `ref` is the drawn pose. A free joint
+//!   has the position in the world, and angles as in `rpy`. A ball joint is an error.
+//! * Geoms with `contype` and `conaffinity` of zero are visuals, unless an element `pair` names
+//!   them. The bits, `exclude`, `pair` and the flag `filterparent` decide which pairs are checked:
+//!   see [`Robot::excluded`] and [`Robot::adjacent`]. Other flags, masks of a `Cell` and a second
+//!   robot change nothing: all those pairs are checked.
+//! * A mesh is used as its hull, as in MuJoCo, or as [`LoadOptions::meshes`] says. Meshes are STL,
+//!   OBJ and MSH files, or in the file. A geom that MuJoCo would fit to a mesh is an error.
+//! * A plane is a box with the sides [`LoadOptions::plane_extent`]. A height field is the solid
+//!   below its heights, which must be in the file.
+//! * An equality of two joints is a mimic joint, and one without a second joint holds the joint.
+//!   Other equalities are listed in [`Robot::skipped`].
+//! * `include`, `default`, `frame` and `replicate` are read. `attach`, `composite`, `flexcomp`,
+//!   plugins and fields from pictures are errors.
+//!
 //! # How an SRDF is read
 //!
 //! * `disable_collisions`, `enable_collisions` and `disable_default_collisions` are read; groups,

@@ -112,7 +112,7 @@ pub struct Coordinate {
     pub limits: [f64; 2],
 }
 
-/// A robot that is read from a URDF.
+/// A robot that is read from a URDF or MJCF file.
 ///
 /// ```
 /// use lin_canny_robot::{Packages, Robot};
@@ -140,7 +140,8 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Returns the robot of a URDF file; meshes are replaced by their hulls.
+    /// Returns the robot of a file; meshes are replaced by their hulls. The root element decides
+    /// the format: URDF (`robot`) or MJCF (`mujoco`).
     ///
     /// # Errors
     /// Returns an error if the file cannot be read or is not a valid robot. The error names the
@@ -149,7 +150,7 @@ impl Robot {
         Self::load_with(path, packages, &LoadOptions::default())
     }
 
-    /// Returns the robot of a URDF file, with options.
+    /// Returns the robot of a file, with options.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -158,8 +159,8 @@ impl Robot {
         Self::parse(&FileError::read(path)?, path, packages, options)
     }
 
-    /// Returns the robot of a URDF text. Errors name the file `path`, and relative mesh paths are
-    /// relative to its folder.
+    /// Returns the robot of the text of a file. Errors name the file `path`, and relative mesh
+    /// paths are relative to its folder.
     ///
     /// # Errors
     /// As [`load`](Self::load).
