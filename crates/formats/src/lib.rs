@@ -33,6 +33,7 @@ mod collada;
 mod error;
 mod mesh;
 mod obj;
+mod ply;
 mod polygon;
 mod stl;
 mod text;

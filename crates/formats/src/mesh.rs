@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use crate::error::{Fault, MeshFault, MeshFileError};
-use crate::{collada, obj, stl, text};
+use crate::{collada, obj, ply, stl, text};
 
 /// Format of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -16,6 +16,8 @@ pub enum MeshFormat {
     Obj,
     /// COLLADA 1.4 or 1.5.
     Collada,
+    /// PLY 1.0, text or binary.
+    Ply,
 }
 
 /// A mesh file as read.
@@ -30,7 +32,7 @@ pub struct MeshFile {
     pub skipped: Vec<Skipped>,
 }
 
-/// An object of a mesh file: a solid of an STL, an object of an OBJ, a geometry of a scene.
+/// An object of a mesh file: a solid of an STL, an object of an OBJ, a geometry of a scene, a PLY.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct MeshObject {
@@ -84,6 +86,7 @@ impl MeshFile {
             MeshFormat::Stl => stl::read(bytes),
             MeshFormat::Obj => obj::read(bytes),
             MeshFormat::Collada => collada::read(bytes),
+            MeshFormat::Ply => ply::read(bytes),
         };
         let mut file = file.map_err(error)?;
         file.objects.retain(|object| !object.triangles.is_empty());
@@ -129,16 +132,17 @@ fn format_of(bytes: &[u8], path: &Path) -> Result<MeshFormat, Fault> {
     Ok(match extension.as_deref() {
         _ if stl::is_binary(bytes) => MeshFormat::Stl,
         _ if bytes.starts_with(b"glTF") => return Err(Fault::unsupported(None, "the format glTF")),
-        _ if lower.starts_with("ply\n") || lower.starts_with("ply\r") => {
-            return Err(Fault::unsupported(None, "the format PLY"));
+        _ if lower.lines().next().is_some_and(|line| line.trim_end() == "ply") || lower.starts_with("ply\r") => {
+            MeshFormat::Ply
         }
         _ if start.contains("<COLLADA") => MeshFormat::Collada,
         Some("stl") => MeshFormat::Stl,
         Some("obj") => MeshFormat::Obj,
         Some("dae") => MeshFormat::Collada,
+        Some("ply") => MeshFormat::Ply,
         _ if lower.starts_with("solid") => MeshFormat::Stl,
         _ => {
-            let why = "unknown file extension (expected .stl, .obj or .dae)";
+            let why = "unknown file extension (expected .stl, .obj, .dae or .ply)";
             return Err(unknown(why));
         }
     })
