@@ -502,18 +502,20 @@ fn nodes_transform_meshes() {
 }
 
 #[test]
-fn a_mesh_of_two_nodes_is_there_twice() {
+fn a_mesh_of_several_nodes_is_there_several_times() {
     let mut gltf = Gltf::new(5123).set("/scenes/0/nodes", json!([0, 1, 2]));
     gltf.push("nodes", json!({"mesh": 0, "translation": [2, 0, 0], "name": "two"}));
-    gltf.push("nodes", json!({"children": [3], "translation": [4, 0, 0]}));
+    gltf.push("nodes", json!({"children": [3, 4], "translation": [4, 0, 0]}));
     gltf.push("nodes", json!({"mesh": 0, "scale": [1, 1, -1], "name": "three"}));
+    gltf.push("nodes", json!({"mesh": 0, "name": "four"}));
     let file = gltf.read();
-    assert_eq!(file.objects.len(), 3);
-    assert_eq!(file.whole().1.len(), 36);
-    assert!((volume(&file) - 3.0 * VOLUME).abs() < 1e-6);
+    assert_eq!(file.objects.len(), 4);
+    assert_eq!(file.whole().1.len(), 48);
+    assert!((volume(&file) - 4.0 * VOLUME).abs() < 1e-6);
     has_bounds(&file, [[0.0, 0.0, -0.6], [4.2, 0.4, 0.6]]);
+    // Objects are in the order of the nodes, from parents to children.
     let names: Vec<&str> = file.objects.iter().map(|o| o.name.as_str()).collect();
-    assert_eq!(names, ["", "two", "three"]);
+    assert_eq!(names, ["", "two", "three", "four"]);
     let named = gltf.clone().set("/meshes/0/name", "mesh".into()).read();
     assert!(named.objects.iter().all(|object| object.name == "mesh"));
     assert!(gltf.skipped().is_empty());
@@ -1058,6 +1060,19 @@ fn skins_are_at_rest() {
     attributes["JOINTS_1"] = attributes["JOINTS_0"].clone();
     attributes["WEIGHTS_1"] = attributes["WEIGHTS_0"].clone();
     has_bounds(&gltf.read(), [[10.5, 0.0, 0.0], [10.7, 0.4, 0.6]]);
+    // Weights are relative to their sum, which is 1 up to rounding.
+    let file = skinned(&[[0.99, 0.0, 0.0, 0.0]; 8], None).read();
+    has_bounds(&file, [[10.0, 0.0, 0.0], [10.2, 0.4, 0.6]]);
+    // Two primitives over the same positions with other weights are two boxes.
+    let mut gltf = skinned(&first, None);
+    let weights = gltf.floats([[0.0, 1.0, 0.0, 0.0]; 8].as_flattened());
+    let weights = gltf.accessor(weights, 5126, "VEC4", 8);
+    let mut second = gltf.json["meshes"][0]["primitives"][0].clone();
+    second["attributes"]["WEIGHTS_0"] = weights.into();
+    gltf.primitive(second);
+    let file = gltf.read();
+    assert!((volume(&file) - 2.0 * VOLUME).abs() < 1e-5);
+    has_bounds(&file, [[10.0, 0.0, 0.0], [11.2, 0.4, 0.6]]);
     // A joint that mirrors turns triangles over.
     let gltf = skinned(&first, None).set("/nodes/1/scale", json!([-1, 1, 1]));
     let file = gltf.read();
@@ -1283,6 +1298,21 @@ fn counts_and_depths_are_not_believed() {
     assert!(nodes.fault().contains("too large by repeated use of data"));
     let primitive = gltf.json["meshes"][0]["primitives"][0].clone();
     gltf.json["meshes"][0]["primitives"] = vec![primitive; 1000].into();
+    assert!(gltf.fault().contains("too large by repeated use of data"));
+    // Primitives without triangles at many nodes.
+    let mut gltf = skinned(&[[1.0, 0.0, 0.0, 0.0]; 8], None);
+    gltf.json["meshes"][0]["primitives"] = vec![json!({"attributes": {}, "mode": 1}); 5000].into();
+    let count = 5000;
+    gltf.json["nodes"] = (0..count + 3)
+        .map(|k| {
+            if k < 3 {
+                json!({})
+            } else {
+                json!({"mesh": 0, "skin": 0})
+            }
+        })
+        .collect();
+    gltf.json["scenes"][0]["nodes"] = (0..count + 3).collect();
     assert!(gltf.fault().contains("too large by repeated use of data"));
     // JSON inside JSON.
     for depth in [100, 127, 10_000, 1_000_000] {
