@@ -15,14 +15,16 @@
 //! # Rules of all readers
 //!
 //! * The content decides the format first, and then the extension of the file.
-//! * Whatever could be geometry and cannot be read is an error with file, line and reason. Whatever
-//!   is no geometry (lines, points, normals, materials) is in [`MeshFile::skipped`] with its line.
+//! * Whatever could be geometry and cannot be read is an error with file, line and reason; an error
+//!   of a glTF names the element instead of the line, such as `meshes[0]`. Whatever is no geometry
+//!   (lines, points, normals, materials) is in [`MeshFile::skipped`], with its line if it has one.
 //! * A point belongs to an object only if a triangle uses it.
 //! * Numbers are `f64` and finite. A count in a header is never believed: memory grows with the
 //!   file, not with the count.
 //! * A polygon is cut into triangles that cover the polygon and nothing else. Its corners may
 //!   depart from a plane by a tenth of its size, because quads of curved bodies often do. The file
 //!   then leaves the surface between them open, and the reader chooses the diagonals.
+//! * Points are not turned, whatever axis is up: in COLLADA the file chooses it, in glTF it is Y.
 //! * A mirror turns triangles over, so that they keep their outside.
 //!
 //! # When not to use it
@@ -31,12 +33,15 @@
 
 mod collada;
 mod error;
+mod gltf;
 mod mesh;
 mod msh;
 mod obj;
+mod ply;
 mod polygon;
 mod stl;
 mod text;
+mod transform;
 mod xml;
 
 pub use error::{MeshFault, MeshFileError};

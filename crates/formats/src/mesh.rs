@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use crate::error::{Fault, MeshFault, MeshFileError};
-use crate::{collada, msh, obj, stl, text};
+use crate::{collada, gltf, msh, obj, ply, stl, text};
 
 /// Format of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -18,6 +18,10 @@ pub enum MeshFormat {
     Collada,
     /// MSH, the binary meshes of MuJoCo.
     Msh,
+    /// PLY 1.0, text or binary.
+    Ply,
+    /// glTF 2.0, as JSON (`.gltf`) or binary (`.glb`).
+    Gltf,
 }
 
 /// A mesh file as read.
@@ -32,13 +36,13 @@ pub struct MeshFile {
     pub skipped: Vec<Skipped>,
 }
 
-/// An object of a mesh file: a solid of an STL, an object of an OBJ, a geometry of a scene.
+/// An object of a mesh file: a solid of an STL, an object of an OBJ, a geometry of a scene, a PLY.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct MeshObject {
     /// The name in the file; empty if it has none.
     pub name: String,
-    /// The points that triangles use, in the unit of the file (metres for COLLADA).
+    /// The points that triangles use, in the unit of the file (metres for COLLADA and glTF).
     pub points: Vec<[f64; 3]>,
     /// Three indices of points per triangle, counter-clockwise as seen from outside.
     pub triangles: Vec<[u32; 3]>,
@@ -71,7 +75,8 @@ impl MeshFile {
     }
 
     /// Returns the mesh of the bytes of a file. Errors name the file `path`; its extension matters
-    /// if the content does not decide the format.
+    /// if the content does not decide the format. The buffers of a glTF may be in other files, which
+    /// are read from the folder of `path`.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -87,6 +92,8 @@ impl MeshFile {
             MeshFormat::Obj => obj::read(bytes),
             MeshFormat::Collada => collada::read(bytes),
             MeshFormat::Msh => msh::read(bytes),
+            MeshFormat::Ply => ply::read(bytes),
+            MeshFormat::Gltf => gltf::read(bytes, path.parent().unwrap_or(Path::new(""))),
         };
         let mut file = file.map_err(error)?;
         file.objects.retain(|object| !object.triangles.is_empty());
@@ -131,21 +138,31 @@ fn format_of(bytes: &[u8], path: &Path) -> Result<MeshFormat, Fault> {
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     Ok(match extension.as_deref() {
         _ if stl::is_binary(bytes) => MeshFormat::Stl,
-        _ if bytes.starts_with(b"glTF") => return Err(Fault::unsupported(None, "the format glTF")),
-        _ if lower.starts_with("ply\n") || lower.starts_with("ply\r") => {
-            return Err(Fault::unsupported(None, "the format PLY"));
+        _ if bytes.starts_with(b"glTF") => MeshFormat::Gltf,
+        _ if lower.lines().next().is_some_and(|line| line.trim_end() == "ply") || lower.starts_with("ply\r") => {
+            MeshFormat::Ply
         }
         _ if start.contains("<COLLADA") => MeshFormat::Collada,
+        _ if start.starts_with('{') && (start.contains(ASSET) || contains(bytes, ASSET)) => MeshFormat::Gltf,
         Some("stl") => MeshFormat::Stl,
         Some("obj") => MeshFormat::Obj,
         Some("dae") => MeshFormat::Collada,
         Some("msh") => MeshFormat::Msh,
+        Some("ply") => MeshFormat::Ply,
+        Some("gltf" | "glb") => MeshFormat::Gltf,
         _ if lower.starts_with("solid") => MeshFormat::Stl,
         _ => {
-            let why = "unknown file extension (expected .stl, .obj, .dae or .msh)";
+            let why = "unknown file extension (expected .stl, .obj, .dae, .ply, .gltf, .glb or .msh)";
             return Err(unknown(why));
         }
     })
+}
+
+/// The property of a glTF that must be there, and that may be anywhere in the file.
+const ASSET: &str = "\"asset\"";
+
+fn contains(bytes: &[u8], word: &str) -> bool {
+    bytes.windows(word.len()).any(|window| window == word.as_bytes())
 }
 
 /// Collects the triangles of one object; points that no triangle uses are left out.

@@ -63,7 +63,7 @@
 //!   elements, or an unknown attribute of `origin`, `axis`, `mimic` or a shape.
 //! * What xacro left is an error: run xacro on the file first.
 //! * Files are UTF-8, UTF-16, or ISO-8859-1 or windows-1252 if the XML declaration says so.
-//! * The `<up_axis>` of a COLLADA file is ignored.
+//! * The `<up_axis>` of a COLLADA file is ignored, and a glTF, whose Y is up, is not turned.
 //!
 //! # How an MJCF file is converted
 //!

@@ -7,7 +7,6 @@
 //! Source: COLLADA 1.4.1 and 1.5.0 specifications, Khronos Group 2008.
 
 mod geometry;
-mod transform;
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -16,9 +15,9 @@ use roxmltree::NodeId;
 
 use crate::error::Fault;
 use crate::mesh::{MeshFile, MeshFormat, MeshObject, SkippedList};
+use crate::transform::{self, FLAT, IDENTITY, Matrix, apply, from_rows, orientation, product};
 use crate::xml::{Element, Text, Xml, children, elements, name, shown};
 use geometry::Positions;
-use transform::{FLAT, IDENTITY, Matrix, apply, from_rows, orientation, product};
 
 /// Most nodes above each other, and most controllers in a row.
 const DEPTH: usize = 1000;

@@ -43,6 +43,18 @@ pub(crate) fn volume(file: &MeshFile) -> f64 {
     triangles.iter().map(det).sum::<f64>() / 6.0
 }
 
+/// Returns the area of all triangles.
+pub(crate) fn area(file: &MeshFile) -> f64 {
+    let (points, triangles) = file.whole();
+    let area = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|k| points[k as usize]);
+        let (u, v) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
+        let cross = [0, 1, 2].map(|k| u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
+        cross.iter().map(|x| x * x).sum::<f64>().sqrt() / 2.0
+    };
+    triangles.iter().map(area).sum()
+}
+
 /// Returns the least and the greatest corner of the box of all points.
 pub(crate) fn bounds(file: &MeshFile) -> [[f64; 3]; 2] {
     let (points, _) = file.whole();

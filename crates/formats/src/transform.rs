@@ -1,22 +1,23 @@
-//! Transforms of a node: affine maps as matrices of three rows and four columns.
+//! Transforms of the nodes of COLLADA and glTF: affine maps as matrices of three rows and four
+//! columns.
 
 use std::f64::consts::PI;
 
 /// An affine map: the last column is the translation.
-pub(super) type Matrix = [[f64; 4]; 3];
+pub(crate) type Matrix = [[f64; 4]; 3];
 
-pub(super) const IDENTITY: Matrix = scaling([1.0; 3]);
+pub(crate) const IDENTITY: Matrix = scaling([1.0; 3]);
 
-pub(super) const fn scaling([x, y, z]: [f64; 3]) -> Matrix {
+pub(crate) const fn scaling([x, y, z]: [f64; 3]) -> Matrix {
     [[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], [0.0, 0.0, z, 0.0]]
 }
 
-pub(super) const fn translation([x, y, z]: [f64; 3]) -> Matrix {
+pub(crate) const fn translation([x, y, z]: [f64; 3]) -> Matrix {
     [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]
 }
 
 /// Returns the matrix of 16 numbers, row by row; `None` if the last row is not `0 0 0 1`.
-pub(super) fn from_rows(numbers: &[f64]) -> Option<Matrix> {
+pub(crate) fn from_rows(numbers: &[f64]) -> Option<Matrix> {
     let [x, y, z, last] = numbers.as_chunks::<4>().0 else {
         return None;
     };
@@ -24,7 +25,7 @@ pub(super) fn from_rows(numbers: &[f64]) -> Option<Matrix> {
 }
 
 /// Returns the map that applies `b` first and then `a`.
-pub(super) fn product(a: &Matrix, b: &Matrix) -> Matrix {
+pub(crate) fn product(a: &Matrix, b: &Matrix) -> Matrix {
     let mut all = [[0.0; 4]; 3];
     for (row, out) in a.iter().zip(&mut all) {
         for (k, entry) in out.iter_mut().enumerate() {
@@ -35,16 +36,16 @@ pub(super) fn product(a: &Matrix, b: &Matrix) -> Matrix {
     all
 }
 
-pub(super) fn apply(m: &Matrix, [x, y, z]: [f64; 3]) -> [f64; 3] {
+pub(crate) fn apply(m: &Matrix, [x, y, z]: [f64; 3]) -> [f64; 3] {
     m.map(|row| row[0] * x + row[1] * y + row[2] * z + row[3])
 }
 
 /// Least absolute value of [`orientation`] of a map that does not flatten; less is rounding.
-pub(super) const FLAT: f64 = 1e-14;
+pub(crate) const FLAT: f64 = 1e-14;
 
 /// Returns the determinant, up to a positive factor: its sign tells a mirror, zero tells a map that
 /// flattens. `NaN` if an entry is not finite.
-pub(super) fn orientation(m: &Matrix) -> f64 {
+pub(crate) fn orientation(m: &Matrix) -> f64 {
     // Rows are scaled to one, because products of very large or small numbers are lost.
     let [a, b, c] = m.map(|row| {
         let largest = largest([row[0], row[1], row[2]]);
@@ -61,7 +62,7 @@ pub(super) fn orientation(m: &Matrix) -> f64 {
 /// Returns the rotation about an axis by an angle in degrees; `None` for an axis of length zero.
 ///
 /// For a quarter turn its entries are closer to whole numbers than those of a quaternion.
-pub(super) fn rotation(axis: [f64; 3], degrees: f64) -> Option<Matrix> {
+pub(crate) fn rotation(axis: [f64; 3], degrees: f64) -> Option<Matrix> {
     let u = unit(axis)?;
     let (sine, cosine) = libm::sincos(degrees.to_radians());
     let rest = 1.0 - cosine;
@@ -75,9 +76,24 @@ pub(super) fn rotation(axis: [f64; 3], degrees: f64) -> Option<Matrix> {
     ])
 }
 
+/// Returns the rotation of a quaternion `x y z w` of any length; `None` for the length zero.
+pub(crate) fn from_quaternion(q: [f64; 4]) -> Option<Matrix> {
+    let square: f64 = q.iter().map(|x| x * x).sum();
+    if !(square > 0.0 && square.is_finite()) {
+        return None;
+    }
+    let [x, y, z, w] = q;
+    let s = 2.0 / square;
+    Some([
+        [1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y), 0.0],
+        [s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x), 0.0],
+        [s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y), 0.0],
+    ])
+}
+
 /// Returns the pose of an eye that looks along -z at a point, with y up; `None` if the eye is at
 /// the point, or looks along `up`.
-pub(super) fn look_at(eye: [f64; 3], at: [f64; 3], up: [f64; 3]) -> Option<Matrix> {
+pub(crate) fn look_at(eye: [f64; 3], at: [f64; 3], up: [f64; 3]) -> Option<Matrix> {
     let back = unit(subtract(eye, at))?;
     let right = unit(cross(unit(up)?, back))?;
     let up = cross(back, right);
@@ -88,7 +104,7 @@ pub(super) fn look_at(eye: [f64; 3], at: [f64; 3], up: [f64; 3]) -> Option<Matri
 /// Returns the shear that turns the direction `turned` by an angle in degrees towards `along` by
 /// moving points parallel to `along`, as in RenderMan; `None` if the two are not perpendicular, or
 /// the angle is 90 degrees or more.
-pub(super) fn skew(degrees: f64, turned: [f64; 3], along: [f64; 3]) -> Option<Matrix> {
+pub(crate) fn skew(degrees: f64, turned: [f64; 3], along: [f64; 3]) -> Option<Matrix> {
     let (d, e) = (unit(turned)?, unit(along)?);
     let angle = degrees.to_radians();
     if !(dot(d, e).abs() < 1e-6 && angle.abs() < 0.5 * PI) {
@@ -169,6 +185,20 @@ mod tests {
             let expected = rotation(axis, 74.0 * f).expect("an axis");
             assert!(near(apply(&twice, p), apply(&expected, p)));
         }
+    }
+
+    #[test]
+    fn a_quaternion_of_any_length_is_its_rotation() {
+        for k in 1..100 {
+            let degrees = 3.6 * f64::from(k);
+            let (sine, cosine) = libm::sincos(0.5 * degrees.to_radians());
+            let scale = 0.01 * f64::from(k);
+            let q = [2.0 / 3.0, -2.0 / 3.0, 1.0 / 3.0, 0.0].map(|x| x * sine * scale);
+            let turn = from_quaternion([q[0], q[1], q[2], cosine * scale]).expect("a rotation");
+            let expected = rotation([2.0, -2.0, 1.0], degrees).expect("an axis");
+            assert!(near(apply(&turn, [1.0, 2.0, 3.0]), apply(&expected, [1.0, 2.0, 3.0])));
+        }
+        assert_eq!(from_quaternion([0.0; 4]), None);
     }
 
     #[test]
