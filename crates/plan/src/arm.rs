@@ -169,6 +169,10 @@ impl ConfigurationSpace for SerialArm {
     fn place(&self, q: &[f64], poses: &mut Vec<Isometry3<f64>>) {
         self.tree.place(q, poses);
     }
+    fn set_middles(&mut self, middles: &[Point3<f64>]) {
+        self.tree.set_middles(middles);
+    }
+
     fn segment(&self, from: &[f64], to: &[f64]) -> Result<TreeSegment, PlanError> {
         self.tree.segment(from, to)
     }

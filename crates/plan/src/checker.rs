@@ -58,7 +58,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # Errors
     /// Returns an error if the space and the world have different numbers of robot bodies, if a
     /// pose is out of range, or if two kinds of geometry cannot be measured.
-    pub fn new(space: C, world: World) -> Result<Self, PlanError> {
+    pub fn new(mut space: C, world: World) -> Result<Self, PlanError> {
         if space.bodies() != world.robot.len() {
             return Err(PlanError::Bodies {
                 space: space.bodies(),
@@ -66,6 +66,8 @@ impl<C: ConfigurationSpace> Checker<C> {
             });
         }
         let pairs = Pairs::new(&world, |a, b| space.is_rigid(a, b))?;
+        let middles: Vec<_> = pairs.robot_balls.iter().map(|(centre, _)| *centre).collect();
+        space.set_middles(&middles);
         let reach = pairs.robot_radius;
         let has_parts = world.has_parts();
         Ok(Self {

@@ -53,6 +53,14 @@ pub trait ConfigurationSpace {
     /// Returns an error if a number is out of range.
     fn segment(&self, from: &[f64], to: &[f64]) -> Result<Self::Segment, PlanError>;
 
+    /// Takes the middle of each body, in its frame: [`Checker::new`](crate::Checker::new) hands over
+    /// the centres of balls around the bodies.
+    ///
+    /// A space may state the motion of a body about its middle ([`MotionModel::pivot`]). Bounds of
+    /// the motion then hold for longer, because no point of the body is far from the pivot. By
+    /// default, the middles are ignored.
+    fn set_middles(&mut self, _middles: &[Point3<f64>]) {}
+
     /// Returns the step along the segment from one configuration to another.
     fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64>;
 

@@ -163,6 +163,8 @@ pub struct JointTree {
     scales: Vec<f64>,
     /// The link of each body.
     links: Vec<usize>,
+    /// The middle of each body, in the frame of its link.
+    middles: Vec<Point3<f64>>,
     /// For each link, the first link that keeps its relative pose to it.
     rigid: Vec<usize>,
 }
@@ -205,6 +207,7 @@ impl JointTree {
             rigid: rigid(&joints),
             tree: LinkTree::new(&base, joints),
             limits,
+            middles: std::vec![Point3::origin(); links.len()],
             links,
         })
     }
@@ -295,7 +298,13 @@ impl ConfigurationSpace for JointTree {
     }
 
     fn segment(&self, from: &[f64], to: &[f64]) -> Result<TreeSegment, PlanError> {
-        Ok(TreeSegment::new(&self.tree, &self.links, from, to))
+        Ok(TreeSegment::new(&self.tree, &self.links, &self.middles, from, to))
+    }
+
+    fn set_middles(&mut self, middles: &[Point3<f64>]) {
+        for (middle, given) in self.middles.iter_mut().zip(middles) {
+            *middle = *given;
+        }
     }
 
     fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {

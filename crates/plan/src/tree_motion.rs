@@ -9,12 +9,13 @@
 //! most at the rate `sum |q'_i| W_{i-1}`, where `W_i` is the sum of the rates of the revolute
 //! joints up to i.
 //!
-//! The origin of the link is the sum of vectors `R_1 .. R_i u_i`, each rotated by the joints before
-//! it. Each rotation has a constant rate about a fixed axis of the frame before. So by Leibniz's
-//! rule the n-th derivative of a vector of constant length is at most `W_i^n |u_i|`. For a vector
-//! along a prismatic joint of value d, the third derivative is at most `W^3 |d| + 3 W^2 |d'|`.
-//! Velocity and acceleration come from the forward recursion of Newton and Euler (Luh, Walker and
-//! Paul 1980). The sum of the third derivatives bounds the deviation from them.
+//! The pivot, the middle of the body, is the sum of vectors `R_1 .. R_i u_i`, each rotated by the
+//! joints before it: the last one leads from the origin of the link to the pivot. Each rotation has
+//! a constant rate about a fixed axis of the frame before. So by Leibniz's rule the n-th derivative
+//! of a vector of constant length is at most `W_i^n |u_i|`. For a vector along a prismatic joint of
+//! value d, the third derivative is at most `W^3 |d| + 3 W^2 |d'|`. Velocity and acceleration come
+//! from the forward recursion of Newton and Euler (Luh, Walker and Paul 1980). The sum of the third
+//! derivatives bounds the deviation from them.
 //!
 //! Rounding errors grow with the number of joints on the path: see `ARM_TURN`, `ARM_PLACE` and
 //! `ARM_VALUE`.
@@ -130,13 +131,15 @@ impl JointCourse {
 pub struct TreeSegment {
     tree: LinkTree,
     links: Vec<usize>,
+    /// The middle of each body, about which its motion is stated, in the frame of its link.
+    middles: Vec<Point3<f64>>,
     joints: Vec<JointCourse>,
-    /// Pose and motion model of each link at the start, where the first query of every pair is.
+    /// Pose and motion model of each body at the start, where the first query of every pair is.
     begin: Vec<(Isometry3<f64>, MotionModel)>,
 }
 
 impl TreeSegment {
-    pub(crate) fn new(tree: &LinkTree, links: &[usize], from: &[f64], to: &[f64]) -> Self {
+    pub(crate) fn new(tree: &LinkTree, links: &[usize], middles: &[Point3<f64>], from: &[f64], to: &[f64]) -> Self {
         let joints: Vec<_> = tree.joints().iter().map(|j| JointCourse::new(j, from, to)).collect();
         let mut motions = std::vec![LinkMotion::new(tree.base())];
         for (joint, model) in tree.joints().iter().zip(&joints) {
@@ -144,10 +147,13 @@ impl TreeSegment {
             motion.pass(joint, model, 0.0);
             motions.push(motion);
         }
+        let bodies = links.iter().zip(middles);
+        let begin = bodies.map(|(&link, middle)| (motions[link].pose, motions[link].clone().model(middle)));
         Self {
-            begin: motions.iter().map(|motion| (motion.pose, motion.model())).collect(),
+            begin: begin.collect(),
             tree: tree.clone(),
             links: links.into(),
+            middles: middles.into(),
             joints,
         }
     }
@@ -157,7 +163,7 @@ impl SegmentMotion for TreeSegment {
     fn pose(&self, body: usize, time: f64) -> Isometry3<f64> {
         let link = self.links[body];
         if time == 0.0 {
-            return self.begin[link].0;
+            return self.begin[body].0;
         }
         let path = self.tree.path(link);
         path.fold(*self.tree.base(), |pose, (k, joint)| {
@@ -183,7 +189,7 @@ impl SegmentMotion for TreeSegment {
     fn placed(&self, stem: usize, body: usize, time: f64, _: f64) -> (Isometry3<f64>, MotionModel) {
         let link = self.links[body];
         if stem == 0 && time == 0.0 {
-            return self.begin[link];
+            return self.begin[body];
         }
         let mut motion = LinkMotion::new(self.tree.base());
         let mut path = self.tree.path(link);
@@ -194,7 +200,7 @@ impl SegmentMotion for TreeSegment {
             motion.pose = Isometry3::identity();
         }
         path.for_each(|(k, joint)| motion.pass(joint, &self.joints[k], time));
-        (motion.pose, motion.model())
+        (motion.pose, motion.model(&self.middles[body]))
     }
 }
 
@@ -324,13 +330,19 @@ impl LinkMotion {
         self.bounds.rate += rate.abs();
     }
 
+    /// Returns the motion about a point of the link.
+    ///
     /// Errors count twice, because a bound holds between two rounded poses.
-    fn model(&self) -> MotionModel {
+    fn model(mut self, middle: &Point3<f64>) -> MotionModel {
+        if *middle != Point3::origin() {
+            let along = self.pose.rotation * middle.coords;
+            self.carry(&along, &middle.coords, 0.0, None);
+        }
         let b = &self.bounds;
         let error = 2.0 * b.turn + ARM_PLACE;
         let growth = 1.0 + ARM_PLACE;
         MotionModel {
-            pivot: Point3::origin(),
+            pivot: *middle,
             linear: self.linear,
             angular: self.angular,
             acceleration: self.acceleration,
