@@ -141,6 +141,17 @@ def test_robots_and_checkers_are_pickled(robot, checker):
     assert repr(pickle.loads(pickle.dumps(robot))) == repr(robot)
 
 
+def test_an_srdf_enables_adjacent_links(robot, tmp_path):
+    names = '<enable_collisions link1="base" link2="bar"/>'
+    (tmp_path / "on.srdf").write_text(f'<robot name="turner">{names}</robot>')
+    checked = lc.Robot.load(tmp_path / "turner.urdf", tmp_path / "on.srdf")
+    q = [0.5, 0.0]
+    assert lc.Checker(robot).clearance(q) is None
+    for checker in (lc.Checker(checked), lc.Checker({"a/": (checked, None)})):
+        assert checker.clearance(q).distance == pytest.approx(0.35)
+    assert checked.clearances([q])["distance"] == pytest.approx(0.35)
+
+
 def test_two_robots(robot):
     away = np.eye(4)
     away[0, 3] = 10
