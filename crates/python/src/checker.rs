@@ -121,6 +121,12 @@ impl Checker {
         &self.names
     }
 
+    /// What the files of the robots have and this checker does not use: see `Robot.skipped`.
+    #[getter]
+    fn skipped(&self) -> Vec<String> {
+        self.setup.skipped().iter().map(ToString::to_string).collect()
+    }
+
     /// The distance that pairs must keep to be free, a length.
     #[getter]
     fn margin(&self) -> f64 {
