@@ -29,7 +29,6 @@
 //! | [`suite`] | files of cases with or without their exact values |
 //! | [`corpus`] | the named hard cases of `tests/corpus/` |
 //! | [`parry`] | the reference engine |
-//! | [`meshes`] | OBJ and STL files |
 //! | [`command`], [`svg`] | entry point of programs with options, shapes as SVG: for the examples of all packages |
 //!
 //! `exact` and `bound` use [`body`] (bodies at exact poses), [`rational`] (exact arithmetic) and
@@ -49,12 +48,10 @@ pub mod corpus;
 pub mod crowd;
 pub mod curved;
 pub mod driven;
-mod ears;
 pub mod exact;
 pub mod exact_meshes;
 pub mod faults;
 pub mod forms;
-pub mod meshes;
 pub mod motion;
 pub mod nets;
 pub mod pairs;
