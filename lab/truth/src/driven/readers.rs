@@ -29,9 +29,6 @@ const MESSAGE: usize = 1_000;
 /// The first byte and the extension of mesh files, and the bytes of repeated instances.
 const MESHES: [(u8, &str, usize); 3] = [(b'd', "dae", INSTANCES), (b'o', "obj", 0), (b's', "stl", 0)];
 
-/// The first byte and the check of each file of a robot.
-const ROBOTS: [(u8, fn(&str)); 4] = [(b'u', urdf), (b's', srdf), (b'c', cell), (b't', trajectory)];
-
 /// A file in a folder that does not exist, so that no mesh is found next to it.
 const FILE: &str = "/no folder/file";
 
@@ -91,9 +88,14 @@ pub fn robots(data: &[u8]) {
     let Some((first, bytes)) = data.split_first() else {
         return;
     };
-    if let Some((_, check)) = ROBOTS.iter().find(|(letter, _)| letter == first) {
-        LazyLock::force(&ROBOT);
-        check(&String::from_utf8_lossy(bytes));
+    LazyLock::force(&ROBOT);
+    let text = &String::from_utf8_lossy(bytes);
+    match first {
+        b'u' => urdf(text),
+        b's' => srdf(text),
+        b'c' => cell(text),
+        b't' => trajectory(text),
+        _ => {}
     }
 }
 
