@@ -5,6 +5,7 @@ use std::path::Path;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::{ContactState, Mesh, PairTracker, RelativePose};
+use lin_canny_formats::MeshFile;
 
 use crate::Trouble;
 
@@ -50,11 +51,11 @@ pub(crate) fn answer(meshes: [&Path; 2], poses: &Path, csv: &Path) -> Result<(),
     Ok(())
 }
 
-/// Reads a mesh; polygons are cut into triangles.
+/// Reads a mesh.
 fn load(letter: char, path: &Path) -> Result<Mesh, Trouble> {
-    let read = truth::meshes::load(path)?;
-    let points: Vec<_> = read.points.iter().map(|p| Point3::from(*p)).collect();
-    let mesh = Mesh::new(&points, &read.triangles()).map_err(|e| format!("{}: {e}", path.display()))?;
+    let (points, triangles) = MeshFile::load(path)?.whole();
+    let points: Vec<_> = points.into_iter().map(Point3::from).collect();
+    let mesh = Mesh::new(&points, &triangles).map_err(|e| format!("{}: {e}", path.display()))?;
     println!("{letter}: {}: {}", path.display(), mesh.report());
     Ok(mesh)
 }

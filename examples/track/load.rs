@@ -1,11 +1,12 @@
 //! Reads a body from a file, and reports its properties to the user.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use lin_canny::nalgebra::Point3;
 use lin_canny::polyhedron::BuildError;
 use lin_canny::{ConvexPolyhedron, Feature, Mesh, MeshError, MeshKind};
-use truth::meshes;
+use lin_canny_formats::{MeshFile, MeshFormat};
 
 /// A mesh counts as convex if the void fraction of its hull is at most this: files in single
 /// precision round flat faces by about 1e-7 of the size.
@@ -46,9 +47,14 @@ impl Loaded {
 
 /// Reads a mesh, builds its hull and prints the report.
 pub(crate) fn load(letter: char, path: &Path) -> Result<Loaded, Box<dyn std::error::Error>> {
-    let mesh = meshes::load(path)?;
+    let file = MeshFile::load(path)?;
+    let (points, triangles) = file.whole();
+    let numbers = match file.format {
+        MeshFormat::Obj => numbers(&String::from_utf8_lossy(&std::fs::read(path)?), &points),
+        _ => (0..points.len() as u32).collect(),
+    };
     let refused = |e: BuildError| format!("{}: no body: {e}", path.display());
-    let points: Vec<_> = mesh.points.iter().map(|&p| Point3::from(p)).collect();
+    let points: Vec<_> = points.into_iter().map(Point3::from).collect();
     let body = match ConvexPolyhedron::from_points(&points) {
         Err(BuildError::Flat { dimension: 2, .. } | BuildError::TooFewPoints { count: 3, .. }) => {
             ConvexPolyhedron::polygon(&points).map_err(refused)?
@@ -56,27 +62,49 @@ pub(crate) fn load(letter: char, path: &Path) -> Result<Loaded, Box<dyn std::err
         other => other.map_err(refused)?,
     };
     println!("{letter}: {}", path.display());
-    println!("   mesh: points {}, faces {}", mesh.points.len(), mesh.faces.len());
+    println!("   mesh: points {}, triangles {}", points.len(), triangles.len());
     println!("   hull: {}", body.report());
-    let convexity = convexity(&mesh, &body).map_err(|e| format!("{}: {e}", path.display()))?;
-    println!("   {convexity}");
-    Ok(Loaded {
-        body,
-        numbers: mesh.numbers,
-    })
+    let convexity = convexity(&points, &triangles, &numbers, &body);
+    println!("   {}", convexity.map_err(|e| format!("{}: {e}", path.display()))?);
+    Ok(Loaded { body, numbers })
+}
+
+/// Returns the number of the first `v` line with the coordinates of each point of an OBJ, from 1; 0
+/// if there is none.
+fn numbers(text: &str, points: &[[f64; 3]]) -> Vec<u32> {
+    let key = |p: [f64; 3]| p.map(|x| (x + 0.0).to_bits());
+    let vertex = |line: &str| {
+        let mut words = line.split_whitespace().skip(1).map_while(|word| word.parse().ok());
+        Some(key([words.next()?, words.next()?, words.next()?]))
+    };
+    let lines = text.lines().filter(|line| line.split_whitespace().next() == Some("v"));
+    let mut first = HashMap::new();
+    for (line, number) in lines.zip(1..) {
+        if let Some(key) = vertex(line) {
+            first.entry(key).or_insert(number);
+        }
+    }
+    points
+        .iter()
+        .map(|p| first.get(&key(*p)).copied().unwrap_or(0))
+        .collect()
 }
 
 /// Describes how the hull differs from the mesh: whether the mesh is closed and convex, and how
 /// much the hull adds.
-fn convexity(mesh: &truth::meshes::Mesh, body: &ConvexPolyhedron) -> Result<String, MeshError> {
+fn convexity(
+    points: &[Point3<f64>],
+    triangles: &[[u32; 3]],
+    numbers: &[u32],
+    body: &ConvexPolyhedron,
+) -> Result<String, MeshError> {
     if body.volume() == 0.0 {
         return Ok("the mesh is flat and is taken as a polygon".into());
     }
-    let points: Vec<_> = mesh.points.iter().map(|&p| Point3::from(p)).collect();
-    let surface = Mesh::new(&points, &mesh.triangles())?;
+    let surface = Mesh::new(points, triangles)?;
     let report = surface.report();
     if let [[p, q], ..] = report.boundary_edges[..] {
-        let [p, q] = [p, q].map(|i| mesh.numbers[i as usize]);
+        let [p, q] = [p, q].map(|i| numbers[i as usize]);
         let count = report.boundary_edges.len();
         return Ok(format!(
             "the mesh is open: {count} edges have a triangle on one side only (one from v{p} to v{q}); the hull is used"

@@ -12,7 +12,7 @@ use truth::command::file;
 /// With --poses the bodies are the meshes themselves, and nothing is drawn.
 #[derive(Parser)]
 pub(crate) struct Options {
-    /// Two meshes in OBJ or STL files
+    /// Two meshes in STL, OBJ or COLLADA files
     ///
     /// [default: examples/meshes/gem.obj examples/meshes/nut.stl]
     #[arg(num_args = 2, value_names = ["A", "B"])]

@@ -60,6 +60,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
         };
         let word_lower = word.to_ascii_lowercase();
         if !matches!(word_lower.as_str(), "v" | "f" | "fo") && joined.lines().skip(1).any(begins_geometry) {
+            let word = text::quoted(word);
             let why = format!("line {word} continues with a vertex, a face or a surface after its backslash");
             return Err(Fault::malformed(line, why));
         }

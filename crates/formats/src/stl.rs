@@ -156,11 +156,15 @@ impl<'a> Words<'a> {
         Fault::malformed(self.line, why)
     }
 
+    fn unknown(&self, word: &str, expected: &str) -> Fault {
+        self.fault(format!("unknown word: {} (expected {expected})", text::quoted(word)))
+    }
+
     /// Takes one of the given words, in any case.
     fn expect(&mut self, keyword: &str) -> Result<(), Fault> {
         match self.next() {
             Some(word) if word.eq_ignore_ascii_case(keyword) => Ok(()),
-            Some(word) => Err(self.fault(format!("unknown word: {word:?} (expected {keyword:?})"))),
+            Some(word) => Err(self.unknown(word, &format!("{keyword:?}"))),
             None => Err(self.fault(format!("the file ends before {keyword:?}"))),
         }
     }
@@ -171,8 +175,9 @@ impl<'a> Words<'a> {
         for coordinate in &mut point {
             let word = self.next().unwrap_or("the end of the file");
             let fault = || {
+                let word = text::quoted(word);
                 self.fault(format!(
-                    "invalid coordinate of a vertex: {word:?} (expected a finite number)"
+                    "invalid coordinate of a vertex: {word} (expected a finite number)"
                 ))
             };
             *coordinate = text::number(word).ok_or_else(fault)?;
@@ -186,9 +191,7 @@ fn ascii(text: &str) -> Result<MeshFile, Fault> {
     let (mut objects, mut skipped) = (Vec::new(), SkippedList::default());
     while let Some(word) = words.next() {
         if !word.eq_ignore_ascii_case("solid") {
-            return Err(words.fault(format!(
-                "unknown word: {word:?} (expected \"solid\" or the end of the file)"
-            )));
+            return Err(words.unknown(word, "\"solid\" or the end of the file"));
         }
         // A solid on one line has its facets behind the name.
         let name = name_before_facets(&mut words);
@@ -212,10 +215,7 @@ fn ascii(text: &str) -> Result<MeshFile, Fault> {
                     let corners = facet(&mut words)?;
                     solid.triangle(Some(line), corners)?;
                 }
-                Some(word) => {
-                    let why = format!("unknown word: {word:?} (expected \"facet\" or \"endsolid\")");
-                    return Err(words.fault(why));
-                }
+                Some(word) => return Err(words.unknown(word, "\"facet\" or \"endsolid\"")),
             }
         }
         objects.push(solid.build());

@@ -177,6 +177,9 @@ fn files_that_are_no_mesh_are_named() {
     assert!(message(b"version https://git-lfs.github.com/spec/v1\noid sha256:1\nsize 5\n").contains("git lfs pull"));
     assert!(message(b"<!DOCTYPE html><html></html>").contains("HTML"));
     assert!(message(b"solid a\nendsolid a\n").contains("no triangle"));
+    let long = format!("solid a\n{}\n", "x".repeat(10_000));
+    let error = message(long.as_bytes());
+    assert!(error.contains("unknown word: \"xxxx") && error.len() < 200, "{error}");
     assert!(
         parse(b"x", "a.step")
             .expect_err("another format")

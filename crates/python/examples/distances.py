@@ -1,29 +1,21 @@
-"""Distance of two STL files, as hulls or as the meshes they are.
+"""Distance of two mesh files (STL, OBJ or COLLADA), as hulls or as the meshes they are.
 
-    pip install trimesh
     python distances.py part.stl tool.stl --at 0.1 0 0 --kind mesh
 """
 
 import argparse
 
-import trimesh
-
 import lin_canny as lc
 
 
-def geometry(path, kind):
-    mesh = trimesh.load_mesh(path)
-    return lc.Geometry.hull(mesh.vertices) if kind == "hull" else lc.Geometry.from_trimesh(mesh)
-
-
 def main():
-    options = argparse.ArgumentParser(description="Distance of two STL files.")
+    options = argparse.ArgumentParser(description="Distance of two mesh files.")
     options.add_argument("files", nargs=2)
     options.add_argument("--at", nargs=3, type=float, default=(0, 0, 0), help="position of the second file")
     options.add_argument("--xyzw", nargs=4, type=float, default=(0, 0, 0, 1), help="its quaternion")
     options.add_argument("--kind", choices=("hull", "mesh"), default="mesh")
     given = options.parse_args()
-    a, b = (geometry(path, given.kind) for path in given.files)
+    a, b = (lc.load_mesh(path).geometry(given.kind) for path in given.files)
     pose = (given.at, given.xyzw)
     tracker = lc.PairTracker()
     found = tracker.closest(a, b, None, pose)

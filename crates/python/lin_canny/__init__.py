@@ -12,6 +12,7 @@ from ._native import (
     Geometry,
     GeometryError,
     LinCannyError,
+    MeshFile,
     MotionError,
     NearPair,
     PairError,
@@ -26,6 +27,7 @@ from ._native import (
     UndecidedError,
     Verdict,
     distances,
+    load_mesh,
 )
 
 __all__ = [
@@ -36,6 +38,7 @@ __all__ = [
     "Geometry",
     "GeometryError",
     "LinCannyError",
+    "MeshFile",
     "MotionError",
     "NearPair",
     "PairError",
@@ -50,4 +53,5 @@ __all__ = [
     "UndecidedError",
     "Verdict",
     "distances",
+    "load_mesh",
 ]

@@ -77,10 +77,7 @@ impl Checker {
         options.set_item("ignore_adjacent", ignore_adjacent)?;
         options.set_item("margin", margin)?;
         let robot_object = robot.object().clone();
-        let mut setup = setup::of_robots(&robot, pose)?;
-        if ignore_adjacent {
-            setup.ignore_adjacent();
-        }
+        let mut setup = setup::of_robots(&robot, pose, ignore_adjacent)?;
         let in_cell = setup::add_cell(&mut setup, &robot, cell)?;
         let others = setup::add_obstacles(&mut setup, obstacles.unwrap_or_default())?;
         for (a, b) in ignore.unwrap_or_default() {
@@ -122,6 +119,12 @@ impl Checker {
     #[getter]
     fn bodies(&self) -> &[String] {
         &self.names
+    }
+
+    /// What the files of the robots have and this checker does not use: see `Robot.skipped`.
+    #[getter]
+    fn skipped(&self) -> Vec<String> {
+        self.setup.skipped().iter().map(ToString::to_string).collect()
     }
 
     /// The distance that pairs must keep to be free, a length.
@@ -267,8 +270,7 @@ impl Checker {
     /// Returns the checker of a robot without obstacles.
     pub(crate) fn alone(robot: &Bound<'_, Robot>) -> PyResult<Self> {
         let py = robot.py();
-        let mut setup = setup::of_robots(&RobotArgument::One(robot.clone()), None)?;
-        setup.ignore_adjacent();
+        let setup = setup::of_robots(&RobotArgument::One(robot.clone()), None, true)?;
         let arguments = (PyTuple::new(py, [robot])?.unbind(), PyDict::new(py).unbind());
         Self::of_setup(setup, 0, arguments)
     }

@@ -6,6 +6,7 @@ mod batch;
 mod checker;
 mod errors;
 mod geometry;
+mod mesh_file;
 mod pose;
 mod robot;
 mod scene;
@@ -26,6 +27,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<checker::Checker>()?;
     module.add_class::<checker::NearPair>()?;
     module.add_class::<checker::Verdict>()?;
+    module.add_class::<mesh_file::MeshFile>()?;
+    module.add_function(wrap_pyfunction!(mesh_file::load_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(tracker::distances, module)?)?;
     #[cfg(feature = "bench")]
     module.add_function(wrap_pyfunction!(tracker::rust_loop, module)?)?;

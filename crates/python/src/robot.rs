@@ -18,6 +18,7 @@ struct Files {
     packages: Vec<PathBuf>,
     meshes: String,
     pieces: Option<PathBuf>,
+    skip_missing_meshes: bool,
 }
 
 impl Files {
@@ -36,7 +37,9 @@ impl Files {
                 )));
             }
         };
-        let mut options = LoadOptions::default().meshes(usage);
+        let mut options = LoadOptions::default()
+            .meshes(usage)
+            .skip_missing_meshes(self.skip_missing_meshes);
         options.pieces.clone_from(&self.pieces);
         Ok(options)
     }
@@ -68,9 +71,13 @@ impl Robot {
     /// packages: folders in which `package://` is looked up, before those of ROS_PACKAGE_PATH and
     /// those above the URDF. meshes: what mesh files become, "hull", "mesh" (the triangles as they
     /// are) or "pieces" (the hulls of the objects of an OBJ of the same name in the folder
-    /// `pieces`). Raises FileError, which names file, line and element.
+    /// `pieces`). skip_missing_meshes: whether collision elements whose mesh file does not exist
+    /// are listed in `skipped`, and nothing is checked against them; else they are errors. Raises
+    /// FileError, which names file, line and element.
     #[staticmethod]
-    #[pyo3(signature = (urdf, srdf=None, *, packages=Vec::new(), meshes="hull", pieces=None))]
+    #[pyo3(signature = (
+        urdf, srdf=None, *, packages=Vec::new(), meshes="hull", pieces=None, skip_missing_meshes=false
+    ))]
     fn load(
         py: Python<'_>,
         urdf: PathBuf,
@@ -78,6 +85,7 @@ impl Robot {
         packages: Vec<PathBuf>,
         meshes: &str,
         pieces: Option<PathBuf>,
+        skip_missing_meshes: bool,
     ) -> PyResult<Self> {
         let meshes = meshes.to_owned();
         let files = Files {
@@ -86,6 +94,7 @@ impl Robot {
             packages,
             meshes,
             pieces,
+            skip_missing_meshes,
         };
         let options = files.options()?;
         let robot = py.detach(|| Loaded::load_with(&files.urdf, &files.packages(), &options));
@@ -129,6 +138,19 @@ impl Robot {
         PyArray1::from_vec(py, limits.into_flattened()).reshape([self.dof(), 2])
     }
 
+    /// What the URDF and the SRDF have and this robot does not use, with file, line and reason:
+    /// collision elements whose mesh file does not exist, and pairs of links that do not exist.
+    #[getter]
+    fn skipped(&self) -> Vec<String> {
+        let srdf = self.srdf.iter().flat_map(|srdf| &srdf.skipped);
+        self.robot
+            .skipped()
+            .iter()
+            .chain(srdf)
+            .map(ToString::to_string)
+            .collect()
+    }
+
     /// Returns the clearance between the links of the robot alone at many configurations, shape
     /// (N, dof): see `Checker.clearances`. Adjacent links and pairs of the SRDF are not checked.
     #[pyo3(signature = (q, *, threads=1, progress=None))]
@@ -153,11 +175,13 @@ impl Robot {
             packages,
             meshes,
             pieces,
+            skip_missing_meshes,
         } = &self.files;
         let options = PyDict::new(py);
         options.set_item("packages", packages)?;
         options.set_item("meshes", meshes)?;
         options.set_item("pieces", pieces)?;
+        options.set_item("skip_missing_meshes", skip_missing_meshes)?;
         let load = py.get_type::<Self>().getattr("load")?;
         let partial = py.import("functools")?.getattr("partial")?;
         let load = partial.call((load,), Some(&options))?;

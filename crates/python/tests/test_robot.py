@@ -141,6 +141,31 @@ def test_robots_and_checkers_are_pickled(robot, checker):
     assert repr(pickle.loads(pickle.dumps(robot))) == repr(robot)
 
 
+def test_what_is_skipped_is_listed(tmp_path):
+    mesh = '<link name="bar"><collision><geometry><mesh filename="no.stl"/></geometry></collision>'
+    urdf, srdf = tmp_path / "r.urdf", tmp_path / "r.srdf"
+    urdf.write_text(ROBOT.replace('<link name="bar">', mesh))
+    srdf.write_text(SRDF.replace('"bar"', '"tool"'))
+    with pytest.raises(lc.FileError, match=r"r.urdf:4: .*no.stl is missing"):
+        lc.Robot.load(urdf)
+    robot = lc.Robot.load(urdf, srdf, skip_missing_meshes=True)
+    found = robot.skipped
+    assert len(found) == 2 and "r.urdf:4: " in found[0] and "no.stl is missing" in found[0]
+    assert "r.srdf:1: disable_collisions" in found[1] and '"tool" does not exist' in found[1]
+    assert lc.Checker(robot).skipped == found == pickle.loads(pickle.dumps(robot)).skipped
+
+
+def test_an_srdf_enables_adjacent_links(robot, tmp_path):
+    names = '<enable_collisions link1="base" link2="bar"/>'
+    (tmp_path / "on.srdf").write_text(f'<robot name="turner">{names}</robot>')
+    checked = lc.Robot.load(tmp_path / "turner.urdf", tmp_path / "on.srdf")
+    q = [0.5, 0.0]
+    assert lc.Checker(robot).clearance(q) is None
+    for checker in (lc.Checker(checked), lc.Checker({"a/": (checked, None)})):
+        assert checker.clearance(q).distance == pytest.approx(0.35)
+    assert checked.clearances([q])["distance"] == pytest.approx(0.35)
+
+
 def test_two_robots(robot):
     away = np.eye(4)
     away[0, 3] = 10

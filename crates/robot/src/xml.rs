@@ -21,6 +21,14 @@ pub(crate) const EXTENT_MAX: f64 = 1e100;
 /// The first version of URDF that has quaternions.
 const QUATERNIONS: [u32; 2] = [1, 1];
 
+/// Most declarations of prefixes, and most quotes behind one tag. The time of the XML parser grows
+/// with the cube of the first and the square of the second.
+const PREFIXES: usize = 200;
+const QUOTES: usize = 10_000;
+
+/// Most bytes of a text that entities of the file make.
+const EXPANDED: usize = 1 << 20;
+
 /// Maximum depth of nested elements.
 const DEPTH: usize = 64;
 
@@ -32,6 +40,8 @@ pub(crate) struct Xml<'a> {
     pub(crate) file: &'a Path,
     text: &'a str,
     document: Document<'a>,
+    /// The positions of line feeds.
+    line_feeds: Vec<usize>,
 }
 
 impl<'a> Xml<'a> {
@@ -39,6 +49,7 @@ impl<'a> Xml<'a> {
         check_content(text).map_err(|reason| FileError::new(file, Some(1), "", reason))?;
         // The parser skips a byte order mark, but counts it in positions.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        check_size(text).map_err(|what| FileError::new(file, Some(1), "", FileErrorKind::Unsupported(what.into())))?;
         let options = ParsingOptions {
             allow_dtd: true,
             nodes_limit: 4_000_000,
@@ -48,7 +59,18 @@ impl<'a> Xml<'a> {
             let (line, reason) = malformed(text, &e);
             FileError::new(file, Some(line), "", FileErrorKind::Malformed(reason))
         })?;
-        let xml = Self { file, text, document };
+        let line_feeds = text
+            .bytes()
+            .enumerate()
+            .filter(|(_, b)| *b == b'\n')
+            .map(|(k, _)| k)
+            .collect();
+        let xml = Self {
+            file,
+            text,
+            document,
+            line_feeds,
+        };
         let is_deep = |node: &Node| node.ancestors().nth(DEPTH).is_some();
         if let Some(node) = xml.document.descendants().find(is_deep) {
             let reason = FileErrorKind::Malformed(format!("elements are nested too deep (expected at most {DEPTH})"));
@@ -88,7 +110,8 @@ impl<'a> Xml<'a> {
     }
 
     pub(crate) fn line(&self, node: &Node) -> u32 {
-        self.document.text_pos_at(node.range().start).row
+        let start = node.range().start;
+        1 + self.line_feeds.partition_point(|&at| at < start) as u32
     }
 
     /// Returns the elements below another one that are read, in their order.
@@ -280,6 +303,26 @@ impl<'a> Xml<'a> {
 pub(crate) fn attribute<'n>(node: &Node<'n, '_>, name: &str) -> Option<&'n str> {
     let mut own = node.attributes().filter(|a| a.namespace().is_none());
     own.find(|a| a.name() == name).map(|a| a.value())
+}
+
+/// Returns an error if a small text could take the parser much time or memory.
+fn check_size(text: &str) -> Result<(), &'static str> {
+    let quotes = |tag: &str| tag.bytes().filter(|b| matches!(b, b'"' | b'\'')).count();
+    if text.matches("xmlns:").nth(PREFIXES).is_some() || text.split('<').any(|tag| quotes(tag) > QUOTES) {
+        return Err("XML with that many prefixes or attributes");
+    }
+    // An entity is shorter than all declarations, and is replaced once for each `&` if none is in
+    // another.
+    if let Some(first) = text.find("<!ENTITY") {
+        let declarations = &text[first..text.rfind("]>").unwrap_or(text.len()).max(first)];
+        if declarations.contains('&') {
+            return Err("an entity in an entity");
+        }
+        if declarations.len().saturating_mul(text.matches('&').count()) > EXPANDED {
+            return Err("a text of entities that is longer than a megabyte");
+        }
+    }
+    Ok(())
 }
 
 /// Returns the line of a fault of the parser, and what helps.

@@ -374,6 +374,18 @@ fn files_that_are_no_good_xml_get_a_message_that_helps() {
     }
     assert!(parse(&with_type(&bomb, "&e9;")).is_err());
     assert!(parse(&with_type("<!ENTITY n \"&n;\">", "&n;")).is_err());
+    let long = format!("<!ENTITY n \"{}\">", "x".repeat(1_000));
+    assert_eq!(parse(&with_type(&long, "&n;&n;")).expect("a robot").name().len(), 2_000);
+    let error = parse(&with_type(&long, &"&n;".repeat(2_000))).expect_err("two megabytes");
+    assert!(
+        error.to_string().contains("longer than a megabyte is not supported"),
+        "{error}"
+    );
+    let error = parse(&format!("<robot {}/>", "a=\"\" ".repeat(6_000))).expect_err("many attributes");
+    assert!(
+        error.to_string().contains("that many prefixes or attributes"),
+        "{error}"
+    );
     assert!(parse(&with_type("<!ENTITY n SYSTEM \"file:///etc/passwd\">", "&n;")).is_err());
     let default = "<!ATTLIST origin xyz CDATA \"1 0 0\">";
     let error = parse(&with_type(default, "r")).expect_err("attributes by default");

@@ -17,7 +17,7 @@
 //! | [`rooms`] | rooms full of hulls, and a robot that moves through them |
 //! | [`cells`], [`arm`] | an arm of meshes in its cell; an arm of hulls in its cell, drawn |
 //! | [`support`], [`forms`] | plain data as bodies and poses of the crate; bodies of every kind |
-//! | [`driven`] | calls drawn from bytes and seeds, judged by brute force |
+//! | [`driven`] | calls drawn from bytes and seeds, judged by brute force; readers of files |
 //! | [`pairs`] | pairs in the form of this crate and of parry, and their motions |
 //! | [`nets`] | control points of curved surfaces |
 //! | [`soups`], [`turned`], [`brute`] | nonconvex meshes, CAD-like meshes, and their naive oracle |
@@ -29,7 +29,6 @@
 //! | [`suite`] | files of cases with or without their exact values |
 //! | [`corpus`] | the named hard cases of `tests/corpus/` |
 //! | [`parry`] | the reference engine |
-//! | [`meshes`] | OBJ and STL files |
 //! | [`command`], [`svg`] | entry point of programs with options, shapes as SVG: for the examples of all packages |
 //!
 //! `exact` and `bound` use [`body`] (bodies at exact poses), [`rational`] (exact arithmetic) and
@@ -49,12 +48,10 @@ pub mod corpus;
 pub mod crowd;
 pub mod curved;
 pub mod driven;
-mod ears;
 pub mod exact;
 pub mod exact_meshes;
 pub mod faults;
 pub mod forms;
-pub mod meshes;
 pub mod motion;
 pub mod nets;
 pub mod pairs;

@@ -7,6 +7,7 @@ use crate::rng::Rng;
 use crate::{Face, Point, Pose, shapes, workload};
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{ContactState, ConvexPolyhedron, Outcome, RelativePose, Tracker};
+use lin_canny_formats::MeshFile;
 
 /// A body in the form of each engine. Engines get the vertices and faces of our hull, so all have
 /// the same body.
@@ -188,8 +189,8 @@ pub fn ball(n: usize) -> Vec<Point> {
 
 /// Returns a mesh from a file as a hull of radius 1, centred at the middle of its box.
 pub fn mesh(path: &str) -> Result<Body, String> {
-    let mesh = crate::meshes::load(path).map_err(|e| e.to_string())?;
-    let body = Body::new(&mesh.points).map_err(|e| format!("{path}: {e}"))?;
+    let (points, _) = MeshFile::load(path).map_err(|e| e.to_string())?.whole();
+    let body = Body::new(&points).map_err(|e| format!("{path}: {e}"))?;
     let (centre, radius) = body.ours.bounding_ball();
     let points: Vec<Point> = body
         .points

@@ -22,9 +22,9 @@ use geometry::Positions;
 /// Most nodes above each other, and most controllers in a row.
 const DEPTH: usize = 1000;
 
-/// Most instances and triangles that a file may have beyond one for each of its bytes. A file
-/// without repeated instances has fewer than its bytes.
-const REPEATED: usize = 4_000_000;
+/// Most bytes of objects that a file may have: so many, and so many for each of its bytes. A file
+/// without repeated instances has fewer than the second.
+const SCENE: (usize, usize) = (64 << 20, 40);
 
 /// Reads a COLLADA file.
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
@@ -39,7 +39,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
         positions: HashMap::new(),
         arrays: HashMap::new(),
         objects: Vec::new(),
-        left: bytes.len().saturating_add(REPEATED),
+        left: bytes.len().saturating_mul(SCENE.1).saturating_add(SCENE.0),
     };
     reader.scenes()?;
     Ok(MeshFile {
@@ -60,7 +60,7 @@ struct Reader<'a> {
     positions: HashMap<NodeId, Rc<Positions<'a>>>,
     arrays: HashMap<NodeId, Rc<Vec<f64>>>,
     objects: Vec<MeshObject>,
-    /// Number of instances and triangles that may still follow.
+    /// Bytes of nodes and objects that may still follow.
     left: usize,
 }
 
@@ -130,7 +130,8 @@ impl<'a> Reader<'a> {
             self.skipped
                 .add(xml.line(all[0]), "missing choice of a scene (all are read)");
         }
-        if let Some(left_out) = all.iter().find(|scene| !scenes.contains(scene)) {
+        let is_left_out = |scene: &&Element| !selected.is_empty() && !selected.contains(scene);
+        if let Some(left_out) = all.iter().find(is_left_out) {
             self.skipped
                 .add(xml.line(*left_out), "visual scenes that are not selected");
         }
@@ -207,7 +208,7 @@ impl<'a> Reader<'a> {
                         let why = format!("is nested more than {DEPTH} deep: node instances form a cycle");
                         return Err(self.xml.malformed(*node, why));
                     }
-                    self.spend(1, *node)?;
+                    self.spend(size_of::<MeshObject>(), *node)?;
                     path.push(self.step(*node, &transform)?);
                 }
             }
@@ -224,9 +225,9 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Counts instances and triangles.
-    fn spend(&mut self, count: usize, node: Element) -> Result<(), Fault> {
-        let left = self.left.checked_sub(count);
+    /// Counts the bytes of nodes and objects.
+    fn spend(&mut self, bytes: usize, node: Element) -> Result<(), Fault> {
+        let left = self.left.checked_sub(bytes);
         self.left = left.ok_or_else(|| {
             self.xml
                 .malformed(node, "makes the scene too large by repeated instances")
@@ -236,11 +237,12 @@ impl<'a> Reader<'a> {
 
     /// Adds an object: a geometry with a transform.
     fn put(&mut self, body: &MeshObject, transform: &Matrix, instance: Element) -> Result<(), Fault> {
-        self.spend(1 + body.triangles.len(), instance)?;
-        let mut object = body.clone();
-        if object.triangles.is_empty() {
+        let lists = size_of_val(&body.points[..]) + size_of_val(&body.triangles[..]);
+        self.spend(size_of::<MeshObject>() + body.name.len() + lists, instance)?;
+        if body.triangles.is_empty() {
             return Ok(());
         }
+        let mut object = body.clone();
         let orientation = orientation(transform);
         if !(orientation.abs() > FLAT) {
             let why = "has an invalid transform: flat or not finite (expected one with an inverse)";

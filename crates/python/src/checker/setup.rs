@@ -47,33 +47,38 @@ fn pose_of(pose: Option<&Bound<'_, PyAny>>) -> PyResult<Isometry3<f64>> {
     pose.map_or(Ok(Isometry3::identity()), |pose| Ok(pose.extract::<Pose>()?.0))
 }
 
-fn add(setup: &mut Setup, prefix: &str, robot: &Robot, pose: Isometry3<f64>) {
-    setup.robot(prefix, &robot.robot, pose);
-    if let Some(srdf) = &robot.srdf {
-        setup.ignore(prefix, srdf);
-    }
-}
-
 /// Returns the setup of the robots, with the pairs of their SRDFs.
-pub(super) fn of_robots(robots: &RobotArgument<'_>, pose: Option<Bound<'_, PyAny>>) -> PyResult<Setup> {
-    let mut setup = Setup::new();
+pub(super) fn of_robots(
+    robots: &RobotArgument<'_>,
+    pose: Option<Bound<'_, PyAny>>,
+    ignore_adjacent: bool,
+) -> PyResult<Setup> {
+    let mut placed = Vec::new();
     match robots {
-        RobotArgument::One(robot) => add(&mut setup, "", robot.get(), pose_of(pose.as_ref())?),
+        RobotArgument::One(robot) => placed.push((String::new(), robot.clone(), pose_of(pose.as_ref())?)),
         RobotArgument::Several(_) if pose.is_some() => {
             return Err(refused(
                 "pose is for a single robot; give several robots as a dict of (robot, pose)",
             ));
         }
         RobotArgument::Several(robots) => {
-            for (prefix, placed) in robots.iter() {
-                let (robot, pose): (Bound<'_, Robot>, Bound<'_, PyAny>) = placed.extract()?;
-                add(
-                    &mut setup,
-                    &prefix.extract::<String>()?,
-                    robot.get(),
-                    pose_of(Some(&pose))?,
-                );
+            for (prefix, item) in robots.iter() {
+                let (robot, pose): (Bound<'_, Robot>, Bound<'_, PyAny>) = item.extract()?;
+                placed.push((prefix.extract()?, robot, pose_of(Some(&pose))?));
             }
+        }
+    }
+    let mut setup = Setup::new();
+    for (prefix, robot, pose) in &placed {
+        setup.robot(prefix, &robot.get().robot, *pose);
+    }
+    // An SRDF may enable pairs of adjacent links again.
+    if ignore_adjacent {
+        setup.ignore_adjacent();
+    }
+    for (prefix, robot, _) in &placed {
+        if let Some(srdf) = &robot.get().srdf {
+            setup.ignore(prefix, srdf);
         }
     }
     Ok(setup)

@@ -1,9 +1,9 @@
 //! Bodies of the cell: the built-in cell, or meshes.
 
-use crate::meshes;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
+use lin_canny_formats::MeshFile;
 
 use super::Trouble;
 
@@ -16,8 +16,8 @@ pub fn things(files: &[String]) -> Result<Vec<Thing>, Trouble> {
         return built_in();
     }
     let load = |file: &String| {
-        let mesh = meshes::load(file)?;
-        let points: Vec<_> = mesh.points.iter().copied().map(Point3::from).collect();
+        let (points, _) = MeshFile::load(file)?.whole();
+        let points: Vec<_> = points.into_iter().map(Point3::from).collect();
         let hull = ConvexPolyhedron::from_points(&points).map_err(|e| format!("{file}: {e}"))?;
         let name = std::path::Path::new(file).file_stem().unwrap_or_default();
         Ok((name.to_string_lossy().into_owned(), hull, Isometry3::identity()))

@@ -6,6 +6,8 @@ pub mod calls;
 pub mod exact_place;
 pub mod lattice;
 pub mod points;
+#[cfg(feature = "readers")]
+pub mod readers;
 pub mod scenes;
 pub mod slivers;
 pub mod slots;

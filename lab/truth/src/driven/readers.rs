@@ -1,0 +1,178 @@
+//! Readers of files: arbitrary bytes are read, or are an error, without a panic, without a hang and
+//! in memory that grows with their number.
+//!
+//! The first byte of an input names the format; the rest is the file. The memory is counted if
+//! [`PeakAlloc`] is the global allocator of the program, and no other thread allocates.
+
+use std::sync::LazyLock;
+use std::time::{Duration, Instant};
+
+use lin_canny_formats::MeshFile;
+use lin_canny_plan::ConfigurationSpace;
+use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory, csv_text};
+use nalgebra::Isometry3;
+pub use peak_alloc::PeakAlloc;
+
+/// Most bytes that a reader may hold at a time: so many, and so many for each byte of the file.
+const MEMORY: (usize, usize) = (4 << 20, 400);
+
+/// Most bytes of repeated instances, which only COLLADA has: twice what its reader counts, because
+/// lists grow by doubling.
+const INSTANCES: usize = 128 << 20;
+
+/// Longest time of a reader, in debug builds and on a busy machine.
+const TIME: Duration = Duration::from_secs(10);
+
+/// Most letters of an error of a mesh file.
+const MESSAGE: usize = 1_000;
+
+/// The first byte and the extension of mesh files, and the bytes of repeated instances.
+const MESHES: [(u8, &str, usize); 3] = [(b'd', "dae", INSTANCES), (b'o', "obj", 0), (b's', "stl", 0)];
+
+/// A file in a folder that does not exist, so that no mesh is found next to it.
+const FILE: &str = "/no folder/file";
+
+/// The robot of SRDF files and trajectories.
+static ROBOT: LazyLock<Robot> = LazyLock::new(|| {
+    let link =
+        |k: usize| format!("<link name='l{k}'><collision><geometry><sphere radius='1'/></geometry></collision></link>");
+    let joint = |k: usize, kind: &str| {
+        let ends = format!("<parent link='l{}'/><child link='l{k}'/>", k - 1);
+        format!("<joint name='j{k}' type='{kind}'>{ends}<limit lower='-2' upper='2'/></joint>")
+    };
+    let links: String = (0..4).map(link).collect();
+    let joints = joint(1, "revolute") + &joint(2, "prismatic") + &joint(3, "floating");
+    let text = format!("<robot name='r'>{links}{joints}</robot>");
+    Robot::parse(&text, FILE, &Packages::default(), &LoadOptions::default()).expect("a robot")
+});
+
+/// Reads a mesh file.
+///
+/// # Panics
+/// Panics if a mesh has an index out of range, a point that is not finite or not used, or no
+/// triangle, or if time or memory are out of bounds.
+pub fn meshes(data: &[u8]) {
+    let Some((first, bytes)) = data.split_first() else {
+        return;
+    };
+    let Some((_, extension, more)) = MESHES.iter().find(|(letter, ..)| letter == first) else {
+        return;
+    };
+    let file = match bounded(bytes.len(), *more, || MeshFile::parse(bytes, format!("a.{extension}"))) {
+        Ok(file) => file,
+        Err(error) => {
+            let letters = error.to_string().chars().count();
+            return assert!((1..=MESSAGE).contains(&letters), "{letters} letters: {error}");
+        }
+    };
+    assert!(!file.objects.is_empty());
+    for object in &file.objects {
+        let mut is_used = vec![false; object.points.len()];
+        object
+            .triangles
+            .iter()
+            .flatten()
+            .for_each(|&k| is_used[k as usize] = true);
+        assert!(!object.triangles.is_empty() && is_used.iter().all(|is| *is));
+        assert!(object.points.iter().flatten().all(|x| x.is_finite()));
+    }
+    assert!(file.skipped.iter().all(|skipped| !skipped.what.is_empty()));
+}
+
+/// Reads a file of a robot: URDF, SRDF, the JSON of a cell, or the CSV of a trajectory.
+///
+/// # Panics
+/// Panics if what was read forms no finite configuration space, if what is written is not read
+/// again as it was, or if time or memory are out of bounds.
+pub fn robots(data: &[u8]) {
+    let Some((first, bytes)) = data.split_first() else {
+        return;
+    };
+    LazyLock::force(&ROBOT);
+    let text = &String::from_utf8_lossy(bytes);
+    match first {
+        b'u' => urdf(text),
+        b's' => srdf(text),
+        b'c' => cell(text),
+        b't' => trajectory(text),
+        _ => {}
+    }
+}
+
+fn urdf(text: &str) {
+    let options = LoadOptions::default().skip_missing_meshes(true);
+    let Some(robot) = parsed(text, || Robot::parse(text, FILE, &Packages::default(), &options)) else {
+        return;
+    };
+    let mut setup = Setup::new();
+    setup.robot("", &robot, Isometry3::identity());
+    setup.ignore_adjacent();
+    let Ok(space) = setup.space() else { return };
+    let (mut poses, mut state) = (Vec::new(), 0.0);
+    let q = space.sample(&mut || {
+        state = (state + 0.618_033_988_749_894_9) % 1.0;
+        state
+    });
+    assert_eq!(q.len(), robot.coordinates().len());
+    space.place(&q, &mut poses);
+    let is_finite = |pose: &Isometry3<f64>| pose.to_homogeneous().iter().all(|x| x.is_finite());
+    assert!(poses.iter().all(is_finite));
+}
+
+fn srdf(text: &str) {
+    let Some(srdf) = parsed(text, || Srdf::parse(text, FILE, &ROBOT)) else {
+        return;
+    };
+    let again = Srdf::parse(&srdf.text("r"), FILE, &ROBOT).expect("what was written is read");
+    assert_eq!((again.ignored, again.skipped.len()), (srdf.ignored, 0));
+}
+
+fn cell(text: &str) {
+    let options = LoadOptions::default();
+    let Some(cell) = parsed(text, || Cell::parse(text, FILE, &Packages::default(), &options)) else {
+        return;
+    };
+    let mut setup = Setup::new();
+    setup.robot("", &ROBOT, Isometry3::identity());
+    setup.cell(&cell);
+    // Poses and names may be out of range, which is an error.
+    let _ = setup.checker();
+}
+
+fn trajectory(text: &str) {
+    let coordinates = ROBOT.coordinates();
+    let Some(trajectory) = parsed(text, || Trajectory::parse(text, FILE, coordinates)) else {
+        return;
+    };
+    assert!(trajectory.rows.iter().all(|row| row.len() == coordinates.len()));
+    assert!(trajectory.lines.is_sorted() && trajectory.lines.len() == trajectory.rows.len());
+    let again = csv_text(coordinates, &trajectory.rows);
+    let again = Trajectory::parse(&again, FILE, coordinates).expect("what was written is read");
+    assert_eq!(again.rows, trajectory.rows);
+}
+
+/// Returns what a reader of a text returns; `None` for an error, which says why.
+fn parsed<T, E: std::fmt::Display>(text: &str, read: impl FnOnce() -> Result<T, E>) -> Option<T> {
+    let read = bounded(text.len(), 0, read);
+    read.map_err(|error| assert!(!error.to_string().is_empty())).ok()
+}
+
+/// Returns what a reader returns whose time and memory are within bounds; `more` is the memory that
+/// its format may take whatever the length.
+fn bounded<R>(length: usize, more: usize, read: impl FnOnce() -> R) -> R {
+    let (started, before) = (Instant::now(), PeakAlloc.current_usage());
+    PeakAlloc.reset_peak_usage();
+    let result = read();
+    let peak = PeakAlloc.peak_usage().saturating_sub(before);
+    let most = MEMORY.0 + MEMORY.1 * length + more;
+    assert!(
+        peak <= most,
+        "{peak} bytes for a file of {length} (expected at most {most})"
+    );
+    let took = started.elapsed();
+    assert!(
+        took < TIME,
+        "{took:?} for a file of {length} bytes (expected at most {TIME:?})"
+    );
+    result
+}
