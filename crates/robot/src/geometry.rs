@@ -196,6 +196,30 @@ pub(crate) fn of_mesh(
     }
 }
 
+/// Returns the body of one object of a mesh file, and the fit of its hull if requested.
+pub(crate) fn of_submesh(
+    file: &Path,
+    name: &str,
+    is_centered: bool,
+    scale: &Vector3<f64>,
+    usage: MeshUse,
+    options: &LoadOptions,
+) -> Result<(Geometry, Option<HullFit>), FileErrorKind> {
+    let Soup { points, triangles } = mesh_file::submesh(file, name, is_centered, scale)?;
+    let wrong = |why: String| FileErrorKind::Geometry(format!("mesh {}: {why}", file.display()));
+    let mesh = || Mesh::new(&points, &triangles).map_err(|e| wrong(e.to_string()));
+    match usage {
+        MeshUse::Hull => {
+            let hull = hull(&points).map_err(|e| wrong(e.to_string()))?;
+            let mesh = options.measure_hulls.then(mesh).and_then(Result::ok);
+            let fit = mesh.map(|mesh| mesh.hull_fit(&hull));
+            Ok((Geometry::from(hull), fit))
+        }
+        MeshUse::Mesh => Ok((Geometry::from(mesh()?), None)),
+        MeshUse::Pieces => Err(FileErrorKind::Unsupported("a submesh as convex pieces".into())),
+    }
+}
+
 /// Returns an upper bound of the distance from the origin of a body's frame to its farthest point.
 pub(crate) fn radius(geometry: &Geometry) -> f64 {
     let (centre, radius): (Point3<f64>, f64) = geometry.bounding_ball();

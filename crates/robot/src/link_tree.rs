@@ -98,6 +98,7 @@ impl LinkTree {
                 .filter_map(|&(_, mover)| Some((joints[mover?].take()?, self.drives[mover?])))
                 .map(joint_of)
                 .collect(),
+            start: vec![0.0; self.coordinates.len()],
             coordinates: self.coordinates,
             adjacent: Vec::new(),
             excluded: Vec::new(),

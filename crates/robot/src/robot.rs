@@ -126,6 +126,8 @@ pub struct Robot {
     /// Pairs of bodies that the file excludes: indices over the bodies of all links.
     pub(crate) excluded: Vec<[usize; 2]>,
     pub(crate) skipped: Vec<Skipped>,
+    /// The configuration in which the file draws the robot.
+    pub(crate) start: Vec<f64>,
 }
 
 impl Robot {
@@ -191,9 +193,20 @@ impl Robot {
         &self.coordinates
     }
 
-    /// Returns the collision elements that were skipped because their mesh file does not exist.
+    /// Returns the configuration in which the file draws the robot.
     ///
-    /// There are none unless [`LoadOptions::skip_missing_meshes`] is set.
+    /// All values are zero, but for the floating links of an SDFormat file, whose coordinates are
+    /// their poses in the world. A value may be outside its limits.
+    #[must_use]
+    pub fn start(&self) -> &[f64] {
+        &self.start
+    }
+
+    /// Returns what the file names and the robot does not hold.
+    ///
+    /// These are collision elements whose mesh file does not exist, if
+    /// [`LoadOptions::skip_missing_meshes`] is set, and elements of SDFormat that are left out by
+    /// rule, such as `actor`.
     #[must_use]
     pub fn skipped(&self) -> &[Skipped] {
         &self.skipped

@@ -167,7 +167,11 @@ impl Setup {
         self.ignored.insert([a.to_owned(), b.to_owned()]);
     }
 
-    /// Returns what the files of the robots name and this setup does not hold.
+    pub(crate) fn add_skipped(&mut self, skipped: &[Skipped]) {
+        self.skipped.extend_from_slice(skipped);
+    }
+
+    /// Returns what the files of the robots and cells name and this setup does not hold.
     #[must_use]
     pub fn skipped(&self) -> &[Skipped] {
         &self.skipped
