@@ -88,10 +88,8 @@ pub(crate) fn submesh(file: &Path, name: &str, is_centered: bool, scale: &Vector
     if is_centered {
         for axis in 0..3 {
             let values = || object.points.iter().map(|p| p[axis]);
-            let (low, high) = (
-                values().fold(f64::INFINITY, f64::min),
-                values().fold(f64::NEG_INFINITY, f64::max),
-            );
+            let low = values().fold(f64::INFINITY, |least, x| if x < least { x } else { least });
+            let high = values().fold(f64::NEG_INFINITY, |most, x| if x > most { x } else { most });
             let middle = 0.5 * low + 0.5 * high;
             object.points.iter_mut().for_each(|p| p[axis] -= middle);
         }

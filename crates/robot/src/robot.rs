@@ -101,7 +101,7 @@ pub struct Coordinate {
     pub limits: [f64; 2],
 }
 
-/// A robot that is read from a URDF.
+/// A robot that is read from a URDF, MJCF or SDFormat file.
 ///
 /// ```
 /// use lin_canny_robot::{Packages, Robot};
@@ -115,6 +115,7 @@ pub struct Coordinate {
 /// # Ok::<(), lin_canny_robot::FileError>(())
 /// ```
 #[doc(alias = "URDF")]
+#[doc(alias = "SDF")]
 #[derive(Clone, Debug)]
 pub struct Robot {
     pub(crate) name: String,

@@ -32,6 +32,8 @@ pub(crate) struct Xml<'a> {
     pub(crate) file: &'a Path,
     text: &'a str,
     document: Document<'a>,
+    /// The end of each line.
+    line_ends: Vec<usize>,
 }
 
 impl<'a> Xml<'a> {
@@ -48,7 +50,13 @@ impl<'a> Xml<'a> {
             let (line, reason) = malformed(text, &e);
             FileError::new(file, Some(line), "", FileErrorKind::Malformed(reason))
         })?;
-        let xml = Self { file, text, document };
+        let line_ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+        let xml = Self {
+            file,
+            text,
+            document,
+            line_ends: line_ends.map(|(at, _)| at).collect(),
+        };
         let is_deep = |node: &Node| node.ancestors().nth(DEPTH).is_some();
         if let Some(node) = xml.document.descendants().find(is_deep) {
             let reason = FileErrorKind::Malformed(format!("elements are nested too deep (expected at most {DEPTH})"));
@@ -88,7 +96,8 @@ impl<'a> Xml<'a> {
     }
 
     pub(crate) fn line(&self, node: &Node) -> u32 {
-        self.document.text_pos_at(node.range().start).row
+        let start = node.range().start;
+        self.line_ends.partition_point(|end| *end < start) as u32 + 1
     }
 
     /// Returns the elements below another one that are read, in their order.

@@ -162,8 +162,9 @@ impl<'a> Builder<'a> {
                         builder.frames[child] = joint.frame;
                     }
                 }
+                None if joint.kind == MotionKind::Fixed => {}
                 None => {
-                    let reason = FileErrorKind::Unsupported("motion of a joint of a static model".into());
+                    let reason = FileErrorKind::Malformed("joint of a static model never moves".into());
                     builder.description.skipped.push(joint.place.error(reason).into());
                 }
             }

@@ -574,7 +574,7 @@ fn limits(file: &SdfFile, limit: Node) -> Result<[f64; 2], FileError> {
         Ok(if is_open { open } else { value })
     };
     let [lower, upper] = [value("lower", f64::NEG_INFINITY)?, value("upper", f64::INFINITY)?];
-    if !(lower <= upper) || lower.max(-upper) >= NO_LIMIT {
+    if !(lower <= upper) || lower >= NO_LIMIT || upper <= -NO_LIMIT {
         return Err(xml.error(&limit, FileErrorKind::Limits { lower, upper }));
     }
     Ok([lower, upper])

@@ -57,7 +57,8 @@ impl<'a> SdfFile<'a> {
             return Err(self.xml.error(&child, reason));
         }
         let texts = node.children().filter(Node::is_text).filter_map(|n| n.text());
-        Ok(texts.collect::<String>().trim().to_owned())
+        // A comment separates words.
+        Ok(texts.collect::<Vec<_>>().join(" ").trim().to_owned())
     }
 
     /// Returns the text of an element that must not be empty.
