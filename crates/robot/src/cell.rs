@@ -1,4 +1,4 @@
-//! Cells: obstacles that a JSON file defines.
+//! Cells: obstacles that a JSON or SDFormat file defines.
 
 use std::path::Path;
 
@@ -10,9 +10,11 @@ use crate::geometry::{self, MeshUse, Solid};
 use crate::mesh_file::MeshPlacing;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
+use crate::sdformat;
 use crate::space::Setup;
 use crate::text::check_content;
 use crate::turn::{from_xyzw, roll_pitch_yaw};
+use crate::xml::Xml;
 
 /// An obstacle of a cell.
 #[derive(Clone, Debug)]
@@ -26,7 +28,9 @@ pub struct Obstacle {
     pub pose: Isometry3<f64>,
 }
 
-/// The obstacles of a JSON file, and pairs to ignore.
+/// The obstacles of a JSON or SDFormat file, and pairs to ignore.
+///
+/// A file of JSON looks like this:
 ///
 /// ```json
 /// {
@@ -45,6 +49,10 @@ pub struct Obstacle {
 /// pose in the world is `xyz`, and either `rpy` in radians or the quaternion `xyzw`. The path of a
 /// mesh file is relative to the folder of the JSON file, or starts with `package://` or `file://`.
 /// `as` is `hull`, `mesh` or `pieces`; the default is that of the options.
+///
+/// A file whose root element is `sdf` is SDFormat, whatever its name. Each collision element of
+/// each link is an obstacle named `model::link`, at the pose where the file draws it. Models that
+/// are not static are obstacles too: they stay at this pose. `collide_bitmask` has no effect.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Cell {
@@ -52,9 +60,9 @@ pub struct Cell {
     pub obstacles: Vec<Obstacle>,
     /// Names of links and obstacles that may touch.
     pub ignored: Vec<[String; 2]>,
-    /// Bodies that were skipped because their mesh file does not exist.
-    ///
-    /// There are none unless [`LoadOptions::skip_missing_meshes`] is set.
+    /// Bodies that were skipped because their mesh file does not exist, if
+    /// [`LoadOptions::skip_missing_meshes`] is set; elements of SDFormat that are left out by rule,
+    /// such as `actor`.
     pub skipped: Vec<Skipped>,
     /// Names of the skipped bodies, because `ignored` may hold them.
     missing: Vec<String>,
@@ -121,7 +129,7 @@ struct MeshText {
 }
 
 impl Cell {
-    /// Returns the cell of a JSON file.
+    /// Returns the cell of a JSON or SDFormat file.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read or a body is invalid. The error names the line
@@ -131,8 +139,8 @@ impl Cell {
         Self::parse(&FileError::read(path)?, path, packages, options)
     }
 
-    /// Returns the cell of a JSON text. Errors name the file `path`, and mesh paths are relative to
-    /// its folder.
+    /// Returns the cell of a JSON or SDFormat text. Errors name the file `path`, and mesh paths are
+    /// relative to its folder.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -143,6 +151,14 @@ impl Cell {
         options: &LoadOptions,
     ) -> Result<Self, FileError> {
         let path = path.as_ref();
+        if text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
+            let (obstacles, skipped) = sdformat::obstacles(&Xml::parse(path, text)?, packages, options)?;
+            return Ok(Self {
+                obstacles,
+                skipped,
+                ..Self::default()
+            });
+        }
         check_content(text).map_err(|reason| FileError::new(path, Some(1), "", reason))?;
         let cell: CellText = serde_json::from_str(text).map_err(|e| {
             let line = (e.line() > 0).then_some(e.line() as u32);

@@ -30,11 +30,11 @@ use crate::srdf::Srdf;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct RobotFiles {
-    /// The robot, as URDF.
+    /// The robot, as URDF, MJCF or SDFormat.
     pub urdf: PathBuf,
     /// Link pairs to ignore, as SRDF.
     pub srdf: Option<PathBuf>,
-    /// The obstacles, as JSON: see [`Cell`].
+    /// The obstacles, as JSON or SDFormat: see [`Cell`].
     pub cell: Option<PathBuf>,
     /// Folders of `package://` paths.
     pub packages: Packages,

@@ -195,6 +195,26 @@ pub(crate) fn of_soup(
     Ok((Geometry::from(hull), fit))
 }
 
+/// Returns the body of one object of a mesh file, and the fit of its hull if requested.
+pub(crate) fn of_submesh(
+    file: &Path,
+    name: &str,
+    is_centered: bool,
+    placing: &MeshPlacing,
+    usage: MeshUse,
+    options: &LoadOptions,
+) -> Result<(Geometry, Option<HullFit>), FileErrorKind> {
+    let named = |e: FileErrorKind| match e {
+        FileErrorKind::Geometry(why) => FileErrorKind::Geometry(format!("mesh {}: {why}", file.display())),
+        other => other,
+    };
+    if usage == MeshUse::Pieces {
+        return Err(FileErrorKind::Unsupported("a submesh as convex pieces".into()));
+    }
+    let soup = mesh_file::submesh(file, name, is_centered, placing);
+    soup.and_then(|soup| of_soup(soup, usage, options)).map_err(named)
+}
+
 /// Returns an upper bound of the distance from the origin of a body's frame to its farthest point.
 pub(crate) fn radius(geometry: &Geometry) -> f64 {
     let (centre, radius): (Point3<f64>, f64) = geometry.bounding_ball();

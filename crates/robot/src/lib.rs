@@ -1,4 +1,4 @@
-//! Reads robots from URDF and SRDF, with branches, mimic joints, meshes and trajectories.
+//! Reads robots from URDF, SDFormat and SRDF, with branches, mimic joints, meshes and trajectories.
 //!
 //! ```
 //! use lin_canny::nalgebra::Isometry3;
@@ -24,11 +24,11 @@
 //!
 //! | task | type or function |
 //! |---|---|
-//! | load the links, joints and coordinates of a URDF | [`Robot`], [`LoadOptions`] |
+//! | load the links, joints and coordinates of a URDF or SDFormat file | [`Robot`], [`LoadOptions`] |
 //! | use meshes as hulls, as triangles, or as convex pieces | [`LoadOptions::meshes`], [`MeshUse`] |
 //! | set the folders of `package://` paths | [`Packages`] |
 //! | ignore pairs of links, from an SRDF or from random configurations | [`Srdf`], [`find_ignorable`] |
-//! | load obstacles from JSON | [`Cell`] |
+//! | load obstacles from JSON or SDFormat | [`Cell`] |
 //! | load all files of a robot and its cell in one call | [`RobotFiles`] |
 //! | put robots and obstacles into one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
 //! | read configurations from CSV | [`Trajectory`] |
@@ -87,6 +87,51 @@
 //!   Other equalities are listed in [`Robot::skipped`].
 //! * `include`, `default`, `frame` and `replicate` are read. `attach`, `composite`, `flexcomp`,
 //!   plugins and fields from pictures are errors.
+//!
+//! # How an SDFormat file is converted
+//!
+//! Versions 1.3 to 1.12 are read, each by its rules.
+//!
+//! ```
+//! use lin_canny_robot::{Packages, Robot};
+//!
+//! let bench = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/bench.sdf");
+//! let robot = Robot::load(bench, &Packages::default())?;
+//! assert!(robot.link("table::top").is_some());
+//! // Three joints, and the six coordinates of a part that moves freely.
+//! assert_eq!(robot.coordinates().len(), 9);
+//! assert_eq!(robot.coordinates()[3].name, "part::block/x");
+//! assert_eq!(robot.start()[3..6], [0.3, 0.1, 0.1]);
+//! # Ok::<(), lin_canny_robot::FileError>(())
+//! ```
+//!
+//! * The first link is `world`, without bodies. A file has one world, or one model that stands
+//!   alone at its `pose` in the world. Several of them are an error.
+//! * Links and joints of a world are named `model::link`. In a file with one model, they have no
+//!   prefix; those of a nested model have the prefix of that model.
+//! * Links of static models are fixed, and their joints never move. A link that no joint holds
+//!   floats in the world. Exception: if a model stands alone and none of its joints has the parent
+//!   `world`, the tree of its canonical link is fixed.
+//! * A floating link has the coordinates `LINK/x`, `LINK/y`, `LINK/z`, `LINK/roll`, `LINK/pitch`
+//!   and `LINK/yaw`: its pose in the world, as in `pose`. [`Robot::start`] returns the
+//!   configuration in which the file draws the robot.
+//! * The frame of a link is that of the revolute or prismatic joint that moves it, as in URDF, and
+//!   not that of its `pose`.
+//! * `relative_to`, `attached_to`, `placement_frame`, `expressed_in`, `canonical_link`, nested
+//!   models, and included models, merged or not, are read. An include names a file, or a folder
+//!   with `model.config`, of which the file of the highest version is read.
+//! * Joints are `revolute`, `continuous`, `prismatic` and `fixed`. All others are an error, as is a
+//!   link with two parent joints.
+//! * All pairs of links of a model are checked, although `self_collide` is false by default.
+//!   `collide_bitmask` and `category_bitmask` exclude pairs of bodies: see [`Robot::excluded`].
+//! * A `plane` is a box of the size [`LoadOptions::plane_extent`] below the plane. A `polyline` is
+//!   an exact prism. `heightmap`, `image`, a geometry of several polylines, and a `submesh` of a
+//!   COLLADA file are errors.
+//! * `actor`, `road`, `population`, `state` and an `initial_position` other than zero are left out,
+//!   and listed in [`Robot::skipped`]. So are joints of static models.
+//! * Elements without geometry or kinematics are passed over unread, such as `visual`, `inertial`,
+//!   `sensor`, `light`, `physics`, `gripper` and `plugin`, and all of a foreign namespace. Every
+//!   other element or attribute is an error, and so is an element that is given twice.
 //!
 //! # How an SRDF is read
 //!

@@ -22,7 +22,7 @@ pub(crate) struct FileJoint {
     pub(crate) axis: Unit<Vector3<f64>>,
     /// Least and greatest value; infinite where the file states none.
     pub(crate) limits: [f64; 2],
-    /// The value at which the child is at the origin.
+    /// The value at which the child is at the origin, where the file draws it.
     pub(crate) reference: f64,
     pub(crate) follows: Option<Follows>,
 }
@@ -40,6 +40,8 @@ pub(crate) struct LinkTree {
     /// Links, each with the joint that moves it.
     order: Vec<(usize, Option<usize>)>,
     coordinates: Vec<Coordinate>,
+    /// The values of the coordinates at which all joints are at their references.
+    start: Vec<f64>,
     /// The drive of each joint of the file.
     drives: Vec<Option<Drive>>,
 }
@@ -62,9 +64,16 @@ impl LinkTree {
         let file = File { links, joints, options };
         let order = file.order(root)?;
         let (coordinates, drives) = file.coordinates()?;
+        let mut start = vec![0.0; coordinates.len()];
+        for (joint, drive) in joints.iter().zip(&drives).filter(|(joint, _)| joint.follows.is_none()) {
+            if let Some(drive) = drive {
+                start[drive.coordinate] = joint.reference;
+            }
+        }
         Ok(Self {
             order,
             coordinates,
+            start,
             drives,
         })
     }
@@ -98,6 +107,7 @@ impl LinkTree {
                 .filter_map(|&(_, mover)| Some((joints[mover?].take()?, self.drives[mover?])))
                 .map(joint_of)
                 .collect(),
+            start: self.start,
             coordinates: self.coordinates,
             adjacent: Vec::new(),
             excluded: Vec::new(),

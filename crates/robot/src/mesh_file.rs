@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use lin_canny::nalgebra::{Matrix3, Point3, Vector3};
-use lin_canny_formats::MeshFile;
+use lin_canny_formats::{MeshFile, MeshFormat};
 
 use crate::error::FileErrorKind;
+use crate::names::nearest;
 
 /// Points and triangles of one object of a mesh file.
 pub(crate) struct Soup {
@@ -76,4 +77,41 @@ pub(crate) fn whole(file: &Path, placing: &MeshPlacing) -> Result<Soup, FileErro
         triangles.extend(soup.triangles.iter().map(|t| t.map(|k| k + first)));
     }
     Ok(Soup { points, triangles })
+}
+
+/// Returns the one object of a file that has a name.
+///
+/// A centred object has the middle of the box around it at the origin.
+pub(crate) fn submesh(
+    file: &Path,
+    name: &str,
+    is_centered: bool,
+    placing: &MeshPlacing,
+) -> Result<Soup, FileErrorKind> {
+    let mesh = MeshFile::load(file)?;
+    // Simulators use the name of the node here, and the objects have the name of the geometry.
+    if mesh.format == MeshFormat::Collada {
+        return Err(FileErrorKind::Unsupported("a submesh of a COLLADA file".into()));
+    }
+    let unknown = || FileErrorKind::Unknown {
+        kind: "submesh",
+        name: name.into(),
+        near: nearest(name, mesh.objects.iter().map(|object| object.name.as_str())),
+    };
+    let mut named = mesh.objects.iter().filter(|object| object.name == name);
+    let mut object = named.next().ok_or_else(unknown)?.clone();
+    if named.next().is_some() {
+        let what = format!("several submeshes have the name {name:?} (expected one)");
+        return Err(FileErrorKind::Malformed(what));
+    }
+    if is_centered {
+        for axis in 0..3 {
+            let values = || object.points.iter().map(|p| p[axis]);
+            let low = values().fold(f64::INFINITY, |least, x| if x < least { x } else { least });
+            let high = values().fold(f64::NEG_INFINITY, |most, x| if x > most { x } else { most });
+            let middle = 0.5 * low + 0.5 * high;
+            object.points.iter_mut().for_each(|p| p[axis] -= middle);
+        }
+    }
+    Soup::new(&object.points, object.triangles, placing)
 }

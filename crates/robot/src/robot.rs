@@ -112,7 +112,7 @@ pub struct Coordinate {
     pub limits: [f64; 2],
 }
 
-/// A robot that is read from a URDF or MJCF file.
+/// A robot that is read from a URDF, MJCF or SDFormat file.
 ///
 /// ```
 /// use lin_canny_robot::{Packages, Robot};
@@ -126,6 +126,7 @@ pub struct Coordinate {
 /// # Ok::<(), lin_canny_robot::FileError>(())
 /// ```
 #[doc(alias = "URDF")]
+#[doc(alias = "SDF")]
 #[derive(Clone, Debug)]
 pub struct Robot {
     pub(crate) name: String,
@@ -137,6 +138,8 @@ pub struct Robot {
     /// Pairs of bodies that the file excludes: indices over the bodies of all links.
     pub(crate) excluded: Vec<[usize; 2]>,
     pub(crate) skipped: Vec<Skipped>,
+    /// The configuration in which the file draws the robot.
+    pub(crate) start: Vec<f64>,
 }
 
 impl Robot {
@@ -203,9 +206,20 @@ impl Robot {
         &self.coordinates
     }
 
-    /// Returns the collision elements that were skipped because their mesh file does not exist.
+    /// Returns the configuration in which the file draws the robot.
     ///
-    /// There are none unless [`LoadOptions::skip_missing_meshes`] is set.
+    /// All values are zero, but for floating links of SDFormat and MJCF, whose coordinates are their
+    /// poses in the world, and for joints of MJCF with a `ref`. A value may be outside its limits.
+    #[must_use]
+    pub fn start(&self) -> &[f64] {
+        &self.start
+    }
+
+    /// Returns what the file names and the robot does not hold.
+    ///
+    /// These are collision elements whose mesh file does not exist, if
+    /// [`LoadOptions::skip_missing_meshes`] is set, and elements of SDFormat that are left out by
+    /// rule, such as `actor`.
     #[must_use]
     pub fn skipped(&self) -> &[Skipped] {
         &self.skipped

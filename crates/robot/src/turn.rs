@@ -23,6 +23,20 @@ pub(crate) fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> UnitQuaternion<f64
     ))
 }
 
+/// Returns roll, pitch and yaw of a rotation, in radians.
+///
+/// At a pitch of a quarter turn, roll and yaw turn about the same axis: roll is then zero.
+pub(crate) fn to_roll_pitch_yaw(turn: &UnitQuaternion<f64>) -> [f64; 3] {
+    let m = turn.to_rotation_matrix();
+    let across = libm::hypot(m[(0, 0)], m[(1, 0)]);
+    let pitch = libm::atan2(-m[(2, 0)], across);
+    if across < 1e-12 {
+        return [0.0, pitch, libm::atan2(-m[(0, 1)], m[(1, 1)])];
+    }
+    let roll = libm::atan2(m[(2, 1)], m[(2, 2)]);
+    [roll, pitch, libm::atan2(m[(1, 0)], m[(0, 0)])]
+}
+
 /// Returns the rotation of a quaternion `x, y, z, w` of any length.
 ///
 /// Returns `None` for a quaternion that is zero or not finite.

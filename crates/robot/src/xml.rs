@@ -32,7 +32,7 @@ const EXPANDED: usize = 1 << 20;
 /// Maximum depth of nested elements.
 const DEPTH: usize = 64;
 
-/// Elements of xacro, for files in which it has no prefix.
+/// Elements of xacro, for URDFs in which it has no prefix.
 const XACRO: [&str; 7] = ["arg", "if", "include", "insert_block", "macro", "property", "unless"];
 
 /// A file and its elements.
@@ -123,6 +123,7 @@ impl<'a> Xml<'a> {
         read: &'static [&'static str],
         passed: &[&str],
     ) -> Result<Vec<Node<'n, 'a>>, FileError> {
+        let is_urdf = self.root().tag_name().name() == "robot";
         let mut found = Vec::new();
         for node in parent.children() {
             let name = node.tag_name().name();
@@ -140,7 +141,7 @@ impl<'a> Xml<'a> {
             }
             if !is_xacro && read.contains(&name) {
                 found.push(node);
-            } else if is_xacro || (XACRO.contains(&name) && !passed.contains(&name)) {
+            } else if is_xacro || (is_urdf && XACRO.contains(&name) && !passed.contains(&name)) {
                 let name = prefix.map_or(name.to_owned(), |prefix| format!("{prefix}:{name}"));
                 return Err(self.error(&node, FileErrorKind::Xacro(name)));
             } else if !passed.contains(&name) {
@@ -185,6 +186,18 @@ impl<'a> Xml<'a> {
         is_open: bool,
     ) -> Result<(), FileError> {
         self.below(node, &[], &[])?;
+        self.check_attributes(node, read, is_open)
+    }
+
+    /// Returns an error if an element has an attribute that is not read.
+    ///
+    /// With `is_open`, an attribute is an error only if it is almost spelt as one that is read.
+    pub(crate) fn check_attributes(
+        &self,
+        node: Node<'_, 'a>,
+        read: &'static [&'static str],
+        is_open: bool,
+    ) -> Result<(), FileError> {
         let own = node.attributes().filter(|a| a.namespace().is_none());
         for name in own.map(|a| a.name()).filter(|name| !read.contains(name)) {
             if !is_open || nearest(name, read.iter().copied()).is_some() {
@@ -221,7 +234,7 @@ impl<'a> Xml<'a> {
         Ok(())
     }
 
-    /// Returns the version of a URDF: 1.0 if it names none.
+    /// Returns the version of a file: 1.0 if it names none.
     pub(crate) fn version(&self) -> Result<[u32; 2], FileError> {
         let root = self.root();
         let Some(text) = attribute(&root, "version") else {

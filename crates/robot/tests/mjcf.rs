@@ -6,7 +6,7 @@ use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::BoxHint;
 use lin_canny_robot::plan::WorldId;
-use lin_canny_robot::{LoadOptions, MotionKind, Packages, Robot, Setup};
+use lin_canny_robot::{Coordinate, LoadOptions, MotionKind, Packages, Robot, Setup};
 
 fn parse(text: &str) -> Result<Robot, lin_canny_robot::FileError> {
     Robot::parse(text, "r.xml", &Packages::default(), &LoadOptions::default())
@@ -125,14 +125,18 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
         let shapes: Vec<_> = robot.links().iter().flat_map(|link| &link.bodies).collect();
         let mut turns: Vec<Vec<Isometry3<f64>>> = vec![Vec::new(); order.len()];
         for configuration in model["configurations"].as_array().expect("configurations") {
-            let values = configuration["values"].as_object().expect("values");
             let names: Vec<&str> = setup.coordinates().iter().map(|c| c.name.as_str()).collect();
-            assert_eq!(
-                names.iter().collect::<BTreeSet<_>>(),
-                values.keys().map(String::as_str).collect::<Vec<_>>().iter().collect(),
-                "{name}"
-            );
-            let q: Vec<f64> = names.iter().map(|n| values[*n].as_f64().expect("a value")).collect();
+            // The first configuration is the one that the file draws.
+            let mut q = robot.start().to_vec();
+            if let Some(values) = configuration["values"].as_object() {
+                let expected: BTreeSet<&str> = values.keys().map(String::as_str).collect();
+                assert_eq!(names.iter().copied().collect::<BTreeSet<_>>(), expected, "{name}");
+                q = names.iter().map(|n| values[*n].as_f64().expect("a value")).collect();
+            }
+            let is_within = |(q, c): (&f64, &Coordinate)| (c.limits[0]..=c.limits[1]).contains(q);
+            if !q.iter().zip(setup.coordinates()).all(is_within) {
+                continue;
+            }
             for (k, &geom) in order.iter().enumerate() {
                 let found = space.link_pose(&q, space.links()[k]).expect("a pose");
                 let geom = &geoms[geom];

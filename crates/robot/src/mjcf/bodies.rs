@@ -83,6 +83,8 @@ pub(super) struct Model<'e> {
     pub(super) groups: Vec<usize>,
     /// For each group, the group that it moves relative to.
     pub(super) groups_above: Vec<Option<usize>>,
+    /// The names of free joints, with the poses at which the file draws their bodies.
+    pub(super) free: Vec<(String, Isometry3<f64>)>,
     pub(super) skipped: Vec<Skipped>,
     classes: &'e Classes,
     source: &'e Source<'e>,
@@ -127,6 +129,7 @@ impl<'e> Model<'e> {
             bodies: HashMap::from([("world".into(), 0)]),
             groups: vec![0],
             groups_above: vec![None],
+            free: Vec::new(),
             skipped: Vec::new(),
             classes,
             source,
@@ -386,6 +389,9 @@ impl<'e> Model<'e> {
                 format!("{name}:{}", joint.name)
             };
             let is_free = is_free(&joint);
+            if is_free {
+                self.free.push((joint.name.clone(), *pose));
+            }
             let joint = FileJoint {
                 place: joint.place,
                 name: joint.name,

@@ -21,6 +21,7 @@ use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::link_tree::LinkTree;
 use crate::options::LoadOptions;
 use crate::robot::Robot;
+use crate::turn::to_roll_pitch_yaw;
 use crate::xml::Xml;
 
 /// Sections that are read.
@@ -90,6 +91,13 @@ pub(crate) fn read(xml: &Xml, options: &LoadOptions) -> Result<Robot, FileError>
     let tree = LinkTree::new(&names, &model.joints, options, &root.place)?;
     let (links, joints) = (model.links.clone(), std::mem::take(&mut model.joints));
     let mut robot = tree.robot(root.get("model").unwrap_or("MuJoCo Model"), links, joints);
+    for (name, pose) in &model.free {
+        let joint = robot.joints.iter().find(|joint| joint.name == *name);
+        if let Some(first) = joint.and_then(|joint| joint.drive).map(|drive| drive.coordinate) {
+            robot.start[first..first + 3].copy_from_slice(pose.translation.vector.as_slice());
+            robot.start[first + 3..first + 6].copy_from_slice(&to_roll_pitch_yaw(&pose.rotation));
+        }
+    }
     robot.skipped = skipped;
     robot.skipped.append(&mut model.skipped);
     pairs::set(&mut robot, &model, &contacts, has_adjacent(&sections("option"))?)?;

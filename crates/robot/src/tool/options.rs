@@ -33,13 +33,13 @@ impl From<MeshGeometry> for MeshUse {
 /// The robot and its cell.
 #[derive(Args)]
 pub(super) struct RobotOptions {
-    /// Robot as URDF
+    /// Robot as URDF, MJCF or SDFormat
     #[arg(value_name = "ROBOT.urdf")]
     urdf: PathBuf,
     /// Link pairs to ignore, as SRDF
     #[arg(long, value_name = "FILE")]
     srdf: Option<PathBuf>,
-    /// Obstacles as JSON (ignored by `ignorable`)
+    /// Obstacles as JSON or SDFormat (ignored by `ignorable`)
     #[arg(long, value_name = "CELL.json")]
     cell: Option<PathBuf>,
     /// Folder with the packages of `package://` paths, searched before ROS_PACKAGE_PATH; may be

@@ -54,6 +54,32 @@ def pairs(model, data):
     return sorted({tuple(sorted(map(int, c.geom))) for c in data.contact})
 
 
+def poses(model, data):
+    mujoco.mj_kinematics(model, data)
+    return [[*data.xpos[k], *data.xquat[k][[1, 2, 3, 0]]] for k in range(model.nbody)]
+
+
+def follow(model, data):
+    """Sets the joints that an equality drives, and returns their numbers."""
+    driven = []
+    for one, other, factors in followers(model):
+        move = 0.0
+        if other >= 0:
+            leader = model.jnt_qposadr[other]
+            move = data.qpos[leader] - model.qpos0[leader]
+        at = model.jnt_qposadr[one]
+        data.qpos[at] = model.qpos0[at] + sum(c * move**i for i, c in enumerate(factors))
+        driven.append(one)
+    return driven
+
+
+def drawn(model, data):
+    """Returns the poses where the file draws the bodies, but for joints that an equality drives."""
+    data.qpos[:] = model.qpos0
+    follow(model, data)
+    return poses(model, data)
+
+
 def main():
     files = []
     for argument in map(pathlib.Path, sys.argv[1:]):
@@ -68,8 +94,7 @@ def main():
         random = np.random.default_rng(7)
         joints = [name(model, mujoco.mjtObj.mjOBJ_JOINT, k, "joint") for k in range(model.njnt)]
         bodies = [name(model, mujoco.mjtObj.mjOBJ_BODY, k, "body") for k in range(model.nbody)]
-        driven = followers(model)
-        configurations = []
+        configurations = [{"values": None, "poses": drawn(model, data)}]
         for _ in range(CONFIGURATIONS):
             values = {}
             for k in range(model.njnt):
@@ -82,17 +107,9 @@ def main():
                 elif model.jnt_type[k] != BALL:
                     low, high = model.jnt_range[k] if model.jnt_limited[k] else (-3, 3)
                     data.qpos[at] = values[joints[k]] = random.uniform(low, high)
-            for one, other, factors in driven:
-                at = model.jnt_qposadr[one]
-                move = 0.0
-                if other >= 0:
-                    leader = model.jnt_qposadr[other]
-                    move = data.qpos[leader] - model.qpos0[leader]
-                data.qpos[at] = model.qpos0[at] + sum(c * move**i for i, c in enumerate(factors))
-                values.pop(joints[one], None)
-            mujoco.mj_kinematics(model, data)
-            poses = [[*data.xpos[k], *data.xquat[k][[1, 2, 3, 0]]] for k in range(model.nbody)]
-            configurations.append({"values": values, "poses": poses})
+            for joint in follow(model, data):
+                values.pop(joints[joint], None)
+            configurations.append({"values": values, "poses": poses(model, data)})
         geoms = []
         for k in range(model.ngeom):
             geom = {

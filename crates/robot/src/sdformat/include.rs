@@ -1,0 +1,168 @@
+//! Finds and reads the files that an element `include` names.
+
+use std::path::{Path, PathBuf};
+
+use lin_canny::nalgebra::Isometry3;
+use roxmltree::Node;
+
+use super::frames::{Target, WORLD};
+use super::model::{Description, Owner};
+use super::values::SdfFile;
+use crate::error::{FileError, FileErrorKind, Place};
+use crate::xml::{Xml, attribute};
+
+/// The most files that are included in all.
+const FILES: usize = 10_000;
+
+/// The file in the folder of a model that names the file of each version.
+const CONFIG: &str = "model.config";
+
+/// What an element `include` states in place of the model that it includes.
+#[derive(Default)]
+pub(super) struct Override {
+    pub(super) name: Option<String>,
+    /// The pose, and the frame that it is relative to.
+    pub(super) pose: Option<(Option<Target>, Isometry3<f64>)>,
+    pub(super) is_static: Option<bool>,
+    pub(super) placement: Option<(Place, String)>,
+    /// Whether the elements of the model belong to the model that includes it.
+    pub(super) is_merged: bool,
+    /// Whether names of links and joints start without the name of the model.
+    pub(super) hides_name: bool,
+}
+
+impl Description<'_> {
+    /// Reads an included model, and returns its frame; `None` for a file without a model.
+    pub(super) fn include(&mut self, file: &SdfFile, node: Node, owner: &Owner) -> Result<Option<usize>, FileError> {
+        let xml = file.xml;
+        let wrong = |reason| xml.error(&node, reason);
+        xml.check_attributes(node, &["merge"], false)?;
+        if let Some(params) = node.children().find(|n| n.tag_name().name() == "params") {
+            let what = "params, which change the included model,".into();
+            return Err(xml.error(&params, FileErrorKind::Unsupported(what)));
+        }
+        let parts = xml.below(node, &["uri", "name", "pose", "static", "placement_frame"], &["plugin"])?;
+        let one = |name: &str| xml.at_most_one(&parts, name);
+        let pose = one("pose")?.map(|_| file.pose(&parts, [owner.scope, owner.frame]));
+        let placement = match one("placement_frame")? {
+            Some(node) => {
+                file.check_version(&node, "placement_frame", [1, 8])?;
+                Some((xml.place(&node), file.text(node, &[])?)).filter(|(_, name)| !name.is_empty())
+            }
+            None => None,
+        };
+        if placement.is_some() && pose.is_none() {
+            return Err(wrong(FileErrorKind::Missing("element pose".into())));
+        }
+        let name = one("name")?.map(|node| file.text(node, &[])).transpose()?;
+        let instead = Override {
+            name: name.filter(|name| !name.is_empty()),
+            pose: pose.transpose()?,
+            is_static: file.flag(&parts, "static")?,
+            placement,
+            is_merged: file.flag_attribute(&node, "merge", [1, 9])?,
+            hides_name: false,
+        };
+        if instead.is_merged && owner.frame == WORLD {
+            let what = "a merged include of a world".into();
+            return Err(wrong(FileErrorKind::Unsupported(what)));
+        }
+        let uri = xml.one(&node, &parts, "uri")?;
+        let path = self.included_file(file, uri)?;
+        let known = path.canonicalize().unwrap_or_else(|_| path.clone());
+        if self.open_files.contains(&known) {
+            let what = format!("file includes itself: {} (expected no cycle)", path.display());
+            return Err(wrong(FileErrorKind::Malformed(what)));
+        }
+        self.included += 1;
+        if self.included > FILES {
+            let what = format!("too many included files (expected at most {FILES})");
+            return Err(wrong(FileErrorKind::Malformed(what)));
+        }
+        self.open_files.push(known);
+        let model = self.load(&path, owner, instead);
+        self.open_files.pop();
+        model
+    }
+
+    /// Reads the one model of a file.
+    fn load(&mut self, path: &Path, owner: &Owner, instead: Override) -> Result<Option<usize>, FileError> {
+        let text = FileError::read(path)?;
+        let xml = Xml::parse(path, &text)?;
+        let file = SdfFile::new(&xml)?;
+        let root = xml.root();
+        let parts = xml.below(root, &["model", "world", "actor", "light"], &[])?;
+        let mut model = None;
+        for &node in &parts {
+            match node.tag_name().name() {
+                "model" if model.is_none() => model = Some(node),
+                "model" => {
+                    let what = "a second model of an included file".into();
+                    return Err(xml.error(&node, FileErrorKind::Unsupported(what)));
+                }
+                "world" => {
+                    let what = "a world of an included file".into();
+                    return Err(xml.error(&node, FileErrorKind::Unsupported(what)));
+                }
+                "actor" => self.skip(&file, &node),
+                _ => {}
+            }
+        }
+        match model {
+            Some(model) => self.model(&file, model, owner, instead).map(Some),
+            None if parts.is_empty() => Err(xml.error(&root, FileErrorKind::Missing("element model".into()))),
+            None => Ok(None),
+        }
+    }
+
+    /// Returns the file that a `uri` names, or that the configuration of its folder names.
+    fn included_file(&self, file: &SdfFile, node: Node) -> Result<PathBuf, FileError> {
+        let uri = file.word(node)?;
+        let wrong = |reason| file.xml.error(&node, reason);
+        let schemes = ["model://", "package://", "file://"];
+        if uri.contains("://") && !schemes.iter().any(|scheme| uri.starts_with(scheme)) {
+            return Err(wrong(FileErrorKind::Unsupported(format!(
+                "the address {uri:?} of a model"
+            ))));
+        }
+        let folder = file.xml.file.parent().unwrap_or(Path::new(""));
+        let find = |name: &str| self.packages.find(name, folder).ok();
+        if let Some(path) = find(&uri) {
+            return Ok(path);
+        }
+        let config = find(&format!("{}/{CONFIG}", uri.trim_end_matches('/')));
+        let missing = || FileErrorKind::Missing(format!("included model {uri:?}, a file or a folder with {CONFIG},"));
+        let config = config.ok_or_else(|| wrong(missing()))?;
+        newest(&config)
+    }
+}
+
+/// Returns the file of the highest version that the configuration of a model names.
+fn newest(config: &Path) -> Result<PathBuf, FileError> {
+    let text = FileError::read(config)?;
+    let xml = Xml::parse(config, &text)?;
+    let root = xml.root();
+    let mut newest = None;
+    for node in root.children().filter(|node| node.has_tag_name("sdf")) {
+        let version = attribute(&node, "version").map_or(Some([0, 0]), |text| {
+            let (major, minor) = text.trim().split_once('.')?;
+            Some([major.parse().ok()?, minor.parse::<u32>().ok()?])
+        });
+        let Some(version) = version else {
+            let text = attribute(&node, "version").unwrap_or_default();
+            let what = format!("invalid version: {text:?} (expected two numbers such as 1.9)");
+            return Err(xml.error(&node, FileErrorKind::Malformed(what)));
+        };
+        if newest.is_none_or(|(known, _)| version > known) {
+            newest = Some((version, node));
+        }
+    }
+    let missing = |node: &Node, what: &str| xml.error(node, FileErrorKind::Missing(what.into()));
+    let (_, node) = newest.ok_or_else(|| missing(&root, "element sdf"))?;
+    let name = node.text().unwrap_or_default().trim();
+    let path = config.parent().unwrap_or(Path::new("")).join(name);
+    if name.is_empty() || !path.is_file() {
+        return Err(missing(&node, &format!("file {name:?}")));
+    }
+    Ok(path)
+}

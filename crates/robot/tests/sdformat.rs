@@ -1,0 +1,2227 @@
+//! The SDFormat reader: poses with closed forms, a fault in every place it can stand, and another reader as oracle.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use lin_canny::Geometry;
+use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use lin_canny_plan::ConfigurationSpace;
+use lin_canny_robot::{Cell, FileError, FileErrorKind, LoadOptions, MotionKind, Packages, Robot, Setup};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const BOX: &str = "<geometry><box><size>1 1 1</size></box></geometry>";
+
+fn parse(text: &str) -> Result<Robot, FileError> {
+    Robot::parse(text, "r.sdf", &Packages::default(), &LoadOptions::default())
+}
+
+fn cell(text: &str) -> Result<Cell, FileError> {
+    Cell::parse(text, "r.sdf", &Packages::default(), &LoadOptions::default())
+}
+
+/// A file of a version with one model `m`.
+fn model(version: &str, inside: &str) -> String {
+    format!("<sdf version=\"{version}\"><model name=\"m\">{inside}</model></sdf>")
+}
+
+/// A file of the newest version with one world `w`.
+fn world(inside: &str) -> String {
+    format!("<sdf version=\"1.12\"><world name=\"w\">{inside}</world></sdf>")
+}
+
+/// A link with a box at its origin.
+fn link(name: &str, pose: &str) -> String {
+    format!("<link name=\"{name}\">{pose}<collision name=\"c\">{BOX}</collision></link>")
+}
+
+fn joint(name: &str, kind: &str, parent: &str, child: &str, inside: &str) -> String {
+    format!("<joint name=\"{name}\" type=\"{kind}\"><parent>{parent}</parent><child>{child}</child>{inside}</joint>")
+}
+
+const AXIS: &str = "<axis><xyz>0 0 1</xyz></axis>";
+
+/// The poses of all bodies at a configuration, in the order of the links.
+fn poses_at(robot: &Robot, q: &[f64]) -> Vec<(String, Isometry3<f64>)> {
+    let mut setup = Setup::new();
+    setup.robot("", robot, Isometry3::identity());
+    let mut poses = Vec::new();
+    setup.space().expect("a space").place(q, &mut poses);
+    let names = robot
+        .links()
+        .iter()
+        .flat_map(|link| link.bodies.iter().map(|_| link.name.clone()));
+    names.zip(poses).collect()
+}
+
+fn is_near(a: &Isometry3<f64>, b: &Isometry3<f64>) -> bool {
+    (a.to_homogeneous() - b.to_homogeneous()).amax() < 1e-12
+}
+
+/// Where a file draws the first body of each link: the same as a robot and as a cell.
+fn drawn(text: &str) -> BTreeMap<String, Isometry3<f64>> {
+    let robot = parse(text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let cell = cell(text).expect("a cell");
+    let mut poses = BTreeMap::new();
+    let mut obstacles: Vec<_> = cell.obstacles.iter().map(|o| (o.name.clone(), o.pose)).collect();
+    for (name, pose) in poses_at(&robot, robot.start()) {
+        let is_same = |(other, at): &(String, Isometry3<f64>)| {
+            (*other == name || other.split_once("::").is_some_and(|(_, other)| other == name)) && is_near(at, &pose)
+        };
+        let found = obstacles
+            .iter()
+            .position(is_same)
+            .unwrap_or_else(|| panic!("{name} at {pose}: {obstacles:?}"));
+        obstacles.remove(found);
+        poses.entry(name).or_insert(pose);
+    }
+    assert!(obstacles.is_empty());
+    poses
+}
+
+/// The link is drawn at a position, turned about z by quarter turns.
+fn is_drawn_at(text: &str, link: &str, xyz: [f64; 3], quarters: f64) {
+    let yaw = quarters * std::f64::consts::FRAC_PI_2;
+    let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, yaw);
+    let expected = Isometry3::from_parts(Translation3::from(Vector3::from(xyz)), turn);
+    let found = drawn(text);
+    let found = found.get(link).unwrap_or_else(|| panic!("no link {link} in {text}"));
+    assert!(
+        is_near(found, &expected),
+        "{link} at {found}, expected {expected}:\n{text}"
+    );
+}
+
+const QUARTER: &str = "0 0 1.5707963267948966";
+
+#[test]
+fn poses_are_relative_to_the_frames_of_the_specification() {
+    let m = |inside: &str| model("1.12", inside);
+    let at = |xyz: &str| format!("<pose>{xyz} 0 0 0</pose>");
+    let a = link("a", &format!("<pose>1 0 0 {QUARTER}</pose>"));
+    let b = |pose: &str| link("b", pose) + &joint("j", "fixed", "a", "b", "");
+    for (inside, expected, quarters) in [
+        // The default of a link is the model.
+        (format!("{a}{}", b(&at("1 2 3"))), [1.0, 2.0, 3.0], 0.0),
+        (format!("{}{a}{}", at("10 0 0"), b(&at("1 2 3"))), [11.0, 2.0, 3.0], 0.0),
+        (
+            format!(
+                "{}{a}{}",
+                at("10 0 0"),
+                b("<pose relative_to=\"__model__\">1 2 3 0 0 0</pose>")
+            ),
+            [11.0, 2.0, 3.0],
+            0.0,
+        ),
+        (format!("{a}{}", b("<pose/>")), [0.0; 3], 0.0),
+        (format!("{a}{}", b("<pose> </pose>")), [0.0; 3], 0.0),
+        (
+            format!("{a}{}", b("<pose relative_to=\"\">1 2 3 0 0 0</pose>")),
+            [1.0, 2.0, 3.0],
+            0.0,
+        ),
+        (
+            format!("{a}{}", b("<pose relative_to=\"a\">1 2 3 0 0 0</pose>")),
+            [-1.0, 1.0, 3.0],
+            1.0,
+        ),
+        (format!("{a}{}", b("<pose relative_to=\"a\"/>")), [1.0, 0.0, 0.0], 1.0),
+        // Angles in degrees, and a quaternion of any length.
+        (
+            format!("{a}{}", b("<pose degrees=\"true\">1 2 3 0 0 270</pose>")),
+            [1.0, 2.0, 3.0],
+            3.0,
+        ),
+        (
+            format!("{a}{}", b("<pose degrees=\"false\">1 2 3 0 0 0</pose>")),
+            [1.0, 2.0, 3.0],
+            0.0,
+        ),
+        (
+            format!("{a}{}", b("<pose rotation_format=\"quat_xyzw\">1 2 3 0 0 3 0</pose>")),
+            [1.0, 2.0, 3.0],
+            2.0,
+        ),
+        (
+            format!("{a}{}", b("<pose rotation_format=\"quat_xyzw\"/>")),
+            [0.0; 3],
+            0.0,
+        ),
+        (
+            format!("{a}{}", b("<pose rotation_format=\"euler_rpy\">1 2 3 0 0 0</pose>")),
+            [1.0, 2.0, 3.0],
+            0.0,
+        ),
+        // A frame: attached to the model or a link, which is also what its pose is relative to.
+        (
+            format!(
+                "{}{a}{}",
+                "<frame name=\"f\"><pose>0 5 0 0 0 0</pose></frame>",
+                b("<pose relative_to=\"f\">1 0 0 0 0 0</pose>")
+            ),
+            [1.0, 5.0, 0.0],
+            0.0,
+        ),
+        (
+            format!(
+                "{a}{}{}",
+                b("<pose relative_to=\"f\">1 0 0 0 0 0</pose>"),
+                "<frame name=\"f\" attached_to=\"a\"><pose>0 5 0 0 0 0</pose></frame>"
+            ),
+            [-4.0, 1.0, 0.0],
+            1.0,
+        ),
+        (
+            format!(
+                "{a}{}{}",
+                b("<pose relative_to=\"f\">1 0 0 0 0 0</pose>"),
+                "<frame name=\"f\" attached_to=\"a\"><pose relative_to=\"__model__\">0 5 0 0 0 0</pose></frame>"
+            ),
+            [1.0, 5.0, 0.0],
+            0.0,
+        ),
+        (
+            format!(
+                "{a}{}{}",
+                b("<pose relative_to=\"f\">1 0 0 0 0 0</pose>"),
+                "<frame name=\"f\" attached_to=\"g\"/><frame name=\"g\" attached_to=\"a\"><pose>0 0 7 0 0 0</pose></frame>"
+            ),
+            [1.0, 1.0, 7.0],
+            1.0,
+        ),
+        // A joint is a frame: its pose is relative to its child.
+        (
+            format!(
+                "{a}{}{}",
+                b("<pose relative_to=\"k\">1 0 0 0 0 0</pose>"),
+                link("c", "") + &joint("k", "fixed", "a", "c", "<pose>0 0 4 0 0 0</pose>")
+            ),
+            [1.0, 0.0, 4.0],
+            0.0,
+        ),
+        (
+            format!(
+                "{a}{}{}",
+                b("<pose relative_to=\"k\">1 0 0 0 0 0</pose>"),
+                link("c", "") + &joint("k", "fixed", "c", "a", "")
+            ),
+            [1.0, 1.0, 0.0],
+            1.0,
+        ),
+        // Nested models: of the model, of a link, of a frame in another nested model.
+        (
+            a.clone()
+                + &b("<pose relative_to=\"n::x\">1 0 0 0 0 0</pose>")
+                + &format!(
+                    "<model name=\"n\">{}{}</model>",
+                    at("0 3 0"),
+                    link("x", &format!("<pose>0 0 1 {QUARTER}</pose>"))
+                ),
+            [0.0, 4.0, 1.0],
+            1.0,
+        ),
+        (
+            a.clone()
+                + &b("<pose relative_to=\"n\">1 0 0 0 0 0</pose>")
+                + &format!(
+                    "<model name=\"n\"><pose relative_to=\"a\">0 3 0 0 0 0</pose>{}</model>",
+                    link("x", "")
+                ),
+            [-2.0, 1.0, 0.0],
+            1.0,
+        ),
+        (
+            a.clone()
+                + &b("<pose relative_to=\"n::o::__model__\">1 0 0 0 0 0</pose>")
+                + &format!(
+                    "<model name=\"n\">{}<model name=\"o\">{}{}</model></model>",
+                    at("0 3 0"),
+                    at("0 0 2"),
+                    link("x", "")
+                ),
+            [1.0, 3.0, 2.0],
+            0.0,
+        ),
+        // The frame of placement stands at the pose of the model.
+        (
+            a.clone()
+                + &b("<pose relative_to=\"n\"/>")
+                + &format!(
+                    "<model name=\"n\" placement_frame=\"x\">{}{}</model>",
+                    at("0 3 0"),
+                    link("x", "<pose>1 0 5 0 0 0</pose>")
+                ),
+            [-1.0, 3.0, -5.0],
+            0.0,
+        ),
+        (
+            a.clone()
+                + &b("<pose relative_to=\"n\"/>")
+                + &format!(
+                    "<model name=\"n\" placement_frame=\"x\">{}{}</model>",
+                    at("0 3 0"),
+                    link("x", &format!("<pose>1 0 0 {QUARTER}</pose>"))
+                ),
+            [0.0, 4.0, 0.0],
+            -1.0,
+        ),
+        (
+            a.clone()
+                + &b("<pose relative_to=\"n::x\"/>")
+                + &format!(
+                    "<model name=\"n\" placement_frame=\"x\"><pose relative_to=\"a\">0 3 0 0 0 0</pose>{}</model>",
+                    link("x", "<pose>1 0 5 0.1 2 3</pose>")
+                ),
+            [-2.0, 0.0, 0.0],
+            1.0,
+        ),
+    ] {
+        is_drawn_at(&m(&inside), "b", expected, quarters);
+    }
+    // A collision element is relative to its link, or to a frame.
+    for (pose, expected, quarters) in [
+        ("<pose>0 0 1 0 0 0</pose>", [1.0, 0.0, 1.0], 1.0),
+        ("<pose relative_to=\"b\">0 0 1 0 0 0</pose>", [0.0, 2.0, 1.0], 0.0),
+        (
+            "<pose relative_to=\"__model__\">0 0 1 0 0 0</pose>",
+            [0.0, 0.0, 1.0],
+            0.0,
+        ),
+    ] {
+        let a = format!(
+            "<link name=\"a\"><pose>1 0 0 {QUARTER}</pose><collision name=\"c\">{pose}{BOX}</collision></link>"
+        );
+        let inside = a
+            + &link("b", "<pose>0 2 0 0 0 0</pose>")
+            + &joint("j", "revolute", "b", "a", &format!("<pose>0 1 0 0 0 0</pose>{AXIS}"));
+        is_drawn_at(&m(&inside), "a", expected, quarters);
+    }
+    // The world has frames, too.
+    let inside = format!(
+        "<frame name=\"f\" attached_to=\"m::a\"><pose>0 0 1 0 0 0</pose></frame><model name=\"m\">{a}</model>\
+         <model name=\"n\"><pose relative_to=\"f\"/>{}</model><model name=\"o\"><pose relative_to=\"world\">1 2 3 0 0 0</pose>{}</model>",
+        link("x", ""),
+        link("y", "")
+    );
+    is_drawn_at(&world(&inside), "n::x", [1.0, 0.0, 1.0], 1.0);
+    is_drawn_at(&world(&inside), "o::y", [1.0, 2.0, 3.0], 0.0);
+}
+
+/// A pose far from the world loses no accuracy: bodies of a link keep their numbers.
+#[test]
+fn numbers_of_bodies_and_joints_are_kept_exactly() {
+    let body = format!("<collision name=\"c\"><pose>0.1 0.2 0.3 0 0 0</pose>{BOX}</collision>");
+    let inside = format!(
+        "<pose>1e6 -1e6 1e5 0.3 0.2 0.1</pose><link name=\"a\"><pose>0.7 0.1 0 1 2 3</pose>{body}</link>\
+         <link name=\"b\"><pose relative_to=\"a\">0.3 0.2 0.1 0 0 0</pose>{body}</link>{}",
+        joint("j", "revolute", "a", "b", AXIS)
+    );
+    let robot = parse(&model("1.12", &inside)).expect("a robot");
+    for link in &robot.links()[1..] {
+        assert_eq!(link.bodies[0].origin, Isometry3::translation(0.1, 0.2, 0.3));
+    }
+    assert_eq!(robot.joints()[1].origin, Isometry3::translation(0.3, 0.2, 0.1));
+}
+
+#[test]
+fn axes_are_in_the_frame_of_the_version() {
+    let file = |version: &str, xyz: &str, inside: &str| {
+        let pose = format!("<pose>1 2 3 {QUARTER}</pose>");
+        let axis = format!("{pose}<axis>{xyz}{inside}</axis>");
+        model(
+            version,
+            &(link("a", "")
+                + &link("b", "<pose>0 0 0 0 1.5707963267948966 0</pose>")
+                + &joint("j", "revolute", "a", "b", &axis)),
+        )
+    };
+    let plain = "<xyz>2 0 0</xyz>";
+    // The child is turned by a quarter about y, and the joint in it by a quarter about z.
+    let of_joint = Vector3::x();
+    let in_model = |v: Vector3<f64>| {
+        let turn = UnitQuaternion::from_euler_angles(0.0, std::f64::consts::FRAC_PI_2, 0.0)
+            * UnitQuaternion::from_euler_angles(0.0, 0.0, std::f64::consts::FRAC_PI_2);
+        turn.inverse() * v
+    };
+    for (version, xyz, inside, expected) in [
+        ("1.3", plain, "", in_model(Vector3::x())),
+        ("1.4", plain, "", in_model(Vector3::x())),
+        ("1.5", plain, "", of_joint),
+        ("1.6", plain, "", of_joint),
+        (
+            "1.5",
+            plain,
+            "<use_parent_model_frame>true</use_parent_model_frame>",
+            in_model(Vector3::x()),
+        ),
+        (
+            "1.6",
+            plain,
+            "<use_parent_model_frame>1</use_parent_model_frame>",
+            in_model(Vector3::x()),
+        ),
+        (
+            "1.6",
+            plain,
+            "<use_parent_model_frame>false</use_parent_model_frame>",
+            of_joint,
+        ),
+        ("1.7", plain, "", of_joint),
+        ("1.12", plain, "", of_joint),
+        (
+            "1.7",
+            "<xyz expressed_in=\"__model__\">1 0 0</xyz>",
+            "",
+            in_model(Vector3::x()),
+        ),
+        ("1.9", "<xyz expressed_in=\"j\">1 0 0</xyz>", "", of_joint),
+        ("1.9", "<xyz expressed_in=\"a\">0 1 0</xyz>", "", in_model(Vector3::y())),
+        ("1.9", "<xyz expressed_in=\"b\">0 1 0</xyz>", "", Vector3::x()),
+    ] {
+        let robot = parse(&file(version, xyz, inside)).expect(version);
+        let axis = robot.joints()[1].axis.into_inner();
+        assert!((axis - expected).amax() < 1e-15, "{version} {xyz} {inside}: {axis}");
+    }
+    for (version, xyz, inside, words) in [
+        (
+            "1.4",
+            plain,
+            "<use_parent_model_frame>true</use_parent_model_frame>",
+            "version 1.5 or later",
+        ),
+        (
+            "1.7",
+            plain,
+            "<use_parent_model_frame>true</use_parent_model_frame>",
+            "expected expressed_in",
+        ),
+        ("1.6", "<xyz expressed_in=\"a\">0 0 1</xyz>", "", "version 1.7 or later"),
+        (
+            "1.12",
+            "<xyz expressed_in=\"aa\">0 0 1</xyz>",
+            "",
+            "did you mean \"a\"?",
+        ),
+        ("1.12", "<xyz>0 0 0</xyz>", "", "length of the axis is out of range"),
+        ("1.12", "<xyz>0 0</xyz>", "", "expected 3 finite numbers"),
+        ("1.12", "<xyz>0 0 inf</xyz>", "", "expected 3 finite numbers"),
+        ("1.12", "", "", "element xyz is missing"),
+    ] {
+        let error = parse(&file(version, xyz, inside)).expect_err(words).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+/// The joint turns its child about the axis through the joint, wherever the child has its origin.
+#[test]
+fn joints_move_their_child_about_the_joint() {
+    for (kind, expected) in [
+        ("revolute", Vector3::new(1.0, -1.0, 0.0)),
+        ("prismatic", Vector3::new(2.0, 0.0, std::f64::consts::FRAC_PI_2)),
+    ] {
+        let axis = format!("<pose>-1 0 0 0 0 0</pose>{AXIS}");
+        let inside = link("a", "") + &link("b", "<pose>2 0 0 0 0 0</pose>") + &joint("j", kind, "a", "b", &axis);
+        let robot = parse(&model("1.12", &inside)).expect("a robot");
+        let poses = poses_at(
+            &robot,
+            &[if kind == "revolute" { -1.0 } else { 1.0 } * std::f64::consts::FRAC_PI_2],
+        );
+        let (name, pose) = &poses[1];
+        assert_eq!(name, "b");
+        assert!((pose.translation.vector - expected).amax() < 1e-15, "{kind}: {pose}");
+    }
+}
+
+#[test]
+fn limits_are_those_of_the_axis() {
+    let file = |kind: &str, limit: &str| {
+        let axis = format!("<axis><xyz>0 0 1</xyz>{limit}</axis>");
+        model(
+            "1.12",
+            &(link("a", "") + &link("b", "") + &joint("j", kind, "a", "b", &axis)),
+        )
+    };
+    let open = f64::INFINITY;
+    for (kind, limit, expected) in [
+        (
+            "revolute",
+            "<limit><lower>-1</lower><upper>2</upper><effort>x</effort></limit>",
+            [-1.0, 2.0],
+        ),
+        ("revolute", "<limit><lower>-1</lower></limit>", [-1.0, open]),
+        ("revolute", "<limit><upper>-1</upper></limit>", [-open, -1.0]),
+        (
+            "revolute",
+            "<limit><lower>-1e16</lower><upper>1e16</upper></limit>",
+            [-open, open],
+        ),
+        (
+            "revolute",
+            "<limit><lower>-inf</lower><upper>inf</upper></limit>",
+            [-open, open],
+        ),
+        (
+            "revolute",
+            "<limit><lower>-1e300</lower><upper>1e15</upper></limit>",
+            [-open, 1e15],
+        ),
+        ("revolute", "", [-open, open]),
+        (
+            "continuous",
+            "<limit><lower>-1</lower><upper>2</upper></limit>",
+            [-open, open],
+        ),
+        (
+            "prismatic",
+            "<limit><lower>0</lower><upper>0</upper></limit>",
+            [0.0, 0.0],
+        ),
+    ] {
+        let robot = parse(&file(kind, limit)).expect(limit);
+        assert_eq!(robot.joints()[1].limits, expected, "{kind} {limit}");
+    }
+    for limit in [
+        "<limit><lower>1</lower><upper>-1</upper></limit>",
+        "<limit><lower>inf</lower></limit>",
+        "<limit><upper>-inf</upper></limit>",
+        "<limit><lower>nan</lower></limit>",
+        "<limit><lower>1 2</lower></limit>",
+        "<limit><lower/></limit>",
+        "<limit><lowr>1</lowr></limit>",
+        "<limit lower=\"1\"/>",
+        "<limit/><limit/>",
+    ] {
+        assert!(parse(&file("revolute", limit)).is_err(), "{limit}");
+    }
+}
+
+/// A file with a mark `@name@` in every place where an element can stand, each in a line of its own.
+const MARKED: &str = r#"<sdf version="1.12" xmlns:x="urn:x">
+@sdf@
+<world name="w">
+@world@
+<frame name="f">
+@frame@
+<pose>0 0 1 0 0 0</pose>
+</frame>
+<model name="m">
+@model@
+<static>false</static>
+<link name="a">
+@link@
+<pose>1 2 3 0 0 0</pose>
+<collision name="c">
+@collision@
+<geometry>
+@geometry@
+<box>
+@box@
+<size>1 2 3</size></box></geometry>
+<surface>
+@surface@
+<contact>
+@contact@
+<collide_bitmask>1</collide_bitmask></contact></surface></collision>
+<collision name="d"><geometry><mesh>
+@mesh@
+<uri>part.stl</uri></mesh></geometry></collision>
+</link>
+@middle@
+<link name="b"/>
+<joint name="j" type="revolute">
+@joint@
+<parent>a</parent><child>b</child><axis>
+@axis@
+<xyz>0 0 1</xyz><limit>
+@limit@
+<lower>-1</lower><upper>1</upper></limit><mimic joint="k">
+@mimic@
+<multiplier>2</multiplier><offset>0</offset><reference>0</reference></mimic></axis></joint>
+<link name="c"/>
+<joint name="k" type="revolute"><parent>a</parent><child>c</child><axis><xyz>0 0 1</xyz></axis></joint>
+<model name="n">
+@nested@
+<link name="a"/>
+</model>
+@end@
+</model>
+</world>
+</sdf>"#;
+
+const PLACES: [&str; 18] = [
+    "sdf",
+    "world",
+    "frame",
+    "model",
+    "link",
+    "collision",
+    "geometry",
+    "box",
+    "surface",
+    "contact",
+    "mesh",
+    "middle",
+    "joint",
+    "axis",
+    "limit",
+    "mimic",
+    "nested",
+    "end",
+];
+
+/// A folder for the files of a test, with a mesh `part.stl` in it.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sdformat").join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    std::fs::write(folder.join("part.stl"), TETRAHEDRON).expect("a file");
+    folder
+}
+
+const TETRAHEDRON: &str = "solid t
+facet normal 0 0 0 outer loop vertex 0 0 0 vertex 0 1 0 vertex 1 0 0 endloop endfacet
+facet normal 0 0 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 0 1 endloop endfacet
+facet normal 0 0 0 outer loop vertex 0 0 0 vertex 0 0 1 vertex 0 1 0 endloop endfacet
+facet normal 0 0 0 outer loop vertex 1 0 0 vertex 0 1 0 vertex 0 0 1 endloop endfacet
+endsolid t
+";
+
+/// The marked file with an element in one place, and the line of the place.
+fn with(place: &str, element: &str) -> (String, u32) {
+    let mark = format!("@{place}@");
+    let line = MARKED.lines().position(|line| line == mark).expect(place) as u32 + 1;
+    let mut text = MARKED.replace(&mark, element);
+    for other in PLACES {
+        text = text.replace(&format!("@{other}@"), "");
+    }
+    (text, line)
+}
+
+/// Reads a text as a file of a folder with the mesh.
+fn parse_in(folder: &Path, text: &str) -> Result<Robot, FileError> {
+    let path = folder.join("r.sdf");
+    Robot::parse(text, path, &Packages::default(), &LoadOptions::default())
+}
+
+#[test]
+fn unknown_elements_are_errors_in_every_place() {
+    let folder = folder("unknown");
+    assert!(parse_in(&folder, &with("sdf", "").0).is_ok());
+    for place in PLACES {
+        for name in ["colision", "origin", "robot", "Link", "loop_joint", "sdf", "limits"] {
+            let (text, line) = with(place, &format!("<{name} name=\"n\"/>"));
+            let error = parse_in(&folder, &text).expect_err(&format!("{name} in {place}"));
+            assert_eq!(error.line, Some(line), "{place}: {error}");
+            assert!(
+                matches!(error.reason, FileErrorKind::UnknownPart { what: "element", .. }),
+                "{place}: {error}"
+            );
+        }
+        let (text, line) = with(place, "stray>");
+        let error = parse_in(&folder, &text).expect_err(place);
+        assert!(
+            error.to_string().contains("stray") && error.line < Some(line),
+            "{error}"
+        );
+        // Elements of a foreign namespace are none of ours.
+        assert!(parse_in(&folder, &with(place, "<x:link name=\"a\">1</x:link>").0).is_ok());
+    }
+    for (place, element, words) in [
+        ("link", "<colision/>", "did you mean \"collision\"?"),
+        ("geometry", "<shpere/>", "did you mean \"sphere\"?"),
+        ("joint", "<parnt/>", "did you mean \"parent\"?"),
+        ("contact", "<colide_bitmask/>", "did you mean \"collide_bitmask\"?"),
+        ("world", "<modle/>", "did you mean \"model\"?"),
+        ("sdf", "<modle/>", "did you mean \"model\"?"),
+    ] {
+        let error = parse_in(&folder, &with(place, element).0)
+            .expect_err(element)
+            .to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn elements_given_twice_and_names_in_use_are_errors() {
+    let folder = folder("twice");
+    for (place, element) in [
+        ("collision", "<geometry><empty/></geometry>"),
+        ("collision", "<surface/>"),
+        ("geometry", "<sphere><radius>1</radius></sphere>"),
+        ("geometry", "<empty/>"),
+        ("box", "<size>1 1 1</size>"),
+        ("mesh", "<uri>part.stl</uri>"),
+        ("link", "<pose/>"),
+        ("frame", "<pose/>"),
+        ("model", "<static>false</static>"),
+        ("joint", "<parent>a</parent>"),
+        ("joint", "<child>a</child>"),
+        ("joint", "<axis><xyz>0 0 1</xyz></axis>"),
+        ("axis", "<xyz>0 0 1</xyz>"),
+        ("axis", "<limit/>"),
+        (
+            "axis",
+            "<mimic joint=\"k\"><multiplier>1</multiplier><offset>0</offset><reference>0</reference></mimic>",
+        ),
+        ("limit", "<lower>0</lower>"),
+        ("mimic", "<offset>0</offset>"),
+        ("contact", "<collide_bitmask>1</collide_bitmask>"),
+    ] {
+        let (text, line) = with(place, element);
+        let error = parse_in(&folder, &text).expect_err(element);
+        assert!(matches!(error.reason, FileErrorKind::Twice(_)), "{element}: {error}");
+        assert!(error.line > Some(line), "{error}");
+    }
+    let names = ["link name=\"NAME\"", "frame name=\"NAME\"", "model name=\"NAME\""];
+    for place in ["model", "middle", "end"] {
+        for name in ["a", "b", "j", "k", "n"] {
+            for element in names {
+                let text = with(place, &format!("<{}/>", element.replace("NAME", name))).0;
+                let error = parse_in(&folder, &text).expect_err(element);
+                assert!(
+                    matches!(error.reason, FileErrorKind::Repeated) && error.line.is_some(),
+                    "{element} {name}: {error}"
+                );
+            }
+        }
+        for name in ["world", "__model__", "__x__", "a::b", "", " "] {
+            for element in names {
+                let (text, line) = with(place, &format!("<{}/>", element.replace("NAME", name)));
+                let error = parse_in(&folder, &text).expect_err(element);
+                assert!(
+                    error.to_string().contains("invalid name") && error.line == Some(line),
+                    "{error}"
+                );
+            }
+        }
+    }
+    for element in ["<model name=\"m\"/>", "<model name=\"f\"/>", "<frame name=\"m\"/>"] {
+        assert!(parse_in(&folder, &with("world", element).0).is_err());
+    }
+    // Before version 1.7, joints were no frames, and names could hold colons.
+    for order in [0, 1] {
+        let mut parts = vec![
+            link("a", ""),
+            link("x::y", ""),
+            joint("x::y", "revolute", "a", "x::y", AXIS),
+        ];
+        parts.rotate_right(order);
+        let robot = parse(&model("1.6", &parts.concat())).expect("a robot");
+        assert_eq!(robot.links().len(), 3);
+        assert!(parse(&model("1.7", &parts.concat())).is_err());
+        parts.push(link("a", ""));
+        assert!(parse(&model("1.6", &parts.concat())).is_err());
+    }
+}
+
+#[test]
+fn what_is_no_body_is_passed_over_whatever_is_in_it() {
+    let folder = folder("passed");
+    let content = |text: &str| {
+        let robot = parse_in(&folder, text).unwrap_or_else(|e| panic!("{e}"));
+        format!(
+            "{:?} {:?} {:?} {:?}",
+            robot.links(),
+            robot.joints(),
+            robot.start(),
+            robot.skipped()
+        )
+    };
+    let plain = content(&with("sdf", "").0);
+    for (place, names) in [
+        ("sdf", vec!["light"]),
+        (
+            "world",
+            vec![
+                "light",
+                "gui",
+                "physics",
+                "scene",
+                "plugin",
+                "gravity",
+                "wind",
+                "spherical_coordinates",
+            ],
+        ),
+        (
+            "model",
+            vec!["plugin", "gripper", "self_collide", "enable_wind", "allow_auto_disable"],
+        ),
+        (
+            "link",
+            vec![
+                "visual",
+                "inertial",
+                "sensor",
+                "light",
+                "self_collide",
+                "velocity_decay",
+                "frame",
+                "battery",
+            ],
+        ),
+        ("collision", vec!["max_contacts", "laser_retro", "density", "frame"]),
+        ("surface", vec!["friction", "bounce", "soft_contact"]),
+        ("contact", vec!["ode", "bullet", "collide_without_contact"]),
+        (
+            "joint",
+            vec!["physics", "sensor", "thread_pitch", "gearbox_ratio", "frame"],
+        ),
+        ("axis", vec!["dynamics"]),
+        ("limit", vec!["effort", "velocity", "stiffness", "dissipation"]),
+        ("mesh", vec!["convex_decomposition"]),
+    ] {
+        for name in names {
+            let fault = "<pose>x</pose><geometry/><link name=\"a\"/>text";
+            let text = with(place, &format!("<{name} a=\"x\">{fault}</{name}><{name}/>")).0;
+            assert_eq!(content(&text), plain, "{name} in {place}");
+        }
+    }
+}
+
+#[test]
+fn what_is_left_out_is_listed_with_its_line() {
+    let folder = folder("left_out");
+    for (place, element) in [
+        ("sdf", "actor"),
+        ("world", "actor"),
+        ("world", "road"),
+        ("world", "population"),
+        ("world", "state"),
+    ] {
+        let (text, line) = with(place, &format!("<{element} name=\"n\"><pose>x</pose></{element}>"));
+        let robot = parse_in(&folder, &text).expect("a robot");
+        let skipped = &robot.skipped()[0];
+        assert_eq!((robot.skipped().len(), skipped.line), (1, Some(line)));
+        assert!(
+            skipped
+                .to_string()
+                .contains(&format!("element {element} is not supported")),
+            "{skipped}"
+        );
+        let path = folder.join("r.sdf");
+        let cell = Cell::parse(&text, path, &Packages::default(), &LoadOptions::default()).expect("a cell");
+        assert_eq!(cell.skipped, robot.skipped());
+        let mut setup = Setup::new();
+        setup.cell(&cell);
+        assert_eq!(setup.skipped(), robot.skipped());
+    }
+    let (text, line) = with("axis", "<initial_position>0.5</initial_position>");
+    let robot = parse_in(&folder, &text).expect("a robot");
+    assert_eq!(robot.skipped()[0].line, Some(line));
+    let text = text.replace(">0.5<", ">0<");
+    assert!(parse_in(&folder, &text).expect("a robot").skipped().is_empty());
+    // A missing mesh is an error, or listed if the caller wants it.
+    std::fs::remove_file(folder.join("part.stl")).expect("the file");
+    let error = parse_in(&folder, &text).expect_err("no mesh");
+    assert!(matches!(error.reason, FileErrorKind::MissingMesh(_)), "{error}");
+    let options = LoadOptions::default().skip_missing_meshes(true);
+    let robot = Robot::parse(&text, folder.join("r.sdf"), &Packages::default(), &options).expect("a robot");
+    assert_eq!(robot.skipped().len(), 1);
+    assert!(Cell::parse(&text, folder.join("r.sdf"), &Packages::default(), &options).is_err());
+}
+
+/// Every name of a frame, link or joint that does not exist is an error with a near name.
+#[test]
+fn names_that_do_not_exist_are_named_with_a_near_one() {
+    let near = |text: String, words: &str, line: u32| {
+        let error = parse(&text).expect_err(words);
+        assert!(error.to_string().contains(words), "{error}\n{text}");
+        assert_eq!(error.line, Some(line), "{error}");
+    };
+    for place in 0..3 {
+        let chain = |element: &str, of: usize| {
+            if of == place {
+                format!("\n{element}\n")
+            } else {
+                String::new()
+            }
+        };
+        let text = |element: &str| {
+            let inside: String = (0..3)
+                .map(|k| link(&format!("finger_{k}"), "") + &chain(element, k) + "<!-- -->")
+                .collect();
+            model(
+                "1.12",
+                &(inside + "<frame name=\"palm\"/><model name=\"nested\"><link name=\"inner\"/></model>"),
+            )
+        };
+        let axis = |attribute: &str| format!("<axis><xyz {attribute}>0 0 1</xyz></axis>");
+        for (element, name) in [
+            (
+                "<frame name=\"g\"><pose relative_to=\"palmm\"/></frame>".to_owned(),
+                "palm",
+            ),
+            ("<frame name=\"g\" attached_to=\"palmm\"/>".to_owned(), "palm"),
+            (
+                "<link name=\"g\"><pose relative_to=\"Palm\"/></link>".to_owned(),
+                "palm",
+            ),
+            (
+                "<link name=\"g\"><collision name=\"c\"><pose relative_to=\"nested::iner\"/>".to_owned()
+                    + BOX
+                    + "</collision></link>",
+                "nested::inner",
+            ),
+            (
+                "<model name=\"g\"><pose relative_to=\"neste\"/></model>".to_owned(),
+                "nested",
+            ),
+            (
+                "<model name=\"g\" canonical_link=\"aa\"><link name=\"a\"/></model>".to_owned(),
+                "a",
+            ),
+            (
+                "<model name=\"g\" placement_frame=\"finger\"><link name=\"fingers\"/></model>".to_owned(),
+                "fingers",
+            ),
+            (joint("g", "fixed", "finger0", "finger_1", ""), "finger_0"),
+            (joint("g", "fixed", "finger_0", "finger1", ""), "finger_1"),
+            (
+                joint(
+                    "g",
+                    "revolute",
+                    "finger_0",
+                    "finger_1",
+                    &axis("expressed_in=\"nested:inner\""),
+                ),
+                "nested::inner",
+            ),
+            (
+                joint("g", "fixed", "finger_0", "finger_1", "<pose relative_to=\"finger2\"/>"),
+                "finger_2",
+            ),
+        ] {
+            near(text(&element), &format!("did you mean \"{name}\"?"), 2);
+        }
+        // A frame of the model outside is none of the nested model.
+        near(
+            text("<model name=\"g\"><link name=\"a\"><pose relative_to=\"palm\"/></link></model>"),
+            "frame \"palm\" does not exist",
+            2,
+        );
+        near(
+            text("<link name=\"g\"><pose relative_to=\"world\"/></link>"),
+            "frame \"world\" does not exist",
+            2,
+        );
+    }
+    // A name belongs to the element that the message shows.
+    let error = parse(&model("1.12", "<link name=\"a\"><pose relative_to=\"b\"/></link>")).expect_err("no b");
+    assert_eq!(error.element, "model \"m\" link \"a\" pose");
+}
+
+#[test]
+fn cycles_of_frames_and_joints_are_errors() {
+    let base = link("base", "");
+    for count in [1, 2, 3, 50] {
+        for first in 0..count.min(3) {
+            let frames = |attribute: &str, of: &dyn Fn(usize) -> String| -> String {
+                (0..count)
+                    .map(|k| (first + k) % count)
+                    .map(|k| format!("<frame name=\"f{k}\" {attribute}>{}</frame>", of((k + 1) % count)))
+                    .collect()
+            };
+            let by_pose = frames("attached_to=\"base\"", &|next| {
+                format!("<pose relative_to=\"f{next}\"/>")
+            });
+            let by_attachment: String = (0..count)
+                .map(|k| {
+                    format!(
+                        "<frame name=\"f{k}\" attached_to=\"f{}\"><pose relative_to=\"base\"/></frame>",
+                        (k + 1) % count
+                    )
+                })
+                .collect();
+            for (frames, words) in [
+                (by_pose, "relative_to forms a cycle: "),
+                (by_attachment, "attached_to forms a cycle: "),
+            ] {
+                let error = parse(&model("1.12", &format!("{base}{frames}"))).expect_err(words);
+                assert!(error.to_string().contains(words) && error.line == Some(1), "{error}");
+                assert!(count > 10 || error.to_string().contains("f0"), "{error}");
+                assert!(error.reason.to_string().len() <= 120, "{error}");
+            }
+        }
+    }
+    for inside in [
+        "<link name=\"a\"><pose relative_to=\"b\"/></link><link name=\"b\"><pose relative_to=\"a\"/></link>".to_owned(),
+        "<link name=\"a\"><pose relative_to=\"a\"/></link>".to_owned(),
+        "<link name=\"a\"><pose relative_to=\"j\"/></link>".to_owned()
+            + &link("b", "")
+            + &joint("j", "fixed", "b", "a", ""),
+        link("a", "") + &joint("j", "fixed", "a", "j", ""),
+        link("a", "")
+            + &joint("j", "fixed", "a", "k", "<pose relative_to=\"a\"/>")
+            + &joint("k", "fixed", "a", "j", "<pose relative_to=\"a\"/>"),
+        link("a", "<pose relative_to=\"n\"/>")
+            + "<model name=\"n\"><pose relative_to=\"a\"/><link name=\"b\"/></model>",
+    ] {
+        let error = parse(&model("1.12", &inside)).expect_err(&inside);
+        assert!(error.to_string().contains("cycle") && error.line == Some(1), "{error}");
+    }
+    let two = link("a", "") + &link("b", "");
+    for (joints, is_expected) in [
+        (
+            joint("j", "fixed", "a", "b", "") + &joint("k", "fixed", "b", "a", ""),
+            "loop",
+        ),
+        (joint("j", "fixed", "a", "a", ""), "loop"),
+        (
+            joint("j", "fixed", "a", "b", "") + &joint("k", "fixed", "a", "b", ""),
+            "parent joint",
+        ),
+        (
+            joint("j", "fixed", "world", "b", "") + &joint("k", "fixed", "a", "b", ""),
+            "parent joint",
+        ),
+    ] {
+        let error = parse(&model("1.12", &(two.clone() + &joints))).expect_err(&joints);
+        assert!(
+            error.to_string().contains(is_expected) && error.line.is_some(),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn versions_have_their_attributes() {
+    for (version, inside, words) in [
+        ("1.2", "", "1.2 (expected 1.3 to 1.12)"),
+        ("1.13", "", "1.13 (expected 1.3 to 1.12)"),
+        ("2.0", "", "2.0 (expected"),
+        ("x", "", "invalid version"),
+        (
+            "1.6",
+            "<link name=\"b\"><pose relative_to=\"a\"/></link>",
+            "relative_to is not supported in version 1.6",
+        ),
+        ("1.6", "<link name=\"b\"><pose frame=\"a\"/></link>", "attribute frame"),
+        ("1.12", "<link name=\"b\"><pose frame=\"a\"/></link>", "attribute frame"),
+        (
+            "1.6",
+            "<frame name=\"f\" attached_to=\"a\"/>",
+            "attached_to is not supported",
+        ),
+        (
+            "1.8",
+            "<link name=\"b\"><pose degrees=\"true\"/></link>",
+            "version 1.9 or later",
+        ),
+        (
+            "1.8",
+            "<link name=\"b\"><pose rotation_format=\"quat_xyzw\"/></link>",
+            "version 1.9 or later",
+        ),
+        (
+            "1.9",
+            "<link name=\"b\"><pose rotation_format=\"quat_wxyz\"/></link>",
+            "expected euler_rpy or quat_xyzw",
+        ),
+        (
+            "1.9",
+            "<link name=\"b\"><pose rotation_format=\"quat_xyzw\" degrees=\"1\"/></link>",
+            "expected at most one",
+        ),
+        (
+            "1.9",
+            "<link name=\"b\"><pose rotation_format=\"quat_xyzw\">0 0 0 0 0 0 0</pose></link>",
+            "length of the quaternion",
+        ),
+        (
+            "1.9",
+            "<link name=\"b\"><pose rotation_format=\"quat_xyzw\">0 0 0 0 0 0</pose></link>",
+            "expected 7 finite numbers",
+        ),
+        (
+            "1.9",
+            "<link name=\"b\"><pose>0 0 0 0 0</pose></link>",
+            "expected 6 finite numbers",
+        ),
+        (
+            "1.9",
+            "<link name=\"b\"><pose>0 0 0 0 0 nan</pose></link>",
+            "expected 6 finite numbers",
+        ),
+        (
+            "1.9",
+            "<link name=\"b\"><pose>1e200 0 0 0 0 0</pose></link>",
+            "position is out of range",
+        ),
+        (
+            "1.9",
+            "<link name=\"b\"><pose relativ_to=\"a\"/></link>",
+            "did you mean \"relative_to\"?",
+        ),
+        (
+            "1.9",
+            "<link name=\"b\"><pose degrees=\"yes\"/></link>",
+            "expected true or false",
+        ),
+        ("1.9", "<static>maybe</static>", "expected true or false"),
+        ("1.9", "<link nmae=\"b\"/>", "unknown attribute: \"nmae\""),
+        ("1.9", "<link/>", "attribute name is missing"),
+        (
+            "1.9",
+            "<link name=\"b\"><pose><x>1</x></pose></link>",
+            "unknown element: \"x\"",
+        ),
+    ] {
+        let error = parse(&model(version, &(link("a", "") + inside)))
+            .expect_err(words)
+            .to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    assert!(
+        parse(&model(
+            "1.6",
+            "<link name=\"b\"><pose frame=\"\">0 0 0 0 0 0</pose></link>"
+        ))
+        .is_ok()
+    );
+    let error = parse("<sdf><model name=\"m\"><link name=\"a\"/></model></sdf>").expect_err("no version");
+    assert!(error.to_string().contains("attribute version is missing"), "{error}");
+}
+
+#[test]
+fn joints_of_other_kinds_and_other_shapes_are_named() {
+    let two = link("a", "") + &link("b", "");
+    for kind in ["ball", "universal", "revolute2", "screw", "gearbox", "planar"] {
+        let error = parse(&model("1.9", &(two.clone() + &joint("j", kind, "a", "b", AXIS)))).expect_err(kind);
+        assert!(
+            error
+                .to_string()
+                .contains(&format!("joint of type {kind:?} is not supported")),
+            "{error}"
+        );
+    }
+    for (inside, words) in [
+        (joint("j", "revolute", "a", "b", ""), "element axis is missing"),
+        (
+            joint("j", "revolute", "a", "b", &format!("{AXIS}<axis2/>")),
+            "a second axis",
+        ),
+        (joint("j", "fixed", "", "b", ""), "text of parent is missing"),
+        (joint("j", "fixed", "a", "", ""), "text of child is missing"),
+        (joint("j", "fixed", "a", "world", ""), "\"world\" does not exist"),
+        (
+            "<joint name=\"j\" type=\"fixed\"><child>b</child></joint>".into(),
+            "element parent is missing",
+        ),
+        ("<joint name=\"j\"/>".into(), "attribute type is missing"),
+    ] {
+        let error = parse(&model("1.9", &(two.clone() + &inside)))
+            .expect_err(words)
+            .to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    // An axis of a fixed joint has no meaning.
+    assert!(
+        parse(&model(
+            "1.9",
+            &(two + &joint("j", "fixed", "a", "b", "<axis><xyz>x</xyz></axis>"))
+        ))
+        .is_ok()
+    );
+    let shape = |text: &str| {
+        model(
+            "1.9",
+            &format!("<link name=\"a\"><collision name=\"c\"><geometry>{text}</geometry></collision></link>"),
+        )
+    };
+    for (text, words) in [
+        ("", "a shape is missing"),
+        (
+            "<heightmap><uri>h.png</uri></heightmap>",
+            "the shape heightmap is not supported",
+        ),
+        ("<image/>", "the shape image is not supported"),
+        ("<box/>", "element size is missing"),
+        ("<box><size>1 1</size></box>", "expected 3 finite numbers"),
+        ("<box><size>1 1 -1</size></box>", "size is out of range"),
+        ("<box size=\"1 1 1\"/>", "unknown attribute"),
+        ("<sphere/>", "element radius is missing"),
+        ("<cylinder><radius>1</radius></cylinder>", "element length is missing"),
+        ("<ellipsoid><radii>1 2</radii></ellipsoid>", "expected 3 finite numbers"),
+        ("<plane/>", "element normal is missing"),
+        ("<plane><normal>0 0 0</normal></plane>", "length of the normal"),
+        ("<mesh/>", "element uri is missing"),
+        ("<mesh><uri>none.stl</uri></mesh>", "none.stl is missing"),
+        ("<mesh><uri>https://x/y.stl</uri></mesh>", "https://x/y.stl"),
+        ("<polyline><height>1</height></polyline>", "too few points: 0"),
+        (
+            "<polyline><point>0 0</point><point>1 0</point><point>0 0</point><height>1</height></polyline>",
+            "too few points: 2",
+        ),
+        (
+            "<polyline><point>0 0</point><point>1 0</point><point>0 1</point></polyline>",
+            "element height is missing",
+        ),
+        (
+            "<polyline><point>0 0</point><point>1 0</point><point>0 1</point><height>0</height></polyline>",
+            "height is out of range",
+        ),
+        ("<polyline/><polyline/>", "a geometry of several polylines"),
+        ("<polyline/><box/>", "element is given twice"),
+    ] {
+        let error = parse(&shape(text)).expect_err(text);
+        assert!(error.to_string().contains(words) && error.line == Some(1), "{error}");
+    }
+}
+
+/// Returns the one body of a shape.
+fn body(shape: &str) -> (Geometry, Isometry3<f64>) {
+    let link = format!("<link name=\"a\"><collision name=\"c\"><geometry>{shape}</geometry></collision></link>");
+    let robot = parse(&model("1.12", &link)).unwrap_or_else(|e| panic!("{e}"));
+    let body = &robot.links()[1].bodies[0];
+    (body.geometry.clone(), body.origin)
+}
+
+#[test]
+fn shapes_have_the_sizes_of_the_specification() {
+    for (shape, low, high) in [
+        ("<box><size>1 2 3</size></box>", [-0.5, -1.0, -1.5], [0.5, 1.0, 1.5]),
+        ("<sphere><radius>2</radius></sphere>", [-2.0; 3], [2.0; 3]),
+        (
+            "<cylinder><radius>1</radius><length>4</length></cylinder>",
+            [-1.0, -1.0, -2.0],
+            [1.0, 1.0, 2.0],
+        ),
+        (
+            "<capsule><radius>1</radius><length>4</length></capsule>",
+            [-1.0, -1.0, -3.0],
+            [1.0, 1.0, 3.0],
+        ),
+        (
+            "<cone><radius>1</radius><length>4</length></cone>",
+            [-1.0, -1.0, -2.0],
+            [1.0, 1.0, 2.0],
+        ),
+        (
+            "<ellipsoid><radii>1 2 3</radii></ellipsoid>",
+            [-1.0, -2.0, -3.0],
+            [1.0, 2.0, 3.0],
+        ),
+        (
+            "<plane><normal>0 0 1</normal><size>x</size></plane>",
+            [-1000.0, -1000.0, -1000.0],
+            [1000.0, 1000.0, 0.0],
+        ),
+        (
+            "<plane><normal>0 0 -2</normal></plane>",
+            [-1000.0, -1000.0, 0.0],
+            [1000.0; 3],
+        ),
+        (
+            "<plane><normal>3 0 0</normal></plane>",
+            [-1000.0, -1000.0, -1000.0],
+            [0.0, 1000.0, 1000.0],
+        ),
+        (
+            "<polyline><point>0 0</point><point>2 0</point><point>2 1</point><point>0 1</point><height>3</height></polyline>",
+            [0.0; 3],
+            [2.0, 1.0, 3.0],
+        ),
+    ] {
+        let (geometry, pose) = body(shape);
+        let aabb = geometry.aabb_at(&pose, &mut lin_canny::BoxHint::default());
+        let ((min, max), radius) = (aabb, geometry.bounding_ball().1);
+        for axis in 0..3 {
+            assert!((min[axis] - low[axis]).abs() < 1e-5 * (1.0 + radius), "{shape}: {min}");
+            assert!((max[axis] - high[axis]).abs() < 1e-5 * (1.0 + radius), "{shape}: {max}");
+        }
+    }
+    let empty = parse(&model(
+        "1.9",
+        "<link name=\"a\"><collision name=\"c\"><geometry><empty/></geometry></collision></link>",
+    ));
+    assert!(empty.expect("a robot").links()[1].bodies.is_empty());
+}
+
+/// A prism covers its polygon and nothing else: whichever way around, and with the first point again.
+#[test]
+fn polylines_become_exact_prisms() {
+    let corner = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
+    let star: Vec<[f64; 2]> = (0..10)
+        .map(|k| {
+            let (radius, angle) = (
+                if k % 2 == 0 { 2.0 } else { 0.5 },
+                f64::from(k) * 0.2 * std::f64::consts::PI,
+            );
+            [radius * angle.cos(), radius * angle.sin()]
+        })
+        .collect();
+    let convex = [[0.0, 0.0], [2.0, 0.0], [3.0, 1.0], [0.0, 2.0]];
+    for (polygon, area) in [
+        (corner.to_vec(), 4.0),
+        (star, 10.0 * 0.5 * 2.0 * 0.5 * (0.2 * std::f64::consts::PI).sin()),
+        (convex.to_vec(), 4.0),
+    ] {
+        for turn in 0..polygon.len() {
+            for is_reversed in [false, true] {
+                for is_closed in [false, true] {
+                    let mut points = polygon.clone();
+                    points.rotate_left(turn);
+                    if is_reversed {
+                        points.reverse();
+                    }
+                    if is_closed {
+                        points.push(points[0]);
+                    }
+                    let text: String = points
+                        .iter()
+                        .map(|[x, y]| format!("<point>{x:?} {y:?}</point>"))
+                        .collect();
+                    let (geometry, _) = body(&format!("<polyline>{text}<height>2</height></polyline>"));
+                    let volume = match &geometry {
+                        Geometry::Mesh(mesh) => mesh.volume(),
+                        Geometry::Polyhedron(hull) => hull.volume(),
+                        other => panic!("{:?}", other.kind()),
+                    };
+                    assert!((volume - 2.0 * area).abs() < 1e-12, "{volume} for {points:?}");
+                }
+            }
+        }
+    }
+    let bow = "<polyline><point>0 0</point><point>1 1</point><point>1 0</point><point>0 1</point><height>1</height></polyline>";
+    let link = format!("<link name=\"a\"><collision name=\"c\"><geometry>{bow}</geometry></collision></link>");
+    let error = parse(&model("1.12", &link)).expect_err("a line that crosses itself");
+    assert!(error.to_string().contains("polyline"), "{error}");
+}
+
+/// Writes the folder of a model: its configuration, and a file for each version.
+fn write_model(folder: &Path, name: &str, files: &[(&str, &str)]) {
+    let folder = folder.join(name);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let mut config = format!("<?xml version=\"1.0\"?><model><name>{name}</name>");
+    for (version, text) in files {
+        config += &format!("<sdf version=\"{version}\">model-{version}.sdf</sdf>");
+        std::fs::write(folder.join(format!("model-{version}.sdf")), text).expect("a file");
+    }
+    std::fs::write(
+        folder.join("model.config"),
+        config + "<author><name>a</name></author></model>",
+    )
+    .expect("a file");
+}
+
+#[test]
+fn included_models_are_read_from_their_folders() {
+    let folder = folder("include");
+    let mesh = "<geometry><mesh><uri>part.stl</uri><scale>2 2 2</scale></mesh></geometry>";
+    let part = format!(
+        "<pose>0 0 9 0 0 0</pose><link name=\"x\"><pose>0 0 1 0 0 0</pose><collision name=\"c\">{mesh}</collision></link>\
+         <link name=\"y\"><pose>1 0 0 0 0 0</pose></link><frame name=\"f\" attached_to=\"y\"><pose>0 2 0 0 0 0</pose></frame>{}",
+        joint("j", "fixed", "x", "y", "")
+    );
+    let old = model("1.4", &link("old", ""));
+    // Versions are numbers: 1.10 is later than 1.9.
+    write_model(
+        &folder,
+        "part",
+        &[("1.9", &old), ("1.10", &model("1.10", &part)), ("1.4", &old)],
+    );
+    std::fs::write(folder.join("part/part.stl"), TETRAHEDRON).expect("a file");
+    std::fs::write(folder.join("plain.sdf"), model("1.9", &link("x", ""))).expect("a file");
+    let load = |inside: &str| parse_in(&folder, &world(inside));
+    let position = |robot: &Robot, name: &str| {
+        let poses = poses_at(robot, robot.start());
+        let found = poses.iter().find(|(link, _)| link == name);
+        let (_, pose) = found.unwrap_or_else(|| panic!("no body of {name}: {:?}", robot.links()));
+        let [x, y, z]: [f64; 3] = pose.translation.vector.into();
+        [x, y, z].map(|x| (x * 1e9).round() / 1e9)
+    };
+    let absolute = format!("file://{}/part", folder.display());
+    for (uri, inside, link, expected) in [
+        ("part", "", "m::x", [0.0, 0.0, 10.0]),
+        ("part/", "", "m::x", [0.0, 0.0, 10.0]),
+        ("./part", "", "m::x", [0.0, 0.0, 10.0]),
+        ("model://part", "", "m::x", [0.0, 0.0, 10.0]),
+        ("package://part", "", "m::x", [0.0, 0.0, 10.0]),
+        ("file://part", "", "m::x", [0.0, 0.0, 10.0]),
+        (absolute.as_str(), "", "m::x", [0.0, 0.0, 10.0]),
+        ("part/model-1.10.sdf", "", "m::x", [0.0, 0.0, 10.0]),
+        ("part/model-1.4.sdf", "", "m::old", [0.0; 3]),
+        ("plain.sdf", "", "m::x", [0.0; 3]),
+        ("part", "<name>p</name>", "p::x", [0.0, 0.0, 10.0]),
+        ("part", "<name/>", "m::x", [0.0, 0.0, 10.0]),
+        ("part", "<pose>5 0 0 0 0 0</pose>", "m::x", [5.0, 0.0, 1.0]),
+        ("part", "<pose/>", "m::x", [0.0, 0.0, 1.0]),
+        (
+            "part",
+            "<pose relative_to=\"base\">5 0 0 0 0 0</pose>",
+            "m::x",
+            [5.0, 7.0, 1.0],
+        ),
+        (
+            "part",
+            "<pose>5 0 0 0 0 0</pose><placement_frame>y</placement_frame>",
+            "m::x",
+            [4.0, 0.0, 1.0],
+        ),
+        (
+            "part",
+            "<pose>5 0 0 0 0 0</pose><placement_frame>f</placement_frame>",
+            "m::x",
+            [4.0, -2.0, 1.0],
+        ),
+        ("part", "<plugin name=\"p\" filename=\"x\"/>", "m::x", [0.0, 0.0, 10.0]),
+    ] {
+        let base = "<frame name=\"base\"><pose>0 7 0 0 0 0</pose></frame>";
+        let robot = load(&format!("{base}<include><uri>{uri}</uri>{inside}</include>"));
+        let robot = robot.unwrap_or_else(|e| panic!("{uri} {inside}: {e}"));
+        assert_eq!(position(&robot, link), expected, "{uri} {inside}");
+        let first = robot.links().iter().find(|l| l.name == link).expect("the link");
+        if link.ends_with("::x") && uri != "plain.sdf" {
+            let file = first.bodies[0].mesh.as_ref().expect("a mesh");
+            assert!(file.ends_with("part/part.stl"), "{}", file.display());
+            assert_eq!(first.bodies[0].geometry.bounding_ball().1, body_radius());
+        }
+    }
+    // The file says what is static, unless the include does.
+    for (inside, kind) in [
+        ("", MotionKind::Floating),
+        ("<static>true</static>", MotionKind::Fixed),
+        ("<static>false</static>", MotionKind::Floating),
+    ] {
+        let robot = load(&format!("<include><uri>part</uri>{inside}</include>")).expect("a robot");
+        assert_eq!(robot.joints()[0].kind, kind);
+    }
+    // Twice, below a model, and merged into it.
+    let twice = "<include><uri>part</uri><name>p</name></include><include><uri>part</uri><name>q</name></include>";
+    assert_eq!(load(twice).expect("a robot").links().len(), 5);
+    assert!(matches!(
+        load(&twice.replace("q<", "p<")).expect_err("a name").reason,
+        FileErrorKind::Repeated
+    ));
+    let nested = |include: &str| {
+        let arm = joint("h", "fixed", "hand", "x", "")
+            .replace(">x<", if include.contains("merge") { ">x<" } else { ">p::x<" });
+        let hand = link("hand", "<pose>0 3 0 0 0 0</pose>");
+        model("1.12", &format!("{hand}<include {include}{arm}"))
+    };
+    let below = "<pose relative_to=\"hand\">5 0 0 0 0 0</pose></include>";
+    let robot = parse_in(&folder, &nested(&format!("><uri>part</uri><name>p</name>{below}"))).expect("a robot");
+    assert_eq!(position(&robot, "p::x"), [5.0, 3.0, 1.0]);
+    assert_eq!(robot.adjacent(), [[1, 2]]);
+    let merged = nested(&format!("merge=\"true\"><uri>part</uri><name>p</name>{below}"));
+    let robot = parse_in(&folder, &merged).expect("a robot");
+    assert_eq!(position(&robot, "x"), [5.0, 3.0, 1.0]);
+    assert_eq!(robot.coordinates().len(), 0);
+    let text = merged.replace(
+        "</pose></include>",
+        "</pose><placement_frame>f</placement_frame></include>",
+    );
+    assert_eq!(
+        position(&parse_in(&folder, &text).expect("a robot"), "x"),
+        [4.0, 1.0, 1.0]
+    );
+    for (from, to) in [
+        ("merge=\"true\"", "merge=\"yes\""),
+        ("</pose></include>", "</pose><static>true</static></include>"),
+        ("name=\"hand\"", "name=\"x\""),
+        ("<sdf version=\"1.12\"", "<sdf version=\"1.8\""),
+    ] {
+        assert!(parse_in(&folder, &merged.replace(from, to)).is_err(), "{to}");
+    }
+    let config = |text: &str| {
+        std::fs::create_dir_all(folder.join("bad")).expect("a folder");
+        std::fs::write(folder.join("bad/model.config"), text).expect("a file");
+        load("\n<include><uri>bad</uri></include>").expect_err(text).to_string()
+    };
+    for (text, words) in [
+        ("<model/>", "element sdf is missing"),
+        (
+            "<model><sdf version=\"1\">m.sdf</sdf></model>",
+            "invalid version: \"1\"",
+        ),
+        ("<model><sdf>m.sdf</sdf></model>", "file \"m.sdf\" is missing"),
+        ("<model><sdf/></model>", "file \"\" is missing"),
+        ("", "the file is empty"),
+    ] {
+        let error = config(text);
+        assert!(error.contains(words) && error.contains("bad/model.config:1"), "{error}");
+    }
+    for (name, text, words) in [
+        (
+            "two.sdf",
+            "<sdf version=\"1.9\"><model name=\"a\"/><model name=\"b\"/></sdf>",
+            "a second model of an included file",
+        ),
+        (
+            "world.sdf",
+            "<sdf version=\"1.9\"><world name=\"a\"/></sdf>",
+            "a world of an included file",
+        ),
+        ("none.sdf", "<sdf version=\"1.9\"/>", "element model is missing"),
+        (
+            "arm.urdf",
+            "<robot name=\"a\"><link name=\"a\"/></robot>",
+            "unknown root element: \"robot\" (expected sdf)",
+        ),
+        (
+            "fault.sdf",
+            "<sdf version=\"1.9\"><model name=\"a\">\n<lnk/></model></sdf>",
+            "fault.sdf:2",
+        ),
+    ] {
+        std::fs::write(folder.join(name), text).expect("a file");
+        let error = load(&format!("<include><uri>{name}</uri></include>"))
+            .expect_err(name)
+            .to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    std::fs::write(
+        folder.join("light.sdf"),
+        "<sdf version=\"1.9\"><light name=\"l\"/></sdf>",
+    )
+    .expect("a file");
+    assert_eq!(
+        load("<include><uri>light.sdf</uri></include>")
+            .expect("a robot")
+            .links()
+            .len(),
+        1
+    );
+    for (include, words) in [
+        ("<include><uri>model://nowhere</uri></include>", "\"model://nowhere\""),
+        (
+            "<include><uri>https://fuel.gazebosim.org/x</uri></include>",
+            "the address \"https://fuel",
+        ),
+        ("<include/>", "element uri is missing"),
+        ("<include><uri/></include>", "text of uri is missing"),
+        (
+            "<include><uri>part</uri><placement_frame>x</placement_frame></include>",
+            "element pose is missing",
+        ),
+        (
+            "<include><uri>part</uri><pose/><placement_frame>z</placement_frame></include>",
+            "\"z\" does not exist",
+        ),
+        (
+            "<include><uri>part</uri><nam>x</nam></include>",
+            "did you mean \"name\"?",
+        ),
+        (
+            "<include merge=\"true\"><uri>part</uri></include>",
+            "a merged include of a world",
+        ),
+        (
+            "<include><uri>part</uri><x:params xmlns:x=\"urn:x\"/></include>",
+            "params",
+        ),
+    ] {
+        let error = load(&format!("\n{include}")).expect_err(include);
+        assert!(error.to_string().contains(words) && error.line == Some(2), "{error}");
+        assert!(error.reason.to_string().len() <= 120, "{error}");
+    }
+}
+
+/// The radius of the ball around the mesh of the tests at scale 2, as a hull.
+fn body_radius() -> f64 {
+    let points = [[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0]].map(Point3::from);
+    Geometry::from(lin_canny::ConvexPolyhedron::from_points(&points).expect("a hull"))
+        .bounding_ball()
+        .1
+}
+
+#[test]
+fn files_that_include_themselves_and_deep_ones_are_errors() {
+    let folder = folder("cycle");
+    let include = |name: &str| format!("<include><uri>{name}</uri><name>n</name></include>");
+    for count in [1, 2, 5] {
+        for k in 0..count {
+            let next = format!("c{}.sdf", (k + 1) % count);
+            let text = model("1.9", &(link("a", "") + "\n" + &include(&next)));
+            std::fs::write(folder.join(format!("c{k}.sdf")), text).expect("a file");
+        }
+        let error = Robot::load(folder.join("c0.sdf"), &Packages::default()).expect_err("a cycle");
+        assert!(
+            error.to_string().contains("file includes itself") && error.line == Some(2),
+            "{error}"
+        );
+        let error = parse_in(&folder, &world(&include("c0.sdf"))).expect_err("a cycle");
+        assert!(error.to_string().contains("file includes itself"), "{error}");
+    }
+    for k in 0..100 {
+        let text = model("1.9", &(link("a", "") + &include(&format!("d{}.sdf", k + 1))));
+        std::fs::write(folder.join(format!("d{k}.sdf")), text).expect("a file");
+    }
+    std::fs::write(folder.join("d100.sdf"), model("1.9", &link("a", ""))).expect("a file");
+    let error = Robot::load(folder.join("d0.sdf"), &Packages::default()).expect_err("too deep");
+    assert!(
+        error.to_string().contains("nested too deep (expected at most 64)"),
+        "{error}"
+    );
+    assert!(Robot::load(folder.join("d50.sdf"), &Packages::default()).is_ok());
+    // Files that include two others each would be read 2^20 times.
+    for k in 0..20 {
+        let next = format!("e{}.sdf", k + 1);
+        let text = model("1.9", &(include(&next) + &include(&next).replace(">n<", ">o<")));
+        std::fs::write(folder.join(format!("e{k}.sdf")), text).expect("a file");
+    }
+    std::fs::write(folder.join("e20.sdf"), model("1.9", &link("a", ""))).expect("a file");
+    let error = Robot::load(folder.join("e0.sdf"), &Packages::default()).expect_err("too many");
+    assert!(error.to_string().contains("too many included files"), "{error}");
+    // Nested models of one file are limited by the depth of its elements.
+    for (depth, is_good) in [(20, true), (50, true), (70, false), (3000, false)] {
+        let inside = "<model name=\"n\">".repeat(depth) + &link("a", "") + &"</model>".repeat(depth);
+        let result = parse(&model("1.9", &(link("a", "") + &inside)));
+        assert_eq!(result.is_ok(), is_good, "{depth}");
+    }
+    // A chain of frames is as long as it wants to be.
+    let chain: String = (1..50_000)
+        .map(|k| {
+            format!(
+                "<frame name=\"f{k}\" attached_to=\"f{}\"><pose>0.001 0 0 0 0 0</pose></frame>",
+                k - 1
+            )
+        })
+        .collect();
+    let inside = link("a", "") + "<frame name=\"f0\"/>" + &chain + &link("b", "<pose relative_to=\"f49999\"/>");
+    let drawn = drawn(&model("1.9", &inside));
+    assert!((drawn["b"].translation.x - 49.999).abs() < 1e-9);
+}
+
+#[test]
+fn models_stand_where_the_kind_of_the_file_says() {
+    let kinds = |text: &str| -> Vec<(String, MotionKind)> {
+        let robot = parse(text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        assert_eq!(robot.links()[0].name, "world");
+        robot.joints().iter().map(|j| (j.name.clone(), j.kind)).collect()
+    };
+    let [fixed, floating, turning] = [MotionKind::Fixed, MotionKind::Floating, MotionKind::Revolute];
+    let arm = link("a", "") + &link("b", "") + &joint("j", "revolute", "a", "b", AXIS);
+    let named = |list: &[(&str, MotionKind)]| -> Vec<(String, MotionKind)> {
+        list.iter().map(|(name, kind)| ((*name).to_owned(), *kind)).collect()
+    };
+    let to_world = |link: &str| joint("s", "revolute", "world", link, AXIS);
+    for (inside, expected) in [
+        (arm.clone(), vec![("a", fixed), ("j", turning)]),
+        // A second tree floats, and the canonical link says which one stands.
+        (
+            arm.clone() + &link("c", ""),
+            vec![("a", fixed), ("c", floating), ("j", turning)],
+        ),
+        (
+            link("c", "") + &arm,
+            vec![("c", fixed), ("a", floating), ("j", turning)],
+        ),
+        (arm.clone() + &to_world("a"), vec![("s", turning), ("j", turning)]),
+        (
+            arm.clone() + &to_world("a") + &link("c", ""),
+            vec![("s", turning), ("c", floating), ("j", turning)],
+        ),
+        (
+            format!("<static>true</static>{arm}{}", link("c", "")),
+            vec![("a", fixed), ("b", fixed), ("c", fixed)],
+        ),
+        (
+            format!("<model name=\"n\">{arm}</model>"),
+            vec![("n::a", fixed), ("n::j", turning)],
+        ),
+        (
+            format!("{}<model name=\"n\"><static>true</static>{arm}</model>", link("c", "")),
+            vec![("n::a", fixed), ("n::b", fixed), ("c", fixed)],
+        ),
+        (
+            format!("<static>1</static>{}<model name=\"n\">{arm}</model>", link("c", "")),
+            vec![("n::a", fixed), ("n::b", fixed), ("c", fixed)],
+        ),
+    ] {
+        let text = model("1.12", &inside);
+        let mut found = kinds(&text);
+        let mut expected = named(&expected);
+        found.sort_by(|a, b| a.0.cmp(&b.0));
+        expected.sort_by(|a, b| a.0.cmp(&b.0));
+        assert_eq!(found, expected, "{text}");
+        // In a world, nothing stands by itself, and all names have the name of the model.
+        let text = world(&format!("<model name=\"m\">{inside}</model>"));
+        let is_held = inside.contains("static") || inside.contains("world");
+        for (name, kind) in kinds(&text) {
+            let before = expected
+                .iter()
+                .find(|(other, _)| format!("m::{other}") == name)
+                .expect("the joint");
+            let is_free = !is_held && before.1 == fixed;
+            assert!(
+                kind == if is_free { floating } else { before.1 } || is_held,
+                "{name}: {text}"
+            );
+        }
+    }
+    let canonical = format!(
+        "<sdf version=\"1.9\"><model name=\"m\" canonical_link=\"b\">{}{arm}</model></sdf>",
+        link("c", "")
+    );
+    let mut found = kinds(&canonical);
+    found.sort_by(|a, b| a.0.cmp(&b.0));
+    assert_eq!(found, named(&[("a", fixed), ("c", floating), ("j", turning)]));
+    for (text, words) in [
+        (
+            world("").replace("</sdf>", "<world name=\"v\"/></sdf>"),
+            "several worlds or models: w, v (expected one)",
+        ),
+        (
+            world("").replace("</sdf>", "<model name=\"v\"/></sdf>"),
+            "several worlds or models: w, v (expected one)",
+        ),
+        (
+            model("1.9", "").replace("</sdf>", "<model name=\"v\"/></sdf>"),
+            "several worlds or models: m, v (expected one)",
+        ),
+        ("<sdf version=\"1.9\"/>".into(), "element world or model is missing"),
+        (model("1.9", ""), "element link is missing"),
+        (
+            world(
+                "<joint name=\"j\" type=\"fixed\"><parent>m::a</parent><child>world</child></joint><model name=\"m\"><link name=\"a\"/></model>",
+            ),
+            "moves the world or a static model",
+        ),
+        (
+            world(
+                "<joint name=\"j\" type=\"fixed\"><parent>m::a</parent><child>n::a</child></joint><model name=\"m\"><link name=\"a\"/></model><model name=\"n\"><static>1</static><link name=\"a\"/></model>",
+            ),
+            "moves the world or a static model",
+        ),
+        (
+            world(
+                "<joint name=\"j\" type=\"fixed\"><parent>m</parent><child>n::a</child></joint><model name=\"m\"/><model name=\"n\"><link name=\"a\"/></model>",
+            ),
+            "link of the frame \"m\" is missing",
+        ),
+    ] {
+        let error = parse(&text).expect_err(words).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    // Joints of the world join models, also by their frames.
+    let two =
+        "<model name=\"m\"><link name=\"a\"/></model><model name=\"n\"><link name=\"b\"/><link name=\"a\"/></model>";
+    let robot = parse(&world(&format!("{}{two}", joint("j", "revolute", "m", "n::a", AXIS)))).expect("a robot");
+    let j = robot.joints().iter().find(|j| j.name == "j").expect("the joint");
+    assert_eq!(
+        [j.parent, j.child].map(|k| robot.links()[k].name.as_str()),
+        ["m::a", "n::a"]
+    );
+    // The joint of a static model is listed, for it moves nothing.
+    let robot = parse(&model("1.9", &format!("<static>true</static>{arm}"))).expect("a robot");
+    assert!(
+        robot.skipped()[0].to_string().contains("joint \"j\""),
+        "{}",
+        robot.skipped()[0]
+    );
+}
+
+/// The coordinates of a floating link are its pose in the world.
+#[test]
+fn floating_links_start_where_they_are_drawn() {
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    for k in 0..200 {
+        let mut six: [f64; 6] = std::array::from_fn(|_| random.random_range(-3.0..3.0));
+        if k % 4 == 0 {
+            six[4] = if k % 8 == 0 { 1.0 } else { -1.0 } * std::f64::consts::FRAC_PI_2;
+        }
+        let words = six.map(|x| format!("{x:?}")).join(" ");
+        let robot = parse(&world(&format!(
+            "<model name=\"m\">{}</model>",
+            link("a", &format!("<pose>{words}</pose>"))
+        )))
+        .expect("a robot");
+        let names: Vec<&str> = robot.coordinates().iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(
+            names,
+            ["x", "y", "z", "roll", "pitch", "yaw"].map(|part| format!("m::a/{part}"))
+        );
+        let turn = UnitQuaternion::from_euler_angles(six[3], six[4], six[5]);
+        let expected = Isometry3::from_parts(Translation3::new(six[0], six[1], six[2]), turn);
+        for q in [robot.start(), &six] {
+            let [(_, pose)] = &poses_at(&robot, q)[..] else {
+                panic!("one body")
+            };
+            assert!(is_near(pose, &expected), "{words}: {q:?}");
+        }
+    }
+}
+
+#[test]
+fn mimic_joints_follow_their_leader() {
+    let follow = |leader: &str, numbers: [f64; 3]| {
+        let [multiplier, offset, reference] = numbers;
+        format!(
+            "<axis><xyz>0 0 1</xyz><mimic joint=\"{leader}\"><multiplier>{multiplier}</multiplier>\
+             <offset>{offset}</offset><reference>{reference}</reference></mimic></axis>"
+        )
+    };
+    let links: String = ["a", "b", "c", "d"].iter().map(|name| link(name, "")).collect();
+    let file = |version: &str, of_c: &str, of_d: &str| {
+        let joints = joint("k", "revolute", "a", "c", of_c)
+            + &joint("l", "prismatic", "a", "d", of_d)
+            + &joint("j", "revolute", "a", "b", AXIS);
+        model(version, &(links.clone() + &joints))
+    };
+    let robot = parse(&file(
+        "1.11",
+        &follow("j", [2.0, 0.5, 0.25]),
+        &follow("k", [-3.0, 1.0, 0.0]),
+    ))
+    .expect("a robot");
+    assert_eq!(robot.coordinates().len(), 1);
+    let poses = poses_at(&robot, &[0.7]);
+    let k = 2.0 * (0.7 - 0.25) + 0.5;
+    let of = |name: &str| poses.iter().find(|(other, _)| other == name).expect("the body").1;
+    assert!((of("c").rotation.angle() - k).abs() < 1e-14, "{poses:?}");
+    assert!((of("d").translation.z - (-3.0 * k + 1.0)).abs() < 1e-14, "{poses:?}");
+    let good = follow("k", [1.0, 0.0, 0.0]);
+    for (version, of_c, words) in [
+        (
+            "1.10",
+            follow("j", [1.0, 0.0, 0.0]),
+            "mimic is not supported in version 1.10",
+        ),
+        ("1.11", follow("jj", [1.0, 0.0, 0.0]), "did you mean \"j\"?"),
+        (
+            "1.11",
+            follow("a", [1.0, 0.0, 0.0]),
+            "joint that moves \"a\" does not exist",
+        ),
+        ("1.11", follow("l", [1.0, 0.0, 0.0]), "mimics itself"),
+        ("1.11", follow("j", [1e200, 0.0, 0.0]), "multiplier is out of range"),
+        (
+            "1.11",
+            follow("j", [1.0, 0.0, 0.0]).replace("<offset>0</offset>", ""),
+            "element offset is missing",
+        ),
+        (
+            "1.11",
+            follow("j", [1.0, 0.0, 0.0]).replace("joint=\"j\"", "joint=\"j\" axis=\"axis2\""),
+            "mimic of a second axis",
+        ),
+        (
+            "1.11",
+            follow("j", [1.0, 0.0, 0.0]).replace(" joint=\"j\"", ""),
+            "attribute joint is missing",
+        ),
+    ] {
+        let error = parse(&file(version, &of_c, &good)).expect_err(words).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    assert!(
+        parse(&file(
+            "1.11",
+            &follow("j", [1.0, 0.0, 0.0]).replace("joint=\"j\"", "joint=\"j\" axis=\"axis\""),
+            &good
+        ))
+        .is_ok()
+    );
+}
+
+#[test]
+fn masks_exclude_the_pairs_that_share_no_bit() {
+    let body =
+        |masks: &str| format!("<collision name=\"c\">{BOX}<surface><contact>{masks}</contact></surface></collision>");
+    let collide = |mask: &str| body(&format!("<collide_bitmask>{mask}</collide_bitmask>"));
+    let links = |bodies: &[String]| -> String {
+        bodies
+            .iter()
+            .enumerate()
+            .map(|(k, body)| format!("<link name=\"l{k}\">{body}</link>"))
+            .collect()
+    };
+    for (bodies, expected) in [
+        (vec![body(""), body("")], vec![]),
+        (vec![collide("1"), collide("2")], vec![[(1, 0), (2, 0)]]),
+        (vec![collide("1"), collide("3")], vec![]),
+        (vec![collide("0x01"), collide("65534")], vec![[(1, 0), (2, 0)]]),
+        (vec![collide("0"), body("")], vec![[(1, 0), (2, 0)]]),
+        (
+            vec![collide("1") + &collide("2"), collide("2") + &collide("4")],
+            vec![
+                [(1, 0), (1, 1)],
+                [(1, 0), (2, 0)],
+                [(1, 0), (2, 1)],
+                [(1, 1), (2, 1)],
+                [(2, 0), (2, 1)],
+            ],
+        ),
+        // A category collides with those whose mask has it.
+        (
+            vec![
+                collide("4"),
+                body("<category_bitmask>4</category_bitmask><collide_bitmask>0</collide_bitmask>"),
+            ],
+            vec![],
+        ),
+        (
+            vec![
+                body("<category_bitmask>4</category_bitmask><collide_bitmask>0</collide_bitmask>"),
+                collide("4"),
+            ],
+            vec![],
+        ),
+        (
+            vec![
+                body("<category_bitmask>4</category_bitmask><collide_bitmask>4</collide_bitmask>"),
+                collide("2"),
+            ],
+            vec![[(1, 0), (2, 0)]],
+        ),
+    ] {
+        let robot = parse(&world(&format!("<model name=\"m\">{}</model>", links(&bodies)))).expect("a robot");
+        assert_eq!(robot.excluded(), expected);
+        let mut setup = Setup::new();
+        setup.robot("", &robot, Isometry3::identity());
+        let mut checker = setup.checker().expect("a checker");
+        let is_free = checker.is_free_at(robot.start()).expect("an answer");
+        assert_eq!(
+            is_free,
+            !expected.is_empty() && bodies.len() == 2 && bodies[0].matches("collision name").count() == 1
+        );
+    }
+    // Bodies follow their links, whatever the order of the file is.
+    let late = links(&[collide("1"), collide("2"), collide("2")])
+        + &joint("j", "fixed", "l2", "l0", "")
+        + &joint("k", "fixed", "l0", "l1", "");
+    let robot = parse(&model("1.9", &format!("<frame name=\"f\"/>{late}"))).expect("a robot");
+    let names: Vec<[&str; 2]> = robot
+        .excluded()
+        .iter()
+        .map(|pair| pair.map(|(link, _)| robot.links()[link].name.as_str()))
+        .collect();
+    assert_eq!(names, [["l2", "l0"], ["l0", "l1"]]);
+    for mask in ["-1", "65536", "0x10000", "x", "1.5", "", "0x", "99999999999999999999"] {
+        let error = parse(&model("1.9", &links(&[collide(mask)])))
+            .expect_err(mask)
+            .to_string();
+        assert!(error.contains("collide_bitmask"), "{error}");
+    }
+}
+
+#[test]
+fn submeshes_are_the_named_objects() {
+    let folder = folder("submesh");
+    let tetrahedron = |name: &str, first: usize, x: f64| {
+        let [a, b, c, d] = [first, first + 1, first + 2, first + 3];
+        format!(
+            "o {name}\nv {x} 0 0\nv {} 0 0\nv {x} 1 0\nv {x} 0 1\nf {a} {c} {b}\nf {a} {b} {d}\nf {a} {d} {c}\nf {b} {c} {d}\n",
+            x + 1.0
+        )
+    };
+    std::fs::write(
+        folder.join("two.obj"),
+        tetrahedron("left", 1, 0.0) + &tetrahedron("right", 5, 10.0),
+    )
+    .expect("a file");
+    std::fs::write(
+        folder.join("same.obj"),
+        tetrahedron("left", 1, 0.0) + &tetrahedron("left", 5, 10.0),
+    )
+    .expect("a file");
+    let load = |mesh: &str, options: &LoadOptions| {
+        let link = format!(
+            "<link name=\"a\"><collision name=\"c\"><geometry><mesh>{mesh}</mesh></geometry></collision></link>"
+        );
+        Robot::parse(
+            &model("1.9", &link),
+            folder.join("r.sdf"),
+            &Packages::default(),
+            options,
+        )
+    };
+    let uses = [lin_canny_robot::MeshUse::Hull, lin_canny_robot::MeshUse::Mesh];
+    for usage in uses {
+        let options = LoadOptions::default().meshes(usage);
+        for (inside, low, high) in [
+            (
+                "<submesh><name>right</name></submesh>",
+                [10.0, 0.0, 0.0],
+                [11.0, 1.0, 1.0],
+            ),
+            ("<submesh><name>left</name></submesh>", [0.0; 3], [1.0; 3]),
+            (
+                "<submesh><name>right</name><center>true</center></submesh>",
+                [-0.5; 3],
+                [0.5; 3],
+            ),
+            (
+                "<submesh><name>right</name><center>false</center></submesh><scale>2 1 -1</scale>",
+                [20.0, 0.0, -1.0],
+                [22.0, 1.0, 0.0],
+            ),
+            (
+                "<submesh><name>right</name><center>1</center></submesh><scale>2 1 1</scale>",
+                [-1.0, -0.5, -0.5],
+                [1.0, 0.5, 0.5],
+            ),
+            ("", [0.0; 3], [11.0, 1.0, 1.0]),
+        ] {
+            let robot = load(&format!("<uri>two.obj</uri>{inside}"), &options).unwrap_or_else(|e| panic!("{e}"));
+            let geometry = &robot.links()[1].bodies[0].geometry;
+            let aabb = geometry.aabb_at(&Isometry3::identity(), &mut lin_canny::BoxHint::default());
+            let ((min, max), radius) = (aabb, geometry.bounding_ball().1);
+            for axis in 0..3 {
+                assert!(
+                    (min[axis] - low[axis]).abs() < 1e-5 * (1.0 + radius)
+                        && (max[axis] - high[axis]).abs() < 1e-5 * (1.0 + radius),
+                    "{inside}: {min:?} {max:?}"
+                );
+            }
+            if let Geometry::Mesh(mesh) = geometry {
+                assert!(mesh.volume() > 0.0, "{inside}");
+            }
+        }
+    }
+    for (mesh, words) in [
+        (
+            "<uri>two.obj</uri><submesh><name>rigth</name></submesh>",
+            "did you mean \"right\"?",
+        ),
+        ("<uri>two.obj</uri><submesh/>", "element name is missing"),
+        (
+            "<uri>two.obj</uri><submesh><name>left</name><centre>1</centre></submesh>",
+            "did you mean \"center\"?",
+        ),
+        (
+            "<uri>two.obj</uri><submesh><name>left</name></submesh><scale>1 0 1</scale>",
+            "scale is out of range",
+        ),
+        (
+            "<uri>same.obj</uri><submesh><name>left</name></submesh>",
+            "several submeshes",
+        ),
+    ] {
+        let error = load(mesh, &LoadOptions::default()).expect_err(words).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    let pieces = LoadOptions::default()
+        .meshes(lin_canny_robot::MeshUse::Pieces)
+        .pieces(&folder);
+    let error = load("<uri>two.obj</uri><submesh><name>left</name></submesh>", &pieces).expect_err("pieces");
+    assert!(
+        error
+            .to_string()
+            .contains("a submesh as convex pieces is not supported"),
+        "{error}"
+    );
+}
+
+fn example() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/bench.sdf")
+}
+
+#[test]
+fn the_example_is_a_robot_and_a_cell() {
+    let robot = Robot::load(example(), &Packages::default()).expect("the example");
+    assert_eq!(robot.name(), "bench");
+    let names: Vec<&str> = robot.coordinates().iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names[..3], ["arm::shoulder", "arm::elbow", "arm::left_slide"]);
+    assert_eq!(names.len(), 9);
+    let mut setup = Setup::new();
+    setup.robot("", &robot, Isometry3::identity());
+    setup.ignore_adjacent();
+    // The column stands on the table.
+    setup.ignore_pair("table::top", "arm::base");
+    let mut checker = setup.checker().expect("a checker");
+    let mut q = robot.start().to_vec();
+    assert!(checker.is_free_at(&q).expect("an answer"));
+    // Both fingers close by the value of one.
+    q[2] = -0.0151;
+    assert!(checker.is_free_at(&q).is_err() || !checker.is_free_at(&q).expect("an answer"));
+    let cell = Cell::load(example(), &Packages::default(), &LoadOptions::default()).expect("a cell");
+    let names: Vec<&str> = cell.obstacles.iter().map(|o| o.name.as_str()).collect();
+    assert_eq!(
+        names,
+        [
+            "table::top",
+            "arm::base",
+            "arm::upper",
+            "arm::hand",
+            "arm::left",
+            "arm::right",
+            "part::block"
+        ]
+    );
+    let error = Cell::parse("<robot/>", "c.sdf", &Packages::default(), &LoadOptions::default()).expect_err("a URDF");
+    assert!(error.to_string().contains("(expected sdf)"), "{error}");
+}
+
+/// Words that change what a file says.
+const WORDS: [&str; 24] = [
+    "NaN",
+    "inf",
+    "-1",
+    "0",
+    "1e308",
+    "1e-308",
+    "\"",
+    "<",
+    "/>",
+    "&",
+    "world",
+    "__model__",
+    "hand",
+    "left",
+    "arm::hand",
+    "elbow_frame",
+    "table",
+    "fixed",
+    "prismatic",
+    "true",
+    "1.4",
+    "relative_to=\"hand\"",
+    "attached_to=\"left\"",
+    "\u{fffd}",
+];
+
+/// A text with one or two places changed: a word between two marks, or a few letters, replaced, doubled or cut out.
+fn mutated(text: &str, random: &mut ChaCha8Rng) -> String {
+    let mut text = text.to_owned();
+    for _ in 0..random.random_range(1..3) {
+        let is_mark = |(_, c): &(usize, char)| matches!(c, '"' | '<' | '>' | ' ' | '\n');
+        let marks: Vec<usize> = text.char_indices().filter(is_mark).map(|(k, _)| k).collect();
+        let first = random.random_range(0..marks.len() - 1);
+        let last = (first
+            + if random.random_bool(0.8) {
+                1
+            } else {
+                random.random_range(1..40)
+            })
+        .min(marks.len() - 1);
+        let (a, b) = (marks[first] + 1, marks[last].max(marks[first] + 1));
+        let with = match random.random_range(0..4) {
+            0 => String::new(),
+            1 => text[a..b].repeat(2),
+            _ => WORDS[random.random_range(0..WORDS.len())].to_owned(),
+        };
+        text.replace_range(a..b, &with);
+    }
+    text
+}
+
+#[test]
+fn changed_files_never_panic() {
+    let folder = folder("mutants");
+    let example = std::fs::read_to_string(example()).expect("the example");
+    std::fs::write(folder.join("example.sdf"), model("1.9", &link("a", ""))).expect("a file");
+    let marked = with("model", "<include><uri>example.sdf</uri><name>i</name></include>").0;
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let (mut read, mut with_line) = (0, 0);
+    let mut poses = Vec::new();
+    for k in 0..5000 {
+        let changed = mutated(if k % 2 == 0 { &example } else { &marked }, &mut random);
+        match parse_in(&folder, &changed) {
+            Ok(robot) => {
+                read += 1;
+                assert_eq!(robot.links().len(), robot.joints().len() + 1);
+                let mut setup = Setup::new();
+                setup.robot("", &robot, Isometry3::identity());
+                let Ok(space) = setup.space() else { continue };
+                space.place(robot.start(), &mut poses);
+                let is_finite = |p: &Isometry3<f64>| p.to_homogeneous().iter().all(|x| x.is_finite());
+                assert!(poses.iter().all(is_finite), "{changed}");
+            }
+            Err(error) => {
+                assert!(!error.to_string().is_empty());
+                with_line += usize::from(error.line.is_some());
+            }
+        }
+        let path = folder.join("r.sdf");
+        let _ = Cell::parse(&changed, path, &Packages::default(), &LoadOptions::default());
+    }
+    assert!(read > 500 && with_line > 2000, "{read} read, {with_line} with a line");
+}
+
+/// Poses, joints and axes are those of the C++ library `libsdformat` 12.3, whose output the text files hold.
+///
+/// `SDFORMAT_CASES` names another folder with such files.
+#[test]
+fn poses_are_those_of_another_reader() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/sdformat");
+    let folder = std::env::var_os("SDFORMAT_CASES").map_or(folder, PathBuf::from);
+    let files = std::fs::read_dir(&folder)
+        .expect("the folder")
+        .flatten()
+        .map(|entry| entry.path());
+    let files: Vec<PathBuf> = files
+        .filter(|path| path.extension().is_some_and(|e| e == "sdf"))
+        .collect();
+    assert!(!files.is_empty());
+    for path in files {
+        let robot = Robot::load(&path, &Packages::default()).unwrap_or_else(|e| panic!("{e}"));
+        let cell = Cell::load(&path, &Packages::default(), &LoadOptions::default()).expect("a cell");
+        let start = poses_at(&robot, robot.start());
+        let frames = frames_at(&robot);
+        let text = std::fs::read_to_string(path.with_extension("txt")).expect("the output");
+        let mut links = BTreeMap::new();
+        let mut bodies = 0;
+        for line in text.lines() {
+            let mut words = line.split_whitespace();
+            let (kind, name) = (words.next().expect("a kind"), words.next().expect("a name"));
+            let numbers: Vec<f64> = words.map(|word| word.parse().expect("a number")).collect();
+            let pose = || {
+                let [x, y, z, w, i, j, k] = numbers[..] else {
+                    panic!("{line}")
+                };
+                let turn = lin_canny::nalgebra::Quaternion::new(w, i, j, k);
+                Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_quaternion(turn))
+            };
+            let is_same =
+                |a: &Isometry3<f64>, b: &Isometry3<f64>| (a.to_homogeneous() - b.to_homogeneous()).amax() < 1e-9;
+            match kind {
+                "link" => drop(links.insert(name, pose())),
+                "collision" => {
+                    let link = name.rsplit_once('/').expect("a collision").0;
+                    let expected = links[link] * pose();
+                    let of_cell = cell.obstacles.iter().filter(|o| o.name == link).map(|o| o.pose);
+                    let of_robot = start.iter().filter(|(other, _)| other == link).map(|(_, pose)| *pose);
+                    assert!(
+                        of_cell.into_iter().any(|at| is_same(&at, &expected)),
+                        "{}: {line}",
+                        path.display()
+                    );
+                    assert!(
+                        of_robot.into_iter().any(|at| is_same(&at, &expected)),
+                        "{}: {line}",
+                        path.display()
+                    );
+                    bodies += 1;
+                }
+                "joint" => {
+                    let words: Vec<&str> = name.split('@').collect();
+                    let joint = robot.joints().iter().find(|j| j.name == words[0]).expect("the joint");
+                    let model = words[0].rsplit_once("::").expect("a model").0;
+                    let [parent, child] = [joint.parent, joint.child].map(|k| robot.links()[k].name.as_str());
+                    assert_eq!([parent, child], [1, 2].map(|k| format!("{model}::{}", words[k])));
+                    assert!(is_same(&frames[joint.child], &pose()), "{}: {line}", path.display());
+                }
+                "axis" => {
+                    let joint = robot.joints().iter().find(|j| j.name == name).expect("the joint");
+                    let axis = Vector3::new(numbers[0], numbers[1], numbers[2]);
+                    assert!(
+                        (joint.axis.into_inner() - axis).amax() < 1e-9,
+                        "{}: {line}",
+                        path.display()
+                    );
+                }
+                _ => {}
+            }
+        }
+        assert_eq!(bodies, cell.obstacles.len());
+        assert_eq!(links.len() + 1, robot.links().len());
+    }
+}
+
+/// The frame of each link at the start, by the joints.
+fn frames_at(robot: &Robot) -> Vec<Isometry3<f64>> {
+    let mut frames = vec![Isometry3::identity()];
+    for joint in robot.joints() {
+        let mut frame = frames[joint.parent] * joint.origin;
+        if let (MotionKind::Floating, Some(drive)) = (joint.kind, joint.drive) {
+            let q = &robot.start()[drive.coordinate..];
+            let turn = UnitQuaternion::from_euler_angles(q[3], q[4], q[5]);
+            frame *= Isometry3::from_parts(Translation3::new(q[0], q[1], q[2]), turn);
+        }
+        frames.push(frame);
+    }
+    frames
+}
