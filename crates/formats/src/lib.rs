@@ -24,8 +24,9 @@
 //! * A reader holds at most 4 MiB and 400 bytes for each byte of the file. Repeated instances of
 //!   COLLADA take at most 128 MiB more; a file that asks for more is an error.
 //! * A polygon is cut into triangles that cover the polygon and nothing else. Its corners may
-//!   depart from a plane by a tenth of its size, because quads of curved bodies often do. The file
-//!   then leaves the surface between them open, and the reader chooses the diagonals.
+//!   depart from a plane by half its size, because quads of curved bodies often do. The file
+//!   then leaves the surface between them open, and the reader chooses the diagonals. It lists such
+//!   polygons, and those without area, in [`MeshFile::skipped`].
 //! * Points are not turned, whatever axis is up: in COLLADA the file chooses it, in glTF it is Y.
 //! * A mirror turns triangles over, so that they keep their outside.
 //!

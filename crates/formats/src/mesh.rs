@@ -171,6 +171,8 @@ pub(crate) struct ObjectBuilder {
     object: MeshObject,
     /// The new index of each point of the file that a triangle uses.
     indices: HashMap<u64, u32>,
+    /// What is passed over in this object; the reader adds it to the list of the file.
+    pub(crate) skipped: SkippedList,
 }
 
 impl ObjectBuilder {
@@ -215,6 +217,12 @@ impl SkippedList {
                 line: line.into(),
                 what: what.into(),
             });
+        }
+    }
+
+    pub(crate) fn append(&mut self, other: Self) {
+        for one in other.0 {
+            self.add(one.line, &one.what);
         }
     }
 

@@ -205,18 +205,13 @@ fn face(
         }
         ring.push(corner as u64);
     }
-    let mut different = ring.clone();
-    different.sort_unstable();
-    different.dedup();
-    if different.len() < 3 {
-        let why = format!("face has {} different corners (expected at least 3)", different.len());
+    if ring.len() < 3 {
+        let why = format!("face has {} corners (expected at least 3)", ring.len());
         return Err(Fault::malformed(line, why));
     }
     let point = |k: u64| points[k as usize];
-    let triangles = polygon::triangulate(&[&ring], point).map_err(|why| Fault::malformed(line, why))?;
-    if triangles.is_empty() {
-        skipped.add(line, "faces without area");
-    }
+    let triangles = polygon::triangulate(&[&ring], point, |what| skipped.add(line, what));
+    let triangles = triangles.map_err(|why| Fault::malformed(line, why))?;
     for triangle in triangles {
         let added = object.triangle(triangle, point);
         added.ok_or_else(|| Fault::malformed(line, "too many points for 32-bit indices"))?;

@@ -525,18 +525,13 @@ impl Contents {
     }
 
     fn polygon(&mut self, ring: &[u64], line: Option<usize>, object: &mut ObjectBuilder) -> Result<(), String> {
-        let mut different = ring.to_vec();
-        different.sort_unstable();
-        different.dedup();
-        if different.len() < 3 {
-            let why = "(expected at least 3)";
-            return Err(format!("has {} different corners {why}", different.len()));
+        if ring.len() < 3 {
+            return Err(format!("has {} corners (expected at least 3)", ring.len()));
         }
         let point = |k: u64| self.points[k as usize];
-        let triangles = polygon::triangulate(&[ring], point).map_err(|why| format!("is invalid: {why}"))?;
-        if triangles.is_empty() {
-            self.skipped.add(line, "faces without area");
-        }
+        let skipped = &mut self.skipped;
+        let triangles = polygon::triangulate(&[ring], point, |what| skipped.add(line, what));
+        let triangles = triangles.map_err(|why| format!("is invalid: {why}"))?;
         for triangle in triangles {
             let added = object.triangle(triangle, point);
             added.ok_or("has too many points for 32-bit indices")?;

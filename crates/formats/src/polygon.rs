@@ -11,8 +11,11 @@ use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 /// Largest distance of a corner from the plane of its polygon, divided by the size of the polygon.
-/// Faces of curved bodies with four corners are often not flat.
-const FLAT: f64 = 0.1;
+/// Faces of curved bodies with four corners or more are often not flat: up to 0.27 in public robots.
+const BENT: f64 = 0.5;
+
+/// Distance of corners along the normal from which a polygon is listed, divided by its size.
+const FLAT: f64 = 1e-3;
 
 /// Largest distance of corners from a line, divided by their length, at which a polygon counts as
 /// without area.
@@ -23,8 +26,13 @@ type Point = [f64; 3];
 /// Cuts a polygon with holes into triangles with the outside of the polygon. Corners are indices;
 /// `point` returns their positions.
 ///
-/// Equal neighbours are one corner. A polygon without area has no triangles.
-pub(crate) fn triangulate(rings: &[&[u64]], point: impl Fn(u64) -> Point) -> Result<Vec<[u64; 3]>, String> {
+/// Equal neighbours are one corner. A polygon without area has no triangles; `note` is told of it,
+/// and of a polygon that is not flat.
+pub(crate) fn triangulate(
+    rings: &[&[u64]],
+    point: impl Fn(u64) -> Point,
+    mut note: impl FnMut(&'static str),
+) -> Result<Vec<[u64; 3]>, String> {
     let rings: Vec<Vec<u64>> = rings.iter().map(|ring| without_repeats(ring, &point)).collect();
     let Some(outer) = rings.first() else {
         return Ok(Vec::new());
@@ -36,7 +44,10 @@ pub(crate) fn triangulate(rings: &[&[u64]], point: impl Fn(u64) -> Point) -> Res
     let border = &corners[..outer.len()];
     if is_on_a_line(border) {
         return match rings[1..].iter().all(|hole| hole.len() < 3) {
-            true => Ok(Vec::new()),
+            true => {
+                note("faces without area");
+                Ok(Vec::new())
+            }
             false => Err(HOLE_OUTSIDE.into()),
         };
     }
@@ -45,7 +56,15 @@ pub(crate) fn triangulate(rings: &[&[u64]], point: impl Fn(u64) -> Point) -> Res
     if !(normal[axis].abs() > 0.0) {
         return Err("polygon is not simple: its area is zero, but its corners are not on a line".into());
     }
-    check_flat(&corners, &normal)?;
+    let height = height(&corners, &normal);
+    if !(height <= BENT) {
+        return Err(format!(
+            "polygon is not flat: {height:.3e} of its size along its normal (expected at most {BENT})"
+        ));
+    }
+    if height > FLAT {
+        note("polygons that are not flat (their diagonals are chosen)");
+    }
     let flat = |k: u64| {
         let p = point(k);
         Point2::new(p[(axis + 1) % 3], p[(axis + 2) % 3])
@@ -120,8 +139,8 @@ fn is_on_a_line(corners: &[Point]) -> bool {
     largest <= LINE * LINE * square(&farthest) * square(&farthest)
 }
 
-/// Checks corners of size 1, those of holes included.
-fn check_flat(corners: &[Point], normal: &Point) -> Result<(), String> {
+/// Returns how far apart corners of size 1 are along the normal, those of holes included.
+fn height(corners: &[Point], normal: &Point) -> f64 {
     let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
     let heights = corners
         .iter()
@@ -129,13 +148,7 @@ fn check_flat(corners: &[Point], normal: &Point) -> Result<(), String> {
     let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
         (low.min(h), high.max(h))
     });
-    let height = high - low;
-    if height <= FLAT {
-        return Ok(());
-    }
-    Err(format!(
-        "polygon is not flat: {height:.3e} of its size along its normal (expected at most {FLAT})"
-    ))
+    high - low
 }
 
 /// Returns the orientation of three points: positive if they turn left, exactly.
@@ -264,6 +277,10 @@ fn add(windings: &mut Windings, ring: usize, step: i32) {
 mod tests {
     use super::*;
 
+    fn triangulate(rings: &[&[u64]], point: impl Fn(u64) -> Point) -> Result<Vec<[u64; 3]>, String> {
+        super::triangulate(rings, point, |_| {})
+    }
+
     /// A generator of numbers from 0 to 1.
     struct Random(u64);
 
@@ -382,7 +399,7 @@ mod tests {
         let points = [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
         let found = triangulate(&[&[0, 1, 2, 3]], |k| points[k as usize]);
         assert!(found.expect_err("a bow tie").contains("not simple"));
-        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 1.0], [0.0, 1.0, 0.0]];
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0], [0.0, 1.0, 1.0]];
         let found = triangulate(&[&[0, 1, 2, 3]], |k| points[k as usize]);
         assert!(found.expect_err("far from a plane").contains("not flat"));
     }

@@ -3,6 +3,7 @@
 
 mod support;
 
+use lin_canny_formats::MeshFile;
 use support::{BOX, TRIANGLES, bounds, parse, read_mutants, volume};
 
 fn vertices() -> String {
@@ -177,7 +178,7 @@ fn a_fault_anywhere_is_named_with_its_line() {
     let faults = [
         "f 1 2",
         "f 1",
-        "f 1 1 1",
+        "f 1 1",
         "f 1 2 0",
         "f 1 2 99",
         "f 1 2 -99",
@@ -248,5 +249,28 @@ fn mutants_are_read_or_named() {
         start.elapsed().as_secs() < 60,
         "20,000 small files took {:?}",
         start.elapsed()
+    );
+}
+
+#[test]
+fn faces_without_area_and_bent_faces_are_listed() {
+    let of = |faces: &str| {
+        let text = format!("v 0 0 0\nv 4 0 0\nv 4 4 0.4\nv 0 4 0\nf 1 2 3\n{faces}");
+        MeshFile::parse(text.as_bytes(), "a.obj").expect(&text)
+    };
+    for face in ["f 1 2 1", "f 2 2 2", "f 1 1 2 2"] {
+        let file = of(face);
+        assert_eq!(file.objects[0].triangles.len(), 1, "{face}");
+        assert_eq!(
+            (file.skipped[0].line, file.skipped[0].what.as_str()),
+            (Some(6), "faces without area")
+        );
+    }
+    let file = of("f 1 2 3 4");
+    assert_eq!(file.objects[0].triangles.len(), 3);
+    assert!(
+        file.skipped[0].line == Some(6) && file.skipped[0].what.contains("not flat"),
+        "{:?}",
+        file.skipped
     );
 }

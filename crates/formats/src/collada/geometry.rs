@@ -75,6 +75,7 @@ impl<'a> Reader<'a> {
                 _ => return Err(self.xml.unknown(child)),
             }
         }
+        self.skipped.append(std::mem::take(&mut builder.skipped));
         let geometry = Rc::new(builder.build());
         self.geometries.insert(node.id(), geometry.clone());
         Ok(geometry)
@@ -416,7 +417,8 @@ impl Primitive<'_> {
                     })
                     .collect();
                 let numbers: Vec<&[u64]> = numbers.iter().map(Vec::as_slice).collect();
-                let triangles = polygon::triangulate(&numbers, point);
+                let line = xml.line(list);
+                let triangles = polygon::triangulate(&numbers, point, |what| builder.skipped.add(line, what));
                 let triangles = triangles.map_err(|why| xml.malformed(list, format!("has an invalid face: {why}")))?;
                 triangles
                     .iter()
