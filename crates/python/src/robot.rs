@@ -1,4 +1,4 @@
-//! Robots of URDF files.
+//! Robots of URDF, MJCF and SDFormat files.
 
 use std::path::PathBuf;
 
@@ -45,7 +45,7 @@ impl Files {
     }
 }
 
-/// A robot of a URDF file: links, joints and the geometry of the links.
+/// A robot of a URDF, MJCF or SDFormat file: links, joints and the geometry of the links.
 ///
 /// A configuration has a number for each of `coordinates`, radians for joints that turn and the
 /// unit of the file for joints that slide. Cylinders, capsules and spheres are exact. A robot is
@@ -66,7 +66,7 @@ impl Robot {
 
 #[pymethods]
 impl Robot {
-    /// Returns the robot of a URDF file; the pairs of links of an SRDF file are not checked.
+    /// Returns the robot of a URDF, MJCF or SDFormat file; the pairs of links of an SRDF file are not checked.
     ///
     /// packages: folders in which `package://` is looked up, before those of ROS_PACKAGE_PATH and
     /// those above the URDF. meshes: what mesh files become, "hull", "mesh" (the triangles as they
@@ -107,7 +107,7 @@ impl Robot {
         })
     }
 
-    /// The name in the URDF.
+    /// The name in the file.
     #[getter]
     fn name(&self) -> &str {
         self.robot.name()
@@ -138,7 +138,7 @@ impl Robot {
         PyArray1::from_vec(py, limits.into_flattened()).reshape([self.dof(), 2])
     }
 
-    /// What the URDF and the SRDF have and this robot does not use, with file, line and reason:
+    /// What the file and the SRDF have and this robot does not use, with file, line and reason:
     /// collision elements whose mesh file does not exist, and pairs of links that do not exist.
     #[getter]
     fn skipped(&self) -> Vec<String> {

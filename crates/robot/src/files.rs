@@ -31,7 +31,7 @@ use crate::srdf::Srdf;
 #[derive(Clone, Debug, Default)]
 pub struct RobotFiles {
     /// The robot, as URDF, MJCF or SDFormat.
-    pub urdf: PathBuf,
+    pub robot: PathBuf,
     /// Link pairs to ignore, as SRDF.
     pub srdf: Option<PathBuf>,
     /// The obstacles, as JSON or SDFormat: see [`Cell`].
@@ -50,9 +50,9 @@ impl RobotFiles {
     /// Meshes are replaced by their hulls, adjacent links are ignored, and packages are searched in
     /// `ROS_PACKAGE_PATH`.
     #[must_use]
-    pub fn new(urdf: impl Into<PathBuf>) -> Self {
+    pub fn new(robot: impl Into<PathBuf>) -> Self {
         Self {
-            urdf: urdf.into(),
+            robot: robot.into(),
             packages: Packages::default().with_environment(),
             ..Self::default()
         }
@@ -64,11 +64,11 @@ impl RobotFiles {
     /// Returns an error if a file is invalid, or if the robot has no link of a name in
     /// `options.link_meshes`.
     pub fn load(&self) -> Result<(Robot, Setup), FileError> {
-        let robot = Robot::load_with(&self.urdf, &self.packages, &self.options)?;
+        let robot = Robot::load_with(&self.robot, &self.packages, &self.options)?;
         for name in self.options.link_meshes.keys() {
             if robot.link(name).is_none() {
                 let reason = robot.unknown_link(name);
-                return Err(FileError::new(&self.urdf, None, "", reason));
+                return Err(FileError::new(&self.robot, None, "", reason));
             }
         }
         let mut setup = Setup::new();

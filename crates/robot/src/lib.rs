@@ -1,4 +1,4 @@
-//! Reads robots from URDF, SDFormat and SRDF, with branches, mimic joints, meshes and trajectories.
+//! Reads robots from URDF, MJCF, SDFormat and SRDF, with branches, mimic joints, meshes and trajectories.
 //!
 //! ```
 //! use lin_canny::nalgebra::Isometry3;
@@ -24,7 +24,7 @@
 //!
 //! | task | type or function |
 //! |---|---|
-//! | load the links, joints and coordinates of a URDF or SDFormat file | [`Robot`], [`LoadOptions`] |
+//! | load the links, joints and coordinates of a URDF, MJCF or SDFormat file | [`Robot`], [`LoadOptions`] |
 //! | use meshes as hulls, as triangles, or as convex pieces | [`LoadOptions::meshes`], [`MeshUse`] |
 //! | set the folders of `package://` paths | [`Packages`] |
 //! | ignore pairs of links, from an SRDF or from random configurations | [`Srdf`], [`find_ignorable`] |

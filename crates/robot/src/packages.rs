@@ -1,4 +1,4 @@
-//! Finds the files that a URDF names.
+//! Finds the files that a robot or cell names.
 
 use std::path::{Component, Path, PathBuf};
 

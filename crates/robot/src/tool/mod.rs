@@ -25,7 +25,7 @@ Exit codes:
   5  no path found within the limits; a path may exist
   6  the start or the goal of `plan` is in contact or within the margin";
 
-/// Compute clearances, proven motions and paths of a robot from its URDF
+/// Compute clearances, proven motions and paths of a robot from its URDF, MJCF or SDFormat
 #[derive(Parser)]
 #[command(name = "lin-canny-robot", version, about, after_help = ENDS)]
 struct Arguments {

@@ -34,8 +34,8 @@ impl From<MeshGeometry> for MeshUse {
 #[derive(Args)]
 pub(super) struct RobotOptions {
     /// Robot as URDF, MJCF or SDFormat
-    #[arg(value_name = "ROBOT.urdf")]
-    urdf: PathBuf,
+    #[arg(value_name = "ROBOT")]
+    robot: PathBuf,
     /// Link pairs to ignore, as SRDF
     #[arg(long, value_name = "FILE")]
     srdf: Option<PathBuf>,
@@ -140,7 +140,7 @@ impl RobotOptions {
             .skip_missing_meshes(self.skip_missing_meshes);
         options.pieces.clone_from(&self.pieces);
         let files = RobotFiles {
-            urdf: self.urdf.clone(),
+            robot: self.robot.clone(),
             srdf: self.srdf.clone(),
             cell: self.cell.clone(),
             packages: Packages::new(&self.packages).with_environment(),

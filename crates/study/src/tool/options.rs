@@ -19,10 +19,10 @@ enum MeshGeometry {
 /// The robot, its cell and the options of a row: they must be equal in all processes of a cluster.
 #[derive(Args)]
 pub(super) struct StudyArguments {
-    /// Robot as URDF
-    #[arg(long, value_name = "ROBOT.urdf")]
+    /// Robot as URDF, MJCF or SDFormat
+    #[arg(long, value_name = "ROBOT")]
     robot: PathBuf,
-    /// Obstacles as JSON
+    /// Obstacles as JSON or SDFormat
     #[arg(long, value_name = "CELL.json")]
     cell: Option<PathBuf>,
     /// Link pairs to ignore, as SRDF
@@ -53,7 +53,7 @@ impl StudyArguments {
             MeshGeometry::Mesh => MeshUse::Mesh,
         };
         let files = RobotFiles {
-            urdf: self.robot.clone(),
+            robot: self.robot.clone(),
             srdf: self.srdf.clone(),
             cell: self.cell.clone(),
             packages: Packages::new(&self.packages).with_environment(),
