@@ -66,7 +66,8 @@ impl Robot {
 
 #[pymethods]
 impl Robot {
-    /// Returns the robot of a URDF, MJCF or SDFormat file; the pairs of links of an SRDF file are not checked.
+    /// Returns the robot of a URDF, MJCF or SDFormat file; the pairs of links of an SRDF file are
+    /// not checked.
     ///
     /// packages: folders in which `package://` is looked up, before those of ROS_PACKAGE_PATH and
     /// those above the URDF. meshes: what mesh files become, "hull", "mesh" (the triangles as they
