@@ -22,7 +22,10 @@ fn run(folder: &Path, rows: &RecordBatch, partitions: usize, block: usize, forma
         .expect("rows");
     let input = Input::new(&input).expect("rows");
     let query = "SELECT *, clearance(turn, lift, elbow, roll, bend, twist) AS c FROM configs";
-    let options = RunOptions::default().partitions(partitions).rows_per_part(block).format(format);
+    let options = RunOptions::default()
+        .partitions(partitions)
+        .rows_per_part(block)
+        .format(format);
     let run = Run {
         study: &study,
         input: &input,
