@@ -28,6 +28,7 @@
 //! | use meshes as hulls, as triangles, or as convex pieces | [`LoadOptions::meshes`], [`MeshUse`] |
 //! | set the folders of `package://` paths | [`Packages`] |
 //! | ignore pairs of links, from an SRDF or from random configurations | [`Srdf`], [`find_ignorable`] |
+//! | use the groups and named states of an SRDF | [`Srdf::groups`], [`Srdf::state`] |
 //! | load obstacles from JSON | [`Cell`] |
 //! | load all files of a robot and its cell in one call | [`RobotFiles`] |
 //! | put robots and obstacles into one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
@@ -90,9 +91,15 @@
 //!
 //! # How an SRDF is read
 //!
-//! * `disable_collisions`, `enable_collisions` and `disable_default_collisions` are read; groups,
-//!   states, virtual joints and end effectors are passed over; any other element is an error.
-//! * An element that names a link which the robot does not have is listed in [`Srdf::skipped`].
+//! * `disable_collisions`, `enable_collisions` and `disable_default_collisions` are pairs, `group` is
+//!   a [`JointGroup`], `group_state` a [`GroupState`], and `virtual_joint` a [`VirtualJoint`], which
+//!   does not move the robot. A group has the members of the groups inside it.
+//! * The value of a planar joint in a state is `x y theta`, of a floating joint the position and the
+//!   quaternion `x y z w`, as in MoveIt. Another count of numbers is an error.
+//! * `end_effector`, `passive_joint` and some elements of other tools are passed over; any other
+//!   element is an error, as is a name that is given twice and a group that contains itself.
+//! * An element that names a link, joint or group which does not exist is listed in
+//!   [`Srdf::skipped`].
 //!
 //! A [`FileError`] names the file, the line and the element. No file content causes a panic.
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -103,6 +110,7 @@ mod cell;
 mod error;
 mod files;
 mod geometry;
+mod groups;
 mod ignorable;
 mod link_tree;
 mod mesh_file;
@@ -125,6 +133,7 @@ pub use cell::{Cell, Obstacle};
 pub use error::{FileError, FileErrorKind, Skipped};
 pub use files::RobotFiles;
 pub use geometry::MeshUse;
+pub use groups::{GroupState, JointGroup, VirtualJoint};
 pub use ignorable::{IgnoreReason, LinkPairCount, find_ignorable};
 pub use lin_canny;
 pub use lin_canny_plan as plan;
