@@ -62,6 +62,10 @@
 //!   changes nothing.
 //! * Every other element is an error, and so is an element that is given twice, text between
 //!   elements, or an unknown attribute of `origin`, `axis`, `mimic` or a shape.
+//! * Drake's elements are read by their prefix: `drake:capsule` and `drake:ellipsoid` are shapes, a
+//!   mesh with `drake:declare_convex` is its hull with every [`LoadOptions::meshes`], and
+//!   `drake:collision_filter_group` excludes pairs (see [`Robot::excluded`]). Elements of contacts,
+//!   forces, motors and visuals are passed over. Any other, such as `drake:joint`, is an error.
 //! * What xacro left is an error: run xacro on the file first.
 //! * Files are UTF-8, UTF-16, or ISO-8859-1 or windows-1252 if the XML declaration says so.
 //! * The `<up_axis>` of a COLLADA file is ignored.
@@ -107,6 +111,7 @@
 #![forbid(unsafe_code)]
 
 mod cell;
+mod drake;
 mod error;
 mod files;
 mod geometry;
