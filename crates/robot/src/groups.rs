@@ -271,6 +271,8 @@ impl<'a> Reader<'a> {
         let xml = self.xml;
         let joint = &self.robot.joints()[joint];
         let numbers = match joint.kind {
+            // Some files give a fixed joint the seven numbers of its pose.
+            MotionKind::Fixed => Vec::new(),
             MotionKind::Planar => xml.needed_numbers::<3>(node, "value")?.to_vec(),
             MotionKind::Floating => {
                 let [x, y, z, i, j, k, w] = xml.needed_numbers(node, "value")?;
@@ -283,7 +285,7 @@ impl<'a> Reader<'a> {
             _ => xml.needed_numbers::<1>(node, "value")?.to_vec(),
         };
         let names = match joint.kind.parts() {
-            [] if joint.drive.is_none() || joint.mimics.is_some() => Vec::new(),
+            [] if joint.mimics.is_some() => Vec::new(),
             [] => vec![joint.name.clone()],
             parts => parts.iter().map(|part| format!("{}/{part}", joint.name)).collect(),
         };

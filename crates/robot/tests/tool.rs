@@ -566,6 +566,7 @@ fn joints_without_a_column_have_the_values_of_a_state() {
         ),
         state("arm", "low", &[("lift", 0.9), ("roll", 0.5), ("bend", 0.1)]),
         state("arm", "wild", &[("lift", 9.0)]),
+        state("arm", "far", &[("lift", 0.6), ("rol", 0.0)]),
     ];
     let text = std::fs::read_to_string(examples().join("gripper.srdf")).expect("the example");
     let groups = "<group name=\"hand\"/>";
@@ -615,6 +616,12 @@ fn joints_without_a_column_have_the_values_of_a_state() {
     };
     let part = "state.csv:1: column \"bend\" (first of 3) is missing; see --rest and --state";
     named(&[&few, "--state", "arm/home"], part);
+    // A joint that does not exist is a warning if its state is used.
+    let warns = |state: &str| measure("clearance", &[&few, "--state", state]).1.contains("warning: ");
+    assert!(warns("far") && !warns("low"));
+    let unknown =
+        "states.srdf:10: group_state \"far\" joint \"rol\": joint \"rol\" does not exist; did you mean \"roll\"?";
+    named(&[&few, "--state", "far"], unknown);
     // A fault in the first, the middle or the last of the states.
     for at in 0..3 {
         for (name, words) in [

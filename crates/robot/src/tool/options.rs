@@ -149,6 +149,9 @@ impl RowOptions {
         let srdf = Srdf::load(file, robot)?;
         for name in &self.state {
             let state = srdf.state(name).map_err(|reason| wrong(reason.to_string()))?;
+            let title = format!("group_state {:?} joint", state.name);
+            let of_state = srdf.skipped.iter().filter(|one| one.element.starts_with(&title));
+            warn_of_skipped(&of_state.cloned().collect::<Vec<_>>());
             for (coordinate, value) in &state.values {
                 let Some(k) = coordinates.iter().position(|c| c.name == *coordinate) else {
                     continue;
