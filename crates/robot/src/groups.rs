@@ -39,8 +39,8 @@ pub struct GroupState {
     /// Names of coordinates, as in [`Robot::coordinates`], and their values: radians, or metres for
     /// a prismatic joint and for the positions of a planar or floating joint.
     ///
-    /// The limits are not checked. A joint that is fixed or mimics another has no coordinate, so its
-    /// value is not here.
+    /// The limits are not checked. A joint that is fixed or mimics another has no coordinate, so
+    /// its value is not here.
     pub values: Vec<(String, f64)>,
 }
 
@@ -314,7 +314,8 @@ fn known(
     number
 }
 
-/// Returns the groups inside a group, directly or through others, each with the group that names it.
+/// Returns the groups inside a group, directly or through others, each with the group that names
+/// it.
 ///
 /// The group itself is among them if it is in a cycle.
 pub(crate) fn nested(group: usize, inner: &[Vec<usize>]) -> HashMap<usize, usize> {

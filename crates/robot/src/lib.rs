@@ -95,11 +95,11 @@
 //!
 //! # How an SRDF is read
 //!
-//! * `disable_collisions`, `enable_collisions` and `disable_default_collisions` are pairs, `group` is
-//!   a [`JointGroup`], `group_state` a [`GroupState`], and `virtual_joint` a [`VirtualJoint`], which
-//!   does not move the robot. A group has the members of the groups inside it.
-//! * The value of a planar joint in a state is `x y theta`, of a floating joint the position and the
-//!   quaternion `x y z w`, as in MoveIt. Another count of numbers is an error.
+//! * `disable_collisions`, `enable_collisions` and `disable_default_collisions` say which pairs are
+//!   checked. A `group` is a [`JointGroup`] with the members of the groups inside it, and a
+//!   `group_state` is a [`GroupState`]. A [`VirtualJoint`] does not move the robot.
+//! * The value of a planar joint in a state is `x y theta`, of a floating joint the position and
+//!   the quaternion `x y z w`, as in MoveIt. Another count of numbers is an error.
 //! * `end_effector`, `passive_joint` and some elements of other tools are passed over; any other
 //!   element is an error, as is a name that is given twice and a group that contains itself.
 //! * An element that names a link, joint or group which does not exist is listed in
