@@ -71,7 +71,7 @@ pub enum FileErrorKind {
     /// Returned if nothing of the kind has this name.
     #[error("{kind} {name:?} does not exist{}", suggested(near))]
     Unknown {
-        /// The kind: link, joint or coordinate.
+        /// The kind, such as link, joint, coordinate or group.
         kind: &'static str,
         /// The name.
         name: String,
@@ -119,6 +119,9 @@ pub enum FileErrorKind {
     /// Returned if a joint mimics itself, directly or through other joints.
     #[error("mimics itself: {}", .0.join(", "))]
     MimicLoop(Vec<String>),
+    /// Returned if a group of an SRDF contains itself, directly or through other groups.
+    #[error("contains itself: {} (expected groups without cycles)", .0.join(", "))]
+    GroupLoop(Vec<String>),
     /// Returned if a kind of element or joint is not supported.
     #[error("{0} is not supported")]
     Unsupported(String),

@@ -28,6 +28,7 @@
 //! | use meshes as hulls, as triangles, or as convex pieces | [`LoadOptions::meshes`], [`MeshUse`] |
 //! | set the folders of `package://` paths | [`Packages`] |
 //! | ignore pairs of links, from an SRDF or from random configurations | [`Srdf`], [`find_ignorable`] |
+//! | use the groups and named states of an SRDF | [`Srdf::groups`], [`Srdf::state`] |
 //! | load obstacles from JSON or SDFormat | [`Cell`] |
 //! | load all files of a robot and its cell in one call | [`RobotFiles`] |
 //! | put robots and obstacles into one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
@@ -61,6 +62,10 @@
 //!   changes nothing.
 //! * Every other element is an error, and so is an element that is given twice, text between
 //!   elements, or an unknown attribute of `origin`, `axis`, `mimic` or a shape.
+//! * Drake's elements are read by their prefix: `drake:capsule` and `drake:ellipsoid` are shapes, a
+//!   mesh with `drake:declare_convex` is its hull with every [`LoadOptions::meshes`], and
+//!   `drake:collision_filter_group` excludes pairs (see [`Robot::excluded`]). Elements of contacts,
+//!   forces, motors and visuals are passed over. Any other, such as `drake:joint`, is an error.
 //! * What xacro left is an error: run xacro on the file first.
 //! * Files are UTF-8, UTF-16, or ISO-8859-1 or windows-1252 if the XML declaration says so.
 //! * The `<up_axis>` of a COLLADA file is ignored, and a glTF, whose Y is up, is not turned.
@@ -135,9 +140,15 @@
 //!
 //! # How an SRDF is read
 //!
-//! * `disable_collisions`, `enable_collisions` and `disable_default_collisions` are read; groups,
-//!   states, virtual joints and end effectors are passed over; any other element is an error.
-//! * An element that names a link which the robot does not have is listed in [`Srdf::skipped`].
+//! * `disable_collisions`, `enable_collisions` and `disable_default_collisions` say which pairs are
+//!   checked. A `group` is a [`JointGroup`] with the members of the groups inside it, and a
+//!   `group_state` is a [`GroupState`]. A [`VirtualJoint`] does not move the robot.
+//! * The value of a planar joint in a state is `x y theta`, of a floating joint the position and
+//!   the quaternion `x y z w`, as in MoveIt. Another count of numbers is an error.
+//! * `end_effector`, `passive_joint` and some elements of other tools are passed over; any other
+//!   element is an error, as is a name that is given twice and a group that contains itself.
+//! * An element that names a link, joint or group which does not exist is listed in
+//!   [`Srdf::skipped`].
 //!
 //! A [`FileError`] names the file, the line and the element. No file content causes a panic.
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -145,9 +156,11 @@
 #![forbid(unsafe_code)]
 
 mod cell;
+mod drake;
 mod error;
 mod files;
 mod geometry;
+mod groups;
 mod ignorable;
 mod link_tree;
 mod mesh_file;
@@ -170,6 +183,7 @@ pub use cell::{Cell, Obstacle};
 pub use error::{FileError, FileErrorKind, Skipped};
 pub use files::RobotFiles;
 pub use geometry::MeshUse;
+pub use groups::{GroupState, JointGroup, VirtualJoint};
 pub use ignorable::{IgnoreReason, LinkPairCount, find_ignorable};
 pub use lin_canny;
 pub use lin_canny_plan as plan;

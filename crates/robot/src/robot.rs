@@ -253,7 +253,7 @@ impl Robot {
     /// Returns the pairs of bodies that the file excludes, each as link and body of the link.
     ///
     /// MJCF excludes pairs by `contype` and `conaffinity`, `exclude` and `pair`; SDFormat by
-    /// `collide_bitmask`; URDF excludes none.
+    /// `collide_bitmask`; URDF by Drake's `drake:collision_filter_group`.
     #[must_use]
     pub fn excluded(&self) -> Vec<[(usize, usize); 2]> {
         let links = self.links.iter().enumerate();

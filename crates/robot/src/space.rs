@@ -145,14 +145,20 @@ impl Setup {
     /// Ignores the pairs of an SRDF, for the robot with this prefix.
     ///
     /// Pairs that the SRDF enables are not ignored any more: call
-    /// [`ignore_adjacent`](Self::ignore_adjacent) before.
+    /// [`ignore_adjacent`](Self::ignore_adjacent) before. Groups, states and virtual joints change
+    /// nothing, so what is skipped in them is only in [`Srdf::skipped`].
     pub fn ignore(&mut self, prefix: &str, srdf: &Srdf) {
         for pair in &srdf.enabled {
             let [a, b] = pair.each_ref().map(|name| format!("{prefix}{name}"));
             self.ignored.remove(&[a.clone(), b.clone()]);
             self.ignored.remove(&[b, a]);
         }
-        self.skipped.extend(srdf.skipped.iter().cloned());
+        let is_of_pairs = |skipped: &&Skipped| {
+            !["group", "virtual_joint"]
+                .iter()
+                .any(|kind| skipped.element.starts_with(kind))
+        };
+        self.skipped.extend(srdf.skipped.iter().filter(is_of_pairs).cloned());
         for pair in &srdf.ignored {
             let [a, b] = pair.links.each_ref().map(|name| format!("{prefix}{name}"));
             self.ignore_pair(&a, &b);

@@ -1,10 +1,12 @@
-//! SRDF files: link pairs that are not checked.
+//! SRDF files: link pairs that are not checked, groups of joints and their states.
 
 use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::error::{FileError, Skipped};
+use crate::error::{FileError, FileErrorKind, Skipped};
+use crate::groups::{self, GroupState, JointGroup, VirtualJoint};
+use crate::names::nearest;
 use crate::robot::Robot;
 use crate::xml::{Xml, attribute};
 
@@ -17,44 +19,49 @@ pub struct IgnoredPair {
     pub reason: String,
 }
 
-/// Elements of an SRDF that say nothing about which pairs are checked.
-const PASSED: [&str; 12] = [
+/// Elements of an SRDF that are not read.
+const PASSED: [&str; 9] = [
     "contact",
     "end_effector",
     "gripper",
-    "group",
-    "group_state",
     "handle",
     "joint_property",
     "link_sphere_approximation",
     "passive_joint",
     "rotor_params",
     "specificities",
-    "virtual_joint",
 ];
 
-/// The link pairs of an SRDF that are not checked.
+/// The link pairs of an SRDF that are not checked, its groups of joints and their states.
 ///
 /// * `disable_collisions` ignores a pair.
 /// * `disable_default_collisions` ignores all pairs of a link with other links of the robot, but
 ///   not those of `enable_collisions`. Pairs with obstacles are still checked.
-/// * Groups, states, virtual joints and end effectors are passed over. Any other element is an
-///   error.
+/// * `group`, `group_state` and `virtual_joint` change no pair: see [`JointGroup`], [`GroupState`]
+///   and [`VirtualJoint`].
+/// * End effectors and passive joints are passed over. Any other element is an error.
 ///
-/// One SRDF may serve several robots of a family, so an element that names a link which the robot
-/// does not have is skipped. Then no pair is ignored that would be checked otherwise.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// One SRDF may serve several robots of a family, so an element that names a link, joint or group
+/// which does not exist is skipped. Then no pair is ignored that would be checked otherwise.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Srdf {
     /// The pairs, in the order of the file.
     pub ignored: Vec<IgnoredPair>,
     /// The pairs of `enable_collisions`, which are checked even if the links are adjacent.
     pub enabled: Vec<[String; 2]>,
-    /// The elements that name a link which the robot does not have.
+    /// The groups, in the order of the file.
+    pub groups: Vec<JointGroup>,
+    /// The states of groups, in the order of the file.
+    pub states: Vec<GroupState>,
+    /// The virtual joints, in the order of the file.
+    pub virtual_joints: Vec<VirtualJoint>,
+    /// The elements that name a link, joint or group which does not exist, and chains whose base is
+    /// not an ancestor of their tip.
     pub skipped: Vec<Skipped>,
 }
 
 impl Srdf {
-    /// Returns the pairs of an SRDF file of a robot.
+    /// Returns the content of an SRDF file of a robot.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read or an element is invalid. The error names the
@@ -64,7 +71,7 @@ impl Srdf {
         Self::parse(&FileError::read(path)?, path, robot)
     }
 
-    /// Returns the pairs of an SRDF text. Errors name the file `path`.
+    /// Returns the content of an SRDF text. Errors name the file `path`.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -75,12 +82,21 @@ impl Srdf {
         }
         let mut srdf = Self::default();
         let mut alone = Vec::new();
-        let read = &["disable_collisions", "enable_collisions", "disable_default_collisions"];
-        for node in xml.below(xml.root(), read, &PASSED)? {
+        let read = &[
+            "disable_collisions",
+            "enable_collisions",
+            "disable_default_collisions",
+            "group",
+            "group_state",
+            "virtual_joint",
+        ];
+        let elements = xml.below(xml.root(), read, &PASSED)?;
+        for &node in &elements {
             let kind = node.tag_name().name();
             let fields: &'static [&'static str] = match kind {
                 "disable_default_collisions" => &["link"],
-                _ => &["link1", "link2"],
+                "disable_collisions" | "enable_collisions" => &["link1", "link2"],
+                _ => continue,
             };
             // The reason, and attributes of other tools, may be missing or given.
             xml.check_leaf(node, fields, true)?;
@@ -101,6 +117,7 @@ impl Srdf {
                 _ => {}
             }
         }
+        groups::read(&mut srdf, &xml, robot, &elements)?;
         // A pair that is both disabled and enabled is disabled, as in MoveIt.
         let disabled: HashSet<[String; 2]> = srdf.ignored.iter().map(|pair| sorted(&pair.links)).collect();
         srdf.enabled.retain(|pair| !disabled.contains(&sorted(pair)));
@@ -118,7 +135,35 @@ impl Srdf {
         Ok(srdf)
     }
 
-    /// Returns the text of an SRDF with these pairs.
+    /// Returns a state by its name: `group/name`, or `name` if only one group has such a state.
+    ///
+    /// # Errors
+    /// Returns an error if there is no such state, or several groups have one.
+    pub fn state(&self, name: &str) -> Result<&GroupState, FileErrorKind> {
+        let full = |state: &GroupState| format!("{}/{}", state.group, state.name);
+        if let Some(state) = self.states.iter().find(|state| full(state) == name) {
+            return Ok(state);
+        }
+        let named: Vec<&GroupState> = self.states.iter().filter(|state| state.name == name).collect();
+        match named[..] {
+            [state] => Ok(state),
+            [] => {
+                let full: Vec<String> = self.states.iter().map(full).collect();
+                let short = self.states.iter().map(|state| state.name.as_str());
+                Err(FileErrorKind::Unknown {
+                    kind: "state",
+                    name: name.into(),
+                    near: nearest(name, short.chain(full.iter().map(String::as_str))),
+                })
+            }
+            [one, ..] => {
+                let reason = format!("ambiguous state: {name:?} (expected a group, such as {:?})", full(one));
+                Err(FileErrorKind::Malformed(reason))
+            }
+        }
+    }
+
+    /// Returns the text of an SRDF with these pairs, without groups, states and virtual joints.
     #[must_use]
     pub fn text(&self, robot: &str) -> String {
         let mut text = format!("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n", escaped(robot));

@@ -23,25 +23,24 @@ pub(crate) fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> UnitQuaternion<f64
     ))
 }
 
-/// Returns roll, pitch and yaw of a rotation, in radians.
-///
-/// At a pitch of a quarter turn, roll and yaw turn about the same axis: roll is then zero.
-pub(crate) fn to_roll_pitch_yaw(turn: &UnitQuaternion<f64>) -> [f64; 3] {
-    let m = turn.to_rotation_matrix();
-    let across = libm::hypot(m[(0, 0)], m[(1, 0)]);
-    let pitch = libm::atan2(-m[(2, 0)], across);
-    if across < 1e-12 {
-        return [0.0, pitch, libm::atan2(-m[(0, 1)], m[(1, 1)])];
-    }
-    let roll = libm::atan2(m[(2, 1)], m[(2, 2)]);
-    [roll, pitch, libm::atan2(m[(1, 0)], m[(0, 0)])]
-}
-
 /// Returns the rotation of a quaternion `x, y, z, w` of any length.
 ///
 /// Returns `None` for a quaternion that is zero or not finite.
 pub(crate) fn from_xyzw(xyzw: [f64; 4]) -> Option<UnitQuaternion<f64>> {
     Some(Unit::new_normalize(Quaternion::from(moderate(xyzw)?)))
+}
+
+/// Returns roll, pitch and yaw of a rotation, in radians: the inverse of [`roll_pitch_yaw`].
+///
+/// At a pitch of a quarter turn, where roll and yaw are not unique, their rotation still is.
+pub(crate) fn to_roll_pitch_yaw(turn: &UnitQuaternion<f64>) -> [f64; 3] {
+    let m = turn.to_rotation_matrix().into_inner();
+    let yaw = libm::atan2(m[(1, 0)], m[(0, 0)]);
+    let (sine, cosine) = libm::sincos(yaw);
+    // The first two rows without the yaw.
+    let x = m.row(0) * cosine + m.row(1) * sine;
+    let y = m.row(1) * cosine - m.row(0) * sine;
+    [libm::atan2(-y[2], y[1]), libm::atan2(-m[(2, 0)], x[0]), yaw]
 }
 
 /// Returns the direction of a vector of any length.
@@ -91,6 +90,16 @@ mod tests {
             let [roll, pitch, yaw] = [angle, 0.3 * angle, 1.7 - angle];
             let expected = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
             assert!(near(roll_pitch_yaw([roll, pitch, yaw]), expected));
+            let back = roll_pitch_yaw(to_roll_pitch_yaw(&expected));
+            assert!(back.angle_to(&expected) < 1e-12);
+            let quarter = if k % 2 == 0 { 0.5 } else { -0.5 } * PI;
+            for off in [0.0, 1e-15, 1e-9, 1e-5] {
+                let steep = roll_pitch_yaw([roll, quarter + off, yaw]);
+                assert!(
+                    roll_pitch_yaw(to_roll_pitch_yaw(&steep)).angle_to(&steep) < 1e-12,
+                    "{off}"
+                );
+            }
             assert!((from_z(&axis) * Vector3::z() - axis.into_inner()).norm() < 1e-15);
         }
     }

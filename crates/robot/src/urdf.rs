@@ -1,13 +1,14 @@
 //! Converts a URDF to a robot.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use roxmltree::Node;
 
+use crate::drake;
 use crate::error::{FileError, FileErrorKind, Skipped};
-use crate::geometry::{self, Solid};
+use crate::geometry::{self, MeshUse, Solid};
 use crate::link_tree::{FileJoint, Follows, LinkTree};
 use crate::mesh_file::MeshPlacing;
 use crate::names::nearest;
@@ -52,6 +53,8 @@ struct Reader<'a> {
     xml: &'a Xml<'a>,
     links: Vec<(&'a str, Node<'a, 'a>)>,
     joints: Vec<FileJoint>,
+    /// Pairs of links that are not checked.
+    excluded: BTreeSet<[usize; 2]>,
     folder: &'a Path,
     packages: &'a Packages,
     options: &'a LoadOptions,
@@ -63,6 +66,7 @@ pub(crate) fn read(xml: &Xml, packages: &Packages, options: &LoadOptions) -> Res
         xml,
         links: Vec::new(),
         joints: Vec::new(),
+        excluded: BTreeSet::new(),
         folder: xml.file.parent().unwrap_or(Path::new("")),
         packages,
         options,
@@ -71,6 +75,8 @@ pub(crate) fn read(xml: &Xml, packages: &Packages, options: &LoadOptions) -> Res
     let (links, joints): (Vec<_>, Vec<_>) = elements.into_iter().partition(|n| n.tag_name().name() == "link");
     let links = reader.named(links)?;
     let numbers: HashMap<&str, usize> = links.iter().enumerate().map(|(k, (name, _))| (*name, k)).collect();
+    let groups = drake::below(xml, xml.root(), &["drake:collision_filter_group"])?;
+    reader.excluded = drake::excluded(xml, &groups, &numbers)?;
     reader.links = links;
     for (name, node) in reader.named(joints)? {
         let joint = reader.joint_text(name, node, &numbers)?;
@@ -102,6 +108,7 @@ impl<'a> Reader<'a> {
     ) -> Result<FileJoint, FileError> {
         let xml = self.xml;
         let parts = xml.below(node, &["parent", "child", "origin", "axis", "limit", "mimic"], &PASSED)?;
+        drake::below(xml, node, &[])?;
         let kind = self.kind(&node)?;
         let is_continuous = attribute(&node, "type") == Some("continuous");
         let end = |element: &str| -> Result<usize, FileError> {
@@ -211,6 +218,7 @@ impl<'a> Reader<'a> {
         let name = attribute(&self.xml.root(), "name").unwrap_or_default();
         let mut robot = tree.robot(name, links, self.joints);
         robot.adjacent = adjacent_by_joints(&robot.links, &robot.joints);
+        robot.excluded = bodies_of(&robot.links, &names, &self.excluded);
         robot.skipped = skipped;
         Ok(robot)
     }
@@ -218,6 +226,7 @@ impl<'a> Reader<'a> {
     fn link(&self, link: usize, skipped: &mut Vec<Skipped>) -> Result<RobotLink, FileError> {
         let (name, node) = self.links[link];
         let parts = self.xml.below(node, &["collision", "origin"], &PASSED)?;
+        drake::below(self.xml, node, &[])?;
         let origin = self.xml.at_most_one(&parts, "origin")?;
         // Some files have an origin of no effect here, where URDF has none.
         if let Some(node) = origin.filter(|_| self.xml.origin(origin).ok() != Some(Isometry3::identity())) {
@@ -242,9 +251,12 @@ impl<'a> Reader<'a> {
     fn body(&self, link: &str, collision: Node<'a, 'a>) -> Result<LinkBody, FileError> {
         let xml = self.xml;
         let parts = xml.below(collision, &["origin", "geometry"], &PASSED)?;
+        drake::below(xml, collision, &[])?;
         let origin = xml.origin(xml.at_most_one(&parts, "origin")?)?;
         let geometry = xml.one(&collision, &parts, "geometry")?;
-        let shapes = xml.below(geometry, &["box", "cylinder", "capsule", "sphere", "mesh"], &PASSED)?;
+        let mut shapes = xml.below(geometry, &["box", "cylinder", "capsule", "sphere", "mesh"], &PASSED)?;
+        shapes.extend(drake::below(xml, geometry, &["drake:capsule", "drake:ellipsoid"])?);
+        shapes.sort_by_key(|node| node.range().start);
         let shape = match shapes[..] {
             [shape] => shape,
             [] => return Err(xml.error(&geometry, FileErrorKind::Missing("a shape".into()))),
@@ -272,12 +284,21 @@ impl<'a> Reader<'a> {
                     Solid::Capsule { radius, length }
                 }
             }
+            "ellipsoid" => {
+                xml.check_leaf(shape, &["a", "b", "c"], false)?;
+                let radii = [number("a")?, number("b")?, number("c")?];
+                Solid::Ellipsoid { radii }
+            }
             _ => {
                 xml.check_leaf(shape, &["filename", "scale"], false)?;
+                let convex = drake::below(xml, shape, &["drake:declare_convex"])?;
                 let name = xml.needed(&shape, "filename")?;
                 let scale = xml.numbers(&shape, "scale")?.unwrap_or([1.0; 3]);
                 let file = self.packages.find(name, self.folder).map_err(wrong)?;
-                let usage = self.options.mesh_of(link);
+                let usage = match convex[..] {
+                    [] => self.options.mesh_of(link),
+                    _ => MeshUse::Hull,
+                };
                 let placing = MeshPlacing::scaled(scale).map_err(wrong)?;
                 let body = geometry::of_mesh(&file, &placing, usage, self.options);
                 let (geometry, hull_fit) = body.map_err(wrong)?;
@@ -291,4 +312,21 @@ impl<'a> Reader<'a> {
         };
         Ok(LinkBody::new(origin, solid.geometry().map_err(wrong)?))
     }
+}
+
+/// Returns the pairs of bodies of pairs of links, whose numbers are indices of `names`.
+fn bodies_of(links: &[RobotLink], names: &[&str], pairs: &BTreeSet<[usize; 2]>) -> Vec<[usize; 2]> {
+    let mut bodies = HashMap::new();
+    let mut count = 0;
+    for link in links {
+        bodies.insert(link.name.as_str(), count..count + link.bodies.len());
+        count += link.bodies.len();
+    }
+    let mut found = Vec::new();
+    for pair in pairs {
+        let [a, b] = pair.map(|link| bodies[names[link]].clone());
+        found.extend(a.flat_map(|a| b.clone().map(move |b| [a.min(b), a.max(b)])));
+    }
+    found.sort_unstable();
+    found
 }

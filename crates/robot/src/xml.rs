@@ -29,6 +29,9 @@ const QUOTES: usize = 10_000;
 /// Most bytes of a text that entities of the file make.
 const EXPANDED: usize = 1 << 20;
 
+/// The namespace of the elements that Drake adds.
+const DRAKE: &str = "http://drake.mit.edu";
+
 /// Maximum depth of nested elements.
 const DEPTH: usize = 64;
 
@@ -130,7 +133,7 @@ impl<'a> Xml<'a> {
             let uri = node.tag_name().namespace();
             let prefix = self.prefix(&node);
             let is_xacro = prefix == Some("xacro") || uri.is_some_and(|uri| uri.contains("xacro"));
-            let is_foreign = prefix.is_some() && uri != self.root().tag_name().namespace();
+            let is_foreign = self.is_of_drake(&node) || prefix.is_some() && uri != self.root().tag_name().namespace();
             if node.is_text() && node.text().is_some_and(|text| !text.trim().is_empty()) {
                 let text: String = node.text().unwrap_or_default().trim().chars().take(40).collect();
                 let reason = FileErrorKind::Malformed(format!("unexpected text: {text:?} (expected elements)"));
@@ -217,6 +220,12 @@ impl<'a> Xml<'a> {
         let tag = self.text.get(node.range().start + 1..).filter(|_| node.is_element())?;
         let end = tag.find(|c: char| c.is_whitespace() || matches!(c, '/' | '>'))?;
         tag[..end].split_once(':').map(|(prefix, _)| prefix)
+    }
+
+    /// Returns whether an element is one of those that Drake adds.
+    pub(crate) fn is_of_drake(&self, node: &Node) -> bool {
+        let prefix = self.prefix(node);
+        prefix == Some("drake") || prefix.is_some() && node.tag_name().namespace() == Some(DRAKE)
     }
 
     /// Returns a required attribute.

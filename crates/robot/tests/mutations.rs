@@ -78,6 +78,10 @@ fn letters(text: &str, random: &mut ChaCha8Rng) -> (usize, usize) {
 fn changed_urdfs_never_panic() {
     let path = examples().join("gripper.urdf");
     let text = std::fs::read_to_string(&path).expect("the example");
+    let filter = "<drake:collision_filter_group xmlns:drake=\"http://drake.mit.edu\" name=\"a\" ignore=\"false\">
+        <drake:member link=\"base\"/><drake:member link=\"gripper\"/><drake:member_group name=\"a\"/>
+        <drake:ignored_collision_filter_group name=\"a\"/></drake:collision_filter_group></robot>";
+    let text = text.replace("</robot>", filter);
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let (mut read, mut with_line) = (0, 0);
     let mut poses = Vec::new();
@@ -111,6 +115,11 @@ fn changed_cells_srdfs_and_trajectories_never_panic() {
     let robot = Robot::load(examples().join("gripper.urdf"), &Packages::default()).expect("the example");
     let text = |name: &str| std::fs::read_to_string(examples().join(name)).expect("the example");
     let (cell, srdf, rows) = (text("cell.json"), text("gripper.srdf"), text("carry.csv"));
+    let groups = "<group name=\"hand\"><link name=\"gripper\"/><joint name=\"left\"/></group>
+        <group name=\"all\"><group name=\"arm\"/><group name=\"hand\"/></group>
+        <group_state name=\"home\" group=\"arm\"><joint name=\"lift\" value=\"0.5\"/><joint name=\"elbow\" value=\"1\"/></group_state>
+        <virtual_joint name=\"v\" type=\"planar\" parent_frame=\"w\" child_link=\"base\"/></robot>";
+    let srdf = srdf.replace("</robot>", groups);
     let mut random = ChaCha8Rng::seed_from_u64(2);
     let mut read = [0; 3];
     for _ in 0..3000 {

@@ -460,6 +460,21 @@ fn an_srdf_of_a_larger_robot_is_read_with_its_gaps() {
     assert_eq!((both.skipped.len(), both.ignored.len()), (2, 0));
 }
 
+/// A group with a link that does not exist changes no pair.
+#[test]
+fn what_is_skipped_in_groups_is_not_of_the_setup() {
+    let text = "<group name=\"g\"><link name=\"x\"/></group>
+        <group_state name=\"s\" group=\"x\"><joint name=\"x\" value=\"1\"/></group_state>
+        <virtual_joint name=\"v\" type=\"fixed\" parent_frame=\"w\" child_link=\"x\"/>
+        <disable_collisions link1=\"base\" link2=\"x\"/>";
+    let (robot, srdf) = srdf(text).expect("an SRDF");
+    assert_eq!(srdf.skipped.len(), 5);
+    let mut setup = Setup::new();
+    setup.robot("", &robot, Isometry3::identity());
+    setup.ignore("", &srdf);
+    assert_eq!(setup.skipped(), &srdf.skipped[4..]);
+}
+
 #[test]
 fn blanks_around_the_names_of_an_srdf_do_not_count() {
     let (_, srdf) = srdf("<disable_collisions link1=\" base \" link2=\"hand\n\"/>").expect("an SRDF");
@@ -506,8 +521,8 @@ fn links_without_default_collisions_are_checked_only_where_enabled() {
 
 #[test]
 fn unknown_elements_of_an_srdf_are_errors_with_their_line() {
-    let good = "<disable_collisions link1=\"base\" link2=\"hand\"/>\n<group name=\"g\"><cone/></group>";
-    let passed = "<group_state/><virtual_joint/><end_effector/><passive_joint/><x:y xmlns:x=\"urn:x\"/><!-- c -->";
+    let good = "<disable_collisions link1=\"base\" link2=\"hand\"/>\n<group name=\"g\"/>";
+    let passed = "<end_effector/><passive_joint><cone/></passive_joint><x:y xmlns:x=\"urn:x\"/><!-- c -->";
     assert_eq!(
         srdf(&format!("{passed}{good}{passed}"))
             .expect("an SRDF")

@@ -524,12 +524,12 @@ fn joints_without_a_column_have_a_value_in_another_file() {
             assert!(text.contains(word), "{text} does not name {word}");
         }
     };
-    let words = ["few.csv:1: column \"lift\" (first of 5) is missing; see --rest"];
+    let words = ["few.csv:1: column \"lift\" (first of 5) is missing; see --rest and --state"];
     named(&["--joints", &few], &words);
     let part = scratch("part.csv", "lift,roll,bend,twist\n0.6,0,0.8,0\n");
     named(
         &["--joints", &few, "--rest", &part],
-        &["few.csv:1: column \"left\" is missing; see --rest"],
+        &["few.csv:1: column \"left\" is missing; see --rest and --state"],
     );
     let two = scratch("two.csv", &format!("{HEAD}0,0,0,0,0,0,0\n0,0,0,0,0,0,0\n"));
     named(
@@ -546,6 +546,104 @@ fn joints_without_a_column_have_a_value_in_another_file() {
         &["--joints", &few, "--rest", &wild],
         &["wild.csv:2", "lift", "9.0; see --limit-slack"],
     );
+}
+
+#[test]
+fn joints_without_a_column_have_the_values_of_a_state() {
+    let out = scratch("state_out.csv", "");
+    let few = scratch("state.csv", "elbow,turn\n1.2,0.6\n1.2,0.5\n");
+    let joint = |(name, value): (&str, f64)| format!("<joint name=\"{name}\" value=\"{value}\"/>");
+    let state = |group: &str, name: &str, values: &[(&str, f64)]| {
+        let joints: String = values.iter().copied().map(joint).collect();
+        format!("<group_state name=\"{name}\" group=\"{group}\">{joints}</group_state>\n")
+    };
+    let states = [
+        state("arm", "home", &[("lift", 0.6), ("roll", 0.0), ("elbow", -1.0)]),
+        state(
+            "hand",
+            "home",
+            &[("bend", 0.8), ("twist", 0.0), ("left", 0.01), ("right", 0.01)],
+        ),
+        state("arm", "low", &[("lift", 0.9), ("roll", 0.5), ("bend", 0.1)]),
+        state("arm", "wild", &[("lift", 9.0)]),
+        state("arm", "far", &[("lift", 0.6), ("rol", 0.0)]),
+    ];
+    let text = std::fs::read_to_string(examples().join("gripper.srdf")).expect("the example");
+    let groups = "<group name=\"hand\"/>";
+    let srdf = scratch(
+        "states.srdf",
+        &text.replace("</robot>", &format!("{groups}{}</robot>", states.concat())),
+    );
+    let measure = |command: &str, arguments: &[&str]| {
+        let given = ["--srdf", &srdf, "--cell", "cell.json", "--joints"];
+        run(command, &[&given[..], arguments].concat())
+    };
+    let distances = |arguments: &[&str]| {
+        let (code, text) = measure("clearance", &[arguments, &["--csv", &out]].concat());
+        assert!(code == 0 || code == 1, "{text}");
+        std::fs::read_to_string(&out).expect("the table")
+    };
+    let all = |name: &str, lift: f64, roll: f64, bend: f64| {
+        let row = |turn: f64| format!("{turn},{lift},1.2,{roll},{bend},0,0.01\n");
+        distances(&[&scratch(name, &format!("{HEAD}{}{}", row(0.6), row(0.5)))])
+    };
+    let home = all("state_home.csv", 0.6, 0.0, 0.8);
+    let low = all("state_low.csv", 0.9, 0.5, 0.8);
+    let (arm, hand) = (["--state", "arm/home"], ["--state", "hand/home"]);
+    let both = [arm, hand].concat();
+    // The elbow of the state is not the one of the rows.
+    assert_eq!(distances(&[&[&*few], &both[..]].concat()), home);
+    // The later state wins where both name a joint, and each may come first.
+    let first = [&[&*few], &["--state", "low"][..], &both].concat();
+    assert_eq!(distances(&first), home);
+    let last = [&[&*few], &arm[..], &["--state", "low"], &hand].concat();
+    assert_eq!(distances(&last), low);
+    // The values of --rest win, wherever the option is.
+    let rest = scratch("state_rest.csv", "lift,roll\n0.6,0\n");
+    for arguments in [
+        [&["--rest", &*rest, "--state", "low"][..], &hand].concat(),
+        [&["--state", "low"][..], &hand, &["--rest", &*rest]].concat(),
+    ] {
+        assert_eq!(distances(&[&[&*few], &arguments[..]].concat()), home);
+    }
+    for command in ["certify", "plan"] {
+        let (code, text) = measure(command, &[&[&*few], &both[..]].concat());
+        assert_eq!(code, 0, "{text}");
+    }
+    let named = |arguments: &[&str], words: &str| {
+        let (code, text) = measure("clearance", arguments);
+        assert!(code == 3 && text.contains(words), "{text}");
+    };
+    let part = "state.csv:1: column \"bend\" (first of 3) is missing; see --rest and --state";
+    named(&[&few, "--state", "arm/home"], part);
+    // A joint that does not exist is a warning if its state is used.
+    let warns = |state: &str| measure("clearance", &[&few, "--state", state]).1.contains("warning: ");
+    assert!(warns("far") && !warns("low"));
+    let unknown =
+        "states.srdf:10: group_state \"far\" joint \"rol\": joint \"rol\" does not exist; did you mean \"roll\"?";
+    named(&[&few, "--state", "far"], unknown);
+    // A fault in the first, the middle or the last of the states.
+    for at in 0..3 {
+        for (name, words) in [
+            (
+                "arm/hoem",
+                "states.srdf: state \"arm/hoem\" does not exist; did you mean \"arm/home\"?",
+            ),
+            ("loww", "state \"loww\" does not exist; did you mean \"low\"?"),
+            (
+                "home",
+                "states.srdf: ambiguous state: \"home\" (expected a group, such as \"arm/home\")",
+            ),
+            ("wild", "state \"wild\": lift (limits "),
+            ("wild", "9.0; see --limit-slack and --turns"),
+        ] {
+            let mut given = vec![arm, hand];
+            given.insert(at, ["--state", name]);
+            named(&[&[&*few], &given.concat()[..]].concat(), words);
+        }
+    }
+    let (code, text) = run("clearance", &["--joints", &few, "--state", "home"]);
+    assert!(code == 2 && text.contains("--srdf"), "{text}");
 }
 
 #[test]

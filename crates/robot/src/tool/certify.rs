@@ -26,8 +26,8 @@ pub(super) struct CertifyOptions {
 const COLUMNS: [&str; 8] = ["from_line", "to_line", "verdict", "safe", "t", "time", "a", "b"];
 
 pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
-    let (_, setup) = options.robot.load()?;
-    let path = options.rows.load(&setup, 2)?;
+    let (robot, setup) = options.robot.load()?;
+    let path = options.rows.load(&options.robot, &robot, &setup, 2)?;
     let mut checker = setup.checker()?;
     checker.set_margin(options.margin)?;
     let mut table = Table::new(COLUMNS);

@@ -49,8 +49,10 @@ pub(super) struct ClearanceOptions {
 }
 
 pub(super) fn run(options: &ClearanceOptions) -> Result<End, ToolError> {
-    let (_, setup) = options.robot.load()?;
-    let rows = options.rows.load(&setup, if options.along { 2 } else { 1 })?;
+    let (robot, setup) = options.robot.load()?;
+    let rows = options
+        .rows
+        .load(&options.robot, &robot, &setup, if options.along { 2 } else { 1 })?;
     let mut checker = checker(&setup, options.against)?;
     let (table, end) = if options.along {
         measure_segments(&mut checker, &rows)?

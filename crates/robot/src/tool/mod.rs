@@ -67,6 +67,8 @@ enum ToolError {
     Blocked { file: PathBuf, line: u32, reason: String },
     #[error("{error}; see {see}")]
     Rows { error: Box<FileError>, see: &'static str },
+    #[error("{}: {reason}", file.display())]
+    State { file: PathBuf, reason: String },
     #[error("{}: too few rows: {count} (expected at least {least})", file.display())]
     TooFew { file: PathBuf, count: usize, least: usize },
 }

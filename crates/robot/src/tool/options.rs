@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use lin_canny::Geometry;
-use lin_canny_robot::{FileErrorKind, LoadOptions, MeshUse, Packages, Robot, RobotFiles, Setup, Skipped, Trajectory};
+use lin_canny_robot::{
+    FileErrorKind, LoadOptions, MeshUse, Packages, Robot, RobotFiles, Setup, Skipped, Srdf, Trajectory,
+};
 
 use super::ToolError;
 
@@ -83,6 +85,10 @@ pub(super) struct RowOptions {
     /// Values of the joints without a column in Q.csv: a CSV file with column names and one row
     #[arg(long, value_name = "FILE")]
     rest: Option<PathBuf>,
+    /// State of the SRDF whose values the joints have that neither Q.csv nor --rest names, such as
+    /// `arm/home`, or `home` if one group has it; may be repeated, and a later state wins
+    #[arg(long, value_name = "GROUP/NAME", requires = "srdf")]
+    state: Vec<String>,
 }
 
 impl RowOptions {
@@ -92,16 +98,25 @@ impl RowOptions {
     }
 
     /// Returns at least this number of rows.
-    pub(super) fn load(&self, setup: &Setup, least: usize) -> Result<Trajectory, ToolError> {
+    pub(super) fn load(
+        &self,
+        files: &RobotOptions,
+        robot: &Robot,
+        setup: &Setup,
+        least: usize,
+    ) -> Result<Trajectory, ToolError> {
         let coordinates = setup.coordinates();
-        let rows = match &self.rest {
-            Some(file) => Trajectory::load_rest(file, coordinates)
-                .and_then(|rest| Trajectory::load_with_rest(&self.joints, coordinates, &rest)),
-            None => Trajectory::load(&self.joints, coordinates),
-        };
+        let mut values = self.values_of_states(files, robot, setup)?;
+        let rest = self.rest.as_ref().map(|file| Trajectory::load_rest(file, coordinates));
+        let rows = rest.unwrap_or(Ok(Vec::new())).and_then(|rest| {
+            for (value, rest) in values.iter_mut().zip(rest) {
+                *value = rest.or(*value);
+            }
+            Trajectory::load_with_rest(&self.joints, coordinates, &values)
+        });
         let rows = rows.map_err(|error| {
             let see = match &error.reason {
-                FileErrorKind::Missing(what) if what.starts_with("column") => "--rest",
+                FileErrorKind::Missing(what) if what.starts_with("column") => "--rest and --state",
                 FileErrorKind::Range { .. } => "--limit-slack and --turns",
                 _ => return ToolError::File(error),
             };
@@ -113,6 +128,46 @@ impl RowOptions {
             return Err(ToolError::TooFew { file, count, least });
         }
         Ok(rows)
+    }
+
+    /// Returns the values of the coordinates in the states; `None` where no state has one.
+    fn values_of_states(
+        &self,
+        files: &RobotOptions,
+        robot: &Robot,
+        setup: &Setup,
+    ) -> Result<Vec<Option<f64>>, ToolError> {
+        let coordinates = setup.coordinates();
+        let mut found = vec![None; coordinates.len()];
+        let Some(file) = files.srdf.as_ref().filter(|_| !self.state.is_empty()) else {
+            return Ok(found);
+        };
+        let wrong = |reason: String| ToolError::State {
+            file: file.clone(),
+            reason,
+        };
+        let srdf = Srdf::load(file, robot)?;
+        for name in &self.state {
+            let state = srdf.state(name).map_err(|reason| wrong(reason.to_string()))?;
+            let title = format!("group_state {:?} joint", state.name);
+            let of_state = srdf.skipped.iter().filter(|one| one.element.starts_with(&title));
+            warn_of_skipped(&of_state.cloned().collect::<Vec<_>>());
+            for (coordinate, value) in &state.values {
+                let Some(k) = coordinates.iter().position(|c| c.name == *coordinate) else {
+                    continue;
+                };
+                let [low, high] = coordinates[k].limits;
+                if !(low..=high).contains(value) {
+                    let field = format!("{coordinate} (limits {low} and {high})");
+                    let reason = FileErrorKind::Range { field, value: *value };
+                    return Err(wrong(format!(
+                        "state {name:?}: {reason}; see --limit-slack and --turns"
+                    )));
+                }
+                found[k] = Some(*value);
+            }
+        }
+        Ok(found)
     }
 }
 

@@ -44,8 +44,8 @@ fn duration(text: &str) -> Result<Duration, String> {
 }
 
 pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
-    let (_, setup) = options.robot.load()?;
-    let rows = options.rows.load(&setup, 2)?;
+    let (robot, setup) = options.robot.load()?;
+    let rows = options.rows.load(&options.robot, &robot, &setup, 2)?;
     let (start, goal) = (&rows.rows[0], &rows.rows[rows.rows.len() - 1]);
     let mut checker = setup.checker()?;
     checker.set_margin(options.margin)?;
