@@ -24,9 +24,9 @@ use crate::pair::outcome::{Outcome, Solver};
 /// more. So contacts do not move up to a tilt of 2e-4. Not measured.
 const ROUND: f64 = 1.0 / 65_536.0;
 
-/// Maximum number of Newton steps to a crossing of two rims. Convergence is quadratic, from an error
-/// of the order of the squared sine of the angle between the faces, but slow at rims that nearly
-/// touch along a tangent: these have no crossing in most cases, and need not have one.
+/// Maximum number of Newton steps to a crossing of two rims. Convergence is quadratic, from an
+/// error of the order of the squared sine of the angle between the faces, but slow at rims that
+/// nearly touch along a tangent: these have no crossing in most cases, and need not have one.
 const NEWTON: usize = 8;
 
 /// Returns the contacts of two facets, for the outcome of two cores.
