@@ -27,7 +27,7 @@
 //!   depart from a plane by half its size, because quads of curved bodies often do. The file
 //!   then leaves the surface between them open, and the reader chooses the diagonals. It lists such
 //!   polygons, and those without area, in [`MeshFile::skipped`].
-//! * Points are not turned, whatever axis is up: in COLLADA the file chooses it, in glTF it is Y.
+//! * Points are not turned: in COLLADA the file chooses which axis is up, in glTF it is Y.
 //! * A mirror turns triangles over, so that they keep their outside.
 //!
 //! # When not to use it

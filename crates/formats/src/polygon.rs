@@ -26,7 +26,7 @@ type Point = [f64; 3];
 /// Cuts a polygon with holes into triangles with the outside of the polygon. Corners are indices;
 /// `point` returns their positions.
 ///
-/// Equal neighbours are one corner. A polygon without area has no triangles; `note` is told of it,
+/// Equal neighbours are one corner. A polygon without area has no triangles; `note` is called for it,
 /// and of a polygon that is not flat.
 pub(crate) fn triangulate(
     rings: &[&[u64]],

@@ -50,7 +50,7 @@ pub struct Obstacle {
 /// mesh file is relative to the folder of the JSON file, or starts with `package://` or `file://`.
 /// `as` is `hull`, `mesh` or `pieces`; the default is that of the options.
 ///
-/// A file whose root element is `sdf` is SDFormat, whatever its name. Each collision element of
+/// A file whose root element is `sdf` is SDFormat under any name. Each collision element of
 /// each link is an obstacle named `model::link`, at the pose where the file draws it. Models that
 /// are not static are obstacles too: they stay at this pose. `collide_bitmask` has no effect.
 #[derive(Clone, Debug, Default)]

@@ -251,7 +251,7 @@ fn cross_rims(a: &ProjectedFacet, b: &ProjectedFacet, noise: f64, mut take: impl
 ///
 /// A segment is the highest line of a surface that falls on both sides of it, by `d * d / 2 r` at a
 /// lateral distance `d` if the shape has the radius `r` there. The contact is on the segment with
-/// the smaller radius, and beside the other one. It is left out if it is then below the surface of
+/// the smaller radius, next to the other one. It is left out if it is then below the surface of
 /// that one by more than `noise`.
 fn overlap([a, b]: &[ProjectedFacet; 2], sine: f64, noise: f64, candidates: &mut Candidates) {
     let direction = |patch: &ProjectedFacet| {

@@ -98,7 +98,7 @@ pub(super) struct Model<'e> {
     element_count: usize,
 }
 
-/// Where an element stands.
+/// The place of an element.
 #[derive(Clone, Copy)]
 struct Scope<'s> {
     /// The link of the body around the element.
@@ -363,7 +363,7 @@ impl<'e> Model<'e> {
         };
         let is_free = |joint: &BodyJoint| joint.kind == MotionKind::Floating;
         if let Some(joint) = joints.iter().find(|joint| is_free(joint)) {
-            let why = "free joint of a body below another body, or beside another joint (expected it alone)";
+            let why = "free joint of a body below another body, or with another joint (expected it alone)";
             if joints.len() > 1 || parent > 0 {
                 return Err(joint.place.error(FileErrorKind::Malformed(why.into())));
             }

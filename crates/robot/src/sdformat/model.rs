@@ -152,7 +152,7 @@ pub(super) struct Description<'o> {
     pub(super) included: usize,
 }
 
-/// Where elements stand: in the world, or in a model.
+/// The place of elements: the world, or a model.
 #[derive(Clone)]
 pub(super) struct Owner {
     pub(super) scope: usize,
