@@ -3,7 +3,8 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use lin_canny::{ContactState, Outcome, PairTracker, Shape, Solver};
+use lin_canny::nalgebra::Point3;
+use lin_canny::{ContactState, Manifold, ManifoldOptions, Outcome, PairTracker, Shape, Solver};
 use truth::Pose;
 use truth::curved::{KINDS, Kind, Place, Wide, special, wide};
 use truth::motion::{self, Frame};
@@ -315,7 +316,7 @@ fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut PairTracker) -> 
         return Some("within less than the lower bound".into());
     }
     if round == 0.0 {
-        return None;
+        return contacts(trial, place, size, pair);
     }
     // The distance of a rounded pair is that of the cores less the rounding radii.
     let cores = trial.cores.each_ref().map(Kind::shape);
@@ -323,6 +324,26 @@ fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut PairTracker) -> 
     let slack = 8.0 * f64::EPSILON * size;
     let agree = core.lower - round <= o.upper + slack && o.lower <= core.upper - round + slack;
     (!agree).then(|| format!("the cores: {core:?}"))
+}
+
+/// Largest distance of a contact from a shape, relative to the size of the pair.
+const ON: f64 = 1e-12;
+
+/// Checks that contacts are on both shapes, and no deeper than the bounds. The judge of hulls
+/// takes every point for inside.
+fn contacts(trial: &Trial, place: &Place, size: f64, pair: &mut PairTracker) -> Option<String> {
+    let [a, b] = &trial.shapes;
+    let options = ManifoldOptions::with_prediction(0.02 * size);
+    let mut manifold = Manifold::new();
+    if let Err(error) = pair.manifold(a, b, &place.pose(), &options, &mut manifold) {
+        return Some(format!("no contacts: {error}"));
+    }
+    manifold.points().iter().find_map(|p| {
+        let outside = |k: usize, point: Point3<f64>| trial.cores[k].outside(&wide(point.coords.into()));
+        let off = outside(0, p.point_on_a).max(outside(1, p.point_on_b));
+        let is_on = off <= ON * size && p.separation >= manifold.lower() - ON * size;
+        (!is_on).then(|| format!("a contact {off:e} outside or too deep: {p:?}"))
+    })
 }
 
 /// Returns an error if the distance changed by more than any point of B moved.
