@@ -5,6 +5,7 @@
 //! passed over unread.
 
 use std::path::Path;
+use std::rc::Rc;
 
 use lin_canny::RelativePose;
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -35,12 +36,25 @@ const DRAKE: &str = "http://drake.mit.edu";
 /// Maximum depth of nested elements.
 const DEPTH: usize = 64;
 
+/// Most letters of a name, and most bytes of the path to an element, that errors show. Many elements
+/// may be below one of a long name.
+const SHOWN: (usize, usize) = (60, 160);
+
+/// Most bytes of the name of a link or joint with the names of its models, or with what copies add.
+pub(crate) const NAME: usize = 256;
+
+/// Most bodies of which some pairs are excluded, and most excluded pairs.
+pub(crate) const EXCLUDING: usize = 5_000;
+pub(crate) const EXCLUDED: usize = 1_000_000;
+
 /// Elements of xacro, for URDFs in which it has no prefix.
 const XACRO: [&str; 7] = ["arg", "if", "include", "insert_block", "macro", "property", "unless"];
 
 /// A file and its elements.
 pub(crate) struct Xml<'a> {
     pub(crate) file: &'a Path,
+    /// The file, shared by all places.
+    place: Rc<Path>,
     text: &'a str,
     document: Document<'a>,
     /// The positions of line feeds.
@@ -70,6 +84,7 @@ impl<'a> Xml<'a> {
             .collect();
         let xml = Self {
             file,
+            place: file.into(),
             text,
             document,
             line_feeds,
@@ -101,7 +116,7 @@ impl<'a> Xml<'a> {
 
     pub(crate) fn place(&self, node: &Node) -> Place {
         Place {
-            file: self.file.into(),
+            file: self.place.clone(),
             line: self.line(node),
             element: title(node),
         }
@@ -369,16 +384,53 @@ fn malformed(text: &str, error: &roxmltree::Error) -> (u32, String) {
     (line, reason)
 }
 
-/// Returns the path of the elements to a node, such as `link "hand" mesh`.
+/// Returns the path of the elements to a node, such as `link "hand" mesh`; of a long path the end.
 fn title(node: &Node) -> String {
-    let mut words: Vec<String> = node
+    let shown = |name: &str| -> String { name.chars().take(SHOWN.0).collect() };
+    let mut title = String::new();
+    for node in node
         .ancestors()
         .filter(|n| n.is_element() && n.parent_element().is_some())
-        .map(|n| match n.attribute("name") {
-            Some(name) => format!("{} {name:?}", n.tag_name().name()),
-            None => n.tag_name().name().to_owned(),
-        })
-        .collect();
-    words.reverse();
-    words.join(" ")
+    {
+        let tag = shown(node.tag_name().name());
+        let word = match node.attribute("name") {
+            Some(name) => format!("{tag} {:?}", shown(name)),
+            None => tag,
+        };
+        if title.is_empty() {
+            title = word;
+        } else if title.len() + word.len() < SHOWN.1 {
+            title = format!("{word} {title}");
+        } else {
+            break;
+        }
+    }
+    title
+}
+
+/// Returns an error if a name is too long.
+pub(crate) fn check_name(name: &str) -> Result<(), FileErrorKind> {
+    if name.len() <= NAME {
+        return Ok(());
+    }
+    let shown: String = name.chars().take(20).collect();
+    let what = format!(
+        "name is too long: {shown:?} with {} bytes (expected at most {NAME})",
+        name.len()
+    );
+    Err(FileErrorKind::Malformed(what))
+}
+
+/// Returns an error if the bodies of which pairs are excluded, or these pairs, are too many.
+pub(crate) fn check_excluded(bodies: usize, pairs: usize) -> Result<(), FileErrorKind> {
+    for (what, count, most) in [
+        ("colliding bodies", bodies, EXCLUDING),
+        ("excluded pairs", pairs, EXCLUDED),
+    ] {
+        if count > most {
+            let what = format!("too many {what}: {count} (expected at most {most})");
+            return Err(FileErrorKind::Malformed(what));
+        }
+    }
+    Ok(())
 }

@@ -283,7 +283,11 @@ fn faults_are_named_with_line_and_element() {
         ("<mujoco>\n<asset><mesh name=\"m\" vertex=\"0 0\"/></asset><worldbody><geom type=\"mesh\" mesh=\"m\"/></worldbody></mujoco>".into(), 2, "not triples"),
         ("<mujoco>\n<asset><mesh name=\"m\" vertex=\"0 0 0\" face=\"0 0 1\"/></asset><worldbody><geom type=\"mesh\" mesh=\"m\"/></worldbody></mujoco>".into(), 2, "vertex of face is out of range"),
         ("<mujoco>\n<asset><hfield name=\"h\" nrow=\"2\" ncol=\"2\" size=\"1 1 1 1\" elevation=\"0 0 0\"/></asset><worldbody><geom type=\"hfield\" hfield=\"h\"/></worldbody></mujoco>".into(), 2, "3 heights (expected 4)"),
-        ("<mujoco>\n<asset><hfield name=\"h\" nrow=\"999999999\" ncol=\"2\" size=\"1 1 1 1\"/></asset><worldbody><geom type=\"hfield\" hfield=\"h\"/></worldbody></mujoco>".into(), 2, "invalid nrow"),
+        ("<mujoco>\n<asset><hfield name=\"h\" nrow=\"999999999\" ncol=\"2\" size=\"1 1 1 1\" elevation=\"0\"/></asset><worldbody><geom type=\"hfield\" hfield=\"h\"/></worldbody></mujoco>".into(), 2, "too many heights of height fields: 1999999998 (expected at most 100000)"),
+        ("<mujoco>\n<default><equality activ=\"true\"/></default></mujoco>".into(), 2, "did you mean \"active\"?"),
+        (with("<replicate count=\"5000\"><geom size=\"1\"/></replicate>"), 5, "too many colliding bodies: 5001 (expected at most 5000)"),
+        (with("<replicate count=\"2\"><replicate count=\"5000\"><site/></replicate></replicate>"), 5, "expected at most 20000"),
+        (with(&format!("<body name=\"{}\"/>", "n".repeat(300))), 5, "\"nnnnnnnnnnnnnnnnnnnn\" with 300 bytes (expected at most 256)"),
     ] {
         match parse(&text) {
             Ok(_) => wrong.push(format!("no error: {text}")),
@@ -296,6 +300,36 @@ fn faults_are_named_with_line_and_element() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn geoms_that_exclude_each_other_are_bounded() {
+    let balls = |count: usize| {
+        let ball = "<body><freejoint/><geom size='1' conaffinity='0'/></body>";
+        parse(&format!(
+            "<mujoco><worldbody><replicate count='{count}'>{ball}</replicate></worldbody></mujoco>"
+        ))
+    };
+    let robot = balls(1_000).expect("a robot");
+    assert_eq!(robot.excluded().len(), 1_000 * 999 / 2);
+    let error = balls(1_500).expect_err("too many pairs").to_string();
+    assert!(
+        error.contains("too many excluded pairs: 100") && error.contains("(expected at most 1000000)"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_height_field_without_heights_is_a_box() {
+    let field = "<asset><hfield name='h' nrow='1000000' ncol='1000000' size='1 2 3 4'/></asset>";
+    let geom = "<worldbody><geom type='hfield' hfield='h'/></worldbody>";
+    let robot = parse(&format!("<mujoco>{field}{geom}</mujoco>")).expect("a robot");
+    let Geometry::Mesh(mesh) = &robot.links()[0].bodies[0].geometry else {
+        panic!("a mesh");
+    };
+    assert_eq!(mesh.triangle_count(), 12);
+    let (centre, radius) = robot.links()[0].bodies[0].geometry.bounding_ball();
+    assert!((centre - Point3::new(0.0, 0.0, -2.0)).norm() < 0.5 && (2.9..3.5).contains(&radius));
 }
 
 #[test]

@@ -1585,6 +1585,38 @@ fn files_that_include_themselves_and_deep_ones_are_errors() {
 }
 
 #[test]
+fn names_masks_and_included_bytes_are_bounded() {
+    let long = "n".repeat(200);
+    let inside = format!("<model name='{long}'>{}</model>", link(&"k".repeat(50), ""));
+    assert!(parse(&model("1.9", &inside)).is_ok());
+    let inside = format!("<model name='{long}'>{}</model>", link(&"k".repeat(55), ""));
+    let error = parse(&model("1.9", &inside)).expect_err("a long name").to_string();
+    assert!(error.contains("with 257 bytes (expected at most 256)"), "{error}");
+    let error = error.replace(&long, "");
+    assert!(error.len() < 300, "{error}");
+    let masked = |count: usize| {
+        let mask = "<surface><contact><collide_bitmask>0</collide_bitmask></contact></surface>";
+        let collision = format!("<collision name='c'>{BOX}{mask}</collision>");
+        let links = (0..count).map(|k| format!("<link name='l{k}'>{collision}</link>"));
+        parse(&model("1.9", &(link("all", "") + &links.collect::<String>())))
+    };
+    // A body with neither collides with no body, not even with one that has all bits.
+    assert_eq!(masked(20).expect("a robot").excluded().len(), 20 * 19 / 2 + 20);
+    let error = masked(1_500).expect_err("too many pairs").to_string();
+    assert!(error.contains("(expected at most 1000000)"), "{error}");
+    let folder = folder("large");
+    let text = model("1.9", &(link("a", "") + &format!("<!--{}-->", "x".repeat(1 << 20))));
+    std::fs::write(folder.join("f.sdf"), text).expect("a file");
+    let includes = |count: usize| {
+        let one = |k: usize| format!("<include><uri>f.sdf</uri><name>i{k}</name></include>");
+        parse_in(&folder, &world(&(0..count).map(one).collect::<String>()))
+    };
+    assert!(includes(15).is_ok());
+    let error = includes(17).expect_err("too many bytes").to_string();
+    assert!(error.contains("too many included files: 16 with 167"), "{error}");
+}
+
+#[test]
 fn models_stand_where_the_kind_of_the_file_says() {
     let kinds = |text: &str| -> Vec<(String, MotionKind)> {
         let robot = parse(text).unwrap_or_else(|e| panic!("{e}\n{text}"));

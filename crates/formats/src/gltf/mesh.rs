@@ -1,8 +1,8 @@
 //! Meshes: the triangles of primitives over the positions that they use, and skins.
 
-use super::Reader;
 use super::buffer::Accessor;
 use super::json::Item;
+use super::{CORNER, NUMBER, Reader};
 use crate::error::Fault;
 use crate::mesh::{MeshObject, ObjectBuilder};
 use crate::transform::{FLAT, Matrix, apply, orientation};
@@ -39,7 +39,10 @@ impl<'a> Reader<'a> {
         builder: &mut ObjectBuilder,
     ) -> Result<(), Fault> {
         item.check_keys(&["attributes", "indices", "material", "mode", "targets"])?;
-        self.spend(1, item)?;
+        let keys = item
+            .object("attributes")?
+            .map_or(0, |attributes| attributes.keys().count());
+        self.spend(CORNER * (1 + keys), item)?;
         let mode = item.whole("mode")?.unwrap_or(4);
         match mode {
             0 => self.skipped.add(None, "points"),
@@ -102,8 +105,9 @@ impl<'a> Reader<'a> {
             .chain([&vertices.positions])
             .chain(&indices)
             .map(Accessor::replaced);
-        let work = corners.saturating_mul(1 + 2 * sets.len());
-        self.spend(work.saturating_add(replaced.sum()), item)?;
+        let work = corners.saturating_mul(CORNER + NUMBER * sets.len());
+        let replaced: usize = replaced.sum();
+        self.spend(work.saturating_add(NUMBER * replaced), item)?;
         for k in 0..triangles {
             let places = match mode {
                 4 => [3 * k, 3 * k + 1, 3 * k + 2],

@@ -53,9 +53,14 @@ const HARMLESS: [&str; 23] = [
     "MSFT_texture_dds",
 ];
 
-/// Most instances and corners that a file may have beyond four for each of its bytes. A file that
-/// puts every mesh once has fewer.
-const REPEATED: usize = 4_000_000;
+/// Most bytes of objects and of corners that a file may have: so many, and so many for each of its
+/// bytes. A file that puts every mesh once has fewer than the second.
+const SCENE: (usize, usize) = (48 << 20, 100);
+
+/// Bytes of a corner of a primitive, with what finds it again, and of the numbers of a vertex in a
+/// skin or a sparse accessor.
+const CORNER: usize = 64;
+const NUMBER: usize = 8;
 
 /// Largest difference of the square of the length of a rotation from 1.
 const UNIT: f64 = 0.01;
@@ -78,7 +83,7 @@ pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<MeshFile, Fault> {
         meshes: HashMap::new(),
         skins: HashMap::new(),
         objects: Vec::new(),
-        left: bytes.len().saturating_mul(4).saturating_add(REPEATED),
+        left: bytes.len().saturating_mul(SCENE.1).saturating_add(SCENE.0),
     };
     reader.check()?;
     let roots = reader.roots()?;
@@ -104,7 +109,7 @@ struct Reader<'a> {
     /// The transform of each joint of a skin: from the mesh into the scene.
     skins: HashMap<usize, Rc<Vec<Matrix>>>,
     objects: Vec<MeshObject>,
-    /// Number of instances and corners that may still follow.
+    /// Number of bytes of objects and corners that may still follow.
     left: usize,
 }
 
@@ -262,6 +267,7 @@ impl<'a> Reader<'a> {
             Some(weights) => Some(weights),
             None => item.numbers("weights")?,
         };
+        self.spend(weights.as_ref().map_or(0, Vec::len), node)?;
         if weights.is_some_and(|weights| weights.iter().any(|weight| *weight != 0.0)) {
             return Err(node.unsupported("a morph with a weight other than 0"));
         }
@@ -278,7 +284,8 @@ impl<'a> Reader<'a> {
             None => Rc::new(self.mesh(&item, None)?),
         };
         self.meshes.insert(mesh, body.clone());
-        self.spend(1 + body.triangles.len(), node)?;
+        let lists = size_of_val(&body.points[..]) + size_of_val(&body.triangles[..]);
+        self.spend(size_of::<MeshObject>() + body.name.len() + lists, node)?;
         if body.triangles.is_empty() {
             return Ok(());
         }
@@ -304,10 +311,10 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Counts instances and corners.
+    /// Counts the bytes of objects and corners.
     fn spend(&mut self, count: usize, item: &Item) -> Result<(), Fault> {
         let external = std::mem::take(&mut self.buffers.external);
-        let left = self.left.saturating_add(external.saturating_mul(4));
+        let left = self.left.saturating_add(external.saturating_mul(SCENE.1));
         let left = left.checked_sub(count);
         self.left = left.ok_or_else(|| item.malformed("makes the scene too large by repeated use of data"))?;
         Ok(())

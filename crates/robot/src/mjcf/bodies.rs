@@ -11,6 +11,7 @@ use crate::error::{FileError, FileErrorKind, Place, Skipped};
 use crate::link_tree::{FileJoint, Follows};
 use crate::robot::{MotionKind, RobotLink};
 use crate::turn::{about, direction};
+use crate::xml::{check_excluded, check_name};
 
 /// Attributes of a frame; a body has more of them.
 const FRAME: [&str; 8] = [
@@ -57,8 +58,8 @@ const READ: [&str; 10] = [
     "plugin",
 ];
 
-/// Maximum number of elements with those of all copies.
-const MOST_ELEMENTS: usize = 200_000;
+/// Maximum number of elements that copies make, with those that are passed over.
+const MOST_COPIES: usize = 20_000;
 
 /// A geom that collides.
 pub(super) struct Geom {
@@ -95,7 +96,7 @@ pub(super) struct Model<'e> {
     names: HashSet<(&'static str, String)>,
     body_count: usize,
     joint_count: usize,
-    element_count: usize,
+    copy_count: usize,
 }
 
 /// The place of an element.
@@ -138,7 +139,7 @@ impl<'e> Model<'e> {
             names: HashSet::new(),
             body_count: 0,
             joint_count: 0,
-            element_count: 0,
+            copy_count: 0,
         }
     }
 
@@ -154,12 +155,14 @@ impl<'e> Model<'e> {
     }
 
     fn below(&mut self, parent: &'e Element, scope: Scope) -> Result<(), FileError> {
-        for element in parent.below(&READ, &PASSED)? {
-            self.element_count += 1;
-            if self.element_count > MOST_ELEMENTS {
-                let why = format!("copies make too many elements (expected at most {MOST_ELEMENTS})");
-                return Err(element.error(FileErrorKind::Malformed(why)));
+        if !scope.suffix.is_empty() {
+            self.copy_count += 1 + parent.children.len();
+            if self.copy_count > MOST_COPIES {
+                let why = format!("copies make too many elements (expected at most {MOST_COPIES})");
+                return Err(parent.error(FileErrorKind::Malformed(why)));
             }
+        }
+        for element in parent.below(&READ, &PASSED)? {
             match element.name.as_str() {
                 "body" => self.body(element, scope)?,
                 "frame" => {
@@ -207,12 +210,8 @@ impl<'e> Model<'e> {
                 suffix: &suffix,
                 ..scope
             };
+            check_name(&suffix).map_err(|reason| element.error(reason))?;
             self.below(element, scope)?;
-            self.element_count += 1;
-            if self.element_count > MOST_ELEMENTS {
-                let why = format!("copies make too many elements (expected at most {MOST_ELEMENTS})");
-                return Err(element.error(FileErrorKind::Malformed(why)));
-            }
             frame = placed(&element.place, &frame, &step)?;
         }
         Ok(())
@@ -225,6 +224,7 @@ impl<'e> Model<'e> {
             Some(name) => format!("{name}{}", scope.suffix),
             None => format!("body{}", self.body_count),
         };
+        check_name(&name).map_err(|reason| element.error(reason))?;
         let settings = Settings::own(element);
         let pose = placed(&element.place, &scope.frame, &settings.pose(self.source.compiler)?)?;
         let class = self.classes.below(element, scope.class)?;
@@ -286,6 +286,7 @@ impl<'e> Model<'e> {
             Some(name) => format!("{name}{}", scope.suffix),
             None => format!("joint{}", self.joint_count - 1),
         };
+        check_name(&name).map_err(|reason| element.error(reason))?;
         if !self.names.insert(("joint", name.clone())) {
             return Err(element.error(FileErrorKind::Repeated));
         }
@@ -435,6 +436,7 @@ impl<'e> Model<'e> {
         }
         let settings = self.classes.of(element, "geom", scope.class)?;
         let name = element.get("name").map(|name| format!("{name}{}", scope.suffix));
+        check_name(name.as_deref().unwrap_or_default()).map_err(|reason| element.error(reason))?;
         if name
             .as_ref()
             .is_some_and(|name| !self.names.insert(("geom", name.clone())))
@@ -447,6 +449,7 @@ impl<'e> Model<'e> {
         if kind == 0 && with == 0 && !is_paired {
             return Ok(());
         }
+        check_excluded(self.geoms.len() + 1, 0).map_err(|reason| element.error(reason))?;
         let link = &mut self.links[scope.link];
         let body = self.assets.geom(&settings, &link.name, self.source);
         let mut body = match body {
@@ -472,7 +475,8 @@ impl<'e> Model<'e> {
     }
 
     /// Lets a joint follow another one, or holds it, as an element `equality/joint` says.
-    pub(super) fn equality(&mut self, element: &'e Element) -> Result<(), FileError> {
+    /// `numbers` has the number of each joint.
+    pub(super) fn equality(&mut self, element: &'e Element, numbers: &HashMap<String, usize>) -> Result<(), FileError> {
         let known = [
             "name", "class", "active", "solref", "solimp", "joint1", "joint2", "polycoef",
         ];
@@ -484,8 +488,7 @@ impl<'e> Model<'e> {
             other => return Err(element.unknown_value("active", other, "true or false")),
         }
         let find = |name: &str| {
-            let known = self.joints.iter().position(|joint| joint.name == name);
-            known.ok_or_else(|| {
+            numbers.get(name).copied().ok_or_else(|| {
                 let names = self.joints.iter().map(|joint| joint.name.as_str());
                 element.error(FileErrorKind::Unknown {
                     kind: "joint",

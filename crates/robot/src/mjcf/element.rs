@@ -173,6 +173,6 @@ impl Files {
         }
         let text = FileError::read(&path)?;
         let xml = Xml::parse(&path, &text)?;
-        Ok(self.element(&xml, xml.root(), depth)?.children)
+        Ok(self.element(&xml, xml.root(), depth + 1)?.children)
     }
 }

@@ -17,8 +17,11 @@ use crate::robot::LinkBody;
 use crate::turn::from_xyzw;
 use crate::xml::EXTENT_MAX;
 
-/// Maximum number of coordinates of a mesh in the file, and of heights of a height field.
+/// Maximum number of coordinates of a mesh in the file.
 const MOST_NUMBERS: usize = 30_000_000;
+
+/// Maximum number of heights of all height fields.
+const MOST_HEIGHTS: usize = 100_000;
 
 /// The meshes and height fields of the sections `asset`.
 pub(super) struct Assets<'e> {
@@ -26,6 +29,9 @@ pub(super) struct Assets<'e> {
     fields: HashMap<String, &'e Element>,
     /// Bodies of meshes that have been read.
     read: HashMap<(String, MeshUse), MeshBody>,
+    /// Bodies of height fields that have been read, and the number of their heights.
+    read_fields: HashMap<String, Geometry>,
+    heights: usize,
 }
 
 /// A mesh as a body: the geometry, how much its hull differs from it, and the file.
@@ -37,6 +43,8 @@ impl<'e> Assets<'e> {
             meshes: HashMap::new(),
             fields: HashMap::new(),
             read: HashMap::new(),
+            read_fields: HashMap::new(),
+            heights: 0,
         };
         for section in sections {
             for element in section.below(&["mesh", "hfield", "model"], &["texture", "material", "skin"])? {
@@ -212,8 +220,11 @@ impl<'e> Assets<'e> {
     }
 
     /// Returns the solid below the heights of a field.
-    fn height_field(&self, geom: &Settings) -> Result<Geometry, FileError> {
+    fn height_field(&mut self, geom: &Settings) -> Result<Geometry, FileError> {
         let name = needed(geom, "hfield")?;
+        if let Some(read) = self.read_fields.get(name) {
+            return Ok(read.clone());
+        }
         let Some(field) = self.fields.get(name) else {
             return Err(unknown(geom, "height field", name, self.fields.keys()));
         };
@@ -233,13 +244,18 @@ impl<'e> Assets<'e> {
         let count = |name: &str| -> Result<usize, FileError> {
             let text = field.needed(name)?;
             let why = || format!("invalid {name}: {text:?} (expected a number from 2)");
-            let number = text.trim().parse().ok().filter(|n| (2..MOST_NUMBERS).contains(n));
+            let number = text.trim().parse().ok().filter(|n| *n >= 2);
             number.ok_or_else(|| field.error(FileErrorKind::Malformed(why())))
         };
-        let (rows, columns) = (count("nrow")?, count("ncol")?);
-        let most = 1_000_000;
-        if rows.saturating_mul(columns) > most {
-            let why = format!("height field is too large: {rows} times {columns} heights (expected at most {most})");
+        let (mut rows, mut columns): (usize, usize) = (count("nrow")?, count("ncol")?);
+        if field.get("elevation").is_none() {
+            // All heights are zero, so that the corners make the same solid.
+            (rows, columns) = (2, 2);
+        }
+        self.heights = self.heights.saturating_add(rows.saturating_mul(columns));
+        if self.heights > MOST_HEIGHTS {
+            let found = self.heights;
+            let why = format!("too many heights of height fields: {found} (expected at most {MOST_HEIGHTS})");
             return Err(field.error(FileErrorKind::Malformed(why)));
         }
         let heights = match field.get("elevation") {
@@ -293,7 +309,9 @@ impl<'e> Assets<'e> {
         }
         let mesh = Mesh::new(&points, &triangles);
         let mesh = mesh.map_err(|e| field.error(FileErrorKind::Geometry(e.to_string())))?;
-        Ok(Geometry::from(mesh))
+        let geometry = Geometry::from(mesh);
+        self.read_fields.insert(name.to_owned(), geometry.clone());
+        Ok(geometry)
     }
 }
 

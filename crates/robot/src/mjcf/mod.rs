@@ -9,6 +9,7 @@ mod geom;
 mod pairs;
 mod settings;
 
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use bodies::Model;
@@ -71,11 +72,17 @@ pub(crate) fn read(xml: &Xml, options: &LoadOptions) -> Result<Robot, FileError>
     for section in sections("worldbody") {
         model.world(section)?;
     }
+    let names = model
+        .joints
+        .iter()
+        .enumerate()
+        .map(|(k, joint)| (joint.name.clone(), k));
+    let numbers: HashMap<String, usize> = names.collect();
     let known = ["joint", "connect", "weld", "tendon", "flex", "flexvert", "flexstrain"];
     for section in sections("equality") {
         for element in section.below(&known, &[])? {
             if element.name == "joint" {
-                model.equality(element)?;
+                model.equality(element, &numbers)?;
             } else {
                 let what = format!("the equality {}", element.name);
                 model.skipped.push(Skipped::from(element.unsupported(what)));
@@ -83,7 +90,7 @@ pub(crate) fn read(xml: &Xml, options: &LoadOptions) -> Result<Robot, FileError>
         }
     }
     let names: Vec<&str> = model.links.iter().map(|link| link.name.as_str()).collect();
-    let mut different = std::collections::HashSet::new();
+    let mut different = HashSet::new();
     if let Some(name) = names.iter().find(|name| !different.insert(**name)) {
         let why = format!("two bodies or joints have the name {name:?} (expected different names)");
         return Err(root.error(FileErrorKind::Malformed(why)));
@@ -91,16 +98,22 @@ pub(crate) fn read(xml: &Xml, options: &LoadOptions) -> Result<Robot, FileError>
     let tree = LinkTree::new(&names, &model.joints, options, &root.place)?;
     let (links, joints) = (model.links.clone(), std::mem::take(&mut model.joints));
     let mut robot = tree.robot(root.get("model").unwrap_or("MuJoCo Model"), links, joints);
+    let drives: HashMap<&str, _> = robot
+        .joints
+        .iter()
+        .map(|joint| (joint.name.as_str(), joint.drive))
+        .collect();
     for (name, pose) in &model.free {
-        let joint = robot.joints.iter().find(|joint| joint.name == *name);
-        if let Some(first) = joint.and_then(|joint| joint.drive).map(|drive| drive.coordinate) {
+        let drive = drives.get(name.as_str()).copied().flatten();
+        if let Some(first) = drive.map(|drive| drive.coordinate) {
             robot.start[first..first + 3].copy_from_slice(pose.translation.vector.as_slice());
             robot.start[first + 3..first + 6].copy_from_slice(&to_roll_pitch_yaw(&pose.rotation));
         }
     }
     robot.skipped = skipped;
     robot.skipped.append(&mut model.skipped);
-    pairs::set(&mut robot, &model, &contacts, has_adjacent(&sections("option"))?)?;
+    let adjacent = has_adjacent(&sections("option"))?;
+    pairs::set(&mut robot, &model, &contacts, adjacent, &root.place)?;
     Ok(robot)
 }
 

@@ -5,9 +5,10 @@ use std::collections::{HashMap, HashSet};
 use super::bodies::Model;
 use super::element::Element;
 use super::settings::check;
-use crate::error::{FileError, FileErrorKind, Skipped};
+use crate::error::{FileError, FileErrorKind, Place, Skipped};
 use crate::names::nearest;
 use crate::robot::Robot;
+use crate::xml::check_excluded;
 
 /// The sections `contact`.
 #[derive(Default)]
@@ -43,8 +44,14 @@ impl<'e> Contacts<'e> {
     }
 }
 
-/// Sets the adjacent and the excluded pairs of a robot.
-pub(super) fn set(robot: &mut Robot, model: &Model, contacts: &Contacts, adjacent: bool) -> Result<(), FileError> {
+/// Sets the adjacent and the excluded pairs of a robot, whose root element is at a place.
+pub(super) fn set(
+    robot: &mut Robot,
+    model: &Model,
+    contacts: &Contacts,
+    adjacent: bool,
+    place: &Place,
+) -> Result<(), FileError> {
     let links: HashMap<&str, usize> = robot
         .links
         .iter()
@@ -106,27 +113,35 @@ pub(super) fn set(robot: &mut Robot, model: &Model, contacts: &Contacts, adjacen
         apart.insert([a.min(b), a.max(b)]);
     }
     let above = |group: usize| model.groups_above[group];
-    for a in 0..count {
-        for b in a + 1..count {
-            let [one, other] = [a, b].map(|body| &model.geoms[geom_of[body]]);
-            let [p, q] = [one, other].map(|geom| model.groups[geom.link]);
-            if checked.contains(&[a, b]) || p == q {
+    let too_many = |pairs: usize| check_excluded(count, pairs).map_err(|reason| place.error(reason));
+    // The links of the robot with bodies.
+    let with_bodies: Vec<usize> = (0..first.len())
+        .filter(|&k| !robot.links[k].bodies.is_empty())
+        .collect();
+    for (k, &x) in with_bodies.iter().enumerate() {
+        for &y in &with_bodies[k + 1..] {
+            let [one, other] = [x, y].map(|link| model.geoms[geom_of[first[link]]].link);
+            let [p, q] = [one, other].map(|link| model.groups[link]);
+            if p == q {
                 continue;
             }
-            let do_meet = one.kind & other.with != 0 || other.kind & one.with != 0;
-            let bodies = [one.link.min(other.link), one.link.max(other.link)];
-            if !do_meet || apart.contains(&bodies) {
-                robot.excluded.push([a, b]);
+            let [xs, ys] = [x, y].map(|link| first[link]..first[link] + robot.links[link].bodies.len());
+            let is_apart = !apart.is_empty() && apart.contains(&[one.min(other), one.max(other)]);
+            for a in xs {
+                for b in ys.clone() {
+                    let [one, other] = [a, b].map(|body| &model.geoms[geom_of[body]]);
+                    let do_meet = one.kind & other.with != 0 || other.kind & one.with != 0;
+                    if (!do_meet || is_apart) && !checked.contains(&[a, b]) {
+                        robot.excluded.push([a, b]);
+                    }
+                }
+                too_many(robot.excluded.len())?;
             }
-            let is_adjacent = adjacent && (above(p) == Some(q) && q != 0 || above(q) == Some(p) && p != 0);
-            if is_adjacent {
-                let links = [one, other].map(|geom| links[model.links[geom.link].name.as_str()]);
-                robot.adjacent.push([links[0].min(links[1]), links[0].max(links[1])]);
+            if adjacent && (above(p) == Some(q) && q != 0 || above(q) == Some(p) && p != 0) {
+                robot.adjacent.push([x, y]);
             }
         }
     }
-    robot.adjacent.sort_unstable();
-    robot.adjacent.dedup();
     // An explicit pair of adjacent links is checked, and the other pairs of these links are not.
     let link_of = |body: usize| links[model.links[model.geoms[geom_of[body]].link].name.as_str()];
     for &[a, b] in &checked {
@@ -142,6 +157,7 @@ pub(super) fn set(robot: &mut Robot, model: &Model, contacts: &Contacts, adjacen
                     robot.excluded.push(bodies);
                 }
             }
+            too_many(robot.excluded.len())?;
         }
     }
     robot.excluded.sort_unstable();

@@ -258,7 +258,10 @@ pub(super) fn check(element: &Element) -> Result<(), FileError> {
         "margin",
         "adhesion",
     ];
+    // Values of a class.
+    const EQUALITY: [&str; 4] = ["class", "active", "solref", "solimp"];
     match element.name.as_str() {
+        "equality" => element.check_attributes(&EQUALITY),
         "geom" => element.check_attributes(&GEOM),
         "joint" => element.check_attributes(&JOINT),
         "mesh" => element.check_attributes(&MESH),

@@ -11,8 +11,10 @@ use super::values::SdfFile;
 use crate::error::{FileError, FileErrorKind, Place};
 use crate::xml::{Xml, attribute};
 
-/// The most files that are included in all.
+/// The most files that are included in all, and the most bytes of them. A file counts as often as it
+/// is included.
 const FILES: usize = 10_000;
+const BYTES: usize = 16 << 20;
 
 /// The file in the folder of a model that names the file of each version.
 const CONFIG: &str = "model.config";
@@ -74,21 +76,24 @@ impl Description<'_> {
             let what = format!("file includes itself: {} (expected no cycle)", path.display());
             return Err(wrong(FileErrorKind::Malformed(what)));
         }
-        self.included += 1;
-        if self.included > FILES {
-            let what = format!("too many included files (expected at most {FILES})");
+        let text = FileError::read(&path)?;
+        self.included[0] += 1;
+        self.included[1] += text.len();
+        let [files, bytes] = self.included;
+        if files > FILES || bytes > BYTES {
+            let what =
+                format!("too many included files: {files} with {bytes} bytes (expected at most {FILES} with {BYTES})");
             return Err(wrong(FileErrorKind::Malformed(what)));
         }
         self.open_files.push(known);
-        let model = self.load(&path, owner, instead);
+        let model = self.load(&path, &text, owner, instead);
         self.open_files.pop();
         model
     }
 
     /// Reads the one model of a file.
-    fn load(&mut self, path: &Path, owner: &Owner, instead: Override) -> Result<Option<usize>, FileError> {
-        let text = FileError::read(path)?;
-        let xml = Xml::parse(path, &text)?;
+    fn load(&mut self, path: &Path, text: &str, owner: &Owner, instead: Override) -> Result<Option<usize>, FileError> {
+        let xml = Xml::parse(path, text)?;
         let file = SdfFile::new(&xml)?;
         let root = xml.root();
         let parts = xml.below(root, &["model", "world", "actor", "light"], &[])?;

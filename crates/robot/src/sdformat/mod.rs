@@ -22,7 +22,7 @@ use roxmltree::Node;
 
 use frames::{Carrier, Poses, Target, WORLD};
 use include::Override;
-use model::{Description, Joint, Link, Owner};
+use model::{ALL_BITS, Description, Joint, Link, Owner};
 use values::SdfFile;
 
 use crate::cell::Obstacle;
@@ -32,7 +32,7 @@ use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::robot::{LinkBody, MotionKind, Robot, RobotLink, adjacent_by_joints};
 use crate::turn::to_roll_pitch_yaw;
-use crate::xml::{EXTENT_MAX, Xml, attribute};
+use crate::xml::{EXTENT_MAX, Xml, attribute, check_excluded};
 
 /// The one world or model of a file.
 struct Top<'n, 'a> {
@@ -337,7 +337,7 @@ impl<'a> Builder<'a> {
         }
         let mut robot = tree.robot(name, robot_links, self.joints);
         robot.adjacent = adjacent_by_joints(&robot.links, &robot.joints);
-        robot.excluded = excluded(&robot, &links);
+        robot.excluded = excluded(&robot, &links).map_err(|reason| root.error(reason))?;
         robot.skipped = self.description.skipped;
         let drawn: HashMap<&str, usize> = links.iter().map(|link| (link.name.as_str(), link.frame)).collect();
         for joint in robot.joints.iter().filter(|joint| joint.kind == MotionKind::Floating) {
@@ -357,7 +357,7 @@ impl<'a> Builder<'a> {
 }
 
 /// Returns the pairs of bodies that collide by the masks of neither.
-fn excluded(robot: &Robot, links: &[Link]) -> Vec<[usize; 2]> {
+fn excluded(robot: &Robot, links: &[Link]) -> Result<Vec<[usize; 2]>, FileErrorKind> {
     let by_name: HashMap<&str, &Link> = links.iter().map(|link| (link.name.as_str(), link)).collect();
     let in_order = robot.links.iter().filter_map(|link| by_name.get(link.name.as_str()));
     let masks: Vec<[u32; 2]> = in_order
@@ -366,6 +366,17 @@ fn excluded(robot: &Robot, links: &[Link]) -> Vec<[usize; 2]> {
     let is_apart = |[category, collide]: [u32; 2], [other_category, other_collide]: [u32; 2]| {
         category & other_collide == 0 && other_category & collide == 0
     };
-    let pairs = (0..masks.len()).flat_map(|a| (a + 1..masks.len()).map(move |b| [a, b]));
-    pairs.filter(|[a, b]| is_apart(masks[*a], masks[*b])).collect()
+    // A body with all bits collides with each other one that has any bit.
+    let is_masked = |k: usize| masks[k] != [ALL_BITS; 2];
+    let masked: Vec<usize> = (0..masks.len()).filter(|&k| is_masked(k)).collect();
+    let mut pairs = Vec::new();
+    for &a in &masked {
+        check_excluded(masked.len(), pairs.len())?;
+        let others = (0..masks.len()).filter(|&b| b > a || !is_masked(b));
+        let apart = others.filter(|&b| is_apart(masks[a], masks[b]));
+        pairs.extend(apart.map(|b| [a.min(b), a.max(b)]));
+    }
+    check_excluded(masked.len(), pairs.len())?;
+    pairs.sort_unstable();
+    Ok(pairs)
 }

@@ -15,7 +15,7 @@ use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::robot::{LinkBody, MotionKind};
 use crate::turn::direction;
-use crate::xml::attribute;
+use crate::xml::{attribute, check_name};
 
 /// Maximum depth of nested models, included ones counted.
 const DEPTH: usize = 64;
@@ -24,7 +24,7 @@ const DEPTH: usize = 64;
 const NO_LIMIT: f64 = 1e16;
 
 /// The masks of a collision element that states none.
-const ALL_BITS: u32 = 0xffff;
+pub(super) const ALL_BITS: u32 = 0xffff;
 
 /// Elements of a world that are no part of a rigid body.
 const WORLD_PASSED: [&str; 13] = [
@@ -148,8 +148,8 @@ pub(super) struct Description<'o> {
     pub(super) options: &'o LoadOptions,
     /// The files that are being read, each included by the one before.
     pub(super) open_files: Vec<PathBuf>,
-    /// How many files were included in all.
-    pub(super) included: usize,
+    /// How many files were included in all, and how many bytes they have.
+    pub(super) included: [usize; 2],
 }
 
 /// The place of elements: the world, or a model.
@@ -191,7 +191,7 @@ impl<'o> Description<'o> {
             skipped: Vec::new(),
             packages,
             options,
-            included: 0,
+            included: [0; 2],
         }
     }
 
@@ -326,6 +326,7 @@ impl<'o> Description<'o> {
             let what = format!("invalid name: {name:?} (expected no name in __, no :: and not world)");
             return Err(file.xml.error(node, FileErrorKind::Malformed(what)));
         }
+        check_name(&format!("{}{name}", owner.prefix)).map_err(|reason| file.xml.error(node, reason))?;
         let names = &mut self.frames.scopes[owner.scope].frames;
         let is_joint = node.tag_name().name() == "joint";
         let Some(&other) = names.get(name) else {

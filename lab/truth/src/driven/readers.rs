@@ -16,9 +16,11 @@ pub use peak_alloc::PeakAlloc;
 /// Most bytes that a reader may hold at a time: so many, and so many for each byte of the file.
 const MEMORY: (usize, usize) = (4 << 20, 400);
 
-/// Most bytes of repeated instances, which only COLLADA has: twice what its reader counts, because
-/// lists grow by doubling.
-const INSTANCES: usize = 128 << 20;
+/// Most bytes of what a short file may ask for: repeated instances, copies, and excluded pairs.
+const REPEATED: usize = 128 << 20;
+
+/// Words of the files that may ask for them: COLLADA, glTF as JSON and GLB, MJCF, SDFormat.
+const REPEATING: [&str; 5] = ["COLLADA", "asset", "glTF", "mujoco", "sdf"];
 
 /// Longest time of a reader, in debug builds and on a busy machine.
 const TIME: Duration = Duration::from_secs(10);
@@ -26,11 +28,28 @@ const TIME: Duration = Duration::from_secs(10);
 /// Most letters of an error of a mesh file.
 const MESSAGE: usize = 1_000;
 
-/// The first byte and the extension of mesh files, and the bytes of repeated instances.
-const MESHES: [(u8, &str, usize); 3] = [(b'd', "dae", INSTANCES), (b'o', "obj", 0), (b's', "stl", 0)];
+/// The first byte and the extension of mesh files.
+const MESHES: [(u8, &str); 7] = [
+    (b'b', "glb"),
+    (b'd', "dae"),
+    (b'g', "gltf"),
+    (b'm', "msh"),
+    (b'o', "obj"),
+    (b'p', "ply"),
+    (b's', "stl"),
+];
 
-/// A file in a folder that does not exist, so that no mesh is found next to it.
+/// A file in a folder that does not exist, so that no other file is found next to it.
 const FILE: &str = "/no folder/file";
+
+/// What is in the root folder, each with a slash before it. Files outside the folder of [`FILE`]
+/// have one of these in their path, whether it is absolute or names a package.
+static ROOT: LazyLock<Vec<String>> = LazyLock::new(|| {
+    let entries = std::fs::read_dir("/").into_iter().flatten().flatten();
+    entries
+        .map(|entry| format!("/{}", entry.file_name().to_string_lossy()))
+        .collect()
+});
 
 /// The robot of SRDF files and trajectories.
 static ROBOT: LazyLock<Robot> = LazyLock::new(|| {
@@ -55,10 +74,10 @@ pub fn meshes(data: &[u8]) {
     let Some((first, bytes)) = data.split_first() else {
         return;
     };
-    let Some((_, extension, more)) = MESHES.iter().find(|(letter, ..)| letter == first) else {
+    let Some((_, extension)) = MESHES.iter().find(|(letter, _)| letter == first) else {
         return;
     };
-    let file = match bounded(bytes.len(), *more, || MeshFile::parse(bytes, format!("a.{extension}"))) {
+    let file = match bounded(bytes, || MeshFile::parse(bytes, format!("{FILE}.{extension}"))) {
         Ok(file) => file,
         Err(error) => {
             let letters = error.to_string().chars().count();
@@ -79,7 +98,8 @@ pub fn meshes(data: &[u8]) {
     assert!(file.skipped.iter().all(|skipped| !skipped.what.is_empty()));
 }
 
-/// Reads a file of a robot: URDF, SRDF, the JSON of a cell, or the CSV of a trajectory.
+/// Reads a file of a robot: URDF, MJCF, SDFormat as robot or cell, SRDF, the JSON of a cell, or the
+/// CSV of a trajectory. A text that names something in the root folder is not read.
 ///
 /// # Panics
 /// Panics if what was read forms no finite configuration space, if what is written is not read
@@ -90,16 +110,22 @@ pub fn robots(data: &[u8]) {
     };
     LazyLock::force(&ROBOT);
     let text = &String::from_utf8_lossy(bytes);
+    // The end of an element is not a path.
+    let paths = text.replace("</", "<");
+    if ROOT.iter().any(|name| paths.contains(name)) {
+        return;
+    }
     match first {
-        b'u' => urdf(text),
+        b'u' | b'm' | b'w' => robot(text),
         b's' => srdf(text),
-        b'c' => cell(text),
+        b'c' | b'f' => cell(text),
         b't' => trajectory(text),
         _ => {}
     }
 }
 
-fn urdf(text: &str) {
+/// The root element decides the format: URDF, MJCF or SDFormat.
+fn robot(text: &str) {
     let options = LoadOptions::default().skip_missing_meshes(true);
     let Some(robot) = parsed(text, || Robot::parse(text, FILE, &Packages::default(), &options)) else {
         return;
@@ -114,6 +140,13 @@ fn urdf(text: &str) {
         state
     });
     assert_eq!(q.len(), robot.coordinates().len());
+    assert_eq!(q.len(), robot.start().len());
+    assert!(robot.start().iter().all(|x| x.is_finite()));
+    let bodies: Vec<usize> = robot.links().iter().map(|link| link.bodies.len()).collect();
+    let is_body = |(link, body): &(usize, usize)| *body < bodies[*link];
+    assert!(robot.excluded().as_flattened().iter().all(is_body));
+    let is_pair = |[a, b]: &[usize; 2]| a < b && *b < bodies.len();
+    assert!(robot.adjacent().iter().all(is_pair));
     space.place(&q, &mut poses);
     let is_finite = |pose: &Isometry3<f64>| pose.to_homogeneous().iter().all(|x| x.is_finite());
     assert!(poses.iter().all(is_finite));
@@ -153,13 +186,18 @@ fn trajectory(text: &str) {
 
 /// Returns what a reader of a text returns; `None` for an error, which says why.
 fn parsed<T, E: std::fmt::Display>(text: &str, read: impl FnOnce() -> Result<T, E>) -> Option<T> {
-    let read = bounded(text.len(), 0, read);
+    let read = bounded(text.as_bytes(), read);
     read.map_err(|error| assert!(!error.to_string().is_empty())).ok()
 }
 
-/// Returns what a reader returns whose time and memory are within bounds; `more` is the memory that
-/// its format may take whatever the length.
-fn bounded<R>(length: usize, more: usize, read: impl FnOnce() -> R) -> R {
+/// Returns what the reader of a file returns, whose time and memory are within bounds.
+fn bounded<R>(bytes: &[u8], read: impl FnOnce() -> R) -> R {
+    let length = bytes.len();
+    // Without the zeros of UTF-16.
+    let words: Vec<u8> = bytes.iter().copied().filter(|byte| *byte > 0).collect();
+    let words = String::from_utf8_lossy(&words);
+    let is_repeating = REPEATING.iter().any(|word| words.contains(word));
+    let more = if is_repeating { REPEATED } else { 0 };
     let (started, before) = (Instant::now(), PeakAlloc.current_usage());
     PeakAlloc.reset_peak_usage();
     let result = read();
