@@ -205,7 +205,7 @@ fn hungry_meshes() -> Vec<Vec<u8>> {
         ),
         gltf(nodes(1), &many, &zeros(1_200)),
         gltf(nodes(500), &mesh, &zeros(90_000)),
-        gltf(nodes(1), &mesh, &zeros(700_000)),
+        gltf(nodes(1), &mesh, &zeros(699_999)),
         gltf(nodes(1), &mesh, &zeros(4_294_967_294)),
     ]
 }
