@@ -21,9 +21,9 @@
 //! * A point belongs to an object only if a triangle uses it.
 //! * Numbers are `f64` and finite. A count in a header is never believed: memory grows with the
 //!   file, not with the count.
-//! * A reader holds at most 4 MiB and 400 bytes for each byte of the file, and of the files of a glTF.
-//!   Repeated instances of COLLADA and glTF take at most 128 MiB more; a file that asks for more is
-//!   an error.
+//! * A reader holds at most 4 MiB and 400 bytes for each byte of the file, and of the files of a
+//!   glTF. Repeated instances of COLLADA and glTF take at most 128 MiB more; a file that asks for
+//!   more is an error.
 //! * A polygon is cut into triangles that cover the polygon and nothing else. Its corners may
 //!   depart from a plane by half its size, because quads of curved bodies often do. The file
 //!   then leaves the surface between them open, and the reader chooses the diagonals. It lists such

@@ -154,15 +154,16 @@
 //!
 //! A [`FileError`] names the file, the line and the element. No file content causes a panic.
 //!
-//! A file takes at most 4 MiB and 400 bytes for each of its bytes while it is read, and those of its
-//! meshes. MJCF and SDFormat can ask for much in few words; what they ask for takes at most 128 MiB
-//! more, and more than the following is an error:
+//! While a file is read, it takes at most 4 MiB and 400 bytes for each of its bytes. A mesh file
+//! counts as often as it is named. MJCF and SDFormat can ask for much in few words; what they ask
+//! for takes at most 128 MiB more, and more than the following is an error:
 //!
 //! * 20,000 elements that `replicate` copies, those that are passed over counted.
 //! * 5,000 geoms of MJCF that collide, or bodies of SDFormat with masks, and 1,000,000 pairs of
 //!   them that the file excludes.
 //! * 100,000 heights of all height fields.
 //! * 256 bytes of a name, with the names of the models around it or with what copies add to it.
+//! * 100 joints through which a joint mimics another one.
 //! * 10,000 files that SDFormat includes, with 16 MiB. A file counts as often as it is included.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

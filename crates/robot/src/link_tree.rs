@@ -11,6 +11,9 @@ use crate::options::LoadOptions;
 use crate::robot::{Coordinate, MotionKind, Robot, RobotJoint, RobotLink};
 use crate::xml::EXTENT_MAX;
 
+/// The most joints through which a joint mimics another one.
+const CHAIN: usize = 100;
+
 /// A joint of a file. Links are numbered in the order of the file.
 pub(crate) struct FileJoint {
     pub(crate) place: Place,
@@ -219,6 +222,10 @@ impl File<'_> {
                 return Err(self.wrong_joint(at, FileErrorKind::MimicLoop(names.collect())));
             }
             passed.push(at);
+            if passed.len() > CHAIN {
+                let what = format!("chain of mimics is too long (expected at most {CHAIN} joints)");
+                return Err(self.wrong_joint(index, FileErrorKind::Malformed(what)));
+            }
             offset += factor * follows.offset;
             factor *= follows.factor;
             let Some(next) = by_name.get(follows.joint.as_str()) else {

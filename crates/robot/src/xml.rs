@@ -36,8 +36,8 @@ const DRAKE: &str = "http://drake.mit.edu";
 /// Maximum depth of nested elements.
 const DEPTH: usize = 64;
 
-/// Most letters of a name, and most bytes of the path to an element, that errors show. Many elements
-/// may be below one of a long name.
+/// Most letters of a name, and most bytes of the path to an element, that errors show. Many
+/// elements may be below one of a long name.
 const SHOWN: (usize, usize) = (60, 160);
 
 /// Most bytes of the name of a link or joint with the names of its models, or with what copies add.

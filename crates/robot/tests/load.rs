@@ -262,6 +262,23 @@ fn mimics_end_at_a_joint_of_its_own() {
     let joints = mimic("x", "y") + &mimic("y", "z") + &mimic("z", "y");
     let error = parse(&format!("<robot name=\"r\"><link name=\"a\"/>{text}{joints}</robot>")).expect_err("a loop");
     assert!(matches!(error.reason, FileErrorKind::MimicLoop(names) if names == ["y", "z"]));
+    // Each joint follows the one before.
+    for (count, is_good) in [(100, true), (101, false)] {
+        let links: String = (0..count).map(|k| format!("<link name=\"l{k}\"/>")).collect();
+        let joints: String = (0..count)
+            .map(|k: usize| {
+                mimic(
+                    &format!("l{k}"),
+                    &k.checked_sub(1).map_or("first".into(), |before| format!("l{before}")),
+                )
+            })
+            .collect();
+        let first = "<joint name=\"first\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/></joint>";
+        let text = format!("<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/>{links}{first}{joints}</robot>");
+        let error = parse(&text).err().map(|error| error.to_string());
+        assert_eq!(error.is_none(), is_good);
+        assert!(error.is_none_or(|error| error.contains("chain of mimics is too long (expected at most 100 joints)")));
+    }
     let reason = refused(limit, &with("<mimic joint=\"six\"/>"), 9, &["joint \"two\"", "six"]);
     assert!(matches!(reason, FileErrorKind::Unknown { kind: "joint", .. }));
     // A fixed joint stays where it is, whatever it mimics.

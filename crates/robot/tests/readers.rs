@@ -118,8 +118,8 @@ fn hungry() -> Vec<Vec<u8>> {
     texts.chain(hungry_meshes()).chain(hungry_robots()).collect()
 }
 
-/// PLY with rows of a byte and a polygon of many corners, MSH of one point, and glTF with much JSON, many nodes of one
-/// mesh, many corners without data, and long names.
+/// PLY with rows of a byte and a polygon of many corners, MSH of one point, and glTF with much JSON,
+/// many nodes of one mesh, many corners without data, and long names.
 fn hungry_meshes() -> Vec<Vec<u8>> {
     let ply = |rows: &str, faces: usize| {
         let point = "element vertex 3\nproperty char x\nproperty char y\nproperty char z\n";
@@ -205,12 +205,13 @@ fn hungry_meshes() -> Vec<Vec<u8>> {
         ),
         gltf(nodes(1), &many, &zeros(1_200)),
         gltf(nodes(500), &mesh, &zeros(90_000)),
-        gltf(nodes(1), &mesh, &zeros(700_000)),
+        gltf(nodes(1), &mesh, &zeros(699_999)),
         gltf(nodes(1), &mesh, &zeros(4_294_967_294)),
     ]
 }
 
-/// MJCF with copies, height fields, excluded pairs, and long names; SDFormat with masks and long names.
+/// MJCF with copies, height fields, excluded pairs, and long names; SDFormat with masks and long
+/// names.
 fn hungry_robots() -> Vec<Vec<u8>> {
     let mjcf = |inside: &str| format!("m<mujoco>{inside}</mujoco>");
     let world = |inside: &str| mjcf(&format!("<worldbody>{inside}</worldbody>"));

@@ -11,8 +11,8 @@ use super::values::SdfFile;
 use crate::error::{FileError, FileErrorKind, Place};
 use crate::xml::{Xml, attribute};
 
-/// The most files that are included in all, and the most bytes of them. A file counts as often as it
-/// is included.
+/// The most files that are included in all, and the most bytes of them. A file counts as often as
+/// it is included.
 const FILES: usize = 10_000;
 const BYTES: usize = 16 << 20;
 
