@@ -19,7 +19,10 @@ fn fault(bytes: impl AsRef<[u8]>, name: &str) -> (Option<usize>, String) {
     (error.line, text)
 }
 
-fn skipped(file: &PointFile) -> Vec<(&str, Option<usize>)> {
+/// What was passed over, and its line.
+type Passed<'a> = (&'a str, Option<usize>);
+
+fn skipped(file: &PointFile) -> Vec<Passed<'_>> {
     file.skipped.iter().map(|s| (s.what.as_str(), s.line)).collect()
 }
 
@@ -426,7 +429,7 @@ fn columns_of_a_text_are_read_by_rule_or_by_name() {
     }
     is_camera_text(&read(CAMERA_TEXT.replace('\n', "\r"), "a.xyz"), "CR");
     let points = Points::F64(vec![[1.0, 2.5, -3.0], [4.0, 5.0, 6e2]]);
-    let forms: [(&str, &[(&str, Option<usize>)]); 18] = [
+    let forms: [(&str, &[Passed]); 18] = [
         ("1 2.5 -3\n4 5 6e2\n", &[]),
         ("+1\t2.5\t-3\n  4   5 \t 6e2", &[]),
         ("1,2.5,-3\n4,5,6e2\n", &[]),
@@ -536,6 +539,9 @@ fn header(descr: &str, is_fortran: bool, shape: &str) -> String {
     format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}      \n")
 }
 
+/// Writes a number in some type.
+type Write = fn(u8) -> Vec<u8>;
+
 fn le<const N: usize>(numbers: [f32; N]) -> Vec<u8> {
     numbers.iter().flat_map(|x| x.to_le_bytes()).collect()
 }
@@ -573,7 +579,7 @@ fn types_orders_and_shapes_of_arrays_are_read() {
     let expected = vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]];
     for version in [1, 2, 3] {
         for (is_fortran, numbers) in [(false, [1, 2, 3, 4, 5, 6]), (true, [1, 4, 2, 5, 3, 6])] {
-            let types: [(&str, fn(u8) -> Vec<u8>); 14] = [
+            let types: [(&str, Write); 14] = [
                 ("'<f4'", |x| f32::from(x).to_le_bytes().to_vec()),
                 ("'>f4'", |x| f32::from(x).to_be_bytes().to_vec()),
                 ("'<f8'", |x| f64::from(x).to_le_bytes().to_vec()),
@@ -693,7 +699,7 @@ fn arrays_that_do_not_fit_are_errors() {
         ("False", "0", "no valid descr"),
         ("{", "[{", "expected a comma"),
         ("}", "} 1", "expected the end"),
-        ("{", "", "expected an expression"),
+        ("{", "", "expected the end"),
         ("{", "(", "expected a comma"),
     ];
     for (old, new, expected) in faults {
