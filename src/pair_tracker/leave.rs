@@ -99,17 +99,18 @@ impl PairTracker {
     /// The cast tests at 64 evenly spaced times whether the bodies have left the margin.
     /// [`Cast::start_contact`] returns the distances and the time.
     ///
-    /// | result | meaning |
-    /// |---|---|
-    /// | [`Impact::Miss`] | both rules are proven over the whole interval |
-    /// | [`Impact::Hit`] | a rule is proven to be broken at `hit`, and holds up to `safe` |
-    /// | [`Impact::Undecided`], [`Impact::Incomplete`] | both rules hold up to `safe` |
-    /// | [`Impact::AtStart`] | the bodies are nearer than the distance at the start, and the contact is not accepted |
+    /// The result says which rule is proven:
+    ///
+    /// - [`Impact::Miss`]: both rules hold over the whole interval.
+    /// - [`Impact::Hit`]: both rules hold up to `safe`, and one is broken at `hit`.
+    /// - [`Impact::Undecided`], [`Impact::Incomplete`]: both rules hold up to `safe`.
+    /// - [`Impact::AtStart`]: the bodies are nearer than the distance at the start, and the contact
+    ///   is not accepted.
     ///
     /// The proof translates one body by the allowed approach along the contact's normal, which
-    /// rotates with one of the bodies. A contact of two vertices, or of a vertex and an edge, has no
-    /// such normal; there the cast may end as undecided. Open meshes and surfaces have no inside,
-    /// so a contact with them that is not separated by at least rounding is never accepted.
+    /// rotates with one of the bodies. A contact of two vertices, or of a vertex and an edge, has
+    /// no such normal; there the cast may end as undecided. Open meshes and surfaces have no inside:
+    /// a contact with them is accepted only if rounding leaves them separated.
     ///
     /// Certificates of the time before the bodies have left the margin have a negative distance if
     /// the bodies touch.
@@ -125,20 +126,28 @@ impl PairTracker {
     /// let table = solids::cuboid(Vector3::new(1.0, 1.0, 0.1))?;
     /// let part = solids::cuboid(Vector3::new(0.1, 0.1, 0.1))?;
     /// let still = Steady::new(&Isometry3::identity(), Velocity::default())?;
-    /// let start = Isometry3::translation(0.0, 0.0, 0.2);
-    /// let moving = |v: Vector3<f64>| Steady::new(&start, Velocity::new(v, Vector3::zeros()));
+    /// let moving = |v: Vector3<f64>| {
+    ///     let start = Isometry3::translation(0.0, 0.0, 0.2);
+    ///     Steady::new(&start, Velocity::new(v, Vector3::zeros()))
+    /// };
+    /// let (lift, press) = (Vector3::new(0.1, 0.0, 1.0), Vector3::z() * -0.01);
     ///
-    /// let options = CastOptions::new(Tolerance::Distance(1e-9)).start_contact_margin(1e-3);
-    /// let pair = [(&table).into(), (&part).into()];
     /// let mut tracker = PairTracker::new();
-    /// let lift = moving(Vector3::new(0.1, 0.0, 1.0))?;
-    /// let cast = tracker.cast_from_contact(pair, &still, &lift, 0.0..1.0, &options, None)?;
-    /// assert_eq!(cast.impact, Impact::Miss);
-    /// assert!(cast.start_contact.unwrap().until.unwrap() < 0.02);
-    ///
-    /// let press = moving(Vector3::new(0.1, 0.0, -0.01))?;
-    /// let cast = tracker.cast_from_contact(pair, &still, &press, 0.0..1.0, &options, None)?;
-    /// assert!(matches!(cast.impact, Impact::Hit { hit, .. } if hit < 1e-6));
+    /// let mut cast = |v: Vector3<f64>| {
+    ///     let (a, b) = ((&table).into(), (&part).into());
+    ///     let options = CastOptions::new(Tolerance::Distance(1e-9));
+    ///     let options = options.start_contact_margin(1e-3);
+    ///     let moving = moving(v).expect("a finite velocity");
+    ///     let time = 0.0..1.0;
+    ///     tracker.cast_from_contact(
+    ///         [a, b], &still, &moving, time, &options, None
+    ///     )
+    /// };
+    /// let found = cast(lift)?;
+    /// assert_eq!(found.impact, Impact::Miss);
+    /// assert!(found.start_contact.unwrap().until.unwrap() < 0.02);
+    /// let found = cast(press)?;
+    /// assert!(matches!(found.impact, Impact::Hit { hit, .. } if hit < 1e-6));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
