@@ -109,8 +109,8 @@ impl PairTracker {
     ///
     /// The proof translates one body by the allowed approach along the contact's normal, which
     /// rotates with one of the bodies. A contact of two vertices, or of a vertex and an edge, has
-    /// no such normal; there the cast may end as undecided. Open meshes and surfaces have no inside:
-    /// a contact with them is accepted only if rounding leaves them separated.
+    /// no such normal; there the cast may end as undecided. Open meshes and surfaces have no
+    /// inside: a contact with them is accepted only if rounding leaves them separated.
     ///
     /// Certificates of the time before the bodies have left the margin have a negative distance if
     /// the bodies touch.
