@@ -296,6 +296,7 @@ mod base;
 mod body;
 pub mod broad;
 mod convex;
+mod half_space;
 #[cfg(feature = "meshes")]
 pub mod nonconvex;
 // Pages of the documentation, and tests of their code; no part of the library.
