@@ -8,7 +8,7 @@ use lin_canny::scene::{Body, Group, PairQueries, Scene};
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
     Compound, ContactState, DepthMode, Geometry, GeometryKind, HalfSpace, HalfSpaceError, ManifoldOptions, Mesh,
-    MeshError, PairTracker, Piece, QueryOptions, Ray, RayCast, RayCaster, RelativePose, Shape, Velocity,
+    MeshError, MeshKind, PairTracker, Piece, QueryOptions, Ray, RayCast, RayCaster, RelativePose, Shape, Velocity,
 };
 use truth::curved::{KINDS, Kind};
 use truth::rational::{RBig, exact, over_root, placed, rotation};
@@ -68,8 +68,13 @@ fn random_soup(rng: &mut Rng, by: f64) -> soups::Soup {
 /// Returns a random body of a kind.
 fn random_case(rng: &mut Rng, k: usize, by: f64) -> Case {
     let convex = |rng: &mut Rng| {
-        let kind = scaled(&Kind::random(rng.pick(&KINDS), rng, 20.0), by);
-        let radius = if rng.chance(0.5) { 0.0 } else { by * rng.log_range(1e-3, 1.0) };
+        let name = KINDS[rng.below(KINDS.len())];
+        let kind = scaled(&Kind::random(name, rng, 20.0), by);
+        let radius = if rng.chance(0.5) {
+            0.0
+        } else {
+            by * rng.log_range(1e-3, 1.0)
+        };
         Part {
             kind,
             radius,
@@ -78,12 +83,20 @@ fn random_case(rng: &mut Rng, k: usize, by: f64) -> Case {
     };
     let shape = |part: &Part| {
         let shape = part.kind.shape();
-        if part.radius > 0.0 { shape.rounded(part.radius).expect("a radius") } else { shape }
+        if part.radius > 0.0 {
+            shape.rounded(part.radius).expect("a radius")
+        } else {
+            shape
+        }
     };
     match k % 5 {
         0 | 1 => {
             let part = convex(rng);
-            let slack = if matches!(part.kind, Kind::Superquadric(..)) { 2e-14 } else { 0.0 };
+            let slack = if matches!(part.kind, Kind::Superquadric(..)) {
+                2e-14
+            } else {
+                0.0
+            };
             Case {
                 geometry: Geometry::from(shape(&part)),
                 parts: vec![part],
@@ -150,7 +163,11 @@ fn truth_of(space: &HalfSpace, pose: &Pose, case: &Case, of_body: &Pose) -> f64 
     let height_of = |part: &Part| {
         let stands = part.pose != Pose::IDENTITY;
         if let Kind::Hull(points) = &part.kind {
-            let at = if stands { placed(points, &part.pose) } else { points.iter().map(|p| p.map(exact)).collect() };
+            let at = if stands {
+                placed(points, &part.pose)
+            } else {
+                points.iter().map(|p| p.map(exact)).collect()
+            };
             let r = rotation(of_body.q);
             let t = of_body.t.map(exact);
             let heights = at.iter().map(|p| {
@@ -188,7 +205,12 @@ fn judge(seed: u64, count: usize) {
         let space = HalfSpace::new(Vector3::from(n) * 3.0, 3.0 * by * rng.range(-2.0, 2.0)).expect("a half-space");
         let far = by * *rng.pick(&[0.0, 1.0, 1.0, 1e6]);
         let random_pose = |rng: &mut Rng| Pose {
-            q: *rng.pick(&[rng.clone().quat(), [0.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.0], [0.5, 0.5, -0.5, 0.5]]),
+            q: *rng.pick(&[
+                rng.clone().quat(),
+                [0.0, 0.0, 0.0, 1.0],
+                [0.0, 1.0, 0.0, 0.0],
+                [0.5, 0.5, -0.5, 0.5],
+            ]),
             t: rng.unit().map(|x| x * far),
         };
         let of_space = random_pose(&mut rng);
@@ -203,10 +225,16 @@ fn judge(seed: u64, count: usize) {
         let pose = RelativePose::new(&of_space.isometry(), &of_body.isometry()).expect("a pose");
         let mut tracker = PairTracker::new();
         let found = tracker.closest(&floor, &case.geometry, &pose);
-        let radius = case.parts.iter().map(|p| p.kind.radius() + p.radius + truth::pose::norm(p.pose.t));
+        let radius = case
+            .parts
+            .iter()
+            .map(|p| p.kind.radius() + p.radius + truth::pose::norm(p.pose.t));
         let between = truth::pose::sub(of_body.t, of_space.t);
         let size = radius.fold(0.0, f64::max) + truth::pose::norm(between) + space.offset().abs();
-        let told = format!("{k}: {value:e} {found:?} {space:?} {of_space:?} {of_body:?} {}", case.geometry.kind());
+        let told = format!(
+            "{k}: {value:e} {found:?} {space:?} {of_space:?} {of_body:?} {}",
+            case.geometry.kind()
+        );
         let noise = if case.slack > 0.0 { 1e-14 * size } else { 0.0 };
         // Far from the origin of the world, translations are subtracted first, and that rounds.
         assert!(found.lower <= value + noise && value - noise <= found.upper, "{told}");
@@ -224,31 +252,50 @@ fn judge(seed: u64, count: usize) {
         let (on_a, on_b) = (found.point_on_a, pose_of(&pose) * found.point_on_b);
         let apart = on_b - on_a - found.normal.into_inner() * found.distance;
         assert!(apart.norm() <= (1e-12) * size, "{told}");
-        assert!((space.normal().dot(&on_a.coords) - space.offset()).abs() <= 1e-13 * size, "{told}");
+        assert!(
+            (space.normal().dot(&on_a.coords) - space.offset()).abs() <= 1e-13 * size,
+            "{told}"
+        );
         assert!((found.normal.norm() - 1.0).abs() < 1e-14, "{told}");
 
         // Both orders and a tracker that has seen another pose.
         let mut swapped = PairTracker::new();
         let back = pose.swapped();
-        let _ = swapped.closest(&case.geometry, &floor, &RelativePose::from_isometry(&Isometry3::identity()).unwrap());
+        let _ = swapped.closest(
+            &case.geometry,
+            &floor,
+            &RelativePose::from_isometry(&Isometry3::identity()).unwrap(),
+        );
         let other = swapped.closest(&case.geometry, &floor, &back);
         assert_eq!(
             (other.state, other.distance, other.lower, other.upper),
             (found.state, found.distance, found.lower, found.upper),
             "{told}"
         );
-        assert_eq!((other.point_on_a, other.point_on_b), (found.point_on_b, found.point_on_a), "{told}");
+        assert_eq!(
+            (other.point_on_a, other.point_on_b),
+            (found.point_on_b, found.point_on_a),
+            "{told}"
+        );
         let facing = pose.swapped();
         let turned = pose_of(&facing).rotation * -found.normal.into_inner();
         assert!((turned - other.normal.into_inner()).norm() < 1e-13, "{told}");
         // Predicates.
         for d in [0.0, value.max(0.0), 2.0 * value.abs(), by] {
             let is_within = tracker.within(&floor, &case.geometry, &pose, d);
-            assert_eq!(is_within, swapped.within(&case.geometry, &floor, &back, d), "{told} {d:e}");
+            assert_eq!(
+                is_within,
+                swapped.within(&case.geometry, &floor, &back, d),
+                "{told} {d:e}"
+            );
             assert!(is_within || found.lower > d - case.slack * size, "{told} {d:e}");
             assert!(!is_within || found.lower <= d, "{told} {d:e}");
         }
-        assert_eq!(tracker.intersects(&floor, &case.geometry, &pose), found.lower <= 0.0 || is_open(&found), "{told}");
+        assert_eq!(
+            tracker.intersects(&floor, &case.geometry, &pose),
+            found.lower <= 0.0 || is_open(&found),
+            "{told}"
+        );
         assert!(!tracker.within(&floor, &case.geometry, &pose, f64::NAN), "{told}");
         assert!(!tracker.within(&floor, &case.geometry, &pose, -1.0), "{told}");
         let flat = QueryOptions::new().depth(DepthMode::None);
@@ -310,7 +357,7 @@ fn bodies_that_lie_on_the_plane_touch_it() {
             [0.5, 0.5, 0.5, 0.5],
             [-0.5, 0.5, 0.5, 0.5],
         ];
-        let mut pose = |rng: &mut Rng| Pose {
+        let pose = |rng: &mut Rng| Pose {
             q: *rng.pick(&turns),
             t: corner(rng),
         };
@@ -361,7 +408,13 @@ fn answers_scale_by_powers_of_two() {
             let (one, other) = (answer(1.0), answer(by));
             // Bodies are stored in another unit beyond 2^105, where the last bits may differ.
             let near = |x: f64, y: f64| (x - y).abs() <= 1e-14;
-            let same = (0..3).all(|i| if exponent.abs() < 100 { one[i] == other[i] } else { near(one[i], other[i]) });
+            let same = (0..3).all(|i| {
+                if exponent.abs() < 100 {
+                    one[i] == other[i]
+                } else {
+                    near(one[i], other[i])
+                }
+            });
             assert!(same, "{exponent} {k}: {one:?} {other:?}");
         }
     }
@@ -372,7 +425,10 @@ fn bezier_surfaces_have_an_interval() {
     let mut rng = Rng::new(7005);
     for k in 0..40 {
         let degrees = [1 + rng.below(4), 1 + rng.below(4)];
-        let points: Vec<_> = truth::nets::bumps(&mut rng, degrees, 0.4).into_iter().map(Point3::from).collect();
+        let points: Vec<_> = truth::nets::bumps(&mut rng, degrees, 0.4)
+            .into_iter()
+            .map(Point3::from)
+            .collect();
         let weights: Vec<f64> = points.iter().map(|_| rng.range(0.5, 2.0)).collect();
         let patch = if k % 2 == 0 {
             BezierPatch::polynomial(degrees, &points)
@@ -390,7 +446,10 @@ fn bezier_surfaces_have_an_interval() {
         let narrow = QueryOptions::new().width(1e-10);
         let mut tracker = PairTracker::new();
         let found = tracker.closest_with(&space, &surface, &at, &narrow);
-        assert!(found.is_converged && found.upper - found.lower < 1.1e-10, "{k} {found:?}");
+        assert!(
+            found.is_converged && found.upper - found.lower < 1.1e-10,
+            "{k} {found:?}"
+        );
         let height = |u: f64, v: f64| {
             let p = Point3::from(pose.apply(patch.point(u, v).into()));
             space.normal().dot(&p.coords) - space.offset()
@@ -404,8 +463,18 @@ fn bezier_surfaces_have_an_interval() {
         // Few splits give a wide interval that contains the narrow one.
         let wide = tracker.closest_with(&space, &surface, &at, &QueryOptions::new().width(0.0).splits(3));
         assert!(wide.lower <= found.upper && found.lower <= wide.upper, "{k} {wide:?}");
-        assert!(tracker.decide_within(&space, &surface, &at, found.upper + 1e-9, &QueryOptions::new()).is_yes() || found.upper < -1e-9);
-        assert!(found.lower < 2e-9 || tracker.decide_within(&space, &surface, &at, found.lower - 1e-9, &QueryOptions::new()).is_no());
+        assert!(
+            tracker
+                .decide_within(&space, &surface, &at, found.upper + 1e-9, &QueryOptions::new())
+                .is_yes()
+                || found.upper < -1e-9
+        );
+        assert!(
+            found.lower < 2e-9
+                || tracker
+                    .decide_within(&space, &surface, &at, found.lower - 1e-9, &QueryOptions::new())
+                    .is_no()
+        );
     }
 }
 
@@ -417,14 +486,26 @@ fn half_spaces_overlap_unless_their_normals_are_opposite() {
     let mut tracker = PairTracker::new();
     let still = RelativePose::from_isometry(&Isometry3::identity()).unwrap();
     let found = tracker.closest(&floor, &ceiling, &still);
-    assert_eq!((found.state, found.distance), (ContactState::Separated, 3.0), "{found:?}");
+    assert_eq!(
+        (found.state, found.distance),
+        (ContactState::Separated, 3.0),
+        "{found:?}"
+    );
     assert!(tracker.within(&floor, &ceiling, &still, 3.0) && !tracker.within(&floor, &ceiling, &still, 2.9));
     let lower = RelativePose::from_isometry(&Isometry3::translation(5.0, 1.0, -4.0)).unwrap();
     let found = tracker.closest(&floor, &ceiling, &lower);
-    assert_eq!((found.state, found.distance), (ContactState::Overlapping, -1.0), "{found:?}");
+    assert_eq!(
+        (found.state, found.distance),
+        (ContactState::Overlapping, -1.0),
+        "{found:?}"
+    );
     for other in [&wall, &floor] {
         let found = tracker.closest(&floor, other, &still);
-        assert_eq!((found.state, found.distance), (ContactState::Overlapping, 0.0), "{found:?}");
+        assert_eq!(
+            (found.state, found.distance),
+            (ContactState::Overlapping, 0.0),
+            "{found:?}"
+        );
         assert_eq!(found.lower, f64::NEG_INFINITY);
         assert!(tracker.intersects(&floor, other, &still));
     }
@@ -435,8 +516,16 @@ fn half_spaces_overlap_unless_their_normals_are_opposite() {
         assert!((found.distance - 3.0).abs() < 1e-14, "{found:?}");
     }
     let tilted = RelativePose::from_isometry(&Isometry3::rotation(Vector3::x() * 1e-12)).unwrap();
-    assert_eq!(tracker.closest(&floor, &ceiling, &tilted).state, ContactState::Overlapping);
-    assert!(tracker.contacts(&floor, &wall, &still, &ManifoldOptions::with_prediction(1.0)).unwrap().is_empty());
+    assert_eq!(
+        tracker.closest(&floor, &ceiling, &tilted).state,
+        ContactState::Overlapping
+    );
+    assert!(
+        tracker
+            .contacts(&floor, &wall, &still, &ManifoldOptions::with_prediction(1.0))
+            .unwrap()
+            .is_empty()
+    );
 }
 
 /// Casts of every kind: free before `safe`, and met at `hit`, judged by exact distances.
@@ -448,7 +537,11 @@ fn judge_casts(seed: u64, count: usize) {
         let case = random_case(&mut rng, [0, 1, 2, 3, 4][k % 5], by);
         let space = HalfSpace::new(Vector3::from(rng.unit()), by * rng.range(-1.0, 1.0)).expect("a half-space");
         let turning = |rng: &mut Rng, most: f64| {
-            if rng.chance(0.4) { Vector3::zeros() } else { Vector3::from(rng.unit()) * rng.range(0.0, most) }
+            if rng.chance(0.4) {
+                Vector3::zeros()
+            } else {
+                Vector3::from(rng.unit()) * rng.range(0.0, most)
+            }
         };
         let of_space = Pose {
             q: rng.quat(),
@@ -497,7 +590,11 @@ fn judge_casts(seed: u64, count: usize) {
             Impact::Hit { safe, hit, .. } => {
                 found_hits += 1;
                 assert!(safe < hit && height(hit) <= 1e-13 * by, "{told} {:e}", height(hit));
-                assert!(height(safe) >= -1e-13 * by && height(safe) <= 2e-7 * by, "{told} {:e}", height(safe));
+                assert!(
+                    height(safe) >= -1e-13 * by && height(safe) <= 2e-7 * by,
+                    "{told} {:e}",
+                    height(safe)
+                );
                 safe
             }
             other => panic!("{other:?} {told}"),
@@ -542,48 +639,82 @@ fn bodies_at_rest_stand_on_their_contacts() {
         (Geometry::from(table), 4, 1.0),
         (Geometry::from(Shape::cylinder(1.0, 0.5).unwrap()), 4, 1.0),
         (Geometry::from(Shape::ball(1.0).unwrap()), 1, 1.0),
-        (Geometry::from(Shape::ellipsoid(Vector3::new(2.0, 2.0, 1.0)).unwrap()), 1, 1.0),
+        (
+            Geometry::from(Shape::ellipsoid(Vector3::new(2.0, 2.0, 1.0)).unwrap()),
+            1,
+            1.0,
+        ),
         (Geometry::from(BezierSurface::from_convex(&die).unwrap()), 1, 1.0),
     ];
     for (body, count, height) in &bodies {
         for sink in [0.01, 0.0, -0.01] {
             let at = RelativePose::from_isometry(&Isometry3::translation(3.0, -2.0, height + sink)).unwrap();
             let mut tracker = PairTracker::new();
-            let groups = tracker.contacts(&floor, body, &at, &options).expect("contacts").to_vec();
+            let groups = tracker
+                .contacts(&floor, body, &at, &options)
+                .expect("contacts")
+                .to_vec();
             let told = format!("{} {sink} {groups:?}", body.kind());
             assert_eq!((groups.len(), groups[0].contacts.len()), (1, *count), "{told}");
             for contact in &groups[0].contacts {
                 let point = &contact.point;
-                assert!((point.separation - sink).abs() < 1e-8 && point.point_on_a.z.abs() < 1e-8, "{told}");
+                assert!(
+                    (point.separation - sink).abs() < 1e-8 && point.point_on_a.z.abs() < 1e-8,
+                    "{told}"
+                );
                 let on_b = pose_of(&at) * point.point_on_b;
-                assert!((on_b - point.point_on_a - Vector3::z() * point.separation).norm() < 1e-12, "{told}");
+                assert!(
+                    (on_b - point.point_on_a - Vector3::z() * point.separation).norm() < 1e-12,
+                    "{told}"
+                );
             }
             // Around the centre: no gap of half a turn.
             if *count == 4 {
-                let mut angles: Vec<f64> = groups[0].contacts.iter().map(|c| c.point.point_on_b.coords).map(|p| p.y.atan2(p.x)).collect();
+                let mut angles: Vec<f64> = groups[0]
+                    .contacts
+                    .iter()
+                    .map(|c| c.point.point_on_b.coords)
+                    .map(|p| p.y.atan2(p.x))
+                    .collect();
                 angles.sort_by(f64::total_cmp);
                 angles.push(angles[0] + std::f64::consts::TAU);
                 assert!(angles.windows(2).all(|w| w[1] - w[0] < 3.0), "{told}");
             }
-            let back = tracker.contacts(body, &floor, &at.swapped(), &options).expect("contacts");
+            let back = tracker
+                .contacts(body, &floor, &at.swapped(), &options)
+                .expect("contacts");
             assert_eq!(back[0].contacts.len(), *count);
             for (x, y) in back[0].contacts.iter().zip(&groups[0].contacts) {
-                assert_eq!((x.point.point_on_a, x.point.point_on_b), (y.point.point_on_b, y.point.point_on_a));
+                assert_eq!(
+                    (x.point.point_on_a, x.point.point_on_b),
+                    (y.point.point_on_b, y.point.point_on_a)
+                );
                 assert_eq!(x.point.features, y.point.features.swapped());
                 assert!((x.normal.into_inner() + Vector3::z()).norm() < 1e-14);
             }
         }
         let above = RelativePose::from_isometry(&Isometry3::translation(0.0, 0.0, height + 0.1)).unwrap();
-        assert!(PairTracker::new().contacts(&floor, body, &above, &options).unwrap().is_empty());
+        assert!(
+            PairTracker::new()
+                .contacts(&floor, body, &above, &options)
+                .unwrap()
+                .is_empty()
+        );
     }
     // A cylinder on its side has both ends of its line.
     let can = Geometry::from(Shape::cylinder(1.0, 0.5).unwrap());
-    let lying = Isometry3::new(Vector3::new(0.0, 0.0, 0.499), Vector3::x() * std::f64::consts::FRAC_PI_2);
+    let lying = Isometry3::new(
+        Vector3::new(0.0, 0.0, 0.499),
+        Vector3::x() * std::f64::consts::FRAC_PI_2,
+    );
     let lying = RelativePose::from_isometry(&lying).unwrap();
     let mut tracker = PairTracker::new();
     let groups = tracker.contacts(&floor, &can, &lying, &options).unwrap();
     let xs: Vec<f64> = groups[0].contacts.iter().map(|c| c.point.point_on_a.y.abs()).collect();
-    assert!(xs.len() == 2 && xs.iter().all(|y| (y - 1.0).abs() < 1e-12), "{groups:?}");
+    assert!(
+        xs.len() == 2 && xs.iter().all(|y| (y - 1.0).abs() < 1e-12),
+        "{groups:?}"
+    );
 }
 
 #[test]
@@ -608,7 +739,10 @@ fn rays_meet_the_plane() {
             RayCast::Miss => assert!(start > 0.0 && pace <= 1e-14),
             RayCast::Hit(hit) => {
                 let at = start / pace;
-                assert!(hit.safe <= at * (1.0 + 1e-13) && at <= hit.hit * (1.0 + 1e-13), "{hit:?} {at}");
+                assert!(
+                    hit.safe <= at * (1.0 + 1e-13) && at <= hit.hit * (1.0 + 1e-13),
+                    "{hit:?} {at}"
+                );
                 assert!(hit.hit - hit.safe <= 1e-12 * by / pace + 1e-13 * at / pace, "{hit:?}");
                 assert!(height(hit.point).abs() <= 1e-12 * (by + at) && (hit.normal.into_inner() - n).norm() < 1e-12);
                 let short = caster.cast(&floor, &pose.isometry(), &ray, 0.99 * at).unwrap();
@@ -624,8 +758,14 @@ fn rays_meet_the_plane() {
 fn scenes_have_floors() {
     let all = Group::default();
     let mut scene = Scene::new();
-    let queries = PairQueries::none().overlap(true).distance(0.5).features(true).depth(true);
-    scene.set_queries(all, all, queries.manifold(ManifoldOptions::with_prediction(0.02))).unwrap();
+    let queries = PairQueries::none()
+        .overlap(true)
+        .distance(0.5)
+        .features(true)
+        .depth(true);
+    scene
+        .set_queries(all, all, queries.manifold(ManifoldOptions::with_prediction(0.02)))
+        .unwrap();
     let tilted = HalfSpace::new(Vector3::new(0.1, 0.0, 1.0), -50.0).unwrap();
     let floor = HalfSpace::new(Vector3::z(), 0.0).unwrap();
     let fixed = scene.insert(Body::fixed(floor), Isometry3::identity()).unwrap();
@@ -656,25 +796,52 @@ fn scenes_have_floors() {
             let distance = distance.expect("a distance");
             assert!((distance.value - (height - 0.5)).abs() < 1e-13, "{distance:?} {height}");
             assert!(distance.lower > f64::NEG_INFINITY);
-            let found = pair.unwrap().contacts.map_or(0, |groups| groups.iter().map(|g| g.contacts.len()).sum());
+            let found = pair
+                .unwrap()
+                .contacts
+                .map_or(0, |groups| groups.iter().map(|g| g.contacts.len()).sum());
             assert_eq!(found, if height <= 0.52 { 4 } else { 0 }, "{height}");
             assert!(scene.pair(slope, *id).and_then(|p| p.distance).is_none());
         }
     }
     let down = Ray::new(Point3::new(1.5, 1.5, 7.0), -Vector3::z()).unwrap();
-    let (hit, found) = scene.cast_ray(&down, f64::INFINITY, |_| true).unwrap().expect("the floor");
+    let (hit, found) = scene
+        .cast_ray(&down, f64::INFINITY, |_| true)
+        .unwrap()
+        .expect("the floor");
     assert_eq!(hit, fixed);
-    assert!(matches!(found, RayCast::Hit(h) if (h.safe - 7.0).abs() < 1e-12), "{found:?}");
+    assert!(
+        matches!(found, RayCast::Hit(h) if (h.safe - 7.0).abs() < 1e-12),
+        "{found:?}"
+    );
     // Fast bodies do not fall through, and a moving floor is followed.
     let mut scene = Scene::new();
-    scene.set_queries(all, all, PairQueries::none().overlap(true).impact(Tolerance::Time(1e-9))).unwrap();
+    scene
+        .set_queries(
+            all,
+            all,
+            PairQueries::none().overlap(true).impact(Tolerance::Time(1e-9)),
+        )
+        .unwrap();
     let lift = scene.insert(Body::moving(floor), Isometry3::identity()).unwrap();
-    let ball = scene.insert(Body::moving(Shape::ball(0.5).unwrap()), Isometry3::translation(0.0, 0.0, 100.5)).unwrap();
-    scene.set_velocity(ball, Velocity::new(-Vector3::z() * 1e4, Vector3::zeros())).unwrap();
+    let ball = scene
+        .insert(
+            Body::moving(Shape::ball(0.5).unwrap()),
+            Isometry3::translation(0.0, 0.0, 100.5),
+        )
+        .unwrap();
+    scene
+        .set_velocity(ball, Velocity::new(-Vector3::z() * 1e4, Vector3::zeros()))
+        .unwrap();
     scene.advance(1.0).unwrap();
     scene.step();
-    let [impact] = scene.impacts() else { panic!("through the floor") };
-    assert!(matches!(impact.impact, Impact::Hit { safe, hit, .. } if safe <= 0.01 && 0.01 <= hit), "{impact:?}");
+    let [impact] = scene.impacts() else {
+        panic!("through the floor")
+    };
+    assert!(
+        matches!(impact.impact, Impact::Hit { safe, hit, .. } if safe <= 0.01 && 0.01 <= hit),
+        "{impact:?}"
+    );
     scene.set_velocity(ball, Velocity::default()).unwrap();
     scene.set_pose(ball, Isometry3::translation(0.0, 0.0, 10.0)).unwrap();
     scene.step();
@@ -687,10 +854,16 @@ fn scenes_have_floors() {
 #[test]
 fn bad_half_spaces_are_refused() {
     for normal in [[0.0; 3], [f64::NAN, 0.0, 1.0], [f64::INFINITY, 0.0, 0.0]] {
-        assert!(matches!(HalfSpace::new(normal.into(), 0.0), Err(HalfSpaceError::Normal(_))));
+        assert!(matches!(
+            HalfSpace::new(normal.into(), 0.0),
+            Err(HalfSpaceError::Normal(_))
+        ));
     }
     for offset in [f64::NAN, f64::INFINITY, 1e117] {
-        assert!(matches!(HalfSpace::new(Vector3::x(), offset), Err(HalfSpaceError::Offset(_))));
+        assert!(matches!(
+            HalfSpace::new(Vector3::x(), offset),
+            Err(HalfSpaceError::Offset(_))
+        ));
     }
     // The largest poses and offsets still have an answer.
     let space = HalfSpace::new(Vector3::new(1.0, 2.0, 3.0), 1e116).unwrap();
@@ -698,8 +871,14 @@ fn bad_half_spaces_are_refused() {
     for t in [[1e308, 0.0, 0.0], [-5e307; 3], [5e307; 3], [0.0; 3], [1e-320, 0.0, 0.0]] {
         let pose = RelativePose::from_isometry(&Pose::shift(t).isometry()).unwrap();
         let found = PairTracker::new().closest(&space, &ball, &pose);
-        assert!(!found.lower.is_nan() && !found.upper.is_nan() && !found.distance.is_nan(), "{found:?}");
-        assert!(found.lower <= found.distance && found.distance <= found.upper, "{found:?}");
+        assert!(
+            !found.lower.is_nan() && !found.upper.is_nan() && !found.distance.is_nan(),
+            "{found:?}"
+        );
+        assert!(
+            found.lower <= found.distance && found.distance <= found.upper,
+            "{found:?}"
+        );
     }
 }
 
@@ -712,7 +891,9 @@ fn half_spaces_are_stored_bit_for_bit() {
         let geometry = Geometry::from(space);
         let text = serde_json::to_string(&geometry).unwrap();
         let back: Geometry = serde_json::from_str(&text).unwrap();
-        let Geometry::HalfSpace(back) = back else { panic!("{text}") };
+        let Geometry::HalfSpace(back) = back else {
+            panic!("{text}")
+        };
         assert_eq!(*back, space, "{text}");
     }
     let refused = serde_json::from_str::<HalfSpace>(r#"{"normal":[0.0,0.0,0.0],"offset":1.0}"#);
@@ -728,25 +909,38 @@ fn height_fields_are_meshes() {
         let heights: Vec<f64> = (0..rows * columns).map(|_| rng.range(0.0, 1.0)).collect();
         let solid = Mesh::from_heights(rows, columns, spacing, &heights, Some(-0.5)).unwrap();
         let open = Mesh::from_heights(rows, columns, spacing, &heights, None).unwrap();
-        assert!(solid.is_solid() && !open.is_solid());
+        assert!((solid.kind(), open.kind()) == (MeshKind::Solid, MeshKind::Open));
         assert_eq!(open.triangle_count(), 2 * (rows - 1) * (columns - 1));
         // Along vertical rays the surface is where the two triangles of a square have it.
         let (i, j) = (rng.below(rows - 1), rng.below(columns - 1));
         let [u, v] = [rng.uniform(), rng.uniform()];
         let z = |i: usize, j: usize| heights[i * columns + j];
         let (a, b, c, d) = (z(i, j), z(i, j + 1), z(i + 1, j + 1), z(i + 1, j));
-        let expected = if v < u { a + (b - a) * u + (c - b) * v } else { a + (c - d) * u + (d - a) * v };
+        let expected = if v < u {
+            a + (b - a) * u + (c - b) * v
+        } else {
+            a + (c - d) * u + (d - a) * v
+        };
         let origin = Point3::new((j as f64 + u) * spacing[0], (i as f64 + v) * spacing[1], 5.0);
         let ray = Ray::new(origin, -Vector3::z()).unwrap();
         for mesh in [&solid, &open] {
             let found = RayCaster::new().cast(mesh, &Isometry3::identity(), &ray, 20.0).unwrap();
-            assert!(matches!(found, RayCast::Hit(h) if (5.0 - h.safe - expected).abs() < 1e-10), "{found:?} {expected}");
+            assert!(
+                matches!(found, RayCast::Hit(h) if (5.0 - h.safe - expected).abs() < 1e-10),
+                "{found:?} {expected}"
+            );
         }
         let up = Ray::new(Point3::new(origin.x, origin.y, -5.0), Vector3::z()).unwrap();
-        let found = RayCaster::new().cast(&solid, &Isometry3::identity(), &up, 20.0).unwrap();
-        assert!(matches!(found, RayCast::Hit(h) if (h.safe - 4.5).abs() < 1e-10), "{found:?}");
+        let found = RayCaster::new()
+            .cast(&solid, &Isometry3::identity(), &up, 20.0)
+            .unwrap();
+        assert!(
+            matches!(found, RayCast::Hit(h) if (h.safe - 4.5).abs() < 1e-10),
+            "{found:?}"
+        );
     }
-    let build = |rows, columns, spacing, heights: &[f64], base| Mesh::from_heights(rows, columns, spacing, heights, base);
+    let build =
+        |rows, columns, spacing, heights: &[f64], base| Mesh::from_heights(rows, columns, spacing, heights, base);
     let refused = |found: Result<Mesh, MeshError>| found.expect_err("bad input").to_string();
     let four = [0.0; 4];
     assert!(refused(build(1, 4, [1.0; 2], &four, None)).contains("4 heights for 1 rows"));

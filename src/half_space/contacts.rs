@@ -159,7 +159,11 @@ impl Spots<'_> {
         each_above(body, down, least, |item| match body {
             PartsRef::Mesh(mesh) => {
                 for (k, corner) in (0..).zip(mesh.corners(item)) {
-                    self.add(mesh.given(&corner).coords, body.number(item), Feature::Vertex(VertexId(k)));
+                    self.add(
+                        mesh.given(&corner).coords,
+                        body.number(item),
+                        Feature::Vertex(VertexId(k)),
+                    );
                 }
             }
             _ => {

@@ -110,7 +110,11 @@ struct Found {
 impl Found {
     fn new(top: Top, subshape: u32) -> Self {
         let location = WitnessLocation::new(subshape, top.feature);
-        Self { top, location, is_converged: true }
+        Self {
+            top,
+            location,
+            is_converged: true,
+        }
     }
 }
 
@@ -122,7 +126,10 @@ struct Effort {
 }
 
 impl Effort {
-    const DEFAULT: Self = Self { width: None, splits: None };
+    const DEFAULT: Self = Self {
+        width: None,
+        splits: None,
+    };
 }
 
 impl<'a> Above<'a> {
@@ -150,12 +157,24 @@ impl<'a> Above<'a> {
                     error: found.error,
                 };
                 let is_converged = found.excess <= width;
-                Found { top, location: found.location, is_converged }
+                Found {
+                    top,
+                    location: found.location,
+                    is_converged,
+                }
             }
             Self::HalfSpace(space) => {
                 let (point, feature) = (space.foot().coords, PLANE);
                 let (excess, error) = (f64::INFINITY, 0.0);
-                Found::new(Top { point, feature, excess, error }, 0)
+                Found::new(
+                    Top {
+                        point,
+                        feature,
+                        excess,
+                        error,
+                    },
+                    0,
+                )
             }
         }
     }
@@ -212,12 +231,21 @@ impl<'a> Above<'a> {
 impl<'a> HalfSpacePair<'a> {
     pub(crate) fn new(space: &'a HalfSpace, body: Above<'a>, order: Operand) -> Self {
         let part = 0.0;
-        Self { space, body, order, part }
+        Self {
+            space,
+            body,
+            order,
+            part,
+        }
     }
 
     /// Returns the pose of the body in the frame of the half-space.
     fn from_space(&self, a_from_b: &RelativePose) -> RelativePose {
-        if self.order == Operand::A { *a_from_b } else { a_from_b.swapped() }
+        if self.order == Operand::A {
+            *a_from_b
+        } else {
+            a_from_b.swapped()
+        }
     }
 
     /// Returns the lowest point of the body, and its height over the plane.
@@ -234,7 +262,11 @@ impl<'a> HalfSpacePair<'a> {
             let at = rotation * on_body + pose.translation();
             (at, n.dot(&at) - self.space.offset())
         };
-        let Found { top, location, is_converged } = self.body.top(&down, effort);
+        let Found {
+            top,
+            location,
+            is_converged,
+        } = self.body.top(&down, effort);
         let (at, value) = place(&top.point);
         if let Above::HalfSpace(other) = self.body {
             return self.height_of_plane(other, &down, at, value, term);
@@ -281,7 +313,10 @@ impl<'a> HalfSpacePair<'a> {
 
     /// Returns the closest points; the depth of an overlap is exact for every kind of body.
     pub(crate) fn closest_with(&self, a_from_b: &RelativePose, question: &QueryOptions) -> PairOutcome {
-        let effort = Effort { width: question.width, splits: question.splits };
+        let effort = Effort {
+            width: question.width,
+            splits: question.splits,
+        };
         let found = self.outcome(a_from_b, effort);
         if question.depth == DepthMode::None || found.outcome.lower == f64::NEG_INFINITY {
             let outcome = found.outcome.without_depth();
@@ -304,7 +339,11 @@ impl<'a> HalfSpacePair<'a> {
             ..Outcome::starting_at(features_on(&locations))
         };
         outcome.unsign_zeros();
-        let found = PairOutcome { outcome, locations, is_converged: height.is_converged };
+        let found = PairOutcome {
+            outcome,
+            locations,
+            is_converged: height.is_converged,
+        };
         if self.order == Operand::A {
             return found;
         }
@@ -320,7 +359,10 @@ impl<'a> HalfSpacePair<'a> {
             return Decision::No;
         }
         let pose = self.from_space(a_from_b);
-        let mut effort = Effort { width: question.width, splits: question.splits };
+        let mut effort = Effort {
+            width: question.width,
+            splits: question.splits,
+        };
         let mut height = self.height(&pose, effort);
         if !height.is_tight && Decision::by(height.lower, height.upper, d) != Decision::Yes && height.lower <= d {
             effort.width = Some(0.0);

@@ -13,9 +13,7 @@ use super::{Above, Effort, HalfSpacePair, length_up};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{CERTIFICATE, HEIGHT, PLANE, ROUND_UP, UNIT};
-use crate::time::separation::{
-    FreeSpan, Measurement, PairMotion, Proof, Separation, SupportPoint, Tangent, plane,
-};
+use crate::time::separation::{FreeSpan, Measurement, PairMotion, Proof, Separation, SupportPoint, Tangent, plane};
 
 /// How far the points of a body may move during a step, in units of the distance from the foot to
 /// the farthest point of the body. At least one, so that a step can lead to contact. Not measured.
@@ -57,7 +55,11 @@ impl Separation for HalfSpacePair<'_> {
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
         let found = self.outcome(a_from_b, Effort::DEFAULT);
-        let tangent = if self.order == Operand::A { Tangent::WithA } else { Tangent::WithB };
+        let tangent = if self.order == Operand::A {
+            Tangent::WithA
+        } else {
+            Tangent::WithB
+        };
         Measurement {
             tangent,
             ..Measurement::from(&found)
@@ -80,7 +82,11 @@ impl Separation for HalfSpacePair<'_> {
             // d = s n + e: no point of the part is higher along n than the foot.
             let n = self.space.normal().into_inner();
             let along = n.dot(direction);
-            let aside = if along > 0.0 { length_up(&(direction - n * along)) } else { length };
+            let aside = if along > 0.0 {
+                length_up(&(direction - n * along))
+            } else {
+                length
+            };
             let height = (aside + HEIGHT * length) * self.part + HEIGHT * length * self.space.offset().abs();
             return SupportPoint {
                 height,

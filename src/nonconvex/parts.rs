@@ -81,7 +81,12 @@ pub(crate) trait Parted {
             None => {
                 let point = self.corners_of_box().0.coords;
                 let (feature, error) = (Feature::Vertex(VertexId(0)), 2.0 * self.half_size());
-                Top { point, feature, excess: 0.0, error }
+                Top {
+                    point,
+                    feature,
+                    excess: 0.0,
+                    error,
+                }
             }
         }
     }

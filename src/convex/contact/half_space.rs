@@ -21,8 +21,8 @@ use super::reduce::reduce;
 use super::{MOST_POINTS, ManifoldOptions, tangents_of};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
-use crate::base::num::scalar::sqrt;
 use crate::base::num::fingerprint::Fingerprint;
+use crate::base::num::scalar::sqrt;
 use crate::base::pose::{RelativePose, rotation_matrix};
 #[cfg(feature = "serde")]
 use crate::base::tolerance::UNIT_LENGTH;

@@ -20,11 +20,11 @@ impl Mesh {
     ///
     /// ```
     /// use lin_canny::nalgebra::Isometry3;
-    /// use lin_canny::{ContactState, Mesh, PairTracker, RelativePose, Shape};
+    /// use lin_canny::{ContactState, Mesh, MeshKind, PairTracker, RelativePose, Shape};
     ///
     /// let heights = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
     /// let hill = Mesh::from_heights(3, 3, [2.0, 2.0], &heights, Some(-1.0))?;
-    /// assert!(hill.is_solid());
+    /// assert_eq!(hill.kind(), MeshKind::Solid);
     /// let ball = Shape::ball(0.5)?;
     /// let over = |z| RelativePose::from_isometry(&Isometry3::translation(2.0, 2.0, z));
     /// let mut tracker = PairTracker::new();

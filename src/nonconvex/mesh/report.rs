@@ -100,7 +100,9 @@ pub enum MeshError {
         piece: usize,
     },
     /// A height field has fewer than two rows or columns, or another number of heights.
-    #[error("{count} heights for {rows} rows and {columns} columns (expected rows times columns, at least two of each)")]
+    #[error(
+        "{count} heights for {rows} rows and {columns} columns (expected rows times columns, at least two of each)"
+    )]
     HeightCount {
         /// Number of rows.
         rows: usize,

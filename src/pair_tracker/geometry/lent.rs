@@ -6,8 +6,8 @@ use nalgebra::Point3;
 
 use super::{Geometry, GeometryKind, OfKind, match_kind};
 use crate::base::num::fingerprint::Fingerprint;
-use crate::body::polyhedron::ConvexPolyhedron;
 use crate::base::pose::Operand;
+use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
 use crate::convex::contact::HalfSpace;
 use crate::half_space::{Above, HalfSpacePair};
