@@ -756,7 +756,7 @@ fn rays_meet_the_plane() {
 /// A floor in a scene pairs with every body that may touch it, and answers all queries.
 #[test]
 fn scenes_have_floors() {
-    let all = Group::default();
+    let (all, moving) = (Group::default(), Group::new(1).unwrap());
     let mut scene = Scene::new();
     let queries = PairQueries::none()
         .overlap(true)
@@ -764,7 +764,7 @@ fn scenes_have_floors() {
         .features(true)
         .depth(true);
     scene
-        .set_queries(all, all, queries.manifold(ManifoldOptions::with_prediction(0.02)))
+        .set_queries(all, moving, queries.manifold(ManifoldOptions::with_prediction(0.02)))
         .unwrap();
     let tilted = HalfSpace::new(Vector3::new(0.1, 0.0, 1.0), -50.0).unwrap();
     let floor = HalfSpace::new(Vector3::z(), 0.0).unwrap();
@@ -776,7 +776,7 @@ fn scenes_have_floors() {
         .map(|k| {
             let shape = if k % 2 == 0 { &die } else { &part };
             let at = Isometry3::translation(3.0 * f64::from(k % 10), 3.0 * f64::from(k / 10), 0.5);
-            scene.insert(Body::moving(shape.clone()), at).unwrap()
+            scene.insert(Body::moving(shape.clone()).group(moving), at).unwrap()
         })
         .collect();
     for height in [0.49, 0.5, 0.6, 1.2, 0.45] {
@@ -952,4 +952,56 @@ fn height_fields_are_meshes() {
     assert!(refused(build(2, 2, [1.0; 2], &[0.0, -2.0, 0.0, 0.0], Some(-1.0))).contains("height 1 is -2"));
     assert!(refused(build(2, 2, [1.0; 2], &four, Some(0.0))).contains("height 0 is 0"));
     assert!(refused(build(2, 2, [1.0; 2], &four, Some(f64::NAN))).contains("base"));
+}
+
+/// Prints the time of steps of 1,000 boxes that bounce on a floor: a half-space, along an axis and
+/// oblique, and a wide box.
+#[test]
+#[ignore = "prints times"]
+fn a_floor_under_1_000_boxes() {
+    let (all, moving) = (Group::default(), Group::new(1).unwrap());
+    let plate = solids::cuboid(Vector3::new(1e3, 1e3, 1.0)).unwrap();
+    let tilted = Isometry3::rotation(Vector3::x() * 0.3);
+    let floors = [
+        ("box", Geometry::from(plate), Isometry3::translation(0.0, 0.0, -1.0)),
+        (
+            "half-space",
+            Geometry::from(HalfSpace::new(Vector3::z(), 0.0).unwrap()),
+            Isometry3::identity(),
+        ),
+        (
+            "oblique",
+            Geometry::from(HalfSpace::new(Vector3::z(), 0.0).unwrap()),
+            tilted,
+        ),
+    ];
+    for (name, floor, at) in floors {
+        let mut scene = Scene::new();
+        scene
+            .set_queries(all, moving, PairQueries::none().overlap(true).distance(0.1).depth(true))
+            .unwrap();
+        scene.insert(Body::fixed(floor), at).unwrap();
+        let die = Geometry::from(solids::cuboid(Vector3::repeat(0.5)).unwrap());
+        let place = |k: u32, step: u32| {
+            let height = 0.5 + f64::from((k * 7 + step) % 40) * 0.02;
+            at * Isometry3::translation(2.0 * f64::from(k % 32), 2.0 * f64::from(k / 32), height)
+        };
+        let ids: Vec<_> = (0..1000)
+            .map(|k| {
+                scene
+                    .insert(Body::moving(die.clone()).group(moving), place(k, 0))
+                    .unwrap()
+            })
+            .collect();
+        let mut best = f64::INFINITY;
+        for step in 0..60 {
+            for (k, id) in (0..).zip(&ids) {
+                scene.set_pose(*id, place(k, step)).unwrap();
+            }
+            let start = std::time::Instant::now();
+            scene.step();
+            best = best.min(start.elapsed().as_secs_f64());
+        }
+        println!("{name}: {:.1} us a step, {} pairs", best * 1e6, scene.pairs().count());
+    }
 }

@@ -122,8 +122,8 @@ impl PairTracker {
     ///
     /// A body on a half-space has one group: the lowest point, and the points within the prediction
     /// that span the most area. They are vertices, points of flat round faces, or ends of straight
-    /// generators; a surface has its lowest point only. All of them are as flat over the plane, seen
-    /// from the lowest point, as `options.max_face_sine` permits.
+    /// generators; a surface has its lowest point only. Seen from the lowest point, all of them are
+    /// as flat over the plane as `options.max_face_sine` permits.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -145,8 +145,8 @@ impl PairTracker {
     /// ```
     ///
     /// # Errors
-    /// Returns an error if one of the geometries is a Bézier surface and the other is no half-space,
-    /// because a surface has no contacts.
+    /// Returns an error if one of the geometries is a Bézier surface, because a surface has no
+    /// contacts, unless the other is a half-space.
     pub fn contacts<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,

@@ -178,8 +178,8 @@ pub struct RayHit {
 ///   a polyhedron, at any distance, is never [`RayCast::Inside`] (feature `exact`).
 /// * Curved shape, compound: the result is proven for a point that moves along the ray, up to the
 ///   rounding of its position. The bracket of a head-on hit is about `1e-12 L` wide.
-/// * Half-space: a closed form. The bracket is about `1e-13 L` wide, divided by the sine of the angle
-///   between ray and plane. A ray within rounding of parallel may be [`RayCast::Undecided`].
+/// * Half-space: a closed form. The bracket is about `1e-13 L` wide, divided by the sine of the
+///   angle between ray and plane. A ray within rounding of parallel may be [`RayCast::Undecided`].
 /// * Bézier surface: the result is [`RayCast::Undecided`] if the ray meets the surface, because a
 ///   point proves no crossing.
 ///

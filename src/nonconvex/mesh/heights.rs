@@ -26,7 +26,9 @@ impl Mesh {
     /// let hill = Mesh::from_heights(3, 3, [2.0, 2.0], &heights, Some(-1.0))?;
     /// assert_eq!(hill.kind(), MeshKind::Solid);
     /// let ball = Shape::ball(0.5)?;
-    /// let over = |z| RelativePose::from_isometry(&Isometry3::translation(2.0, 2.0, z));
+    /// let over = |z| {
+    ///     RelativePose::from_isometry(&Isometry3::translation(2.0, 2.0, z))
+    /// };
     /// let mut tracker = PairTracker::new();
     /// let above = tracker.closest(&hill, &ball, &over(2.0)?);
     /// assert!((above.distance - 0.5).abs() < 1e-12);
