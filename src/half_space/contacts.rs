@@ -211,7 +211,7 @@ impl HalfSpacePair<'_> {
     /// Returns the contact points of the body on the half-space within the prediction: one group,
     /// or none. Two half-spaces have no contacts.
     pub(crate) fn contacts(&self, a_from_b: &RelativePose, options: &ManifoldOptions) -> Vec<ContactGroup> {
-        let pose = self.from_space(a_from_b);
+        let pose = self.space_from_body(a_from_b);
         let n = self.space.normal().into_inner();
         let (rotation, translation) = (pose.rotation(), pose.translation());
         let down = unit(&-rotation.tr_mul(&n)).into_inner();

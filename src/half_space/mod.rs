@@ -240,7 +240,7 @@ impl<'a> HalfSpacePair<'a> {
     }
 
     /// Returns the pose of the body in the frame of the half-space.
-    fn from_space(&self, a_from_b: &RelativePose) -> RelativePose {
+    fn space_from_body(&self, a_from_b: &RelativePose) -> RelativePose {
         if self.order == Operand::A {
             *a_from_b
         } else {
@@ -326,7 +326,7 @@ impl<'a> HalfSpacePair<'a> {
     }
 
     fn outcome(&self, a_from_b: &RelativePose, effort: Effort) -> PairOutcome {
-        let height = self.height(&self.from_space(a_from_b), effort);
+        let height = self.height(&self.space_from_body(a_from_b), effort);
         let locations = [WitnessLocation::new(0, PLANE), height.location];
         let mut outcome = Outcome {
             state: height.state(),
@@ -358,7 +358,7 @@ impl<'a> HalfSpacePair<'a> {
         if !(d >= 0.0) {
             return Decision::No;
         }
-        let pose = self.from_space(a_from_b);
+        let pose = self.space_from_body(a_from_b);
         let mut effort = Effort {
             width: question.width,
             splits: question.splits,
