@@ -983,7 +983,8 @@ fn a_floor_under_1_000_boxes() {
         scene.insert(Body::fixed(floor), at).unwrap();
         let die = Geometry::from(solids::cuboid(Vector3::repeat(0.5)).unwrap());
         let place = |k: u32, step: u32| {
-            let height = 0.5 + f64::from((k * 7 + step) % 40) * 0.02;
+            let top = if name == "box" { 1.0 } else { 0.0 };
+            let height = top + 0.5 + f64::from((k * 7 + step) % 40) * 0.02;
             at * Isometry3::translation(2.0 * f64::from(k % 32), 2.0 * f64::from(k / 32), height)
         };
         let ids: Vec<_> = (0..1000)
