@@ -63,6 +63,21 @@ const SAMPLE: usize = 48;
 /// assert!((contacts.distance().value + 0.01).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::polyhedron::solids;
+/// use lin_canny::{Geometry, HalfSpace, Mesh, PairTracker, RelativePose};
+///
+/// let floor = Geometry::from(HalfSpace::new(Vector3::z(), 0.0)?);
+/// let die = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
+/// let part = Mesh::from_convex(&die)?;
+/// let sunk = Isometry3::translation(3.0, 0.0, 0.4);
+/// let pose = RelativePose::from_isometry(&sunk)?;
+/// let found = PairTracker::new().closest(&floor, &part, &pose);
+/// assert!((found.distance + 0.1).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[doc(alias = "plane")]
 #[doc(alias = "floor")]
 #[doc(alias = "ground")]
