@@ -105,7 +105,7 @@
 //! # Which function?
 //!
 //! A [`Tracker`] takes two convex polyhedra. A [`PairTracker`] takes any two geometries: polyhedra,
-//! curved or rounded shapes, meshes, compounds and Bézier surfaces.
+//! curved or rounded shapes, meshes, compounds, Bézier surfaces and half-spaces.
 //!
 //! **One pair**
 //!
@@ -125,7 +125,7 @@
 //!
 //! | question | call | answer |
 //! |---|---|---|
-//! | The same for any two geometries: do two meshes overlap, how far apart are a mesh and a ball? | [`PairTracker`]: `intersects`, `within`, `distance`, `closest` | `bool`, [`Distance`], [`PairOutcome`] with the piece, triangle or patch of each witness; overlaps of meshes, compounds and surfaces have distance 0 |
+//! | The same for any two geometries: do two meshes overlap, how far apart are a mesh and a ball? | [`PairTracker`]: `intersects`, `within`, `distance`, `closest` | `bool`, [`Distance`], [`PairOutcome`] with the piece, triangle or patch of each witness; overlaps of meshes, compounds and surfaces have distance 0, but their depth in a half-space is exact |
 //! | Where do any two bodies but Bézier surfaces touch? How deep do two solids overlap? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`ContactGroup`]: points with one normal, for gaps up to a prediction and shallow overlaps; [`PenetrationBounds`]: an interval |
 //! | How far is a mesh from itself, and which of its triangles are close? | [`PairTracker::self_closest`], [`self_within`](PairTracker::self_within), [`self_pairs`](PairTracker::self_pairs) | [`PairOutcome`]s, for triangles that share no vertex |
 //! | Where does a ray enter a body (any but a Bézier surface)? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a hit with a proven bracket, point, normal and feature; a miss; inside; or undecided |
@@ -210,6 +210,7 @@
 //! | superquadrics | `2e-13 L` | as curved shapes, within `1e-13 L` | as curved shapes | [`PairTracker::manifold`] |
 //! | meshes, compounds | `1e-13 L`; compounds whose pieces have poses `1.5e-13 L` | predicates of meshes and of compounds whose pieces have no pose exact (feature `exact`), but for two ties of [`PairTracker::within`]; within `1e-13 L` of contact, the contact state may be touching instead of separated or overlapping | [`PairTracker::penetration`]: an interval that may stay wide | [`PairTracker::contacts`], for shallow overlap |
 //! | Bézier surfaces | you choose | undecided if the interval allows both answers, at one pose perhaps warm and not cold | none | none |
+//! | half-spaces, with a body of any kind | as the other body, `1e-13 L` and less | ties count as within; with a Bézier surface undecided | the signed distance, bounded both ways | [`PairTracker::contacts`] |
 //!
 //! * **Sizes.** The extent of a body is from 1e-100 to 1e100; one body may be any number of times
 //!   larger than the other. Coordinates below 2^-200 of a body's radius are stored as zero and
@@ -297,6 +298,7 @@ mod base;
 mod body;
 pub mod broad;
 mod convex;
+mod half_space;
 #[cfg(feature = "meshes")]
 pub mod nonconvex;
 // Pages of the documentation, and tests of their code; no part of the library.

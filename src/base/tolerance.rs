@@ -266,6 +266,12 @@ pub(crate) const PLATEAU: f64 = 16.0 * UNIT;
 /// in.
 pub(crate) const CERTIFICATE: f64 = 128.0;
 
+/// Difference, in each coordinate, up to which the normals of two half-spaces count as opposite:
+/// the matrix of the relative rotation errs by at most 51 UNIT (steps 1 and 2 of [`CERTIFICATE`]),
+/// a product with it by 3, the two normals by 2 each, and the length by 2. Half-spaces whose
+/// normals are opposite to less than this are measured as if they were.
+pub(crate) const OPPOSITE: f64 = 64.0 * UNIT;
+
 /// Error of the displacement of a body between two poses, in units of its radius `r`, of the
 /// distance `|c|` of its ball's middle from its own origin, and of the distance of the origins
 /// `|t|` at either pose (u = UNIT, errors as in [`CERTIFICATE`]): a rotation errs by `71 u` in

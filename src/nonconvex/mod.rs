@@ -14,6 +14,7 @@
 //! - `penetration`: bounds of the depth.
 //! - `decomposition`: pieces that replace a mesh.
 //! - `separation`: pairs over time.
+//! - `top`: the highest point along a direction.
 //! - [`continuous`]: first contacts of vertices on straight paths.
 //!
 //! # The proof
@@ -47,4 +48,5 @@ pub(crate) mod penetration;
 pub(crate) mod pieces;
 pub(crate) mod query;
 pub(crate) mod separation;
+pub(crate) mod top;
 mod tree;

@@ -7,7 +7,8 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
-use crate::body::shape::Shape;
+use crate::body::polyhedron::{Feature, VertexId};
+use crate::body::shape::{Shape, Top};
 #[cfg(feature = "exact")]
 use crate::convex::exact::place::ExactVector;
 use crate::nonconvex::mesh::Mesh;
@@ -68,6 +69,27 @@ pub(crate) trait Parted {
 
     /// Returns an upper bound of the support value of an item along a direction of any length.
     fn highest(&self, item: u32, n: &Vector3<f64>) -> f64;
+
+    /// Returns the highest point of an item along a unit direction, in the caller's unit.
+    fn peak(&self, item: u32, n: &Vector3<f64>) -> Top {
+        match self.part(item) {
+            Some((shape, pose)) => {
+                let top = shape.top(&pose.rotation.inverse_transform_vector(n));
+                let point = pose.rotation * top.point + pose.translation.vector;
+                Top { point, ..top }
+            }
+            None => {
+                let point = self.corners_of_box().0.coords;
+                let (feature, error) = (Feature::Vertex(VertexId(0)), 2.0 * self.half_size());
+                Top {
+                    point,
+                    feature,
+                    excess: 0.0,
+                    error,
+                }
+            }
+        }
+    }
 
     /// Returns the caller's index of an item.
     fn number(&self, item: u32) -> u32;
@@ -148,6 +170,17 @@ impl Parted for Mesh {
         n.dot(&a).at_least(n.dot(&b)).at_least(n.dot(&c))
     }
 
+    fn peak(&self, item: u32, n: &Vector3<f64>) -> Top {
+        let [a, b, c] = self.corners(item).each(|p| n.dot(&p));
+        let k = if a >= b && a >= c { 0 } else { 1 + u32::from(c > b) };
+        Top {
+            point: self.given(&self.corners(item)[k as usize]).coords,
+            feature: Feature::Vertex(VertexId(k)),
+            excess: 0.0,
+            error: 0.0,
+        }
+    }
+
     fn number(&self, item: u32) -> u32 {
         self.source_triangles[item as usize]
     }
@@ -224,6 +257,7 @@ impl Parted for PartsRef<'_> {
         fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>);
         fn is_in_place(&self) -> bool;
         fn highest(&self, item: u32, n: &Vector3<f64>) -> f64;
+        fn peak(&self, item: u32, n: &Vector3<f64>) -> Top;
         fn number(&self, item: u32) -> u32;
         fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
         fn is_solid(&self) -> bool;

@@ -59,7 +59,7 @@ impl WitnessLocation {
 /// A `PairOutcome` dereferences to its [`Outcome`] and adds the locations of the witnesses. The
 /// distance is positive if the geometries are separated. If they overlap, the distance of two
 /// convex geometries is minus the penetration depth. The distance of other overlapping geometries
-/// is zero, with the lower bound minus infinity;
+/// is zero, with the lower bound minus infinity, unless one of them is a half-space;
 /// [`PairTracker::penetration`](crate::PairTracker::penetration) bounds their depth.
 ///
 /// [`Outcome::features`] are the features of the two locations. [`Outcome::solver`] and

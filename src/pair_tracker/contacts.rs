@@ -24,12 +24,14 @@ pub(super) enum PairContacts {
     Patches(Box<PatchwiseContacts>),
 }
 
-/// The contacts of a pair with a compound or a mesh.
+/// The contacts of a pair with a compound, a mesh or a half-space.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PatchwiseContacts {
     tracker: ContactTracker,
     /// The patches of bodies for which the caller has made none.
     stand_ins: [Option<ConvexPatches>; 2],
+    /// The contacts of a pair with a half-space.
+    on_half_space: Option<Vec<ContactGroup>>,
 }
 
 impl PatchwiseContacts {
@@ -44,6 +46,9 @@ impl PatchwiseContacts {
         pose: &RelativePose,
         options: &ManifoldOptions,
     ) -> Option<&[ContactGroup]> {
+        if let Some(pair) = GeometryRef::half_space_pair(bodies) {
+            return Some(self.on_half_space.insert(pair.contacts(pose, options)));
+        }
         for (k, own) in bodies.into_iter().enumerate() {
             let is_known = |known: &ConvexPatches| own.mesh().is_none_or(|mesh| known.are_of(mesh));
             if patches[k].is_none() && !self.stand_ins[k].as_ref().is_some_and(is_known) {
@@ -56,11 +61,14 @@ impl PatchwiseContacts {
     }
 
     pub(crate) fn found(&self) -> &[ContactGroup] {
-        self.tracker.found()
+        match &self.on_half_space {
+            Some(found) => found,
+            None => self.tracker.found(),
+        }
     }
 }
 
-/// Returns the patches of a body; `None` for a Bézier surface, which has no contacts.
+/// Returns the patches of a body; `None` for a Bézier surface and a half-space.
 pub(crate) fn patches_of(own: GeometryRef) -> Option<ConvexPatches> {
     match own.0 {
         Lent::Mesh(mesh) => Some(ConvexPatches::from_mesh(mesh.to_arc())),
@@ -68,6 +76,7 @@ pub(crate) fn patches_of(own: GeometryRef) -> Option<ConvexPatches> {
         Lent::Polyhedron(_) | Lent::Convex(_) => own.to_shape().map(|s| ConvexPatches::from((*s).clone())),
         #[cfg(feature = "surfaces")]
         Lent::BezierSurface(_) => None,
+        Lent::HalfSpace(_) => None,
     }
 }
 
@@ -111,6 +120,11 @@ impl PairTracker {
     /// [`contacts_between`](Self::contacts_between). The tracker makes the patches of a body at the
     /// first call; if the body is borrowed without being shared, it makes them from a copy.
     ///
+    /// A body on a half-space has one group: the lowest point, and the points within the prediction
+    /// that span the most area. They are vertices, points of flat round faces, or ends of straight
+    /// generators; a surface has its lowest point only. Seen from the lowest point, all of them are
+    /// as flat over the plane as `options.max_face_sine` permits.
+    ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;
@@ -132,7 +146,7 @@ impl PairTracker {
     ///
     /// # Errors
     /// Returns an error if one of the geometries is a Bézier surface, because a surface has no
-    /// contacts.
+    /// contacts, unless the other is a half-space.
     pub fn contacts<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,

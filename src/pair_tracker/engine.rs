@@ -10,6 +10,8 @@
 //! surface                                                    Surfaces
 //! ```
 //!
+//! A half-space in the pair: `HalfSpace`, without a tracker.
+//!
 //! (1) `Pieces` unless a mesh is equal to the compound.
 //!
 //! A tracker takes both bodies in one form. A body of another form has a *stand-in*: a converted
@@ -50,6 +52,8 @@ pub(crate) enum Engine {
     Polyhedra(WithStandIns<Tracker, ConvexPolyhedron>),
     /// Two convex shapes, one of which is rounded or curved.
     Shapes(WithStandIns<ShapeTracker, Shape>),
+    /// A half-space and a body of any kind, in either order.
+    HalfSpace(HalfSpaceEngine),
     /// Two bodies made of subshapes, of which one is a compound or a mesh.
     #[cfg(feature = "meshes")]
     Pieces(Box<PieceEngine>),
@@ -73,6 +77,7 @@ macro_rules! each {
         match $all {
             Engine::Polyhedra($engine) => $asked,
             Engine::Shapes($engine) => $asked,
+            Engine::HalfSpace($engine) => $asked,
             #[cfg(feature = "meshes")]
             Engine::Pieces($engine) => $asked,
             #[cfg(feature = "meshes")]
@@ -103,7 +108,6 @@ macro_rules! at_once {
                     return $asked;
                 }
             }
-            #[cfg(feature = "meshes")]
             _ => {}
         }
         let mut $pair = $all.lend($bodies);
@@ -114,6 +118,9 @@ macro_rules! at_once {
 impl Engine {
     /// Returns the engine of two geometries, without cached state.
     pub(crate) fn new(bodies: [GeometryRef<'_>; 2]) -> Self {
+        if bodies.iter().any(|body| body.half_space().is_some()) {
+            return Self::HalfSpace(HalfSpaceEngine);
+        }
         #[cfg(feature = "surfaces")]
         if let Some(engine) = of_surfaces::engine(bodies) {
             return engine;
@@ -182,7 +189,6 @@ impl Engine {
         match self {
             Self::Polyhedra(engine) => engine.tracker = replay.tracker(),
             Self::Shapes(engine) => engine.tracker = replay.shape_tracker(),
-            #[cfg(feature = "meshes")]
             _ => {}
         }
     }
@@ -235,6 +241,27 @@ pub(crate) enum StoredEngine {
     Triangles([u32; 2]),
     Patches([u32; 2]),
     Polyhedra(Box<Tracker>),
+    HalfSpace([u32; 2]),
+}
+
+/// The engine of a pair with a half-space: one support point answers every query, so it has no
+/// state.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HalfSpaceEngine;
+
+impl HalfSpaceEngine {
+    fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> Option<LentPair<'p>> {
+        GeometryRef::half_space_pair(bodies).map(LentPair::HalfSpace)
+    }
+
+    fn report(self) -> EngineReport {
+        EngineReport::of_convex(TrackerWork::default(), 0)
+    }
+
+    #[cfg(feature = "serde")]
+    fn stored(self, parts: [u32; 2]) -> StoredEngine {
+        StoredEngine::HalfSpace(parts)
+    }
 }
 
 /// A tracker, and the stand-ins of bodies of another form.

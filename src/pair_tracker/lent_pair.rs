@@ -12,6 +12,7 @@ use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::convex::contact::{Manifold, ManifoldOptions};
 use crate::convex::replay::Replay;
 use crate::convex::tracker::Tracker;
+use crate::half_space::HalfSpacePair;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::separation::{CompoundPair, MeshPair};
 use crate::pair::draft::far;
@@ -31,6 +32,7 @@ use crate::time::separation::{
 pub(crate) enum LentPair<'p> {
     Polyhedra(PolyhedronPair<'p>),
     Shapes(ShapePair<'p>),
+    HalfSpace(HalfSpacePair<'p>),
     #[cfg(feature = "meshes")]
     Pieces(CompoundPair<'p>),
     #[cfg(feature = "meshes")]
@@ -51,6 +53,7 @@ macro_rules! each {
         match $lent {
             LentPair::Polyhedra($pair) => $asked,
             LentPair::Shapes($pair) => $asked,
+            LentPair::HalfSpace($pair) => $asked,
             #[cfg(feature = "meshes")]
             LentPair::Pieces($pair) => $asked,
             #[cfg(feature = "meshes")]
@@ -170,6 +173,11 @@ impl Separation for MovingPair<'_> {
     #[inline]
     fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
         each!(&self.0, pair => pair.ball(of))
+    }
+
+    #[inline]
+    fn ball_during(&self, of: Operand, flight: &PairMotion) -> (Point3<f64>, f64) {
+        each!(&self.0, pair => pair.ball_during(of, flight))
     }
 
     #[inline]

@@ -132,7 +132,7 @@ impl Decomposition {
     ///
     /// If the bounds do not decide whether the bodies meet, the contact state is
     /// [`ContactState::Undecided`](crate::ContactState::Undecided). No depth is returned. A Bézier
-    /// surface is measured against the mesh.
+    /// surface or a half-space is measured against the mesh.
     pub fn distance<'g>(
         &'g self,
         tracker: &mut PairTracker,
@@ -141,7 +141,7 @@ impl Decomposition {
     ) -> Distance {
         let other = other.into();
         let pieces = GeometryRef::from(self.pieces());
-        if other.kind() == GeometryKind::BezierSurface {
+        if matches!(other.kind(), GeometryKind::BezierSurface | GeometryKind::HalfSpace) {
             return tracker.distance(self.mesh(), other, mesh_from_other);
         }
         tracker.distance_by_pieces([pieces, other], mesh_from_other, |found, other| {

@@ -37,6 +37,7 @@ pub(super) type SurfacePieceEngine = WithStandIns<SurfaceCompoundTracker, Compou
 pub(super) fn engine([a, b]: [GeometryRef<'_>; 2]) -> Option<Engine> {
     let (_, other, _) = surface_first([a, b])?;
     Some(match other.0 {
+        Lent::HalfSpace(_) => return None,
         Lent::BezierSurface(_) | Lent::Mesh(_) => Engine::Surfaces(Box::default()),
         Lent::Compound(_) => Engine::SurfaceAndPieces(Box::new(WithStandIns::new([None, None]))),
         Lent::Polyhedron(_) | Lent::Convex(_) => {

@@ -42,6 +42,7 @@ use nalgebra::{Unit, Vector3};
 /// | superquadric | `2e-13 L`; depths `2^-19 L` | ties count as within |
 /// | meshes, compounds whose pieces have no pose | `1e-13 L` | exact (`exact`), but for two ties |
 /// | compounds whose pieces have poses | `1.5e-13 L` | ties count as within |
+/// | a half-space, and a body of another kind | `1e-13 L`, as the body | ties count as within |
 /// | a Bézier surface | as requested, or `2^-30` of the radii plus `2^-38 L` | may be undecided |
 ///
 /// The contact state of curved shapes may be [`Undecided`](crate::ContactState::Undecided), even
@@ -56,6 +57,9 @@ use nalgebra::{Unit, Vector3};
 /// the cores prove them, and for cylinders and cones with parallel axes. If the shapes have a
 /// common centre and many directions are nearly as deep, the interval may stay wider than
 /// `2^-19 L`. Both bounds hold in all cases.
+///
+/// The depth of every body in a half-space is known: it is minus the signed distance, with both
+/// bounds. See [`HalfSpace`](crate::HalfSpace).
 ///
 /// A mesh that is not closed and a Bézier surface have no inside, so a body inside one is separated
 /// from it.

@@ -1,5 +1,6 @@
 //! Ray casts: the first point of a ray that lies in a body, between two proven bounds.
 
+mod half_space;
 #[cfg(feature = "meshes")]
 mod mesh;
 
@@ -177,6 +178,8 @@ pub struct RayHit {
 ///   a polyhedron, at any distance, is never [`RayCast::Inside`] (feature `exact`).
 /// * Curved shape, compound: the result is proven for a point that moves along the ray, up to the
 ///   rounding of its position. The bracket of a head-on hit is about `1e-12 L` wide.
+/// * Half-space: a closed form. The bracket is about `1e-13 L` wide, divided by the sine of the
+///   angle between ray and plane. A ray within rounding of parallel may be [`RayCast::Undecided`].
 /// * Bézier surface: the result is [`RayCast::Undecided`] if the ray meets the surface, because a
 ///   point proves no crossing.
 ///
@@ -246,6 +249,9 @@ impl RayCaster {
         let body = body.into();
         let flight = ray.flight(length)?;
         let still = Steady::new(pose, Velocity::default())?;
+        if let Some(space) = body.half_space() {
+            return Ok(half_space::entered(space, pose, ray, length));
+        }
         let (centre, radius) = body.bounding_ball();
         let (place, reach) = placed_ball(&centre, radius, pose);
         let Some([from, until]) = ray.within_ball(&place, reach, length) else {

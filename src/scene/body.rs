@@ -94,6 +94,7 @@ impl BodySolid {
     pub(super) fn new(body: Body) -> Result<Self, SceneError> {
         let reach = match &body.geometry {
             Geometry::Polyhedron(shape) => shape.vertex_points().fold(0.0, |m: f64, p| m.larger(p.coords.amax())),
+            Geometry::HalfSpace(space) => space.offset().abs(),
             other => {
                 let (centre, radius) = other.bounding_ball();
                 centre.coords.amax() + radius
@@ -492,6 +493,11 @@ pub(super) fn box_of(shape: &Geometry, pose: &Isometry3<f64>, growth: f64, hint:
     Aabb::new(min, max).grown(growth * ROUND_UP)
 }
 
+/// The radius of the ball of a half-space. It contains all points of the half-space that a body of
+/// a scene can meet, because all bodies are within [`SCENE_REACH`] of their origins and of the
+/// origin of the world.
+const HALF_SPACE_REACH: f64 = 8.0 * SCENE_REACH;
+
 /// A ball that contains a body, in one frame: centre and radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ball {
@@ -511,7 +517,10 @@ impl Ball {
     /// the frame, if this ball is at most 1.25 times as large as the ball around the centre of the
     /// box.
     pub(super) fn about(shape: &Geometry) -> Self {
-        let (centre, radius) = shape.bounding_ball();
+        let (centre, radius) = match shape {
+            Geometry::HalfSpace(space) => (space.foot(), HALF_SPACE_REACH),
+            _ => shape.bounding_ball(),
+        };
         let own = match shape {
             Geometry::Polyhedron(body) => about_origin(body),
             _ => (sqrt(centre.coords.norm_squared()) + radius) * RADIUS_UP,

@@ -360,7 +360,11 @@ impl Scene {
         };
         let kind = kind.groups(groups);
         solid.boxed = growth < f64::INFINITY;
-        Ok(if solid.boxed {
+        let is_half_space = matches!(solid.shape, Geometry::HalfSpace(_));
+        Ok(if solid.boxed && is_half_space {
+            self.broad
+                .insert_unbounded(&box_of(&solid.shape, pose, growth, hint), kind)?
+        } else if solid.boxed {
             self.broad.insert(&box_of(&solid.shape, pose, growth, hint), kind)?
         } else {
             self.broad.insert_unbounded(&broad::Aabb::everything(), kind)?

@@ -324,7 +324,10 @@ impl MixedPair {
                     engine.tracker = *tracker;
                 }
             }
-            StoredEngine::Pieces(parts) | StoredEngine::Triangles(parts) | StoredEngine::Patches(parts) => {
+            StoredEngine::Pieces(parts)
+            | StoredEngine::Triangles(parts)
+            | StoredEngine::Patches(parts)
+            | StoredEngine::HalfSpace(parts) => {
                 pair.parts = parts;
             }
         }

@@ -426,6 +426,11 @@ fn unanswered(queries: &PairQueries, a: GeometryKind, b: GeometryKind) -> Option
     if a.is_convex() && b.is_convex() {
         return None;
     }
+    if a == GeometryKind::HalfSpace || b == GeometryKind::HalfSpace {
+        // Contacts of a half-space are groups, which need the feature.
+        let has_contacts = cfg!(feature = "meshes");
+        return queries.manifold.filter(|_| !has_contacts).map(|_| "manifold");
+    }
     if queries.depth || queries.local_depth {
         return Some(if queries.depth { "depth" } else { "local_depth" });
     }

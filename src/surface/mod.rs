@@ -111,6 +111,7 @@ mod region;
 mod search;
 mod solid;
 mod surface_and_solid;
+mod top;
 mod tree;
 mod two_surfaces;
 

@@ -102,7 +102,12 @@ impl Pairs {
     fn obstacle(&mut self, shape: &Geometry, pose: &Isometry3<f64>) -> Result<(), PlanError> {
         self.resting.push(Steady::new(pose, Velocity::default())?);
         let aabb = Aabb::from(shape.aabb_at(pose, &mut BoxHint::default()));
-        self.boxes.insert(&aabb, BodyOptions::fixed())?;
+        // The box of a half-space is infinite.
+        if aabb.validate().is_ok() {
+            self.boxes.insert(&aabb, BodyOptions::fixed())?;
+        } else {
+            self.boxes.insert_unbounded(&aabb, BodyOptions::fixed())?;
+        }
         self.obstacle_balls.push(shape.bounding_ball());
         Ok(())
     }

@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::shape::Core;
 use lin_canny::surface::{BezierPatch, BezierSurface};
-use lin_canny::{ConvexPolyhedron, Geometry, Mesh, Shape};
+use lin_canny::{ConvexPolyhedron, Geometry, HalfSpace, Mesh, Shape};
 
 /// Cosine between face normals above which an edge of a curved body is not drawn.
 const SHARP: f64 = 0.87;
@@ -19,6 +19,9 @@ const PATCH_STEPS: usize = 14;
 
 /// Number of triangles above which a mesh is drawn without edges.
 const MOST_EDGED: usize = 4000;
+
+/// Half the side of the square that stands for a half-space, in cells of one unit.
+const GRID: i32 = 10;
 
 /// Triangles and visible edges of a body, for drawing.
 #[derive(Clone, Debug, Default)]
@@ -34,7 +37,8 @@ pub struct RenderMesh {
 impl RenderMesh {
     /// Returns the triangles and edges of a geometry.
     ///
-    /// A curved body is drawn as the hull of points on its surface.
+    /// A curved body is drawn as the hull of points on its surface, and a half-space as a square of
+    /// its plane with a grid.
     #[must_use]
     pub fn from_geometry(geometry: &Geometry) -> Self {
         let mut solid = Self::default();
@@ -44,6 +48,7 @@ impl RenderMesh {
             Geometry::Compound(body) => body.pieces().iter().for_each(|p| solid.shape(&p.shape, &p.pose)),
             Geometry::Mesh(mesh) => solid.mesh(mesh),
             Geometry::BezierSurface(surface) => solid.surface(surface),
+            Geometry::HalfSpace(space) => solid.plane(space),
             _ => {}
         }
         let corners = solid.triangles.iter().flat_map(|(corners, _)| corners);
@@ -109,6 +114,23 @@ impl RenderMesh {
         let flat = |n: &[Vector3<f64>]| matches!(n, [m, n] if m.dot(n) > 0.999);
         let sharp = normals.into_values().filter(|(_, n)| !flat(n));
         self.edges.extend(sharp.map(|(ends, _)| ends));
+    }
+
+    fn plane(&mut self, space: &HalfSpace) {
+        let (n, foot) = (space.normal().into_inner(), space.foot());
+        let mut aside = Vector3::zeros();
+        aside[n.iamin()] = 1.0;
+        let u = n.cross(&aside).normalize();
+        let v = n.cross(&u);
+        let cells = 2 * GRID;
+        let at = |i: i32, j: i32| foot + u * f64::from(i - GRID) + v * f64::from(j - GRID);
+        let [p, q, r, s] = [at(0, 0), at(cells, 0), at(cells, cells), at(0, cells)];
+        self.triangle([p, q, r]);
+        self.triangle([p, r, s]);
+        for k in 0..=cells {
+            self.edges.push([at(k, 0), at(k, cells)]);
+            self.edges.push([at(0, k), at(cells, k)]);
+        }
     }
 
     fn surface(&mut self, surface: &BezierSurface) {

@@ -300,6 +300,7 @@ fn is_same(a: &Geometry, b: &Geometry) -> bool {
         (Geometry::Compound(a), Geometry::Compound(b)) => Arc::ptr_eq(a, b),
         (Geometry::Mesh(a), Geometry::Mesh(b)) => Arc::ptr_eq(a, b),
         (Geometry::BezierSurface(a), Geometry::BezierSurface(b)) => Arc::ptr_eq(a, b),
+        (Geometry::HalfSpace(a), Geometry::HalfSpace(b)) => Arc::ptr_eq(a, b),
         _ => false,
     }
 }

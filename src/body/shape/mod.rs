@@ -22,6 +22,7 @@ mod mass;
 mod persist;
 mod superquadric;
 mod support;
+mod top;
 
 use crate::base::num::each::Each;
 use crate::base::num::fingerprint::Fingerprint;
@@ -36,6 +37,7 @@ pub use crate::body::shape::mass::Mass;
 pub use crate::body::shape::superquadric::Superquadric;
 pub(crate) use crate::body::shape::support::{Curved, match_core, order_of};
 pub(crate) use crate::body::shape::support::{Disc, Flat, Support};
+pub(crate) use crate::body::shape::top::Top;
 use alloc::sync::Arc;
 use nalgebra::{Isometry3, Point3, Vector3};
 

@@ -13,7 +13,7 @@
 //! nearly parallel to the plane carries the contact; its vertices are the contacts, as for two
 //! polyhedra ([`mod@crate::convex::contact`]).
 
-use nalgebra::{Point3, Unit, Vector3};
+use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use thiserror::Error;
 
 use super::clip::{Candidates, Location};
@@ -21,9 +21,12 @@ use super::reduce::reduce;
 use super::{MOST_POINTS, ManifoldOptions, tangents_of};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
+use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
-use crate::base::pose::RelativePose;
-use crate::base::tolerance::{ACROSS, CERTIFICATE, PLACE_MAX, STEEP, UNIT};
+use crate::base::pose::{RelativePose, rotation_matrix};
+#[cfg(feature = "serde")]
+use crate::base::tolerance::UNIT_LENGTH;
+use crate::base::tolerance::{ACROSS, BOX_TURNED, CERTIFICATE, PLACE_MAX, STEEP, UNIT};
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, VertexId};
 use crate::pair::outcome::{ContactState, Distance};
 
@@ -31,10 +34,19 @@ use crate::pair::outcome::{ContactState, Distance};
 /// are more, every second, third and so on is used. Not measured.
 const SAMPLE: usize = 48;
 
-/// A half-space: the points `x` with `normal . x <= offset`. It is an infinite floor or wall, in
-/// its own frame.
+/// A half-space: the points `x` with `normal . x <= offset`, solid below its plane.
 ///
-/// The contacts have no state: they depend only on body, relative pose and options.
+/// It is an infinite floor or wall in its own frame, and a [`Geometry`](crate::Geometry) like any
+/// other: [`PairTracker`](crate::PairTracker) and scenes query it against every kind of body. The
+/// signed distance is the height of the lowest point of the body over the plane, so the depth of
+/// every kind of body is known, meshes and surfaces included. The methods of this type measure a
+/// polyhedron without a tracker; their results depend only on body, relative pose and options.
+///
+/// - Two half-spaces overlap without end, with no lower bound, unless their normals are opposite to
+///   1e-14. Then the distance is that of the two planes.
+/// - A half-space has no finite size: the pair size L is the radius of the other body about its
+///   origin, plus the distance of the origins, plus the distance of the plane from its origin.
+/// - Distances within rounding, `1e-13 L`, of a threshold count as within.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -51,7 +63,27 @@ const SAMPLE: usize = 48;
 /// assert!((contacts.distance().value + 0.01).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::polyhedron::solids;
+/// use lin_canny::{Geometry, HalfSpace, Mesh, PairTracker, RelativePose};
+///
+/// let floor = Geometry::from(HalfSpace::new(Vector3::z(), 0.0)?);
+/// let die = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
+/// let part = Mesh::from_convex(&die)?;
+/// let sunk = Isometry3::translation(3.0, 0.0, 0.4);
+/// let pose = RelativePose::from_isometry(&sunk)?;
+/// let found = PairTracker::new().closest(&floor, &part, &pose);
+/// assert!((found.distance + 0.1).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "plane")]
+#[doc(alias = "floor")]
+#[doc(alias = "ground")]
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "StoredHalfSpace", into = "StoredHalfSpace"))]
 pub struct HalfSpace {
     normal: Unit<Vector3<f64>>,
     offset: f64,
@@ -67,6 +99,39 @@ pub enum HalfSpaceError {
     /// The offset of the plane is NaN or exceeds `1e116`.
     #[error("plane offset {0} is NaN or exceeds 1e116")]
     Offset(f64),
+}
+
+/// The serialised form of a half-space: the unit normal and the offset, bit for bit.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename = "HalfSpace")]
+struct StoredHalfSpace {
+    normal: [f64; 3],
+    offset: f64,
+}
+
+#[cfg(feature = "serde")]
+impl From<HalfSpace> for StoredHalfSpace {
+    fn from(space: HalfSpace) -> Self {
+        let (normal, offset) = (space.normal.into_inner().into(), space.offset);
+        Self { normal, offset }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredHalfSpace> for HalfSpace {
+    type Error = HalfSpaceError;
+
+    /// A normal of unit length is kept bit for bit.
+    fn try_from(stored: StoredHalfSpace) -> Result<Self, HalfSpaceError> {
+        let normal = Vector3::from(stored.normal);
+        let space = Self::new(normal, stored.offset)?;
+        if (normal.norm_squared() - 1.0).abs() <= UNIT_LENGTH {
+            let (normal, offset) = (Unit::new_unchecked(normal), stored.offset);
+            return Ok(Self { normal, offset });
+        }
+        Ok(space)
+    }
 }
 
 /// A contact of a vertex of a body with the plane of a half-space.
@@ -137,6 +202,15 @@ impl HalfSpace {
         Ok(Self { normal, offset })
     }
 
+    /// Returns the half-space with a unit normal.
+    #[cfg(feature = "meshes")]
+    pub(crate) fn at(normal: &Vector3<f64>, offset: f64) -> Self {
+        Self {
+            normal: Unit::new_unchecked(*normal),
+            offset,
+        }
+    }
+
     /// Returns the outward unit normal.
     #[must_use]
     pub fn normal(&self) -> Unit<Vector3<f64>> {
@@ -147,6 +221,40 @@ impl HalfSpace {
     #[must_use]
     pub fn offset(&self) -> f64 {
         self.offset
+    }
+
+    /// Returns the point of the plane that is closest to the origin.
+    #[must_use]
+    pub fn foot(&self) -> Point3<f64> {
+        Point3::from(self.normal.into_inner() * self.offset)
+    }
+
+    /// Returns the hash by which cached state recognises the half-space.
+    pub(crate) fn fingerprint(&self) -> Fingerprint {
+        let n = &self.normal;
+        Fingerprint::of(*b"halfspac", &[n.x, n.y, n.z, self.offset])
+    }
+
+    /// Returns the axis-aligned box at a pose, rounded outward.
+    ///
+    /// It is infinite on all sides, except the outer side if the normal is along an axis there.
+    pub(crate) fn aabb_at(&self, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
+        let q = pose.rotation.coords;
+        let matrix = rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared());
+        let n: Vector3<f64> = matrix * self.normal.into_inner();
+        let mut low = Point3::from(Vector3::repeat(f64::NEG_INFINITY));
+        let mut high = Point3::from(Vector3::repeat(f64::INFINITY));
+        let axis = n.iamax();
+        if (0..3).all(|k| k == axis || n[k] == 0.0) {
+            let t = pose.translation.vector[axis];
+            let (side, margin) = (n[axis], BOX_TURNED * (t.abs() + self.offset.abs()));
+            if side > 0.0 {
+                high[axis] = t + self.offset + margin;
+            } else {
+                low[axis] = t - self.offset - margin;
+            }
+        }
+        (low, high)
     }
 
     /// Returns the signed distance of a body, with bounds that include all rounding.

@@ -41,6 +41,18 @@ pub struct ContactPoint {
 }
 
 impl ContactPoint {
+    /// Returns the contact of B and A as a contact of A and B.
+    #[cfg(feature = "meshes")]
+    pub(crate) fn swapped(self) -> Self {
+        Self {
+            point_on_a: self.point_on_b,
+            point_on_b: self.point_on_a,
+            separation: self.separation,
+            features: self.features.swapped(),
+            id: self.id.swapped(),
+        }
+    }
+
     pub(super) fn witness(outcome: &Outcome) -> Self {
         Self {
             point_on_a: outcome.point_on_a,

@@ -2,6 +2,7 @@
 
 mod build;
 mod edges;
+mod heights;
 pub(super) mod hull;
 pub(super) mod measure;
 #[cfg(feature = "serde")]

@@ -99,6 +99,40 @@ pub enum MeshError {
         /// Index of the piece.
         piece: usize,
     },
+    /// A height field has fewer than two rows or columns, or another number of heights.
+    #[error(
+        "{count} heights for {rows} rows and {columns} columns (expected rows times columns, at least two of each)"
+    )]
+    HeightCount {
+        /// Number of rows.
+        rows: usize,
+        /// Number of columns.
+        columns: usize,
+        /// Number of heights given.
+        count: usize,
+    },
+    /// The spacing of a height field is not positive and finite.
+    #[error("spacing of the heights along axis {axis} is {value} (expected a positive finite number)")]
+    Spacing {
+        /// 0 for x, 1 for y.
+        axis: usize,
+        /// The spacing.
+        value: f64,
+    },
+    /// The base of a height field is not finite.
+    #[error("base of the heights is {value} (expected a finite number)")]
+    Base {
+        /// The base.
+        value: f64,
+    },
+    /// A height is not finite, or not above the base.
+    #[error("height {index} is {value} (expected a finite number above the base)")]
+    Height {
+        /// The first such height, counted row by row.
+        index: usize,
+        /// The height.
+        value: f64,
+    },
     /// The data of a stored mesh are not consistent.
     #[error("the stored mesh is damaged: {what}")]
     Damaged {

@@ -6,10 +6,13 @@ use nalgebra::Point3;
 
 use super::{Geometry, GeometryKind, OfKind, match_kind};
 use crate::base::num::fingerprint::Fingerprint;
+use crate::base::pose::Operand;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
+use crate::convex::contact::HalfSpace;
+use crate::half_space::{Above, HalfSpacePair};
 #[cfg(feature = "meshes")]
-use crate::nonconvex::{mesh::Mesh, pieces::Compound};
+use crate::nonconvex::{mesh::Mesh, parts::PartsRef, pieces::Compound};
 #[cfg(feature = "surfaces")]
 use crate::surface::BezierSurface;
 
@@ -31,6 +34,7 @@ pub(crate) enum Lent<'a> {
     Mesh(LentBody<'a, Mesh>),
     #[cfg(feature = "surfaces")]
     BezierSurface(LentBody<'a, BezierSurface>),
+    HalfSpace(LentBody<'a, HalfSpace>),
 }
 
 /// A body that is borrowed, and its owner if the body is shared.
@@ -125,6 +129,35 @@ impl<'a> GeometryRef<'a> {
             Lent::BezierSurface(surface) => Some(surface.get()),
             _ => None,
         }
+    }
+
+    /// Returns the half-space of a geometry that is a half-space.
+    pub(crate) fn half_space(self) -> Option<&'a HalfSpace> {
+        match self.0 {
+            Lent::HalfSpace(space) => Some(space.get()),
+            _ => None,
+        }
+    }
+
+    /// Returns two geometries, one of which is a half-space, as a pair; `None` for any other pair.
+    pub(crate) fn half_space_pair([a, b]: [Self; 2]) -> Option<HalfSpacePair<'a>> {
+        let (space, other, order) = match (a.half_space(), b.half_space()) {
+            (Some(space), _) => (space, b, Operand::A),
+            (None, Some(space)) => (space, a, Operand::B),
+            (None, None) => return None,
+        };
+        let above = match other.0 {
+            Lent::Polyhedron(body) => Above::Polyhedron(body.get()),
+            Lent::Convex(shape) => Above::Shape(shape.get()),
+            #[cfg(feature = "meshes")]
+            Lent::Compound(body) => Above::Parts(PartsRef::Pieces(body.get())),
+            #[cfg(feature = "meshes")]
+            Lent::Mesh(mesh) => Above::Parts(PartsRef::Mesh(mesh.get())),
+            #[cfg(feature = "surfaces")]
+            Lent::BezierSurface(surface) => Above::Surface(surface.get()),
+            Lent::HalfSpace(other) => Above::HalfSpace(other.get()),
+        };
+        Some(HalfSpacePair::new(space, above, order))
     }
 
     /// Returns a polyhedron as a shape to keep; `None` for all other kinds.
@@ -227,3 +260,4 @@ lend!(Compound, Compound);
 lend!(Mesh, Mesh);
 #[cfg(feature = "surfaces")]
 lend!(BezierSurface, BezierSurface);
+lend!(HalfSpace, HalfSpace);

@@ -7,8 +7,10 @@ mod not_convex;
 mod persist;
 
 use crate::base::num::fingerprint::Fingerprint;
+use crate::base::tolerance::EXTENT_MAX;
 use crate::body::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::body::shape::{Core, Shape};
+use crate::convex::contact::HalfSpace;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::mesh::Mesh;
 #[cfg(feature = "meshes")]
@@ -33,6 +35,7 @@ macro_rules! match_kind {
             $all::Mesh($body) => $result,
             #[cfg(feature = "surfaces")]
             $all::BezierSurface($body) => $result,
+            $all::HalfSpace($body) => $result,
         }
     };
 }
@@ -48,7 +51,8 @@ use match_kind;
 /// |---|---|
 /// | two convex shapes, polyhedra included | none |
 /// | a compound or a mesh, with a compound, a mesh or a convex shape | depths |
-/// | a surface, with any other geometry | depths, `manifold` |
+/// | a surface, with any other geometry but a half-space | depths, `manifold` |
+/// | a half-space, with any other geometry | none |
 ///
 /// Depths are the queries `depth` and `local_depth`. For a pair with a compound or mesh, the query
 /// `manifold` fills [`PairResults::contacts`](crate::scene::PairResults::contacts). Overlaps of
@@ -118,6 +122,8 @@ pub enum Geometry {
     /// A surface of Bézier patches, without an inside.
     #[cfg(feature = "surfaces")]
     BezierSurface(Arc<BezierSurface>),
+    /// A half-space: all points on one side of a plane.
+    HalfSpace(Arc<HalfSpace>),
 }
 
 impl Geometry {
@@ -130,13 +136,12 @@ impl Geometry {
         }
     }
 
-    /// Returns the body as a convex shape; `None` for a compound, mesh or surface.
+    /// Returns the body as a convex shape; `None` for all other kinds.
     #[must_use]
     pub fn as_convex(&self) -> Option<Cow<'_, Shape>> {
         match self {
             Self::Polyhedron(body) => Some(Cow::Owned(Shape::from(body.clone()))),
             Self::Convex(shape) => Some(Cow::Borrowed(shape)),
-            #[cfg(feature = "meshes")]
             _ => None,
         }
     }
@@ -148,6 +153,9 @@ impl Geometry {
     }
 
     /// Returns a ball that contains the shape, in the frame of the shape: centre and radius.
+    ///
+    /// No ball contains a half-space. Its ball has the radius [`EXTENT_MAX`](crate::EXTENT_MAX)
+    /// about the point of the plane that is closest to the origin.
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
         GeometryRef::from(self).bounding_ball()
@@ -156,7 +164,8 @@ impl Geometry {
     /// Returns the axis-aligned box of the shape at a pose, rounded outward: minimum and maximum
     /// corner.
     ///
-    /// The box of a compound or a mesh is the box of its rotated bounding box.
+    /// The box of a compound or a mesh is the box of its rotated bounding box. The box of a
+    /// half-space is infinite on all sides, except the outer side if the normal is along an axis.
     #[inline]
     #[must_use]
     pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
@@ -193,6 +202,7 @@ of_body!(Compound, Compound);
 of_body!(Mesh, Mesh);
 #[cfg(feature = "surfaces")]
 of_body!(BezierSurface, BezierSurface);
+of_body!(HalfSpace, HalfSpace);
 
 impl From<Shape> for Geometry {
     /// A shape that is a polyhedron and not rounded becomes a polyhedron.
@@ -245,6 +255,8 @@ pub enum GeometryKind {
     Mesh,
     /// A surface of Bézier patches.
     BezierSurface,
+    /// A half-space.
+    HalfSpace,
 }
 
 impl core::fmt::Display for GeometryKind {
@@ -257,6 +269,7 @@ impl core::fmt::Display for GeometryKind {
             Self::Compound => "compound",
             Self::Mesh => "mesh",
             Self::BezierSurface => "Bézier surface",
+            Self::HalfSpace => "half-space",
         })
     }
 }
@@ -288,6 +301,24 @@ impl OfKind for ConvexPolyhedron {
     #[inline]
     fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
         self.aabb_at(pose, hint)
+    }
+}
+
+impl OfKind for HalfSpace {
+    fn kind(&self) -> GeometryKind {
+        GeometryKind::HalfSpace
+    }
+
+    fn fingerprint(&self) -> Fingerprint {
+        self.fingerprint()
+    }
+
+    fn bounding_ball(&self) -> (Point3<f64>, f64) {
+        (self.foot(), EXTENT_MAX)
+    }
+
+    fn aabb_at(&self, pose: &Isometry3<f64>, _: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
+        self.aabb_at(pose)
     }
 }
 

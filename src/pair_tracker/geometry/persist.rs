@@ -6,6 +6,7 @@ use alloc::sync::Arc;
 use super::{Geometry, match_kind};
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Shape;
+use crate::convex::contact::HalfSpace;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::{mesh::Mesh, pieces::Compound};
 #[cfg(feature = "surfaces")]
@@ -23,6 +24,7 @@ pub(super) enum StoredGeometry {
     Mesh(Box<Mesh>),
     #[cfg(feature = "surfaces")]
     BezierSurface(Box<BezierSurface>),
+    HalfSpace(Box<HalfSpace>),
 }
 
 impl From<StoredGeometry> for Geometry {
@@ -46,6 +48,7 @@ stored!(Polyhedron: ConvexPolyhedron, Convex: Shape);
 stored!(Compound: Compound, Mesh: Mesh);
 #[cfg(feature = "surfaces")]
 stored!(BezierSurface: BezierSurface);
+stored!(HalfSpace: HalfSpace);
 
 impl From<Geometry> for StoredGeometry {
     fn from(shape: Geometry) -> Self {

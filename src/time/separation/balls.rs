@@ -30,10 +30,10 @@ pub(crate) struct Apart {
 fn about<S: Separation + ?Sized>(
     pair: &S,
     of: Operand,
-    pose: &Isometry3<f64>,
-    model: &MotionModel,
+    flight: &PairMotion,
+    (pose, model): (&Isometry3<f64>, &MotionModel),
 ) -> (f64, Vector3<f64>) {
-    let (centre, radius) = pair.ball(of);
+    let (centre, radius) = pair.ball_during(of, flight);
     let arm = centre - model.pivot;
     let radius = radius
         + if arm == Vector3::zeros() {
@@ -54,8 +54,8 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &PairMotion) -> Ap
     // On the motion's own clock, see [`PairMotion::on_own_clock`].
     let tick = magnitude(flight.span);
     let span = flight.span / tick;
-    let (radius_a, lever_a) = about(pair, Operand::A, &flight.pose_a, a);
-    let (radius_b, lever_b) = about(pair, Operand::B, &flight.pose_b, b);
+    let (radius_a, lever_a) = about(pair, Operand::A, flight, (&flight.pose_a, a));
+    let (radius_b, lever_b) = about(pair, Operand::B, flight, (&flight.pose_b, b));
     let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
     let (between, velocity) = (offset + (lever_b - lever_a), flight.velocity() * tick);
     let drift = (a.drift(radius_a) + b.drift(radius_b)).on_clock(tick);
@@ -129,8 +129,8 @@ pub(crate) fn flight_of_ball(from: &Vector3<f64>, velocity: &Vector3<f64>, radiu
 pub(super) fn held<S: Separation + ?Sized>(pair: &S, flight: &PairMotion, way: f64) -> f64 {
     let (timed, tick) = flight.on_own_clock();
     let (a, b) = (&timed.model_a, &timed.model_b);
-    let (radius_a, _) = about(pair, Operand::A, &flight.pose_a, a);
-    let (radius_b, _) = about(pair, Operand::B, &flight.pose_b, b);
+    let (radius_a, _) = about(pair, Operand::A, flight, (&flight.pose_a, a));
+    let (radius_b, _) = about(pair, Operand::B, flight, (&flight.pose_b, b));
     let Remainder([d0, d1, d2, d3]) = a.drift(radius_a) + b.drift(radius_b);
     let push = length(&(b.acceleration - a.acceleration));
     let pace = length(&(b.linear - a.linear)) + radius_a * length(&a.angular) + radius_b * length(&b.angular);

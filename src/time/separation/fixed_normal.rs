@@ -74,7 +74,7 @@ impl<'a> FixedNormal<'a> {
         gap: f64,
     ) -> FixedNormal<'a> {
         let reach = |which: Operand, model: &MotionModel| {
-            let (centre, radius) = pair.ball(which);
+            let (centre, radius) = pair.ball_during(which, flight);
             radius + one_norm(&(centre - model.pivot))
         };
         let (a, b) = (&flight.model_a, &flight.model_b);

@@ -38,6 +38,16 @@ pub trait Separation {
     /// Returns a ball that contains a shape: the centre, in the frame of the shape, and the radius.
     fn ball(&self, of: Operand) -> (Point3<f64>, f64);
 
+    /// Returns a ball that contains the part of a shape that the other shape can meet during a
+    /// motion, until [`free_for`](Self::free_for) ends.
+    ///
+    /// The centre is that of [`ball`](Self::ball). The default is this ball. A half-space is in no
+    /// ball, but a step needs only a part of it.
+    fn ball_during(&self, of: Operand, flight: &PairMotion) -> (Point3<f64>, f64) {
+        let _ = flight;
+        self.ball(of)
+    }
+
     /// Returns the closest points at a pose.
     ///
     /// For an overlap only the contact state matters; the depth need not be computed.

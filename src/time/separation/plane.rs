@@ -56,12 +56,12 @@
 //! 3. Far from contact a plane that does not rotate is tried as well.
 //! 4. Rounding and the drift of motions are included in the bound.
 
-use nalgebra::{Isometry3, Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 use super::bernstein::positive_until;
 use super::fixed_normal::{FixedNormal, cut, one_norm, time_to, turns_neither};
 use super::{FreeSpan, Measurement, PairMotion, Proof, Separation, Tangent};
-use crate::base::motion::{MotionModel, Remainder, length};
+use crate::base::motion::{Remainder, length};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::magnitude;
@@ -89,7 +89,7 @@ const TRIES: u32 = 3;
 const FAR: f64 = 0.05;
 
 /// Returns how long a rotating plane proves the shapes more than `flight.keep` apart.
-pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
+pub(crate) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
     if seen.by_plane && turns_neither(flight) {
         let normal = flight.pose_a.rotation * seen.normal.into_inner();
         return FixedNormal::new(pair, flight, &normal, seen.lower).proof();
@@ -187,8 +187,12 @@ struct Turn {
 }
 
 impl PlaneSide {
-    fn new<S: Separation + ?Sized>(pair: &S, which: Operand, pose: &Isometry3<f64>, model: &MotionModel) -> Self {
-        let (centre, radius) = pair.ball(which);
+    fn new<S: Separation + ?Sized>(pair: &S, which: Operand, flight: &PairMotion) -> Self {
+        let (pose, model) = match which {
+            Operand::A => (&flight.pose_a, &flight.model_a),
+            Operand::B => (&flight.pose_b, &flight.model_b),
+        };
+        let (centre, radius) = pair.ball_during(which, flight);
         let q = pose.rotation.coords;
         let arm = centre - model.pivot;
         Self {
@@ -259,8 +263,8 @@ struct PlaneSetting<'a> {
 impl<'a> PlaneSetting<'a> {
     fn new<S: Separation + ?Sized>(pair: &S, flight: &'a PairMotion) -> Self {
         let (model_a, model_b) = (&flight.model_a, &flight.model_b);
-        let a = PlaneSide::new(pair, Operand::A, &flight.pose_a, model_a);
-        let b = PlaneSide::new(pair, Operand::B, &flight.pose_b, model_b);
+        let a = PlaneSide::new(pair, Operand::A, flight);
+        let b = PlaneSide::new(pair, Operand::B, flight);
         let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
         let (pivot_a, pivot_b) = (model_a.pivot.coords, model_b.pivot.coords);
         let between = offset + (b.rotation * pivot_b - a.rotation * pivot_a);
