@@ -333,6 +333,8 @@ pub use convex::replay::{Replay, ReplayError};
 pub use convex::tracker::{Tracker, TrackerWork};
 pub use nalgebra;
 #[cfg(feature = "meshes")]
+pub use nonconvex::cloud::{Cloud, CloudElement, CloudError};
+#[cfg(feature = "meshes")]
 pub use nonconvex::contact::{ContactGroup, ConvexPatches, PatchContact};
 #[cfg(feature = "meshes")]
 pub use nonconvex::continuous;

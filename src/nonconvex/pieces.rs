@@ -668,6 +668,8 @@ impl<'a, A: Parted, B: Parted> PartJudge<'a, A, B> {
 impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
     type Features = FeaturePair;
 
+    const MAY_BE_CLOUD: bool = true;
+
     fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64 {
         self.posed.a.highest(item, n)
     }

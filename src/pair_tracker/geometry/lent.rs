@@ -9,7 +9,7 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
 #[cfg(feature = "meshes")]
-use crate::nonconvex::{mesh::Mesh, pieces::Compound};
+use crate::nonconvex::{cloud::Cloud, mesh::Mesh, pieces::Compound};
 #[cfg(feature = "surfaces")]
 use crate::surface::BezierSurface;
 
@@ -29,6 +29,8 @@ pub(crate) enum Lent<'a> {
     Compound(LentBody<'a, Compound>),
     #[cfg(feature = "meshes")]
     Mesh(LentBody<'a, Mesh>),
+    #[cfg(feature = "meshes")]
+    Cloud(LentBody<'a, Cloud>),
     #[cfg(feature = "surfaces")]
     BezierSurface(LentBody<'a, BezierSurface>),
 }
@@ -135,7 +137,7 @@ impl<'a> GeometryRef<'a> {
         }
     }
 
-    /// Returns a convex geometry as a shape to keep; `None` for a compound, mesh or surface.
+    /// Returns a convex geometry as a shape to keep; `None` for a compound, mesh, cloud or surface.
     pub(crate) fn to_shape(self) -> Option<Arc<Shape>> {
         match self.0 {
             Lent::Convex(shape) => Some(shape.to_arc()),
@@ -225,5 +227,7 @@ lend!(Polyhedron, ConvexPolyhedron);
 lend!(Compound, Compound);
 #[cfg(feature = "meshes")]
 lend!(Mesh, Mesh);
+#[cfg(feature = "meshes")]
+lend!(Cloud, Cloud);
 #[cfg(feature = "surfaces")]
 lend!(BezierSurface, BezierSurface);

@@ -7,7 +7,7 @@ use super::{Geometry, match_kind};
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Shape;
 #[cfg(feature = "meshes")]
-use crate::nonconvex::{mesh::Mesh, pieces::Compound};
+use crate::nonconvex::{cloud::Cloud, mesh::Mesh, pieces::Compound};
 #[cfg(feature = "surfaces")]
 use crate::surface::BezierSurface;
 
@@ -23,6 +23,8 @@ pub(super) enum StoredGeometry {
     Mesh(Box<Mesh>),
     #[cfg(feature = "surfaces")]
     BezierSurface(Box<BezierSurface>),
+    #[cfg(feature = "meshes")]
+    Cloud(Box<Cloud>),
 }
 
 impl From<StoredGeometry> for Geometry {
@@ -43,7 +45,7 @@ macro_rules! stored {
 
 stored!(Polyhedron: ConvexPolyhedron, Convex: Shape);
 #[cfg(feature = "meshes")]
-stored!(Compound: Compound, Mesh: Mesh);
+stored!(Compound: Compound, Mesh: Mesh, Cloud: Cloud);
 #[cfg(feature = "surfaces")]
 stored!(BezierSurface: BezierSurface);
 
