@@ -11,10 +11,16 @@ fn bad_input_is_an_error_with_the_index() {
     for bad in [f64::NAN, f64::INFINITY, -1e200] {
         let mut points = good.clone();
         points[3].y = bad;
-        assert!(matches!(Cloud::new(&points, ball()), Err(CloudError::Point { point: 3, .. })), "{bad}");
+        assert!(
+            matches!(Cloud::new(&points, ball()), Err(CloudError::Point { point: 3, .. })),
+            "{bad}"
+        );
     }
     let single = [[0.0, 1.0, 2.0], [0.0, f32::NAN, 1.0]];
-    assert!(matches!(Cloud::from_f32(&single, ball()), Err(CloudError::Point { point: 1, .. })));
+    assert!(matches!(
+        Cloud::from_f32(&single, ball()),
+        Err(CloudError::Point { point: 1, .. })
+    ));
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
         let found = Cloud::new(&good, CloudElement::Ball(bad));
         assert!(matches!(found, Err(CloudError::Radius { .. })), "{bad}");
@@ -24,11 +30,25 @@ fn bad_input_is_an_error_with_the_index() {
         assert!(matches!(found, Err(CloudError::Element(_))), "{bad}");
     }
     let found = Cloud::new(&good, CloudElement::Balls(vec![1.0]));
-    assert!(matches!(found, Err(CloudError::Length { count: 1, expected: 5, .. })));
+    assert!(matches!(
+        found,
+        Err(CloudError::Length {
+            count: 1,
+            expected: 5,
+            ..
+        })
+    ));
     let far = [Point3::new(1e110, 0.0, 0.0), Point3::origin()];
     assert!(matches!(Cloud::new(&far, ball()), Err(CloudError::Extent { .. })));
     let found = Cloud::from_mask(Point3::origin(), Vector3::repeat(1.0), [2, 2, 2], &[true; 7]);
-    assert!(matches!(found, Err(CloudError::Length { count: 7, expected: 8, .. })));
+    assert!(matches!(
+        found,
+        Err(CloudError::Length {
+            count: 7,
+            expected: 8,
+            ..
+        })
+    ));
     let found = Cloud::from_mask(Point3::origin(), Vector3::repeat(1.0), [2, 2, 2], &[false; 8]);
     assert!(matches!(found, Err(CloudError::Count { count: 0 })));
     let found = Cloud::from_cells(Point3::new(f64::NAN, 0.0, 0.0), Vector3::repeat(1.0), &[[0; 3]]);
@@ -50,7 +70,12 @@ fn points_and_element_are_returned_as_given() {
         assert!((0..3).all(|k| low[k] <= p[k] - r && high[k] >= p[k] + r));
     }
     let (centre, radius) = cloud.bounding_ball();
-    assert!(points.iter().zip(&radii).all(|(p, r)| (p - centre).norm() + r <= radius));
+    assert!(
+        points
+            .iter()
+            .zip(&radii)
+            .all(|(p, r)| (p - centre).norm() + r <= radius)
+    );
 }
 
 #[test]

@@ -66,7 +66,7 @@ fn element(rng: &mut Rng, kind: usize, count: usize, size: f64) -> (CloudElement
         0 => (CloudElement::Ball(radius), same(ball(radius))),
         1 => (CloudElement::Ball(0.0), same(ball(0.0))),
         2 => {
-            let radii: Vec<f64> = (0..count).map(|k| if k % 3 == 0 { 0.0 } else { size * rng.range(0.0, 0.2) });
+            let radii = (0..count).map(|k| if k % 3 == 0 { 0.0 } else { size * rng.range(0.01, 0.2) });
             let radii: Vec<f64> = radii.collect();
             let shapes = radii.iter().map(|r| ball(*r)).collect();
             (CloudElement::Balls(radii), shapes)
@@ -89,10 +89,9 @@ fn element(rng: &mut Rng, kind: usize, count: usize, size: f64) -> (CloudElement
 }
 
 const ELEMENTS: usize = 6;
-const CONVEX: usize = 9;
 const OTHERS: usize = 13;
 
-/// Returns the other body: convex up to `CONVEX`, then compounds, meshes and clouds.
+/// Returns the other body: convex, a compound, a mesh or a cloud.
 fn other(rng: &mut Rng, kind: usize, size: f64) -> Geometry {
     let s = size * rng.range(0.2, 1.0);
     let hull = |n: usize| solids::random_hull(n, Vector3::new(s, s * 0.7, s * 0.5), 7).unwrap();
@@ -100,7 +99,9 @@ fn other(rng: &mut Rng, kind: usize, size: f64) -> Geometry {
         0 => Geometry::from(hull(24)),
         1 => Geometry::from(solids::cuboid(Vector3::new(s, s, s * 0.25)).unwrap()),
         2 => Geometry::from(ConvexPolyhedron::point(Point3::from(vector(rng, s))).unwrap()),
-        3 => Geometry::from(ConvexPolyhedron::segment(Point3::from(vector(rng, s)), Point3::from(vector(rng, s))).unwrap()),
+        3 => Geometry::from(
+            ConvexPolyhedron::segment(Point3::from(vector(rng, s)), Point3::from(vector(rng, s))).unwrap(),
+        ),
         4 => Geometry::from(Shape::ball(s).unwrap()),
         5 => Geometry::from(Shape::capsule(s, s * 0.25).unwrap()),
         6 => Geometry::from(Shape::from(hull(12)).rounded(s * 0.125).unwrap()),

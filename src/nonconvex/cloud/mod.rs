@@ -191,7 +191,10 @@ impl Cloud {
     /// out of the range of a ball, or the number of radii is not the number of points; if a half
     /// extent of a box is not positive or out of range.
     pub fn new(points: &[Point3<f64>], element: impl Into<CloudElement>) -> Result<Self, CloudError> {
-        Self::build(Points::Double(points.iter().map(|p| (*p).into()).collect()), element.into())
+        Self::build(
+            Points::Double(points.iter().map(|p| (*p).into()).collect()),
+            element.into(),
+        )
     }
 
     /// Builds a cloud from points in single precision, which are stored as given.
@@ -244,7 +247,10 @@ impl Cloud {
             let count = counts[axis];
             return Err(CloudError::Cells { axis, count });
         }
-        let expected = counts.iter().try_fold(1usize, |all, n| all.checked_mul(*n)).unwrap_or(usize::MAX);
+        let expected = counts
+            .iter()
+            .try_fold(1usize, |all, n| all.checked_mul(*n))
+            .unwrap_or(usize::MAX);
         if occupied.len() != expected {
             let (what, count) = ("flags of cells", occupied.len());
             return Err(CloudError::Length { what, count, expected });
@@ -291,7 +297,9 @@ impl Cloud {
         let own = if let Element::Balls(_) = element { reach } else { 0.0 };
         let wide = |sign: f64| Vector3::from_fn(|k, _| core(&(axes[k] * sign)) + own);
         let (low, high) = (low - wide(-1.0), high + wide(1.0));
-        let square = all.iter().fold(0.0, |far: f64, p| far.larger(Vector3::from(*p).norm_squared()));
+        let square = all
+            .iter()
+            .fold(0.0, |far: f64, p| far.larger(Vector3::from(*p).norm_squared()));
         drop(all);
         let size = sqrt(((high - low) * 0.5).norm_squared()).larger(low.amax().larger(high.amax()) * UNIT);
         let size = if size > 0.0 { size } else { 1.0 };
@@ -399,7 +407,11 @@ impl Cloud {
     /// Returns the bytes on the heap, the tree included.
     #[must_use]
     pub fn memory_usage(&self) -> usize {
-        let radii = if let Element::Balls(radii) = &self.element { radii.memory_usage() } else { 0 };
+        let radii = if let Element::Balls(radii) = &self.element {
+            radii.memory_usage()
+        } else {
+            0
+        };
         self.points.memory_usage() + radii + size_of_val(&self.order[..]) + self.tree.memory_usage()
     }
 
@@ -420,7 +432,10 @@ impl Cloud {
     pub(crate) fn compound_of(&self, items: impl Iterator<Item = u32>) -> Result<Compound, CompoundError> {
         let piece = |item: u32| {
             let (shape, pose) = self.posed(item);
-            Piece { pose, ..Piece::new(shape) }
+            Piece {
+                pose,
+                ..Piece::new(shape)
+            }
         };
         Compound::new(items.map(piece).collect())
     }
@@ -455,7 +470,10 @@ impl Cloud {
 
     fn posed(&self, item: u32) -> (Shape, Isometry3<f64>) {
         let shift = Translation3::from(self.points.at(item as usize));
-        (self.shape_of(item), Isometry3::from_parts(shift, UnitQuaternion::identity()))
+        (
+            self.shape_of(item),
+            Isometry3::from_parts(shift, UnitQuaternion::identity()),
+        )
     }
 
     fn unit(&self) -> f64 {
@@ -507,7 +525,11 @@ impl Element {
     /// Returns the radius around the common part, by index.
     #[inline(always)]
     fn radius_at(&self, k: usize) -> f64 {
-        if let Self::Balls(radii) = self { radii.at(k) } else { 0.0 }
+        if let Self::Balls(radii) = self {
+            radii.at(k)
+        } else {
+            0.0
+        }
     }
 
     /// Returns the largest distance of a point of an element from its point of the cloud.
@@ -588,9 +610,7 @@ impl Parted for Cloud {
         let n = &(n * power_of_two(-self.exponent));
         let height = n.dot(&self.points.at(item as usize)) + self.element.support(&self.shape, n);
         match &self.element {
-            Element::Balls(radii) => {
-                height + radii.at(item as usize) * (sqrt(n.norm_squared()) * (1.0 + 4.0 * UNIT))
-            }
+            Element::Balls(radii) => height + radii.at(item as usize) * (sqrt(n.norm_squared()) * (1.0 + 4.0 * UNIT)),
             _ => height,
         }
     }
