@@ -88,6 +88,13 @@ pub(crate) trait Parted {
     /// Returns `None` for a triangle that is too small, compared with its mesh, to be a body.
     fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
 
+    /// Returns the pose of an item whose shape is that of other items; `None` for other items.
+    ///
+    /// Items for which this is not `None` share the tracker of a pair: their features are alike.
+    fn shared_pose(&self, _: u32) -> Option<Isometry3<f64>> {
+        None
+    }
+
     /// Returns whether points inside belong to the body; false for open meshes.
     fn is_solid(&self) -> bool;
 
@@ -239,6 +246,7 @@ impl Parted for PartsRef<'_> {
         fn highest(&self, item: u32, n: &Vector3<f64>) -> f64;
         fn number(&self, item: u32) -> u32;
         fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
+        fn shared_pose(&self, item: u32) -> Option<Isometry3<f64>>;
         fn is_solid(&self) -> bool;
         fn may_hold(&self) -> bool;
         fn probe_count(&self) -> usize;

@@ -144,3 +144,70 @@ fn files_restore_clouds() {
     let bad = serde_json::to_string(&Geometry::from(Cloud::new(&points, CloudElement::Ball(0.5)).unwrap())).unwrap();
     assert!(serde_json::from_str::<Geometry>(&bad.replace("\"Ball\":0.5", "\"Ball\":-0.5")).is_err());
 }
+
+/// Prints times and memory of a cloud of 100,000 points and a hull of 32 vertices.
+#[test]
+#[ignore = "a measurement, for a release build"]
+fn measure_100_000_points() {
+    use std::time::Instant;
+    let points = sheet(100_000);
+    let least = |n: usize, f: &mut dyn FnMut()| {
+        let time = |f: &mut dyn FnMut()| {
+            let start = Instant::now();
+            f();
+            start.elapsed().as_secs_f64()
+        };
+        (0..n).map(|_| time(f)).fold(f64::INFINITY, f64::min)
+    };
+    let build = least(10, &mut || {
+        Cloud::from_f32(&points, CloudElement::Ball(0.002)).unwrap();
+    });
+    let cloud = Cloud::from_f32(&points, CloudElement::Ball(0.002)).unwrap();
+    println!(
+        "build {:.2} ms, {:.1} bytes a point",
+        build * 1e3,
+        cloud.memory_usage() as f64 / 1e5
+    );
+    let hull = solids::random_hull(32, Vector3::new(0.1, 0.1, 0.1), 5).unwrap();
+    for (name, height) in [("far", 1.5), ("close", 0.3), ("contact", 0.05)] {
+        let step = 0.5f64.to_radians();
+        let poses: Vec<_> = (0..720)
+            .map(|k| {
+                let (sin, cos) = (f64::from(k) * step).sin_cos();
+                let (x, y) = (0.5 * cos, 0.5 * sin);
+                let at = Isometry3::new(
+                    Vector3::new(x, y, 0.2 * x * y + height),
+                    Vector3::new(0.3, 0.1, 1.0) * (f64::from(k) * step),
+                );
+                RelativePose::from_isometry(&at).unwrap()
+            })
+            .collect();
+        let mut warm = PairTracker::new();
+        let each = |seconds: f64| seconds / 720.0 * 1e6;
+        let tracked = least(5, &mut || {
+            poses.iter().for_each(|pose| {
+                warm.closest(&cloud, &hull, pose);
+            })
+        });
+        let mut all = PairTracker::new();
+        let cold = least(5, &mut || {
+            for pose in &poses {
+                all.reset();
+                all.closest(&cloud, &hull, pose);
+            }
+        });
+        let mut yes = 0;
+        let within = least(5, &mut || {
+            yes = poses
+                .iter()
+                .filter(|pose| warm.within(&cloud, &hull, pose, 0.02))
+                .count();
+        });
+        println!(
+            "{name}: tracked {:.2} us, cold {:.2} us, within {:.2} us ({yes} yes)",
+            each(tracked),
+            each(cold),
+            each(within)
+        );
+    }
+}

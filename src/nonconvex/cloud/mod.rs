@@ -468,12 +468,13 @@ impl Cloud {
         Shape::ball(radius).unwrap_or_else(|_| self.shape.clone())
     }
 
-    fn posed(&self, item: u32) -> (Shape, Isometry3<f64>) {
+    fn pose_of(&self, item: u32) -> Isometry3<f64> {
         let shift = Translation3::from(self.points.at(item as usize));
-        (
-            self.shape_of(item),
-            Isometry3::from_parts(shift, UnitQuaternion::identity()),
-        )
+        Isometry3::from_parts(shift, UnitQuaternion::identity())
+    }
+
+    fn posed(&self, item: u32) -> (Shape, Isometry3<f64>) {
+        (self.shape_of(item), self.pose_of(item))
     }
 
     fn unit(&self) -> f64 {
@@ -621,6 +622,11 @@ impl Parted for Cloud {
 
     fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)> {
         Some(self.posed(item))
+    }
+
+    fn shared_pose(&self, item: u32) -> Option<Isometry3<f64>> {
+        let is_shared = !matches!(self.element, Element::Balls(_));
+        is_shared.then(|| self.pose_of(item))
     }
 
     fn is_solid(&self) -> bool {
