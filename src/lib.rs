@@ -105,7 +105,7 @@
 //! # Which function?
 //!
 //! A [`Tracker`] takes two convex polyhedra. A [`PairTracker`] takes any two geometries: polyhedra,
-//! curved or rounded shapes, meshes, compounds and Bézier surfaces.
+//! curved or rounded shapes, meshes, compounds, clouds and Bézier surfaces.
 //!
 //! **One pair**
 //!
@@ -208,6 +208,7 @@
 //! | curved shapes | `1e-13 L` | within `3e-14 L` touching or undecided; `intersects` and `within` return true unless a search proves the shapes apart | bounded both ways to `1e-13 L` if a ball inside the shapes proves the depth, else to about `2^-19 L`; wider if both have one centre | [`PairTracker::manifold`] |
 //! | superquadrics | `2e-13 L` | as curved shapes, within `1e-13 L` | as curved shapes | [`PairTracker::manifold`] |
 //! | meshes, compounds | `1e-13 L`; compounds whose pieces have poses `1.5e-13 L` | predicates of meshes and of compounds whose pieces have no pose exact (feature `exact`), but for two ties of [`PairTracker::within`]; within `1e-13 L` of contact, the contact state may be touching instead of separated or overlapping | [`PairTracker::penetration`]: an interval that may stay wide | [`PairTracker::contacts`], for shallow overlap |
+//! | clouds | `1.5e-13 L` | ties count as within; at the identity as exact as the element and the other body | bounds of [`PairTracker::penetration`] | [`PairTracker::contacts`] |
 //! | Bézier surfaces | you choose | undecided if the interval allows both answers, at one pose perhaps warm and not cold | none | none |
 //!
 //! * **Sizes.** The extent of a body is from 1e-100 to 1e100; one body may be any number of times
@@ -229,7 +230,7 @@
 //! A part that is not convex is a [`Mesh`], or its faster [`hull`](Mesh::hull), of which
 //! [`Mesh::hull_fit`] measures how much it adds. A part that was decomposed elsewhere (CoACD,
 //! V-HACD) is a [`Compound`] of the pieces, and [`Decomposition`] measures how far mesh and pieces
-//! are apart.
+//! are apart. Points of a depth camera, and voxels, are a [`Cloud`].
 //!
 //! # Cargo features
 //!
@@ -237,7 +238,7 @@
 //! |---|---|---|
 //! | `std` | yes | square roots of the machine; without it the crate is `no_std` and needs `alloc` |
 //! | `exact` | yes | exact integer arithmetic if the floating-point filters fail: it decides contact state and predicates of polyhedra, and adds `closest_exact` |
-//! | `meshes` | yes | compounds and meshes: queries, contacts, bounds of penetration depths |
+//! | `meshes` | yes | compounds, meshes and clouds: queries, contacts, bounds of penetration depths |
 //! | `surfaces` | yes | Bézier and NURBS surfaces; needs `meshes` |
 //! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and results in files; bodies are checked when read; `serde_json` needs its feature `float_roundtrip` to keep every bit |
 //! | `parallel` | no | multithreading in the broad phase, and in scenes with 625 or more queries per step; results are bit-identical for any number of threads |

@@ -87,7 +87,7 @@ pub enum CloudError {
         radius: f64,
     },
     /// The numbers of points and of radii, or of cells and of bits, differ.
-    #[error("{count} {what} given, expected {expected}")]
+    #[error("number of {what} is {count} (expected {expected})")]
     Length {
         /// The name of what was counted.
         what: &'static str,

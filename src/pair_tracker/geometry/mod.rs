@@ -55,8 +55,8 @@ use match_kind;
 /// | a surface, with any other geometry | depths, `manifold` |
 ///
 /// Depths are the queries `depth` and `local_depth`. For a pair with a compound, mesh or cloud, the
-/// query `manifold` fills [`PairResults::contacts`](crate::scene::PairResults::contacts). Overlaps of
-/// such a pair have the distance 0.
+/// query `manifold` fills [`PairResults::contacts`](crate::scene::PairResults::contacts).
+/// Overlaps of such a pair have the distance 0.
 ///
 /// A scene rejects a call that would make a pair with a query that the pair cannot answer, with
 /// [`SceneError::Unanswered`](crate::scene::SceneError::Unanswered). Such calls are: insert a body,
@@ -64,8 +64,8 @@ use match_kind;
 ///
 /// Pairs of two kinds convert one of the bodies, once, when the boxes meet:
 ///
-/// - a convex shape against a compound, mesh or cloud becomes a compound of one piece, a single leaf
-///   with support points;
+/// - a convex shape against a compound, mesh or cloud becomes a compound of one piece, a single
+///   leaf with support points;
 /// - a cloud against a surface, and for contacts, becomes a compound with a piece per point;
 /// - a compound of polyhedra against a mesh becomes the mesh of its surface;
 /// - a mesh against a surface becomes its triangles as flat patches, and its inside if it is
