@@ -3,6 +3,7 @@
 
 mod build;
 mod queries;
+mod uses;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;

@@ -280,7 +280,7 @@ impl Cloud {
             let p = Vector3::from(*p);
             (low.smaller(p), high.larger(p))
         });
-        let extent = (high - low).max();
+        let extent = (high - low).iter().copied().fold(0.0, f64::larger);
         if !(extent <= EXTENT_MAX) {
             return Err(CloudError::Extent { extent });
         }

@@ -82,7 +82,7 @@ fn box_of(points: &[[f64; 3]], of: impl Iterator<Item = u32>) -> (Vector3<f64>, 
 /// Returns no keys if all points are equal.
 fn sort_once(points: &[[f64; 3]], order: &mut [u32]) -> Vec<u64> {
     let (low, high) = box_of(points, order.iter().copied());
-    let size = (high - low).max();
+    let size = (high - low).iter().copied().fold(0.0, f64::larger);
     let last = f64::from((1u32 << BITS) - 1);
     let scale = last / size;
     // Written so that NaN returns no keys.
