@@ -1,5 +1,7 @@
 //! Meshes and compounds as convex members under a tree, and relative poses of members.
 
+use core::ops::Range;
+
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
 use crate::base::num::each::Each;
@@ -79,6 +81,12 @@ pub(crate) trait Parted {
 
     /// Returns an upper bound of the support value of an item along a direction of any length.
     fn highest(&self, item: u32, n: &Vector3<f64>) -> f64;
+
+    /// Computes upper bounds of the support values of some items, like [`highest`](Self::highest).
+    #[inline(always)]
+    fn heights(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) {
+        items.zip(to).for_each(|(item, to)| *to = self.highest(item, n));
+    }
 
     /// Returns the caller's index of an item.
     fn number(&self, item: u32) -> u32;
@@ -244,6 +252,7 @@ impl Parted for PartsRef<'_> {
         fn is_in_place(&self) -> bool;
         fn is_shifted(&self) -> bool;
         fn highest(&self, item: u32, n: &Vector3<f64>) -> f64;
+        fn heights(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) -> ();
         fn number(&self, item: u32) -> u32;
         fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
         fn shared_pose(&self, item: u32) -> Option<Isometry3<f64>>;

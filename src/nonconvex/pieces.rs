@@ -5,6 +5,7 @@
 use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::vec::Vec;
+use core::ops::Range;
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 
 use crate::base::callbacks::Watch;
@@ -676,6 +677,16 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
 
     fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64 {
         -self.posed.b.highest(item, &-n)
+    }
+
+    fn heights_in_a(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) {
+        self.posed.a.heights(items, n, to);
+    }
+
+    fn heights_in_b(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) {
+        let count = items.len();
+        self.posed.b.heights(items, &-n, to);
+        to.iter_mut().take(count).for_each(|height| *height = -*height);
     }
 
     fn shares_inside(&self, touching: &Touching, found: &Measured<FeaturePair>) -> (bool, u64) {

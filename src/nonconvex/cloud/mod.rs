@@ -9,6 +9,7 @@ mod persist;
 mod points;
 
 use alloc::vec::Vec;
+use core::ops::Range;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 use self::points::{Points, Radii};
@@ -614,6 +615,18 @@ impl Parted for Cloud {
             Element::Balls(radii) => height + radii.at(item as usize) * (sqrt(n.norm_squared()) * (1.0 + 4.0 * UNIT)),
             _ => height,
         }
+    }
+
+    fn heights(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) {
+        if let Element::Balls(_) = &self.element {
+            items.zip(to).for_each(|(item, to)| *to = self.highest(item, n));
+            return;
+        }
+        // As in `highest`, but the support value of the element is computed once.
+        let n = &(n * power_of_two(-self.exponent));
+        let own = self.element.support(&self.shape, n);
+        let range = items.start as usize..items.end as usize;
+        self.points.for_each(range.zip(to), |p, to| *to = n.dot(&p) + own);
     }
 
     fn number(&self, item: u32) -> u32 {

@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::Fingerprinter;
 
@@ -43,6 +44,16 @@ impl Points {
                 let steps = Vector3::new(f64::from(x), f64::from(y), f64::from(z)).add_scalar(0.5);
                 origin + size.component_mul(&steps)
             }
+        }
+    }
+
+    /// Calls a function with some points, and an item for each of them.
+    #[inline(always)]
+    pub(super) fn for_each<T>(&self, items: impl Iterator<Item = (usize, T)>, mut f: impl FnMut(Vector3<f64>, T)) {
+        match self {
+            Self::Single(points) => items.for_each(|(k, item)| f(Vector3::from(points[k].each(f64::from)), item)),
+            Self::Double(points) => items.for_each(|(k, item)| f(Vector3::from(points[k]), item)),
+            Self::Grid { .. } => items.for_each(|(k, item)| f(self.at(k), item)),
         }
     }
 

@@ -62,6 +62,18 @@ pub(crate) trait Judge {
     /// Returns the least `n . y` over an item of B, in B's stored frame.
     fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64;
 
+    /// Computes the greatest `n . x` over each of some items of A.
+    #[inline(always)]
+    fn heights_in_a(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) {
+        items.zip(to).for_each(|(item, to)| *to = self.highest_in_a(item, n));
+    }
+
+    /// Computes the least `n . y` over each of some items of B.
+    #[inline(always)]
+    fn heights_in_b(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) {
+        items.zip(to).for_each(|(item, to)| *to = self.lowest_in_b(item, n));
+    }
+
     /// Returns how many pairs needed a certified query of two polygons.
     fn settled(&self) -> u64 {
         0
@@ -774,13 +786,14 @@ impl<J: Judge> TreeSearch<'_, J> {
         let lift = n.lift - self.frame.error;
         let (mut high, mut low) = ([f64::NEG_INFINITY; M], [f64::INFINITY; N]);
         let (mut top, mut bottom) = (f64::NEG_INFINITY, f64::INFINITY);
-        for (item, to) in open.of_a.clone().zip(&mut high) {
-            *to = self.judge.highest_in_a(item, &n.in_a);
-            top = top.at_least(*to);
+        self.judge.heights_in_a(open.of_a.clone(), &n.in_a, &mut high);
+        for high in &high[..open.of_a.len()] {
+            top = top.at_least(*high);
         }
-        for (item, to) in open.of_b.clone().zip(&mut low) {
-            *to = self.judge.lowest_in_b(item, &n.in_b) + lift;
-            bottom = bottom.at_most(*to);
+        self.judge.heights_in_b(open.of_b.clone(), &n.in_b, &mut low);
+        for low in &mut low[..open.of_b.len()] {
+            *low += lift;
+            bottom = bottom.at_most(*low);
         }
         let least = bottom - top;
         if least > self.frame.tie && self.passes(least) {
