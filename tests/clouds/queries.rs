@@ -79,7 +79,9 @@ fn check(seed: u64) {
             2.0 * near,
         ] {
             let is_tie = (d - truth.upper).abs() <= 4.0 * noise + (truth.upper - truth.lower) + 1e-12 * unit;
-            if is_tie && !is_exact {
+            // The search of a single point and a tiny mesh may leave wide bounds.
+            let is_loose = truth.upper - truth.lower > 1e-12 * truth.upper;
+            if is_tie && (!is_exact || is_loose) {
                 continue;
             }
             let expected = brute_within(&at, &shapes, &other, &poses, d);
