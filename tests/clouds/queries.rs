@@ -65,6 +65,10 @@ fn check(seed: u64) {
             if found.state == ContactState::Overlapping {
                 assert!(truth.lower <= noise, "{what}");
             }
+            if found.state == ContactState::Overlapping && kind == 10 {
+                // The locations of a contained element are those of the closest point and triangle.
+                continue;
+            }
             let point = found.locations[k % 2].subshape as usize;
             let one = brute(&at[point..=point], &shapes[point..=point], &other, &poses);
             assert!(one.lower <= found.upper.max(0.0) + noise, "{what}, point {point}");
