@@ -105,7 +105,7 @@
 //! # Which function?
 //!
 //! A [`Tracker`] takes two convex polyhedra. A [`PairTracker`] takes any two geometries: polyhedra,
-//! curved or rounded shapes, meshes, compounds, Bézier surfaces and half-spaces.
+//! curved or rounded shapes, meshes, compounds, clouds, Bézier surfaces and half-spaces.
 //!
 //! **One pair**
 //!
@@ -209,6 +209,7 @@
 //! | curved shapes | `1e-13 L` | within `3e-14 L` touching or undecided; `intersects` and `within` return true unless a search proves the shapes apart | bounded both ways to `1e-13 L` if a ball inside the shapes proves the depth, else to about `2^-19 L`; wider if both have one centre | [`PairTracker::manifold`] |
 //! | superquadrics | `2e-13 L` | as curved shapes, within `1e-13 L` | as curved shapes | [`PairTracker::manifold`] |
 //! | meshes, compounds | `1e-13 L`; compounds whose pieces have poses `1.5e-13 L` | predicates of meshes and of compounds whose pieces have no pose exact (feature `exact`), but for two ties of [`PairTracker::within`]; within `1e-13 L` of contact, the contact state may be touching instead of separated or overlapping | [`PairTracker::penetration`]: an interval that may stay wide | [`PairTracker::contacts`], for shallow overlap |
+//! | clouds | `1.5e-13 L` | ties count as within; at the identity as exact as the element and the other body | bounds of [`PairTracker::penetration`] | [`PairTracker::contacts`] |
 //! | Bézier surfaces | you choose | undecided if the interval allows both answers, at one pose perhaps warm and not cold | none | none |
 //! | half-spaces, with a body of any kind | as the other body, `1e-13 L` and less | ties count as within; with a Bézier surface undecided | the signed distance, bounded both ways | [`PairTracker::contacts`] |
 //!
@@ -231,7 +232,7 @@
 //! A part that is not convex is a [`Mesh`], or its faster [`hull`](Mesh::hull), of which
 //! [`Mesh::hull_fit`] measures how much it adds. A part that was decomposed elsewhere (CoACD,
 //! V-HACD) is a [`Compound`] of the pieces, and [`Decomposition`] measures how far mesh and pieces
-//! are apart.
+//! are apart. Points of a depth camera, and voxels, are a [`Cloud`].
 //!
 //! # Cargo features
 //!
@@ -239,7 +240,7 @@
 //! |---|---|---|
 //! | `std` | yes | square roots of the machine; without it the crate is `no_std` and needs `alloc` |
 //! | `exact` | yes | exact integer arithmetic if the floating-point filters fail: it decides contact state and predicates of polyhedra, and adds `closest_exact` |
-//! | `meshes` | yes | compounds and meshes: queries, contacts, bounds of penetration depths |
+//! | `meshes` | yes | compounds, meshes and clouds: queries, contacts, bounds of penetration depths |
 //! | `surfaces` | yes | Bézier and NURBS surfaces; needs `meshes` |
 //! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and results in files; bodies are checked when read; `serde_json` needs its feature `float_roundtrip` to keep every bit |
 //! | `parallel` | no | multithreading in the broad phase, and in scenes with 625 or more queries per step; results are bit-identical for any number of threads |
@@ -335,6 +336,8 @@ pub use convex::contact::{
 pub use convex::replay::{Replay, ReplayError};
 pub use convex::tracker::{Tracker, TrackerWork};
 pub use nalgebra;
+#[cfg(feature = "meshes")]
+pub use nonconvex::cloud::{Cloud, CloudElement, CloudError};
 #[cfg(feature = "meshes")]
 pub use nonconvex::contact::{ContactGroup, ConvexPatches, PatchContact};
 #[cfg(feature = "meshes")]

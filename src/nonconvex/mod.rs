@@ -5,6 +5,7 @@
 //!
 //! - [`mesh`]: from triangles to a checked mesh; two meshes at a pose; the state of a pair.
 //! - `pieces`: from shapes and poses to a compound; two compounds at a pose; the state of a pair.
+//! - `cloud`: one convex element at many points.
 //! - `parts`: meshes and compounds as convex members, and their poses.
 //! - `tree`: oriented boxes in single precision.
 //! - `query`: two trees at a pose. It has the bounds of eight pairs of boxes at once, the search
@@ -38,6 +39,7 @@
 //! 3. Closed meshes are solids: a component inside another body overlaps it. Exact winding numbers
 //!    decide this.
 
+pub(crate) mod cloud;
 pub(crate) mod contact;
 pub mod continuous;
 pub(crate) mod decomposition;

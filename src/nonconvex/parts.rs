@@ -1,5 +1,7 @@
 //! Meshes and compounds as convex members under a tree, and relative poses of members.
 
+use core::ops::Range;
+
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
 use crate::base::num::each::Each;
@@ -11,6 +13,7 @@ use crate::body::polyhedron::{Feature, VertexId};
 use crate::body::shape::{Shape, Top};
 #[cfg(feature = "exact")]
 use crate::convex::exact::place::ExactVector;
+use crate::nonconvex::cloud::Cloud;
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::pieces::Compound;
 use crate::nonconvex::query::frame::TreeSide;
@@ -20,18 +23,21 @@ use crate::nonconvex::query::frame::TreeSide;
 /// They are tested if all vertices tested before lie within rounding of its surface. Not measured.
 const MIDDLES: usize = 256;
 
-/// A mesh or a compound.
+/// A mesh, a compound or a cloud.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum PartsRef<'a> {
     /// A triangle mesh.
     Mesh(&'a Mesh),
     /// A compound.
     Pieces(&'a Compound),
+    /// A cloud.
+    Cloud(&'a Cloud),
 }
 
-/// A body of convex members under a tree: a [`Mesh`] or a [`Compound`].
+/// A body of convex members under a tree: a [`Mesh`], a [`Compound`] or a [`Cloud`].
 ///
-/// The members are the triangles of the mesh or the pieces of the compound. Points and directions
+/// The members are the triangles of the mesh, the pieces of the compound or the elements of the
+/// cloud. Points and directions
 /// are in stored units of the body. An item is the index of a member in the tree.
 pub(crate) trait Parted {
     /// Returns the body by its kind, for queries that meshes and compounds answer differently.
@@ -67,6 +73,13 @@ pub(crate) trait Parted {
     /// Returns whether the frames of all members equal the body's, so that no pose is composed.
     fn is_in_place(&self) -> bool;
 
+    /// Returns whether the frames of all members are shifted, never rotated.
+    ///
+    /// Then the pose of a member in the world is exact if the pose of the body is the identity.
+    fn is_shifted(&self) -> bool {
+        false
+    }
+
     /// Returns an upper bound of the support value of an item along a direction of any length.
     fn highest(&self, item: u32, n: &Vector3<f64>) -> f64;
 
@@ -91,6 +104,12 @@ pub(crate) trait Parted {
         }
     }
 
+    /// Computes upper bounds of the support values of some items, like [`highest`](Self::highest).
+    #[inline(always)]
+    fn heights(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) {
+        items.zip(to).for_each(|(item, to)| *to = self.highest(item, n));
+    }
+
     /// Returns the caller's index of an item.
     fn number(&self, item: u32) -> u32;
 
@@ -98,6 +117,13 @@ pub(crate) trait Parted {
     ///
     /// Returns `None` for a triangle that is too small, compared with its mesh, to be a body.
     fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
+
+    /// Returns the pose of an item whose shape is that of other items; `None` for other items.
+    ///
+    /// Items for which this is not `None` share the tracker of a pair: their features are alike.
+    fn shared_pose(&self, _: u32) -> Option<Isometry3<f64>> {
+        None
+    }
 
     /// Returns whether points inside belong to the body; false for open meshes.
     fn is_solid(&self) -> bool;
@@ -227,6 +253,7 @@ macro_rules! either {
         match *$parts {
             PartsRef::Mesh($body) => $result,
             PartsRef::Pieces($body) => $result,
+            PartsRef::Cloud($body) => $result,
         }
     };
 }
@@ -256,10 +283,13 @@ impl Parted for PartsRef<'_> {
         fn stored_unit(&self) -> f64;
         fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>);
         fn is_in_place(&self) -> bool;
+        fn is_shifted(&self) -> bool;
         fn highest(&self, item: u32, n: &Vector3<f64>) -> f64;
         fn peak(&self, item: u32, n: &Vector3<f64>) -> Top;
+        fn heights(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) -> ();
         fn number(&self, item: u32) -> u32;
         fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
+        fn shared_pose(&self, item: u32) -> Option<Isometry3<f64>>;
         fn is_solid(&self) -> bool;
         fn may_hold(&self) -> bool;
         fn probe_count(&self) -> usize;
@@ -280,8 +310,18 @@ pub(super) fn relative(pose: &RelativePose) -> Isometry3<f64> {
 /// Computes the poses of members from the pose of two bodies.
 pub(crate) struct Placed<'a> {
     pose: &'a RelativePose,
-    /// The pose of B in A's frame, if poses must be composed.
-    composed: Option<Isometry3<f64>>,
+    frames: MemberFrames,
+}
+
+/// How the poses of members follow from the poses of the bodies.
+enum MemberFrames {
+    /// The frames of all members are those of their bodies.
+    Bodies,
+    /// Members have the poses of their bodies, or shifted frames in a body whose frame is the
+    /// world: no pose is rounded.
+    World([Isometry3<f64>; 2]),
+    /// Poses are composed with the pose of B in A's frame.
+    Composed(Isometry3<f64>),
 }
 
 impl<'a> Placed<'a> {
@@ -289,22 +329,46 @@ impl<'a> Placed<'a> {
     ///
     /// `is_in_place` is true if the frames of all members of both bodies equal the bodies' frames.
     pub(crate) fn new(pose: &'a RelativePose, is_in_place: bool) -> Self {
-        let composed = (!is_in_place).then(|| relative(pose));
-        Self { pose, composed }
+        let frames = if is_in_place {
+            MemberFrames::Bodies
+        } else {
+            MemberFrames::Composed(relative(pose))
+        };
+        Self { pose, frames }
     }
 
     pub(super) fn of(pose: &'a RelativePose, a: &impl Parted, b: &impl Parted) -> Self {
+        let (pose_a, pose_b) = pose.poses();
+        let is_exact = |is_in_place: bool, is_shifted: bool, pose: &Isometry3<f64>| {
+            is_in_place || is_shifted && *pose == Isometry3::identity()
+        };
+        if (a.is_shifted() || b.is_shifted())
+            && is_exact(a.is_in_place(), a.is_shifted(), &pose_a)
+            && is_exact(b.is_in_place(), b.is_shifted(), &pose_b)
+        {
+            let frames = MemberFrames::World([pose_a, pose_b]);
+            return Self { pose, frames };
+        }
         Self::new(pose, a.is_in_place() && b.is_in_place())
     }
 
-    /// Returns the relative pose of two members, and whether it is the pose of the bodies without
-    /// rounding.
+    /// Returns the relative pose of two members, and whether it has no rounding error.
     pub(crate) fn between(&self, p: &Isometry3<f64>, q: &Isometry3<f64>) -> (RelativePose, bool) {
-        let Some(composed) = &self.composed else {
-            return (*self.pose, true);
-        };
-        let mut placed = composed * q;
-        placed.rotation = UnitQuaternion::new_normalize(placed.rotation.into_inner());
-        RelativePose::new(p, &placed).map_or((*self.pose, false), |pose| (pose, false))
+        match &self.frames {
+            MemberFrames::Bodies => (*self.pose, true),
+            MemberFrames::World(bodies) => {
+                // One of both is the identity.
+                let pick = |body: &Isometry3<f64>, own: &Isometry3<f64>| {
+                    if *body == Isometry3::identity() { *own } else { *body }
+                };
+                let placed = RelativePose::new(&pick(&bodies[0], p), &pick(&bodies[1], q));
+                placed.map_or((*self.pose, false), |pose| (pose, true))
+            }
+            MemberFrames::Composed(composed) => {
+                let mut placed = composed * q;
+                placed.rotation = UnitQuaternion::new_normalize(placed.rotation.into_inner());
+                RelativePose::new(p, &placed).map_or((*self.pose, false), |pose| (pose, false))
+            }
+        }
     }
 }

@@ -5,6 +5,7 @@
 use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::vec::Vec;
+use core::ops::Range;
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 
 use crate::base::callbacks::Watch;
@@ -494,7 +495,7 @@ impl<'de> serde::Deserialize<'de> for Compound {
 const TRACKERS: usize = 4;
 
 /// State of a pair: the front of the last answer, and a tracker for each pair of members that came
-/// near.
+/// near. All elements of a cloud with one shape share a tracker.
 ///
 /// Each body is a [`Compound`](crate::Compound) or a [`Mesh`](crate::Mesh); for two meshes a
 /// `MeshTracker` is faster. A convex body against a mesh is a compound of one piece: one leaf with
@@ -668,6 +669,8 @@ impl<'a, A: Parted, B: Parted> PartJudge<'a, A, B> {
 impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
     type Features = FeaturePair;
 
+    const MAY_BE_CLOUD: bool = true;
+
     fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64 {
         self.posed.a.highest(item, n)
     }
@@ -676,13 +679,25 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
         -self.posed.b.highest(item, &-n)
     }
 
+    fn heights_in_a(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) {
+        self.posed.a.heights(items, n, to);
+    }
+
+    fn heights_in_b(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) {
+        let count = items.len();
+        self.posed.b.heights(items, &-n, to);
+        to.iter_mut().take(count).for_each(|height| *height = -*height);
+    }
+
     fn shares_inside(&self, touching: &Touching, found: &Measured<FeaturePair>) -> (bool, u64) {
         self.posed.shares_inside(touching, found, false)
     }
 
     fn measure(&mut self, frame: &TreeFrame, pair: NodePair, _: f64) -> Measured<FeaturePair> {
         let (a, b) = (self.posed.a, self.posed.b);
-        if !self.near.contains_key(&pair) {
+        let shared = [a.shared_pose(pair[0]), b.shared_pose(pair[1])];
+        let key = [0, 1].each(|k: usize| if shared[k].is_some() { 0 } else { pair[k] });
+        if !self.near.contains_key(&key) {
             let (Some(p), Some(q)) = (a.part(pair[0]), b.part(pair[1])) else {
                 return self.unknown(frame, pair);
             };
@@ -690,12 +705,13 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
                 parts: [p, q],
                 tracker: ShapeTracker::new(),
             };
-            self.near.insert(pair, near);
+            self.near.insert(key, near);
         }
-        let Some(NearParts { parts, tracker }) = self.near.get_mut(&pair) else {
+        let Some(NearParts { parts, tracker }) = self.near.get_mut(&key) else {
             return self.unknown(frame, pair);
         };
         let [(p, at_p), (q, at_q)] = parts;
+        let (at_p, at_q) = (&shared[0].unwrap_or(*at_p), &shared[1].unwrap_or(*at_q));
         let (pose, exact) = self.placed.between(at_p, at_q);
         let mut o: Outcome = tracker.closest_or_class(p, q, &pose);
         if !exact && o.state == ContactState::Overlapping {

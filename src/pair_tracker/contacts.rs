@@ -73,6 +73,7 @@ pub(crate) fn patches_of(own: GeometryRef) -> Option<ConvexPatches> {
     match own.0 {
         Lent::Mesh(mesh) => Some(ConvexPatches::from_mesh(mesh.to_arc())),
         Lent::Compound(body) => Some(ConvexPatches::from_compound(body.to_arc())),
+        Lent::Cloud(cloud) => cloud.get().to_compound().ok().map(ConvexPatches::from_compound),
         Lent::Polyhedron(_) | Lent::Convex(_) => own.to_shape().map(|s| ConvexPatches::from((*s).clone())),
         #[cfg(feature = "surfaces")]
         Lent::BezierSurface(_) => None,

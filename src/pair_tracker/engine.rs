@@ -2,12 +2,13 @@
 //! the same manner.
 //!
 //! ```text
-//!              polyhedron   shape    compound    mesh        surface
-//! polyhedron   Polyhedra    Shapes   Pieces      Pieces      SurfaceAndShape
-//! shape                     Shapes   Pieces      Pieces      SurfaceAndShape
-//! compound                           Pieces      Meshes (1)  SurfaceAndPieces
-//! mesh                                           Meshes      Surfaces
-//! surface                                                    Surfaces
+//!              polyhedron   shape    compound    mesh        cloud    surface
+//! polyhedron   Polyhedra    Shapes   Pieces      Pieces      Pieces   SurfaceAndShape
+//! shape                     Shapes   Pieces      Pieces      Pieces   SurfaceAndShape
+//! compound                           Pieces      Meshes (1)  Pieces   SurfaceAndPieces
+//! mesh                                           Meshes      Pieces   Surfaces
+//! cloud                                                      Pieces   SurfaceAndPieces
+//! surface                                                             Surfaces
 //! ```
 //!
 //! A half-space in the pair: `HalfSpace`, without a tracker.

@@ -81,6 +81,7 @@ impl PieceEngine {
         let parts = |body: GeometryRef<'p>, stand_in: &'p Option<Arc<Compound>>| match body.0 {
             Lent::Compound(body) => Some(PartsRef::Pieces(body.get())),
             Lent::Mesh(mesh) => Some(PartsRef::Mesh(mesh.get())),
+            Lent::Cloud(cloud) => Some(PartsRef::Cloud(cloud.get())),
             _ => stand_in.as_deref().map(PartsRef::Pieces),
         };
         let [x, y] = &self.stand_ins;

@@ -30,7 +30,7 @@ pub(crate) struct SurfaceEngine {
 /// A surface and a convex shape.
 pub(super) type SurfaceShapeEngine = WithStandIns<SurfaceShapeTracker, Shape>;
 
-/// A surface and a compound, which is not converted.
+/// A surface and a compound, or a cloud that is converted to a compound.
 pub(super) type SurfacePieceEngine = WithStandIns<SurfaceCompoundTracker, Compound>;
 
 /// Returns the engine of a pair with a surface; `None` for any other pair.
@@ -40,6 +40,13 @@ pub(super) fn engine([a, b]: [GeometryRef<'_>; 2]) -> Option<Engine> {
         Lent::HalfSpace(_) => return None,
         Lent::BezierSurface(_) | Lent::Mesh(_) => Engine::Surfaces(Box::default()),
         Lent::Compound(_) => Engine::SurfaceAndPieces(Box::new(WithStandIns::new([None, None]))),
+        Lent::Cloud(_) => {
+            let pieces = |body: GeometryRef<'_>| match body.0 {
+                Lent::Cloud(cloud) => cloud.get().to_compound().ok().map(Arc::new),
+                _ => None,
+            };
+            Engine::SurfaceAndPieces(Box::new(WithStandIns::new([a, b].each(pieces))))
+        }
         Lent::Polyhedron(_) | Lent::Convex(_) => {
             let stand_ins = [a, b].each(GeometryRef::polyhedron_as_shape);
             Engine::SurfaceAndShape(Box::new(WithStandIns::new(stand_ins)))
@@ -104,10 +111,11 @@ impl SurfaceShapeEngine {
 
 impl SurfacePieceEngine {
     pub(super) fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> Option<LentPair<'p>> {
+        let [x, y] = &self.stand_ins;
         let (surface, other, order) = surface_first(bodies)?;
         Some(LentPair::SurfaceAndPieces(SurfaceSolidPair {
             surface,
-            body: other.compound()?,
+            body: other.compound().or(x.as_deref()).or(y.as_deref())?,
             order,
             tracker: &mut self.tracker,
         }))

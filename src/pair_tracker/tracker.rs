@@ -42,6 +42,7 @@ use nalgebra::{Unit, Vector3};
 /// | superquadric | `2e-13 L`; depths `2^-19 L` | ties count as within |
 /// | meshes, compounds whose pieces have no pose | `1e-13 L` | exact (`exact`), but for two ties |
 /// | compounds whose pieces have poses | `1.5e-13 L` | ties count as within |
+/// | a cloud | `1.5e-13 L` | ties count as within, see [`Cloud`](crate::Cloud) |
 /// | a half-space, and a body of another kind | `1e-13 L`, as the body | ties count as within |
 /// | a Bézier surface | as requested, or `2^-30` of the radii plus `2^-38 L` | may be undecided |
 ///

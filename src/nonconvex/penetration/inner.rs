@@ -117,6 +117,8 @@ pub(super) fn deepest<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -
         }
         (PartsRef::Mesh(a), PartsRef::Pieces(b)) => [b_in_a.in_mesh(a, 0.0), in_pieces(b, a, &a_in_b)],
         (PartsRef::Pieces(a), PartsRef::Mesh(b)) => [in_pieces(a, b, &b_in_a), a_in_b.in_mesh(b, 0.0)],
+        // The elements of a cloud come as a compound, if any is near.
+        (PartsRef::Cloud(_), _) | (_, PartsRef::Cloud(_)) => [None, None],
     };
     let in_b = in_b.map(|ProvenDepth { depth, way }| ProvenDepth {
         depth,
@@ -174,6 +176,7 @@ impl InnerPoints<'_> {
                     self.sink(outer, piece, body.stored_unit(), &mut found);
                 }
             }
+            PartsRef::Cloud(_) => {}
         }
         best
     }
@@ -338,6 +341,7 @@ fn wholes(body: PartsRef) -> Vec<(Shape, Isometry3<f64>)> {
             about(body, &(mesh.centroid().coords / mesh.unit()), size)
         }
         PartsRef::Pieces(body) => body.pieces().iter().map(|p| (p.shape.clone(), p.pose)).collect(),
+        PartsRef::Cloud(_) => Vec::new(),
     }
 }
 
@@ -376,6 +380,7 @@ fn about(body: PartsRef, place: &Vector3<f64>, reach: f64) -> Vec<(Shape, Isomet
             let pieces = body.pieces().iter().filter(holds);
             pieces.map(|p| (p.shape.clone(), p.pose)).collect()
         }
+        PartsRef::Cloud(_) => Vec::new(),
     }
 }
 
@@ -410,6 +415,7 @@ pub(super) fn deepest_middle<A: Parted, B: Parted>(a: &A, b: &B, pose: &Relative
             (Ok(a), Ok(b)) => of_meshes(&a, &b, pose),
             _ => (None, 0),
         },
+        (PartsRef::Cloud(_), _) | (_, PartsRef::Cloud(_)) => (None, 0),
     }
 }
 

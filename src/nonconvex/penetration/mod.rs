@@ -34,6 +34,8 @@
 mod cell;
 mod inner;
 
+use alloc::vec::Vec;
+
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 use crate::base::num::each::Each;
@@ -47,8 +49,9 @@ use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::mesh::tracker::MeshTracker;
 use crate::nonconvex::parts::relative;
 use crate::nonconvex::parts::{Parted, PartsRef};
-use crate::nonconvex::pieces::CompoundTracker;
+use crate::nonconvex::pieces::{Compound, CompoundTracker};
 use crate::nonconvex::query::state::PosedTrees;
+use crate::nonconvex::separation::ball_about;
 use crate::pair::outcome::ContactState;
 
 /// If the bounds differ by less than this part of the upper one, edges are not searched.
@@ -126,11 +129,14 @@ fn hull(body: PartsRef) -> Result<ConvexPolyhedron, BuildError> {
     match body {
         PartsRef::Mesh(mesh) => mesh.hull(),
         PartsRef::Pieces(pieces) => pieces.hull(),
+        PartsRef::Cloud(cloud) => cloud.hull(),
     }
 }
 
 struct PenetrationSearch<'a, A, B, Q> {
     bodies: Overlap<'a, A, B, Q>,
+    /// The corners of the boxes of both bodies; of clouds, with all elements.
+    boxes: [(Point3<f64>, Point3<f64>); 2],
     at: Isometry3<f64>,
     /// Bound of the rounding error of a translated pose.
     noise: f64,
@@ -164,8 +170,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
 
     /// Returns a translation that separates the bounding balls of the boxes.
     fn far(&self) -> Vector3<f64> {
-        let (low_a, high_a) = self.bodies.a.corners_of_box();
-        let (low_b, high_b) = self.bodies.b.corners_of_box();
+        let [(low_a, high_a), (low_b, high_b)] = self.boxes;
         let middle = |low: Point3<f64>, high: Point3<f64>| low + (high - low) * 0.5;
         let apart = self.at * middle(low_b, high_b) - middle(low_a, high_a);
         let length = sqrt(apart.norm_squared());
@@ -310,14 +315,19 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
 
 /// Returns the bounds, and the number of winding numbers computed in addition to the queries.
 ///
-/// Returns `None` if a body is an open mesh.
+/// `a` and `b` are the bodies, except that a cloud may be replaced by some of its elements:
+/// these prove lower bounds, and `query` measures the whole bodies. `boxes` and `noise` are of the
+/// whole bodies. Returns `None` if a body is an open mesh.
 fn bounds<A: Parted, B: Parted>(
     a: &A,
     b: &B,
+    (boxes, noise): WholeBodies,
     pose: &RelativePose,
     query: impl FnMut(&RelativePose) -> FoundAtPose,
 ) -> Option<(PenetrationBounds, u64)> {
-    let posed = PosedTrees::new(a, b, pose).filter(|_| a.is_solid() && b.is_solid())?;
+    if !(a.is_solid() && b.is_solid()) {
+        return None;
+    }
     let mut bodies = Overlap { a, b, query };
     if bodies.apart(pose).is_some() {
         let none = PenetrationBounds {
@@ -330,8 +340,9 @@ fn bounds<A: Parted, B: Parted>(
     }
     let search = PenetrationSearch {
         bodies,
+        boxes,
         at: relative(pose),
-        noise: 4.0 * posed.frame.error * a.stored_unit(),
+        noise,
         queries: 1,
         windings: 0,
         parted: None,
@@ -339,12 +350,42 @@ fn bounds<A: Parted, B: Parted>(
     Some(search.run(pose))
 }
 
+/// The corners of the boxes of two bodies, and a bound of the rounding error of a translated pose.
+type WholeBodies = ([(Point3<f64>, Point3<f64>); 2], f64);
+
+fn whole<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -> Option<WholeBodies> {
+    let posed = PosedTrees::new(a, b, pose)?;
+    let noise = 4.0 * posed.frame.error * a.stored_unit();
+    Some(([a.corners_of_box(), b.corners_of_box()], noise))
+}
+
+/// Largest number of elements of a cloud that are measured for a lower bound. Not measured.
+const NEAR_ELEMENTS: usize = 1024;
+
+/// Returns the elements of a cloud near the other body as a compound.
+///
+/// If there are too many, some of them are left out. Returns `None` if there is none, and if the
+/// body is no cloud. `other` is the other body's ball in the frame of the body.
+fn near_elements(body: PartsRef, other: (Point3<f64>, f64)) -> Option<Compound> {
+    let PartsRef::Cloud(cloud) = body else { return None };
+    let (centre, radius) = other;
+    let (scale, mut items) = (1.0 / cloud.stored_unit(), Vec::new());
+    let side = cloud.side();
+    side.tree.any_near(&(centre.coords * scale), radius * scale, |item| {
+        items.push(item);
+        false
+    });
+    let step = items.len().div_ceil(NEAR_ELEMENTS).max(1);
+    cloud.compound_of(items.into_iter().step_by(step)).ok()
+}
+
 impl MeshTracker {
     /// Returns bounds of the penetration depth of two solids; `None` if a mesh is open.
     ///
     /// See `PairTracker::penetration`.
     pub(crate) fn penetration(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Option<PenetrationBounds> {
-        let (found, windings) = bounds(a, b, a_from_b, |pose| {
+        let whole = whole(a, b, a_from_b)?;
+        let (found, windings) = bounds(a, b, whole, a_from_b, |pose| {
             let found = self.closest(a, b, pose);
             (found.state, found.lower, found.point_on_a)
         })?;
@@ -354,7 +395,7 @@ impl MeshTracker {
 }
 
 impl CompoundTracker {
-    /// Returns bounds of the penetration depth of two solids, meshes or compounds.
+    /// Returns bounds of the penetration depth of two solids: meshes, compounds or clouds.
     ///
     /// Returns `None` if a mesh is open. See `PairTracker::penetration`.
     pub(crate) fn penetration<A: Parted, B: Parted>(
@@ -363,7 +404,13 @@ impl CompoundTracker {
         b: &B,
         a_from_b: &RelativePose,
     ) -> Option<PenetrationBounds> {
-        let (found, windings) = bounds(a, b, a_from_b, |pose| {
+        let whole = whole(a, b, a_from_b)?;
+        let (at, balls) = (relative(a_from_b), whole.0.each(|(low, high)| ball_about(low, high)));
+        let of_a = near_elements(a.by_kind(), (at * balls[1].0, balls[1].1));
+        let of_b = near_elements(b.by_kind(), (at.inverse_transform_point(&balls[0].0), balls[0].1));
+        let near_a = of_a.as_ref().map_or(a.by_kind(), PartsRef::Pieces);
+        let near_b = of_b.as_ref().map_or(b.by_kind(), PartsRef::Pieces);
+        let (found, windings) = bounds(&near_a, &near_b, whole, a_from_b, |pose| {
             let found = self.closest(a, b, pose);
             (found.state, found.lower, found.point_on_a)
         })?;

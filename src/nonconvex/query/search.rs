@@ -20,7 +20,7 @@ use crate::nonconvex::front::{Front, NodePair};
 use crate::nonconvex::query::box_gaps::{BoundAim, BoxGaps, bounds};
 use crate::nonconvex::query::frame::{TreeFrame, split_pair};
 use crate::nonconvex::query::overlap::Touching;
-use crate::nonconvex::tree::{Below, LEAF, Tree, height, near_unit};
+use crate::nonconvex::tree::{Below, CLOUD_LEAF, LEAF, Tree, height, near_unit};
 
 /// Number of pairs taken off the stack at once.
 ///
@@ -45,6 +45,9 @@ pub(crate) trait Judge {
     /// Whether both trees and poses are the same: the items of a body against each other.
     const IS_SELF: bool = false;
 
+    /// Whether a body may be a cloud, whose leaves have up to [`CLOUD_LEAF`] items.
+    const MAY_BE_CLOUD: bool = false;
+
     /// Returns whether the query includes a pair of items.
     ///
     /// It includes all pairs, except if a body is queried against itself.
@@ -58,6 +61,18 @@ pub(crate) trait Judge {
 
     /// Returns the least `n . y` over an item of B, in B's stored frame.
     fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64;
+
+    /// Computes the greatest `n . x` over each of some items of A.
+    #[inline(always)]
+    fn heights_in_a(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) {
+        items.zip(to).for_each(|(item, to)| *to = self.highest_in_a(item, n));
+    }
+
+    /// Computes the least `n . y` over each of some items of B.
+    #[inline(always)]
+    fn heights_in_b(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) {
+        items.zip(to).for_each(|(item, to)| *to = self.lowest_in_b(item, n));
+    }
 
     /// Returns how many pairs needed a certified query of two polygons.
     fn settled(&self) -> u64 {
@@ -618,21 +633,23 @@ fn keep(list: &mut [SeedPair; AT_ONCE], new: SeedPair) {
 }
 
 /// Pairs of items of two leaves that are not proven yet.
-struct OpenLeafPair {
+///
+/// There are at most `M` items of A and `N` of B, and `M * N` is at most 64.
+struct OpenLeafPair<const M: usize, const N: usize> {
     of_a: Range<u32>,
     of_b: Range<u32>,
-    /// One bit per pair, four bits per item of A.
-    left: u32,
+    /// One bit per pair, `N` bits per item of A.
+    left: u64,
     /// The direction along which the least gap of all pairs is greatest, and this gap.
     best: Option<(Vector3<f64>, f64)>,
     /// Lower bound over the pairs that are proven.
     proven: f64,
 }
 
-impl OpenLeafPair {
+impl<const M: usize, const N: usize> OpenLeafPair<M, N> {
     fn new(of_a: Range<u32>, of_b: Range<u32>) -> Self {
-        let row = (1 << of_b.len()) - 1;
-        let left = (0..of_a.len()).fold(0, |bits, x| bits | row << (4 * x));
+        let row: u64 = (1 << of_b.len()) - 1;
+        let left = (0..of_a.len()).fold(0, |bits, x| bits | row << (N * x));
         Self {
             of_a,
             of_b,
@@ -653,16 +670,22 @@ impl OpenLeafPair {
     /// Removes the pairs that the query does not include.
     fn only_asked<J: Judge>(&mut self, judge: &J) {
         for bit in bits(self.left) {
-            if !judge.is_asked([self.of_a.start + bit / 4, self.of_b.start + bit % 4]) {
+            if !judge.is_asked(self.pair(bit)) {
                 self.left &= !(1 << bit);
             }
         }
+    }
+
+    /// Returns the items of a bit.
+    #[inline(always)]
+    fn pair(&self, bit: u32) -> NodePair {
+        [self.of_a.start + bit / N as u32, self.of_b.start + bit % N as u32]
     }
 }
 
 /// Returns the indices of the bits that are set.
 #[inline(always)]
-fn bits(mut left: u32) -> impl Iterator<Item = u32> {
+fn bits(mut left: u64) -> impl Iterator<Item = u32> {
     core::iter::from_fn(move || {
         let bit = (left != 0).then(|| left.trailing_zeros())?;
         left &= left - 1;
@@ -680,7 +703,50 @@ impl<J: Judge> TreeSearch<'_, J> {
         let (Below::Leaf(i, m), Below::Leaf(j, n)) = (self.a.below(pair[0]), self.b.below(pair[1])) else {
             return GapProof::none(normal);
         };
-        let mut open = OpenLeafPair::new(i..i + m, j..j + n);
+        let (of_a, of_b) = (i..i + m, j..j + n);
+        if J::MAY_BE_CLOUD && n as usize > LEAF {
+            return if m as usize > LEAF {
+                self.judge_wide_leaves(of_a, of_b, normal)
+            } else {
+                self.judge_items::<LEAF, CLOUD_LEAF>(of_a, of_b, normal)
+            };
+        }
+        if J::MAY_BE_CLOUD && m as usize > LEAF {
+            return self.judge_items::<CLOUD_LEAF, LEAF>(of_a, of_b, normal);
+        }
+        self.judge_items::<LEAF, LEAF>(of_a, of_b, normal)
+    }
+
+    /// Tests all items of two leaves of clouds, a few items of A at a time.
+    fn judge_wide_leaves(&mut self, of_a: Range<u32>, of_b: Range<u32>, normal: [f32; 3]) -> GapProof {
+        let mut worst = GapProof { normal, gap: f32::MAX };
+        for first in of_a.clone().step_by(LEAF) {
+            let few = first..of_a.end.min(first + LEAF as u32);
+            let proof = self.judge_items::<LEAF, CLOUD_LEAF>(few, of_b.clone(), normal);
+            if proof.gap < worst.gap {
+                worst = proof;
+            }
+            if self.is_over() {
+                return GapProof::none(normal);
+            }
+        }
+        // The proofs have different directions, but an entry of the front has one.
+        let Some(n) = self.own_direction(worst.normal) else {
+            return GapProof::none(normal);
+        };
+        let gap = self.lowest(of_b, &n) + n.lift - 2.0 * self.frame.error - self.highest(of_a, &n);
+        self.proof(&n.in_a, gap)
+    }
+
+    /// Tests pairs of items: first along directions, then by measuring them.
+    #[inline(always)]
+    fn judge_items<const M: usize, const N: usize>(
+        &mut self,
+        of_a: Range<u32>,
+        of_b: Range<u32>,
+        normal: [f32; 3],
+    ) -> GapProof {
+        let mut open = OpenLeafPair::<M, N>::new(of_a, of_b);
         if J::IS_SELF {
             open.only_asked(&self.judge);
         }
@@ -699,7 +765,7 @@ impl<J: Judge> TreeSearch<'_, J> {
         while open.left != 0 && !self.is_over() {
             let bit = open.left.trailing_zeros();
             open.left &= open.left - 1;
-            let (n, lower) = self.measure([i + bit / 4, j + bit % 4]);
+            let (n, lower) = self.measure(open.pair(bit));
             open.prove::<J>(lower);
             self.along(&mut open, &TriedDirection::new(self.frame, &n));
         }
@@ -716,18 +782,18 @@ impl<J: Judge> TreeSearch<'_, J> {
 
     /// Removes the pairs of items that a direction proves.
     #[inline(always)]
-    fn along(&mut self, open: &mut OpenLeafPair, n: &TriedDirection) {
-        let (i, j) = (open.of_a.start, open.of_b.start);
+    fn along<const M: usize, const N: usize>(&mut self, open: &mut OpenLeafPair<M, N>, n: &TriedDirection) {
         let lift = n.lift - self.frame.error;
-        let (mut high, mut low) = ([f64::NEG_INFINITY; LEAF], [f64::INFINITY; LEAF]);
+        let (mut high, mut low) = ([f64::NEG_INFINITY; M], [f64::INFINITY; N]);
         let (mut top, mut bottom) = (f64::NEG_INFINITY, f64::INFINITY);
-        for (item, to) in open.of_a.clone().zip(&mut high) {
-            *to = self.judge.highest_in_a(item, &n.in_a);
-            top = top.at_least(*to);
+        self.judge.heights_in_a(open.of_a.clone(), &n.in_a, &mut high);
+        for high in &high[..open.of_a.len()] {
+            top = top.at_least(*high);
         }
-        for (item, to) in open.of_b.clone().zip(&mut low) {
-            *to = self.judge.lowest_in_b(item, &n.in_b) + lift;
-            bottom = bottom.at_most(*to);
+        self.judge.heights_in_b(open.of_b.clone(), &n.in_b, &mut low);
+        for low in &mut low[..open.of_b.len()] {
+            *low += lift;
+            bottom = bottom.at_most(*low);
         }
         let least = bottom - top;
         if least > self.frame.tie && self.passes(least) {
@@ -735,12 +801,12 @@ impl<J: Judge> TreeSearch<'_, J> {
             open.prove::<J>(least);
         } else {
             for bit in bits(open.left) {
-                let gap = low[bit as usize % LEAF] - high[bit as usize / LEAF];
+                let gap = low[bit as usize % N] - high[bit as usize / N];
                 if self.passes(gap) {
                     open.left &= !(1 << bit);
                     open.prove::<J>(gap);
                     if gap <= self.frame.tie {
-                        self.touching.push([i + bit / 4, j + bit % 4]);
+                        self.touching.push(open.pair(bit));
                     }
                 }
             }

@@ -1,22 +1,26 @@
 //! The queries of two meshes or compounds at a pose, and the state between queries.
 
+use alloc::vec::Vec;
+
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::base::motion::BallAtPose;
 use crate::base::num::Counter;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
+use crate::base::num::scalar::sqrt;
 use crate::base::pose::{Operand, RelativePose};
+use crate::base::tolerance::UNIT;
 use crate::nonconvex::front::NodePair;
 use crate::nonconvex::front::memory::FrontMemory;
 use crate::nonconvex::parts::Parted;
-#[cfg(feature = "exact")]
 use crate::nonconvex::parts::PartsRef;
 #[cfg(feature = "exact")]
 use crate::nonconvex::query::exact::PointSide;
 use crate::nonconvex::query::frame::{TreeFrame, TreeMoves, TreeSide};
 use crate::nonconvex::query::overlap::Touching;
 use crate::nonconvex::query::search::{Judge, Measured, MeshGoal, TreeSearch};
+use crate::nonconvex::tree::Below;
 use crate::pair::location::{PairOutcome, WitnessLocation, features_on};
 use crate::pair::outcome::{ContactState, Outcome};
 
@@ -136,12 +140,21 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
             if self.a.may_hold() { of_a } else { 0 },
             if self.b.may_hold() { of_b } else { 0 },
         );
+        let to_a = |p: &Vector3<f64>| self.frame.point(p);
+        let few_of_b = deciding_items(self.a.by_kind(), self.b.by_kind(), to_a, 1.0 / ratio, error);
+        let to_b = |p: &Vector3<f64>| self.back(p);
+        let few_of_a = deciding_items(self.b.by_kind(), self.a.by_kind(), to_b, ratio, error * ratio);
+        let of_a = few_of_b.as_ref().map_or(of_a, Vec::len);
+        let of_b = few_of_a.as_ref().map_or(of_b, Vec::len);
         let by_integers = |of, k| if lower > 0.0 { self.held_exactly(of, k) } else { None };
+        let pick = |few: &Option<Vec<usize>>, k: usize| few.as_ref().map_or(k, |few| few[k]);
         let probes_of_b = (0..of_a).map(|k| {
+            let k = pick(&few_of_b, k);
             let held = probes(self.b, k).find_map(in_a);
             held.or_else(|| by_integers(Operand::B, k))
         });
         let probes_of_a = (0..of_b).map(|k| {
+            let k = pick(&few_of_a, k);
             let held = probes(self.a, k).find_map(in_b);
             held.or_else(|| by_integers(Operand::A, k))
         });
@@ -220,6 +233,47 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
             normal: Unit::new_unchecked(normal),
         }
     }
+}
+
+/// Returns the elements of a cloud that decide whether a solid mesh contains any element.
+///
+/// All elements of a node are on the side of one of them if the surface of the mesh does not meet
+/// the node's ball. `place` maps points from the stored frame of the cloud to that of the mesh,
+/// with an error of at most `error`; `scale` is one stored unit of the cloud in those of the mesh.
+/// Returns `None` for other bodies, whose components are tested one by one.
+fn deciding_items(
+    outer: PartsRef,
+    inner: PartsRef,
+    place: impl Fn(&Vector3<f64>) -> Vector3<f64>,
+    scale: f64,
+    error: f64,
+) -> Option<Vec<usize>> {
+    let (PartsRef::Mesh(mesh), PartsRef::Cloud(cloud)) = (outer, inner) else {
+        return None;
+    };
+    let (tree, mut items) = (cloud.side().tree, Vec::new());
+    if !mesh.may_hold() {
+        return Some(items);
+    }
+    let mut stack = alloc::vec![0];
+    while let Some(node) = stack.pop() {
+        let b = &tree.boxes[node as usize];
+        let centre = place(&(tree.centre + b.centre() * tree.unit()));
+        // Twice the error of the map, and as much again for rounding here.
+        let radius = f64::from(b.radius()) * tree.unit() * scale + 4.0 * error;
+        let is_outside = |k: usize| centre[k] - radius > mesh.high[k] || centre[k] + radius < mesh.low[k];
+        if (0..3).any(is_outside) {
+            continue;
+        }
+        let is_on_one_side = sqrt(mesh.nearest_beyond(&centre, radius).square) > radius * (1.0 + 16.0 * UNIT);
+        match tree.below(node) {
+            Below::Leaf(first, 1) => items.push(first as usize),
+            _ if is_on_one_side => items.push(tree.range(node).start as usize),
+            Below::Children(c) => stack.extend([c, c + 1]),
+            Below::Leaf(first, count) => items.extend(first as usize..(first + count) as usize),
+        }
+    }
+    Some(items)
 }
 
 /// Returns points of a connected component, to be tested until one decides the side of the

@@ -623,21 +623,21 @@ fn double(x: f32x8) -> f64x8 {
 }
 
 /// Three axes in single precision, stored by axis and by coordinate.
-struct BoxAxes {
-    rows: [[f32; 3]; 3],
+pub(super) struct BoxAxes {
+    pub(super) rows: [[f32; 3]; 3],
     columns: [f32x4; 3],
 }
 
 impl BoxAxes {
     #[inline(always)]
-    fn new(rows: [[f32; 3]; 3]) -> Self {
+    pub(super) fn new(rows: [[f32; 3]; 3]) -> Self {
         let columns = [0, 1, 2].each(|k| f32x4::new([rows[0][k], rows[1][k], rows[2][k], 0.0]));
         Self { rows, columns }
     }
 
     /// Returns the heights of a point along the axes.
     #[inline(always)]
-    fn heights(&self, point: f32x4) -> f32x4 {
+    pub(super) fn heights(&self, point: f32x4) -> f32x4 {
         let [x, y, z, _] = point.to_array().each(f32x4::splat);
         self.columns[0] * x + self.columns[1] * y + self.columns[2] * z
     }
@@ -653,7 +653,7 @@ impl BoxAxes {
     /// `|p|^2 = s . G s <= (1 + 3 e) |s|^2`. The last factors cover the rounding of the sums of
     /// positive numbers.
     #[inline(always)]
-    fn fitted(&self, low: f32x4, high: f32x4, slack: f32) -> OrientedBox {
+    pub(super) fn fitted(&self, low: f32x4, high: f32x4, slack: f32) -> OrientedBox {
         let up = 1.0 + 8.0 * f32::EPSILON;
         let [p, q, r, _] = ((low + high) * f32x4::splat(0.5)).to_array();
         let rows = &self.rows;

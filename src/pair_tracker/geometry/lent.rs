@@ -12,7 +12,7 @@ use crate::body::shape::{Core, Shape};
 use crate::convex::contact::HalfSpace;
 use crate::half_space::{Above, HalfSpacePair};
 #[cfg(feature = "meshes")]
-use crate::nonconvex::{mesh::Mesh, parts::PartsRef, pieces::Compound};
+use crate::nonconvex::{cloud::Cloud, mesh::Mesh, parts::PartsRef, pieces::Compound};
 #[cfg(feature = "surfaces")]
 use crate::surface::BezierSurface;
 
@@ -32,6 +32,8 @@ pub(crate) enum Lent<'a> {
     Compound(LentBody<'a, Compound>),
     #[cfg(feature = "meshes")]
     Mesh(LentBody<'a, Mesh>),
+    #[cfg(feature = "meshes")]
+    Cloud(LentBody<'a, Cloud>),
     #[cfg(feature = "surfaces")]
     BezierSurface(LentBody<'a, BezierSurface>),
     HalfSpace(LentBody<'a, HalfSpace>),
@@ -153,6 +155,8 @@ impl<'a> GeometryRef<'a> {
             Lent::Compound(body) => Above::Parts(PartsRef::Pieces(body.get())),
             #[cfg(feature = "meshes")]
             Lent::Mesh(mesh) => Above::Parts(PartsRef::Mesh(mesh.get())),
+            #[cfg(feature = "meshes")]
+            Lent::Cloud(cloud) => Above::Parts(PartsRef::Cloud(cloud.get())),
             #[cfg(feature = "surfaces")]
             Lent::BezierSurface(surface) => Above::Surface(surface.get()),
             Lent::HalfSpace(other) => Above::HalfSpace(other.get()),
@@ -168,7 +172,7 @@ impl<'a> GeometryRef<'a> {
         }
     }
 
-    /// Returns a convex geometry as a shape to keep; `None` for a compound, mesh or surface.
+    /// Returns a convex geometry as a shape to keep; `None` for a compound, mesh, cloud or surface.
     pub(crate) fn to_shape(self) -> Option<Arc<Shape>> {
         match self.0 {
             Lent::Convex(shape) => Some(shape.to_arc()),
@@ -258,6 +262,8 @@ lend!(Polyhedron, ConvexPolyhedron);
 lend!(Compound, Compound);
 #[cfg(feature = "meshes")]
 lend!(Mesh, Mesh);
+#[cfg(feature = "meshes")]
+lend!(Cloud, Cloud);
 #[cfg(feature = "surfaces")]
 lend!(BezierSurface, BezierSurface);
 lend!(HalfSpace, HalfSpace);

@@ -12,6 +12,8 @@ use crate::body::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::body::shape::{Core, Shape};
 use crate::convex::contact::HalfSpace;
 #[cfg(feature = "meshes")]
+use crate::nonconvex::cloud::Cloud;
+#[cfg(feature = "meshes")]
 use crate::nonconvex::mesh::Mesh;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::pieces::Compound;
@@ -33,6 +35,8 @@ macro_rules! match_kind {
             $all::Compound($body) => $result,
             #[cfg(feature = "meshes")]
             $all::Mesh($body) => $result,
+            #[cfg(feature = "meshes")]
+            $all::Cloud($body) => $result,
             #[cfg(feature = "surfaces")]
             $all::BezierSurface($body) => $result,
             $all::HalfSpace($body) => $result,
@@ -50,13 +54,13 @@ use match_kind;
 /// | pair | queries that it cannot answer |
 /// |---|---|
 /// | two convex shapes, polyhedra included | none |
-/// | a compound or a mesh, with a compound, a mesh or a convex shape | depths |
+/// | a compound, a mesh or a cloud, with any of these or a convex shape | depths |
 /// | a surface, with any other geometry but a half-space | depths, `manifold` |
 /// | a half-space, with any other geometry | none |
 ///
-/// Depths are the queries `depth` and `local_depth`. For a pair with a compound or mesh, the query
-/// `manifold` fills [`PairResults::contacts`](crate::scene::PairResults::contacts). Overlaps of
-/// such a pair have the distance 0.
+/// Depths are the queries `depth` and `local_depth`. For a pair with a compound, mesh or cloud, the
+/// query `manifold` fills [`PairResults::contacts`](crate::scene::PairResults::contacts).
+/// Overlaps of such a pair have the distance 0.
 ///
 /// A scene rejects a call that would make a pair with a query that the pair cannot answer, with
 /// [`SceneError::Unanswered`](crate::scene::SceneError::Unanswered). Such calls are: insert a body,
@@ -64,8 +68,9 @@ use match_kind;
 ///
 /// Pairs of two kinds convert one of the bodies, once, when the boxes meet:
 ///
-/// - a convex shape against a compound or mesh becomes a compound of one piece, a single leaf with
-///   support points;
+/// - a convex shape against a compound, mesh or cloud becomes a compound of one piece, a single
+///   leaf with support points;
+/// - a cloud against a surface, and for contacts, becomes a compound with a piece per point;
 /// - a compound of polyhedra against a mesh becomes the mesh of its surface;
 /// - a mesh against a surface becomes its triangles as flat patches, and its inside if it is
 ///   closed.
@@ -119,6 +124,9 @@ pub enum Geometry {
     /// A mesh of triangles.
     #[cfg(feature = "meshes")]
     Mesh(Arc<Mesh>),
+    /// One convex element at many points.
+    #[cfg(feature = "meshes")]
+    Cloud(Arc<Cloud>),
     /// A surface of Bézier patches, without an inside.
     #[cfg(feature = "surfaces")]
     BezierSurface(Arc<BezierSurface>),
@@ -164,7 +172,7 @@ impl Geometry {
     /// Returns the axis-aligned box of the shape at a pose, rounded outward: minimum and maximum
     /// corner.
     ///
-    /// The box of a compound or a mesh is the box of its rotated bounding box. The box of a
+    /// The box of a compound, a mesh or a cloud is the box of its rotated bounding box. The box of a
     /// half-space is infinite on all sides, except the outer side if the normal is along an axis.
     #[inline]
     #[must_use]
@@ -200,6 +208,8 @@ of_body!(Polyhedron, ConvexPolyhedron);
 of_body!(Compound, Compound);
 #[cfg(feature = "meshes")]
 of_body!(Mesh, Mesh);
+#[cfg(feature = "meshes")]
+of_body!(Cloud, Cloud);
 #[cfg(feature = "surfaces")]
 of_body!(BezierSurface, BezierSurface);
 of_body!(HalfSpace, HalfSpace);
@@ -253,6 +263,8 @@ pub enum GeometryKind {
     Compound,
     /// A mesh of triangles.
     Mesh,
+    /// One convex element at many points.
+    Cloud,
     /// A surface of Bézier patches.
     BezierSurface,
     /// A half-space.
@@ -268,6 +280,7 @@ impl core::fmt::Display for GeometryKind {
             Self::Curved => "curved shape",
             Self::Compound => "compound",
             Self::Mesh => "mesh",
+            Self::Cloud => "cloud",
             Self::BezierSurface => "Bézier surface",
             Self::HalfSpace => "half-space",
         })

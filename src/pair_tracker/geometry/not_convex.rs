@@ -1,4 +1,4 @@
-//! Box, ball and kind of compounds, meshes and surfaces.
+//! Box, ball and kind of compounds, meshes, clouds and surfaces.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -6,7 +6,9 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::rotation_matrix;
 use crate::base::tolerance::BOX_TURNED;
 use crate::body::polyhedron::BoxHint;
+use crate::nonconvex::cloud::Cloud;
 use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::parts::Parted;
 use crate::nonconvex::pieces::Compound;
 use crate::nonconvex::separation::ball_about;
 use crate::pair_tracker::geometry::{GeometryKind, OfKind};
@@ -45,6 +47,25 @@ impl OfKind for Mesh {
     fn bounding_ball(&self) -> (Point3<f64>, f64) {
         let (low, high) = self.aabb();
         ball_about(low, high)
+    }
+
+    fn aabb_at(&self, pose: &Isometry3<f64>, _: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
+        let (low, high) = self.aabb();
+        turned_box(low, high, pose)
+    }
+}
+
+impl OfKind for Cloud {
+    fn kind(&self) -> GeometryKind {
+        GeometryKind::Cloud
+    }
+
+    fn fingerprint(&self) -> Fingerprint {
+        Parted::fingerprint(self)
+    }
+
+    fn bounding_ball(&self) -> (Point3<f64>, f64) {
+        self.bounding_ball()
     }
 
     fn aabb_at(&self, pose: &Isometry3<f64>, _: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {

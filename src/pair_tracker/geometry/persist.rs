@@ -8,7 +8,7 @@ use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Shape;
 use crate::convex::contact::HalfSpace;
 #[cfg(feature = "meshes")]
-use crate::nonconvex::{mesh::Mesh, pieces::Compound};
+use crate::nonconvex::{cloud::Cloud, mesh::Mesh, pieces::Compound};
 #[cfg(feature = "surfaces")]
 use crate::surface::BezierSurface;
 
@@ -25,6 +25,8 @@ pub(super) enum StoredGeometry {
     #[cfg(feature = "surfaces")]
     BezierSurface(Box<BezierSurface>),
     HalfSpace(Box<HalfSpace>),
+    #[cfg(feature = "meshes")]
+    Cloud(Box<Cloud>),
 }
 
 impl From<StoredGeometry> for Geometry {
@@ -45,7 +47,7 @@ macro_rules! stored {
 
 stored!(Polyhedron: ConvexPolyhedron, Convex: Shape);
 #[cfg(feature = "meshes")]
-stored!(Compound: Compound, Mesh: Mesh);
+stored!(Compound: Compound, Mesh: Mesh, Cloud: Cloud);
 #[cfg(feature = "surfaces")]
 stored!(BezierSurface: BezierSurface);
 stored!(HalfSpace: HalfSpace);
