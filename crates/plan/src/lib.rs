@@ -134,6 +134,8 @@
 
 mod arm;
 mod ascent;
+mod attached;
+mod changes;
 mod checker;
 mod clearance;
 mod error;
@@ -141,9 +143,12 @@ mod extremes;
 mod free;
 mod freeway;
 mod links;
+mod names;
 mod opportunistic;
 mod pairs;
 mod path;
+#[cfg(feature = "serde")]
+mod persist;
 mod random;
 mod rigid;
 mod roadmap;
@@ -160,6 +165,7 @@ pub use checker::{Checker, PairProof};
 pub use clearance::{NearPair, SegmentClearance};
 pub use error::PlanError;
 pub use freeway::FreewayEnd;
+pub use names::nearest_name;
 pub use opportunistic::{Plan, PlanOptions, PlanWork};
 pub use path::Path;
 pub use rigid::{PlanarSpace, RigidSpace, TranslationSpace};
@@ -168,7 +174,7 @@ pub use space::{BodyMotion, ConfigurationSpace, SegmentMotion};
 pub use tree::{Drive, JointTree, TreeJoint};
 pub use tree_motion::TreeSegment;
 pub use verdict::{CheckWork, Verdict};
-pub use world::{World, WorldId, WorldPair};
+pub use world::{AttachedObject, Named, Select, World, WorldId, WorldPair};
 
 /// Runs the README as a test.
 #[doc = include_str!("../README.md")]

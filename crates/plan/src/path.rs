@@ -32,7 +32,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 return Ok((k, verdict));
             }
         }
-        let clearance = self.margin();
+        let clearance = self.pairs.least_kept;
         Ok((0, Verdict::Free { clearance }))
     }
 
@@ -42,7 +42,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// position on the segment at the same time. Examples are a spline between the ends, and the
     /// segment with a tracking error. The margin of the checker holds inside the tube.
     ///
-    /// `Blocked` and `Unknown` mean that a pair comes within the sum of margin and radius. A free
+    /// `Blocked` and `Undecided` mean that a pair comes within the sum of margin and radius. A free
     /// motion may still exist in such a tube. For a pair of two robot bodies the radius counts
     /// twice, and so it does for all pairs of a robot with such pairs.
     ///
@@ -55,19 +55,11 @@ impl<C: ConfigurationSpace> Checker<C> {
                 value: radius,
             });
         }
-        let margin = self.margin();
-        let moving = if self.pairs.own < self.pairs.all.len() {
-            2.0
-        } else {
-            1.0
-        };
-        self.set_margin((margin + moving * radius).next_up())?;
+        let moving = if self.pairs.own.is_empty() { 1.0 } else { 2.0 };
+        self.tube = moving * radius;
         let verdict = self.certify(from, to);
-        self.set_margin(margin)?;
-        Ok(match verdict? {
-            Verdict::Free { .. } => Verdict::Free { clearance: margin },
-            other => other,
-        })
+        self.tube = 0.0;
+        verdict
     }
 
     /// Returns the length of a path, the sum of [`ConfigurationSpace::distance`].
@@ -171,13 +163,14 @@ impl<C: ConfigurationSpace> Checker<C> {
             return Ok(());
         };
         let short = clearance - near.distance;
-        let square: f64 = near.gradient.iter().map(|g| g * g).sum();
+        let slope = near.scaled_gradient(self.space.scales());
+        let square: f64 = slope.iter().map(|g| g * g).sum();
         if !(short > 0.0) || square == 0.0 {
             return Ok(());
         }
         let mut way = short.smaller(0.5 * longest);
         for _ in 0..4 {
-            let parts = near.gradient.iter().zip(self.space.scales());
+            let parts = slope.iter().zip(self.space.scales());
             let step: Vec<f64> = parts.map(|(g, s)| g * way / (square * s)).collect();
             let moved = self.space.moved(&path[k], &step);
             let is_better = self.clearance(&moved)?.is_some_and(|n| n.distance > near.distance);

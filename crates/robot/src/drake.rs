@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use crate::error::{FileError, FileErrorKind};
 use crate::groups::nested;
-use crate::names::nearest;
+use lin_canny_plan::nearest_name as nearest;
 use crate::xml::{Xml, attribute};
 
 /// Elements of Drake without geometry or kinematics.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use crate::names::nearest;
+use lin_canny_plan::nearest_name as nearest;
 use crate::text;
 
 /// Error of a file: the file, the line, the element and the reason.

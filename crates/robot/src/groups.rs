@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use roxmltree::Node;
 
 use crate::error::{FileError, FileErrorKind, Skipped};
-use crate::names::nearest;
+use lin_canny_plan::nearest_name as nearest;
 use crate::robot::{MotionKind, Robot};
 use crate::srdf::Srdf;
 use crate::turn::{from_xyzw, to_roll_pitch_yaw};

@@ -179,7 +179,6 @@ mod ignorable;
 mod link_tree;
 mod mesh_file;
 mod mjcf;
-mod names;
 mod options;
 mod packages;
 mod recorder;

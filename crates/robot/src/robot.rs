@@ -7,7 +7,7 @@ use lin_canny::{Geometry, HullFit};
 use lin_canny_plan::Drive;
 
 use crate::error::{FileError, FileErrorKind, Skipped};
-use crate::names::nearest;
+use lin_canny_plan::nearest_name as nearest;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::xml::Xml;

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::groups::{self, GroupState, JointGroup, VirtualJoint};
-use crate::names::nearest;
+use lin_canny_plan::nearest_name as nearest;
 use crate::robot::Robot;
 use crate::xml::{Xml, attribute};
 

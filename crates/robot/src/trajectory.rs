@@ -4,7 +4,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 use crate::error::{FileError, FileErrorKind};
-use crate::names::nearest;
+use lin_canny_plan::nearest_name as nearest;
 use crate::robot::Coordinate;
 use crate::text::check_content;
 

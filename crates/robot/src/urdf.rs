@@ -11,7 +11,7 @@ use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::geometry::{self, MeshUse, Solid};
 use crate::link_tree::{FileJoint, Follows, LinkTree};
 use crate::mesh_file::MeshPlacing;
-use crate::names::nearest;
+use lin_canny_plan::nearest_name as nearest;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::robot::{LinkBody, MotionKind, Robot, RobotLink, adjacent_by_joints};

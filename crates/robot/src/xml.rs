@@ -12,7 +12,7 @@ use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::error::{FileError, FileErrorKind, Place};
-use crate::names::nearest;
+use lin_canny_plan::nearest_name as nearest;
 use crate::text::check_content;
 use crate::turn::{from_xyzw, roll_pitch_yaw};
 

@@ -3,6 +3,7 @@
 
 mod arm;
 mod certify;
+mod changes;
 mod far;
 mod forget;
 mod free;

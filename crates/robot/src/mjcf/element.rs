@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use roxmltree::Node;
 
 use crate::error::{FileError, FileErrorKind, Place, Skipped};
-use crate::names::nearest;
+use lin_canny_plan::nearest_name as nearest;
 use crate::xml::Xml;
 
 /// Maximum depth of nested elements, those of included files counted with the file.

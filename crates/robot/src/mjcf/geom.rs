@@ -11,7 +11,7 @@ use super::settings::{Classes, Compiler, Settings, check, segment};
 use crate::error::{FileError, FileErrorKind, Place};
 use crate::geometry::{self, MeshUse, Solid};
 use crate::mesh_file::{MeshPlacing, Soup};
-use crate::names::nearest;
+use lin_canny_plan::nearest_name as nearest;
 use crate::options::LoadOptions;
 use crate::robot::LinkBody;
 use crate::turn::from_xyzw;

@@ -13,7 +13,7 @@ use lin_canny::nalgebra::Isometry3;
 use lin_canny::normalize_rotation;
 
 use crate::error::{FileError, FileErrorKind, Place};
-use crate::names::nearest;
+use lin_canny_plan::nearest_name as nearest;
 use crate::xml::EXTENT_MAX;
 
 /// The frame of the world, which has the scope of the same number.
