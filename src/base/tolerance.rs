@@ -549,6 +549,17 @@ pub(crate) const PLANE: f64 = 64.0 * UNIT;
 /// turned into the world, is longer than one by less than 4.
 pub(crate) const TILT: f64 = 8.0 * UNIT;
 
+/// Distance, in units of the pair size, by which a pair in contact at the start of a cast may come
+/// closer: `2^-30`. It must exceed the rounding of a cast, about `PLANE`, by far, because a cast
+/// proves no gap that is smaller than its rounding. It is less than any contact that matters.
+pub(crate) const START_CONTACT: f64 = 1.0 / 1_073_741_824.0;
+
+/// Error of the pose and of the pivot of a body whose frame is translated, in units of the 1-norms
+/// of its translation, of its pivot and of the translation of the frame: the rotated vector errs by
+/// 24 UNIT of the last, which is far shorter than the others, the sum of the translations by UNIT
+/// twice (at the start and at the end of a bound), the pivot by UNIT.
+pub(crate) const TRANSLATED: f64 = 32.0 * UNIT;
+
 /// Error of the coefficients of a cubic that is cut four times: each cut is three rounds of two
 /// products and a sum, 3 UNIT each, so 36 UNIT of the largest.
 pub(crate) const BERNSTEIN: f64 = 64.0 * UNIT;

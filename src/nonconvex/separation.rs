@@ -10,16 +10,20 @@
 //! the centre of a ball of radius rho around the node of Q, and `g` the gap of the two nodes along
 //! n at the start. Let `wP` and `wQ` be the angular velocities of a [`PairMotion`], `D` the vector
 //! from P's pivot to c, and `a` the arm of c about Q's pivot. Let `V` be the velocity of c minus
-//! the velocity of P's pivot. In time s the height of c above P's pivot along n changes by at least
+//! the velocity of P's pivot, and `e = |wP x n|`. In time s the height of c above P's pivot along n
+//! changes by at least
 //!
-//! `s ((wP x n) . D + n . V) - s^2 / 2 (|wP|^2 |D| + 2 |wP| |V| + |acceleration| + |wQ|^2 |a|)`
+//! `s ((wP x n) . D + n . V)`
 //!
-//! within a horizon over which the lengths in the last term are bounded. The height of P's node
-//! above its pivot does not change, and that of Q's node above c changes by at most `rho |wP - wQ|
-//! s`. So each pair of nodes has a separate time, which is long if the bodies move perpendicular to
-//! its direction. Take any set of pairs that covers all pairs of members: a front, or the two
-//! roots. The bodies stay separated for the least of the times of that set. Pairs that last less
-//! than the closest pair are split.
+//! `- s^2 / 2 (e |wP| |D| + 2 e |V| + |acceleration| + |wQ x n(s)| |wQ| |a|)`
+//!
+//! within a horizon over which the lengths in the last term are bounded; n moves by at most `e s`.
+//! The height of P's node above its pivot does not change. The height of Q's node above c changes
+//! by at most `rho (s |(wP - wQ) x n| + s^2 / 2 e |wP - wQ|)`: nothing, if both rotate about n. So
+//! each pair of nodes has a separate time, which is long if the bodies move perpendicular to its
+//! direction. Take any set of pairs that covers all pairs of members: a front, or the two roots.
+//! The bodies stay separated for the least of the times of that set. Pairs that last less than the
+//! closest pair are split.
 //!
 //! Sources: conservative advancement with the speed along the closest direction, Mirtich 1996; over
 //! pairs of nodes, Tang, Kim and Manocha 2009. Departures:
@@ -50,6 +54,7 @@ use crate::nonconvex::tree::height;
 use crate::pair::location::PairOutcome;
 use crate::pair::options::QueryOptions;
 use crate::pair::outcome::Decision;
+use crate::time::separation::plane::tilt;
 use crate::time::separation::{FreeSpan, Measurement, PairMotion, Proof, Separation};
 
 /// Two compounds, or a compound and a mesh, that can be measured over time.
@@ -369,14 +374,19 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         let velocity = of_q.linear - of_p.linear + of_q.angular.cross(&arm);
         let push = of_q.acceleration - of_p.acceleration;
         let rise = of_p.angular.cross(n).dot(&between) + n.dot(&velocity);
-        let pace = radius * length(&(of_p.angular - of_q.angular)) - rise;
+        let spin = of_p.angular - of_q.angular;
+        let across = |w: &Vector3<f64>| tilt(&w.cross(n), w);
+        let (turned_p, turned_q) = (across(&of_p.angular), across(&of_q.angular));
+        let pace = radius * across(&spin) - rise;
         let (pushed, swung) = (length(&push), q.rate * length(&arm));
+        let rolled = radius * length(&spin) * turned_p;
         let straight = length(&(of_q.linear - of_p.linear)) + swung;
         let (mut horizon, mut best) = (self.flight.span, 0.0f64);
         for _ in 0..HORIZONS {
             let fastest = straight + pushed * horizon;
             let farthest = length(&between) + fastest * horizon;
-            let bend = p.rate * p.rate * farthest + 2.0 * p.rate * fastest + pushed + q.rate * swung;
+            let inward = (turned_q + q.rate * turned_p * horizon).smaller(q.rate) * swung;
+            let bend = turned_p * (p.rate * farthest + 2.0 * fastest) + pushed + inward + rolled;
             let time = first_root(way - self.drift.at(horizon), pace, bend) * (1.0 - ROOT);
             best = best.larger(time.smaller(horizon));
             if time >= horizon {

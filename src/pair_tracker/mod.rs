@@ -14,6 +14,7 @@ mod tracker;
 mod contacts;
 mod engine;
 pub(crate) mod geometry;
+mod leave;
 mod lent_pair;
 #[cfg(feature = "meshes")]
 mod mesh_questions;

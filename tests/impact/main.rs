@@ -7,6 +7,7 @@ mod falls;
 mod hard;
 mod hostile;
 mod judge;
+mod leave;
 mod models;
 mod pairs;
 mod parallel;

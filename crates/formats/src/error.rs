@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// Error of a mesh file: the file, the line and the reason.
+/// Error of a mesh file or a point file: the file, the line and the reason.
 #[derive(Debug, thiserror::Error)]
 #[error("{}{}: {fault}", file.display(), at_line(*line))]
 #[non_exhaustive]
@@ -22,7 +22,7 @@ pub enum MeshFault {
     /// Returned if the file cannot be read.
     #[error("cannot be read: {0}")]
     Read(#[from] std::io::Error),
-    /// Returned if the file is no mesh of a known format.
+    /// Returned if the file has no known format.
     #[error("{0}")]
     Unknown(String),
     /// Returned if the text or the bytes do not have the format of the file.
@@ -34,6 +34,27 @@ pub enum MeshFault {
     /// Returned if no object of the file has a triangle.
     #[error("the file contains no triangle")]
     Empty,
+    /// Returned if a point file has no point, or none whose coordinates are finite.
+    #[error("the file contains no point{}", dropped(*.0))]
+    NoPoint(
+        /// Number of points whose coordinates are not finite.
+        usize,
+    ),
+    /// Returned if a coordinate is not finite and the caller refuses such points.
+    #[error("point {index} is not finite: {point:?}")]
+    Invalid {
+        /// The number of the point in the file, from 0.
+        index: u64,
+        /// Its coordinates.
+        point: [f64; 3],
+    },
+}
+
+fn dropped(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        count => format!(" that is finite ({count} are not)"),
+    }
 }
 
 fn at_line(line: Option<usize>) -> String {

@@ -1,7 +1,7 @@
-//! Mesh files as the world writes them: triangles in `f64`, and nothing dropped in silence.
+//! Mesh and point files as the world writes them, with nothing dropped in silence.
 //!
 //! ```
-//! use lin_canny_formats::MeshFile;
+//! use lin_canny_formats::{MeshFile, PointFile, Points};
 //!
 //! let text = "solid a
 //!   facet normal 0 0 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet
@@ -9,6 +9,11 @@
 //! let file = MeshFile::parse(text.as_bytes(), "a.stl")?;
 //! let (points, triangles) = file.whole();
 //! assert_eq!((points.len(), triangles), (3, vec![[0, 1, 2]]));
+//!
+//! // The points of a depth camera. It has seen nothing at the second pixel.
+//! let file = PointFile::parse(b"0.5 0.25 1\nnan nan nan\n", "a.xyz")?;
+//! assert_eq!(file.points, Points::F64(vec![[0.5, 0.25, 1.0]]));
+//! assert_eq!(file.dropped, 1);
 //! # Ok::<(), lin_canny_formats::MeshFileError>(())
 //! ```
 //!
@@ -31,22 +36,42 @@
 //! * Points are not turned: in COLLADA the file chooses which axis is up, in glTF it is Y.
 //! * A mirror turns triangles over, so that they keep their outside.
 //!
+//! # Points
+//!
+//! [`PointFile`] reads the points of PLY, PCD, XYZ and npy files by the same rules, with these
+//! differences:
+//!
+//! * Points are `f32` if all three coordinates are `f32` in a binary file, and `f64` otherwise: a
+//!   decimal of a text keeps all its digits.
+//! * A point with a coordinate that is NaN or infinite is a pixel or a ray without a return. It is
+//!   dropped and counted in [`PointFile::dropped`], or is an error with [`Invalid::Refuse`]. So the
+//!   number of a point is its number in the file only if no point is dropped. A number out of range,
+//!   such as `1e400`, is always an error.
+//! * All the rest is in [`PointFile::skipped`]: colours, normals, faces, and the pose of the sensor
+//!   of a PCD (`VIEWPOINT`), by which points are not moved.
+//!
 //! # When not to use it
 //!
-//! The crate reads positions and triangles. It reads no normals, colours, textures or animations.
+//! The crate reads positions, triangles and radii of points. It reads no normals, colours, textures or animations.
 
 mod collada;
 mod error;
 mod gltf;
 mod mesh;
 mod msh;
+mod npy;
+mod number;
 mod obj;
+mod pcd;
 mod ply;
+mod points;
 mod polygon;
 mod stl;
 mod text;
 mod transform;
 mod xml;
+mod xyz;
 
 pub use error::{MeshFault, MeshFileError};
 pub use mesh::{MeshFile, MeshFormat, MeshObject, Skipped};
+pub use points::{Invalid, PointFile, PointFormat, Points};

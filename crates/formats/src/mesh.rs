@@ -123,25 +123,16 @@ fn format_of(bytes: &[u8], path: &Path) -> Result<MeshFormat, Fault> {
         line: None,
         fault: MeshFault::Unknown(why.into()),
     };
-    if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(unknown("the file is empty"));
-    }
-    let start = text::start(bytes);
-    if start.starts_with("version https://git-lfs") {
-        let why = "the file is a pointer of Git LFS; `git lfs pull` replaces it by the mesh";
+    if let Some(why) = text::foreign(bytes) {
         return Err(unknown(why));
     }
+    let start = text::start(bytes);
     let lower = start.to_ascii_lowercase();
-    if lower.starts_with("<!doctype html") || lower.starts_with("<html") {
-        return Err(unknown("the file is a page of HTML, not a mesh"));
-    }
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     Ok(match extension.as_deref() {
         _ if stl::is_binary(bytes) => MeshFormat::Stl,
         _ if bytes.starts_with(b"glTF") => MeshFormat::Gltf,
-        _ if lower.lines().next().is_some_and(|line| line.trim_end() == "ply") || lower.starts_with("ply\r") => {
-            MeshFormat::Ply
-        }
+        _ if text::first_line(&start).eq_ignore_ascii_case("ply") => MeshFormat::Ply,
         _ if start.contains("<COLLADA") => MeshFormat::Collada,
         _ if start.starts_with('{') && (start.contains(ASSET) || contains(bytes, ASSET)) => MeshFormat::Gltf,
         Some("stl") => MeshFormat::Stl,

@@ -4,7 +4,8 @@
 //! Numbers of a text keep all their digits, also where the header declares them as `float`. The
 //! reader passes over edges, materials and cameras; any other element with rows is an error,
 //! because it may be geometry. Each row has at least one byte, so that a count in the header ends
-//! with the file. A row of a text is one line.
+//! with the file. A row of a text is one line. Read as points, a PLY is its vertices, and all other
+//! elements are passed over.
 //!
 //! Source: Greg Turk, The PLY Polygon File Format, 1994; `tristrips` as in the files of Stanford.
 
@@ -12,10 +13,71 @@ use std::collections::HashSet;
 
 use crate::error::Fault;
 use crate::mesh::{MeshFile, MeshFormat, ObjectBuilder, SkippedList};
+use crate::number::{Order, Type};
+use crate::points::PointList;
 use crate::{polygon, text};
 
-/// Reads a PLY.
+/// Reads the faces of a PLY.
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
+    let mut contents = Contents::default();
+    elements(bytes, |element, _, body| contents.element(element, body))?;
+    contents.build()
+}
+
+/// Reads the vertices of a PLY. All other elements are passed over.
+pub(crate) fn read_points(bytes: &[u8], list: &mut PointList) -> Result<(), Fault> {
+    elements(bytes, |element, is_text, body| {
+        if element.rows > 0 && element.name == "vertex" {
+            return vertices(element, is_text, body, list);
+        }
+        if element.rows > 0 {
+            element.check()?;
+            list.skip(element.line, &element.name);
+        }
+        let is_wanted = vec![false; element.properties.len()];
+        for row in 0..element.rows {
+            body.row(element, row, &is_wanted)?;
+        }
+        Ok(())
+    })
+}
+
+/// Reads the rows of the element `vertex` as points.
+fn vertices(element: &Element, is_text: bool, body: &mut Body, list: &mut PointList) -> Result<(), Fault> {
+    element.check()?;
+    let [x, y, z] = [
+        element.property(&["x"], false)?,
+        element.property(&["y"], false)?,
+        element.property(&["z"], false)?,
+    ];
+    let is_radius = |p: &Property| p.name == "radius" && p.length.is_none();
+    let radius = element.properties.iter().position(is_radius);
+    let mut is_wanted = vec![false; element.properties.len()];
+    for k in [x, y, z].into_iter().chain(radius) {
+        is_wanted[k] = true;
+    }
+    // The rank of a wanted property among the wanted ones.
+    let rank = |k: usize| is_wanted[..k].iter().filter(|is_wanted| **is_wanted).count();
+    let (axes, radius) = ([x, y, z].map(rank), radius.map(rank));
+    let is_single = !is_text && [x, y, z].iter().all(|&k| element.properties[k].of == Type::F32);
+    list.begin(is_single, radius.is_some(), 0);
+    for (property, _) in element
+        .properties
+        .iter()
+        .zip(&is_wanted)
+        .filter(|(_, is_wanted)| !**is_wanted)
+    {
+        list.skip(property.line, &property.name);
+    }
+    for row in 0..element.rows {
+        let numbers = body.row(element, row, &is_wanted)?;
+        list.push(axes.map(|k| numbers[k]), radius.map(|k| numbers[k]), body.line())?;
+    }
+    Ok(())
+}
+
+/// Reads the header, and calls a function for each element, which must read all its rows.
+fn elements(bytes: &[u8], mut read: impl FnMut(&Element, bool, &mut Body) -> Result<(), Fault>) -> Result<(), Fault> {
     let wide;
     let bytes = match bytes {
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => {
@@ -39,74 +101,25 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
             })
         }
     };
-    let mut contents = Contents::default();
     for element in &header.elements {
-        contents.element(element, &mut body)?;
+        read(element, header.order.is_none(), &mut body)?;
     }
-    body.end()?;
-    contents.build()
+    body.end()
 }
 
-/// The types of numbers.
-#[derive(Clone, Copy)]
-enum Type {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
-impl Type {
-    fn new(name: &str) -> Option<Self> {
-        Some(match name {
-            "char" | "int8" => Self::I8,
-            "uchar" | "uint8" => Self::U8,
-            "short" | "int16" => Self::I16,
-            "ushort" | "uint16" => Self::U16,
-            "int" | "int32" => Self::I32,
-            "uint" | "uint32" => Self::U32,
-            "float" | "float32" => Self::F32,
-            "double" | "float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    fn is_integer(self) -> bool {
-        !matches!(self, Self::F32 | Self::F64)
-    }
-
-    /// Takes a number from the start of the bytes; `None` if they are too few.
-    fn take(self, bytes: &mut &[u8], order: Order) -> Option<f64> {
-        fn first<const N: usize>(bytes: &mut &[u8], order: Order) -> Option<[u8; N]> {
-            let (first, rest) = bytes.split_first_chunk::<N>()?;
-            *bytes = rest;
-            let mut number = *first;
-            if order == Order::Big {
-                number.reverse();
-            }
-            Some(number)
-        }
-        Some(match self {
-            Self::I8 => f64::from(i8::from_le_bytes(first(bytes, order)?)),
-            Self::U8 => f64::from(u8::from_le_bytes(first(bytes, order)?)),
-            Self::I16 => f64::from(i16::from_le_bytes(first(bytes, order)?)),
-            Self::U16 => f64::from(u16::from_le_bytes(first(bytes, order)?)),
-            Self::I32 => f64::from(i32::from_le_bytes(first(bytes, order)?)),
-            Self::U32 => f64::from(u32::from_le_bytes(first(bytes, order)?)),
-            Self::F32 => f64::from(f32::from_le_bytes(first(bytes, order)?)),
-            Self::F64 => f64::from_le_bytes(first(bytes, order)?),
-        })
-    }
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Order {
-    Little,
-    Big,
+/// Returns the type of a property.
+fn type_of(name: &str) -> Option<Type> {
+    Some(match name {
+        "char" | "int8" => Type::I8,
+        "uchar" | "uint8" => Type::U8,
+        "short" | "int16" => Type::I16,
+        "ushort" | "uint16" => Type::U16,
+        "int" | "int32" => Type::I32,
+        "uint" | "uint32" => Type::U32,
+        "float" | "float32" => Type::F32,
+        "double" | "float64" => Type::F64,
+        _ => return None,
+    })
 }
 
 struct Property {
@@ -128,6 +141,15 @@ struct Element {
 }
 
 impl Element {
+    /// Returns an error if the rows have no bytes: their number has no end then.
+    fn check(&self) -> Result<(), Fault> {
+        if self.properties.is_empty() {
+            let why = format!("element has no properties: {}", text::quoted(&self.name));
+            return Err(Fault::malformed(self.line, why));
+        }
+        Ok(())
+    }
+
     /// Returns the place of the property with one of the names, which must be there once.
     fn property(&self, names: &[&str], is_list: bool) -> Result<usize, Fault> {
         let mut found = (0..self.properties.len()).filter(|&k| names.contains(&self.properties[k].name.as_str()));
@@ -246,7 +268,7 @@ impl<'a> Header<'a> {
     fn property(&mut self, length: Option<&str>, of: &str, name: &str) -> Result<(), Fault> {
         let malformed = |why: String| Fault::malformed(self.lines, why);
         let number = |name: &str| {
-            let found = Type::new(name);
+            let found = type_of(name);
             found.ok_or_else(|| malformed(format!("unknown type of a property: {}", text::quoted(name))))
         };
         let property = Property {
@@ -337,8 +359,8 @@ impl Body<'_> {
         match self {
             Self::Text(rows) => {
                 let word = rows.words.next().ok_or(CUT)?;
-                let number = word.parse();
-                number.map_err(|_| format!("has an invalid number: {}", text::quoted(word)))
+                let number = text::measured(word);
+                number.ok_or_else(|| format!("has an invalid number: {}", text::quoted(word)))
             }
             Self::Binary(rest, order) => of.take(rest, *order).ok_or_else(|| CUT.into()),
         }
@@ -397,10 +419,7 @@ impl Contents {
         if element.rows == 0 {
             return Ok(());
         }
-        if element.properties.is_empty() {
-            let why = format!("element has no properties: {}", text::quoted(&element.name));
-            return Err(Fault::malformed(element.line, why));
-        }
+        element.check()?;
         let mut is_wanted = vec![false; element.properties.len()];
         match element.name.as_str() {
             "vertex" => {

@@ -1,4 +1,4 @@
-//! Text in the encodings of mesh files: UTF-8, UTF-16 and Latin-1, with or without a byte order
+//! Text in the encodings of mesh and point files: UTF-8, UTF-16 and Latin-1, with or without a byte order
 //! mark.
 
 /// Number of bytes that decide a format.
@@ -8,6 +8,24 @@ const START: usize = 4096;
 pub(crate) fn start(bytes: &[u8]) -> String {
     let start = &bytes[..bytes.len().min(START)];
     decode(start).trim_start().to_owned()
+}
+
+/// Returns the first line, without white space behind it.
+pub(crate) fn first_line(text: &str) -> &str {
+    text.split(['\n', '\r']).next().unwrap_or(text).trim_end()
+}
+
+/// Returns why a file is none of the formats of this crate, whatever its name: it is empty, or
+/// replaces the file that somebody wanted to download.
+pub(crate) fn foreign(bytes: &[u8]) -> Option<&'static str> {
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Some("the file is empty");
+    }
+    let lower = start(bytes).to_ascii_lowercase();
+    if lower.starts_with("version https://git-lfs") {
+        return Some("the file is a pointer of Git LFS; `git lfs pull` replaces it by its content");
+    }
+    (lower.starts_with("<!doctype html") || lower.starts_with("<html")).then_some("the file is a page of HTML")
 }
 
 /// Returns the text of a file.
@@ -40,6 +58,17 @@ fn utf8_or_latin1(bytes: &[u8]) -> String {
 /// Returns a finite number; `None` for anything else.
 pub(crate) fn number(word: &str) -> Option<f64> {
     word.parse().ok().filter(|x: &f64| x.is_finite())
+}
+
+/// Returns a number as sensors write it: NaN for `nan`, `inf` and what C prints for them; `None` for
+/// a word that is no number or out of range, such as `1e400`.
+pub(crate) fn measured(word: &str) -> Option<f64> {
+    let lower = word.to_ascii_lowercase();
+    match lower.strip_prefix(['+', '-']).unwrap_or(&lower) {
+        "nan" | "inf" | "infinity" => Some(f64::NAN),
+        mark if mark.starts_with("nan(") || mark.starts_with("1.#") => Some(f64::NAN),
+        _ => number(word),
+    }
 }
 
 /// Returns a word of a file for an error, cut if it is long.

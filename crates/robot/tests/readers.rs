@@ -1,4 +1,4 @@
-//! The seeds of the fuzz targets `meshes` and `robots`, and mutants of them: see `truth::driven::readers`.
+//! The seeds of the fuzz targets `meshes`, `points` and `robots`, and mutants of them: see `truth::driven::readers`.
 
 use std::path::Path;
 
@@ -115,7 +115,8 @@ fn hungry() -> Vec<Vec<u8>> {
         ),
     ];
     let texts = texts.into_iter().map(String::into_bytes);
-    texts.chain(hungry_meshes()).chain(hungry_robots()).collect()
+    let texts = texts.chain(hungry_meshes()).chain(hungry_points());
+    texts.chain(hungry_robots()).collect()
 }
 
 /// PLY with rows of a byte and a polygon of many corners, MSH of one point, and glTF with much JSON,
@@ -210,6 +211,73 @@ fn hungry_meshes() -> Vec<Vec<u8>> {
     ]
 }
 
+/// Points of a byte each, compressed points, many names, columns and fields, and arrays of many
+/// brackets, fields and axes.
+fn hungry_points() -> Vec<Vec<u8>> {
+    let ply = |properties: &str, count: usize| {
+        format!("pply\nformat binary_little_endian 1.0\nelement vertex {count}\n{properties}end_header\n").into_bytes()
+    };
+    let axes = "property char x\nproperty char y\nproperty char z\n";
+    let pcd = |fields: &str, size: &str, kind: &str, count: usize, data: &str| {
+        format!("cFIELDS {fields}\nSIZE {size}\nTYPE {kind}\nWIDTH {count}\nHEIGHT 1\nDATA {data}\n").into_bytes()
+    };
+    // Zeros: a literal, and 264 copies of it for each three bytes.
+    let packed = |fields: &str, size: &str, kind: &str, count: usize, bytes: usize| {
+        let all = count * bytes;
+        let mut data = vec![0, 0];
+        let repeats = (all - 1) / 264;
+        data.extend([0xe0, 255, 0].repeat(repeats));
+        data.extend([0, 0].repeat(all - 1 - 264 * repeats));
+        let sizes = [(data.len() as u32).to_le_bytes(), (all as u32).to_le_bytes()].concat();
+        [pcd(fields, size, kind, count, "binary_compressed"), sizes, data].concat()
+    };
+    let npy = |descr: &str, shape: &str, data: usize| {
+        let header = format!("{{'descr':{descr},'fortran_order':False,'shape':{shape}}}");
+        let length = (header.len() as u32).to_le_bytes();
+        [&b"n\x93NUMPY\x02\x00"[..], &length, header.as_bytes(), &vec![0; data]].concat()
+    };
+    let names: String = (0..8_000).map(|k| format!(" n{k}")).collect();
+    let fields: String = (0..4_000).map(|k| format!("('n{k}','|V0'),")).collect();
+    vec![
+        [ply(axes, 20_000), vec![1; 60_000]].concat(),
+        [ply(&format!("{axes}property uchar radius\n"), 20_000), vec![1; 80_000]].concat(),
+        ply(&"property char a\n".repeat(4_000), 1),
+        [pcd("x y z", "1 1 1", "I I I", 20_000, "binary"), vec![1; 60_000]].concat(),
+        [
+            pcd("x y z", "1 1 1", "I I I", 20_000, "ascii"),
+            b"0 0 0\n".repeat(20_000),
+        ]
+        .concat(),
+        packed("x y z", "4 4 4", "F F F", 2_000_000, 12),
+        packed("x y z", "8 8 8", "F F F", 1_000_000, 24),
+        packed("x y z radius", "4 4 8 1", "F F F U", 1_000_000, 17),
+        packed("x y z", "4 4 4", "F F F", 1, 12),
+        format!("cFIELDS{names}\nDATA ascii\n").into_bytes(),
+        format!(
+            "cFIELDS x y z{names}\nWIDTH 1\nDATA ascii\n1 2 3{}\n",
+            " 0".repeat(8_000)
+        )
+        .into_bytes(),
+        format!("c{}DATA ascii\n", "#\na\n".repeat(8_000)).into_bytes(),
+        b"x0 0 0\n"
+            .repeat(1)
+            .into_iter()
+            .chain(b"0 0 0\n".repeat(20_000))
+            .collect(),
+        format!("x{}", ",".repeat(20_000)).into_bytes(),
+        format!("x{}\n{}", "a ".repeat(20_000), "0 ".repeat(20_000)).into_bytes(),
+        format!("x#x y z{names}\n0 0 0{}\n", " 0".repeat(8_000)).into_bytes(),
+        format!("x{}", "#\n".repeat(20_000)).into_bytes(),
+        npy("'|i1'", "(20000,3)", 60_000),
+        npy("'|i1'", &format!("({}3)", "1,".repeat(20_000)), 3),
+        npy("'|i1'", &"[".repeat(20_000), 3),
+        npy(&format!("[{}]", "[],".repeat(20_000)), "(1,)", 3),
+        npy(&format!("{{{}}}", "1:1,".repeat(20_000)), "(1,)", 3),
+        npy(&format!("[{fields}('x','<f4'),('y','<f4'),('z','<f4')]"), "(1,)", 12),
+        npy(&format!("[{}]", "('','|V0'),".repeat(8_000)), "(9999999999,)", 0),
+    ]
+}
+
 /// MJCF with copies, height fields, excluded pairs, and long names; SDFormat with masks and long
 /// names.
 fn hungry_robots() -> Vec<Vec<u8>> {
@@ -298,7 +366,12 @@ fn files_are_read_or_refused_within_time_and_memory() {
         .map(|line| line.trim_matches('"').replace('\\', ""))
         .collect();
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    for (folder, check) in [("meshes", readers::meshes as fn(&[u8])), ("robots", readers::robots)] {
+    let checks = [
+        ("meshes", readers::meshes as fn(&[u8])),
+        ("points", readers::points),
+        ("robots", readers::robots),
+    ];
+    for (folder, check) in checks {
         let seeds = files(&fuzz.join("seeds").join(folder));
         assert!(seeds.len() >= 5);
         for seed in &seeds {

@@ -199,6 +199,7 @@ fn cast_of(
     Cast {
         impact,
         queries: work.intervals,
+        start_contact: None,
         proofs: work.proofs,
     }
 }

@@ -51,7 +51,8 @@
 //! - **Velocities that change at every step for unknown reasons** (contact solvers, input): use a
 //!   distance and a displacement budget ([`scene`](crate::scene)).
 //! - **Resting contacts**: a resting contact is a hit at once, at every step. Leave it to the
-//!   solver.
+//!   solver. To prove that a body leaves a contact or slides along it, use
+//!   [`PairTracker::cast_from_contact`](crate::PairTracker::cast_from_contact).
 //! - **Hundreds of revolutions in one interval**: such bodies need a step for every fraction of a
 //!   revolution. Use swept balls or shorter intervals.
 //!
@@ -156,6 +157,93 @@ pub struct Cast {
     pub queries: u32,
     /// Number of predicates that proved, or failed to prove, that the shapes meet.
     pub proofs: u32,
+    /// The contact at the start that the cast accepted
+    /// ([`CastOptions::start_contact_margin`]).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub start_contact: Option<StartContact>,
+}
+
+/// Options of [`PairTracker::cast_from_contact`](crate::PairTracker::cast_from_contact).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct CastOptions {
+    /// Largest width of the bracket of a hit. The default is `Distance(0.0)`: as narrow as rounding
+    /// allows.
+    pub tolerance: Tolerance,
+    /// The distance that the bodies must keep, in the caller's unit. The default is 0.
+    pub distance: f64,
+    /// The largest distance, or depth of an overlap, of a contact at the start that the cast
+    /// accepts, in the caller's unit. The default is `None`: the cast accepts no contact.
+    pub start_contact_margin: Option<f64>,
+}
+
+impl Default for CastOptions {
+    fn default() -> Self {
+        Self {
+            tolerance: Tolerance::Distance(0.0),
+            distance: 0.0,
+            start_contact_margin: None,
+        }
+    }
+}
+
+impl CastOptions {
+    /// Returns the options of a cast with a tolerance.
+    #[must_use]
+    pub fn new(tolerance: Tolerance) -> Self {
+        Self {
+            tolerance,
+            ..Self::default()
+        }
+    }
+
+    /// Sets the distance that the bodies must keep.
+    #[must_use]
+    pub fn distance(mut self, distance: f64) -> Self {
+        self.distance = distance;
+        self
+    }
+
+    /// Accepts a contact at the start of at most this distance, or of at most this depth.
+    #[must_use]
+    pub fn start_contact_margin(mut self, margin: f64) -> Self {
+        self.start_contact_margin = Some(margin);
+        self
+    }
+
+    /// Rejects a number that is negative or not finite.
+    pub(crate) fn check(&self) -> Result<(), ImpactError> {
+        let (Tolerance::Distance(size) | Tolerance::Time(size)) = self.tolerance;
+        let margin = self.start_contact_margin.unwrap_or(0.0);
+        let all = [
+            ("tolerance", size),
+            ("distance", self.distance),
+            ("start contact margin", margin),
+        ];
+        for (what, value) in all {
+            if !(0.0..f64::INFINITY).contains(&value) {
+                return Err(ImpactError::Size { what, value });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A contact at the start of a cast that the bodies may leave, or along which they may slide.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct StartContact {
+    /// Proven lower bound of the signed distance at the start.
+    pub distance: f64,
+    /// The signed distance that the bodies are proven to keep from the start until
+    /// [`until`](Self::until): [`distance`](Self::distance) minus `2^-30` of the pair size.
+    pub kept: f64,
+    /// The time at which the bodies have left the margin; from then on they keep the distance of
+    /// the cast. `None` if they are within the margin at each of 64 times evenly spaced over the
+    /// interval.
+    pub until: Option<f64>,
 }
 
 /// Error of a cast.
@@ -296,12 +384,7 @@ where
     B: Motion + ?Sized,
 {
     check(&interval)?;
-    let (Tolerance::Distance(size) | Tolerance::Time(size)) = tolerance;
-    for (what, value) in [("tolerance", size), ("distance", distance)] {
-        if !(0.0..f64::INFINITY).contains(&value) {
-            return Err(ImpactError::Size { what, value });
-        }
-    }
+    CastOptions::new(tolerance).distance(distance).check()?;
     let mut search = CastSearch {
         pair,
         motion_a,
@@ -319,6 +402,7 @@ where
         impact,
         queries: search.queries,
         proofs: search.proofs,
+        start_contact: None,
     })
 }
 
@@ -396,7 +480,7 @@ where
 }
 
 /// Rejects an interval that ends before its start or is not finite.
-fn check(interval: &Range<f64>) -> Result<(), ImpactError> {
+pub(crate) fn check(interval: &Range<f64>) -> Result<(), ImpactError> {
     let (from, until) = (interval.start, interval.end);
     if from <= until && (until - from) < f64::INFINITY {
         Ok(())

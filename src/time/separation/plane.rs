@@ -493,6 +493,6 @@ impl PlaneBetween<'_> {
 /// Returns an upper bound of the length of the cross product of a rate with a unit vector.
 ///
 /// The caller passes the product.
-pub(super) fn tilt(product: &Vector3<f64>, rate: &Vector3<f64>) -> f64 {
+pub(crate) fn tilt(product: &Vector3<f64>, rate: &Vector3<f64>) -> f64 {
     length(product) + TILT * one_norm(rate)
 }

@@ -80,8 +80,19 @@ impl Random {
     }
 }
 
-/// Reads mutants of a file: each gives a mesh or an error, and no number that is not finite.
+/// Reads mutants of a mesh file: each gives a mesh or an error, and no number that is not finite.
 pub(crate) fn read_mutants(good: &[u8], name: &str, count: usize) {
+    mutants(good, count, |bytes| {
+        let Ok(file) = parse(bytes, name) else { return false };
+        let (points, triangles) = file.whole();
+        assert!(points.iter().flatten().all(|x| x.is_finite()));
+        assert!(triangles.iter().flatten().all(|&k| (k as usize) < points.len()));
+        true
+    });
+}
+
+/// Calls a function for mutants of a file. It returns whether a mutant was read; some must be, and some not.
+pub(crate) fn mutants(good: &[u8], count: usize, mut is_read: impl FnMut(&[u8]) -> bool) {
     let mut rng = Random(88_172_645_463_325_252);
     let mut read = 0;
     for _ in 0..count {
@@ -108,12 +119,7 @@ pub(crate) fn read_mutants(good: &[u8], name: &str, count: usize) {
                 break;
             }
         }
-        if let Ok(file) = parse(&bytes, name) {
-            read += 1;
-            let (points, triangles) = file.whole();
-            assert!(points.iter().flatten().all(|x| x.is_finite()));
-            assert!(triangles.iter().flatten().all(|&k| (k as usize) < points.len()));
-        }
+        read += usize::from(is_read(&bytes));
     }
     assert!(read > 0 && read < count, "{read} of {count} mutants were read");
 }

@@ -7,7 +7,7 @@
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-use lin_canny_formats::MeshFile;
+use lin_canny_formats::{Invalid, MeshFile, PointFile};
 use lin_canny_plan::ConfigurationSpace;
 use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory, csv_text};
 use nalgebra::Isometry3;
@@ -25,7 +25,7 @@ const REPEATING: [&str; 5] = ["COLLADA", "asset", "glTF", "mujoco", "sdf"];
 /// Longest time of a reader, in debug builds and on a busy machine.
 const TIME: Duration = Duration::from_secs(10);
 
-/// Most letters of an error of a mesh file.
+/// Most letters of an error of a mesh or point file.
 const MESSAGE: usize = 1_000;
 
 /// The first byte and the extension of mesh files.
@@ -38,6 +38,9 @@ const MESHES: [(u8, &str); 7] = [
     (b'p', "ply"),
     (b's', "stl"),
 ];
+
+/// The first byte and the extension of point files.
+const POINTS: [(u8, &str); 4] = [(b'c', "pcd"), (b'n', "npy"), (b'p', "ply"), (b'x', "xyz")];
 
 /// A file in a folder that does not exist, so that no other file is found next to it.
 const FILE: &str = "/no folder/file";
@@ -95,6 +98,37 @@ pub fn meshes(data: &[u8]) {
         assert!(!object.triangles.is_empty() && is_used.iter().all(|is| *is));
         assert!(object.points.iter().flatten().all(|x| x.is_finite()));
     }
+    assert!(file.skipped.iter().all(|skipped| !skipped.what.is_empty()));
+}
+
+/// Reads a point file.
+///
+/// # Panics
+/// Panics if a point or a radius is not finite, if there is no point, if files whose points all have
+/// a return are refused or others are not, or if time or memory are out of bounds.
+pub fn points(data: &[u8]) {
+    let Some((first, bytes)) = data.split_first() else {
+        return;
+    };
+    let Some((_, extension)) = POINTS.iter().find(|(letter, _)| letter == first) else {
+        return;
+    };
+    let path = format!("{FILE}.{extension}");
+    let file = bounded(bytes, || PointFile::parse(bytes, &path));
+    let strict = bounded(bytes, || PointFile::parse_with(bytes, &path, Invalid::Refuse));
+    for error in [&file, &strict].into_iter().filter_map(|file| file.as_ref().err()) {
+        let letters = error.to_string().chars().count();
+        assert!((1..=MESSAGE).contains(&letters), "{letters} letters: {error}");
+    }
+    let Ok(file) = file else {
+        return assert!(strict.is_err());
+    };
+    assert_eq!(strict.is_ok(), file.dropped == 0);
+    let points = file.points.to_f64();
+    assert!(!points.is_empty() && points.as_flattened().iter().all(|x| x.is_finite()));
+    let radii = file.radii.as_deref().unwrap_or_default();
+    assert!(radii.is_empty() || radii.len() == points.len());
+    assert!(radii.iter().all(|radius| *radius >= 0.0 && radius.is_finite()));
     assert!(file.skipped.iter().all(|skipped| !skipped.what.is_empty()));
 }
 
