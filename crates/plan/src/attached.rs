@@ -6,7 +6,7 @@
 //! moves its pivot m by `v s + a s^2 / 2` and rotates by `exp(w s)`. A point n of the object is at
 //! `d` from m in the world, where `|d| = |X n - m|`. In the same model, n moves by
 //! `v s + a s^2 / 2 + (exp(w s) - 1) d`. That is `v' s + a' s^2 / 2` with `v' = v + w x d` and
-//! `a' = a + w x (w x d)`, up to `|w|^3 |d| s^3 / 6`. The body deviates from its model by `shift`
+//! `a' = a + w x (w x d)`, up to `|w|^2 |w x d| s^3 / 6`. The body deviates from its model by `shift`
 //! at m and by `turn`, so it deviates at n by at most `shift + |d| turn`.
 //!
 //! The pose of the object is the product of two rounded poses: see [`ATTACHED`].
@@ -44,9 +44,8 @@ impl Carried {
             model.angular.cross(&model.angular.cross(&away)),
         );
         // Lengths of all terms, and of the position of the body.
-        let terms = self.pose.translation.vector.abs().sum()
-            + self.middle.coords.abs().sum()
-            + model.pivot.coords.abs().sum();
+        let terms =
+            self.pose.translation.vector.abs().sum() + self.middle.coords.abs().sum() + model.pivot.coords.abs().sum();
         let size = terms + body.translation.vector.abs().sum();
         let arm = own.abs().sum() + ATTACHED * terms;
         let rate = model.angular.abs().sum();
@@ -56,7 +55,12 @@ impl Carried {
             model.acceleration.abs().sum() + rate * rate * terms,
             rate * rate * rate * terms,
         ];
-        let bend = [0.0, 0.0, 0.0, rate * rate * rate * arm];
+        let bend = [
+            0.0,
+            0.0,
+            0.0,
+            rate * rate * (turning.abs().sum() + rate * ATTACHED * terms),
+        ];
         let (Remainder(shift), Remainder(turn)) = (model.shift, model.turn);
         let growth = 1.0 + ATTACHED;
         let deviation = |k: usize| (shift[k] + arm * turn[k] + bend[k]) * growth;

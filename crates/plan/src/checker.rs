@@ -5,16 +5,16 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
 
+use crate::attached::CarriedMotion;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::attached::CarriedMotion;
 use crate::pairs::{PairKey, Pairs, Places, Stretch, SweptBox, even_span};
 use crate::space::{BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
-use crate::verdict::{CheckWork, Verdict};
+use crate::verdict::{CheckWork, LeavingPair, Verdict};
 use crate::world::{Named, World, WorldId, WorldPair};
-use lin_canny::Operand;
+use lin_canny::impact::{Cast, CastOptions, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
 use lin_canny::motion::Motion;
-use lin_canny::impact::{Cast, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
+use lin_canny::{EXTENT_MAX, Operand};
 
 use lin_canny::separation::Separation;
 
@@ -42,6 +42,7 @@ pub struct Checker<C> {
     pub(crate) pairs: Pairs,
     /// What all pairs must keep in addition: inside a tube.
     pub(crate) tube: f64,
+    pub(crate) start_contact_margin: Option<f64>,
     pub(crate) work: CheckWork,
     /// Scratch memory: pairs to check, and poses.
     pub(crate) candidates: Vec<usize>,
@@ -91,6 +92,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             world,
             pairs,
             tube: 0.0,
+            start_contact_margin: None,
             work: CheckWork::default(),
             candidates: Vec::new(),
             stretches: Vec::new(),
@@ -120,6 +122,60 @@ impl<C: ConfigurationSpace> Checker<C> {
     #[must_use]
     pub fn margin(&self) -> f64 {
         self.world.margin()
+    }
+
+    /// Accepts contacts at the start of a segment, for example of a part that is lifted from a
+    /// table.
+    ///
+    /// A pair that is within this distance at the start of a segment, or overlaps by no more, is
+    /// accepted if it is proven not to come closer than at the start, minus `2^-30` of the pair
+    /// size, until it has left the margin. From then on it must keep its distance like any other
+    /// pair. Sliding along a face is accepted too. [`Verdict::Free`] lists such pairs.
+    ///
+    /// The option acts on segments ([`certify`](Self::certify), [`is_free`](Self::is_free),
+    /// [`prove`](Self::prove), [`certify_path`](Self::certify_path)), not on configurations
+    /// ([`is_free_at`](Self::is_free_at)), tubes or [`clearance_along`](Self::clearance_along). To
+    /// put a part down, certify the motion from the contact, in reverse.
+    /// [`PairTracker::cast_from_contact`](lin_canny::PairTracker::cast_from_contact) gives the
+    /// details. The default is `None`: no contact is accepted.
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// # use lin_canny::polyhedron::solids;
+    /// # use lin_canny_plan::{Checker, RigidSpace, Verdict, World};
+    /// # let mut world = World::new();
+    /// # world.robot_body("part", solids::cuboid(Vector3::new(0.1, 0.1, 0.1))?);
+    /// # let table = solids::cuboid(Vector3::new(1.0, 1.0, 0.1))?;
+    /// # world.obstacle("table", table, Isometry3::translation(0.0, 0.0, -0.1));
+    /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, world)?;
+    /// let at = |x: f64, z: f64| [x, 0.0, z, 0.0, 0.0, 0.0, 1.0];
+    /// let (table, above) = (at(0.0, 0.1), at(0.0, 0.5));
+    /// assert!(!checker.certify(&table, &above)?.is_free());
+    /// checker.set_start_contact_margin(Some(1e-3))?;
+    /// let verdict = checker.certify(&table, &above)?;
+    /// assert!(matches!(verdict, Verdict::Free { start_contacts, .. } if start_contacts.len() == 1));
+    /// assert!(checker.certify(&table, &at(0.5, 0.1))?.is_free());
+    /// assert!(!checker.certify(&table, &at(0.5, 0.09))?.is_free());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error if the margin is negative or not finite.
+    pub fn set_start_contact_margin(&mut self, margin: Option<f64>) -> Result<(), PlanError> {
+        if let Some(value) = margin
+            && !(0.0..=EXTENT_MAX).contains(&value)
+        {
+            let what = "start contact margin";
+            return Err(PlanError::Value { what, value });
+        }
+        self.start_contact_margin = margin;
+        Ok(())
+    }
+
+    /// Returns the margin within which contacts at the start of a segment are accepted.
+    #[must_use]
+    pub fn start_contact_margin(&self) -> Option<f64> {
+        self.start_contact_margin
     }
 
     /// Returns the distance that a pair must keep, inside a tube as well.
@@ -230,7 +286,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns an error if a configuration is invalid.
     pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
         let segment = self.segment(from, to)?;
-        if self.has_parts && !(self.is_free_at(to)? && self.is_free_at(&self.space.between(from, to, 0.5))?) {
+        let tests_ends = self.has_parts && self.start_contact_margin.is_none();
+        if tests_ends && !(self.is_free_at(to)? && self.is_free_at(&self.space.between(from, to, 0.5))?) {
             self.work.segments += 1;
             return Ok(false);
         }
@@ -249,7 +306,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         let mut proofs = Vec::new();
         for k in self.pairs.ordered() {
             let mut certificates = Vec::new();
-            let found = self.cast(k, &segment, 0.0..1.0, self.kept(k), Some(&mut certificates))?;
+            let (kept, start_contact) = (self.kept(k), self.start_contact_margin);
+            let found = self.cast(k, &segment, 0.0..1.0, kept, start_contact, Some(&mut certificates))?;
             if found.impact != Impact::Miss {
                 return Ok(None);
             }
@@ -292,7 +350,11 @@ impl<C: ConfigurationSpace> Checker<C> {
                 let (pose, model) = moving(segment, &self.pairs.places, mover, 0).placed(from, 1.0 - from);
                 let until = f64::smaller(1.0, from + even_span(ball, &model, 1.0 - from));
                 let swept = SweptBox::new(ball, &pose, &model, until - from);
-                let more = if self.tube > 0.0 { self.tube.next_up() * GROWN } else { 0.0 };
+                let more = if self.tube > 0.0 {
+                    self.tube.next_up() * GROWN
+                } else {
+                    0.0
+                };
                 self.pairs.near_within(mover, &swept, more, (from, until), stretches)?;
                 from = until;
             }
@@ -312,23 +374,29 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Casts pair after pair, each up to the first contact found so far.
     fn judge(&mut self, segment: &C::Segment, stretches: &[Stretch], any: bool) -> Result<Verdict, PlanError> {
         let clearance = self.pairs.least_kept;
-        let (mut verdict, mut until) = (Verdict::Free { clearance }, 1.0);
+        let mut start_contacts = Vec::new();
+        let (mut blocked, mut until) = (None, 1.0);
         for stretch in stretches {
             if stretch.from > until {
                 break;
             }
             let (k, interval) = (stretch.pair, stretch.from..stretch.until.smaller(until));
-            let found = self.cast(k, segment, interval, self.kept(k), None)?;
+            let start_contact = self.start_contact_margin.filter(|_| stretch.from == 0.0);
+            let found = self.cast(k, segment, interval, self.kept(k), start_contact, None)?;
             self.work.queries += u64::from(found.queries + found.proofs);
             let (safe, hit) = match found.impact {
-                Impact::Miss => continue,
+                Impact::Miss => {
+                    let pair = self.pairs.all[k].pair;
+                    start_contacts.extend(found.start_contact.map(|contact| LeavingPair { pair, contact }));
+                    continue;
+                }
                 Impact::AtStart { seen } => (stretch.from, Some((stretch.from, seen))),
                 Impact::Hit { safe, hit, seen } => (safe, Some((hit, seen))),
                 Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => (safe, None),
                 // A variant that is unknown here proves nothing.
                 _ => (stretch.from, None),
             };
-            verdict = match hit {
+            blocked = Some(match hit {
                 Some((t, seen)) => {
                     let pair = self.pairs.all[k].pair;
                     let points = [seen.point_on_a, seen.point_on_b];
@@ -340,22 +408,27 @@ impl<C: ConfigurationSpace> Checker<C> {
                     }
                 }
                 None => Verdict::Undecided { t: safe },
-            };
+            });
             until = safe;
             if any || !(until > 0.0) {
                 break;
             }
         }
-        Ok(verdict)
+        Ok(blocked.unwrap_or(Verdict::Free {
+            clearance,
+            start_contacts,
+        }))
     }
 
-    /// Casts a pair along a segment.
+    /// Casts a pair along a segment. A contact at the start of the interval is accepted within
+    /// `start_contact`.
     pub(crate) fn cast(
         &mut self,
         index: usize,
         segment: &C::Segment,
         interval: Range<f64>,
         margin: f64,
+        start_contact: Option<f64>,
         trail: Option<&mut Vec<Certificate>>,
     ) -> Result<Cast, PlanError> {
         let (tracked, places) = self.pairs.tracked(index);
@@ -375,11 +448,20 @@ impl<C: ConfigurationSpace> Checker<C> {
         let mut pair = tracked.tracker.pair(a, b);
         let radii = pair.ball(Operand::A).1 + pair.ball(Operand::B).1;
         let tolerance = Tolerance::Distance(CONTACT * radii);
-        let found = match trail {
-            Some(trail) => {
+        let found = match (start_contact, trail) {
+            (Some(contact), trail) => {
+                let options = CastOptions::new(tolerance)
+                    .distance(margin)
+                    .start_contact_margin(contact);
+                let bodies = [a.into(), b.into()];
+                tracked
+                    .tracker
+                    .cast_from_contact(bodies, &motion, &partner, interval, &options, trail)
+            }
+            (None, Some(trail)) => {
                 cast_with_certificates(&mut pair, &motion, &partner, interval, tolerance, margin, trail)
             }
-            None => cast_within(&mut pair, &motion, &partner, interval, tolerance, margin),
+            (None, None) => cast_within(&mut pair, &motion, &partner, interval, tolerance, margin),
         };
         found.map_err(PlanError::from)
     }
@@ -395,12 +477,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 }
 
 /// Returns the motion of a body that moves with the robot, relative to a stem.
-fn moving<'a, M: SegmentMotion>(
-    segment: &'a M,
-    places: &'a Places,
-    mover: usize,
-    stem: usize,
-) -> CarriedMotion<'a, M> {
+fn moving<'a, M: SegmentMotion>(segment: &'a M, places: &'a Places, mover: usize, stem: usize) -> CarriedMotion<'a, M> {
     let (body, carried) = places.carrier(mover);
     CarriedMotion {
         motion: BodyMotion { segment, body, stem },

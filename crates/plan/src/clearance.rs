@@ -72,7 +72,11 @@ impl fmt::Display for Named<'_, NearPair> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let near = self.value;
         let pair = self.world.show(&near.pair);
-        write!(f, "{pair} at {:?} ({:?} to {:?})", near.distance, near.lower, near.upper)
+        write!(
+            f,
+            "{pair} at {:?} ({:?} to {:?})",
+            near.distance, near.lower, near.upper
+        )
     }
 }
 
@@ -346,7 +350,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ) -> Result<Option<f64>, PlanError> {
         let mut time = 0.0;
         for _ in 0..LOWERED {
-            let cast = self.cast(index, segment, time..1.0, keep, None)?;
+            let cast = self.cast(index, segment, time..1.0, keep, None, None)?;
             self.work.queries += u64::from(cast.queries + cast.proofs);
             let pair = self.pairs.all[index].pair;
             match cast.impact {

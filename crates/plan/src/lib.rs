@@ -38,6 +38,7 @@
 //! | question | function | result |
 //! |---|---|---|
 //! | Is a segment free? | [`Checker::certify`], [`is_free`](Checker::is_free) | [`Verdict`]: free, blocked by a pair at a time, or unknown |
+//! | May a part leave the table on which it lies? | [`Checker::set_start_contact_margin`], then `certify` | [`Verdict::Free`] with the contacts that are left |
 //! | Is a path free? | [`Checker::certify_path`] | the first segment that is not free |
 //! | Is a spline free, or a motion with a tracking error? | [`Checker::certify_tube`] | [`Verdict`] for all motions within a distance of the segment |
 //! | Why is a segment free? | [`Checker::prove`] | the certificates of every pair, in order of time |
@@ -173,7 +174,7 @@ pub use roadmap::{Edge, EdgeKind, Freeway, Roadmap};
 pub use space::{BodyMotion, ConfigurationSpace, SegmentMotion};
 pub use tree::{Drive, JointTree, TreeJoint};
 pub use tree_motion::TreeSegment;
-pub use verdict::{CheckWork, Verdict};
+pub use verdict::{CheckWork, LeavingPair, Verdict};
 pub use world::{AttachedObject, Named, Select, World, WorldId, WorldPair};
 
 /// Runs the README as a test.

@@ -16,7 +16,8 @@ pub type Path = Vec<Vec<f64>>;
 impl<C: ConfigurationSpace> Checker<C> {
     /// Returns the index of the first segment that is not free, with its verdict.
     ///
-    /// If all segments are free, the verdict is free. A path of one configuration counts as a
+    /// If all segments are free, the verdict is free and has the contacts at the start of all
+    /// segments. A path of one configuration counts as a
     /// segment without length.
     ///
     /// # Errors
@@ -26,14 +27,21 @@ impl<C: ConfigurationSpace> Checker<C> {
         if path.len() == 1 {
             return Ok((0, self.certify(first, first)?));
         }
+        let mut contacts = Vec::new();
         for (k, ends) in path.windows(2).enumerate() {
-            let verdict = self.certify(&ends[0], &ends[1])?;
-            if !verdict.is_free() {
-                return Ok((k, verdict));
+            match self.certify(&ends[0], &ends[1])? {
+                Verdict::Free { start_contacts, .. } => contacts.extend(start_contacts),
+                verdict => return Ok((k, verdict)),
             }
         }
-        let clearance = self.pairs.least_kept;
-        Ok((0, Verdict::Free { clearance }))
+        let (clearance, start_contacts) = (self.pairs.least_kept, contacts);
+        Ok((
+            0,
+            Verdict::Free {
+                clearance,
+                start_contacts,
+            },
+        ))
     }
 
     /// Returns the verdict for a tube around a segment.
@@ -57,7 +65,9 @@ impl<C: ConfigurationSpace> Checker<C> {
         }
         let moving = if self.pairs.own.is_empty() { 1.0 } else { 2.0 };
         self.tube = moving * radius;
+        let start_contact = self.start_contact_margin.take();
         let verdict = self.certify(from, to);
+        self.start_contact_margin = start_contact;
         self.tube = 0.0;
         verdict
     }

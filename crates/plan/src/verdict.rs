@@ -1,13 +1,15 @@
 //! Verdicts about segments, and counts of the work.
 
 use core::fmt;
+use std::vec::Vec;
 
 use nalgebra::Point3;
 
 use crate::world::{Named, WorldPair};
+use lin_canny::impact::StartContact;
 
 /// The verdict about a segment.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Verdict {
@@ -15,6 +17,10 @@ pub enum Verdict {
     Free {
         /// The least distance that a pair must keep: the margin, unless pairs have smaller ones.
         clearance: f64,
+        /// The pairs that are in contact at the start and do not come closer
+        /// ([`Checker::set_start_contact_margin`](crate::Checker::set_start_contact_margin)). They
+        /// are proven farther apart than they must keep only after they have left the contact.
+        start_contacts: Vec<LeavingPair>,
     },
     /// A pair is proven to be in contact or closer than it must keep.
     Blocked {
@@ -33,6 +39,18 @@ pub enum Verdict {
         /// Up to this time all pairs are proven farther apart than they must keep.
         t: f64,
     },
+}
+
+/// A pair that is in contact at the start of a segment, and does not come closer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct LeavingPair {
+    /// The pair.
+    pub pair: WorldPair,
+    /// The signed distance at the start, the distance that the pair is proven to keep, and the time
+    /// at which it has left the margin.
+    pub contact: StartContact,
 }
 
 impl Verdict {
@@ -57,7 +75,17 @@ impl fmt::Display for Named<'_, Verdict> {
     /// Writes the verdict with the names of the pair; times are fractions of the segment.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self.value {
-            Verdict::Free { clearance } => write!(f, "free, with a clearance of more than {clearance:?}"),
+            Verdict::Free {
+                clearance,
+                ref start_contacts,
+            } => {
+                write!(f, "free, with a clearance of more than {clearance:?}")?;
+                for (k, leaving) in start_contacts.iter().enumerate() {
+                    let pair = self.world.show(&leaving.pair);
+                    write!(f, "{} {pair}", if k == 0 { ", leaving the contact of" } else { "," })?;
+                }
+                Ok(())
+            }
             Verdict::Blocked { safe, t, pair, .. } => {
                 let pair = self.world.show(&pair);
                 write!(f, "blocked by {pair} at {t:?} (free up to {safe:?})")

@@ -8,5 +8,6 @@ mod far;
 mod forget;
 mod free;
 mod judge;
+mod leave;
 mod planner;
 mod spaces;
