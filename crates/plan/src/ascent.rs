@@ -72,7 +72,13 @@ impl<C: ConfigurationSpace> Checker<C> {
         let spread = if is_uniform { 0.0 } else { self.pairs.spread() };
         let (margin, scales) = (self.margin(), self.space.scales().to_vec());
         let near = self.nearest(&q, slack + spread)?;
-        let value = |near: &NearPair| if is_uniform { near.distance } else { near.excess + margin };
+        let value = |near: &NearPair| {
+            if is_uniform {
+                near.distance
+            } else {
+                near.excess + margin
+            }
+        };
         let planes = near.iter().map(|near| ClearancePlane {
             value: value(near),
             gradient: near.scaled_gradient(&scales),

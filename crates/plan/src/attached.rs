@@ -44,9 +44,8 @@ impl Carried {
             model.angular.cross(&model.angular.cross(&away)),
         );
         // Lengths of all terms, and of the position of the body.
-        let terms = self.pose.translation.vector.abs().sum()
-            + self.middle.coords.abs().sum()
-            + model.pivot.coords.abs().sum();
+        let terms =
+            self.pose.translation.vector.abs().sum() + self.middle.coords.abs().sum() + model.pivot.coords.abs().sum();
         let size = terms + body.translation.vector.abs().sum();
         let arm = own.abs().sum() + ATTACHED * terms;
         let rate = model.angular.abs().sum();

@@ -168,11 +168,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # Errors
     /// Returns an error if the configuration is invalid, if the body does not exist or is not
     /// attached, or if several attached objects have the name. Then nothing changes.
-    pub fn detach_at<'a>(
-        &mut self,
-        body: impl Into<Select<'a>>,
-        configuration: &[f64],
-    ) -> Result<WorldId, PlanError> {
+    pub fn detach_at<'a>(&mut self, body: impl Into<Select<'a>>, configuration: &[f64]) -> Result<WorldId, PlanError> {
         let found = self.world.select(body)?;
         let attached = found.iter().filter_map(|id| match *id {
             WorldId::Attached(k) => self.world.attached[k].as_ref().map(|object| (*id, object.clone())),

@@ -5,16 +5,16 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
 
+use crate::attached::CarriedMotion;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::attached::CarriedMotion;
 use crate::pairs::{PairKey, Pairs, Places, Stretch, SweptBox, even_span};
 use crate::space::{BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
 use crate::verdict::{CheckWork, Verdict};
 use crate::world::{Named, World, WorldId, WorldPair};
 use lin_canny::Operand;
-use lin_canny::motion::Motion;
 use lin_canny::impact::{Cast, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
+use lin_canny::motion::Motion;
 
 use lin_canny::separation::Separation;
 
@@ -292,7 +292,11 @@ impl<C: ConfigurationSpace> Checker<C> {
                 let (pose, model) = moving(segment, &self.pairs.places, mover, 0).placed(from, 1.0 - from);
                 let until = f64::smaller(1.0, from + even_span(ball, &model, 1.0 - from));
                 let swept = SweptBox::new(ball, &pose, &model, until - from);
-                let more = if self.tube > 0.0 { self.tube.next_up() * GROWN } else { 0.0 };
+                let more = if self.tube > 0.0 {
+                    self.tube.next_up() * GROWN
+                } else {
+                    0.0
+                };
                 self.pairs.near_within(mover, &swept, more, (from, until), stretches)?;
                 from = until;
             }
@@ -376,9 +380,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let radii = pair.ball(Operand::A).1 + pair.ball(Operand::B).1;
         let tolerance = Tolerance::Distance(CONTACT * radii);
         let found = match trail {
-            Some(trail) => {
-                cast_with_certificates(&mut pair, &motion, &partner, interval, tolerance, margin, trail)
-            }
+            Some(trail) => cast_with_certificates(&mut pair, &motion, &partner, interval, tolerance, margin, trail),
             None => cast_within(&mut pair, &motion, &partner, interval, tolerance, margin),
         };
         found.map_err(PlanError::from)
@@ -395,12 +397,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 }
 
 /// Returns the motion of a body that moves with the robot, relative to a stem.
-fn moving<'a, M: SegmentMotion>(
-    segment: &'a M,
-    places: &'a Places,
-    mover: usize,
-    stem: usize,
-) -> CarriedMotion<'a, M> {
+fn moving<'a, M: SegmentMotion>(segment: &'a M, places: &'a Places, mover: usize, stem: usize) -> CarriedMotion<'a, M> {
     let (body, carried) = places.carrier(mover);
     CarriedMotion {
         motion: BodyMotion { segment, body, stem },

@@ -72,7 +72,11 @@ impl fmt::Display for Named<'_, NearPair> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let near = self.value;
         let pair = self.world.show(&near.pair);
-        write!(f, "{pair} at {:?} ({:?} to {:?})", near.distance, near.lower, near.upper)
+        write!(
+            f,
+            "{pair} at {:?} ({:?} to {:?})",
+            near.distance, near.lower, near.upper
+        )
     }
 }
 

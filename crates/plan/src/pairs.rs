@@ -219,7 +219,9 @@ impl Pairs {
     pub(crate) fn set_obstacle(&mut self, world: &World, index: usize) -> Result<(), PlanError> {
         while self.box_ids.len() <= index {
             self.box_ids.push(None);
-            self.places.resting.push(Steady::new(&Isometry3::identity(), Velocity::default())?);
+            self.places
+                .resting
+                .push(Steady::new(&Isometry3::identity(), Velocity::default())?);
             self.places.obstacle_poses.push(Isometry3::identity());
             self.obstacle_boxes.push(Aabb::new(Point3::origin(), Point3::origin()));
             self.obstacle_balls.push((Point3::origin(), 0.0));
@@ -420,7 +422,11 @@ impl Pairs {
                 continue;
             };
             let tracked = &mut self.all[pair];
-            if !self.is_uniform && !swept.grown(tracked.kept + more).overlaps(&self.obstacle_boxes[obstacle]) {
+            if !self.is_uniform
+                && !swept
+                    .grown(tracked.kept + more)
+                    .overlaps(&self.obstacle_boxes[obstacle])
+            {
                 continue;
             }
             match stretches.get_mut(tracked.stretch) {
@@ -478,7 +484,6 @@ impl SweptBox {
 
     /// Returns the box, grown by a margin.
     pub(crate) fn grown(&self, margin: f64) -> Aabb {
-        self.path
-            .grown(margin + self.beyond + PLACED * (self.size + margin))
+        self.path.grown(margin + self.beyond + PLACED * (self.size + margin))
     }
 }

@@ -533,7 +533,13 @@ impl World {
         let is_convex = |shape: &Geometry| matches!(shape, Geometry::Polyhedron(_) | Geometry::Convex(_));
         let attached = self.attached.iter().flatten().map(|o| &o.geometry);
         let obstacles = self.obstacles.iter().flatten().map(|o| &o.1);
-        !self.robot.iter().map(|b| &b.1).chain(attached).chain(obstacles).all(is_convex)
+        !self
+            .robot
+            .iter()
+            .map(|b| &b.1)
+            .chain(attached)
+            .chain(obstacles)
+            .all(is_convex)
     }
 
     /// Returns an error if something refers to a body or frame that does not exist, or if a length
@@ -546,7 +552,12 @@ impl World {
             match object.frame {
                 Frame::Robot(k) => has(WorldId::Robot(k))?,
                 Frame::Bare(k) if k < bare => {}
-                Frame::Bare(_) => return Err(PlanError::Unnamed { name: object.link.clone(), near: None }),
+                Frame::Bare(_) => {
+                    return Err(PlanError::Unnamed {
+                        name: object.link.clone(),
+                        near: None,
+                    });
+                }
             }
         }
         for (_, frame) in &self.frames {
@@ -564,7 +575,9 @@ impl World {
         }
         self.paddings.keys().try_for_each(|id| has(*id))?;
         check_length("margin", self.margin)?;
-        self.margins.values().try_for_each(|m| check_length("margin of a pair", *m))?;
+        self.margins
+            .values()
+            .try_for_each(|m| check_length("margin of a pair", *m))?;
         self.paddings.values().try_for_each(|p| check_length("padding", *p))
     }
 }
@@ -655,7 +668,9 @@ impl World {
             of_name.entry(name).or_default().push(id);
         }
         let is_whole = |names: &[&str; 2], count: usize| {
-            let pairs = of_name[names[0]].iter().flat_map(|a| of_name[names[1]].iter().map(move |b| (*a, *b)));
+            let pairs = of_name[names[0]]
+                .iter()
+                .flat_map(|a| of_name[names[1]].iter().map(move |b| (*a, *b)));
             let pairs: BTreeSet<_> = pairs.filter_map(|(a, b)| WorldPair::new(a, b)).collect();
             pairs.len() == count
         };
@@ -762,7 +777,10 @@ impl World {
     pub(crate) fn kept_bounds(&self) -> (f64, f64) {
         let margins = || self.margins.values().copied();
         let most = margins().fold(self.margin, f64::larger);
-        let pads = self.paddings.iter().filter(|(id, _)| matches!(id, WorldId::Obstacle(_)));
+        let pads = self
+            .paddings
+            .iter()
+            .filter(|(id, _)| matches!(id, WorldId::Obstacle(_)));
         let pad = pads.map(|(_, pad)| *pad).fold(0.0, f64::larger);
         (most + pad, margins().fold(self.margin, f64::smaller))
     }

@@ -5,8 +5,8 @@ use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Geometry, Mesh, PairTracker, RelativePose, Shape};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointKind, JointTree, PlanError, RigidSpace, TreeJoint, Verdict, World, WorldId,
-    WorldPair,
+    Checker, ConfigurationSpace, Drive, JointKind, JointTree, PlanError, RigidSpace, TreeJoint, Verdict, World,
+    WorldId, WorldPair,
 };
 use truth::rng::Rng;
 
@@ -56,7 +56,10 @@ fn world() -> World {
 
 fn pose(rng: &mut Rng, far: f64) -> Isometry3<f64> {
     let mut draw = |most: f64| Vector3::from_fn(|_, _| rng.range(-most, most));
-    Isometry3::from_parts(Translation3::from(draw(far)), UnitQuaternion::from_scaled_axis(draw(3.0)))
+    Isometry3::from_parts(
+        Translation3::from(draw(far)),
+        UnitQuaternion::from_scaled_axis(draw(3.0)),
+    )
 }
 
 fn geometry(rng: &mut Rng) -> Geometry {
@@ -86,7 +89,9 @@ fn change(checker: &mut Checker<JointTree>, rng: &mut Rng) {
         2 => checker.move_obstacle(name, pose(rng, 1.6)).is_err(),
         3 => checker.move_obstacle(id, pose(rng, 1.6)).is_err(),
         4 => checker.replace_obstacle(id, geometry(rng)).is_err(),
-        5 => checker.remove_obstacle(if rng.below(4) == 0 { name } else { "c" }).is_err(),
+        5 => checker
+            .remove_obstacle(if rng.below(4) == 0 { name } else { "c" })
+            .is_err(),
         6 => checker
             .attach(*rng.pick(&names[3..]), name, geometry(rng), pose(rng, 0.2), &[one])
             .is_err(),
@@ -252,7 +257,10 @@ fn attached_objects_are_where_their_links_carry_them() {
             let mut least = f64::INFINITY;
             for n in &near {
                 let [lower, upper] = measured(placed(&checker, n.pair.a, &q), placed(&checker, n.pair.b, &q));
-                assert!(n.lower <= upper + 1e-9 && lower <= n.upper + 1e-9, "{n:?} {lower} {upper}");
+                assert!(
+                    n.lower <= upper + 1e-9 && lower <= n.upper + 1e-9,
+                    "{n:?} {lower} {upper}"
+                );
                 least = least.min(n.excess);
                 let kept = checker.world().kept_distance(n.pair);
                 assert_eq!(n.excess, n.distance - kept);
@@ -296,7 +304,11 @@ fn judge_verdicts(motions: usize, places: usize, seed: u64) -> [usize; 2] {
         if let Verdict::Blocked { t, pair, .. } = verdict {
             let at = checker.space().between(&q, &p, t);
             let [lower, _] = measured(placed(&checker, pair.a, &at), placed(&checker, pair.b, &at));
-            assert!(lower <= checker.world().kept_distance(pair) + 1e-9, "{}", checker.show(&verdict));
+            assert!(
+                lower <= checker.world().kept_distance(pair) + 1e-9,
+                "{}",
+                checker.show(&verdict)
+            );
             tally[1] += 1;
         }
         tally[0] += usize::from(verdict.is_free());
@@ -365,13 +377,17 @@ fn removed_bodies_and_unknown_names_are_errors_that_say_so() {
     assert_eq!(text(robot), "hand is not an obstacle");
     let bare = checker.exclude("tool", "post").expect_err("a frame");
     assert_eq!(text(bare), "link \"tool\" has no bodies, so it has no pairs");
-    let link = checker.attach("tol", "part", ball(), at, &[]).expect_err("a misspelt link");
+    let link = checker
+        .attach("tol", "part", ball(), at, &[])
+        .expect_err("a misspelt link");
     assert_eq!(text(link), "body \"tol\" does not exist (nearest: \"tool\")");
     let far = Isometry3::translation(f64::NAN, 0.0, 0.0);
     assert!(checker.add_obstacle("far", ball(), far).is_err());
     assert!(checker.move_obstacle("post", far).is_err());
     for name in ["hand", "tool"] {
-        checker.attach(name, "twin", ball(), Isometry3::identity(), &[]).expect("an object");
+        checker
+            .attach(name, "twin", ball(), Isometry3::identity(), &[])
+            .expect("an object");
     }
     let twins = checker.detach_at("twin", &[0.0; 3]).expect_err("two objects");
     assert_eq!(text(twins), "2 bodies are named \"twin\" (expected one)");
@@ -386,9 +402,7 @@ fn an_object_that_is_put_down_stays_where_it_was() {
     for _ in 0..30 {
         let mut checker = Checker::new(arm(), world()).expect("a world");
         let (shape, grip, q) = (geometry(&mut rng), pose(&mut rng, 0.2), sample(&mut rng));
-        let id = checker
-            .attach("tool", "part", shape, grip, &["hand"])
-            .expect("a part");
+        let id = checker.attach("tool", "part", shape, grip, &["hand"]).expect("a part");
         let at = checker.pose(id, &q).expect("a pose");
         let link = checker.link_pose("tool", &q).expect("a pose");
         assert!(((link * grip).translation.vector - at.translation.vector).norm() < 1e-12);
@@ -418,7 +432,10 @@ fn gradients_equal_finite_differences() {
                     // At a kink the differences to both sides differ.
                     let (up, down) = ((at(h) - n.distance) / h, (n.distance - at(-h)) / h);
                     if (up - down).abs() < 1e-4 {
-                        assert!((n.gradient[k] - 0.5 * (up + down)).abs() < 1e-4, "{n:?} {k} {up} {down}");
+                        assert!(
+                            (n.gradient[k] - 0.5 * (up + down)).abs() < 1e-4,
+                            "{n:?} {k} {up} {down}"
+                        );
                         count += 1;
                     }
                 }
@@ -432,11 +449,21 @@ fn gradients_equal_finite_differences() {
 fn gradients_of_rigid_bodies_equal_finite_differences() {
     let mut world = World::new();
     world.robot_body("plank", cuboid(0.5, 0.1, 0.05));
-    world.obstacle("ball", Shape::ball(0.2).expect("a ball"), Isometry3::translation(0.2, 1.0, 0.3));
+    world.obstacle(
+        "ball",
+        Shape::ball(0.2).expect("a ball"),
+        Isometry3::translation(0.2, 1.0, 0.3),
+    );
     let space = RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1).expect("a space");
     let mut checker = Checker::new(space, world).expect("a world");
     checker
-        .attach("plank", "knob", Shape::ball(0.2).expect("a ball"), Isometry3::translation(0.4, 0.2, 0.0), &[])
+        .attach(
+            "plank",
+            "knob",
+            Shape::ball(0.2).expect("a ball"),
+            Isometry3::translation(0.4, 0.2, 0.0),
+            &[],
+        )
         .expect("a knob");
     let mut rng = Rng::new(29);
     for _ in 0..50 {
