@@ -253,7 +253,7 @@ impl Checker {
 impl Checker {
     fn of_setup(setup: Setup, obstacles: usize, arguments: (Py<PyTuple>, Py<PyDict>)) -> PyResult<Self> {
         let checker = setup.checker().map_err(plan_error)?;
-        let own = checker.space().bodies();
+        let own = checker.world().robot_bodies().len();
         let parts = (0..own)
             .map(WorldId::Robot)
             .chain((0..obstacles).map(WorldId::Obstacle));

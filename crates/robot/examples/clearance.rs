@@ -110,6 +110,8 @@ fn picture(
     let mut poses = vec![];
     checker.space().place(q, &mut poses);
     let world = checker.world();
+    // Frames without bodies come last.
+    poses.truncate(world.robot_bodies().len());
     let links = world.robot_bodies().map(|(_, shape)| Ok((draw::outline(shape)?, true)));
     let things = world
         .obstacles()

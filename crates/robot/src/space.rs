@@ -268,22 +268,19 @@ impl Setup {
         &self.adjacent
     }
 
-    /// Returns the configuration space of all robots.
+    /// Returns the configuration space of all robots, whose bodies are those of all links.
     ///
-    /// The bodies of the space are those of all links, then one without geometry for the frame of
-    /// each link that is no frame of a body. Its [`sample`](lin_canny_plan::ConfigurationSpace::sample) returns a random configuration
+    /// Its [`sample`](lin_canny_plan::ConfigurationSpace::sample) returns a random configuration
     /// within the limits.
     ///
     /// # Errors
     /// Returns an error if a number of a robot is out of range.
     pub fn space(&self) -> Result<JointTree, PlanError> {
+        self.space_of(self.bodies.iter().map(|b| b.link).collect())
+    }
+
+    fn space_of(&self, links: Vec<usize>) -> Result<JointTree, PlanError> {
         let limits = self.coordinates.iter().map(|c| c.limits).collect();
-        // Frames of links that are no frames of bodies come last, as bodies without geometry.
-        let bare = self.link_frames.iter().filter_map(|(_, frame)| match frame {
-            LinkFrame::Link(link) => Some(*link),
-            LinkFrame::Body(_) => None,
-        });
-        let links = self.bodies.iter().map(|b| b.link).chain(bare).collect();
         JointTree::new(
             Isometry3::identity(),
             self.joints.clone(),
@@ -296,7 +293,8 @@ impl Setup {
     /// Returns the checker of all robots among the obstacles.
     ///
     /// Objects can be [attached](Checker::attach) to every link by its name, also to links without
-    /// bodies.
+    /// bodies: in the space of the checker, bodies without geometry come last, one for the frame of
+    /// each link that is not the frame of a body.
     ///
     /// # Errors
     /// Returns an error if a number of a robot or an obstacle is out of range, or if a name of a
@@ -323,7 +321,12 @@ impl Setup {
         for [a, b] in self.excluded.keys().filter(|pair| !pair.iter().any(is_frame)) {
             world.exclude(a, b)?;
         }
-        Checker::new(self.space()?, world)
+        let bare = self.link_frames.iter().filter_map(|(_, frame)| match frame {
+            LinkFrame::Link(link) => Some(*link),
+            LinkFrame::Body(_) => None,
+        });
+        let links = self.bodies.iter().map(|b| b.link).chain(bare).collect();
+        Checker::new(self.space_of(links)?, world)
     }
 }
 

@@ -557,3 +557,61 @@ fn unknown_elements_of_an_srdf_are_errors_with_their_line() {
         }
     }
 }
+
+#[test]
+fn objects_are_attached_to_links_whose_bodies_have_other_frames() {
+    let robot = gripper(MeshUse::Hull);
+    let setup = setup(&robot);
+    let mut checker = setup.checker().expect("a setup");
+    assert_eq!(
+        setup.space().expect("a space").bodies(),
+        checker.world().robot_bodies().len()
+    );
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let grip = Isometry3::translation(0.0, 0.0, 0.12);
+    let fingers = ["left finger", "right finger"];
+    let part = lin_canny::Shape::ball(0.02).expect("a ball");
+    let id = checker.attach("gripper", "part", part, grip, &fingers).expect("a part");
+    for _ in 0..20 {
+        let q = sample(checker.space(), &mut random);
+        let link = places(&robot, &Isometry3::identity(), &q)[robot.link("gripper").expect("a link")];
+        let at = checker.pose(id, &q).expect("a pose");
+        assert!(((link * grip).inverse() * at).translation.vector.norm() < 1e-12);
+        let all = checker.nearest(&q, f64::INFINITY).expect("a configuration");
+        let partners = all.iter().filter(|near| near.pair.a == id || near.pair.b == id);
+        let mut names: Vec<&str> = partners
+            .flat_map(|n| [checker.name(n.pair.a), checker.name(n.pair.b)])
+            .collect();
+        names.retain(|name| fingers.contains(name) || *name == "gripper");
+        assert_eq!(names, [""; 0]);
+    }
+    let error = checker.attach(
+        "griper",
+        "part",
+        lin_canny::Shape::ball(0.1).expect("a ball"),
+        grip,
+        &[],
+    );
+    assert!(error.expect_err("a misspelt link").to_string().contains("gripper"));
+}
+
+#[test]
+fn excluded_pairs_are_written_as_an_srdf_and_read_again() {
+    let robot = gripper(MeshUse::Hull);
+    let mut before = Setup::new();
+    before.robot("r/", &robot, Isometry3::identity());
+    before.exclude_adjacent();
+    before.exclude("r/left finger", "r/right finger");
+    before.include("r/base", "r/shoulder");
+    let srdf = Srdf::from_setup(&before, "r/", &robot);
+    assert_eq!(srdf.excluded.len(), before.excluded().len());
+    let read = Srdf::parse(&srdf.text("gripper"), "gripper.srdf", &robot).expect("an SRDF");
+    assert_eq!(read.excluded, srdf.excluded);
+    let mut after = Setup::new();
+    after.robot("r/", &robot, Isometry3::identity());
+    after.exclude_srdf("r/", &read);
+    let [a, b] = [before, after].map(|setup| setup.checker().expect("a setup"));
+    assert!(a.world().excluded().eq(b.world().excluded()));
+    let of_world = Srdf::from_world(a.world(), "r/", &robot, "User");
+    assert_eq!(of_world.excluded.len(), srdf.excluded.len());
+}
