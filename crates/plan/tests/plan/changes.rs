@@ -93,7 +93,7 @@ fn change(checker: &mut Checker<JointTree>, rng: &mut Rng) {
             .remove_obstacle(if rng.below(4) == 0 { name } else { "c" })
             .is_err(),
         6 => checker
-            .attach(*rng.pick(&names[3..]), name, geometry(rng), pose(rng, 0.2), &[one])
+            .attach(rng.pick(&names[3..]), name, geometry(rng), pose(rng, 0.2), &[one])
             .is_err(),
         7 => checker.detach(name).is_err(),
         8 => checker.detach_at(name, &sample(rng)).is_err(),
