@@ -56,8 +56,8 @@
 //! | what pairs must keep | [`Checker::set_margin`], [`pad`](Checker::pad), [`set_pair_margin`](Checker::set_pair_margin) |
 //! | pairs that may touch | [`Checker::exclude`], [`include`](Checker::include), [`World::excluded`] |
 //!
-//! A change costs no more than the pairs of the changed body, and all other trackers stay warm. A name
-//! acts on all bodies that have it. Ids are never used again.
+//! A change costs no more than the pairs of the changed body, and all other trackers stay warm. A
+//! name acts on all bodies that have it. Ids are never used again.
 //!
 //! # How a segment is checked
 //!

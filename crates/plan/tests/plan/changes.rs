@@ -83,6 +83,7 @@ fn change(checker: &mut Checker<JointTree>, rng: &mut Rng) {
     let [one, two] = [*rng.pick(&names), *rng.pick(&names)];
     let all: Vec<WorldId> = checker.world().bodies().map(|b| b.0).collect();
     let id = *rng.pick(&all);
+    let link = *rng.pick(&names[3..]);
     let before = format!("{:?}", checker.world());
     let is_refused = match rng.below(13) {
         0 | 1 => checker.add_obstacle(name, geometry(rng), pose(rng, 1.6)).is_err(),
@@ -93,7 +94,7 @@ fn change(checker: &mut Checker<JointTree>, rng: &mut Rng) {
             .remove_obstacle(if rng.below(4) == 0 { name } else { "c" })
             .is_err(),
         6 => checker
-            .attach(rng.pick(&names[3..]), name, geometry(rng), pose(rng, 0.2), &[one])
+            .attach(link, name, geometry(rng), pose(rng, 0.2), &[one])
             .is_err(),
         7 => checker.detach(name).is_err(),
         8 => checker.detach_at(name, &sample(rng)).is_err(),
