@@ -205,8 +205,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.world.name(part)
     }
 
-    /// Returns what prints a body, a pair, a [`NearPair`](crate::NearPair) or a [`Verdict`] with the
-    /// names of the bodies: see [`World::show`].
+    /// Returns what prints a body, a pair, a [`NearPair`](crate::NearPair) or a [`Verdict`] with
+    /// the names of the bodies: see [`World::show`].
     ///
     /// ```
     /// # use lin_canny::nalgebra::Isometry3;

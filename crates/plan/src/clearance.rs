@@ -172,14 +172,14 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(found.into_iter().map(|m| m.near).collect())
     }
 
-    /// Collects the pairs that may be within `reach`, and all pairs of two bodies that move with the
-    /// robot.
+    /// Collects the pairs that may be within `reach`, and all pairs of two bodies that move with
+    /// the robot.
     pub(crate) fn gather_within(&mut self, reach: f64, poses: &[Isometry3<f64>]) -> Result<(), PlanError> {
         self.gather_about(|_| reach, poses)
     }
 
-    /// Collects the pairs that may be closer than they must be, and all pairs of two bodies that move
-    /// with the robot.
+    /// Collects the pairs that may be closer than they must be, and all pairs of two bodies that
+    /// move with the robot.
     pub(crate) fn gather_kept(&mut self, poses: &[Isometry3<f64>]) -> Result<(), PlanError> {
         let most = core::mem::take(&mut self.pairs.most_kept);
         let found = self.gather_about(|mover| most[mover], poses);

@@ -53,7 +53,7 @@ pub enum PlanError {
         world: usize,
     },
     /// Returned if no body or link has this name.
-    #[error("body {name:?} does not exist{}", near.as_ref().map_or(String::new(), |near| std::format!(" (nearest: {near:?})")))]
+    #[error("body {name:?} does not exist{}", suggestion(near.as_deref()))]
     Unnamed {
         /// The name.
         name: String,
@@ -121,4 +121,8 @@ pub enum PlanError {
     /// Returned if the broad phase rejects a box.
     #[error(transparent)]
     Broad(#[from] BroadPhaseError),
+}
+
+fn suggestion(near: Option<&str>) -> String {
+    near.map_or(String::new(), |near| std::format!(" (nearest: {near:?})"))
 }

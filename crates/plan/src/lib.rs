@@ -45,6 +45,22 @@
 //! | How large is the clearance along a segment? | [`Checker::clearance_along`] | a proven lower bound, and a distance that is attained |
 //! | Is a configuration free? | [`Checker::is_free_at`] | `true` or `false`, without distances |
 //! | How large is the clearance at a configuration? | [`Checker::clearance`], [`nearest`](Checker::nearest) | signed distance, witness points, gradient |
+//! | And at many configurations? | [`Checker::nearest_batch`] | the same as arrays; see the chapter [`gradients`] |
+//! | Which pairs are in contact? | [`Checker::in_contact`] | pairs |
+//!
+//! # A world that changes
+//!
+//! | change | function |
+//! |---|---|
+//! | obstacles | [`Checker::add_obstacle`], [`move_obstacle`](Checker::move_obstacle), [`replace_obstacle`](Checker::replace_obstacle), [`remove_obstacle`](Checker::remove_obstacle) |
+//! | objects that a link carries | [`Checker::attach`], [`detach`](Checker::detach), [`detach_at`](Checker::detach_at) |
+//! | what pairs must keep | [`Checker::set_margin`], [`pad`](Checker::pad), [`set_pair_margin`](Checker::set_pair_margin) |
+//! | pairs that may touch | [`Checker::exclude`], [`include`](Checker::include), [`World::excluded`] |
+//!
+//! A change costs no more than the pairs of the changed body, and all other trackers stay warm. A
+//! name acts on all bodies that have it. Ids are never used again.
+//!
+//! # How a segment is checked
 //!
 //! A segment is checked pair by pair:
 //!
@@ -136,6 +152,7 @@
 mod arm;
 mod ascent;
 mod attached;
+mod batch;
 mod changes;
 mod checker;
 mod clearance;
@@ -162,6 +179,7 @@ mod verdict;
 mod world;
 
 pub use arm::{Joint, JointKind, SerialArm};
+pub use batch::NearPairs;
 pub use checker::{Checker, PairProof};
 pub use clearance::{NearPair, SegmentClearance};
 pub use error::PlanError;
@@ -176,6 +194,9 @@ pub use tree::{Drive, JointTree, TreeJoint};
 pub use tree_motion::TreeSegment;
 pub use verdict::{CheckWork, LeavingPair, Verdict};
 pub use world::{AttachedObject, Named, Select, World, WorldId, WorldPair};
+
+#[doc = include_str!("../docs/gradients.md")]
+pub mod gradients {}
 
 /// Runs the README as a test.
 #[doc = include_str!("../README.md")]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::{Geometry, PairTracker, RelativePose};
-use lin_canny_plan::{Checker, ConfigurationSpace, JointTree, NearPair, WorldId};
+use lin_canny_plan::{Checker, JointTree, NearPair, WorldId};
 use lin_canny_record::{Recorder, WriteError};
 
 use crate::error::{FileError, FileErrorKind};
@@ -20,7 +20,7 @@ use crate::error::{FileError, FileErrorKind};
 /// let mut recorder = RobotRecorder::create("arm.jsonl", &checker, &path[0])?;
 /// for q in &path {
 ///     let near = checker.clearance(q)?.ok_or("no pair")?;
-///     recorder.frame(checker.space(), q, "on the path", &near)?;
+///     recorder.frame(&checker, q, "on the path", &near)?;
 /// }
 /// recorder.finish()?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())

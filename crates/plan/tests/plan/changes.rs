@@ -83,6 +83,7 @@ fn change(checker: &mut Checker<JointTree>, rng: &mut Rng) {
     let [one, two] = [*rng.pick(&names), *rng.pick(&names)];
     let all: Vec<WorldId> = checker.world().bodies().map(|b| b.0).collect();
     let id = *rng.pick(&all);
+    let link = *rng.pick(&names[3..]);
     let before = format!("{:?}", checker.world());
     let is_refused = match rng.below(13) {
         0 | 1 => checker.add_obstacle(name, geometry(rng), pose(rng, 1.6)).is_err(),
@@ -93,7 +94,7 @@ fn change(checker: &mut Checker<JointTree>, rng: &mut Rng) {
             .remove_obstacle(if rng.below(4) == 0 { name } else { "c" })
             .is_err(),
         6 => checker
-            .attach(*rng.pick(&names[3..]), name, geometry(rng), pose(rng, 0.2), &[one])
+            .attach(link, name, geometry(rng), pose(rng, 0.2), &[one])
             .is_err(),
         7 => checker.detach(name).is_err(),
         8 => checker.detach_at(name, &sample(rng)).is_err(),
@@ -483,4 +484,68 @@ fn gradients_of_rigid_bodies_equal_finite_differences() {
             assert!((near.gradient[k] - slope).abs() < 1e-4, "{near:?} {k} {slope}");
         }
     }
+}
+
+#[test]
+fn a_batch_has_the_bits_of_new_checkers_on_any_number_of_threads() {
+    let mut rng = Rng::new(31);
+    let mut checker = loaded(&mut rng);
+    let rows: Vec<Vec<f64>> = (0..17).map(|_| sample(&mut rng)).collect();
+    let flat = rows.concat();
+    let one = checker.nearest_batch(&flat, 3, 0.2, 1).expect("configurations");
+    for threads in [2, 3, 16, 100] {
+        let more = checker.nearest_batch(&flat, 3, 0.2, threads).expect("configurations");
+        assert_eq!(format!("{more:?}"), format!("{one:?}"));
+    }
+    for (row, q) in rows.iter().enumerate() {
+        checker.forget();
+        let near = checker.nearest(q, 0.2).expect("a configuration");
+        assert_eq!(one.counts[row], near.len().min(3));
+        for (k, n) in near.iter().take(3).enumerate() {
+            let at = 3 * row + k;
+            assert_eq!(one.pairs[at], Some(n.pair));
+            assert_eq!(one.distances[at].to_bits(), n.distance.to_bits());
+            assert_eq!(one.gradients[3 * at..3 * at + 3], n.gradient);
+            assert_eq!(one.points_b[at], <[f64; 3]>::from(n.witnesses[1].coords));
+        }
+    }
+    let mut bad = flat;
+    bad[3 * 11] = 99.0;
+    let error = checker.nearest_batch(&bad, 3, 0.2, 4).expect_err("a bad configuration");
+    assert!(
+        error.to_string().starts_with("configuration 11: coordinate 0"),
+        "{error}"
+    );
+    assert!(checker.nearest_batch(&[0.0; 4], 3, 0.2, 4).is_err());
+    assert!(
+        checker
+            .nearest_batch(&[], 3, 0.2, 0)
+            .expect("no rows")
+            .counts
+            .is_empty()
+    );
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn worlds_and_answers_are_stored() {
+    let mut rng = Rng::new(37);
+    for _ in 0..5 {
+        let mut checker = loaded(&mut rng);
+        checker.remove_obstacle(WorldId::Obstacle(0)).expect("an obstacle");
+        let text = serde_json::to_string(checker.world()).expect("a world");
+        let world: World = serde_json::from_str(&text).expect("a world");
+        let mut read = Checker::new(arm(), world).expect("a world");
+        let (q, p) = (sample(&mut rng), sample(&mut rng));
+        for question in 0..4 {
+            checker.forget();
+            assert_eq!(ask(&mut read, question, &q, &p), ask(&mut checker, question, &q, &p));
+            read.forget();
+        }
+        let verdict = checker.certify(&q, &p).expect("a segment");
+        let text = serde_json::to_string(&verdict).expect("a verdict");
+        assert_eq!(serde_json::from_str::<Verdict>(&text).expect("a verdict"), verdict);
+    }
+    let bad = r#"{"robot":[],"frames":[],"attached":[],"obstacles":[],"excluded":[],"margin":-1.0,"paddings":[],"margins":[]}"#;
+    assert!(serde_json::from_str::<World>(bad).is_err());
 }
