@@ -40,10 +40,12 @@ const EXCHANGES: usize = 256;
 pub(crate) struct ClearConfiguration {
     pub(crate) q: Vec<f64>,
     pub(crate) distance: f64,
-    near: Vec<NearPair>,
+    /// The pairs that are nearly closest, the closest first.
+    near: Vec<ClearancePlane>,
 }
 
-/// A linear bound of the clearance around the centre.
+/// A linear bound of the clearance around a configuration: a value, and a gradient by scaled steps.
+#[derive(Clone, Debug)]
 struct ClearancePlane {
     value: f64,
     gradient: Vec<f64>,
@@ -62,9 +64,30 @@ pub(crate) struct Slice {
 
 impl<C: ConfigurationSpace> Checker<C> {
     /// Measures a configuration. The clearance of a world without pairs is infinite.
+    ///
+    /// If pairs must keep different distances, the clearance is the least excess over them, plus
+    /// the margin.
     pub(crate) fn place(&mut self, q: Vec<f64>, slack: f64) -> Result<ClearConfiguration, PlanError> {
-        let near = self.nearest(&q, slack)?;
-        let distance = near.first().map_or(f64::INFINITY, |n| n.distance);
+        let is_uniform = self.pairs.is_uniform;
+        let spread = if is_uniform { 0.0 } else { self.pairs.spread() };
+        let (margin, scales) = (self.margin(), self.space.scales().to_vec());
+        let near = self.nearest(&q, slack + spread)?;
+        let value = |near: &NearPair| {
+            if is_uniform {
+                near.distance
+            } else {
+                near.excess + margin
+            }
+        };
+        let planes = near.iter().map(|near| ClearancePlane {
+            value: value(near),
+            gradient: near.scaled_gradient(&scales),
+        });
+        let mut near: Vec<ClearancePlane> = planes.collect();
+        if !is_uniform {
+            near.sort_by(|x, y| x.value.total_cmp(&y.value));
+        }
+        let distance = near.first().map_or(f64::INFINITY, |n| n.value);
         Ok(ClearConfiguration { q, distance, near })
     }
 
@@ -139,7 +162,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let step = self.space.difference(&centre.q, &tried.q);
         let z: Vec<f64> = step.iter().zip(self.space.scales()).map(|(x, s)| x * s).collect();
         for near in tried.near.iter().take(PLANES) {
-            let value = near.distance - dot(&near.gradient, &z);
+            let value = near.value - dot(&near.gradient, &z);
             // The clearance is not concave: a plane below the value at the centre is no bound.
             planes.push(ClearancePlane {
                 value: value.larger(centre.distance),
@@ -154,13 +177,8 @@ impl<C: ConfigurationSpace> Checker<C> {
 
 fn planes_at(place: &ClearConfiguration, mu: f64) -> Vec<ClearancePlane> {
     let within = place.near.iter().take(PLANES);
-    let within = within.filter(|near| near.distance <= place.distance + 4.0 * mu);
-    within
-        .map(|near| ClearancePlane {
-            value: near.distance,
-            gradient: near.gradient.clone(),
-        })
-        .collect()
+    let within = within.filter(|near| near.value <= place.distance + 4.0 * mu);
+    within.cloned().collect()
 }
 
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -5,21 +5,25 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
 
+use crate::attached::CarriedMotion;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::pairs::{Pairs, Stretch, even_span, swept_box};
+use crate::pairs::{PairKey, Pairs, Places, Stretch, SweptBox, even_span};
 use crate::space::{BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
-use crate::verdict::{CheckWork, Verdict};
-use crate::world::{World, WorldId, WorldPair};
-use lin_canny::Operand;
-use lin_canny::impact::{Cast, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
+use crate::verdict::{CheckWork, LeavingPair, Verdict};
+use crate::world::{Named, World, WorldId, WorldPair};
+use lin_canny::impact::{Cast, CastOptions, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
+use lin_canny::motion::Motion;
+use lin_canny::{EXTENT_MAX, Operand};
 
-use lin_canny::EXTENT_MAX;
 use lin_canny::separation::Separation;
 
 /// Width of the bracket of a contact, in units of the sum of both radii. Free segments that come
 /// closer than this need more queries. Not measured.
 const CONTACT: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// Factor by which the radius of a tube grows for swept boxes, more than sums round.
+const GROWN: f64 = 1.0 + 8.0 * f64::EPSILON;
 
 /// The proof that a pair stays apart on a segment: consecutive certificates from time 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +40,9 @@ pub struct Checker<C> {
     pub(crate) space: C,
     pub(crate) world: World,
     pub(crate) pairs: Pairs,
-    margin: f64,
+    /// What all pairs must keep in addition: inside a tube.
+    pub(crate) tube: f64,
+    pub(crate) start_contact_margin: Option<f64>,
     pub(crate) work: CheckWork,
     /// Scratch memory: pairs to check, and poses.
     pub(crate) candidates: Vec<usize>,
@@ -45,11 +51,11 @@ pub struct Checker<C> {
     /// Pairs that were not free at single configurations, the latest first.
     pub(crate) hits: Vec<usize>,
     /// Scratch memory: distances of balls, with their pairs.
-    pub(crate) order: Vec<(f64, usize)>,
+    pub(crate) order: Vec<(f64, PairKey, usize)>,
     /// Distance within which the last clearance was found; the next search starts with it.
     pub(crate) reach: f64,
     /// Whether predicates run before distances.
-    has_parts: bool,
+    pub(crate) has_parts: bool,
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
@@ -59,52 +65,126 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns an error if the space and the world have different numbers of robot bodies, if a
     /// pose is out of range, or if two kinds of geometry cannot be measured.
     pub fn new(mut space: C, world: World) -> Result<Self, PlanError> {
-        if space.bodies() != world.robot.len() {
+        world.validate()?;
+        let bodies = world.robot.len() + world.bare_frames();
+        if space.bodies() != bodies {
             return Err(PlanError::Bodies {
                 space: space.bodies(),
-                world: world.robot.len(),
+                world: bodies,
             });
         }
-        let pairs = Pairs::new(&world, |a, b| space.is_rigid(a, b))?;
-        let middles: Vec<_> = pairs.robot_balls.iter().map(|(centre, _)| *centre).collect();
+        let mut pairs = Pairs::new(&world, bodies);
+        let middles = pairs.mover_balls.iter();
+        let middles: Vec<_> = middles.map(|ball| ball.map_or(Point3::origin(), |b| b.0)).collect();
         space.set_middles(&middles);
-        let reach = pairs.robot_radius;
-        let has_parts = world.has_parts();
-        Ok(Self {
+        for k in 0..world.attached.len() {
+            pairs.set_attached(&world, k);
+        }
+        for k in 0..world.obstacles.len() {
+            pairs.set_obstacle(&world, k)?;
+        }
+        pairs.step_boxes();
+        pairs.take_margins(&world);
+        let mut checker = Self {
+            reach: pairs.robot_radius,
+            has_parts: world.has_parts(),
             space,
             world,
             pairs,
-            margin: 0.0,
+            tube: 0.0,
+            start_contact_margin: None,
             work: CheckWork::default(),
             candidates: Vec::new(),
             stretches: Vec::new(),
             poses: Vec::new(),
             hits: Vec::new(),
             order: Vec::new(),
-            reach,
-            has_parts,
-        })
+        };
+        checker.set_all_pairs();
+        Ok(checker)
     }
 
-    /// Sets the distance that all pairs must keep; closer counts as blocked. The default is 0.
+    /// Sets the distance that a pair must keep that has no margin of its own; closer counts as
+    /// blocked. The default is 0.
     ///
     /// # Errors
     /// Returns an error if the margin is negative or not finite.
     pub fn set_margin(&mut self, margin: f64) -> Result<(), PlanError> {
-        if !(0.0..=EXTENT_MAX).contains(&margin) {
-            return Err(PlanError::Value {
-                what: "margin",
-                value: margin,
-            });
+        self.world.set_margin(margin)?;
+        self.margins_changed();
+        for index in self.pairs.ordered() {
+            self.pairs.all[index].kept = self.world.kept_distance(self.pairs.all[index].pair);
         }
-        self.margin = margin;
         Ok(())
     }
 
-    /// Returns the distance that all pairs must keep.
+    /// Returns the distance that a pair must keep that has no margin of its own.
     #[must_use]
     pub fn margin(&self) -> f64 {
-        self.margin
+        self.world.margin()
+    }
+
+    /// Accepts contacts at the start of a segment, for example of a part that is lifted from a
+    /// table.
+    ///
+    /// A pair that is within this distance at the start of a segment, or overlaps by no more, is
+    /// accepted if it is proven not to come closer than at the start, minus `2^-30` of the pair
+    /// size, until it has left the margin. From then on it must keep its distance like any other
+    /// pair. Sliding along a face is accepted too. [`Verdict::Free`] lists such pairs.
+    ///
+    /// The option acts on segments ([`certify`](Self::certify), [`is_free`](Self::is_free),
+    /// [`prove`](Self::prove), [`certify_path`](Self::certify_path)), not on configurations
+    /// ([`is_free_at`](Self::is_free_at)), tubes or [`clearance_along`](Self::clearance_along). To
+    /// put a part down, certify the motion from the contact, in reverse.
+    /// [`PairTracker::cast_from_contact`](lin_canny::PairTracker::cast_from_contact) gives the
+    /// details. The default is `None`: no contact is accepted.
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// # use lin_canny::polyhedron::solids;
+    /// # use lin_canny_plan::{Checker, RigidSpace, Verdict, World};
+    /// # let mut world = World::new();
+    /// # world.robot_body("part", solids::cuboid(Vector3::new(0.1, 0.1, 0.1))?);
+    /// # let table = solids::cuboid(Vector3::new(1.0, 1.0, 0.1))?;
+    /// # world.obstacle("table", table, Isometry3::translation(0.0, 0.0, -0.1));
+    /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, world)?;
+    /// let at = |x: f64, z: f64| [x, 0.0, z, 0.0, 0.0, 0.0, 1.0];
+    /// let (table, above) = (at(0.0, 0.1), at(0.0, 0.5));
+    /// assert!(!checker.certify(&table, &above)?.is_free());
+    /// checker.set_start_contact_margin(Some(1e-3))?;
+    /// let verdict = checker.certify(&table, &above)?;
+    /// assert!(matches!(verdict, Verdict::Free { start_contacts, .. } if start_contacts.len() == 1));
+    /// assert!(checker.certify(&table, &at(0.5, 0.1))?.is_free());
+    /// assert!(!checker.certify(&table, &at(0.5, 0.09))?.is_free());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error if the margin is negative or not finite.
+    pub fn set_start_contact_margin(&mut self, margin: Option<f64>) -> Result<(), PlanError> {
+        if let Some(value) = margin
+            && !(0.0..=EXTENT_MAX).contains(&value)
+        {
+            let what = "start contact margin";
+            return Err(PlanError::Value { what, value });
+        }
+        self.start_contact_margin = margin;
+        Ok(())
+    }
+
+    /// Returns the margin within which contacts at the start of a segment are accepted.
+    #[must_use]
+    pub fn start_contact_margin(&self) -> Option<f64> {
+        self.start_contact_margin
+    }
+
+    /// Returns the distance that a pair must keep, inside a tube as well.
+    pub(crate) fn kept(&self, index: usize) -> f64 {
+        let kept = self.pairs.all[index].kept;
+        match self.tube > 0.0 {
+            true => (kept + self.tube).next_up(),
+            false => kept,
+        }
     }
 
     /// Returns the configuration space.
@@ -125,10 +205,33 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.world.name(part)
     }
 
+    /// Returns what prints a body, a pair, a [`NearPair`](crate::NearPair) or a [`Verdict`] with
+    /// the names of the bodies: see [`World::show`].
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::Isometry3;
+    /// # use lin_canny::Shape;
+    /// # use lin_canny_plan::{Checker, RigidSpace, World};
+    /// # let mut world = World::new();
+    /// # world.robot_body("drone", Shape::ball(0.1)?);
+    /// # world.obstacle("mast", Shape::ball(0.1)?, Isometry3::identity());
+    /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, world)?;
+    /// let [p, q] = [-1.0, 1.0].map(|x| [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+    /// let verdict = checker.certify(&p, &q)?;
+    /// assert!(checker.show(&verdict).to_string().starts_with("blocked by drone and mast at 0.4"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn show<'a, T>(&'a self, value: &'a T) -> Named<'a, T> {
+        self.world.show(value)
+    }
+
     /// Returns the counts of work since the checker was made.
     #[must_use]
     pub fn work(&self) -> CheckWork {
-        self.work
+        CheckWork {
+            pairs_made: self.pairs.made,
+            ..self.work
+        }
     }
 
     /// Drops all cached state: the next call returns, bit for bit, what a new checker would.
@@ -183,7 +286,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns an error if a configuration is invalid.
     pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
         let segment = self.segment(from, to)?;
-        if self.has_parts && !(self.is_free_at(to)? && self.is_free_at(&self.space.between(from, to, 0.5))?) {
+        let tests_ends = self.has_parts && self.start_contact_margin.is_none();
+        if tests_ends && !(self.is_free_at(to)? && self.is_free_at(&self.space.between(from, to, 0.5))?) {
             self.work.segments += 1;
             return Ok(false);
         }
@@ -200,9 +304,10 @@ impl<C: ConfigurationSpace> Checker<C> {
     pub fn prove(&mut self, from: &[f64], to: &[f64]) -> Result<Option<Vec<PairProof>>, PlanError> {
         let segment = self.segment(from, to)?;
         let mut proofs = Vec::new();
-        for k in 0..self.pairs.all.len() {
+        for k in self.pairs.ordered() {
             let mut certificates = Vec::new();
-            let found = self.cast(k, &segment, 0.0..1.0, self.margin, Some(&mut certificates))?;
+            let (kept, start_contact) = (self.kept(k), self.start_contact_margin);
+            let found = self.cast(k, &segment, 0.0..1.0, kept, start_contact, Some(&mut certificates))?;
             if found.impact != Impact::Miss {
                 return Ok(None);
             }
@@ -236,48 +341,62 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// bodies; the earliest first.
     fn gather(&mut self, segment: &C::Segment, stretches: &mut Vec<Stretch>) -> Result<(), PlanError> {
         stretches.clear();
-        for body in 0..self.space.bodies() {
+        for mover in 0..self.pairs.mover_balls.len() {
+            let Some(ball) = self.pairs.mover_balls[mover] else {
+                continue;
+            };
             let mut from = 0.0;
             while from < 1.0 {
-                let (pose, model) = segment.placed(0, body, from, 1.0 - from);
-                let ball = self.pairs.robot_balls[body];
+                let (pose, model) = moving(segment, &self.pairs.places, mover, 0).placed(from, 1.0 - from);
                 let until = f64::smaller(1.0, from + even_span(ball, &model, 1.0 - from));
-                let swept = swept_box(ball, &pose, &model, until - from, self.margin);
-                self.pairs.near_within(body, &swept, (from, until), stretches)?;
+                let swept = SweptBox::new(ball, &pose, &model, until - from);
+                let more = if self.tube > 0.0 {
+                    self.tube.next_up() * GROWN
+                } else {
+                    0.0
+                };
+                self.pairs.near_within(mover, &swept, more, (from, until), stretches)?;
                 from = until;
             }
         }
-        let own = self.pairs.own..self.pairs.all.len();
-        stretches.extend(own.map(|pair| Stretch {
+        let pairs = &self.pairs;
+        stretches.extend(pairs.own.values().map(|&pair| Stretch {
             pair,
+            key: pairs.all[pair].key,
             from: 0.0,
             until: 1.0,
         }));
-        stretches.sort_unstable_by(|x, y| x.from.total_cmp(&y.from).then(x.pair.cmp(&y.pair)));
+        stretches.sort_unstable_by(|x, y| x.from.total_cmp(&y.from).then(x.key.cmp(&y.key)));
         self.work.pairs += stretches.len() as u64;
         Ok(())
     }
 
     /// Casts pair after pair, each up to the first contact found so far.
     fn judge(&mut self, segment: &C::Segment, stretches: &[Stretch], any: bool) -> Result<Verdict, PlanError> {
-        let clearance = self.margin;
-        let (mut verdict, mut until) = (Verdict::Free { clearance }, 1.0);
+        let clearance = self.pairs.least_kept;
+        let mut start_contacts = Vec::new();
+        let (mut blocked, mut until) = (None, 1.0);
         for stretch in stretches {
             if stretch.from > until {
                 break;
             }
             let (k, interval) = (stretch.pair, stretch.from..stretch.until.smaller(until));
-            let found = self.cast(k, segment, interval, clearance, None)?;
+            let start_contact = self.start_contact_margin.filter(|_| stretch.from == 0.0);
+            let found = self.cast(k, segment, interval, self.kept(k), start_contact, None)?;
             self.work.queries += u64::from(found.queries + found.proofs);
             let (safe, hit) = match found.impact {
-                Impact::Miss => continue,
+                Impact::Miss => {
+                    let pair = self.pairs.all[k].pair;
+                    start_contacts.extend(found.start_contact.map(|contact| LeavingPair { pair, contact }));
+                    continue;
+                }
                 Impact::AtStart { seen } => (stretch.from, Some((stretch.from, seen))),
                 Impact::Hit { safe, hit, seen } => (safe, Some((hit, seen))),
                 Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => (safe, None),
                 // A variant that is unknown here proves nothing.
                 _ => (stretch.from, None),
             };
-            verdict = match hit {
+            blocked = Some(match hit {
                 Some((t, seen)) => {
                     let pair = self.pairs.all[k].pair;
                     let points = [seen.point_on_a, seen.point_on_b];
@@ -289,54 +408,79 @@ impl<C: ConfigurationSpace> Checker<C> {
                     }
                 }
                 None => Verdict::Undecided { t: safe },
-            };
+            });
             until = safe;
             if any || !(until > 0.0) {
                 break;
             }
         }
-        Ok(verdict)
+        Ok(blocked.unwrap_or(Verdict::Free {
+            clearance,
+            start_contacts,
+        }))
     }
 
-    /// Casts a pair along a segment.
+    /// Casts a pair along a segment. A contact at the start of the interval is accepted within
+    /// `start_contact`.
     pub(crate) fn cast(
         &mut self,
         index: usize,
         segment: &C::Segment,
         interval: Range<f64>,
         margin: f64,
+        start_contact: Option<f64>,
         trail: Option<&mut Vec<Certificate>>,
     ) -> Result<Cast, PlanError> {
-        let (tracked, resting) = self.pairs.tracked(index);
-        let (WorldId::Robot(body) | WorldId::Obstacle(body)) = tracked.pair.a;
+        let (tracked, places) = self.pairs.tracked(index);
+        let [body, other] = [tracked.pair.a, tracked.pair.b].map(|id| places.mover(id));
+        let body = body.unwrap_or_default();
         // Certificates must be in the world frame; other results may be in any frame.
-        let stem = match tracked.pair.b {
-            WorldId::Robot(other) if trail.is_none() => segment.stem(body, other),
+        let stem = match other {
+            Some(other) if trail.is_none() => segment.stem(places.carrier(body).0, places.carrier(other).0),
             _ => 0,
         };
-        let moving = |body: usize| BodyMotion { segment, body, stem };
-        let partner = match tracked.pair.b {
-            WorldId::Robot(other) => PartMotion::Robot(moving(other)),
-            WorldId::Obstacle(k) => PartMotion::Obstacle(&resting[k]),
+        let partner = match (other, tracked.pair.b) {
+            (None, WorldId::Obstacle(k)) => PartMotion::Obstacle(&places.resting[k]),
+            _ => PartMotion::Robot(moving(segment, places, other.unwrap_or_default(), stem)),
         };
+        let motion = moving(segment, places, body, stem);
         let [a, b] = self.world.shapes(tracked.pair);
         let mut pair = tracked.tracker.pair(a, b);
         let radii = pair.ball(Operand::A).1 + pair.ball(Operand::B).1;
         let tolerance = Tolerance::Distance(CONTACT * radii);
-        let found = match trail {
-            Some(trail) => {
-                cast_with_certificates(&mut pair, &moving(body), &partner, interval, tolerance, margin, trail)
+        let found = match (start_contact, trail) {
+            (Some(contact), trail) => {
+                let options = CastOptions::new(tolerance)
+                    .distance(margin)
+                    .start_contact_margin(contact);
+                let bodies = [a.into(), b.into()];
+                tracked
+                    .tracker
+                    .cast_from_contact(bodies, &motion, &partner, interval, &options, trail)
             }
-            None => cast_within(&mut pair, &moving(body), &partner, interval, tolerance, margin),
+            (None, Some(trail)) => {
+                cast_with_certificates(&mut pair, &motion, &partner, interval, tolerance, margin, trail)
+            }
+            (None, None) => cast_within(&mut pair, &motion, &partner, interval, tolerance, margin),
         };
         found.map_err(PlanError::from)
     }
 
     fn in_world(&self, segment: &C::Segment, pair: WorldPair, time: f64, points: [Point3<f64>; 2]) -> [Point3<f64>; 2] {
-        let placed = |part: WorldId, point: Point3<f64>| match part {
-            WorldId::Robot(k) => segment.pose(k, time) * point,
-            WorldId::Obstacle(k) => self.world.obstacles[k].2 * point,
+        let places = &self.pairs.places;
+        let placed = |part: WorldId, point: Point3<f64>| match (part, places.mover(part)) {
+            (WorldId::Obstacle(k), _) => places.obstacle_poses[k] * point,
+            (_, mover) => moving(segment, places, mover.unwrap_or_default(), 0).pose(time) * point,
         };
         [placed(pair.a, points[0]), placed(pair.b, points[1])]
+    }
+}
+
+/// Returns the motion of a body that moves with the robot, relative to a stem.
+fn moving<'a, M: SegmentMotion>(segment: &'a M, places: &'a Places, mover: usize, stem: usize) -> CarriedMotion<'a, M> {
+    let (body, carried) = places.carrier(mover);
+    CarriedMotion {
+        motion: BodyMotion { segment, body, stem },
+        carried,
     }
 }

@@ -1,5 +1,6 @@
 //! The clearance at a configuration and along a segment.
 
+use core::fmt;
 use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -7,10 +8,10 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use crate::checker::Checker;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::pairs::swept_box;
+use crate::pairs::{PairKey, SweptBox};
 use crate::space::ConfigurationSpace;
 use crate::tolerance::{PLACED, PLACED_BALL};
-use crate::world::{WorldId, WorldPair};
+use crate::world::{Named, WorldPair};
 use lin_canny::ContactState;
 use lin_canny::RelativePose;
 use lin_canny::impact::Impact;
@@ -29,6 +30,7 @@ const ENLARGED: f64 = 4.0;
 
 /// A pair at a configuration: signed distance, bounds, witness points and gradient.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct NearPair {
     /// The pair.
@@ -39,27 +41,57 @@ pub struct NearPair {
     pub lower: f64,
     /// Upper bound of the signed distance.
     pub upper: f64,
+    /// The signed distance less what the pair must keep
+    /// ([`World::kept_distance`](crate::World::kept_distance)).
+    pub excess: f64,
     /// Witness points on both bodies, in the world.
     pub witnesses: [Point3<f64>; 2],
-    /// Derivative of the signed distance by each component of a step, divided by the component's
-    /// [`scale`](ConfigurationSpace::scales), so that all components are derivatives by a length.
-    /// Zero for an overlap of unknown depth.
+    /// Unit vector from the first body to the second, in the world; zero for an overlap of unknown
+    /// depth.
+    pub normal: Vector3<f64>,
+    /// Derivative of the signed distance by each component of a step: by each coordinate, or for a
+    /// [`RigidSpace`](crate::RigidSpace) by position and rotation vector. Zero for an overlap of
+    /// unknown depth.
+    ///
+    /// Where two places of a body are equally close, as at parallel faces, the distance has a kink:
+    /// the gradient is that of the witness points alone.
     pub gradient: Vec<f64>,
+}
+
+impl NearPair {
+    /// Returns the gradient, each component divided by its
+    /// [`scale`](ConfigurationSpace::scales): derivatives by a length.
+    #[must_use]
+    pub fn scaled_gradient(&self, scales: &[f64]) -> Vec<f64> {
+        self.gradient.iter().zip(scales).map(|(g, s)| g / s).collect()
+    }
+}
+
+impl fmt::Display for Named<'_, NearPair> {
+    /// Writes the names, the signed distance and its bounds.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let near = self.value;
+        let pair = self.world.show(&near.pair);
+        write!(
+            f,
+            "{pair} at {:?} ({:?} to {:?})",
+            near.distance, near.lower, near.upper
+        )
+    }
 }
 
 /// A measured pair without its gradient.
 struct MeasuredPair {
-    /// Distance of the balls around both bodies, and index of the pair: they order pairs of equal
+    /// Distance of the balls around both bodies, and key of the pair: they order pairs of equal
     /// distance.
     gap: f64,
-    index: usize,
+    key: PairKey,
     near: NearPair,
-    /// Normal in the world; zero for an overlap of unknown depth.
-    normal: Vector3<f64>,
 }
 
 /// The clearance along a segment: a proven lower bound, and a distance that is attained.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct SegmentClearance {
     /// Lower bound of the distance of all pairs over the whole segment; zero if nothing is proven,
@@ -78,8 +110,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     ///
     /// Only convex bodies have depths. An overlapping pair with a mesh has the distance 0 and a
     /// [`NearPair::lower`] of minus infinity, so among pairs in contact the deepest convex pair
-    /// comes first. To get all pairs in contact, call [`nearest`](Self::nearest) with an infinite
-    /// slack and keep the pairs whose distance is at most zero.
+    /// comes first. [`in_contact`](Self::in_contact) returns all pairs in contact. Margins and
+    /// paddings do not change the distance.
     ///
     /// # Errors
     /// Returns an error if the configuration is invalid.
@@ -91,7 +123,8 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns all pairs whose signed distance exceeds the least by at most `slack`.
     ///
-    /// The closest pair comes first. These pairs are the active set of the clearance.
+    /// The closest pair comes first, by true distance; [`NearPair::excess`] takes off what the pair
+    /// must keep. These pairs are the active set of the clearance.
     ///
     /// # Errors
     /// Returns an error if the configuration is invalid.
@@ -99,6 +132,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.space.check(configuration)?;
         let mut poses = core::mem::take(&mut self.poses);
         self.space.place(configuration, &mut poses);
+        self.pairs.places.carry(&mut poses);
         let found = self.measured(configuration, &poses, slack);
         self.poses = poses;
         found
@@ -112,7 +146,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let mut reach = self.reach;
         loop {
             self.gather_within(reach, poses)?;
-            let is_all = self.candidates.len() == self.pairs.all.len();
+            let is_all = self.candidates.len() == self.pairs.len();
             self.measure_nearest(poses, slack, &mut least, &mut found)?;
             if is_all || least + slack <= reach {
                 break;
@@ -130,27 +164,47 @@ impl<C: ConfigurationSpace> Checker<C> {
         found.retain(|m| m.near.distance <= least + slack);
         found.sort_by(|x, y| {
             let by_distance = x.near.distance.total_cmp(&y.near.distance);
-            by_distance.then(x.gap.total_cmp(&y.gap)).then(x.index.cmp(&y.index))
+            by_distance.then(x.gap.total_cmp(&y.gap)).then(x.key.cmp(&y.key))
         });
         for m in &mut found {
-            self.slope(&mut m.near, &m.normal, q);
+            self.slope(&mut m.near, q);
         }
         Ok(found.into_iter().map(|m| m.near).collect())
     }
 
-    /// Collects the pairs that may be within `reach`, and all pairs of two robot bodies.
+    /// Collects the pairs that may be within `reach`, and all pairs of two bodies that move with
+    /// the robot.
     pub(crate) fn gather_within(&mut self, reach: f64, poses: &[Isometry3<f64>]) -> Result<(), PlanError> {
+        self.gather_about(|_| reach, poses)
+    }
+
+    /// Collects the pairs that may be closer than they must be, and all pairs of two bodies that
+    /// move with the robot.
+    pub(crate) fn gather_kept(&mut self, poses: &[Isometry3<f64>]) -> Result<(), PlanError> {
+        let most = core::mem::take(&mut self.pairs.most_kept);
+        let found = self.gather_about(|mover| most[mover], poses);
+        self.pairs.most_kept = most;
+        found
+    }
+
+    /// Collects the pairs whose boxes overlap that of a mover, grown by a distance.
+    fn gather_about(&mut self, reach: impl Fn(usize) -> f64, poses: &[Isometry3<f64>]) -> Result<(), PlanError> {
         self.candidates.clear();
-        if !(reach < f64::INFINITY) {
-            self.candidates.extend(0..self.pairs.own);
-        } else {
-            for (body, pose) in poses.iter().enumerate() {
-                let still = Steady::new(pose, Velocity::default())?.model(0.0, 1.0);
-                let about = swept_box(self.pairs.robot_balls[body], pose, &still, 0.0, reach);
-                self.pairs.near(body, &about, &mut self.candidates)?;
+        for (mover, pose) in poses.iter().enumerate() {
+            let Some(ball) = self.pairs.mover_balls[mover] else {
+                continue;
+            };
+            let reach = reach(mover);
+            if !(reach < f64::INFINITY) {
+                self.candidates.clear();
+                self.pairs.with_obstacles(&mut self.candidates);
+                break;
             }
+            let still = Steady::new(pose, Velocity::default())?.model(0.0, 1.0);
+            let about = SweptBox::new(ball, pose, &still, 0.0).grown(reach);
+            self.pairs.near(mover, &about, &mut self.candidates)?;
         }
-        self.candidates.extend(self.pairs.own..self.pairs.all.len());
+        self.candidates.extend(self.pairs.own.values());
         self.work.pairs += self.candidates.len() as u64;
         Ok(())
     }
@@ -165,9 +219,10 @@ impl<C: ConfigurationSpace> Checker<C> {
         found: &mut Vec<MeasuredPair>,
     ) -> Result<(), PlanError> {
         let candidates = self.candidates.iter();
-        let mut order: Vec<(f64, usize)> = candidates.map(|&k| (self.ball_gap(k, poses), k)).collect();
+        let keyed = candidates.map(|&k| (self.ball_gap(k, poses), self.pairs.all[k].key, k));
+        let mut order: Vec<(f64, PairKey, usize)> = keyed.collect();
         order.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-        for (gap, index) in order {
+        for (gap, key, index) in order {
             if gap > *least + slack {
                 break;
             }
@@ -175,14 +230,9 @@ impl<C: ConfigurationSpace> Checker<C> {
             if core::mem::replace(&mut self.pairs.all[index].measured, now) == now {
                 continue;
             }
-            let (near, normal) = self.measure(index, poses)?;
+            let near = self.measure(index, poses)?;
             *least = least.smaller(near.distance);
-            found.push(MeasuredPair {
-                gap,
-                index,
-                near,
-                normal,
-            });
+            found.push(MeasuredPair { gap, key, near });
         }
         Ok(())
     }
@@ -199,55 +249,50 @@ impl<C: ConfigurationSpace> Checker<C> {
     fn balls(&self, index: usize, poses: &[Isometry3<f64>]) -> [(Point3<f64>, f64); 2] {
         let pair = self.pairs.all[index].pair;
         [pair.a, pair.b].map(|part| {
-            let (pose, (centre, radius)) = match part {
-                WorldId::Robot(k) => (&poses[k], self.pairs.robot_balls[k]),
-                WorldId::Obstacle(k) => (&self.world.obstacles[k].2, self.pairs.obstacle_balls[k]),
-            };
+            let pose = self.pairs.places.pose(part, poses);
+            let (centre, radius) = self.pairs.ball(part);
             let (out, at) = (centre.coords.abs().sum(), pose.translation.vector.abs().sum());
             (pose * centre, radius + PLACED_BALL * out + PLACED * (radius + out + at))
         })
     }
 
-    /// Measures one pair without its gradient, and returns its normal in the world as well, zero
-    /// for an overlap of unknown depth.
-    fn measure(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<(NearPair, Vector3<f64>), PlanError> {
+    /// Measures one pair without its gradient.
+    fn measure(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<NearPair, PlanError> {
         self.work.measures += 1;
-        let (tracked, _) = self.pairs.tracked(index);
+        let (tracked, places) = self.pairs.tracked(index);
         let pair = tracked.pair;
-        let world = &self.world;
-        let pose_of = |part: WorldId| match part {
-            WorldId::Robot(k) => poses[k],
-            WorldId::Obstacle(k) => world.obstacles[k].2,
-        };
-        let [pose_a, pose_b] = [pair.a, pair.b].map(pose_of);
+        let [pose_a, pose_b] = [pair.a, pair.b].map(|part| *places.pose(part, poses));
         let relative = RelativePose::new(&pose_a, &pose_b)?;
-        let [a, b] = world.shapes(pair);
+        let [a, b] = self.world.shapes(pair);
         let outcome = tracked.tracker.closest(a, b, &relative);
         let is_known = outcome.state != ContactState::Overlapping || outcome.lower > f64::NEG_INFINITY;
-        let near = NearPair {
+        let distance = if is_known { outcome.distance } else { 0.0 };
+        let normal = pose_a.rotation * outcome.normal.into_inner();
+        Ok(NearPair {
             pair,
-            distance: if is_known { outcome.distance } else { 0.0 },
+            distance,
             lower: outcome.lower,
             upper: outcome.upper,
+            excess: distance - tracked.kept,
             witnesses: [pose_a * outcome.point_on_a, pose_b * outcome.point_on_b],
+            normal: if is_known { normal } else { Vector3::zeros() },
             gradient: Vec::new(),
-        };
-        let normal = pose_a.rotation * outcome.normal.into_inner();
-        Ok((near, if is_known { normal } else { Vector3::zeros() }))
+        })
     }
 
     /// Fills in the gradient of a pair.
-    fn slope(&self, near: &mut NearPair, normal: &Vector3<f64>, q: &[f64]) {
+    fn slope(&self, near: &mut NearPair, q: &[f64]) {
         let mut gradient = std::vec![0.0; self.space.degrees_of_freedom()];
         let mut part = gradient.clone();
+        let places = &self.pairs.places;
         for (k, (of, sign)) in [(near.pair.a, -1.0), (near.pair.b, 1.0)].into_iter().enumerate() {
-            if let WorldId::Robot(body) = of {
-                self.space.gradient(q, body, &near.witnesses[k], normal, &mut part);
+            if let Some(mover) = places.mover(of) {
+                let body = places.carrier(mover).0;
+                self.space
+                    .gradient(q, body, &near.witnesses[k], &near.normal, &mut part);
                 gradient.iter_mut().zip(&part).for_each(|(g, p)| *g += sign * p);
             }
         }
-        let scales = self.space.scales();
-        gradient.iter_mut().zip(scales).for_each(|(g, s)| *g /= s);
         near.gradient = gradient;
     }
 
@@ -267,7 +312,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             });
         }
         let segment = self.segment(from, to)?;
-        let is_empty = self.pairs.all.is_empty();
+        let is_empty = self.pairs.len() == 0;
         let mut found = SegmentClearance {
             lower: if is_empty { f64::INFINITY } else { 0.0 },
             upper: f64::INFINITY,
@@ -284,7 +329,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         if found.pair.is_none() || !(keep > 0.0) {
             return Ok(found);
         }
-        for k in 0..self.pairs.all.len() {
+        for k in self.pairs.ordered() {
             match self.lowered(k, &segment, keep, relative, &mut found)? {
                 Some(kept) => keep = kept,
                 None => return Ok(found),
@@ -305,7 +350,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ) -> Result<Option<f64>, PlanError> {
         let mut time = 0.0;
         for _ in 0..LOWERED {
-            let cast = self.cast(index, segment, time..1.0, keep, None)?;
+            let cast = self.cast(index, segment, time..1.0, keep, None, None)?;
             self.work.queries += u64::from(cast.queries + cast.proofs);
             let pair = self.pairs.all[index].pair;
             match cast.impact {

@@ -2,8 +2,9 @@
 
 use std::string::String;
 
+use crate::world::WorldId;
 use lin_canny::PoseError;
-use lin_canny::broad::BroadPhaseError;
+use lin_canny::broad::{AabbError, BroadPhaseError};
 use lin_canny::impact::ImpactError;
 use lin_canny::motion::MotionError;
 
@@ -35,7 +36,7 @@ pub enum PlanError {
         /// Squared norm of the quaternion.
         squared_norm: f64,
     },
-    /// Returned if a bound, limit, length, index or count of a space or a search is out of range.
+    /// Returned if a bound, limit, length, index or count is out of range.
     #[error("{what} is out of range: {value:?}")]
     Value {
         /// Name of the number.
@@ -51,9 +52,47 @@ pub enum PlanError {
         /// Number of robot bodies in the world.
         world: usize,
     },
-    /// Returned if no body has this name.
-    #[error("body {0:?} does not exist")]
-    Unnamed(String),
+    /// Returned if no body or link has this name.
+    #[error("body {name:?} does not exist{}", suggestion(near.as_deref()))]
+    Unnamed {
+        /// The name.
+        name: String,
+        /// The nearest name that exists, if one is near.
+        near: Option<std::boxed::Box<str>>,
+    },
+    /// Returned if a pair names a link that has no bodies, and thus no pairs.
+    #[error("link {0:?} has no bodies, so it has no pairs")]
+    WithoutBodies(String),
+    /// Returned if an attached object or obstacle existed, but was removed.
+    #[error("{0} was removed")]
+    Removed(WorldId),
+    /// Returned if no body ever had this id.
+    #[error("{0} does not exist")]
+    NoBody(WorldId),
+    /// Returned if a body is of another kind than the call requires.
+    #[error("{body} is not {kind}")]
+    Kind {
+        /// The name of the body.
+        body: String,
+        /// What was expected, such as `an obstacle`.
+        kind: &'static str,
+    },
+    /// Returned if a name stands for several bodies, but the call takes only one.
+    #[error("{count} bodies are named {name:?} (expected one)")]
+    Ambiguous {
+        /// The name.
+        name: String,
+        /// Number of bodies with the name.
+        count: usize,
+    },
+    /// Returned by batches: the error of one configuration.
+    #[error("configuration {row}: {error}")]
+    Row {
+        /// Index of the configuration.
+        row: usize,
+        /// Its error.
+        error: std::boxed::Box<PlanError>,
+    },
     /// Returned if the robot is in contact, or closer than the margin, at the start or the goal.
     #[error("{a} and {b} are in contact or closer than the margin at the {end}")]
     Contact {
@@ -76,7 +115,14 @@ pub enum PlanError {
     /// Returned if a cast is invalid.
     #[error(transparent)]
     Impact(#[from] ImpactError),
+    /// Returned if the box of an obstacle is not finite.
+    #[error(transparent)]
+    Aabb(#[from] AabbError),
     /// Returned if the broad phase rejects a box.
     #[error(transparent)]
     Broad(#[from] BroadPhaseError),
+}
+
+fn suggestion(near: Option<&str>) -> String {
+    near.map_or(String::new(), |near| std::format!(" (nearest: {near:?})"))
 }

@@ -5,7 +5,7 @@ use nalgebra::Isometry3;
 use crate::checker::Checker;
 use crate::error::PlanError;
 use crate::space::ConfigurationSpace;
-use crate::world::WorldId;
+use crate::world::WorldPair;
 use lin_canny::RelativePose;
 
 /// Number of recent collisions that are tested first at the next configuration. The first few of
@@ -30,6 +30,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.work.configurations += 1;
         let mut poses = core::mem::take(&mut self.poses);
         self.space.place(configuration, &mut poses);
+        self.pairs.places.carry(&mut poses);
         let hit = self.first_hit(&poses);
         self.poses = poses;
         let hit = hit?;
@@ -43,7 +44,6 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the index of a pair that is not proven to keep the margin.
     fn first_hit(&mut self, poses: &[Isometry3<f64>]) -> Result<Option<usize>, PlanError> {
-        let margin = self.margin();
         for k in 0..self.hits.len().min(HITS_FIRST) {
             let index = self.hits[k];
             if self.near_by(index, poses).is_some() && !self.keeps_margin(index, poses)? {
@@ -51,16 +51,19 @@ impl<C: ConfigurationSpace> Checker<C> {
             }
         }
         let asked = self.hits.len().min(HITS_FIRST);
-        self.gather_within(margin, poses)?;
+        self.gather_kept(poses)?;
         let mut order = core::mem::take(&mut self.order);
         order.clear();
         let candidates = self.candidates.iter().filter(|k| !self.hits[..asked].contains(k));
-        order.extend(candidates.filter_map(|&k| Some((self.near_by(k, poses)?, k))));
+        order.extend(candidates.filter_map(|&k| Some((self.near_by(k, poses)?, self.pairs.all[k].key, k))));
         // Recent collisions come first.
         let rank = |k: usize| self.hits.iter().position(|&h| h == k).unwrap_or(HITS);
-        order.sort_unstable_by(|x, y| rank(x.1).cmp(&rank(y.1)).then(x.0.total_cmp(&y.0)).then(x.1.cmp(&y.1)));
+        order.sort_unstable_by(|x, y| {
+            let by_rank = rank(x.2).cmp(&rank(y.2));
+            by_rank.then(x.0.total_cmp(&y.0)).then(x.1.cmp(&y.1))
+        });
         let mut found = Ok(None);
-        for &(_, index) in &order {
+        for &(_, _, index) in &order {
             match self.keeps_margin(index, poses) {
                 Ok(true) => continue,
                 Ok(false) => found = Ok(Some(index)),
@@ -75,21 +78,58 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns the distance of the balls around both bodies, unless it is beyond the margin.
     fn near_by(&self, index: usize, poses: &[Isometry3<f64>]) -> Option<f64> {
         let gap = self.ball_gap(index, poses);
-        (gap <= self.margin()).then_some(gap)
+        (gap <= self.kept(index)).then_some(gap)
     }
 
     /// Returns whether a pair is proven farther apart than the margin.
     fn keeps_margin(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<bool, PlanError> {
         self.work.decisions += 1;
-        let margin = self.margin();
-        let (tracked, _) = self.pairs.tracked(index);
-        let (pair, world) = (tracked.pair, &self.world);
-        let pose_of = |part: WorldId| match part {
-            WorldId::Robot(k) => &poses[k],
-            WorldId::Obstacle(k) => &world.obstacles[k].2,
-        };
-        let relative = RelativePose::new(pose_of(pair.a), pose_of(pair.b))?;
-        let [a, b] = world.shapes(pair);
-        Ok(!tracked.tracker.within(a, b, &relative, margin))
+        let kept = self.kept(index);
+        Ok(!self.is_within(index, poses, kept)?)
+    }
+
+    /// Returns whether a pair may be within a distance; `false` is proven.
+    fn is_within(&mut self, index: usize, poses: &[Isometry3<f64>], distance: f64) -> Result<bool, PlanError> {
+        let (tracked, places) = self.pairs.tracked(index);
+        let pair = tracked.pair;
+        let relative = RelativePose::new(places.pose(pair.a, poses), places.pose(pair.b, poses))?;
+        let [a, b] = self.world.shapes(pair);
+        Ok(tracked.tracker.within(a, b, &relative, distance))
+    }
+
+    /// Returns all pairs in contact at a configuration, in ascending order.
+    ///
+    /// A pair within rounding error of contact counts. Margins do not matter. This call measures no
+    /// distance, so it costs less than [`nearest`](Self::nearest).
+    ///
+    /// # Errors
+    /// Returns an error if the configuration is invalid.
+    pub fn in_contact(&mut self, configuration: &[f64]) -> Result<Vec<WorldPair>, PlanError> {
+        self.space.check(configuration)?;
+        self.work.configurations += 1;
+        let mut poses = core::mem::take(&mut self.poses);
+        self.space.place(configuration, &mut poses);
+        self.pairs.places.carry(&mut poses);
+        let found = self.touching(&poses);
+        self.poses = poses;
+        found
+    }
+
+    fn touching(&mut self, poses: &[Isometry3<f64>]) -> Result<Vec<WorldPair>, PlanError> {
+        self.gather_within(0.0, poses)?;
+        let candidates = core::mem::take(&mut self.candidates);
+        let mut found = Vec::new();
+        for &index in &candidates {
+            if self.ball_gap(index, poses) > 0.0 {
+                continue;
+            }
+            self.work.decisions += 1;
+            if self.is_within(index, poses, 0.0)? {
+                found.push(self.pairs.all[index].pair);
+            }
+        }
+        self.candidates = candidates;
+        found.sort_unstable();
+        Ok(found)
     }
 }

@@ -38,12 +38,29 @@
 //! | question | function | result |
 //! |---|---|---|
 //! | Is a segment free? | [`Checker::certify`], [`is_free`](Checker::is_free) | [`Verdict`]: free, blocked by a pair at a time, or unknown |
+//! | May a part leave the table on which it lies? | [`Checker::set_start_contact_margin`], then `certify` | [`Verdict::Free`] with the contacts that are left |
 //! | Is a path free? | [`Checker::certify_path`] | the first segment that is not free |
 //! | Is a spline free, or a motion with a tracking error? | [`Checker::certify_tube`] | [`Verdict`] for all motions within a distance of the segment |
 //! | Why is a segment free? | [`Checker::prove`] | the certificates of every pair, in order of time |
 //! | How large is the clearance along a segment? | [`Checker::clearance_along`] | a proven lower bound, and a distance that is attained |
 //! | Is a configuration free? | [`Checker::is_free_at`] | `true` or `false`, without distances |
 //! | How large is the clearance at a configuration? | [`Checker::clearance`], [`nearest`](Checker::nearest) | signed distance, witness points, gradient |
+//! | And at many configurations? | [`Checker::nearest_batch`] | the same as arrays; see the chapter [`gradients`] |
+//! | Which pairs are in contact? | [`Checker::in_contact`] | pairs |
+//!
+//! # A world that changes
+//!
+//! | change | function |
+//! |---|---|
+//! | obstacles | [`Checker::add_obstacle`], [`move_obstacle`](Checker::move_obstacle), [`replace_obstacle`](Checker::replace_obstacle), [`remove_obstacle`](Checker::remove_obstacle) |
+//! | objects that a link carries | [`Checker::attach`], [`detach`](Checker::detach), [`detach_at`](Checker::detach_at) |
+//! | what pairs must keep | [`Checker::set_margin`], [`pad`](Checker::pad), [`set_pair_margin`](Checker::set_pair_margin) |
+//! | pairs that may touch | [`Checker::exclude`], [`include`](Checker::include), [`World::excluded`] |
+//!
+//! A change costs no more than the pairs of the changed body, and all other trackers stay warm. A
+//! name acts on all bodies that have it. Ids are never used again.
+//!
+//! # How a segment is checked
 //!
 //! A segment is checked pair by pair:
 //!
@@ -134,6 +151,9 @@
 
 mod arm;
 mod ascent;
+mod attached;
+mod batch;
+mod changes;
 mod checker;
 mod clearance;
 mod error;
@@ -141,9 +161,12 @@ mod extremes;
 mod free;
 mod freeway;
 mod links;
+mod names;
 mod opportunistic;
 mod pairs;
 mod path;
+#[cfg(feature = "serde")]
+mod persist;
 mod random;
 mod rigid;
 mod roadmap;
@@ -156,10 +179,12 @@ mod verdict;
 mod world;
 
 pub use arm::{Joint, JointKind, SerialArm};
+pub use batch::NearPairs;
 pub use checker::{Checker, PairProof};
 pub use clearance::{NearPair, SegmentClearance};
 pub use error::PlanError;
 pub use freeway::FreewayEnd;
+pub use names::nearest_name;
 pub use opportunistic::{Plan, PlanOptions, PlanWork};
 pub use path::Path;
 pub use rigid::{PlanarSpace, RigidSpace, TranslationSpace};
@@ -167,8 +192,11 @@ pub use roadmap::{Edge, EdgeKind, Freeway, Roadmap};
 pub use space::{BodyMotion, ConfigurationSpace, SegmentMotion};
 pub use tree::{Drive, JointTree, TreeJoint};
 pub use tree_motion::TreeSegment;
-pub use verdict::{CheckWork, Verdict};
-pub use world::{World, WorldId, WorldPair};
+pub use verdict::{CheckWork, LeavingPair, Verdict};
+pub use world::{AttachedObject, Named, Select, World, WorldId, WorldPair};
+
+#[doc = include_str!("../docs/gradients.md")]
+pub mod gradients {}
 
 /// Runs the README as a test.
 #[doc = include_str!("../README.md")]

@@ -135,7 +135,13 @@ impl<C: ConfigurationSpace> Checker<C> {
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Plan, PlanError> {
         for (q, end) in [(start, "start"), (goal, "goal")] {
-            if let Some(near) = self.clearance(q)?.filter(|near| !(near.lower > self.margin())) {
+            // If all pairs must keep the same distance, the closest pair decides.
+            let slack = if self.pairs.is_uniform { 0.0 } else { f64::INFINITY };
+            let near = self.nearest(q, slack)?;
+            let blocked = near
+                .iter()
+                .filter(|near| !(near.lower > self.world.kept_distance(near.pair)));
+            if let Some(near) = blocked.min_by(|x, y| x.excess.total_cmp(&y.excess)) {
                 let (a, b) = (self.name(near.pair.a).to_string(), self.name(near.pair.b).to_string());
                 return Err(PlanError::Contact { end, a, b });
             }
@@ -200,6 +206,7 @@ impl CheckWork {
             configurations: self.configurations - before.configurations,
             measures: self.measures - before.measures,
             decisions: self.decisions - before.decisions,
+            pairs_made: self.pairs_made - before.pairs_made,
         }
     }
 }

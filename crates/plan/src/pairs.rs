@@ -1,10 +1,11 @@
 //! The pairs of a checker, each with a tracker, and the boxes of the obstacles.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::vec::Vec;
 
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
+use crate::attached::Carried;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::tolerance::PLACED;
@@ -21,6 +22,10 @@ const SWEPT: f64 = 1.0 / 64.0;
 /// A pair and its tracker.
 pub(crate) struct TrackedPair {
     pub(crate) pair: WorldPair,
+    /// The distance that the pair must keep.
+    pub(crate) kept: f64,
+    /// Orders the pairs: pairs with obstacles come first.
+    pub(crate) key: PairKey,
     pub(crate) tracker: PairTracker,
     /// Number of the configuration at which the pair was last measured.
     pub(crate) measured: u64,
@@ -30,100 +35,350 @@ pub(crate) struct TrackedPair {
     begun: u64,
 }
 
+/// Whether no body is an obstacle, and the pair. Unlike the index of a pair, it does not depend on
+/// earlier changes of the world.
+pub(crate) type PairKey = (bool, WorldPair);
+
 /// A pair, and an interval of a segment in which the swept boxes of both overlap.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stretch {
     pub(crate) pair: usize,
+    pub(crate) key: PairKey,
     pub(crate) from: f64,
     pub(crate) until: f64,
 }
 
-/// All pairs that are measured.
+/// All pairs that are measured, and the bodies.
+///
+/// Bodies that move with the robot, the *movers*, are numbered: first the bodies of the space, then
+/// the attached objects.
 pub(crate) struct Pairs {
-    /// Index of the pair of a robot body and an obstacle; [`NONE`] for an excluded pair.
-    table: Vec<u32>,
+    /// For each obstacle, the index of its pair with each mover; [`NONE`] if it is not measured.
+    rows: Vec<Vec<u32>>,
+    /// The pairs; vacant ones keep their last content.
     pub(crate) all: Vec<TrackedPair>,
-    /// Index of the first pair of two robot bodies.
-    pub(crate) own: usize,
-    obstacles: usize,
+    vacant: Vec<usize>,
+    /// Indices of the pairs of two movers, in the order of both.
+    pub(crate) own: BTreeMap<(usize, usize), usize>,
     boxes: SweepAndPrune,
+    /// The box of each obstacle in the broad phase, and the obstacle of each box.
+    box_ids: Vec<Option<BodyId>>,
+    of_box: Vec<usize>,
+    obstacle_boxes: Vec<Aabb>,
     /// Obstacles found by a query.
     found: Vec<BodyId>,
-    /// The motions of the obstacles, which are at rest.
-    pub(crate) resting: Vec<Steady>,
-    /// A ball around each robot body and each obstacle, in the frame of the shape.
-    pub(crate) robot_balls: Vec<(Point3<f64>, f64)>,
+    pub(crate) places: Places,
+    /// A ball around each mover and each obstacle, in the frame of the shape; `None` for a mover
+    /// without geometry.
+    pub(crate) mover_balls: Vec<Option<(Point3<f64>, f64)>>,
     pub(crate) obstacle_balls: Vec<(Point3<f64>, f64)>,
-    /// The greatest radius of a ball of the robot.
+    /// The greatest radius of a ball of a mover.
     pub(crate) robot_radius: f64,
+    /// Whether all pairs must keep the margin of the world and nothing else.
+    pub(crate) is_uniform: bool,
+    /// Upper bound of what a pair of each mover and an obstacle must keep.
+    pub(crate) most_kept: Vec<f64>,
+    /// Lower bound of what a pair must keep.
+    pub(crate) least_kept: f64,
     /// Number of calls of `forget`.
     forgotten: u64,
+    /// Number of pairs that were made, and of trackers with them.
+    pub(crate) made: u64,
+}
+
+/// Where the bodies are.
+pub(crate) struct Places {
+    /// Number of bodies of the space.
+    bodies: usize,
+    /// The objects that are carried; those that were detached are at the first body.
+    pub(crate) carried: Vec<Carried>,
+    /// The motions of the obstacles, which are at rest, and their poses.
+    pub(crate) resting: Vec<Steady>,
+    pub(crate) obstacle_poses: Vec<Isometry3<f64>>,
+}
+
+impl Places {
+    /// Returns the number of a body that moves with the robot.
+    pub(crate) fn mover(&self, id: WorldId) -> Option<usize> {
+        match id {
+            WorldId::Robot(k) => Some(k),
+            WorldId::Attached(k) => Some(self.bodies + k),
+            WorldId::Obstacle(_) => None,
+        }
+    }
+
+    /// Returns the body of the space that a mover is, or that carries it, and how.
+    pub(crate) fn carrier(&self, mover: usize) -> (usize, Option<&Carried>) {
+        match mover.checked_sub(self.bodies) {
+            Some(k) => (self.carried[k].body, Some(&self.carried[k])),
+            None => (mover, None),
+        }
+    }
+
+    /// Appends the poses of the attached objects to those of the bodies of the space.
+    pub(crate) fn carry(&self, poses: &mut Vec<Isometry3<f64>>) {
+        poses.truncate(self.bodies);
+        for carried in &self.carried {
+            let pose = poses.get(carried.body).map(|body| carried.placed(body));
+            poses.push(pose.unwrap_or_default());
+        }
+    }
+
+    /// Returns the pose of a body, given those of all movers.
+    pub(crate) fn pose<'a>(&'a self, id: WorldId, movers: &'a [Isometry3<f64>]) -> &'a Isometry3<f64> {
+        match id {
+            WorldId::Robot(k) => &movers[k],
+            WorldId::Attached(k) => &movers[self.bodies + k],
+            WorldId::Obstacle(k) => &self.obstacle_poses[k],
+        }
+    }
 }
 
 const NONE: u32 = u32::MAX;
 
+/// Returns motion and box of a body at rest.
+pub(crate) fn resting(shape: &Geometry, pose: &Isometry3<f64>) -> Result<(Steady, Aabb), PlanError> {
+    let steady = Steady::new(pose, Velocity::default())?;
+    let aabb = Aabb::from(shape.aabb_at(pose, &mut BoxHint::default()));
+    // The box of a half-space is infinite.
+    aabb.validate_unbounded()?;
+    Ok((steady, aabb))
+}
+
+/// Bodies.
 impl Pairs {
-    pub(crate) fn new(world: &World, is_rigid: impl Fn(usize, usize) -> bool) -> Result<Self, PlanError> {
+    /// Returns the pairs of a world without any pair; the caller adds attached objects, obstacles
+    /// and pairs.
+    pub(crate) fn new(world: &World, bodies: usize) -> Self {
+        let robot = world.robot.iter().map(|b| Some(b.1.bounding_ball()));
+        let mut mover_balls: Vec<_> = robot.collect();
+        mover_balls.resize(bodies, None);
         let mut pairs = Self {
-            table: Vec::new(),
+            rows: Vec::new(),
             all: Vec::new(),
-            own: 0,
-            obstacles: world.obstacles.len(),
+            vacant: Vec::new(),
+            own: BTreeMap::new(),
             boxes: SweepAndPrune::new(),
+            box_ids: Vec::new(),
+            of_box: Vec::new(),
+            obstacle_boxes: Vec::new(),
             found: Vec::new(),
-            resting: Vec::new(),
-            robot_balls: world.robot.iter().map(|b| b.1.bounding_ball()).collect(),
+            places: Places {
+                bodies,
+                carried: Vec::new(),
+                resting: Vec::new(),
+                obstacle_poses: Vec::new(),
+            },
+            mover_balls,
             obstacle_balls: Vec::new(),
             robot_radius: 0.0,
+            is_uniform: true,
+            most_kept: Vec::new(),
+            least_kept: 0.0,
             forgotten: 0,
+            made: 0,
         };
-        pairs.robot_radius = pairs.robot_balls.iter().map(|b| b.1).fold(0.0, f64::larger);
-        for (_, shape, pose) in &world.obstacles {
-            pairs.obstacle(shape, pose)?;
-        }
-        pairs.boxes.step();
-        for i in 0..world.robot.len() {
-            for k in 0..world.obstacles.len() {
-                let entry = pairs.add(&world.excluded, WorldPair::new(i, WorldId::Obstacle(k)));
-                pairs.table.push(entry);
-            }
-        }
-        pairs.own = pairs.all.len();
-        for i in 0..world.robot.len() {
-            for k in i + 1..world.robot.len() {
-                if !is_rigid(i, k) {
-                    pairs.add(&world.excluded, WorldPair::new(i, WorldId::Robot(k)));
-                }
-            }
-        }
-        Ok(pairs)
+        pairs.measure_radius();
+        pairs.take_margins(world);
+        pairs
     }
 
-    fn obstacle(&mut self, shape: &Geometry, pose: &Isometry3<f64>) -> Result<(), PlanError> {
-        self.resting.push(Steady::new(pose, Velocity::default())?);
-        let aabb = Aabb::from(shape.aabb_at(pose, &mut BoxHint::default()));
-        // The box of a half-space is infinite.
-        if aabb.validate().is_ok() {
-            self.boxes.insert(&aabb, BodyOptions::fixed())?;
-        } else {
-            self.boxes.insert_unbounded(&aabb, BodyOptions::fixed())?;
+    fn measure_radius(&mut self) {
+        let radii = self.mover_balls.iter().flatten().map(|ball| ball.1);
+        self.robot_radius = radii.fold(0.0, f64::larger);
+    }
+
+    /// Sets, adds or removes an attached object; its pairs are not measured until they are set.
+    pub(crate) fn set_attached(&mut self, world: &World, index: usize) {
+        while self.places.carried.len() <= index {
+            self.places.carried.push(Carried {
+                body: 0,
+                pose: Isometry3::identity(),
+                middle: Point3::origin(),
+            });
+            self.mover_balls.push(None);
+            for row in &mut self.rows {
+                row.push(NONE);
+            }
         }
-        self.obstacle_balls.push(shape.bounding_ball());
+        let mover = self.places.bodies + index;
+        self.mover_balls[mover] = None;
+        if let Some(object) = &world.attached[index] {
+            let ball = object.geometry.bounding_ball();
+            self.mover_balls[mover] = Some(ball);
+            self.places.carried[index] = Carried {
+                body: world.body_of(object.frame),
+                pose: object.pose,
+                middle: ball.0,
+            };
+        }
+        self.measure_radius();
+    }
+
+    /// Sets, adds or removes an obstacle; its new pairs are not measured until they are set. The
+    /// broad phase must make a step afterwards.
+    pub(crate) fn set_obstacle(&mut self, world: &World, index: usize) -> Result<(), PlanError> {
+        while self.box_ids.len() <= index {
+            self.box_ids.push(None);
+            self.places
+                .resting
+                .push(Steady::new(&Isometry3::identity(), Velocity::default())?);
+            self.places.obstacle_poses.push(Isometry3::identity());
+            self.obstacle_boxes.push(Aabb::new(Point3::origin(), Point3::origin()));
+            self.obstacle_balls.push((Point3::origin(), 0.0));
+            self.rows.push(std::vec![NONE; self.mover_balls.len()]);
+        }
+        let Some((_, shape, pose)) = &world.obstacles[index] else {
+            if let Some(id) = self.box_ids[index].take() {
+                self.boxes.remove(id)?;
+            }
+            return Ok(());
+        };
+        let (steady, aabb) = resting(shape, pose)?;
+        let is_bounded = [&aabb, &self.obstacle_boxes[index]].map(|b| b.validate().is_ok());
+        match self.box_ids[index] {
+            Some(id) if is_bounded == [true; 2] => self.boxes.set_box(id, &aabb)?,
+            known => {
+                if let Some(id) = known {
+                    self.boxes.remove(id)?;
+                }
+                let id = if is_bounded[0] {
+                    self.boxes.insert(&aabb, BodyOptions::fixed())?
+                } else {
+                    self.boxes.insert_unbounded(&aabb, BodyOptions::fixed())?
+                };
+                let at = id.index as usize;
+                self.of_box.resize(self.of_box.len().max(at + 1), 0);
+                self.of_box[at] = index;
+                self.box_ids[index] = Some(id);
+            }
+        }
+        self.places.resting[index] = steady;
+        self.places.obstacle_poses[index] = *pose;
+        self.obstacle_boxes[index] = aabb;
+        self.obstacle_balls[index] = shape.bounding_ball();
         Ok(())
     }
 
-    fn add(&mut self, excluded: &BTreeSet<(WorldId, WorldId)>, pair: WorldPair) -> u32 {
-        if excluded.contains(&(pair.a, pair.b)) {
-            return NONE;
-        }
-        self.all.push(TrackedPair {
-            pair,
-            tracker: PairTracker::new(),
-            measured: 0,
-            stretch: 0,
-            begun: 0,
+    /// Applies the changes of boxes.
+    pub(crate) fn step_boxes(&mut self) {
+        self.boxes.step();
+    }
+
+    /// Takes over what all pairs of the world must keep; the pairs take theirs when they are set.
+    pub(crate) fn take_margins(&mut self, world: &World) {
+        self.is_uniform = world.paddings.is_empty() && world.margins.is_empty();
+        let (most, least) = world.kept_bounds();
+        let movers = (0..self.mover_balls.len()).map(|k| match k.checked_sub(self.places.bodies) {
+            Some(k) => WorldId::Attached(k),
+            None => WorldId::Robot(k),
         });
-        self.all.len() as u32 - 1
+        let is_uniform = self.is_uniform;
+        let most = movers.map(|id| match is_uniform {
+            true => most,
+            false => (most + world.padding(id)) * (1.0 + 8.0 * f64::EPSILON) + f64::MIN_POSITIVE,
+        });
+        self.most_kept = most.collect();
+        self.least_kept = least;
+    }
+}
+
+/// Pairs.
+impl Pairs {
+    fn entry(&self, pair: WorldPair) -> Option<usize> {
+        let a = self.places.mover(pair.a)?;
+        match pair.b {
+            WorldId::Obstacle(k) => self.of(a, k),
+            _ => self.own.get(&(a, self.places.mover(pair.b)?)).copied(),
+        }
+    }
+
+    /// Measures a pair from now on, or does not; updates what it must keep. Returns the index of a
+    /// pair that is no longer measured.
+    pub(crate) fn set(&mut self, pair: WorldPair, kept: Option<f64>) -> Option<usize> {
+        let known = self.entry(pair);
+        let is_own = !matches!(pair.b, WorldId::Obstacle(_));
+        let index = match (known, kept) {
+            (None, None) => return None,
+            (Some(index), Some(kept)) => {
+                self.all[index].kept = kept;
+                return None;
+            }
+            (Some(index), None) => {
+                self.all[index].tracker = PairTracker::new();
+                self.vacant.push(index);
+                Err(index)
+            }
+            (None, Some(kept)) => {
+                self.made += 1;
+                let tracked = TrackedPair {
+                    pair,
+                    kept,
+                    key: (is_own, pair),
+                    tracker: PairTracker::new(),
+                    measured: 0,
+                    stretch: usize::MAX,
+                    begun: self.forgotten,
+                };
+                Ok(match self.vacant.pop() {
+                    Some(index) => {
+                        self.all[index] = tracked;
+                        index
+                    }
+                    None => {
+                        self.all.push(tracked);
+                        self.all.len() - 1
+                    }
+                })
+            }
+        };
+        let a = self.places.mover(pair.a)?;
+        match (pair.b, index) {
+            (WorldId::Obstacle(k), index) => self.rows[k][a] = index.map_or(NONE, |index| index as u32),
+            (b, Ok(index)) => {
+                self.own.insert((a, self.places.mover(b)?), index);
+            }
+            (b, Err(_)) => {
+                self.own.remove(&(a, self.places.mover(b)?));
+            }
+        }
+        index.err()
+    }
+
+    /// Returns the difference of the most and the least that pairs must keep.
+    pub(crate) fn spread(&self) -> f64 {
+        let kept = || self.own.values().map(|k| self.all[*k].kept);
+        let most = self.most_kept.iter().copied().chain(kept()).fold(0.0, f64::larger);
+        most - self.least_kept
+    }
+
+    /// Returns the ball around a body, in the frame of its shape.
+    pub(crate) fn ball(&self, id: WorldId) -> (Point3<f64>, f64) {
+        let ball = match (id, self.places.mover(id)) {
+            (WorldId::Obstacle(k), _) => Some(self.obstacle_balls[k]),
+            (_, mover) => mover.and_then(|k| self.mover_balls[k]),
+        };
+        ball.unwrap_or((Point3::origin(), 0.0))
+    }
+
+    /// Returns the number of pairs.
+    pub(crate) fn len(&self) -> usize {
+        self.all.len() - self.vacant.len()
+    }
+
+    /// Appends the indices of all pairs with obstacles, in the order of their keys.
+    pub(crate) fn with_obstacles(&self, pairs: &mut Vec<usize>) {
+        for mover in 0..self.mover_balls.len() {
+            pairs.extend((0..self.rows.len()).filter_map(|k| self.of(mover, k)));
+        }
+    }
+
+    /// Returns the indices of all pairs, in the order of their keys.
+    pub(crate) fn ordered(&self) -> Vec<usize> {
+        let mut all = Vec::with_capacity(self.len());
+        self.with_obstacles(&mut all);
+        all.extend(self.own.values());
+        all
     }
 
     /// Drops the cached state of all trackers; each is reset at its next query.
@@ -131,67 +386,68 @@ impl Pairs {
         self.forgotten += 1;
     }
 
-    /// Returns a pair with its tracker, reset if needed, and the obstacles.
-    pub(crate) fn tracked(&mut self, index: usize) -> (&mut TrackedPair, &[Steady]) {
+    /// Returns a pair with its tracker, reset if needed, and where the bodies are.
+    pub(crate) fn tracked(&mut self, index: usize) -> (&mut TrackedPair, &Places) {
         let tracked = &mut self.all[index];
         if core::mem::replace(&mut tracked.begun, self.forgotten) != self.forgotten {
             tracked.tracker.reset();
         }
-        (tracked, &self.resting)
+        (tracked, &self.places)
     }
 
-    /// Returns the index of the pair of a robot body and an obstacle, unless excluded.
-    pub(crate) fn of(&self, body: usize, obstacle: usize) -> Option<usize> {
-        let entry = self.table[body * self.obstacles + obstacle];
+    /// Returns the index of the pair of a mover and an obstacle, if it is measured.
+    pub(crate) fn of(&self, mover: usize, obstacle: usize) -> Option<usize> {
+        let entry = self.rows[obstacle][mover];
         (entry != NONE).then_some(entry as usize)
     }
 
-    /// Appends the pairs of a robot body and the obstacles whose boxes overlap a box.
-    pub(crate) fn near(&mut self, body: usize, swept: &Aabb, pairs: &mut Vec<usize>) -> Result<(), PlanError> {
+    /// Appends the pairs of a mover and the obstacles whose boxes overlap a box.
+    pub(crate) fn near(&mut self, mover: usize, swept: &Aabb, pairs: &mut Vec<usize>) -> Result<(), PlanError> {
         self.found.clear();
         self.boxes.overlapping(swept, &mut self.found)?;
-        let found = self.found.iter().map(|id| id.index as usize);
-        pairs.extend(found.filter_map(|k| self.of(body, k)));
+        let found = self.found.iter().map(|id| self.of_box[id.index as usize]);
+        pairs.extend(found.filter_map(|k| self.of(mover, k)));
         Ok(())
     }
-}
 
-impl Pairs {
-    /// Appends the pairs of a robot body and the obstacles whose boxes overlap a swept box. Extends
-    /// a stretch that ends at the start of the box.
+    /// Appends the pairs of a mover and the obstacles whose boxes overlap a swept box. Extends a
+    /// stretch that ends at the start of the box.
+    ///
+    /// All pairs must keep `more` than they must otherwise.
     pub(crate) fn near_within(
         &mut self,
-        body: usize,
-        swept: &Aabb,
+        mover: usize,
+        swept: &SweptBox,
+        more: f64,
         (from, until): (f64, f64),
         stretches: &mut Vec<Stretch>,
     ) -> Result<(), PlanError> {
         self.found.clear();
-        self.boxes.overlapping(swept, &mut self.found)?;
+        let widest = swept.grown(self.most_kept[mover] + more);
+        self.boxes.overlapping(&widest, &mut self.found)?;
         for k in 0..self.found.len() {
-            let Some(pair) = self.of(body, self.found[k].index as usize) else {
+            let obstacle = self.of_box[self.found[k].index as usize];
+            let Some(pair) = self.of(mover, obstacle) else {
                 continue;
             };
-            let last = &mut self.all[pair].stretch;
-            match stretches.get_mut(*last) {
+            let tracked = &mut self.all[pair];
+            if !self.is_uniform
+                && !swept
+                    .grown(tracked.kept + more)
+                    .overlaps(&self.obstacle_boxes[obstacle])
+            {
+                continue;
+            }
+            match stretches.get_mut(tracked.stretch) {
                 Some(stretch) if stretch.pair == pair && stretch.until == from => stretch.until = until,
                 _ => {
-                    *last = stretches.len();
-                    stretches.push(Stretch { pair, from, until });
+                    tracked.stretch = stretches.len();
+                    let key = tracked.key;
+                    stretches.push(Stretch { pair, key, from, until });
                 }
             }
         }
         Ok(())
-    }
-}
-
-impl WorldPair {
-    /// Returns a pair with the smaller id first: `b` is an obstacle or a later robot body.
-    pub(crate) fn new(body: usize, b: WorldId) -> Self {
-        Self {
-            a: WorldId::Robot(body),
-            b,
-        }
     }
 }
 
@@ -206,24 +462,37 @@ pub(crate) fn even_span((centre, radius): (Point3<f64>, f64), model: &MotionMode
     span
 }
 
-/// Returns a box that contains a body, grown by `margin`, during a motion that starts at `pose`.
+/// A box that contains a body during a motion that starts at a pose, before it is grown.
 ///
 /// The pivot stays within the hull of the control points of its parabola, up to the drift. No point
 /// is farther from the pivot than the ball.
-pub(crate) fn swept_box(
-    (centre, radius): (Point3<f64>, f64),
-    pose: &Isometry3<f64>,
-    model: &MotionModel,
-    span: f64,
-    margin: f64,
-) -> Aabb {
-    let start = pose * model.pivot;
-    let (way, bend) = (model.linear * span, model.acceleration * (0.5 * span * span));
-    let ends = [start, start + way * 0.5, start + way + bend];
-    let path = ends[1..]
-        .iter()
-        .fold(Aabb::new(start, start), |all, p| all.united(&Aabb::new(*p, *p)));
-    let reach = radius + (centre - model.pivot).norm();
-    let size = reach + start.coords.abs().sum() + way.abs().sum() + bend.abs().sum();
-    path.grown(margin + reach + model.shift.at(span) + PLACED * size)
+pub(crate) struct SweptBox {
+    path: Aabb,
+    beyond: f64,
+    size: f64,
+}
+
+impl SweptBox {
+    pub(crate) fn new(
+        (centre, radius): (Point3<f64>, f64),
+        pose: &Isometry3<f64>,
+        model: &MotionModel,
+        span: f64,
+    ) -> Self {
+        let start = pose * model.pivot;
+        let (way, bend): (Vector3<f64>, _) = (model.linear * span, model.acceleration * (0.5 * span * span));
+        let ends = [start, start + way * 0.5, start + way + bend];
+        let path = ends[1..]
+            .iter()
+            .fold(Aabb::new(start, start), |all, p| all.united(&Aabb::new(*p, *p)));
+        let reach = radius + (centre - model.pivot).norm();
+        let size = reach + start.coords.abs().sum() + way.abs().sum() + bend.abs().sum();
+        let beyond = reach + model.shift.at(span);
+        Self { path, beyond, size }
+    }
+
+    /// Returns the box, grown by a margin.
+    pub(crate) fn grown(&self, margin: f64) -> Aabb {
+        self.path.grown(margin + self.beyond + PLACED * (self.size + margin))
+    }
 }

@@ -16,7 +16,8 @@ pub type Path = Vec<Vec<f64>>;
 impl<C: ConfigurationSpace> Checker<C> {
     /// Returns the index of the first segment that is not free, with its verdict.
     ///
-    /// If all segments are free, the verdict is free. A path of one configuration counts as a
+    /// If all segments are free, the verdict is free and has the contacts at the start of all
+    /// segments. A path of one configuration counts as a
     /// segment without length.
     ///
     /// # Errors
@@ -26,14 +27,21 @@ impl<C: ConfigurationSpace> Checker<C> {
         if path.len() == 1 {
             return Ok((0, self.certify(first, first)?));
         }
+        let mut contacts = Vec::new();
         for (k, ends) in path.windows(2).enumerate() {
-            let verdict = self.certify(&ends[0], &ends[1])?;
-            if !verdict.is_free() {
-                return Ok((k, verdict));
+            match self.certify(&ends[0], &ends[1])? {
+                Verdict::Free { start_contacts, .. } => contacts.extend(start_contacts),
+                verdict => return Ok((k, verdict)),
             }
         }
-        let clearance = self.margin();
-        Ok((0, Verdict::Free { clearance }))
+        let (clearance, start_contacts) = (self.pairs.least_kept, contacts);
+        Ok((
+            0,
+            Verdict::Free {
+                clearance,
+                start_contacts,
+            },
+        ))
     }
 
     /// Returns the verdict for a tube around a segment.
@@ -42,7 +50,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// position on the segment at the same time. Examples are a spline between the ends, and the
     /// segment with a tracking error. The margin of the checker holds inside the tube.
     ///
-    /// `Blocked` and `Unknown` mean that a pair comes within the sum of margin and radius. A free
+    /// `Blocked` and `Undecided` mean that a pair comes within the sum of margin and radius. A free
     /// motion may still exist in such a tube. For a pair of two robot bodies the radius counts
     /// twice, and so it does for all pairs of a robot with such pairs.
     ///
@@ -55,19 +63,13 @@ impl<C: ConfigurationSpace> Checker<C> {
                 value: radius,
             });
         }
-        let margin = self.margin();
-        let moving = if self.pairs.own < self.pairs.all.len() {
-            2.0
-        } else {
-            1.0
-        };
-        self.set_margin((margin + moving * radius).next_up())?;
+        let moving = if self.pairs.own.is_empty() { 1.0 } else { 2.0 };
+        self.tube = moving * radius;
+        let start_contact = self.start_contact_margin.take();
         let verdict = self.certify(from, to);
-        self.set_margin(margin)?;
-        Ok(match verdict? {
-            Verdict::Free { .. } => Verdict::Free { clearance: margin },
-            other => other,
-        })
+        self.start_contact_margin = start_contact;
+        self.tube = 0.0;
+        verdict
     }
 
     /// Returns the length of a path, the sum of [`ConfigurationSpace::distance`].
@@ -171,13 +173,14 @@ impl<C: ConfigurationSpace> Checker<C> {
             return Ok(());
         };
         let short = clearance - near.distance;
-        let square: f64 = near.gradient.iter().map(|g| g * g).sum();
+        let slope = near.scaled_gradient(self.space.scales());
+        let square: f64 = slope.iter().map(|g| g * g).sum();
         if !(short > 0.0) || square == 0.0 {
             return Ok(());
         }
         let mut way = short.smaller(0.5 * longest);
         for _ in 0..4 {
-            let parts = near.gradient.iter().zip(self.space.scales());
+            let parts = slope.iter().zip(self.space.scales());
             let step: Vec<f64> = parts.map(|(g, s)| g * way / (square * s)).collect();
             let moved = self.space.moved(&path[k], &step);
             let is_better = self.clearance(&moved)?.is_some_and(|n| n.distance > near.distance);

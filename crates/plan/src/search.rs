@@ -147,13 +147,14 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
     /// if no two pairs are opposite.
     fn channel(&self, near: &[NearPair]) -> Option<usize> {
         let norm = |g: &[f64]| f64::sqrt(dot(g, g));
-        let opposite = near.iter().enumerate().find_map(|(k, x)| {
-            let is_opposite =
-                |y: &&NearPair| dot(&x.gradient, &y.gradient) < -OPPOSITE * norm(&x.gradient) * norm(&y.gradient);
-            near[..k].iter().find(is_opposite).map(|y| (x, y))
+        let scales = self.checker.space.scales();
+        let slopes: Vec<Vec<f64>> = near.iter().map(|near| near.scaled_gradient(scales)).collect();
+        let opposite = slopes.iter().enumerate().find_map(|(k, x)| {
+            let is_opposite = |y: &&Vec<f64>| dot(x, y) < -OPPOSITE * norm(x) * norm(y);
+            slopes[..k].iter().find(is_opposite).map(|y| (x, y))
         });
         let (x, y) = opposite?;
-        let change = |k: &usize| x.gradient[*k].abs() + y.gradient[*k].abs();
+        let change = |k: &usize| x[*k].abs() + y[*k].abs();
         (0..self.checker.space.bounds().len()).min_by(|i, j| change(i).total_cmp(&change(j)))
     }
 
@@ -176,9 +177,9 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         let least = self.checker.margin() + CLOSED * slice.shortest;
         for (tip, end) in self.follow((foot, &top), coordinate, &slice, depth)? {
             // If a channel has closed, its slice contains nothing of it.
-            let is_open = |near: NearPair| near.distance > least;
-            let q = &self.roadmap.nodes[tip];
-            if end != FreewayEnd::Bound && self.checker.clearance(q)?.is_some_and(is_open) {
+            let q = self.roadmap.nodes[tip].clone();
+            let is_open = |distance: f64| distance > least && distance < f64::INFINITY;
+            if end != FreewayEnd::Bound && is_open(self.checker.place(q, 0.0)?.distance) {
                 self.bridge(tip, &slice, depth)?;
             }
         }

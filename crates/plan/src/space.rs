@@ -4,6 +4,7 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use crate::attached::CarriedMotion;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use lin_canny::motion::{Motion, MotionModel, Steady};
@@ -202,7 +203,7 @@ impl<M: SegmentMotion + ?Sized> Motion for BodyMotion<'_, M> {
 
 /// The motion of the second body of a pair.
 pub(crate) enum PartMotion<'a, M> {
-    Robot(BodyMotion<'a, M>),
+    Robot(CarriedMotion<'a, M>),
     Obstacle(&'a Steady),
 }
 

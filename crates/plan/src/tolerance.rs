@@ -42,3 +42,12 @@ pub(crate) const ARM_VALUE: f64 = 8.0 * UNIT;
 /// rounding by 24. The value of a prismatic joint errs by 8, the sum by 1. The same bound holds for
 /// velocities, which are sums of products of these.
 pub(crate) const ARM_PLACE: f64 = 64.0 * UNIT;
+
+/// Error of the pose of an attached object: of its angle, and of its position in units of the
+/// 1-norms of all vectors in it.
+///
+/// The squared norm of the quaternion of a body may differ from one by [`POSE_UNIT`], so the
+/// position of a point of the object, by the product of the poses or by one pose after the other,
+/// differs by twice as much. Two norms and two products round by less than 100 UNIT. The rest is
+/// reserve.
+pub(crate) const ATTACHED: f64 = 4.0 * POSE_UNIT;

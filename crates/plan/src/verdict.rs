@@ -1,23 +1,32 @@
 //! Verdicts about segments, and counts of the work.
 
+use core::fmt;
+use std::vec::Vec;
+
 use nalgebra::Point3;
 
-use crate::world::WorldPair;
+use crate::world::{Named, WorldPair};
+use lin_canny::impact::StartContact;
 
 /// The verdict about a segment.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Verdict {
-    /// Every pair is proven farther apart than `clearance` at all times, including both ends.
+    /// Every pair is proven farther apart than it must keep, and than `clearance`, at all times, including both ends.
     Free {
-        /// The margin of the checker.
+        /// The least distance that a pair must keep: the margin, unless pairs have smaller ones.
         clearance: f64,
+        /// The pairs that are in contact at the start and do not come closer
+        /// ([`Checker::set_start_contact_margin`](crate::Checker::set_start_contact_margin)). They
+        /// are proven farther apart than they must keep only after they have left the contact.
+        start_contacts: Vec<LeavingPair>,
     },
-    /// A pair is proven to be in contact or within the margin.
+    /// A pair is proven to be in contact or closer than it must keep.
     Blocked {
-        /// Up to this time all pairs are proven farther apart than the margin.
+        /// Up to this time all pairs are proven farther apart than they must keep.
         safe: f64,
-        /// At this time the pair is proven to be in contact or within the margin.
+        /// At this time the pair is proven to be in contact or closer than it must keep.
         t: f64,
         /// The pair.
         pair: WorldPair,
@@ -25,11 +34,23 @@ pub enum Verdict {
         /// 0.
         witnesses: [Point3<f64>; 2],
     },
-    /// Undecided: a pair is within rounding error of contact or of the margin.
+    /// Undecided: a pair is within rounding error of contact or of what it must keep.
     Undecided {
-        /// Up to this time all pairs are proven farther apart than the margin.
+        /// Up to this time all pairs are proven farther apart than they must keep.
         t: f64,
     },
+}
+
+/// A pair that is in contact at the start of a segment, and does not come closer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct LeavingPair {
+    /// The pair.
+    pub pair: WorldPair,
+    /// The signed distance at the start, the distance that the pair is proven to keep, and the time
+    /// at which it has left the margin.
+    pub contact: StartContact,
 }
 
 impl Verdict {
@@ -46,6 +67,30 @@ impl Verdict {
             Self::Free { .. } => 1.0,
             Self::Blocked { safe, .. } => safe,
             Self::Undecided { t } => t,
+        }
+    }
+}
+
+impl fmt::Display for Named<'_, Verdict> {
+    /// Writes the verdict with the names of the pair; times are fractions of the segment.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self.value {
+            Verdict::Free {
+                clearance,
+                ref start_contacts,
+            } => {
+                write!(f, "free, with a clearance of more than {clearance:?}")?;
+                for (k, leaving) in start_contacts.iter().enumerate() {
+                    let pair = self.world.show(&leaving.pair);
+                    write!(f, "{} {pair}", if k == 0 { ", leaving the contact of" } else { "," })?;
+                }
+                Ok(())
+            }
+            Verdict::Blocked { safe, t, pair, .. } => {
+                let pair = self.world.show(&pair);
+                write!(f, "blocked by {pair} at {t:?} (free up to {safe:?})")
+            }
+            Verdict::Undecided { t } => write!(f, "undecided (free up to {t:?})"),
         }
     }
 }
@@ -69,6 +114,8 @@ pub struct CheckWork {
     pub measures: u64,
     /// Number of margin predicates at single configurations.
     pub decisions: u64,
+    /// Number of pairs that were made: all pairs at first, and those that changes added.
+    pub pairs_made: u64,
 }
 
 impl std::ops::AddAssign for CheckWork {
@@ -82,6 +129,7 @@ impl std::ops::AddAssign for CheckWork {
             (&mut self.configurations, o.configurations),
             (&mut self.measures, o.measures),
             (&mut self.decisions, o.decisions),
+            (&mut self.pairs_made, o.pairs_made),
         ];
         for (sum, count) in counts {
             *sum = sum.saturating_add(count);

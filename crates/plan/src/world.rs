@@ -1,45 +1,172 @@
-//! The world: robot bodies, obstacles, and the pairs that may touch.
+//! The world: robot bodies, attached objects, obstacles, and what each pair must keep.
 
-use std::collections::BTreeSet;
+use core::fmt;
+use std::collections::{BTreeMap, BTreeSet};
 use std::string::{String, ToString};
 use std::vec::Vec;
 
 use nalgebra::Isometry3;
 
 use crate::error::PlanError;
-use lin_canny::Geometry;
+use crate::extremes::Extremes;
+use crate::names::nearest_name;
+use lin_canny::{EXTENT_MAX, Geometry, RelativePose, normalize_rotation};
 
-/// The bodies of a robot and its obstacles, of any kind of geometry.
+/// The bodies of a robot, objects attached to it, and obstacles, of any kind of geometry.
 ///
 /// Robot bodies must be added in the order of the bodies of the configuration space. The geometry
 /// of a rigid robot is in the frame of the robot, the geometry of an arm in the frame of its link.
+///
+/// A world changes at any time. Ids of attached objects and obstacles are never used again, so an
+/// id names the same body for ever, or is an error. A [`Checker`](crate::Checker) has the same
+/// methods for its world, and `Checker::new(space, checker.world().clone())` has the same ids.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "crate::persist::StoredWorld", into = "crate::persist::StoredWorld")
+)]
 pub struct World {
     pub(crate) robot: Vec<(String, Geometry)>,
-    pub(crate) obstacles: Vec<(String, Geometry, Isometry3<f64>)>,
-    pub(crate) excluded: BTreeSet<(WorldId, WorldId)>,
+    /// Names of frames. A body of the space has each of them.
+    pub(crate) frames: Vec<(String, Frame)>,
+    /// `None` for an object that was detached.
+    pub(crate) attached: Vec<Option<AttachedObject>>,
+    /// `None` for an obstacle that was removed.
+    pub(crate) obstacles: Vec<Option<(String, Geometry, Isometry3<f64>)>>,
+    pub(crate) excluded: BTreeSet<WorldPair>,
+    pub(crate) margin: f64,
+    pub(crate) paddings: BTreeMap<WorldId, f64>,
+    pub(crate) margins: BTreeMap<WorldPair, f64>,
 }
 
-/// A robot body or an obstacle, by its index in the order of insertion.
+/// The frame of a body of the space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) enum Frame {
+    /// That of a robot body.
+    Robot(usize),
+    /// That of a body of the space without geometry; these come after all robot bodies.
+    Bare(usize),
+}
+
+/// An object that a link carries.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct AttachedObject {
+    /// The name of the object.
+    pub name: String,
+    /// The geometry of the object.
+    pub geometry: Geometry,
+    /// The link that carries the object.
+    pub link: String,
+    /// Pose of the object in the frame of the link.
+    pub pose: Isometry3<f64>,
+    pub(crate) frame: Frame,
+}
+
+/// A robot body, an attached object or an obstacle, by its index in the order of insertion.
 ///
-/// [`World::name`] returns its name.
+/// [`World::name`] returns its name, and [`World::show`] prints it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum WorldId {
     /// A robot body; the first is 0.
     Robot(usize),
-    /// An obstacle; the first is 0.
+    /// An object that was attached to the robot; the first is 0. Never used again.
+    Attached(usize),
+    /// An obstacle; the first is 0. Never used again.
     Obstacle(usize),
 }
 
-/// A pair: a robot body, and an obstacle or a later robot body.
+impl fmt::Display for WorldId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Robot(k) => write!(f, "robot body {k}"),
+            Self::Attached(k) => write!(f, "attached object {k}"),
+            Self::Obstacle(k) => write!(f, "obstacle {k}"),
+        }
+    }
+}
+
+/// A pair of bodies, at least one of which moves with the robot; the smaller id comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WorldPair {
-    /// The robot body.
+    /// A robot body or an attached object.
     pub a: WorldId,
-    /// The obstacle, or another robot body.
+    /// The obstacle, or a later body that moves with the robot.
     pub b: WorldId,
 }
 
+impl WorldPair {
+    /// Returns the pair of two bodies, in any order.
+    ///
+    /// Returns `None` if the bodies are the same or both are obstacles: there is no such pair.
+    #[must_use]
+    pub fn new(x: WorldId, y: WorldId) -> Option<Self> {
+        let (a, b) = (x.min(y), x.max(y));
+        (a != b && !matches!(a, WorldId::Obstacle(_))).then_some(Self { a, b })
+    }
+}
+
+impl fmt::Display for WorldPair {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} and {}", self.a, self.b)
+    }
+}
+
+/// Names the bodies that a call acts on: one id, a name, or several names such as a group of links.
+///
+/// A name stands for all bodies that have it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Select<'a> {
+    /// One body.
+    Id(WorldId),
+    /// All bodies with this name.
+    Name(&'a str),
+    /// All bodies with one of these names. Links without bodies are passed over.
+    Names(&'a [String]),
+}
+
+impl From<WorldId> for Select<'_> {
+    fn from(id: WorldId) -> Self {
+        Self::Id(id)
+    }
+}
+
+impl<'a> From<&'a str> for Select<'a> {
+    fn from(name: &'a str) -> Self {
+        Self::Name(name)
+    }
+}
+
+impl<'a> From<&&'a str> for Select<'a> {
+    fn from(name: &&'a str) -> Self {
+        Self::Name(name)
+    }
+}
+
+impl<'a> From<&'a String> for Select<'a> {
+    fn from(name: &'a String) -> Self {
+        Self::Name(name)
+    }
+}
+
+impl<'a> From<&'a [String]> for Select<'a> {
+    fn from(names: &'a [String]) -> Self {
+        Self::Names(names)
+    }
+}
+
+impl<'a> From<&'a Vec<String>> for Select<'a> {
+    fn from(names: &'a Vec<String>) -> Self {
+        Self::Names(names)
+    }
+}
+
+/// Bodies.
 impl World {
     /// Returns a world without bodies.
     #[must_use]
@@ -53,29 +180,446 @@ impl World {
         WorldId::Robot(self.robot.len() - 1)
     }
 
+    /// Names the frame of a body of the space that has no geometry, such as the tool flange.
+    ///
+    /// Objects can be attached there. In the space, bodies without geometry come after all robot
+    /// bodies, in the order of these calls.
+    pub fn bare_frame(&mut self, name: impl ToString) {
+        let bare = self.bare_frames();
+        self.frames.push((name.to_string(), Frame::Bare(bare)));
+    }
+
+    /// Names the frame of a robot body, if it differs from the body's name.
+    ///
+    /// Without this call, a name stands for the frame of the first robot body that has it.
+    pub fn body_frame(&mut self, name: impl ToString, body: usize) {
+        self.frames.push((name.to_string(), Frame::Robot(body)));
+    }
+
+    /// Returns the number of bodies of the space without geometry.
+    pub(crate) fn bare_frames(&self) -> usize {
+        let bare = self.frames.iter().filter(|(_, frame)| matches!(frame, Frame::Bare(_)));
+        bare.count()
+    }
+
     /// Adds an obstacle at a pose in the world.
     pub fn obstacle(&mut self, name: impl ToString, shape: impl Into<Geometry>, pose: Isometry3<f64>) -> WorldId {
-        self.obstacles.push((name.to_string(), shape.into(), pose));
+        self.obstacles.push(Some((name.to_string(), shape.into(), pose)));
         WorldId::Obstacle(self.obstacles.len() - 1)
     }
 
-    /// Excludes all pairs of a body with the name `a` and a body with the name `b`.
-    ///
-    /// Excluded pairs are never measured and may touch, for example adjacent links of an arm.
+    /// Moves obstacles to a pose in the world, and returns them.
     ///
     /// # Errors
-    /// Returns an error if no body has one of the names.
-    pub fn exclude(&mut self, a: &str, b: &str) -> Result<(), PlanError> {
-        let [first, second] = [a, b].map(|name| self.named(name));
-        for (name, list) in [(a, &first), (b, &second)] {
-            if list.is_empty() {
-                return Err(PlanError::Unnamed(name.to_string()));
+    /// Returns an error if the pose is invalid or out of range, or if a body does not exist or is
+    /// not an obstacle. Then nothing changes.
+    pub fn move_obstacle<'a>(
+        &mut self,
+        bodies: impl Into<Select<'a>>,
+        pose: Isometry3<f64>,
+    ) -> Result<Vec<WorldId>, PlanError> {
+        RelativePose::from_isometry(&pose)?;
+        let found = self.select_obstacles(bodies.into())?;
+        for id in &found {
+            if let Some(obstacle) = self.obstacle_mut(*id) {
+                obstacle.2 = pose;
             }
         }
-        for &x in &first {
-            self.excluded.extend(second.iter().map(|&y| (x.min(y), x.max(y))));
+        Ok(found)
+    }
+
+    /// Replaces the geometry of obstacles, and returns them. Poses, names and ids stay.
+    ///
+    /// # Errors
+    /// Returns an error if a body does not exist or is not an obstacle. Then nothing changes.
+    pub fn replace_obstacle<'a>(
+        &mut self,
+        bodies: impl Into<Select<'a>>,
+        geometry: impl Into<Geometry>,
+    ) -> Result<Vec<WorldId>, PlanError> {
+        let found = self.select_obstacles(bodies.into())?;
+        let geometry = geometry.into();
+        for id in &found {
+            if let Some(obstacle) = self.obstacle_mut(*id) {
+                obstacle.1 = geometry.clone();
+            }
         }
-        Ok(())
+        Ok(found)
+    }
+
+    /// Removes obstacles with their exclusions, padding and margins, and returns their ids, which
+    /// are never used again.
+    ///
+    /// # Errors
+    /// Returns an error if a body does not exist or is not an obstacle. Then nothing changes.
+    pub fn remove_obstacle<'a>(&mut self, bodies: impl Into<Select<'a>>) -> Result<Vec<WorldId>, PlanError> {
+        let found = self.select_obstacles(bodies.into())?;
+        for id in &found {
+            if let WorldId::Obstacle(k) = *id {
+                self.obstacles[k] = None;
+                self.forget_body(*id);
+            }
+        }
+        Ok(found)
+    }
+
+    /// Attaches an object to a link, and returns its id.
+    ///
+    /// The object moves with the link in every query. Its pairs with bodies that keep their pose
+    /// relative to the link are never measured, nor are its pairs with the touch links, such as the
+    /// fingers that hold it: they are [excluded](Self::exclude). The link is the frame of that name
+    /// ([`bare_frame`](Self::bare_frame)), or else that of the first robot body of that name.
+    ///
+    /// # Errors
+    /// Returns an error if the pose is invalid or out of range, or if a name does not exist. Then
+    /// nothing changes.
+    pub fn attach(
+        &mut self,
+        link: &str,
+        name: impl ToString,
+        geometry: impl Into<Geometry>,
+        pose: Isometry3<f64>,
+        touch_links: &[&str],
+    ) -> Result<WorldId, PlanError> {
+        RelativePose::from_isometry(&pose)?;
+        let frame = self.frame(link)?;
+        let mut touched = Vec::new();
+        for name in touch_links {
+            match self.select(*name) {
+                Ok(found) => touched.extend(found),
+                // A link without bodies has no pairs.
+                Err(PlanError::WithoutBodies(_)) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        let id = WorldId::Attached(self.attached.len());
+        self.attached.push(Some(AttachedObject {
+            name: name.to_string(),
+            geometry: geometry.into(),
+            link: link.to_string(),
+            pose: normalize_rotation(&pose),
+            frame,
+        }));
+        self.excluded
+            .extend(touched.into_iter().filter_map(|body| WorldPair::new(id, body)));
+        Ok(id)
+    }
+
+    /// Removes attached objects with their exclusions, padding and margins, and returns their ids,
+    /// which are never used again.
+    ///
+    /// # Errors
+    /// Returns an error if a body does not exist or is not attached. Then nothing changes.
+    pub fn detach<'a>(&mut self, bodies: impl Into<Select<'a>>) -> Result<Vec<WorldId>, PlanError> {
+        let bodies = bodies.into();
+        let found = self.select_kind(bodies, |id| matches!(id, WorldId::Attached(_)), "an attached object")?;
+        for id in &found {
+            if let WorldId::Attached(k) = *id {
+                self.attached[k] = None;
+                self.forget_body(*id);
+            }
+        }
+        Ok(found)
+    }
+
+    /// Returns the index of the body of the space whose frame has this name.
+    pub(crate) fn frame(&self, link: &str) -> Result<Frame, PlanError> {
+        if let Some((_, frame)) = self.frames.iter().find(|(name, _)| name == link) {
+            return Ok(*frame);
+        }
+        let body = self.robot.iter().position(|(name, _)| name == link);
+        body.map(Frame::Robot).ok_or_else(|| {
+            let names = self.frames.iter().map(|f| &f.0).chain(self.robot.iter().map(|b| &b.0));
+            PlanError::Unnamed {
+                name: link.to_string(),
+                near: nearest_name(link, names.map(String::as_str)),
+            }
+        })
+    }
+
+    /// Returns the index of the body of the space that has a frame.
+    pub(crate) fn body_of(&self, frame: Frame) -> usize {
+        match frame {
+            Frame::Robot(body) => body,
+            Frame::Bare(k) => self.robot.len() + k,
+        }
+    }
+
+    fn obstacle_mut(&mut self, id: WorldId) -> Option<&mut (String, Geometry, Isometry3<f64>)> {
+        match id {
+            WorldId::Obstacle(k) => self.obstacles.get_mut(k)?.as_mut(),
+            _ => None,
+        }
+    }
+
+    /// Removes what is known about the pairs of a body.
+    fn forget_body(&mut self, id: WorldId) {
+        self.paddings.remove(&id);
+        let robot = (0..self.robot.len()).map(WorldId::Robot);
+        let attached = (0..self.attached.len()).map(WorldId::Attached);
+        let mut partners: Vec<WorldId> = robot.chain(attached).collect();
+        if matches!(id, WorldId::Attached(_)) {
+            partners.extend((0..self.obstacles.len()).map(WorldId::Obstacle));
+        }
+        for pair in partners.into_iter().filter_map(|other| WorldPair::new(id, other)) {
+            self.excluded.remove(&pair);
+            self.margins.remove(&pair);
+        }
+    }
+
+    /// Returns the bodies that a selection stands for.
+    ///
+    /// # Errors
+    /// Returns an error if a name does not exist, which states the nearest name; if a name is that
+    /// of a link without bodies; or if the body of an id does not exist or was removed.
+    pub fn select<'a>(&self, bodies: impl Into<Select<'a>>) -> Result<Vec<WorldId>, PlanError> {
+        match bodies.into() {
+            Select::Id(id) if self.contains(id) => Ok([id].into()),
+            Select::Id(id) => Err(match id {
+                WorldId::Attached(k) if k < self.attached.len() => PlanError::Removed(id),
+                WorldId::Obstacle(k) if k < self.obstacles.len() => PlanError::Removed(id),
+                _ => PlanError::NoBody(id),
+            }),
+            Select::Name(name) => {
+                let found: Vec<WorldId> = self.bodies().filter(|b| b.1 == name).map(|b| b.0).collect();
+                if !found.is_empty() {
+                    return Ok(found);
+                }
+                if self.frames.iter().any(|frame| frame.0 == name) {
+                    return Err(PlanError::WithoutBodies(name.to_string()));
+                }
+                let frames = self.frames.iter().map(|frame| frame.0.as_str());
+                Err(PlanError::Unnamed {
+                    name: name.to_string(),
+                    near: nearest_name(name, self.bodies().map(|b| b.1).chain(frames)),
+                })
+            }
+            Select::Names(names) => {
+                let mut all = BTreeSet::new();
+                for name in names {
+                    match self.select(name) {
+                        Ok(found) => all.extend(found),
+                        Err(PlanError::WithoutBodies(_)) => {}
+                        Err(error) => return Err(error),
+                    }
+                }
+                Ok(all.into_iter().collect())
+            }
+        }
+    }
+
+    fn select_obstacles(&self, bodies: Select<'_>) -> Result<Vec<WorldId>, PlanError> {
+        self.select_kind(bodies, |id| matches!(id, WorldId::Obstacle(_)), "an obstacle")
+    }
+
+    /// Returns the bodies of one kind that a selection stands for; at least one.
+    fn select_kind(
+        &self,
+        bodies: Select<'_>,
+        is_kind: fn(&WorldId) -> bool,
+        kind: &'static str,
+    ) -> Result<Vec<WorldId>, PlanError> {
+        let mut found = self.select(bodies)?;
+        let first = found.first().copied();
+        found.retain(is_kind);
+        match (found.is_empty(), first) {
+            (true, Some(id)) => Err(PlanError::Kind {
+                body: self.show(&id).to_string(),
+                kind,
+            }),
+            _ => Ok(found),
+        }
+    }
+
+    /// Returns whether a body exists and was not removed.
+    #[must_use]
+    pub fn contains(&self, id: WorldId) -> bool {
+        self.geometry(id).is_some()
+    }
+
+    /// Returns the name of a body; empty if the body does not exist.
+    #[must_use]
+    pub fn name(&self, part: WorldId) -> &str {
+        match part {
+            WorldId::Robot(k) => self.robot.get(k).map(|b| &b.0),
+            WorldId::Attached(k) => self.attached.get(k).and_then(Option::as_ref).map(|o| &o.name),
+            WorldId::Obstacle(k) => self.obstacles.get(k).and_then(Option::as_ref).map(|o| &o.0),
+        }
+        .map_or("", String::as_str)
+    }
+
+    /// Returns the geometry of a body; `None` if the body does not exist.
+    #[must_use]
+    pub fn geometry(&self, part: WorldId) -> Option<&Geometry> {
+        match part {
+            WorldId::Robot(k) => self.robot.get(k).map(|b| &b.1),
+            WorldId::Attached(k) => self.attached.get(k)?.as_ref().map(|o| &o.geometry),
+            WorldId::Obstacle(k) => self.obstacles.get(k)?.as_ref().map(|o| &o.1),
+        }
+    }
+
+    /// Returns the pose of an obstacle in the world; `None` if it does not exist.
+    #[must_use]
+    pub fn obstacle_pose(&self, id: WorldId) -> Option<&Isometry3<f64>> {
+        match id {
+            WorldId::Obstacle(k) => self.obstacles.get(k)?.as_ref().map(|o| &o.2),
+            _ => None,
+        }
+    }
+
+    /// Returns id and name of all bodies: of the robot, then attached, then obstacles.
+    pub fn bodies(&self) -> impl Iterator<Item = (WorldId, &str)> {
+        let robot = self.robot.iter().enumerate();
+        let robot = robot.map(|(k, b)| (WorldId::Robot(k), b.0.as_str()));
+        let obstacles = self.obstacles.iter().enumerate();
+        let obstacles = obstacles.filter_map(|(k, o)| Some((WorldId::Obstacle(k), o.as_ref()?.0.as_str())));
+        robot
+            .chain(self.attached().map(|(id, object)| (id, object.name.as_str())))
+            .chain(obstacles)
+    }
+
+    /// Returns name and geometry of the robot bodies, in the order of the configuration space.
+    pub fn robot_bodies(&self) -> impl ExactSizeIterator<Item = (&str, &Geometry)> {
+        self.robot.iter().map(|(name, shape)| (name.as_str(), shape))
+    }
+
+    /// Returns the attached objects with their ids.
+    pub fn attached(&self) -> impl Iterator<Item = (WorldId, &AttachedObject)> {
+        let attached = self.attached.iter().enumerate();
+        attached.filter_map(|(k, object)| Some((WorldId::Attached(k), object.as_ref()?)))
+    }
+
+    /// Returns name, geometry and pose of the obstacles, without those that were removed.
+    ///
+    /// If none was removed, the k-th obstacle has the id `WorldId::Obstacle(k)`.
+    pub fn obstacles(&self) -> impl ExactSizeIterator<Item = (&str, &Geometry, &Isometry3<f64>)> {
+        let all: Vec<_> = self.obstacles.iter().flatten().collect();
+        all.into_iter().map(|(name, shape, pose)| (name.as_str(), shape, pose))
+    }
+
+    /// Returns what prints a body, a pair, a [`NearPair`](crate::NearPair) or a
+    /// [`Verdict`](crate::Verdict) with the names of the bodies.
+    ///
+    /// ```
+    /// # use lin_canny_plan::{World, WorldPair};
+    /// # use lin_canny::{Shape, nalgebra::Isometry3};
+    /// let mut world = World::new();
+    /// let hand = world.robot_body("hand", Shape::ball(0.1)?);
+    /// let post = world.obstacle("post", Shape::ball(0.2)?, Isometry3::identity());
+    /// let pair = WorldPair::new(post, hand).unwrap();
+    /// assert_eq!(world.show(&pair).to_string(), "hand and post");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn show<'a, T>(&'a self, value: &'a T) -> Named<'a, T> {
+        Named { world: self, value }
+    }
+
+    /// Returns the geometries of a pair of bodies that exist.
+    pub(crate) fn shapes(&self, pair: WorldPair) -> [&Geometry; 2] {
+        [self.shape(pair.a), self.shape(pair.b)]
+    }
+
+    /// Pairs that are measured have bodies that exist.
+    fn shape(&self, part: WorldId) -> &Geometry {
+        match part {
+            WorldId::Robot(k) => &self.robot[k].1,
+            WorldId::Attached(k) => self.attached[k].as_ref().map_or(&self.robot[0].1, |o| &o.geometry),
+            WorldId::Obstacle(k) => self.obstacles[k].as_ref().map_or(&self.robot[0].1, |o| &o.1),
+        }
+    }
+
+    /// Returns whether a body is not convex, so that a distance costs many times a predicate.
+    pub(crate) fn has_parts(&self) -> bool {
+        let is_convex = |shape: &Geometry| matches!(shape, Geometry::Polyhedron(_) | Geometry::Convex(_));
+        let attached = self.attached.iter().flatten().map(|o| &o.geometry);
+        let obstacles = self.obstacles.iter().flatten().map(|o| &o.1);
+        !self
+            .robot
+            .iter()
+            .map(|b| &b.1)
+            .chain(attached)
+            .chain(obstacles)
+            .all(is_convex)
+    }
+
+    /// Returns an error if something refers to a body or frame that does not exist, or if a length
+    /// is out of range.
+    pub(crate) fn validate(&self) -> Result<(), PlanError> {
+        let has = |id: WorldId| self.select(id).map(|_| ());
+        let bare = self.bare_frames();
+        for (_, object) in self.attached() {
+            RelativePose::from_isometry(&object.pose)?;
+            match object.frame {
+                Frame::Robot(k) => has(WorldId::Robot(k))?,
+                Frame::Bare(k) if k < bare => {}
+                Frame::Bare(_) => {
+                    return Err(PlanError::Unnamed {
+                        name: object.link.clone(),
+                        near: None,
+                    });
+                }
+            }
+        }
+        for (_, frame) in &self.frames {
+            if let Frame::Robot(k) = *frame {
+                has(WorldId::Robot(k))?;
+            }
+        }
+        let pairs = self.excluded.iter().chain(self.margins.keys());
+        for pair in pairs {
+            has(pair.a)?;
+            has(pair.b)?;
+            if WorldPair::new(pair.a, pair.b) != Some(*pair) {
+                return Err(PlanError::NoBody(pair.b));
+            }
+        }
+        self.paddings.keys().try_for_each(|id| has(*id))?;
+        check_length("margin", self.margin)?;
+        self.margins
+            .values()
+            .try_for_each(|m| check_length("margin of a pair", *m))?;
+        self.paddings.values().try_for_each(|p| check_length("padding", *p))
+    }
+}
+
+/// Excluded pairs.
+impl World {
+    /// Excludes all pairs of a body of `a` and a body of `b`, and returns those that were measured
+    /// before.
+    ///
+    /// Excluded pairs are never measured and may touch, for example adjacent links of an arm. A
+    /// body that is added later is not excluded, even if it has the name.
+    ///
+    /// # Errors
+    /// Returns an error if no body has one of the names, or if it is the name of a link without
+    /// bodies. Then nothing changes.
+    #[doc(alias = "allow")]
+    #[doc(alias = "ignore")]
+    #[doc(alias = "allowed collision matrix")]
+    pub fn exclude<'a>(
+        &mut self,
+        a: impl Into<Select<'a>>,
+        b: impl Into<Select<'a>>,
+    ) -> Result<Vec<WorldPair>, PlanError> {
+        let mut pairs = self.pairs_of(a.into(), b.into())?;
+        pairs.retain(|pair| self.excluded.insert(*pair));
+        Ok(pairs)
+    }
+
+    /// Includes all pairs of a body of `a` and a body of `b` again, and returns those that were
+    /// excluded.
+    ///
+    /// # Errors
+    /// As [`exclude`](Self::exclude).
+    #[doc(alias = "disallow")]
+    pub fn include<'a>(
+        &mut self,
+        a: impl Into<Select<'a>>,
+        b: impl Into<Select<'a>>,
+    ) -> Result<Vec<WorldPair>, PlanError> {
+        let mut pairs = self.pairs_of(a.into(), b.into())?;
+        pairs.retain(|pair| self.excluded.remove(pair));
+        Ok(pairs)
     }
 
     /// Excludes all pairs for which `is_excluded` returns true.
@@ -92,63 +636,184 @@ impl World {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn exclude_if(&mut self, is_excluded: impl Fn(WorldPair) -> bool) {
-        for k in 0..self.robot.len() {
-            let robot = (k + 1..self.robot.len()).map(WorldId::Robot);
-            let others = robot.chain((0..self.obstacles.len()).map(WorldId::Obstacle));
-            let pairs = others.map(|b| WorldPair::new(k, b)).filter(|pair| is_excluded(*pair));
-            self.excluded.extend(pairs.map(|pair| (pair.a, pair.b)));
+        let all: Vec<WorldId> = self.bodies().map(|b| b.0).collect();
+        for (k, &a) in all.iter().enumerate() {
+            let pairs = all[k + 1..].iter().filter_map(|&b| WorldPair::new(a, b));
+            self.excluded.extend(pairs.filter(|pair| is_excluded(*pair)));
         }
     }
 
     /// Returns the excluded pairs in ascending order, each with the smaller id first.
+    ///
+    /// Pairs of bodies that keep their relative pose are never measured, and are not in this view
+    /// unless they are excluded as well.
+    #[doc(alias = "allow")]
+    #[doc(alias = "allowed collision matrix")]
     pub fn excluded(&self) -> impl ExactSizeIterator<Item = [WorldId; 2]> {
-        self.excluded.iter().map(|&(a, b)| [a, b])
+        self.excluded.iter().map(|pair| [pair.a, pair.b])
     }
 
-    /// Returns the name of a body; empty if the body does not exist.
+    /// Returns the names of excluded pairs: each two names once, if all their pairs are excluded.
     #[must_use]
-    pub fn name(&self, part: WorldId) -> &str {
-        match part {
-            WorldId::Robot(k) => self.robot.get(k).map_or("", |b| &b.0),
-            WorldId::Obstacle(k) => self.obstacles.get(k).map_or("", |b| &b.0),
+    #[doc(alias = "allowed collision matrix")]
+    pub fn excluded_names(&self) -> Vec<[&str; 2]> {
+        let mut counts: BTreeMap<[&str; 2], usize> = BTreeMap::new();
+        for pair in &self.excluded {
+            let mut names = [self.name(pair.a), self.name(pair.b)];
+            names.sort_unstable();
+            *counts.entry(names).or_default() += 1;
         }
+        let mut of_name: BTreeMap<&str, Vec<WorldId>> = BTreeMap::new();
+        for (id, name) in self.bodies() {
+            of_name.entry(name).or_default().push(id);
+        }
+        let is_whole = |names: &[&str; 2], count: usize| {
+            let pairs = of_name[names[0]]
+                .iter()
+                .flat_map(|a| of_name[names[1]].iter().map(move |b| (*a, *b)));
+            let pairs: BTreeSet<_> = pairs.filter_map(|(a, b)| WorldPair::new(a, b)).collect();
+            pairs.len() == count
+        };
+        let whole = counts.into_iter().filter(|(names, count)| is_whole(names, *count));
+        whole.map(|(names, _)| names).collect()
     }
 
-    /// Returns name and geometry of the robot bodies, in the order of the configuration space.
-    pub fn robot_bodies(&self) -> impl ExactSizeIterator<Item = (&str, &Geometry)> {
-        self.robot.iter().map(|(name, shape)| (name.as_str(), shape))
+    fn pairs_of(&self, a: Select<'_>, b: Select<'_>) -> Result<Vec<WorldPair>, PlanError> {
+        let (first, second) = (self.select(a)?, self.select(b)?);
+        let pairs = first.iter().flat_map(|x| second.iter().map(move |y| (*x, *y)));
+        let pairs: BTreeSet<_> = pairs.filter_map(|(x, y)| WorldPair::new(x, y)).collect();
+        Ok(pairs.into_iter().collect())
+    }
+}
+
+/// Margins.
+impl World {
+    /// Sets the distance that a pair must keep that has no margin of its own; the default is 0.
+    ///
+    /// # Errors
+    /// Returns an error if the margin is negative or not finite.
+    pub fn set_margin(&mut self, margin: f64) -> Result<(), PlanError> {
+        check_length("margin", margin)?;
+        self.margin = margin;
+        Ok(())
     }
 
-    /// Returns name, geometry and pose of the obstacles.
-    pub fn obstacles(&self) -> impl ExactSizeIterator<Item = (&str, &Geometry, &Isometry3<f64>)> {
-        self.obstacles
+    /// Returns the distance that a pair must keep that has no margin of its own.
+    #[must_use]
+    pub fn margin(&self) -> f64 {
+        self.margin
+    }
+
+    /// Sets the padding of bodies, and returns them: all their pairs must keep so much more.
+    ///
+    /// The padded body is the body with a rounded layer of this thickness. The default is 0.
+    ///
+    /// # Errors
+    /// Returns an error if the padding is negative or not finite, or if a body does not exist. Then
+    /// nothing changes.
+    pub fn pad<'a>(&mut self, bodies: impl Into<Select<'a>>, padding: f64) -> Result<Vec<WorldId>, PlanError> {
+        check_length("padding", padding)?;
+        let found = self.select(bodies)?;
+        for id in &found {
+            if padding > 0.0 {
+                self.paddings.insert(*id, padding);
+            } else {
+                self.paddings.remove(id);
+            }
+        }
+        Ok(found)
+    }
+
+    /// Returns the padding of a body.
+    #[must_use]
+    pub fn padding(&self, id: WorldId) -> f64 {
+        self.paddings.get(&id).copied().unwrap_or(0.0)
+    }
+
+    /// Sets or removes the margin that all pairs of a body of `a` and a body of `b` have in place
+    /// of the [`margin`](Self::margin), and returns the pairs.
+    ///
+    /// # Errors
+    /// Returns an error if the margin is negative or not finite, or if a body does not exist. Then
+    /// nothing changes.
+    pub fn set_pair_margin<'a>(
+        &mut self,
+        a: impl Into<Select<'a>>,
+        b: impl Into<Select<'a>>,
+        margin: Option<f64>,
+    ) -> Result<Vec<WorldPair>, PlanError> {
+        check_length("margin of a pair", margin.unwrap_or(0.0))?;
+        let pairs = self.pairs_of(a.into(), b.into())?;
+        for pair in &pairs {
+            match margin {
+                Some(margin) => self.margins.insert(*pair, margin),
+                None => self.margins.remove(pair),
+            };
+        }
+        Ok(pairs)
+    }
+
+    /// Returns the margin that a pair has of its own.
+    #[must_use]
+    pub fn pair_margin(&self, pair: WorldPair) -> Option<f64> {
+        self.margins.get(&pair).copied()
+    }
+
+    /// Returns the distance that a pair must keep: its own margin or else the margin of all pairs,
+    /// plus the paddings of both bodies.
+    #[must_use]
+    pub fn kept_distance(&self, pair: WorldPair) -> f64 {
+        let margin = self.pair_margin(pair).unwrap_or(self.margin);
+        let pads = [pair.a, pair.b].map(|id| self.padding(id));
+        if pads == [0.0; 2] {
+            return margin;
+        }
+        // Rounded up, so that no verdict allows less than the sum.
+        (margin + (pads[0] + pads[1]) * (1.0 + 2.0 * f64::EPSILON)).next_up()
+    }
+
+    /// Returns an upper bound of what a pair with an obstacle must keep without the padding of the
+    /// other body, and a lower bound of what any pair must keep.
+    pub(crate) fn kept_bounds(&self) -> (f64, f64) {
+        let margins = || self.margins.values().copied();
+        let most = margins().fold(self.margin, f64::larger);
+        let pads = self
+            .paddings
             .iter()
-            .map(|(name, shape, pose)| (name.as_str(), shape, pose))
+            .filter(|(id, _)| matches!(id, WorldId::Obstacle(_)));
+        let pad = pads.map(|(_, pad)| *pad).fold(0.0, f64::larger);
+        (most + pad, margins().fold(self.margin, f64::smaller))
     }
+}
 
-    /// Returns the geometries of a pair.
-    pub(crate) fn shapes(&self, pair: WorldPair) -> [&Geometry; 2] {
-        [self.shape(pair.a), self.shape(pair.b)]
+/// Returns an error if a length is negative or not finite.
+pub(crate) fn check_length(what: &'static str, value: f64) -> Result<(), PlanError> {
+    match (0.0..=EXTENT_MAX).contains(&value) {
+        true => Ok(()),
+        false => Err(PlanError::Value { what, value }),
     }
+}
 
-    fn shape(&self, part: WorldId) -> &Geometry {
-        match part {
-            WorldId::Robot(k) => &self.robot[k].1,
-            WorldId::Obstacle(k) => &self.obstacles[k].1,
+/// Prints a value with the names of its bodies: see [`World::show`].
+#[derive(Clone, Copy, Debug)]
+pub struct Named<'a, T> {
+    pub(crate) world: &'a World,
+    pub(crate) value: &'a T,
+}
+
+impl fmt::Display for Named<'_, WorldId> {
+    /// Writes the name; an id without a name as such.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.world.name(*self.value) {
+            "" => self.value.fmt(f),
+            name => f.pad(name),
         }
     }
+}
 
-    /// Returns whether a body is not convex, so that a distance costs many times a predicate.
-    pub(crate) fn has_parts(&self) -> bool {
-        let obstacles = self.obstacles.iter().map(|o| &o.1);
-        let is_convex = |shape: &Geometry| matches!(shape, Geometry::Polyhedron(_) | Geometry::Convex(_));
-        !self.robot.iter().map(|b| &b.1).chain(obstacles).all(is_convex)
-    }
-
-    fn named(&self, name: &str) -> Vec<WorldId> {
-        let robot = self.robot.iter().enumerate().filter(|(_, b)| b.0 == name);
-        let obstacles = self.obstacles.iter().enumerate().filter(|(_, b)| b.0 == name);
-        let robot = robot.map(|(k, _)| WorldId::Robot(k));
-        robot.chain(obstacles.map(|(k, _)| WorldId::Obstacle(k))).collect()
+impl fmt::Display for Named<'_, WorldPair> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [a, b] = [&self.value.a, &self.value.b].map(|id| self.world.show(id));
+        write!(f, "{a} and {b}")
     }
 }

@@ -81,7 +81,7 @@ impl Checker {
         let in_cell = setup::add_cell(&mut setup, &robot, cell)?;
         let others = setup::add_obstacles(&mut setup, obstacles.unwrap_or_default())?;
         for (a, b) in ignore.unwrap_or_default() {
-            setup.ignore_pair(&a, &b);
+            setup.exclude(&a, &b);
         }
         let arguments = (PyTuple::new(py, [robot_object])?.unbind(), options.unbind());
         let mut checker = Self::of_setup(setup, in_cell + others, arguments)?;
@@ -253,7 +253,7 @@ impl Checker {
 impl Checker {
     fn of_setup(setup: Setup, obstacles: usize, arguments: (Py<PyTuple>, Py<PyDict>)) -> PyResult<Self> {
         let checker = setup.checker().map_err(plan_error)?;
-        let own = checker.space().bodies();
+        let own = checker.world().robot_bodies().len();
         let parts = (0..own)
             .map(WorldId::Robot)
             .chain((0..obstacles).map(WorldId::Obstacle));

@@ -52,16 +52,16 @@ fn run(options: &Options) -> Result<(), Trouble> {
     let arm = Robot::parse(text, "arm.urdf", &Packages::default(), &load)?;
     let mut setup = Setup::new();
     setup.robot("", &arm, Isometry3::identity());
-    setup.ignore_adjacent();
+    setup.exclude_adjacent();
     for (name, shape, pose) in &things {
         setup.obstacle(name, shape.clone(), *pose);
     }
     // The arm is mounted on the table, and its slender links extend over the next link but one.
     if things.iter().any(|thing| thing.0 == "table") {
-        setup.ignore_pair("base", "table");
+        setup.exclude("base", "table");
     }
     for pair in arm.links().windows(3) {
-        setup.ignore_pair(&pair[0].name, &pair[2].name);
+        setup.exclude(&pair[0].name, &pair[2].name);
     }
     let mut checker = setup.checker()?;
     let [start, goal] = BINS.map(motion::carry);

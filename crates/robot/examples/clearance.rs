@@ -45,21 +45,21 @@ struct Options {
 fn checker(robot: &Robot, things: &[cell::Thing], start: &[f64]) -> Result<Checker<JointTree>, Trouble> {
     let mut setup = Setup::new();
     setup.robot("", robot, Isometry3::identity());
-    setup.ignore_adjacent();
+    setup.exclude_adjacent();
     for (name, shape, pose) in things {
         setup.obstacle(name, shape.clone(), *pose);
     }
     // Slender links reach over the next but one.
     for joint in robot.joints() {
         for next in robot.joints().iter().filter(|next| next.parent == joint.child) {
-            setup.ignore_pair(&robot.links()[joint.parent].name, &robot.links()[next.child].name);
+            setup.exclude(&robot.links()[joint.parent].name, &robot.links()[next.child].name);
         }
     }
     let mut all = setup.checker()?;
     for near in all.nearest(start, f64::INFINITY)? {
         if near.lower <= 0.0 {
             println!("ignored, in contact from the start: {}", name(&all, &near));
-            setup.ignore_pair(all.name(near.pair.a), all.name(near.pair.b));
+            setup.exclude(all.name(near.pair.a), all.name(near.pair.b));
         }
     }
     Ok(setup.checker()?)
@@ -110,6 +110,8 @@ fn picture(
     let mut poses = vec![];
     checker.space().place(q, &mut poses);
     let world = checker.world();
+    // Frames without bodies come last.
+    poses.truncate(world.robot_bodies().len());
     let links = world.robot_bodies().map(|(_, shape)| Ok((draw::outline(shape)?, true)));
     let things = world
         .obstacles()

@@ -266,7 +266,7 @@ impl Setup {
         let missing = cell.missing.iter().filter(|name| !self.has_body(name));
         self.frames.extend(missing.cloned().collect::<Vec<_>>());
         for [a, b] in &cell.ignored {
-            self.ignore_pair(a, b);
+            self.exclude(a, b);
         }
     }
 }

@@ -6,8 +6,8 @@ use roxmltree::Node;
 
 use crate::error::{FileError, FileErrorKind};
 use crate::groups::nested;
-use crate::names::nearest;
 use crate::xml::{Xml, attribute};
+use lin_canny_plan::nearest_name as nearest;
 
 /// Elements of Drake without geometry or kinematics.
 const PASSED: [&str; 15] = [

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use crate::names::nearest;
 use crate::text;
+use lin_canny_plan::nearest_name as nearest;
 
 /// Error of a file: the file, the line, the element and the reason.
 #[derive(Debug, thiserror::Error)]

@@ -74,10 +74,10 @@ impl RobotFiles {
         let mut setup = Setup::new();
         setup.robot("", &robot, Isometry3::identity());
         if !self.check_adjacent {
-            setup.ignore_adjacent();
+            setup.exclude_adjacent();
         }
         if let Some(file) = &self.srdf {
-            setup.ignore("", &Srdf::load(file, &robot)?);
+            setup.exclude_srdf("", &Srdf::load(file, &robot)?);
         }
         if let Some(file) = &self.cell {
             setup.cell(&Cell::load(file, &self.packages, &self.options)?);

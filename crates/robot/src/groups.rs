@@ -6,11 +6,11 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use roxmltree::Node;
 
 use crate::error::{FileError, FileErrorKind, Skipped};
-use crate::names::nearest;
 use crate::robot::{MotionKind, Robot};
 use crate::srdf::Srdf;
 use crate::turn::{from_xyzw, to_roll_pitch_yaw};
 use crate::xml::{Xml, attribute};
+use lin_canny_plan::nearest_name as nearest;
 
 /// A named set of links and joints of a robot.
 ///

@@ -11,8 +11,8 @@
 //!
 //! let mut setup = Setup::new();
 //! setup.robot("", &robot, Isometry3::identity());
-//! setup.ignore_adjacent();
-//! setup.ignore("", &Srdf::load(format!("{folder}/gripper.srdf"), &robot)?);
+//! setup.exclude_adjacent();
+//! setup.exclude_srdf("", &Srdf::load(format!("{folder}/gripper.srdf"), &robot)?);
 //! setup.cell(&Cell::load(format!("{folder}/cell.json"), &packages, &options)?);
 //!
 //! let motion = Trajectory::load(format!("{folder}/carry.csv"), setup.coordinates())?;
@@ -27,7 +27,7 @@
 //! | load the links, joints and coordinates of a URDF, MJCF or SDFormat file | [`Robot`], [`LoadOptions`] |
 //! | use meshes as hulls, as triangles, or as convex pieces | [`LoadOptions::meshes`], [`MeshUse`] |
 //! | set the folders of `package://` paths | [`Packages`] |
-//! | ignore pairs of links, from an SRDF or from random configurations | [`Srdf`], [`find_ignorable`] |
+//! | exclude pairs of links, from an SRDF or random configurations | [`Srdf`], [`find_excludable`] |
 //! | use the groups and named states of an SRDF | [`Srdf::groups`], [`Srdf::state`] |
 //! | load obstacles from JSON or SDFormat | [`Cell`] |
 //! | load all files of a robot and its cell in one call | [`RobotFiles`] |
@@ -172,14 +172,13 @@
 mod cell;
 mod drake;
 mod error;
+mod excludable;
 mod files;
 mod geometry;
 mod groups;
-mod ignorable;
 mod link_tree;
 mod mesh_file;
 mod mjcf;
-mod names;
 mod options;
 mod packages;
 mod recorder;
@@ -195,10 +194,10 @@ mod xml;
 
 pub use cell::{Cell, Obstacle};
 pub use error::{FileError, FileErrorKind, Skipped};
+pub use excludable::{ExcludeReason, LinkPairCount, find_excludable};
 pub use files::RobotFiles;
 pub use geometry::MeshUse;
 pub use groups::{GroupState, JointGroup, VirtualJoint};
-pub use ignorable::{IgnoreReason, LinkPairCount, find_ignorable};
 pub use lin_canny;
 pub use lin_canny_plan as plan;
 pub use lin_canny_record as record;
@@ -207,5 +206,5 @@ pub use packages::Packages;
 pub use recorder::RobotRecorder;
 pub use robot::{Coordinate, LinkBody, MotionKind, Robot, RobotJoint, RobotLink};
 pub use space::Setup;
-pub use srdf::{IgnoredPair, Srdf};
+pub use srdf::{ExcludedPair, Srdf};
 pub use trajectory::{Trajectory, csv_text};

@@ -6,10 +6,10 @@ use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny_plan::Drive;
 
 use crate::error::{FileError, FileErrorKind, Place};
-use crate::names::nearest;
 use crate::options::LoadOptions;
 use crate::robot::{Coordinate, MotionKind, Robot, RobotJoint, RobotLink};
 use crate::xml::EXTENT_MAX;
+use lin_canny_plan::nearest_name as nearest;
 
 /// The most joints through which a joint mimics another one.
 const CHAIN: usize = 100;

@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Matrix3, Point3, Vector3};
 use lin_canny_formats::{MeshFile, MeshFormat};
 
 use crate::error::FileErrorKind;
-use crate::names::nearest;
+use lin_canny_plan::nearest_name as nearest;
 
 /// Points and triangles of one object of a mesh file.
 pub(crate) struct Soup {

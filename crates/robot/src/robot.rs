@@ -7,11 +7,11 @@ use lin_canny::{Geometry, HullFit};
 use lin_canny_plan::Drive;
 
 use crate::error::{FileError, FileErrorKind, Skipped};
-use crate::names::nearest;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::xml::Xml;
 use crate::{mjcf, sdformat, urdf};
+use lin_canny_plan::nearest_name as nearest;
 
 /// The kind of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,12 +1,13 @@
 //! Setups: robots in a cell as one configuration space and one world.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny_plan::{Checker, Drive, JointKind, JointTree, PlanError, TreeJoint, World, WorldId};
 
 use crate::error::Skipped;
+use crate::excludable::LinkPairCount;
 use crate::geometry::radius;
 use crate::robot::{Coordinate, MotionKind, Robot};
 use crate::srdf::Srdf;
@@ -26,8 +27,8 @@ use crate::turn::from_z;
 /// let robot = Robot::load(urdf, &Packages::default())?;
 /// let mut setup = Setup::new();
 /// setup.robot("", &robot, Isometry3::identity());
-/// setup.ignore_adjacent();
-/// setup.ignore_pair("left finger", "right finger");
+/// setup.exclude_adjacent();
+/// setup.exclude("left finger", "right finger");
 /// let table = solids::cuboid(Vector3::new(0.5, 0.5, 0.02))?;
 /// setup.obstacle("table", table, Isometry3::translation(0.8, 0.0, 0.3));
 ///
@@ -44,13 +45,24 @@ pub struct Setup {
     radii: Vec<f64>,
     bodies: Vec<SetupBody>,
     adjacent: Vec<[String; 2]>,
-    ignored: BTreeSet<[String; 2]>,
+    /// Excluded pairs of names, with the reason.
+    excluded: BTreeMap<[String; 2], String>,
     /// Pairs of bodies that files exclude, the smaller index first.
-    excluded: BTreeSet<[usize; 2]>,
+    excluded_bodies: BTreeSet<[usize; 2]>,
     /// Links without bodies, because an SRDF may name them, and skipped obstacles.
     pub(crate) frames: BTreeSet<String>,
+    /// Names of links whose frame is not that of their first body, with a body or the link of the
+    /// tree.
+    link_frames: Vec<(String, LinkFrame)>,
     obstacles: Vec<(String, Geometry, Isometry3<f64>)>,
     pub(crate) skipped: Vec<Skipped>,
+}
+
+/// Where the frame of a link is.
+#[derive(Clone, Copy, Debug)]
+enum LinkFrame {
+    Body(usize),
+    Link(usize),
 }
 
 #[derive(Clone, Debug)]
@@ -97,11 +109,18 @@ impl Setup {
             links.push(link);
         }
         let before = self.bodies.len();
-        self.excluded
+        self.excluded_bodies
             .extend(robot.excluded.iter().map(|pair| pair.map(|k| k + before)));
         for (link, &at) in robot.links.iter().zip(&links) {
             if link.bodies.is_empty() {
                 self.frames.insert(named(&link.name));
+            }
+            let first = self.bodies.len();
+            let at_origin = link.bodies.iter().position(|b| b.origin == Isometry3::identity());
+            match at_origin {
+                Some(0) => {}
+                Some(k) => self.link_frames.push((named(&link.name), LinkFrame::Body(first + k))),
+                None => self.link_frames.push((named(&link.name), LinkFrame::Link(at))),
             }
             for body in &link.bodies {
                 let is_at_origin = body.origin == Isometry3::identity();
@@ -137,21 +156,23 @@ impl Setup {
         self.obstacles.push((name.into(), geometry.into(), pose));
     }
 
-    /// Ignores all pairs of adjacent links: see [`Robot::adjacent`].
-    pub fn ignore_adjacent(&mut self) {
-        self.ignored.extend(self.adjacent.iter().cloned());
+    /// Excludes all pairs of adjacent links: see [`Robot::adjacent`].
+    #[doc(alias = "ignore_adjacent")]
+    pub fn exclude_adjacent(&mut self) {
+        for [a, b] in self.adjacent.clone() {
+            self.exclude_because(&a, &b, "Adjacent");
+        }
     }
 
-    /// Ignores the pairs of an SRDF, for the robot with this prefix.
+    /// Excludes the pairs of an SRDF, for the robot with this prefix.
     ///
-    /// Pairs that the SRDF enables are not ignored any more: call
-    /// [`ignore_adjacent`](Self::ignore_adjacent) before. Groups, states and virtual joints change
+    /// Pairs that the SRDF enables are not excluded any more: call
+    /// [`exclude_adjacent`](Self::exclude_adjacent) before. Groups, states and virtual joints change
     /// nothing, so what is skipped in them is only in [`Srdf::skipped`].
-    pub fn ignore(&mut self, prefix: &str, srdf: &Srdf) {
+    pub fn exclude_srdf(&mut self, prefix: &str, srdf: &Srdf) {
         for pair in &srdf.enabled {
             let [a, b] = pair.each_ref().map(|name| format!("{prefix}{name}"));
-            self.ignored.remove(&[a.clone(), b.clone()]);
-            self.ignored.remove(&[b, a]);
+            self.include(&a, &b);
         }
         let is_of_pairs = |skipped: &&Skipped| {
             !["group", "virtual_joint"]
@@ -159,18 +180,56 @@ impl Setup {
                 .any(|kind| skipped.element.starts_with(kind))
         };
         self.skipped.extend(srdf.skipped.iter().filter(is_of_pairs).cloned());
-        for pair in &srdf.ignored {
+        for pair in &srdf.excluded {
             let [a, b] = pair.links.each_ref().map(|name| format!("{prefix}{name}"));
-            self.ignore_pair(&a, &b);
+            self.exclude_because(&a, &b, &pair.reason);
         }
     }
 
-    /// Ignores all pairs of two links, or of a link and an obstacle.
+    /// Excludes the pairs that these counts allow to exclude: see
+    /// [`find_excludable`](crate::find_excludable).
+    pub fn exclude_counts(&mut self, counts: &[LinkPairCount]) {
+        self.exclude_srdf("", &Srdf::from_counts(counts));
+    }
+
+    /// Excludes all pairs of two links, or of a link and an obstacle.
     ///
-    /// A link without bodies has no pairs, so the call changes nothing. If a name does not exist,
-    /// [`checker`](Self::checker) returns an error.
-    pub fn ignore_pair(&mut self, a: &str, b: &str) {
-        self.ignored.insert([a.to_owned(), b.to_owned()]);
+    /// A link without bodies has no pairs, so the call changes nothing:
+    /// [`exclusions_without_bodies`](Self::exclusions_without_bodies) lists such calls. If a name
+    /// does not exist, [`checker`](Self::checker) returns an error.
+    #[doc(alias = "allow")]
+    #[doc(alias = "ignore_pair")]
+    #[doc(alias = "allowed collision matrix")]
+    pub fn exclude(&mut self, a: &str, b: &str) {
+        self.exclude_because(a, b, "User");
+    }
+
+    fn exclude_because(&mut self, a: &str, b: &str, reason: &str) {
+        let is_known = self.excluded.contains_key(&[b.to_owned(), a.to_owned()]);
+        let pair = if is_known { [b, a] } else { [a, b] };
+        self.excluded.insert(pair.map(str::to_owned), reason.to_owned());
+    }
+
+    /// Includes all pairs of two links, or of a link and an obstacle, again. Pairs that the file of
+    /// a robot excludes stay excluded.
+    pub fn include(&mut self, a: &str, b: &str) {
+        self.excluded.remove(&[a.to_owned(), b.to_owned()]);
+        self.excluded.remove(&[b.to_owned(), a.to_owned()]);
+    }
+
+    /// Returns the excluded pairs of names, each with its reason, such as `Adjacent` or `User`.
+    #[doc(alias = "allowed collision matrix")]
+    pub fn excluded(&self) -> impl ExactSizeIterator<Item = ([&str; 2], &str)> {
+        let each = self.excluded.iter();
+        each.map(|(pair, reason)| (pair.each_ref().map(String::as_str), reason.as_str()))
+    }
+
+    /// Returns the excluded pairs that name a link without bodies, so that they exclude nothing.
+    #[must_use]
+    pub fn exclusions_without_bodies(&self) -> Vec<[&str; 2]> {
+        let is_bare = |pair: &&[&str; 2]| pair.iter().any(|name| self.frames.contains(*name));
+        let pairs = self.excluded().map(|(pair, _)| pair);
+        pairs.collect::<Vec<_>>().iter().filter(is_bare).copied().collect()
     }
 
     /// Returns what the files of the robots and cells name and this setup does not hold.
@@ -209,7 +268,7 @@ impl Setup {
         &self.adjacent
     }
 
-    /// Returns the configuration space of all robots.
+    /// Returns the configuration space of all robots, whose bodies are those of all links.
     ///
     /// Its [`sample`](lin_canny_plan::ConfigurationSpace::sample) returns a random configuration
     /// within the limits.
@@ -217,8 +276,11 @@ impl Setup {
     /// # Errors
     /// Returns an error if a number of a robot is out of range.
     pub fn space(&self) -> Result<JointTree, PlanError> {
+        self.space_of(self.bodies.iter().map(|b| b.link).collect())
+    }
+
+    fn space_of(&self, links: Vec<usize>) -> Result<JointTree, PlanError> {
         let limits = self.coordinates.iter().map(|c| c.limits).collect();
-        let links = self.bodies.iter().map(|b| b.link).collect();
         JointTree::new(
             Isometry3::identity(),
             self.joints.clone(),
@@ -230,26 +292,41 @@ impl Setup {
 
     /// Returns the checker of all robots among the obstacles.
     ///
+    /// Objects can be [attached](Checker::attach) to every link by its name, also to links without
+    /// bodies: in the space of the checker, bodies without geometry come last, one for the frame of
+    /// each link that is not the frame of a body.
+    ///
     /// # Errors
     /// Returns an error if a number of a robot or an obstacle is out of range, or if a name of a
-    /// pair to ignore does not exist.
+    /// excluded pair does not exist.
     pub fn checker(&self) -> Result<Checker<JointTree>, PlanError> {
         let mut world = World::new();
         for body in &self.bodies {
             world.robot_body(&body.name, body.geometry.clone());
         }
+        for (name, frame) in &self.link_frames {
+            match *frame {
+                LinkFrame::Body(body) => world.body_frame(name, body),
+                LinkFrame::Link(_) => world.bare_frame(name),
+            }
+        }
         for (name, geometry, pose) in &self.obstacles {
             world.obstacle(name, geometry.clone(), *pose);
         }
         world.exclude_if(|pair| match (pair.a, pair.b) {
-            (WorldId::Robot(a), WorldId::Robot(b)) => self.excluded.contains(&[a, b]),
+            (WorldId::Robot(a), WorldId::Robot(b)) => self.excluded_bodies.contains(&[a, b]),
             _ => false,
         });
         let is_frame = |name: &String| self.frames.contains(name);
-        for [a, b] in self.ignored.iter().filter(|pair| !pair.iter().any(is_frame)) {
+        for [a, b] in self.excluded.keys().filter(|pair| !pair.iter().any(is_frame)) {
             world.exclude(a, b)?;
         }
-        Checker::new(self.space()?, world)
+        let bare = self.link_frames.iter().filter_map(|(_, frame)| match frame {
+            LinkFrame::Link(link) => Some(*link),
+            LinkFrame::Body(_) => None,
+        });
+        let links = self.bodies.iter().map(|b| b.link).chain(bare).collect();
+        Checker::new(self.space_of(links)?, world)
     }
 }
 

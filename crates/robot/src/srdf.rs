@@ -4,15 +4,17 @@ use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use lin_canny_plan::{World, nearest_name as nearest};
+
 use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::groups::{self, GroupState, JointGroup, VirtualJoint};
-use crate::names::nearest;
 use crate::robot::Robot;
+use crate::space::Setup;
 use crate::xml::{Xml, attribute};
 
-/// Two links that are not checked against each other, and why.
+/// Two links that are excluded: not checked against each other, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct IgnoredPair {
+pub struct ExcludedPair {
     /// Names of both links.
     pub links: [String; 2],
     /// The reason as in the file, such as `Adjacent`, `Never` or `User`.
@@ -34,19 +36,19 @@ const PASSED: [&str; 9] = [
 
 /// The link pairs of an SRDF that are not checked, its groups of joints and their states.
 ///
-/// * `disable_collisions` ignores a pair.
-/// * `disable_default_collisions` ignores all pairs of a link with other links of the robot, but
+/// * `disable_collisions` excludes a pair.
+/// * `disable_default_collisions` excludes all pairs of a link with other links of the robot, but
 ///   not those of `enable_collisions`. Pairs with obstacles are still checked.
 /// * `group`, `group_state` and `virtual_joint` change no pair: see [`JointGroup`], [`GroupState`]
 ///   and [`VirtualJoint`].
 /// * End effectors and passive joints are passed over. Any other element is an error.
 ///
 /// One SRDF may serve several robots of a family, so an element that names a link, joint or group
-/// which does not exist is skipped. Then no pair is ignored that would be checked otherwise.
+/// which does not exist is skipped. Then no pair is excluded that would be checked otherwise.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Srdf {
     /// The pairs, in the order of the file.
-    pub ignored: Vec<IgnoredPair>,
+    pub excluded: Vec<ExcludedPair>,
     /// The pairs of `enable_collisions`, which are checked even if the links are adjacent.
     pub enabled: Vec<[String; 2]>,
     /// The groups, in the order of the file.
@@ -111,7 +113,7 @@ impl Srdf {
             }
             let reason = attribute(&node, "reason").unwrap_or_default().to_owned();
             match (kind, <[String; 2]>::try_from(links)) {
-                ("disable_collisions", Ok(links)) => srdf.ignored.push(IgnoredPair { links, reason }),
+                ("disable_collisions", Ok(links)) => srdf.excluded.push(ExcludedPair { links, reason }),
                 ("enable_collisions", Ok(links)) => srdf.enabled.push(links),
                 ("disable_default_collisions", Err(links)) => alone.extend(links),
                 _ => {}
@@ -119,7 +121,7 @@ impl Srdf {
         }
         groups::read(&mut srdf, &xml, robot, &elements)?;
         // A pair that is both disabled and enabled is disabled, as in MoveIt.
-        let disabled: HashSet<[String; 2]> = srdf.ignored.iter().map(|pair| sorted(&pair.links)).collect();
+        let disabled: HashSet<[String; 2]> = srdf.excluded.iter().map(|pair| sorted(&pair.links)).collect();
         srdf.enabled.retain(|pair| !disabled.contains(&sorted(pair)));
         let enabled: HashSet<[String; 2]> = srdf.enabled.iter().map(sorted).collect();
         let mut found = disabled;
@@ -128,7 +130,7 @@ impl Srdf {
                 let links = [a.clone(), b.name.clone()];
                 if !enabled.contains(&sorted(&links)) && found.insert(sorted(&links)) {
                     let reason = "Default".into();
-                    srdf.ignored.push(IgnoredPair { links, reason });
+                    srdf.excluded.push(ExcludedPair { links, reason });
                 }
             }
         }
@@ -163,11 +165,42 @@ impl Srdf {
         }
     }
 
+    /// Returns the SRDF of the excluded pairs of links of a robot: of one whose names have this prefix
+    /// in the setup. The pairs of links and obstacles are left out.
+    #[must_use]
+    pub fn from_setup(setup: &Setup, prefix: &str, robot: &Robot) -> Self {
+        let excluded = setup.excluded().filter_map(|(pair, reason)| {
+            let links = own_links(pair, prefix, robot)?;
+            let reason = reason.to_owned();
+            Some(ExcludedPair { links, reason })
+        });
+        Self {
+            excluded: excluded.collect(),
+            ..Self::default()
+        }
+    }
+
+    /// Returns the SRDF of the links of a robot all of whose pairs are excluded in a world, for one
+    /// reason. The pairs of links and obstacles are left out.
+    #[must_use]
+    pub fn from_world(world: &World, prefix: &str, robot: &Robot, reason: &str) -> Self {
+        let pairs = world.excluded_names().into_iter();
+        let excluded = pairs.filter_map(|pair| {
+            let links = own_links(pair, prefix, robot)?;
+            let reason = reason.to_owned();
+            Some(ExcludedPair { links, reason })
+        });
+        Self {
+            excluded: excluded.collect(),
+            ..Self::default()
+        }
+    }
+
     /// Returns the text of an SRDF with these pairs, without groups, states and virtual joints.
     #[must_use]
     pub fn text(&self, robot: &str) -> String {
         let mut text = format!("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n", escaped(robot));
-        for pair in &self.ignored {
+        for pair in &self.excluded {
             let [a, b] = pair.links.each_ref().map(|name| escaped(name));
             let reason = escaped(&pair.reason);
             let _ = writeln!(
@@ -178,6 +211,16 @@ impl Srdf {
         text.push_str("</robot>\n");
         text
     }
+}
+
+/// Returns the names of two different links of a robot without the prefix, if both are.
+fn own_links(pair: [&str; 2], prefix: &str, robot: &Robot) -> Option<[String; 2]> {
+    let own = |name: &str| {
+        let name = name.strip_prefix(prefix)?;
+        robot.link(name).map(|_| name.to_owned())
+    };
+    let [a, b] = pair.map(own);
+    (a != b).then_some([a?, b?])
 }
 
 fn sorted([a, b]: &[String; 2]) -> [String; 2] {

@@ -4,9 +4,9 @@ use std::io::Read as _;
 use std::path::Path;
 
 use crate::error::{FileError, FileErrorKind};
-use crate::names::nearest;
 use crate::robot::Coordinate;
 use crate::text::check_content;
+use lin_canny_plan::nearest_name as nearest;
 
 /// A sequence of configurations; each joint moves at constant speed from one to the next.
 #[derive(Clone, Debug, Default, PartialEq)]

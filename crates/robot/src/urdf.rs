@@ -11,12 +11,12 @@ use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::geometry::{self, MeshUse, Solid};
 use crate::link_tree::{FileJoint, Follows, LinkTree};
 use crate::mesh_file::MeshPlacing;
-use crate::names::nearest;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::robot::{LinkBody, MotionKind, Robot, RobotLink, adjacent_by_joints};
 use crate::turn::direction;
 use crate::xml::{EXTENT_MAX, Xml, attribute};
+use lin_canny_plan::nearest_name as nearest;
 
 /// Elements that hold neither geometry for collisions nor kinematics.
 const PASSED: [&str; 23] = [

@@ -12,9 +12,9 @@ use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::error::{FileError, FileErrorKind, Place};
-use crate::names::nearest;
 use crate::text::check_content;
 use crate::turn::{from_xyzw, roll_pitch_yaw};
+use lin_canny_plan::nearest_name as nearest;
 
 /// The largest coordinate of a body, as in [`lin_canny`].
 pub(crate) const EXTENT_MAX: f64 = 1e100;

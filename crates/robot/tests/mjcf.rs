@@ -100,7 +100,7 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
         };
         let mut setup = Setup::new();
         setup.robot("", &robot, Isometry3::identity());
-        setup.ignore_adjacent();
+        setup.exclude_adjacent();
         let bodies: Vec<&str> = model["bodies"]
             .as_array()
             .expect("bodies")

@@ -2050,9 +2050,9 @@ fn the_example_is_a_robot_and_a_cell() {
     assert_eq!(names.len(), 9);
     let mut setup = Setup::new();
     setup.robot("", &robot, Isometry3::identity());
-    setup.ignore_adjacent();
+    setup.exclude_adjacent();
     // The column stands on the table.
-    setup.ignore_pair("table::top", "arm::base");
+    setup.exclude("table::top", "arm::base");
     let mut checker = setup.checker().expect("a checker");
     let mut q = robot.start().to_vec();
     assert!(checker.is_free_at(&q).expect("an answer"));

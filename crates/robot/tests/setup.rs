@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::{PairTracker, Progress, RelativePose};
 use lin_canny_plan::{ConfigurationSpace, Joint, JointKind, SegmentMotion, SerialArm, Verdict};
 use lin_canny_robot::{
-    Cell, IgnoreReason, LoadOptions, MeshUse, MotionKind, Packages, Robot, Setup, Srdf, find_ignorable,
+    Cell, ExcludeReason, LoadOptions, MeshUse, MotionKind, Packages, Robot, Setup, Srdf, find_excludable,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -23,8 +23,8 @@ fn gripper(usage: MeshUse) -> Robot {
 fn setup(robot: &Robot) -> Setup {
     let mut setup = Setup::new();
     setup.robot("", robot, Isometry3::identity());
-    setup.ignore_adjacent();
-    setup.ignore(
+    setup.exclude_adjacent();
+    setup.exclude_srdf(
         "",
         &Srdf::load(examples().join("gripper.srdf"), robot).expect("the example"),
     );
@@ -225,7 +225,7 @@ impl Judge {
             names.push(obstacle.name);
         }
         let srdf = Srdf::load(examples().join("gripper.srdf"), robot).expect("the example");
-        let mut ignored: Vec<[String; 2]> = srdf.ignored.into_iter().map(|p| p.links).collect();
+        let mut ignored: Vec<[String; 2]> = srdf.excluded.into_iter().map(|p| p.links).collect();
         ignored.push(["base".into(), "table".into()]);
         ignored.extend(
             robot
@@ -270,7 +270,7 @@ fn two_robots_stand_in_one_cell() {
     for (prefix, x) in [("left/", 0.0), ("right/", 1.0)] {
         setup.robot(prefix, &robot, Isometry3::translation(x, 0.0, 0.0));
     }
-    setup.ignore_adjacent();
+    setup.exclude_adjacent();
     let names: Vec<&str> = setup.coordinates().iter().map(|c| c.name.as_str()).collect();
     assert_eq!((names.len(), names[0], names[13]), (14, "left/turn", "right/left"));
     let mut checker = setup.checker().expect("a checker");
@@ -282,7 +282,7 @@ fn two_robots_stand_in_one_cell() {
         near.distance <= 0.0 && names[0].starts_with("left/") && names[1].starts_with("right/"),
         "{names:?}"
     );
-    setup.ignore_pair("left/base", "nothing");
+    setup.exclude("left/base", "nothing");
     assert!(
         setup
             .checker()
@@ -294,7 +294,7 @@ fn two_robots_stand_in_one_cell() {
 }
 
 #[test]
-fn ignorable_pairs_are_counted_and_written() {
+fn excludable_pairs_are_counted_and_written() {
     let text = r#"<robot name="r &amp; d"><link name="a"><collision><geometry><sphere radius="1"/></geometry></collision></link>
   <link name="b"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
   <link name="c"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
@@ -308,7 +308,7 @@ fn ignorable_pairs_are_counted_and_written() {
     let mut setup = Setup::new();
     setup.robot("", &robot, Isometry3::identity());
     let mut calls = 0;
-    let counts = find_ignorable(&setup, 2000, 7, &mut |progress| {
+    let counts = find_excludable(&setup, 2000, 7, &mut |progress| {
         calls += 1;
         Progress::stop_if(progress.done != calls)
     });
@@ -321,23 +321,23 @@ fn ignorable_pairs_are_counted_and_written() {
         let pair = pair.expect("a pair");
         (pair.overlaps, pair.reason)
     };
-    assert_eq!(of("a", "b").1, Some(IgnoreReason::Adjacent));
-    assert_eq!(of("a", "far"), (0, Some(IgnoreReason::Never)));
-    assert_eq!(of("b", "over"), (2000, Some(IgnoreReason::Always)));
+    assert_eq!(of("a", "b").1, Some(ExcludeReason::Adjacent));
+    assert_eq!(of("a", "far"), (0, Some(ExcludeReason::Never)));
+    assert_eq!(of("b", "over"), (2000, Some(ExcludeReason::Always)));
     // Touches from 0.8 to 1.2 of the slide behind, at 1.0 of 2.2 on average.
     let (overlaps, reason) = of("a", "c");
     assert!(
         reason.is_none() && (overlaps as f64 / 2000.0 - 1.0 / 2.2).abs() < 0.05,
         "{overlaps}"
     );
-    let few = find_ignorable(&setup, 2000, 7, &mut |progress| Progress::stop_if(progress.done >= 10)).expect("counts");
+    let few = find_excludable(&setup, 2000, 7, &mut |progress| Progress::stop_if(progress.done >= 10)).expect("counts");
     assert!(few.iter().all(|pair| pair.samples == 10));
     let srdf = Srdf::from_counts(&counts);
     let again = Srdf::parse(&srdf.text(robot.name()), "r.srdf", &robot).expect("our own text");
     assert_eq!(srdf, again);
     assert!(
         again
-            .ignored
+            .excluded
             .iter()
             .all(|p| ["Adjacent", "Never", "Always"].contains(&p.reason.as_str()))
     );
@@ -416,10 +416,10 @@ fn srdf(elements: &str) -> Result<(Robot, Srdf), lin_canny_robot::FileError> {
     Ok((robot, srdf))
 }
 
-/// Returns the pairs that an SRDF ignores.
+/// Returns the pairs that an SRDF excludes.
 fn pairs(srdf: &Srdf) -> Vec<[&str; 2]> {
     let mut pairs: Vec<[&str; 2]> = srdf
-        .ignored
+        .excluded
         .iter()
         .map(|pair| pair.links.each_ref().map(|n| &**n))
         .collect();
@@ -457,7 +457,7 @@ fn an_srdf_of_a_larger_robot_is_read_with_its_gaps() {
         }
     }
     let (_, both) = srdf("<disable_collisions link1=\"x\" link2=\"y\"/>").expect("an SRDF");
-    assert_eq!((both.skipped.len(), both.ignored.len()), (2, 0));
+    assert_eq!((both.skipped.len(), both.excluded.len()), (2, 0));
 }
 
 /// A group with a link that does not exist changes no pair.
@@ -471,7 +471,7 @@ fn what_is_skipped_in_groups_is_not_of_the_setup() {
     assert_eq!(srdf.skipped.len(), 5);
     let mut setup = Setup::new();
     setup.robot("", &robot, Isometry3::identity());
-    setup.ignore("", &srdf);
+    setup.exclude_srdf("", &srdf);
     assert_eq!(setup.skipped(), &srdf.skipped[4..]);
 }
 
@@ -503,8 +503,8 @@ fn links_without_default_collisions_are_checked_only_where_enabled() {
         let (robot, srdf) = srdf(text).expect("an SRDF");
         let mut setup = Setup::new();
         setup.robot("r/", &robot, Isometry3::identity());
-        setup.ignore_adjacent();
-        setup.ignore("r/", &srdf);
+        setup.exclude_adjacent();
+        setup.exclude_srdf("r/", &srdf);
         assert_eq!(setup.skipped(), srdf.skipped);
         let mut checker = setup.checker().expect("a checker");
         checker.clearance(&[0.0; 3]).expect("a configuration").is_some()
@@ -527,7 +527,7 @@ fn unknown_elements_of_an_srdf_are_errors_with_their_line() {
         srdf(&format!("{passed}{good}{passed}"))
             .expect("an SRDF")
             .1
-            .ignored
+            .excluded
             .len(),
         1
     );
@@ -556,4 +556,62 @@ fn unknown_elements_of_an_srdf_are_errors_with_their_line() {
             assert_eq!(error.line, Some(line), "{error}");
         }
     }
+}
+
+#[test]
+fn objects_are_attached_to_links_whose_bodies_have_other_frames() {
+    let robot = gripper(MeshUse::Hull);
+    let setup = setup(&robot);
+    let mut checker = setup.checker().expect("a setup");
+    assert_eq!(
+        setup.space().expect("a space").bodies(),
+        checker.world().robot_bodies().len()
+    );
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let grip = Isometry3::translation(0.0, 0.0, 0.12);
+    let fingers = ["left finger", "right finger"];
+    let part = lin_canny::Shape::ball(0.02).expect("a ball");
+    let id = checker.attach("gripper", "part", part, grip, &fingers).expect("a part");
+    for _ in 0..20 {
+        let q = sample(checker.space(), &mut random);
+        let link = places(&robot, &Isometry3::identity(), &q)[robot.link("gripper").expect("a link")];
+        let at = checker.pose(id, &q).expect("a pose");
+        assert!(((link * grip).inverse() * at).translation.vector.norm() < 1e-12);
+        let all = checker.nearest(&q, f64::INFINITY).expect("a configuration");
+        let partners = all.iter().filter(|near| near.pair.a == id || near.pair.b == id);
+        let mut names: Vec<&str> = partners
+            .flat_map(|n| [checker.name(n.pair.a), checker.name(n.pair.b)])
+            .collect();
+        names.retain(|name| fingers.contains(name) || *name == "gripper");
+        assert_eq!(names, [""; 0]);
+    }
+    let error = checker.attach(
+        "griper",
+        "part",
+        lin_canny::Shape::ball(0.1).expect("a ball"),
+        grip,
+        &[],
+    );
+    assert!(error.expect_err("a misspelt link").to_string().contains("gripper"));
+}
+
+#[test]
+fn excluded_pairs_are_written_as_an_srdf_and_read_again() {
+    let robot = gripper(MeshUse::Hull);
+    let mut before = Setup::new();
+    before.robot("r/", &robot, Isometry3::identity());
+    before.exclude_adjacent();
+    before.exclude("r/left finger", "r/right finger");
+    before.include("r/base", "r/shoulder");
+    let srdf = Srdf::from_setup(&before, "r/", &robot);
+    assert_eq!(srdf.excluded.len(), before.excluded().len());
+    let read = Srdf::parse(&srdf.text("gripper"), "gripper.srdf", &robot).expect("an SRDF");
+    assert_eq!(read.excluded, srdf.excluded);
+    let mut after = Setup::new();
+    after.robot("r/", &robot, Isometry3::identity());
+    after.exclude_srdf("r/", &read);
+    let [a, b] = [before, after].map(|setup| setup.checker().expect("a setup"));
+    assert!(a.world().excluded().eq(b.world().excluded()));
+    let of_world = Srdf::from_world(a.world(), "r/", &robot, "User");
+    assert_eq!(of_world.excluded.len(), srdf.excluded.len());
 }

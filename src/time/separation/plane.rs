@@ -436,15 +436,18 @@ impl PlaneBetween<'_> {
         (of_way + of_a + of_b) * ((1.0 + PLANE) / 6.0)
     }
 
-    /// Returns the interval, cut to keep the remainder and the margin small.
+    /// Returns the interval, cut to keep the remainder, the bent part of the drifts and the margin
+    /// small.
     ///
-    /// The remainder is then at most twice the gap, and the margin leaves half of the gap. Returns
-    /// zero for an infinite interval.
+    /// The remainder and the drifts that grow faster than time are then at most twice the gap, and
+    /// the margin leaves half of the gap. Returns zero for an infinite interval.
     fn shortened(&self, interval: f64) -> f64 {
         let mut interval = if interval < f64::INFINITY { interval } else { 0.0 };
         let (now, half) = (self.taken(0.0), 0.5 * self.gap);
         loop {
-            let (rest, margin) = (self.remainder(interval), self.taken(interval));
+            let [_, _, d2, d3] = self.setting.drift.on_clock(interval).0;
+            let rest = self.remainder(interval) + (0.5 * d2 + d3 / 6.0);
+            let margin = self.taken(interval);
             if !(rest > 2.0 * self.gap || margin > now + half) {
                 return interval;
             }

@@ -349,7 +349,10 @@ fn bad_input_is_named() {
     let mut world = room.world();
     assert_eq!(
         world.exclude("robot", "nobody"),
-        Err(PlanError::Unnamed("nobody".into()))
+        Err(PlanError::Unnamed {
+            name: "nobody".into(),
+            near: None
+        })
     );
     world.obstacle(
         "bead",

@@ -3,9 +3,11 @@
 
 mod arm;
 mod certify;
+mod changes;
 mod far;
 mod forget;
 mod free;
 mod judge;
+mod leave;
 mod planner;
 mod spaces;

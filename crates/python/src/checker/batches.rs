@@ -37,6 +37,8 @@ impl Configurations<'_> {
     fn number(&self, part: WorldId) -> f64 {
         match part {
             WorldId::Robot(k) => k as f64,
+            // A checker of Python has no attached objects.
+            WorldId::Attached(_) => -1.0,
             WorldId::Obstacle(k) => (self.robot_bodies + k) as f64,
         }
     }

@@ -74,11 +74,11 @@ pub(super) fn of_robots(
     }
     // An SRDF may enable pairs of adjacent links again.
     if ignore_adjacent {
-        setup.ignore_adjacent();
+        setup.exclude_adjacent();
     }
     for (prefix, robot, _) in &placed {
         if let Some(srdf) = &robot.get().srdf {
-            setup.ignore(prefix, srdf);
+            setup.exclude_srdf(prefix, srdf);
         }
     }
     Ok(setup)

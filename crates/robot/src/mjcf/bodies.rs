@@ -493,7 +493,7 @@ impl<'e> Model<'e> {
                 element.error(FileErrorKind::Unknown {
                     kind: "joint",
                     name: name.into(),
-                    near: crate::names::nearest(name, names),
+                    near: lin_canny_plan::nearest_name(name, names),
                 })
             })
         };

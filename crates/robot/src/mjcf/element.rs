@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use roxmltree::Node;
 
 use crate::error::{FileError, FileErrorKind, Place, Skipped};
-use crate::names::nearest;
 use crate::xml::Xml;
+use lin_canny_plan::nearest_name as nearest;
 
 /// Maximum depth of nested elements, those of included files counted with the file.
 const DEPTH: usize = 64;

@@ -11,11 +11,11 @@ use super::settings::{Classes, Compiler, Settings, check, segment};
 use crate::error::{FileError, FileErrorKind, Place};
 use crate::geometry::{self, MeshUse, Solid};
 use crate::mesh_file::{MeshPlacing, Soup};
-use crate::names::nearest;
 use crate::options::LoadOptions;
 use crate::robot::LinkBody;
 use crate::turn::from_xyzw;
 use crate::xml::EXTENT_MAX;
+use lin_canny_plan::nearest_name as nearest;
 
 /// Maximum number of coordinates of a mesh in the file.
 const MOST_NUMBERS: usize = 30_000_000;

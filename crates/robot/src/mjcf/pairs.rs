@@ -6,9 +6,9 @@ use super::bodies::Model;
 use super::element::Element;
 use super::settings::check;
 use crate::error::{FileError, FileErrorKind, Place, Skipped};
-use crate::names::nearest;
 use crate::robot::Robot;
 use crate::xml::check_excluded;
+use lin_canny_plan::nearest_name as nearest;
 
 /// The sections `contact`.
 #[derive(Default)]

@@ -6,8 +6,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion,
 
 use super::element::{Element, exactly, numbers};
 use crate::error::{FileError, FileErrorKind, Place};
-use crate::names::nearest;
 use crate::turn::{about, direction, from_xyzw, from_z};
+use lin_canny_plan::nearest_name as nearest;
 
 /// Attributes that state an orientation. An element has one of them, and it replaces all of those
 /// of its class.

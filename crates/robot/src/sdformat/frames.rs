@@ -13,8 +13,8 @@ use lin_canny::nalgebra::Isometry3;
 use lin_canny::normalize_rotation;
 
 use crate::error::{FileError, FileErrorKind, Place};
-use crate::names::nearest;
 use crate::xml::EXTENT_MAX;
+use lin_canny_plan::nearest_name as nearest;
 
 /// The frame of the world, which has the scope of the same number.
 pub(super) const WORLD: usize = 0;

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args;
-use lin_canny_robot::{Srdf, find_ignorable};
+use lin_canny_robot::{Srdf, find_excludable};
 
 use super::options::RobotOptions;
 use super::{End, ToolError, progress, write};
@@ -27,7 +27,7 @@ pub(super) struct IgnorableOptions {
 pub(super) fn run(options: &IgnorableOptions) -> Result<End, ToolError> {
     let (robot, setup) = options.robot.load()?;
     let bar = progress("configurations", options.samples);
-    let counts = find_ignorable(&setup, options.samples, options.seed, &mut |progress| {
+    let counts = find_excludable(&setup, options.samples, options.seed, &mut |progress| {
         bar.set_position(progress.done as u64);
         ControlFlow::Continue(())
     })?;

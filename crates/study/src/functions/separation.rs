@@ -109,12 +109,8 @@ fn body<'c>(
         return Err(RowError::Null { name: what.into() });
     }
     let (name, world) = (names.value(row), checker.world());
-    let geometry = |part: WorldId| match part {
-        WorldId::Robot(k) => world.robot_bodies().nth(k).map(|(_, g)| g),
-        WorldId::Obstacle(k) => world.obstacles().nth(k).map(|(_, g, _)| g),
-    };
     let parts = bodies_called(checker, name);
-    let only = parts.first().and_then(|&part| geometry(part));
+    let only = parts.first().and_then(|&part| world.geometry(part));
     let (name, count) = (name.to_owned(), parts.len());
     only.filter(|_| count == 1).ok_or(RowError::Name { name, count })
 }

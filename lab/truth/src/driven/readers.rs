@@ -166,7 +166,7 @@ fn robot(text: &str) {
     };
     let mut setup = Setup::new();
     setup.robot("", &robot, Isometry3::identity());
-    setup.ignore_adjacent();
+    setup.exclude_adjacent();
     let Ok(space) = setup.space() else { return };
     let (mut poses, mut state) = (Vec::new(), 0.0);
     let q = space.sample(&mut || {
@@ -191,7 +191,7 @@ fn srdf(text: &str) {
         return;
     };
     let again = Srdf::parse(&srdf.text("r"), FILE, &ROBOT).expect("what was written is read");
-    assert_eq!((again.ignored, again.skipped.len()), (srdf.ignored, 0));
+    assert_eq!((again.excluded, again.skipped.len()), (srdf.excluded, 0));
 }
 
 fn cell(text: &str) {

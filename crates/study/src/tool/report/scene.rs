@@ -51,7 +51,7 @@ pub(super) fn record(study: &Arc<Study>, tables: &Tables, file: &Path) -> Result
                 .id
                 .as_ref()
                 .map_or(format!("worst {}", k + 1), |id| format!("row {id}"));
-            film.frame(checker.space(), &row.configuration, &place, &near)?;
+            film.frame(&checker, &row.configuration, &place, &near)?;
         }
         Ok(film.finish()?)
     })?

@@ -6,7 +6,8 @@ const LONGEST: usize = 100;
 /// Returns the name that is closest to a wrong one, if one is close.
 ///
 /// Blanks at the ends and the case of letters do not count.
-pub(crate) fn nearest<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<Box<str>> {
+#[must_use]
+pub fn nearest_name<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<Box<str>> {
     let letters = |name: &str| -> Vec<char> { name.trim().to_lowercase().chars().take(LONGEST + 1).collect() };
     let wrong = letters(wrong);
     let most = (wrong.len() + 1) / 3;
@@ -43,14 +44,14 @@ mod tests {
     #[test]
     fn the_nearest_name_is_suggested_if_it_is_close() {
         let names = ["base_link", "tool", "forearm", "upper_arm"];
-        let near = |wrong: &str| nearest(wrong, names);
+        let near = |wrong: &str| nearest_name(wrong, names);
         assert_eq!(near("base_lnik").as_deref(), Some("base_link"));
         assert_eq!(near(" Base_Link ").as_deref(), Some("base_link"));
         assert_eq!(near("foream").as_deref(), Some("forearm"));
         assert_eq!(near("tools").as_deref(), Some("tool"));
         assert_eq!(near("gripper"), None);
         assert_eq!(near(""), None);
-        assert_eq!(nearest("x", ["a", "b"]), None);
-        assert_eq!(nearest(&"x".repeat(1_000_000), [&*"x".repeat(1_000_000)]), None);
+        assert_eq!(nearest_name("x", ["a", "b"]), None);
+        assert_eq!(nearest_name(&"x".repeat(1_000_000), [&*"x".repeat(1_000_000)]), None);
     }
 }

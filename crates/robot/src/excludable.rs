@@ -9,12 +9,12 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::space::Setup;
-use crate::srdf::{IgnoredPair, Srdf};
+use crate::srdf::{ExcludedPair, Srdf};
 
-/// Reason why a link pair may be ignored.
+/// Reason why a link pair may be excluded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
-pub enum IgnoreReason {
+pub enum ExcludeReason {
     /// One joint connects the links.
     Adjacent,
     /// The links overlapped at every configuration.
@@ -23,7 +23,7 @@ pub enum IgnoreReason {
     Never,
 }
 
-impl std::fmt::Display for IgnoreReason {
+impl std::fmt::Display for ExcludeReason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.pad(match self {
             Self::Adjacent => "Adjacent",
@@ -45,8 +45,8 @@ pub struct LinkPairCount {
     pub undecided: u64,
     /// Number of all configurations.
     pub samples: u64,
-    /// Reason why the pair may be ignored; `None` if it must be checked.
-    pub reason: Option<IgnoreReason>,
+    /// Reason why the pair may be excluded; `None` if it must be checked.
+    pub reason: Option<ExcludeReason>,
 }
 
 /// The tracked pairs of bodies of two links.
@@ -65,7 +65,7 @@ struct Counted {
 ///
 /// # Errors
 /// Returns an error if a number of a robot is out of range.
-pub fn find_ignorable(
+pub fn find_excludable(
     setup: &Setup,
     samples: u64,
     seed: u64,
@@ -135,11 +135,11 @@ impl Counted {
         let [a, b] = &self.links;
         let mut adjacent = setup.adjacent().iter();
         let reason = if adjacent.any(|pair| (&pair[0], &pair[1]) == (a, b) || (&pair[1], &pair[0]) == (a, b)) {
-            Some(IgnoreReason::Adjacent)
+            Some(ExcludeReason::Adjacent)
         } else if samples > 0 && self.overlaps == samples {
-            Some(IgnoreReason::Always)
+            Some(ExcludeReason::Always)
         } else if samples > 0 && self.overlaps + self.undecided == 0 {
-            Some(IgnoreReason::Never)
+            Some(ExcludeReason::Never)
         } else {
             None
         };
@@ -154,16 +154,16 @@ impl Counted {
 }
 
 impl Srdf {
-    /// Returns the pairs that these counts allow to ignore.
+    /// Returns the pairs that these counts allow to exclude.
     #[must_use]
     pub fn from_counts(counts: &[LinkPairCount]) -> Self {
-        let ignored = counts.iter().filter_map(|pair| {
+        let excluded = counts.iter().filter_map(|pair| {
             let reason = pair.reason?.to_string();
             let links = pair.links.clone();
-            Some(IgnoredPair { links, reason })
+            Some(ExcludedPair { links, reason })
         });
         Self {
-            ignored: ignored.collect(),
+            excluded: excluded.collect(),
             ..Self::default()
         }
     }

@@ -1,0 +1,58 @@
+//! The serialised form of a world (feature `serde`): tables as lists, checked when they are read.
+
+use std::string::String;
+use std::vec::Vec;
+
+use nalgebra::Isometry3;
+
+use crate::error::PlanError;
+use crate::world::{AttachedObject, Frame, World, WorldId, WorldPair};
+use lin_canny::Geometry;
+
+/// A world as it is stored. Removed bodies keep their places, so that ids stay.
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename = "World")]
+pub(crate) struct StoredWorld {
+    robot: Vec<(String, Geometry)>,
+    frames: Vec<(String, Frame)>,
+    attached: Vec<Option<AttachedObject>>,
+    obstacles: Vec<Option<(String, Geometry, Isometry3<f64>)>>,
+    excluded: Vec<WorldPair>,
+    margin: f64,
+    paddings: Vec<(WorldId, f64)>,
+    margins: Vec<(WorldPair, f64)>,
+}
+
+impl From<World> for StoredWorld {
+    fn from(world: World) -> Self {
+        Self {
+            robot: world.robot,
+            frames: world.frames,
+            attached: world.attached,
+            obstacles: world.obstacles,
+            excluded: world.excluded.into_iter().collect(),
+            margin: world.margin,
+            paddings: world.paddings.into_iter().collect(),
+            margins: world.margins.into_iter().collect(),
+        }
+    }
+}
+
+impl TryFrom<StoredWorld> for World {
+    type Error = PlanError;
+
+    fn try_from(stored: StoredWorld) -> Result<Self, PlanError> {
+        let world = Self {
+            robot: stored.robot,
+            frames: stored.frames,
+            attached: stored.attached,
+            obstacles: stored.obstacles,
+            excluded: stored.excluded.into_iter().collect(),
+            margin: stored.margin,
+            paddings: stored.paddings.into_iter().collect(),
+            margins: stored.margins.into_iter().collect(),
+        };
+        world.validate()?;
+        Ok(world)
+    }
+}
