@@ -176,7 +176,7 @@ fn run(seed: u64, count: u64) {
         let size = [1.0, 1.0, 1e-3, 2f64.powi(-200), 2f64.powi(200)][rng.below(5)];
         let (table_kind, table) = rng.pick(&tables(size)).clone();
         let (part_kind, part) = rng.pick(&parts(size)).clone();
-        let (name, velocity, acceleration, result) = rng.pick(&moves(size)).clone();
+        let (name, velocity, acceleration, result) = *rng.pick(&moves(size));
         let gap = [0.0, 0.0, 1e-12, 5e-4, -5e-4, -2e-3][rng.below(6)];
         let at = Vector3::new(rng.range(-0.3, 0.3), rng.range(-0.3, 0.3), 2.0 * HALF + gap) * size;
         let world = if rng.chance(0.4) {

@@ -260,7 +260,7 @@ fn hungry_points() -> Vec<Vec<u8>> {
         .into_bytes(),
         format!("c{}DATA ascii\n", "#\na\n".repeat(8_000)).into_bytes(),
         b"x0 0 0\n"
-            .repeat(1)
+            .to_vec()
             .into_iter()
             .chain(b"0 0 0\n".repeat(20_000))
             .collect(),

@@ -106,7 +106,7 @@ fn measure_rows(
         let found = checker.nearest(q, slack)?;
         let Some(near) = found.first() else { continue };
         if let Some(recorder) = &mut recorder {
-            recorder.frame(&checker, q, &format!("line {line}"), near)?;
+            recorder.frame(checker, q, &format!("line {line}"), near)?;
         }
         let mut distances = vec![f64::INFINITY; titles.len()];
         for other in found.iter().filter(|_| options.pairs) {

@@ -121,7 +121,7 @@ fn record(file: &Path, checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> R
             let part = f64::from(k) / f64::from(FRAMES);
             let q = checker.space().between(&ends[0], &ends[1], part);
             if let Some(near) = checker.clearance(&q)? {
-                recorder.frame(&checker, &q, &format!("segment {}, {part}", row + 1), &near)?;
+                recorder.frame(checker, &q, &format!("segment {}, {part}", row + 1), &near)?;
             }
         }
     }
