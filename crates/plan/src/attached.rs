@@ -6,8 +6,8 @@
 //! moves its pivot m by `v s + a s^2 / 2` and rotates by `exp(w s)`. A point n of the object is at
 //! `d` from m in the world, where `|d| = |X n - m|`. In the same model, n moves by
 //! `v s + a s^2 / 2 + (exp(w s) - 1) d`. That is `v' s + a' s^2 / 2` with `v' = v + w x d` and
-//! `a' = a + w x (w x d)`, up to `|w|^2 |w x d| s^3 / 6`. The body deviates from its model by `shift`
-//! at m and by `turn`, so it deviates at n by at most `shift + |d| turn`.
+//! `a' = a + w x (w x d)`, up to `|w|^2 |w x d| s^3 / 6`. The body deviates from its model by
+//! `shift` at m and by `turn`, so it deviates at n by at most `shift + |d| turn`.
 //!
 //! The pose of the object is the product of two rounded poses: see [`ATTACHED`].
 

@@ -69,6 +69,9 @@ pub enum PlanError {
     /// Returned if no body ever had this id.
     #[error("{0} does not exist")]
     NoBody(WorldId),
+    /// Returned if a body that moves with the robot is a half-space.
+    #[error("body {0:?} is a half-space (expected a bounded geometry for a body that moves with the robot)")]
+    Unbounded(String),
     /// Returned if a body is of another kind than the call requires.
     #[error("{body} is not {kind}")]
     Kind {

@@ -17,8 +17,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns the index of the first segment that is not free, with its verdict.
     ///
     /// If all segments are free, the verdict is free and has the contacts at the start of all
-    /// segments. A path of one configuration counts as a
-    /// segment without length.
+    /// segments. A path of one configuration counts as a segment without length.
     ///
     /// # Errors
     /// Returns an error if the path is empty or a configuration is invalid.

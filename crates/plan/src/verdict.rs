@@ -13,7 +13,8 @@ use lin_canny::impact::StartContact;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Verdict {
-    /// Every pair is proven farther apart than it must keep, and than `clearance`, at all times, including both ends.
+    /// Every pair is proven farther apart than it must keep, and than `clearance`, at all times,
+    /// including both ends.
     Free {
         /// The least distance that a pair must keep: the margin, unless pairs have smaller ones.
         clearance: f64,

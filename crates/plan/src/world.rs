@@ -10,7 +10,7 @@ use nalgebra::Isometry3;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::names::nearest_name;
-use lin_canny::{EXTENT_MAX, Geometry, RelativePose, normalize_rotation};
+use lin_canny::{EXTENT_MAX, Geometry, GeometryKind, RelativePose, normalize_rotation};
 
 /// The bodies of a robot, objects attached to it, and obstacles, of any kind of geometry.
 ///
@@ -282,6 +282,10 @@ impl World {
         touch_links: &[&str],
     ) -> Result<WorldId, PlanError> {
         RelativePose::from_isometry(&pose)?;
+        let geometry = geometry.into();
+        if geometry.kind() == GeometryKind::HalfSpace {
+            return Err(PlanError::Unbounded(name.to_string()));
+        }
         let frame = self.frame(link)?;
         let mut touched = Vec::new();
         for name in touch_links {
@@ -295,7 +299,7 @@ impl World {
         let id = WorldId::Attached(self.attached.len());
         self.attached.push(Some(AttachedObject {
             name: name.to_string(),
-            geometry: geometry.into(),
+            geometry,
             link: link.to_string(),
             pose: normalize_rotation(&pose),
             frame,
@@ -547,6 +551,15 @@ impl World {
     pub(crate) fn validate(&self) -> Result<(), PlanError> {
         let has = |id: WorldId| self.select(id).map(|_| ());
         let bare = self.bare_frames();
+        let objects = self.attached().map(|(_, object)| (&object.name, &object.geometry));
+        let moving = self
+            .robot
+            .iter()
+            .map(|(name, geometry)| (name, geometry))
+            .chain(objects);
+        if let Some((name, _)) = moving.into_iter().find(|(_, g)| g.kind() == GeometryKind::HalfSpace) {
+            return Err(PlanError::Unbounded(name.clone()));
+        }
         for (_, object) in self.attached() {
             RelativePose::from_isometry(&object.pose)?;
             match object.frame {

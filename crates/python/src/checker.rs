@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use lin_canny::Progress;
 use lin_canny_robot::Setup;
-use lin_canny_robot::plan::{Checker as Loaded, ConfigurationSpace, JointTree, Path, PlanOptions, WorldId};
+use lin_canny_robot::plan::{Checker as Loaded, JointTree, Path, PlanOptions, WorldId};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};

@@ -2,18 +2,16 @@
 
 use std::path::Path;
 
-use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use lin_canny::{Geometry, normalize_rotation};
+use lin_canny::Geometry;
+use lin_canny::nalgebra::Isometry3;
 
+use crate::cell_body::{BodyText, parse_json};
 use crate::error::{FileError, FileErrorKind, Skipped};
-use crate::geometry::{self, MeshUse, Solid};
-use crate::mesh_file::MeshPlacing;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::sdformat;
 use crate::space::Setup;
 use crate::text::check_content;
-use crate::turn::{from_xyzw, roll_pitch_yaw};
 use crate::xml::Xml;
 
 /// An obstacle of a cell.
@@ -28,7 +26,7 @@ pub struct Obstacle {
     pub pose: Isometry3<f64>,
 }
 
-/// The obstacles of a JSON or SDFormat file, and pairs to ignore.
+/// The obstacles of a JSON or SDFormat file, and pairs to exclude.
 ///
 /// A file of JSON looks like this:
 ///
@@ -40,15 +38,27 @@ pub struct Obstacle {
 ///     {"name": "ball", "sphere": {"radius": 0.1}},
 ///     {"name": "part", "mesh": {"file": "part.stl", "scale": [0.001, 0.001, 0.001], "as": "mesh"}}
 ///   ],
-///   "ignore": [["base", "table"]]
+///   "exclude": [["base", "table"]]
 /// }
 /// ```
 ///
-/// A body is a `box` (`size`), `cylinder`, `capsule` or `cone` (`radius` and `length`), `sphere`
-/// (`radius`), `ellipsoid` (`radii`) or `mesh`. Axes are along z, the apex of a cone is above. Its
-/// pose in the world is `xyz`, and either `rpy` in radians or the quaternion `xyzw`. The path of a
-/// mesh file is relative to the folder of the JSON file, or starts with `package://` or `file://`.
-/// `as` is `hull`, `mesh` or `pieces`; the default is that of the options.
+/// | shape of a body | fields |
+/// |---|---|
+/// | `box` | `size` |
+/// | `cylinder`, `capsule`, `cone` | `radius`, `length`; the axis is z, the apex of a cone is above |
+/// | `sphere` | `radius` |
+/// | `ellipsoid` | `radii` |
+/// | `mesh` | `file`; `scale`: three numbers; `as`: `hull`, `mesh` or `pieces`, by default as the options say |
+/// | `cloud` | `file` (PLY, PCD, XYZ or npy) or `points`; `radius` of the balls, or `box` with `size`, or the radii of the file; `scale` of the points |
+/// | `voxels` | `file` or `indices`; `size` of a cell, one number or three; `origin`: the least corner of the cell `[0, 0, 0]` |
+/// | `half_space` | `normal`, `offset` (0 by default): the points x with `normal . x <= offset` |
+/// | `heights` | `file` (rows of numbers) or `values`; `spacing` `[x, y]`: value `[i][j]` is at `(j x, i y)`; `base`: the body is solid down to this height, else an open surface |
+///
+/// A body has exactly one shape. Its pose in the world is `xyz`, and either `rpy` in radians or the
+/// quaternion `xyzw`. A path is relative to the folder of the JSON file, or starts with `package://`
+/// or `file://`. Lengths are in metres, except the points of a file with a `scale`. Points without a
+/// return are dropped and counted in [`skipped`](Self::skipped), unless
+/// [`LoadOptions::keep_invalid`] is set. The key `ignore` is read like `exclude`.
 ///
 /// A file whose root element is `sdf` is SDFormat under any name. Each collision element of
 /// each link is an obstacle named `model::link`, at the pose where the file draws it. Models that
@@ -58,13 +68,13 @@ pub struct Obstacle {
 pub struct Cell {
     /// The obstacles.
     pub obstacles: Vec<Obstacle>,
-    /// Names of links and obstacles that may touch.
-    pub ignored: Vec<[String; 2]>,
+    /// Pairs of names of links and obstacles that are excluded.
+    pub excluded: Vec<[String; 2]>,
     /// Bodies that were skipped because their mesh file does not exist, if
-    /// [`LoadOptions::skip_missing_meshes`] is set; elements of SDFormat that are left out by rule,
-    /// such as `actor`.
+    /// [`LoadOptions::skip_missing_meshes`] is set; points without a return; elements of SDFormat
+    /// that are left out by rule, such as `actor`.
     pub skipped: Vec<Skipped>,
-    /// Names of the skipped bodies, because `ignored` may hold them.
+    /// Names of the skipped bodies, because `excluded` may hold them.
     missing: Vec<String>,
 }
 
@@ -72,60 +82,8 @@ pub struct Cell {
 #[serde(deny_unknown_fields)]
 struct CellText {
     bodies: Vec<BodyText>,
-    #[serde(default)]
-    ignore: Vec<[String; 2]>,
-}
-
-#[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-struct BodyText {
-    name: String,
-    #[serde(rename = "box")]
-    block: Option<BlockText>,
-    cylinder: Option<RoundText>,
-    capsule: Option<RoundText>,
-    sphere: Option<SphereText>,
-    ellipsoid: Option<EllipsoidText>,
-    cone: Option<RoundText>,
-    mesh: Option<MeshText>,
-    #[serde(default)]
-    xyz: [f64; 3],
-    rpy: Option<[f64; 3]>,
-    xyzw: Option<[f64; 4]>,
-}
-
-#[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-struct BlockText {
-    size: [f64; 3],
-}
-
-#[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RoundText {
-    radius: f64,
-    length: f64,
-}
-
-#[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SphereText {
-    radius: f64,
-}
-
-#[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-struct EllipsoidText {
-    radii: [f64; 3],
-}
-
-#[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MeshText {
-    file: String,
-    scale: Option<[f64; 3]>,
-    #[serde(rename = "as")]
-    usage: Option<MeshUse>,
+    #[serde(default, alias = "ignore")]
+    exclude: Vec<[String; 2]>,
 }
 
 impl Cell {
@@ -160,22 +118,28 @@ impl Cell {
             });
         }
         check_content(text).map_err(|reason| FileError::new(path, Some(1), "", reason))?;
-        let cell: CellText = serde_json::from_str(text).map_err(|e| {
-            let line = (e.line() > 0).then_some(e.line() as u32);
-            FileError::new(path, line, "", FileErrorKind::Malformed(e.to_string()))
-        })?;
+        let cell: CellText = parse_json(text, path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut found = Self::default();
         for (k, body) in cell.bodies.into_iter().enumerate() {
             let element = format!("bodies[{k}] {:?}", body.name);
             let wrong = |reason| FileError::new(path, None, element.clone(), reason);
+            if body.touch_links.is_some() {
+                let what = "touch_links of an obstacle (expected in a body that is attached to a link)";
+                return Err(wrong(FileErrorKind::Unsupported(what.into())));
+            }
             let pose = body.pose().map_err(wrong)?;
-            match body.geometry(folder, packages, options) {
-                Ok(geometry) => found.obstacles.push(Obstacle {
-                    name: body.name,
-                    geometry,
-                    pose,
-                }),
+            let mut notes = Vec::new();
+            match body.geometry(folder, packages, options, &mut notes) {
+                Ok(geometry) => {
+                    let notes = notes.into_iter().map(FileErrorKind::Malformed);
+                    found.skipped.extend(notes.map(|note| Skipped::from(wrong(note))));
+                    found.obstacles.push(Obstacle {
+                        name: body.name,
+                        geometry,
+                        pose,
+                    });
+                }
                 Err(reason @ FileErrorKind::MissingMesh(_)) if options.skip_missing_meshes => {
                     found.skipped.push(wrong(reason).into());
                     found.missing.push(body.name);
@@ -183,80 +147,13 @@ impl Cell {
                 Err(reason) => return Err(wrong(reason)),
             }
         }
-        found.ignored = cell.ignore;
+        found.excluded = cell.exclude;
         Ok(found)
     }
 }
 
-impl BodyText {
-    fn geometry(&self, folder: &Path, packages: &Packages, options: &LoadOptions) -> Result<Geometry, FileErrorKind> {
-        let mut solids = Vec::new();
-        solids.extend(self.block.as_ref().map(|b| Solid::Box { size: b.size }));
-        solids.extend(
-            self.cylinder
-                .as_ref()
-                .map(|&RoundText { radius, length }| Solid::Cylinder { radius, length }),
-        );
-        solids.extend(
-            self.capsule
-                .as_ref()
-                .map(|&RoundText { radius, length }| Solid::Capsule { radius, length }),
-        );
-        solids.extend(
-            self.sphere
-                .as_ref()
-                .map(|&SphereText { radius }| Solid::Sphere { radius }),
-        );
-        solids.extend(
-            self.ellipsoid
-                .as_ref()
-                .map(|&EllipsoidText { radii }| Solid::Ellipsoid { radii }),
-        );
-        solids.extend(
-            self.cone
-                .as_ref()
-                .map(|&RoundText { radius, length }| Solid::Cone { radius, length }),
-        );
-        match (&solids[..], &self.mesh) {
-            ([solid], None) => solid.geometry(),
-            ([], Some(mesh)) => {
-                let file = packages.find(&mesh.file, folder)?;
-                let placing = MeshPlacing::scaled(mesh.scale.unwrap_or([1.0; 3]))?;
-                let usage = mesh.usage.unwrap_or(options.meshes);
-                Ok(geometry::of_mesh(&file, &placing, usage, options)?.0)
-            }
-            ([], None) => Err(FileErrorKind::Missing(
-                "box, cylinder, capsule, sphere, ellipsoid, cone or mesh".into(),
-            )),
-            _ => Err(FileErrorKind::Malformed(
-                "body has several shapes (expected one)".into(),
-            )),
-        }
-    }
-
-    fn pose(&self) -> Result<Isometry3<f64>, FileErrorKind> {
-        let turn = match (self.rpy, self.xyzw) {
-            (Some(_), Some(_)) => {
-                return Err(FileErrorKind::Malformed(
-                    "both rpy and xyzw are given (expected at most one)".into(),
-                ));
-            }
-            (Some(rpy), None) => roll_pitch_yaw(rpy),
-            (None, Some(xyzw)) => from_xyzw(xyzw).ok_or_else(|| FileErrorKind::Range {
-                field: "length of xyzw".into(),
-                value: 0.0,
-            })?,
-            (None, None) => UnitQuaternion::identity(),
-        };
-        Ok(normalize_rotation(&Isometry3::from_parts(
-            Translation3::from(Vector3::from(self.xyz)),
-            turn,
-        )))
-    }
-}
-
 impl Setup {
-    /// Adds the obstacles of a cell, and ignores its pairs.
+    /// Adds the obstacles of a cell, and excludes its pairs.
     pub fn cell(&mut self, cell: &Cell) {
         for obstacle in &cell.obstacles {
             self.obstacle(&obstacle.name, obstacle.geometry.clone(), obstacle.pose);
@@ -265,7 +162,7 @@ impl Setup {
         // Another body of this name still has its pairs.
         let missing = cell.missing.iter().filter(|name| !self.has_body(name));
         self.frames.extend(missing.cloned().collect::<Vec<_>>());
-        for [a, b] in &cell.ignored {
+        for [a, b] in &cell.excluded {
             self.exclude(a, b);
         }
     }

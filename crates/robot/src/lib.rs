@@ -170,6 +170,7 @@
 #![forbid(unsafe_code)]
 
 mod cell;
+mod cell_body;
 mod drake;
 mod error;
 mod excludable;
@@ -193,6 +194,7 @@ mod urdf;
 mod xml;
 
 pub use cell::{Cell, Obstacle};
+pub use cell_body::AttachedBody;
 pub use error::{FileError, FileErrorKind, Skipped};
 pub use excludable::{ExcludeReason, LinkPairCount, find_excludable};
 pub use files::RobotFiles;

@@ -35,6 +35,9 @@ pub struct LoadOptions {
     /// They are listed in [`Robot::skipped`](crate::Robot::skipped) and
     /// [`Cell::skipped`](crate::Cell::skipped), and nothing is checked against them.
     pub skip_missing_meshes: bool,
+    /// Whether points without a return (NaN or infinite) in the file of a cloud are an error. If
+    /// not, they are dropped and counted.
+    pub keep_invalid: bool,
     /// Least and greatest value of a revolute joint without limits, in radians.
     pub continuous_limits: [f64; 2],
     /// Least and greatest position of planar and floating joints, which URDF does not limit, in the
@@ -46,7 +49,8 @@ pub struct LoadOptions {
 }
 
 impl Default for LoadOptions {
-    /// Hulls that are not measured; missing meshes are errors; two full turns and ten metres in
+    /// Hulls that are not measured; missing meshes are errors; points without a return are dropped;
+    /// two full turns and ten metres in
     /// both directions; planes that extend a thousand metres.
     fn default() -> Self {
         let turns = 4.0 * std::f64::consts::PI;
@@ -56,6 +60,7 @@ impl Default for LoadOptions {
             pieces: None,
             measure_hulls: false,
             skip_missing_meshes: false,
+            keep_invalid: false,
             continuous_limits: [-turns, turns],
             floating_limits: [-10.0, 10.0],
             plane_extent: 1000.0,
@@ -96,6 +101,13 @@ impl LoadOptions {
     #[must_use]
     pub fn skip_missing_meshes(mut self, skip: bool) -> Self {
         self.skip_missing_meshes = skip;
+        self
+    }
+
+    /// Returns the options that reject files with points without a return, or drop such points.
+    #[must_use]
+    pub fn keep_invalid(mut self, keep: bool) -> Self {
+        self.keep_invalid = keep;
         self
     }
 

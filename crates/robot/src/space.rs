@@ -6,6 +6,7 @@ use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny_plan::{Checker, Drive, JointKind, JointTree, PlanError, TreeJoint, World, WorldId};
 
+use crate::cell_body::AttachedBody;
 use crate::error::Skipped;
 use crate::excludable::LinkPairCount;
 use crate::geometry::radius;
@@ -55,6 +56,9 @@ pub struct Setup {
     /// tree.
     link_frames: Vec<(String, LinkFrame)>,
     obstacles: Vec<(String, Geometry, Isometry3<f64>)>,
+    /// The link and the object.
+    attached: Vec<(String, AttachedBody)>,
+    paddings: Vec<(String, f64)>,
     pub(crate) skipped: Vec<Skipped>,
 }
 
@@ -154,6 +158,23 @@ impl Setup {
     /// Adds an obstacle at a pose in the world.
     pub fn obstacle(&mut self, name: impl Into<String>, geometry: impl Into<Geometry>, pose: Isometry3<f64>) {
         self.obstacles.push((name.into(), geometry.into(), pose));
+    }
+
+    /// Attaches an object to a link: see [`Checker::attach`].
+    ///
+    /// If the link or a touch link does not exist, [`checker`](Self::checker) returns an error.
+    pub fn attach(&mut self, link: impl Into<String>, object: AttachedBody) {
+        self.skipped.extend(object.skipped.iter().cloned());
+        self.attached.push((link.into(), object));
+    }
+
+    /// Sets the padding of a link, an obstacle or an attached object, in the unit of the files: see
+    /// [`Checker::pad`].
+    ///
+    /// If the name does not exist or the padding is negative, [`checker`](Self::checker) returns an
+    /// error.
+    pub fn pad(&mut self, name: impl Into<String>, padding: f64) {
+        self.paddings.push((name.into(), padding));
     }
 
     /// Excludes all pairs of adjacent links: see [`Robot::adjacent`].
@@ -297,8 +318,8 @@ impl Setup {
     /// each link that is not the frame of a body.
     ///
     /// # Errors
-    /// Returns an error if a number of a robot or an obstacle is out of range, or if a name of a
-    /// excluded pair does not exist.
+    /// Returns an error if a number of a robot or an obstacle is out of range, or if a name of an
+    /// excluded pair, of a padding or of an attached object does not exist.
     pub fn checker(&self) -> Result<Checker<JointTree>, PlanError> {
         let mut world = World::new();
         for body in &self.bodies {
@@ -317,6 +338,13 @@ impl Setup {
             (WorldId::Robot(a), WorldId::Robot(b)) => self.excluded_bodies.contains(&[a, b]),
             _ => false,
         });
+        for (link, object) in &self.attached {
+            let touch: Vec<&str> = object.touch_links.iter().map(String::as_str).collect();
+            world.attach(link, &object.name, object.geometry.clone(), object.pose, &touch)?;
+        }
+        for (name, padding) in &self.paddings {
+            world.pad(name, *padding)?;
+        }
         let is_frame = |name: &String| self.frames.contains(name);
         for [a, b] in self.excluded.keys().filter(|pair| !pair.iter().any(is_frame)) {
             world.exclude(a, b)?;

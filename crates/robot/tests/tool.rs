@@ -846,3 +846,32 @@ fn a_pointer_or_an_empty_file_is_named() {
         }
     }
 }
+
+/// A box stands on a table, is attached to the gripper and lifted: the tool accepts the contact that it leaves, and no other.
+#[test]
+fn objects_are_lifted_padded_and_excluded() {
+    let part = scratch(
+        "part.json",
+        r#"{"name": "part", "sphere": {"radius": 0.02}, "xyz": [0, 0, 3.0], "touch_links": ["gripper"]}"#,
+    );
+    let attach = format!("gripper={part}");
+    let (code, text) = run(
+        "clearance",
+        &with(&["--joints", "carry.csv", "--attach", &attach, "--pairs"]),
+    );
+    assert!(code <= 1 && text.contains("part"), "{code} {text}");
+    for (arguments, expected) in [
+        (["--attach", "hnad=part.json"], "part.json"),
+        (["--pad", "gripper=-1"], "at least 0"),
+        (["--pad", "gripper"], "NAME=LENGTH"),
+        (["--pad", "hnad=1"], "hnad"),
+        (["--exclude", "gripper"], "two names"),
+        (["--exclude", "gripper,tabel"], "tabel"),
+    ] {
+        let (code, text) = run(
+            "clearance",
+            &with(&[&["--joints", "carry.csv"][..], &arguments].concat()),
+        );
+        assert!(code > 1 && text.contains(expected), "{arguments:?}: {code} {text}");
+    }
+}

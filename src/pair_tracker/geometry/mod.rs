@@ -172,7 +172,7 @@ impl Geometry {
     /// Returns the axis-aligned box of the shape at a pose, rounded outward: minimum and maximum
     /// corner.
     ///
-    /// The box of a compound, a mesh or a cloud is the box of its rotated bounding box. The box of a
+    /// The box of a compound, mesh or cloud is the box of its rotated bounding box. The box of a
     /// half-space is infinite on all sides, except the outer side if the normal is along an axis.
     #[inline]
     #[must_use]

@@ -18,6 +18,10 @@ pub(super) struct CertifyOptions {
     /// Minimum distance of all pairs in metres
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
     margin: f64,
+    /// Accept pairs that are in contact at the start of a segment, within this distance in metres: they
+    /// must not come closer until they have left it
+    #[arg(long, value_name = "LENGTH")]
+    start_contact: Option<f64>,
     /// Output file with the verdict of each segment
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
@@ -30,6 +34,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     let path = options.rows.load(&options.robot, &robot, &setup, 2)?;
     let mut checker = setup.checker()?;
     checker.set_margin(options.margin)?;
+    checker.set_start_contact_margin(options.start_contact)?;
     let mut table = Table::new(COLUMNS);
     let bar = progress("segments", path.rows.len() as u64 - 1);
     let (mut end, mut free) = (End::Free, 0);
@@ -39,8 +44,16 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
         let (from, to) = (path.lines[k], path.lines[k + 1]);
         let mut cells = vec![from.to_string(), to.to_string()];
         match verdict {
-            Verdict::Free { .. } => {
+            Verdict::Free { start_contacts, .. } => {
                 free += 1;
+                for leaving in start_contacts {
+                    let [a, b] = names(&checker, leaving.pair);
+                    let until = match leaving.contact.until {
+                        Some(t) => format!("leave their contact {}", place(t, time_at(&path, k, t))),
+                        None => "keep their contact".into(),
+                    };
+                    bar.suspend(|| println!("lines {from} to {to}: {a} - {b} {until}"));
+                }
                 cells.extend(["free", "1", "", "", "", ""].map(String::from));
             }
             Verdict::Blocked { safe, t, pair, .. } => {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use lin_canny::Geometry;
 use lin_canny_robot::{
-    FileErrorKind, LoadOptions, MeshUse, Packages, Robot, RobotFiles, Setup, Skipped, Srdf, Trajectory,
+    AttachedBody, FileErrorKind, LoadOptions, MeshUse, Packages, Robot, RobotFiles, Setup, Skipped, Srdf, Trajectory,
 };
 
 use super::ToolError;
@@ -38,7 +38,7 @@ pub(super) struct RobotOptions {
     /// Robot as URDF, MJCF or SDFormat
     #[arg(value_name = "ROBOT")]
     robot: PathBuf,
-    /// Link pairs to ignore, as SRDF
+    /// Link pairs to exclude, as SRDF
     #[arg(long, value_name = "FILE")]
     srdf: Option<PathBuf>,
     /// Obstacles as JSON or SDFormat (ignored by `ignorable`)
@@ -64,6 +64,20 @@ pub(super) struct RobotOptions {
     /// warning for each: nothing is checked against them
     #[arg(long)]
     skip_missing_meshes: bool,
+    /// Add a padding to a link, an obstacle or an attached object, in metres: its pairs keep so much
+    /// more than the margin; may be repeated
+    #[arg(long, value_name = "NAME=LENGTH", value_parser = padding)]
+    pad: Vec<(String, f64)>,
+    /// Exclude all pairs of two links, or of a link and an obstacle; may be repeated
+    #[arg(long, alias = "allow", value_name = "A,B", value_parser = name_pair)]
+    exclude: Vec<[String; 2]>,
+    /// Attach an object to a link: a JSON file with a body of a cell, its pose in the frame of the
+    /// link, and `touch_links`; may be repeated
+    #[arg(long, value_name = "LINK=FILE.json", value_parser = attachment)]
+    attach: Vec<(String, PathBuf)>,
+    /// Reject files of clouds with points without a return instead of dropping such points
+    #[arg(long)]
+    keep_invalid: bool,
     /// Check adjacent links as well
     #[arg(long)]
     check_adjacent: bool,
@@ -176,6 +190,23 @@ fn link_geometry(text: &str) -> Result<(String, MeshGeometry), String> {
     Ok((link.into(), MeshGeometry::from_str(kind, true)?))
 }
 
+fn padding(text: &str) -> Result<(String, f64), String> {
+    let (name, length) = text.rsplit_once('=').ok_or("expected NAME=LENGTH")?;
+    Ok((name.into(), not_negative(length)?))
+}
+
+fn attachment(text: &str) -> Result<(String, PathBuf), String> {
+    let (link, file) = text.split_once('=').ok_or("expected LINK=FILE.json")?;
+    Ok((link.into(), file.into()))
+}
+
+fn name_pair(text: &str) -> Result<[String; 2], String> {
+    let (a, b) = text
+        .split_once(',')
+        .ok_or("expected two names with a comma between them")?;
+    Ok([a.into(), b.into()])
+}
+
 fn not_negative(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().map_err(|e| e.to_string())?;
     let value = Some(value).filter(|x| (0.0..f64::INFINITY).contains(x));
@@ -192,7 +223,8 @@ impl RobotOptions {
             .meshes(self.geometry.into())
             .link_meshes(link_meshes)
             .measure_hulls(self.hull_fit)
-            .skip_missing_meshes(self.skip_missing_meshes);
+            .skip_missing_meshes(self.skip_missing_meshes)
+            .keep_invalid(self.keep_invalid);
         options.pieces.clone_from(&self.pieces);
         let files = RobotFiles {
             robot: self.robot.clone(),
@@ -204,6 +236,24 @@ impl RobotOptions {
         };
         let (robot, mut setup) = files.load()?;
         setup.widen_limits(self.limit_slack);
+        for (link, file) in &self.attach {
+            setup.attach(link, AttachedBody::load(file, &files.packages, &files.options)?);
+        }
+        for (name, padding) in &self.pad {
+            setup.pad(name, *padding);
+        }
+        for [a, b] in &self.exclude {
+            setup.exclude(a, b);
+        }
+        for [a, b] in setup.exclusions_without_bodies() {
+            if self
+                .exclude
+                .iter()
+                .any(|pair| pair.each_ref().map(String::as_str) == [a, b])
+            {
+                eprintln!("warning: --exclude {a},{b} excludes nothing: a link has no bodies");
+            }
+        }
         warn_of_skipped(setup.skipped());
         warn_of_turned_triangles(&robot);
         if self.hull_fit {

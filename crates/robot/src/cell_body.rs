@@ -1,0 +1,402 @@
+//! Bodies of a JSON file: obstacles of a cell, and objects that are attached to a link.
+
+use std::path::Path;
+
+use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Mesh, normalize_rotation};
+use lin_canny_formats::{Invalid, PointFile, Points};
+
+use crate::error::{FileError, FileErrorKind, Skipped};
+use crate::geometry::{self, MeshUse, Solid};
+use crate::mesh_file::MeshPlacing;
+use crate::options::LoadOptions;
+use crate::packages::Packages;
+use crate::text::check_content;
+use crate::turn::{from_xyzw, roll_pitch_yaw};
+
+/// Names of the shapes of a body, for errors.
+const SHAPES: &str = "box, cylinder, capsule, sphere, ellipsoid, cone, mesh, cloud, voxels, half_space or heights";
+
+/// An object that is attached to a link, from a JSON file.
+///
+/// The file is a body of a [`Cell`](crate::Cell), in the frame of the link, with the links that the
+/// object may touch:
+///
+/// ```json
+/// {"name": "part", "box": {"size": [0.05, 0.05, 0.1]}, "xyz": [0, 0, 0.12], "touch_links": ["hand", "left finger"]}
+/// ```
+///
+/// [`Setup::attach`](crate::Setup::attach) attaches it. A [`HalfSpace`] cannot be attached.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct AttachedBody {
+    /// Name of the object.
+    pub name: String,
+    /// Geometry, in the frame of the object.
+    pub geometry: Geometry,
+    /// Pose in the frame of the link.
+    pub pose: Isometry3<f64>,
+    /// Names of the links whose pairs with the object are excluded.
+    pub touch_links: Vec<String>,
+    /// What the files hold besides the geometry, such as points without a return.
+    pub skipped: Vec<Skipped>,
+}
+
+impl AttachedBody {
+    /// Returns the object of a JSON file. Paths in it are relative to its folder.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read or the body is invalid.
+    pub fn load(path: impl AsRef<Path>, packages: &Packages, options: &LoadOptions) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        let text = FileError::read(path)?;
+        check_content(&text).map_err(|reason| FileError::new(path, Some(1), "", reason))?;
+        let mut body: BodyText = parse_json(&text, path)?;
+        let touch_links = body.touch_links.take().unwrap_or_default();
+        let element = format!("{:?}", body.name);
+        let wrong = |reason| FileError::new(path, None, element.clone(), reason);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut notes = Vec::new();
+        let geometry = body.geometry(folder, packages, options, &mut notes).map_err(wrong)?;
+        let skipped = notes
+            .into_iter()
+            .map(|note| wrong(FileErrorKind::Malformed(note)).into());
+        Ok(Self {
+            geometry,
+            pose: body.pose().map_err(wrong)?,
+            skipped: skipped.collect(),
+            name: body.name,
+            touch_links,
+        })
+    }
+}
+
+/// Parses a JSON text; errors name the line.
+pub(crate) fn parse_json<T: for<'a> serde::Deserialize<'a>>(text: &str, path: &Path) -> Result<T, FileError> {
+    serde_json::from_str(text).map_err(|e| {
+        let line = (e.line() > 0).then_some(e.line() as u32);
+        FileError::new(path, line, "", FileErrorKind::Malformed(e.to_string()))
+    })
+}
+
+/// A body of a cell, or an attached object.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct BodyText {
+    pub(crate) name: String,
+    #[serde(rename = "box")]
+    block: Option<BlockText>,
+    cylinder: Option<RoundText>,
+    capsule: Option<RoundText>,
+    sphere: Option<SphereText>,
+    ellipsoid: Option<EllipsoidText>,
+    cone: Option<RoundText>,
+    mesh: Option<MeshText>,
+    cloud: Option<CloudText>,
+    voxels: Option<VoxelsText>,
+    half_space: Option<HalfSpaceText>,
+    heights: Option<HeightsText>,
+    #[serde(default)]
+    xyz: [f64; 3],
+    rpy: Option<[f64; 3]>,
+    xyzw: Option<[f64; 4]>,
+    pub(crate) touch_links: Option<Vec<String>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BlockText {
+    size: [f64; 3],
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RoundText {
+    radius: f64,
+    length: f64,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SphereText {
+    radius: f64,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EllipsoidText {
+    radii: [f64; 3],
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MeshText {
+    file: String,
+    scale: Option<[f64; 3]>,
+    #[serde(rename = "as")]
+    usage: Option<MeshUse>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CloudText {
+    file: Option<String>,
+    points: Option<Vec<[f64; 3]>>,
+    radius: Option<f64>,
+    #[serde(rename = "box")]
+    block: Option<BlockText>,
+    scale: Option<f64>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct VoxelsText {
+    file: Option<String>,
+    indices: Option<Vec<[f64; 3]>>,
+    size: SizeText,
+    #[serde(default)]
+    origin: [f64; 3],
+}
+
+#[derive(serde::Deserialize)]
+#[serde(untagged)]
+enum SizeText {
+    Cube(f64),
+    Box([f64; 3]),
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HalfSpaceText {
+    normal: [f64; 3],
+    #[serde(default)]
+    offset: f64,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HeightsText {
+    file: Option<String>,
+    values: Option<Vec<Vec<f64>>>,
+    spacing: [f64; 2],
+    base: Option<f64>,
+}
+
+impl BodyText {
+    /// Returns the geometry. Notes say what the files hold besides it.
+    pub(crate) fn geometry(
+        &self,
+        folder: &Path,
+        packages: &Packages,
+        options: &LoadOptions,
+        notes: &mut Vec<String>,
+    ) -> Result<Geometry, FileErrorKind> {
+        let files = Files {
+            folder,
+            packages,
+            options,
+        };
+        let mut found = Vec::new();
+        if let Some(BlockText { size }) = self.block {
+            found.push(Solid::Box { size }.geometry());
+        }
+        if let Some(RoundText { radius, length }) = self.cylinder {
+            found.push(Solid::Cylinder { radius, length }.geometry());
+        }
+        if let Some(RoundText { radius, length }) = self.capsule {
+            found.push(Solid::Capsule { radius, length }.geometry());
+        }
+        if let Some(SphereText { radius }) = self.sphere {
+            found.push(Solid::Sphere { radius }.geometry());
+        }
+        if let Some(EllipsoidText { radii }) = self.ellipsoid {
+            found.push(Solid::Ellipsoid { radii }.geometry());
+        }
+        if let Some(RoundText { radius, length }) = self.cone {
+            found.push(Solid::Cone { radius, length }.geometry());
+        }
+        if let Some(mesh) = &self.mesh {
+            found.push(files.mesh(mesh));
+        }
+        if let Some(cloud) = &self.cloud {
+            found.push(files.cloud(cloud, notes));
+        }
+        if let Some(voxels) = &self.voxels {
+            found.push(files.voxels(voxels));
+        }
+        if let Some(HalfSpaceText { normal, offset }) = self.half_space {
+            let space = HalfSpace::new(Vector3::from(normal), offset);
+            found.push(space.map(Geometry::from).map_err(invalid));
+        }
+        if let Some(heights) = &self.heights {
+            found.push(files.heights(heights));
+        }
+        match found.len() {
+            0 => Err(FileErrorKind::Missing(SHAPES.into())),
+            1 => found.remove(0),
+            _ => Err(FileErrorKind::Malformed(
+                "body has several shapes (expected one)".into(),
+            )),
+        }
+    }
+
+    /// Returns the pose.
+    pub(crate) fn pose(&self) -> Result<Isometry3<f64>, FileErrorKind> {
+        let turn = match (self.rpy, self.xyzw) {
+            (Some(_), Some(_)) => {
+                return Err(FileErrorKind::Malformed(
+                    "both rpy and xyzw are given (expected at most one)".into(),
+                ));
+            }
+            (Some(rpy), None) => roll_pitch_yaw(rpy),
+            (None, Some(xyzw)) => from_xyzw(xyzw).ok_or_else(|| FileErrorKind::Range {
+                field: "length of xyzw".into(),
+                value: 0.0,
+            })?,
+            (None, None) => UnitQuaternion::identity(),
+        };
+        Ok(normalize_rotation(&Isometry3::from_parts(
+            Translation3::from(Vector3::from(self.xyz)),
+            turn,
+        )))
+    }
+}
+
+/// Where the files of a body are.
+struct Files<'a> {
+    folder: &'a Path,
+    packages: &'a Packages,
+    options: &'a LoadOptions,
+}
+
+impl Files<'_> {
+    fn mesh(&self, mesh: &MeshText) -> Result<Geometry, FileErrorKind> {
+        let file = self.packages.find(&mesh.file, self.folder)?;
+        let placing = MeshPlacing::scaled(mesh.scale.unwrap_or([1.0; 3]))?;
+        let usage = mesh.usage.unwrap_or(self.options.meshes);
+        Ok(geometry::of_mesh(&file, &placing, usage, self.options)?.0)
+    }
+
+    /// Returns the cloud of a file or of a list. The scale acts on the points and on the radii of a
+    /// file, not on lengths of the JSON text.
+    fn cloud(&self, cloud: &CloudText, notes: &mut Vec<String>) -> Result<Geometry, FileErrorKind> {
+        let scale = cloud.scale.unwrap_or(1.0);
+        if !(scale > 0.0 && scale < f64::INFINITY) {
+            let field = "scale".into();
+            return Err(FileErrorKind::Range { field, value: scale });
+        }
+        let (points, radii) = match (&cloud.file, &cloud.points) {
+            (Some(_), Some(_)) => return Err(both("cloud", "file", "points")),
+            (None, None) => return Err(FileErrorKind::Missing("file or points".into())),
+            (None, Some(points)) => (Points::F64(points.clone()), None),
+            (Some(name), None) => {
+                let file = self.points(name)?;
+                if file.dropped > 0 {
+                    notes.push(format!("{name}: {} points without a return", file.dropped));
+                }
+                // A pose of the camera would move the points.
+                let poses = file.skipped.iter().filter(|one| one.what.contains("VIEWPOINT"));
+                notes.extend(poses.map(|one| format!("{name}: {}", one.what)));
+                (file.points, file.radii)
+            }
+        };
+        let element = match (cloud.radius, &cloud.block, radii) {
+            (Some(_), Some(_), _) => return Err(both("cloud", "radius", "box")),
+            (Some(radius), None, _) => CloudElement::Ball(radius),
+            (None, Some(BlockText { size }), _) => CloudElement::Box(Vector3::from(*size) * 0.5),
+            (None, None, Some(radii)) => CloudElement::Balls(radii.iter().map(|r| r * scale).collect()),
+            (None, None, None) => return Err(FileErrorKind::Missing("radius or box".into())),
+        };
+        let cloud = match points {
+            Points::F32(points) if scale == 1.0 => Cloud::from_f32(&points, element),
+            points => {
+                let scaled = |p: [f64; 3]| Point3::from(p.map(|x| x * scale));
+                let points: Vec<_> = points.to_f64().into_iter().map(scaled).collect();
+                Cloud::new(&points, element)
+            }
+        };
+        cloud.map(Geometry::from).map_err(invalid)
+    }
+
+    fn points(&self, name: &str) -> Result<PointFile, FileErrorKind> {
+        let file = self.packages.find(name, self.folder)?;
+        let invalid = if self.options.keep_invalid {
+            Invalid::Refuse
+        } else {
+            Invalid::Drop
+        };
+        Ok(PointFile::read_with(file, invalid)?)
+    }
+
+    fn voxels(&self, voxels: &VoxelsText) -> Result<Geometry, FileErrorKind> {
+        let indices = match (&voxels.file, &voxels.indices) {
+            (Some(_), Some(_)) => return Err(both("voxels", "file", "indices")),
+            (None, None) => return Err(FileErrorKind::Missing("file or indices".into())),
+            (None, Some(indices)) => indices.clone(),
+            (Some(name), None) => {
+                let file = self.packages.find(name, self.folder)?;
+                PointFile::read_with(file, Invalid::Refuse)?.points.to_f64()
+            }
+        };
+        let mut cells = Vec::with_capacity(indices.len());
+        for (k, index) in indices.iter().enumerate() {
+            if let Some(&value) = index
+                .iter()
+                .find(|x| !(**x >= 0.0 && **x <= 65_535.0 && x.fract() == 0.0))
+            {
+                let reason = format!("index {k} of voxels is {value:?} (expected a whole number from 0 to 65535)");
+                return Err(FileErrorKind::Malformed(reason));
+            }
+            cells.push(index.map(|x| x as u16));
+        }
+        let size = match voxels.size {
+            SizeText::Cube(side) => [side; 3],
+            SizeText::Box(sides) => sides,
+        };
+        let cloud = Cloud::from_cells(Point3::from(voxels.origin), Vector3::from(size), &cells);
+        cloud.map(Geometry::from).map_err(invalid)
+    }
+
+    fn heights(&self, heights: &HeightsText) -> Result<Geometry, FileErrorKind> {
+        let rows = match (&heights.file, &heights.values) {
+            (Some(_), Some(_)) => return Err(both("heights", "file", "values")),
+            (None, None) => return Err(FileErrorKind::Missing("file or values".into())),
+            (None, Some(values)) => values.clone(),
+            (Some(name), None) => rows_of(&self.packages.find(name, self.folder)?)?,
+        };
+        let columns = rows.first().map_or(0, Vec::len);
+        if let Some(k) = rows.iter().position(|row| row.len() != columns) {
+            let count = rows[k].len();
+            let reason = format!("row {k} of heights has {count} numbers (expected {columns})");
+            return Err(FileErrorKind::Malformed(reason));
+        }
+        let mesh = Mesh::from_heights(rows.len(), columns, heights.spacing, &rows.concat(), heights.base);
+        mesh.map(Geometry::from).map_err(invalid)
+    }
+}
+
+/// Returns the rows of numbers of a text file; blanks or commas separate the numbers.
+fn rows_of(file: &Path) -> Result<Vec<Vec<f64>>, FileErrorKind> {
+    let text = FileError::read(file).map_err(|error| FileErrorKind::Malformed(error.to_string()))?;
+    let mut rows = Vec::new();
+    for (k, line) in text.lines().enumerate() {
+        let words = line.split([' ', '\t', ',']).filter(|word| !word.is_empty());
+        let row: Result<Vec<f64>, _> = words.map(str::parse).collect();
+        let row = row.map_err(|_| {
+            let reason = format!("{}:{}: {line:.60?} (expected numbers)", file.display(), k + 1);
+            FileErrorKind::Malformed(reason)
+        })?;
+        if !row.is_empty() {
+            rows.push(row);
+        }
+    }
+    Ok(rows)
+}
+
+fn both(shape: &str, a: &str, b: &str) -> FileErrorKind {
+    FileErrorKind::Malformed(format!("{shape} has both {a} and {b} (expected one)"))
+}
+
+fn invalid(error: impl std::fmt::Display) -> FileErrorKind {
+    FileErrorKind::Geometry(error.to_string())
+}

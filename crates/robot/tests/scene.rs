@@ -1,0 +1,235 @@
+//! Promise: clouds, voxels, half-spaces and height fields of a cell are what its file says, objects are attached, padded and
+//! excluded by name, and every wrong number is named.
+
+use std::path::{Path, PathBuf};
+
+use lin_canny::nalgebra::Isometry3;
+use lin_canny::{Geometry, GeometryKind, MeshKind, PairTracker, RelativePose, Shape};
+use lin_canny_robot::{AttachedBody, Cell, LoadOptions, Packages, RobotFiles};
+
+fn folder() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scene");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+fn write(name: &str, text: &str) -> PathBuf {
+    let file = folder().join(name);
+    std::fs::write(&file, text).expect("a file");
+    file
+}
+
+/// Returns the cell with one body, or the text of the error.
+fn cell(body: &str) -> Result<Cell, String> {
+    let text = format!("{{\"bodies\": [{{\"name\": \"x\", {body}}}]}}");
+    let found = Cell::parse(
+        &text,
+        folder().join("cell.json"),
+        &Packages::default(),
+        &LoadOptions::default(),
+    );
+    found.map_err(|error| error.to_string())
+}
+
+/// Returns the only geometry of a cell with one body.
+fn body(text: &str) -> Geometry {
+    cell(text).expect("a cell").obstacles[0].geometry.clone()
+}
+
+/// Returns the distance of a ball of radius 0.1 at a point.
+fn distance(geometry: &Geometry, at: [f64; 3]) -> f64 {
+    let pose = RelativePose::from_isometry(&Isometry3::translation(at[0], at[1], at[2])).expect("a pose");
+    let ball = Shape::ball(0.1).expect("a ball");
+    PairTracker::new().closest(geometry, &ball, &pose).distance
+}
+
+fn is(value: f64, expected: f64) {
+    assert!((value - expected).abs() < 1e-12, "{value}, not {expected}");
+}
+
+#[test]
+fn clouds_are_points_of_a_file_or_a_list() {
+    write("row.xyz", "0 0 0\n1000 0 0\nnan nan nan\n2000 0 0\n");
+    let list = body(r#""cloud": {"points": [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "radius": 0.2}"#);
+    assert_eq!(list.kind(), GeometryKind::Cloud);
+    let file = cell(r#""cloud": {"file": "row.xyz", "scale": 0.001, "radius": 0.2}"#).expect("a cell");
+    assert_eq!(file.skipped.len(), 1, "{:?}", file.skipped);
+    assert!(
+        file.skipped[0]
+            .to_string()
+            .ends_with("row.xyz: 1 points without a return")
+    );
+    for geometry in [&list, &file.obstacles[0].geometry] {
+        is(distance(geometry, [2.0, 1.0, 0.0]), 0.7);
+        is(distance(geometry, [3.0, 0.0, 0.0]), 0.7);
+    }
+    let boxes = body(r#""cloud": {"points": [[0, 0, 0], [1, 0, 0]], "box": {"size": [0.2, 0.4, 0.6]}}"#);
+    is(distance(&boxes, [1.0, 1.0, 0.0]), 0.7);
+    is(distance(&boxes, [1.0, 0.0, 1.0]), 0.6);
+    let kept = Cell::parse(
+        r#"{"bodies": [{"name": "x", "cloud": {"file": "row.xyz", "radius": 0.1}}]}"#,
+        folder().join("cell.json"),
+        &Packages::default(),
+        &LoadOptions::default().keep_invalid(true),
+    );
+    assert!(
+        kept.expect_err("a point without a return")
+            .to_string()
+            .contains("row.xyz")
+    );
+}
+
+#[test]
+fn voxels_half_spaces_and_heights_are_where_the_file_says() {
+    let voxels = body(r#""voxels": {"indices": [[0, 0, 0], [3, 0, 0]], "size": 0.5, "origin": [1, 0, 0]}"#);
+    is(distance(&voxels, [1.25, 1.0, 0.25]), 0.4);
+    is(distance(&voxels, [3.5, 0.25, 0.25]), 0.4);
+    write("grid.xyz", "0 0 0\n3 0 0\n");
+    let file = body(r#""voxels": {"file": "grid.xyz", "size": [0.5, 0.5, 0.5], "origin": [1, 0, 0]}"#);
+    is(distance(&file, [3.5, 0.25, 0.25]), 0.4);
+
+    let floor = body(r#""half_space": {"normal": [0, 0, 2], "offset": 1.0}"#);
+    assert_eq!(floor.kind(), GeometryKind::HalfSpace);
+    is(distance(&floor, [1e3, 1e3, 1.0]), 0.4);
+    is(distance(&floor, [0.0, 0.0, 0.5]), -0.1);
+
+    let values = r#""values": [[0, 0, 0], [0, 0.5, 0]], "spacing": [1, 2]"#;
+    let open = body(&format!("\"heights\": {{{values}}}"));
+    let Geometry::Mesh(mesh) = &open else {
+        panic!("{open:?}")
+    };
+    assert_eq!(mesh.kind(), MeshKind::Open);
+    is(distance(&open, [1.0, 2.0, 1.0]), 0.4);
+    let Geometry::Mesh(solid) = body(&format!("\"heights\": {{{values}, \"base\": -1}}")) else {
+        panic!()
+    };
+    assert_eq!(solid.kind(), MeshKind::Solid);
+    write("heights.txt", "0 0 0\n0, 0.5, 0\n\n");
+    let file = body(r#""heights": {"file": "heights.txt", "spacing": [1, 2]}"#);
+    is(distance(&file, [1.0, 2.0, 1.0]), 0.4);
+}
+
+#[test]
+fn wrong_bodies_are_named() {
+    write("bad.txt", "0 0\n0 x\n");
+    for (text, expected) in [
+        (r#""cloud": {"radius": 1}"#, "file or points is missing"),
+        (r#""cloud": {"points": [[0, 0, 0]]}"#, "radius or box is missing"),
+        (
+            r#""cloud": {"file": "a.xyz", "points": [[0, 0, 0]], "radius": 1}"#,
+            "both file and points",
+        ),
+        (
+            r#""cloud": {"points": [[0, 0, 0]], "radius": 1, "box": {"size": [1, 1, 1]}}"#,
+            "both radius and box",
+        ),
+        (
+            r#""cloud": {"points": [], "radius": 1}"#,
+            "number of points is out of range: 0",
+        ),
+        (
+            r#""cloud": {"points": [[0, 0, 0]], "radius": -1}"#,
+            "radius of point 0 is out of range",
+        ),
+        (
+            r#""cloud": {"points": [[0, 0, 0]], "radius": 1, "scale": 0}"#,
+            "scale is out of range",
+        ),
+        (r#""cloud": {"file": "none.xyz", "radius": 1}"#, "none.xyz"),
+        (
+            r#""voxels": {"indices": [[0, 0, 0], [0, 0.5, 0]], "size": 1}"#,
+            "index 1 of voxels is 0.5",
+        ),
+        (
+            r#""voxels": {"indices": [[0, 0, -1]], "size": 1}"#,
+            "index 0 of voxels is -1",
+        ),
+        (r#""voxels": {"indices": [[0, 0, 0]], "size": 0}"#, "0"),
+        (r#""half_space": {"normal": [0, 0, 0]}"#, "no direction"),
+        (
+            r#""heights": {"values": [[0, 0], [0]], "spacing": [1, 1]}"#,
+            "row 1 of heights has 1 numbers (expected 2)",
+        ),
+        (
+            r#""heights": {"values": [[0, 0], [0, 0]], "spacing": [1, 0]}"#,
+            "spacing of the heights along axis 1",
+        ),
+        (
+            r#""heights": {"values": [[0, 0], [0, 0]], "spacing": [1, 1], "base": 0}"#,
+            "height 0 is 0",
+        ),
+        (r#""heights": {"file": "bad.txt", "spacing": [1, 1]}"#, "bad.txt:2"),
+        (r#""heights": {"values": [], "spacing": [1, 1]}"#, "0 heights"),
+        (
+            r#""sphere": {"radius": 1}, "half_space": {"normal": [0, 0, 1]}"#,
+            "several shapes",
+        ),
+        (
+            r#""sphere": {"radius": 1}, "touch_links": ["hand"]"#,
+            "touch_links of an obstacle",
+        ),
+        (r#""xyz": [0, 0, 0]"#, "box, cylinder"),
+    ] {
+        let error = cell(text).expect_err(text);
+        assert!(error.contains(expected), "{text}: {error}");
+        assert!(error.len() < 300, "{text}: {error}");
+    }
+}
+
+#[test]
+fn objects_are_attached_padded_and_excluded_by_name() {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let files = RobotFiles::new(examples.join("gripper.urdf"));
+    let (robot, plain) = files.load().expect("a robot");
+    let link = &robot.links()[robot.links().len() - 1].name;
+    let text = r#"{"name": "rod", "capsule": {"radius": 0.01, "length": 2.0}, "xyz": [0, 0, 1.2]}"#;
+    let rod = AttachedBody::load(write("rod.json", text), &Packages::default(), &LoadOptions::default());
+    let rod = rod.expect("a rod");
+    let home = vec![0.0; plain.coordinates().len()];
+
+    let mut setup = plain.clone();
+    setup.attach(link, rod.clone());
+    setup.obstacle(
+        "ball",
+        Shape::ball(0.1).expect("a ball"),
+        Isometry3::translation(5.0, 5.0, 5.0),
+    );
+    let mut checker = setup.checker().expect("a checker");
+    let near = checker.nearest(&home, f64::INFINITY).expect("pairs");
+    let names = |pair: &lin_canny_robot::plan::WorldPair| [pair.a, pair.b].map(|id| checker.name(id).to_owned());
+    let before = near
+        .iter()
+        .find(|n| names(&n.pair).contains(&"rod".into()) && names(&n.pair).contains(&"ball".into()));
+    let before = before.expect("the pair of the rod and the ball").clone();
+    is(before.excess, before.distance);
+
+    setup.pad("rod", 0.02);
+    setup.pad("ball", 0.01);
+    let mut padded = setup.checker().expect("a checker");
+    let near = padded.nearest(&home, f64::INFINITY).expect("pairs");
+    let after = near.iter().find(|n| n.pair == before.pair).expect("the pair");
+    is(after.distance, before.distance);
+    is(after.excess, before.distance - 0.03);
+
+    setup.exclude("rod", "ball");
+    let mut excluded = setup.checker().expect("a checker");
+    let near = excluded.nearest(&home, f64::INFINITY).expect("pairs");
+    assert!(near.iter().all(|n| n.pair != before.pair));
+
+    for (change, expected) in [
+        (
+            Box::new(|s: &mut lin_canny_robot::Setup| s.pad("rood", 0.1)) as Box<dyn Fn(&mut _)>,
+            "rood",
+        ),
+        (Box::new(|s: &mut lin_canny_robot::Setup| s.pad("rod", -0.1)), "-0.1"),
+        (
+            Box::new(move |s: &mut lin_canny_robot::Setup| s.attach("hnad", rod.clone())),
+            "hnad",
+        ),
+    ] {
+        let mut wrong = setup.clone();
+        change(&mut wrong);
+        let error = wrong.checker().err().expect("an error").to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
