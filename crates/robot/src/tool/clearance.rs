@@ -74,7 +74,7 @@ fn checker(setup: &Setup, against: Against) -> Result<Checker<JointTree>, ToolEr
     let mut world = checker.world().clone();
     let is_of_cell = |pair: WorldPair| matches!(pair.b, WorldId::Obstacle(_));
     world.exclude_if(|pair| is_of_cell(pair) != (against == Against::Cell));
-    Ok(Checker::new(setup.space()?, world)?)
+    Ok(Checker::new(checker.space().clone(), world)?)
 }
 
 const COLUMNS: [&str; 13] = [

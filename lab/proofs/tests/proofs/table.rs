@@ -54,6 +54,7 @@ const LIMITS: &[&str] = &[
     "LN2_REST",
     "NEAR",
     "NEARLY_PARALLEL",
+    "OPPOSITE",
     "ORIGIN_SHIFTS",
     "PARALLEL",
     "PART_EXTENT_MIN",
@@ -72,6 +73,7 @@ const LIMITS: &[&str] = &[
     "SMALL_PAIR",
     "SPECK",
     "SQUARE_MIN",
+    "START_CONTACT",
     "UNIT",
     "UNIT_SINGLE",
     "WEIGHT_RATIO",
@@ -79,6 +81,7 @@ const LIMITS: &[&str] = &[
 
 /// Bounds of roundings that are derived where they stand, and not yet transcribed.
 const BY_HAND: &[&str] = &[
+    "ATTACHED",
     "CORE_CELL",
     "CORE_ERROR",
     "CORE_REACH",
@@ -86,6 +89,7 @@ const BY_HAND: &[&str] = &[
     "RAY_PLANE",
     "RAY_SIDE",
     "SIDE_FINE",
+    "TRANSLATED",
     "TURN_ERROR",
 ];
 
