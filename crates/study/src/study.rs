@@ -158,7 +158,14 @@ fn fingerprint(setup: &Setup, checker: &Checker<JointTree>, options: StudyOption
     for (name, _, pose) in world.obstacles() {
         text(format!("{name} {pose:?}"));
     }
+    for (_, object) in world.attached() {
+        text(format!("{} {} {:?}", object.name, object.link, object.pose));
+    }
+    for (id, _) in world.bodies().filter(|(id, _)| world.padding(*id) > 0.0) {
+        text(format!("{id:?} {:?}", world.padding(id)));
+    }
     let robot = world.robot_bodies().map(|(_, geometry)| geometry);
+    let robot = robot.chain(world.attached().map(|(_, object)| &object.geometry));
     for geometry in robot.chain(world.obstacles().map(|(_, geometry, _)| geometry)) {
         serde_json::to_writer(&mut hasher, geometry)?;
     }
@@ -168,10 +175,6 @@ fn fingerprint(setup: &Setup, checker: &Checker<JointTree>, options: StudyOption
 /// Returns the bodies with a name.
 pub(crate) fn bodies_called(checker: &Checker<JointTree>, name: &str) -> Vec<WorldId> {
     let world = checker.world();
-    let robot = (0..world.robot_bodies().len()).map(WorldId::Robot);
-    let obstacles = (0..world.obstacles().len()).map(WorldId::Obstacle);
-    robot
-        .chain(obstacles)
-        .filter(|&part| world.name(part) == name)
-        .collect()
+    let bodies = world.bodies().filter(|(_, of_body)| *of_body == name);
+    bodies.map(|(id, _)| id).collect()
 }

@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use lin_canny::ConvexPolyhedron;
-use lin_canny_plan::ConfigurationSpace;
+use lin_canny::GeometryKind;
+use lin_canny_plan::WorldId;
 use lin_canny_study::robot::RobotRecorder;
 use lin_canny_study::{Study, StudyError};
 use truth::arm::draw::{Picture, outline};
@@ -17,15 +17,17 @@ pub(super) fn picture(study: &Arc<Study>, row: &WorstRow) -> Result<String, Stud
         let unfit = |e: String| StudyError::unfit("the picture", e);
         let near = checker.clearance(&row.configuration)?;
         let near = near.ok_or_else(|| unfit("no pair".into()))?;
-        let mut poses = Vec::new();
-        checker.space().place(&row.configuration, &mut poses);
         let world = checker.world();
-        let robot = world.robot_bodies().map(|(_, g)| (g, true));
-        let shapes = robot.chain(world.obstacles().map(|(_, g, _)| (g, false)));
-        let shapes =
-            shapes.map(|(geometry, is_robot)| Ok((outline(geometry).map_err(|e| unfit(e.to_string()))?, is_robot)));
-        let shapes: Vec<(ConvexPolyhedron, bool)> = shapes.collect::<Result<_, StudyError>>()?;
-        poses.extend(world.obstacles().map(|(_, _, pose)| *pose));
+        let (mut shapes, mut poses) = (Vec::new(), Vec::new());
+        for (id, _) in world.bodies() {
+            // A half-space has no outline.
+            let Some(geometry) = world.geometry(id).filter(|g| g.kind() != GeometryKind::HalfSpace) else {
+                continue;
+            };
+            let shape = outline(geometry).map_err(|e| unfit(e.to_string()))?;
+            shapes.push((shape, !matches!(id, WorldId::Obstacle(_))));
+            poses.push(checker.pose(id, &row.configuration)?);
+        }
         let picture = Picture {
             caption: format!("{} – {}: {:.6}", row.pair[0], row.pair[1], row.distance),
             bodies: shapes.iter().map(|(shape, is_robot)| (shape, *is_robot)).collect(),
@@ -51,7 +53,7 @@ pub(super) fn record(study: &Arc<Study>, tables: &Tables, file: &Path) -> Result
                 .id
                 .as_ref()
                 .map_or(format!("worst {}", k + 1), |id| format!("row {id}"));
-            film.frame(&checker, &row.configuration, &place, &near)?;
+            film.frame(checker, &row.configuration, &place, &near)?;
         }
         Ok(film.finish()?)
     })?
