@@ -184,11 +184,8 @@ impl PairTracker {
         };
         let mark = search.certificates.len();
         let first = search.cast(interval.clone(), options.distance)?;
-        let is_start = match first {
-            Impact::AtStart { .. } => true,
-            Impact::Undecided { safe, .. } => safe == interval.start,
-            _ => false,
-        };
+        // Rounding may hide the contact, or show it only later.
+        let is_start = proven(&first, &interval) == interval.start && first != Impact::Miss;
         let mut found = (first, None);
         if is_start
             && let Some(margin) = options.start_contact_margin
