@@ -6,7 +6,7 @@ use datafusion::common::plan_err;
 use datafusion::error::Result;
 use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::{ContactState, Geometry, PairTracker, RelativePose, normalize_rotation};
-use lin_canny_plan::{Checker, JointTree, WorldId};
+use lin_canny_plan::{Checker, JointTree};
 
 use super::answers::{Answers, Kind, Value, fields_of};
 use super::outside;
