@@ -23,7 +23,7 @@ use crate::base::tolerance::{START_CONTACT, TRANSLATED};
 use crate::pair::options::QueryOptions;
 use crate::pair::outcome::ContactState;
 use crate::pair_tracker::PairTracker;
-use crate::pair_tracker::geometry::GeometryRef;
+use crate::pair_tracker::geometry::{GeometryKind, GeometryRef};
 use crate::time::impact::{
     Cast, CastOptions, Certificate, Impact, ImpactError, StartContact, Tolerance, cast_with_certificates, check,
 };
@@ -269,7 +269,10 @@ impl<A: Motion + ?Sized, B: Motion + ?Sized> Leaving<'_, A, B> {
         self.queries += 1;
         let found = self.tracker.closest(a, b, pose);
         let (state, normal) = (found.state, found.normal.into_inner());
-        if state == ContactState::Separated || (a.kind().is_convex() && b.kind().is_convex()) {
+        // These pairs have a depth.
+        let kinds = [a.kind(), b.kind()];
+        let is_signed = kinds.iter().all(|kind| kind.is_convex()) || kinds.contains(&GeometryKind::HalfSpace);
+        if state == ContactState::Separated || is_signed {
             return ([found.lower, found.upper], normal);
         }
         #[cfg(feature = "meshes")]

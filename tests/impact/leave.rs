@@ -5,7 +5,8 @@ use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{
-    Compound, ContactState, Geometry, GeometryRef, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity,
+    Compound, ContactState, Geometry, GeometryKind, GeometryRef, HalfSpace, Mesh, PairTracker, Piece, RelativePose,
+    Shape, Velocity,
 };
 use truth::rng::Rng;
 
@@ -24,6 +25,10 @@ fn tables(size: f64) -> Vec<(&'static str, Geometry)> {
             Shape::rounded(slim.into(), 0.0625 * size)
                 .expect("a rounded box")
                 .into(),
+        ),
+        (
+            "half-space",
+            HalfSpace::new(Vector3::z(), HALF * size).expect("a floor").into(),
         ),
         ("mesh", Mesh::from_convex(&body).expect("a mesh").into()),
         (
@@ -54,7 +59,8 @@ fn parts(size: f64) -> Vec<(&'static str, Geometry)> {
 fn signed(a: &Geometry, b: &Geometry, pose: &RelativePose) -> [f64; 2] {
     let mut tracker = PairTracker::new();
     let found = tracker.closest(a, b, pose);
-    if found.state == ContactState::Separated || (a.as_convex().is_some() && b.as_convex().is_some()) {
+    let is_floor = [a, b].iter().any(|g| g.kind() == GeometryKind::HalfSpace);
+    if found.state == ContactState::Separated || is_floor || (a.as_convex().is_some() && b.as_convex().is_some()) {
         return [found.lower, found.upper];
     }
     let depth = tracker.penetration(a, b, pose).expect("solids");
