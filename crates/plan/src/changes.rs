@@ -57,8 +57,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Moves obstacles to a pose in the world, and returns them.
     ///
     /// # Errors
-    /// As [`World::move_obstacle`], and if the box of an obstacle is not finite. Then nothing
-    /// changes.
+    /// As [`World::move_obstacle`](crate::World::move_obstacle), and if the box of an obstacle is
+    /// not finite. Then nothing changes.
     pub fn move_obstacle<'a>(
         &mut self,
         bodies: impl Into<Select<'a>>,
@@ -78,8 +78,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Replaces the geometry of obstacles, and returns them. Poses, names and ids stay.
     ///
     /// # Errors
-    /// As [`World::replace_obstacle`], and if the box of an obstacle is not finite. Then nothing
-    /// changes.
+    /// As [`World::replace_obstacle`](crate::World::replace_obstacle), and if the box of an obstacle
+    /// is not finite. Then nothing changes.
     pub fn replace_obstacle<'a>(
         &mut self,
         bodies: impl Into<Select<'a>>,
@@ -99,7 +99,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Removes obstacles, and returns their ids, which are never used again.
     ///
     /// # Errors
-    /// As [`World::remove_obstacle`].
+    /// As [`World::remove_obstacle`](crate::World::remove_obstacle).
     pub fn remove_obstacle<'a>(&mut self, bodies: impl Into<Select<'a>>) -> Result<Vec<WorldId>, PlanError> {
         let found = self.world.remove_obstacle(bodies)?;
         for id in &found {
@@ -111,7 +111,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Attaches an object to a link, and returns its id, which is never used again.
     ///
-    /// The object moves with the link in every query: see [`World::attach`].
+    /// The object moves with the link in every query: see [`World::attach`](crate::World::attach).
     ///
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -132,7 +132,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     ///
     /// # Errors
-    /// As [`World::attach`]. Then nothing changes.
+    /// As [`World::attach`](crate::World::attach). Then nothing changes.
     pub fn attach(
         &mut self,
         link: &str,
@@ -150,7 +150,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Removes attached objects, and returns their ids, which are never used again.
     ///
     /// # Errors
-    /// As [`World::detach`].
+    /// As [`World::detach`](crate::World::detach).
     pub fn detach<'a>(&mut self, bodies: impl Into<Select<'a>>) -> Result<Vec<WorldId>, PlanError> {
         let found = self.world.detach(bodies)?;
         for id in &found {
@@ -231,7 +231,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Excludes all pairs of a body of `a` and a body of `b`, which are then never measured.
     ///
     /// # Errors
-    /// As [`World::exclude`].
+    /// As [`World::exclude`](crate::World::exclude).
     #[doc(alias = "allow")]
     #[doc(alias = "allowed collision matrix")]
     pub fn exclude<'a>(
@@ -247,7 +247,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Includes all pairs of a body of `a` and a body of `b` again.
     ///
     /// # Errors
-    /// As [`World::include`].
+    /// As [`World::include`](crate::World::include).
     pub fn include<'a>(
         &mut self,
         a: impl Into<Select<'a>>,
@@ -261,7 +261,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Sets the padding of bodies: all their pairs must keep so much more.
     ///
     /// # Errors
-    /// As [`World::pad`].
+    /// As [`World::pad`](crate::World::pad).
     pub fn pad<'a>(&mut self, bodies: impl Into<Select<'a>>, padding: f64) -> Result<Vec<WorldId>, PlanError> {
         let found = self.world.pad(bodies, padding)?;
         found.iter().for_each(|id| self.set_pairs(*id));
@@ -273,7 +273,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// own.
     ///
     /// # Errors
-    /// As [`World::set_pair_margin`].
+    /// As [`World::set_pair_margin`](crate::World::set_pair_margin).
     pub fn set_pair_margin<'a>(
         &mut self,
         a: impl Into<Select<'a>>,
