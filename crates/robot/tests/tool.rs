@@ -847,19 +847,24 @@ fn a_pointer_or_an_empty_file_is_named() {
     }
 }
 
-/// A box stands on a table, is attached to the gripper and lifted: the tool accepts the contact that it leaves, and no other.
+/// An attached object is measured, and names and numbers that are wrong are named.
 #[test]
 fn objects_are_lifted_padded_and_excluded() {
     let part = scratch(
         "part.json",
         r#"{"name": "part", "sphere": {"radius": 0.02}, "xyz": [0, 0, 3.0], "touch_links": ["gripper"]}"#,
     );
-    let attach = format!("gripper={part}");
+    let (attach, out) = (format!("gripper={part}"), scratch("attached.csv", ""));
     let (code, text) = run(
         "clearance",
-        &with(&["--joints", "carry.csv", "--attach", &attach, "--pairs"]),
+        &with(&["--joints", "carry.csv", "--attach", &attach, "--pairs", "--csv", &out]),
     );
-    assert!(code <= 1 && text.contains("part"), "{code} {text}");
+    assert!(code <= 1, "{code} {text}");
+    let table = std::fs::read_to_string(&out).expect("the table");
+    assert!(
+        table.lines().next().is_some_and(|head| head.contains("part")),
+        "{table}"
+    );
     for (arguments, expected) in [
         (["--attach", "hnad=part.json"], "part.json"),
         (["--pad", "gripper=-1"], "at least 0"),
