@@ -117,6 +117,7 @@ fn memory_per_point_is_bounded() {
     let cells: Vec<_> = single.iter().map(|p| p.map(|x| ((x + 2.0) * 100.0) as u16)).collect();
     let voxels = Cloud::from_cells(Point3::origin(), Vector3::repeat(0.01), &cells).unwrap();
     let found = [per(&of_f32), per(&of_f64), per(&voxels)];
+    println!("bytes per point, f32, f64 and cells: {found:.1?}");
     assert!(found[0] <= 32.0 && found[1] <= 44.0 && found[2] <= 22.0, "{found:?}");
 }
 
@@ -147,7 +148,7 @@ fn files_restore_clouds() {
 
 /// Prints times and memory of a cloud of 100,000 points and a hull of 32 vertices.
 #[test]
-#[ignore = "a measurement, for a release build"]
+#[ignore = "a measurement: cargo test --release --all-features --test clouds measure -- --ignored --nocapture"]
 fn measure_100_000_points() {
     use std::time::Instant;
     let points = sheet(100_000);

@@ -110,7 +110,7 @@ fn clouds_agree_with_their_elements() {
 }
 
 #[test]
-#[ignore = "10,000 cases, some minutes in a release build"]
+#[ignore = "10,000 cases, minutes: cargo test --release --all-features --test clouds -- --ignored"]
 fn clouds_agree_with_their_elements_10_000() {
     (0..10_000).for_each(check);
 }

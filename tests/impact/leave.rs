@@ -241,7 +241,7 @@ fn parts_leave_the_table_and_never_enter_it() {
 }
 
 #[test]
-#[ignore = "20,000 casts: a minute in release"]
+#[ignore = "20,000 casts, a minute: cargo test --release --all-features --test impact leave -- --ignored"]
 fn parts_leave_the_table_and_never_enter_it_in_full() {
     run(2, 20_000);
 }

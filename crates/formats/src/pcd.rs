@@ -40,15 +40,8 @@ enum Data {
 
 /// Reads a PCD.
 pub(crate) fn read(bytes: &[u8], list: &mut PointList) -> Result<(), Fault> {
-    let wide;
-    let bytes = match bytes {
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => {
-            wide = text::decode(bytes);
-            wide.as_bytes()
-        }
-        [0xef, 0xbb, 0xbf, rest @ ..] => rest,
-        _ => bytes,
-    };
+    let bytes = text::without_mark(bytes);
+    let bytes = &bytes[..];
     let header = Header::read(bytes)?;
     let rest = &bytes[header.length..];
     for (k, field) in header.fields.iter().enumerate() {

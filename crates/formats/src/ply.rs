@@ -78,15 +78,8 @@ fn vertices(element: &Element, is_text: bool, body: &mut Body, list: &mut PointL
 
 /// Reads the header, and calls a function for each element, which must read all its rows.
 fn elements(bytes: &[u8], mut read: impl FnMut(&Element, bool, &mut Body) -> Result<(), Fault>) -> Result<(), Fault> {
-    let wide;
-    let bytes = match bytes {
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => {
-            wide = text::decode(bytes);
-            wide.as_bytes()
-        }
-        [0xef, 0xbb, 0xbf, rest @ ..] => rest,
-        _ => bytes,
-    };
+    let bytes = text::without_mark(bytes);
+    let bytes = &bytes[..];
     let header = Header::read(bytes)?;
     let text;
     let mut body = match header.order {

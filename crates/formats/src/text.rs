@@ -1,6 +1,8 @@
 //! Text in the encodings of mesh and point files: UTF-8, UTF-16 and Latin-1, with or without a byte order
 //! mark.
 
+use std::borrow::Cow;
+
 /// Number of bytes that decide a format.
 const START: usize = 4096;
 
@@ -45,6 +47,16 @@ pub(crate) fn decode(bytes: &[u8]) -> String {
         [b'<', 0, ..] => wide(bytes, u16::from_le_bytes),
         [0, b'<', ..] => wide(bytes, u16::from_be_bytes),
         _ => utf8_or_latin1(bytes),
+    }
+}
+
+/// Returns the bytes of a file whose header is text and whose body may be binary: without the byte
+/// order mark of UTF-8, and as UTF-8 if the mark is that of UTF-16.
+pub(crate) fn without_mark(bytes: &[u8]) -> Cow<'_, [u8]> {
+    match bytes {
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Cow::Owned(decode(bytes).into_bytes()),
+        [0xef, 0xbb, 0xbf, rest @ ..] => Cow::Borrowed(rest),
+        _ => Cow::Borrowed(bytes),
     }
 }
 

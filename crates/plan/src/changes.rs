@@ -162,8 +162,8 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Removes an attached object, and leaves it as an obstacle where it is at a configuration.
     ///
-    /// The obstacle has the name and the padding of the object, and an id of its own. Excluded
-    /// pairs and margins of pairs end with the object.
+    /// The obstacle has the name and the padding of the object, and a new id. Excluded pairs and
+    /// margins of pairs end with the object.
     ///
     /// # Errors
     /// Returns an error if the configuration is invalid, if the body does not exist or is not
@@ -269,8 +269,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(found)
     }
 
-    /// Sets or removes the margin that all pairs of a body of `a` and a body of `b` have of their
-    /// own.
+    /// Sets or removes the explicit margin of all pairs of a body of `a` and a body of `b`.
     ///
     /// # Errors
     /// As [`World::set_pair_margin`](crate::World::set_pair_margin).

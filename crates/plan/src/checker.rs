@@ -104,7 +104,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(checker)
     }
 
-    /// Sets the distance that a pair must keep that has no margin of its own; closer counts as
+    /// Sets the distance that every pair without an explicit margin must keep. Closer counts as
     /// blocked. The default is 0.
     ///
     /// # Errors
@@ -118,7 +118,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(())
     }
 
-    /// Returns the distance that a pair must keep that has no margin of its own.
+    /// Returns the distance that every pair without an explicit margin must keep.
     #[must_use]
     pub fn margin(&self) -> f64 {
         self.world.margin()

@@ -534,7 +534,12 @@ impl World {
 
     /// Returns whether a body is not convex, so that a distance costs many times a predicate.
     pub(crate) fn has_parts(&self) -> bool {
-        let is_convex = |shape: &Geometry| matches!(shape, Geometry::Polyhedron(_) | Geometry::Convex(_));
+        let is_convex = |shape: &Geometry| {
+            matches!(
+                shape,
+                Geometry::Polyhedron(_) | Geometry::Convex(_) | Geometry::HalfSpace(_)
+            )
+        };
         let attached = self.attached.iter().flatten().map(|o| &o.geometry);
         let obstacles = self.obstacles.iter().flatten().map(|o| &o.1);
         !self
@@ -701,7 +706,7 @@ impl World {
 
 /// Margins.
 impl World {
-    /// Sets the distance that a pair must keep that has no margin of its own; the default is 0.
+    /// Sets the distance that every pair without an explicit margin must keep. The default is 0.
     ///
     /// # Errors
     /// Returns an error if the margin is negative or not finite.
@@ -711,7 +716,7 @@ impl World {
         Ok(())
     }
 
-    /// Returns the distance that a pair must keep that has no margin of its own.
+    /// Returns the distance that every pair without an explicit margin must keep.
     #[must_use]
     pub fn margin(&self) -> f64 {
         self.margin
@@ -743,8 +748,8 @@ impl World {
         self.paddings.get(&id).copied().unwrap_or(0.0)
     }
 
-    /// Sets or removes the margin that all pairs of a body of `a` and a body of `b` have in place
-    /// of the [`margin`](Self::margin), and returns the pairs.
+    /// Sets or removes the explicit margin of all pairs of a body of `a` and a body of `b`, and
+    /// returns the pairs. It replaces the [`margin`](Self::margin).
     ///
     /// # Errors
     /// Returns an error if the margin is negative or not finite, or if a body does not exist. Then
@@ -766,14 +771,14 @@ impl World {
         Ok(pairs)
     }
 
-    /// Returns the margin that a pair has of its own.
+    /// Returns the explicit margin of a pair.
     #[must_use]
     pub fn pair_margin(&self, pair: WorldPair) -> Option<f64> {
         self.margins.get(&pair).copied()
     }
 
-    /// Returns the distance that a pair must keep: its own margin or else the margin of all pairs,
-    /// plus the paddings of both bodies.
+    /// Returns the distance that a pair must keep: its explicit margin, or else the margin of all
+    /// pairs, plus the paddings of both bodies.
     #[must_use]
     pub fn kept_distance(&self, pair: WorldPair) -> f64 {
         let margin = self.pair_margin(pair).unwrap_or(self.margin);

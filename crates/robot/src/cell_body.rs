@@ -226,7 +226,7 @@ impl BodyText {
         }
         if let Some(HalfSpaceText { normal, offset }) = self.half_space {
             let space = HalfSpace::new(Vector3::from(normal), offset);
-            found.push(space.map(Geometry::from).map_err(invalid));
+            found.push(space.map(Geometry::from).map_err(wrong));
         }
         if let Some(heights) = &self.heights {
             found.push(files.heights(heights));
@@ -315,7 +315,7 @@ impl Files<'_> {
                 Cloud::new(&points, element)
             }
         };
-        cloud.map(Geometry::from).map_err(invalid)
+        cloud.map(Geometry::from).map_err(wrong)
     }
 
     fn points(&self, name: &str) -> Result<PointFile, FileErrorKind> {
@@ -325,7 +325,7 @@ impl Files<'_> {
         } else {
             Invalid::Drop
         };
-        Ok(PointFile::read_with(file, invalid)?)
+        PointFile::read_with(file, invalid).map_err(wrong)
     }
 
     fn voxels(&self, voxels: &VoxelsText) -> Result<Geometry, FileErrorKind> {
@@ -335,7 +335,8 @@ impl Files<'_> {
             (None, Some(indices)) => indices.clone(),
             (Some(name), None) => {
                 let file = self.packages.find(name, self.folder)?;
-                PointFile::read_with(file, Invalid::Refuse)?.points.to_f64()
+                let found = PointFile::read_with(file, Invalid::Refuse).map_err(wrong)?;
+                found.points.to_f64()
             }
         };
         let mut cells = Vec::with_capacity(indices.len());
@@ -354,7 +355,7 @@ impl Files<'_> {
             SizeText::Box(sides) => sides,
         };
         let cloud = Cloud::from_cells(Point3::from(voxels.origin), Vector3::from(size), &cells);
-        cloud.map(Geometry::from).map_err(invalid)
+        cloud.map(Geometry::from).map_err(wrong)
     }
 
     fn heights(&self, heights: &HeightsText) -> Result<Geometry, FileErrorKind> {
@@ -371,7 +372,7 @@ impl Files<'_> {
             return Err(FileErrorKind::Malformed(reason));
         }
         let mesh = Mesh::from_heights(rows.len(), columns, heights.spacing, &rows.concat(), heights.base);
-        mesh.map(Geometry::from).map_err(invalid)
+        mesh.map(Geometry::from).map_err(wrong)
     }
 }
 
@@ -397,6 +398,6 @@ fn both(shape: &str, a: &str, b: &str) -> FileErrorKind {
     FileErrorKind::Malformed(format!("{shape} has both {a} and {b} (expected one)"))
 }
 
-fn invalid(error: impl std::fmt::Display) -> FileErrorKind {
+fn wrong(error: impl std::fmt::Display) -> FileErrorKind {
     FileErrorKind::Geometry(error.to_string())
 }

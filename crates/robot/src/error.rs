@@ -62,8 +62,9 @@ pub enum FileErrorKind {
     /// Returned if something required is missing.
     #[error("{0} is missing")]
     Missing(String),
-    /// Returned if the file of a mesh does not exist: its name, and where it was searched.
-    #[error("mesh {0} is missing")]
+    /// Returned if the file of a mesh or of points does not exist: its name, and where it was
+    /// searched.
+    #[error("file {0} is missing")]
     MissingMesh(String),
     /// Returned if two elements of a kind have the same name.
     #[error("name is already in use")]

@@ -169,15 +169,7 @@ impl Srdf {
     /// in the setup. The pairs of links and obstacles are left out.
     #[must_use]
     pub fn from_setup(setup: &Setup, prefix: &str, robot: &Robot) -> Self {
-        let excluded = setup.excluded().filter_map(|(pair, reason)| {
-            let links = own_links(pair, prefix, robot)?;
-            let reason = reason.to_owned();
-            Some(ExcludedPair { links, reason })
-        });
-        Self {
-            excluded: excluded.collect(),
-            ..Self::default()
-        }
+        Self::from_pairs(setup.excluded(), prefix, robot)
     }
 
     /// Returns the SRDF of the links of a robot all of whose pairs are excluded in a world, for one
@@ -185,7 +177,11 @@ impl Srdf {
     #[must_use]
     pub fn from_world(world: &World, prefix: &str, robot: &Robot, reason: &str) -> Self {
         let pairs = world.excluded_names().into_iter();
-        let excluded = pairs.filter_map(|pair| {
+        Self::from_pairs(pairs.map(|pair| (pair, reason)), prefix, robot)
+    }
+
+    fn from_pairs<'a>(pairs: impl Iterator<Item = ([&'a str; 2], &'a str)>, prefix: &str, robot: &Robot) -> Self {
+        let excluded = pairs.filter_map(|(pair, reason)| {
             let links = own_links(pair, prefix, robot)?;
             let reason = reason.to_owned();
             Some(ExcludedPair { links, reason })

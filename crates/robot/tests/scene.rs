@@ -43,6 +43,7 @@ fn distance(geometry: &Geometry, at: [f64; 3]) -> f64 {
     PairTracker::new().closest(geometry, &ball, &pose).distance
 }
 
+#[track_caller]
 fn is(value: f64, expected: f64) {
     assert!((value - expected).abs() < 1e-12, "{value}, not {expected}");
 }

@@ -802,7 +802,7 @@ fn missing_meshes_of_a_cell_are_errors_or_warnings() {
     let (code, text) = run_of(&robot, "clearance", &arguments);
     assert_eq!(code, 3, "{text}");
     assert!(
-        text.contains("gone.json: bodies[1] \"part\": mesh ") && text.contains("gone part.stl is missing"),
+        text.contains("gone.json: bodies[1] \"part\": file ") && text.contains("gone part.stl is missing"),
         "{text}"
     );
     let out = scratch("gone_out.csv", "");
@@ -849,7 +849,7 @@ fn a_pointer_or_an_empty_file_is_named() {
 
 /// An attached object is measured, and names and numbers that are wrong are named.
 #[test]
-fn objects_are_lifted_padded_and_excluded() {
+fn attached_objects_are_measured_and_wrong_names_are_named() {
     let part = scratch(
         "part.json",
         r#"{"name": "part", "sphere": {"radius": 0.02}, "xyz": [0, 0, 3.0], "touch_links": ["gripper"]}"#,
@@ -879,4 +879,32 @@ fn objects_are_lifted_padded_and_excluded() {
         );
         assert!(code > 1 && text.contains(expected), "{arguments:?}: {code} {text}");
     }
+}
+
+/// A box rests on a table: without the option its lift is blocked at the start, and its press always.
+#[test]
+fn a_part_is_lifted_from_the_table() {
+    let robot = scratch(
+        "hoist.urdf",
+        "<robot name='r'><link name='rail'/><link name='part'><collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link>
+        <joint name='lift' type='prismatic'><parent link='rail'/><child link='part'/><axis xyz='0 0 1'/>
+        <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>",
+    );
+    let cell = scratch(
+        "floor.json",
+        r#"{"bodies": [{"name": "floor", "half_space": {"normal": [0, 0, 1], "offset": -0.1}}]}"#,
+    );
+    let [up, down] = [("up.csv", 0.5), ("down.csv", -0.01)].map(|(name, z)| scratch(name, &format!("lift\n0\n{z}\n")));
+    for (rows, option, expected, said) in [
+        (&up, None, 1, "part - floor meet"),
+        (&up, Some("0.001"), 0, "part - floor leave their contact"),
+        (&down, Some("0.001"), 1, "part - floor meet"),
+    ] {
+        let mut arguments = vec!["--cell", &cell, "--joints", rows];
+        arguments.extend(option.iter().flat_map(|length| ["--start-contact", length]));
+        let (code, text) = run_of(&robot, "certify", &arguments);
+        assert!(code == expected && text.contains(said), "{option:?}: {code} {text}");
+    }
+    let (code, text) = run_of(&robot, "certify", &["--joints", &up, "--start-contact", "-1"]);
+    assert!(code > 1, "{code} {text}");
 }

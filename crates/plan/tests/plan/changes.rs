@@ -167,7 +167,7 @@ fn a_changed_checker_equals_a_new_one() {
 }
 
 #[test]
-#[ignore = "1,000 sequences of 100 changes"]
+#[ignore = "1,000 sequences of 100 changes: cargo test --release --all-features -p lin-canny-plan --test plan changes -- --ignored"]
 fn a_changed_checker_equals_a_new_one_1000_times() {
     judge(1000, 100, 10_000);
 }
@@ -324,7 +324,7 @@ fn verdicts_keep_the_margin_of_each_pair() {
 }
 
 #[test]
-#[ignore = "1,000 motions at 1,000 places"]
+#[ignore = "1,000 motions at 1,000 places: cargo test --release --all-features -p lin-canny-plan --test plan changes -- --ignored"]
 fn verdicts_keep_the_margin_of_each_pair_over_1000_motions() {
     let tally = judge_verdicts(1000, 1000, 4);
     assert!(tally.iter().all(|n| *n > 100), "{tally:?}");

@@ -130,7 +130,7 @@ fn parts_are_lifted_and_slid_but_not_pressed() {
 }
 
 #[test]
-#[ignore = "10,000 motions: a minute in release"]
+#[ignore = "10,000 motions, half a minute: cargo test --release --all-features -p lin-canny-plan --test plan leave -- --ignored"]
 fn parts_are_lifted_and_slid_but_not_pressed_in_full() {
     run(2, 10_000);
 }
