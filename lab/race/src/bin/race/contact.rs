@@ -288,6 +288,7 @@ pub(crate) fn run(o: &Options) -> Rows {
                 .into_iter()
                 .map(move |(shape, n)| (scene, shape, n))
         })
+        .filter(|p| o.wants_cell(p.0, p.1, p.2))
         .collect();
     println!(
         "nanoseconds a frame. ours: depth and witnesses; local: with a local depth; manifold: ours; parry: its contact; p-manif: its manifold, kept.\n\

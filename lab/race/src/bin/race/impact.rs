@@ -298,7 +298,7 @@ pub(crate) fn run(o: &Options) -> Rows {
         for shape in SHAPES {
             for n in SIZES {
                 progress.step();
-                if (shape == "box" && n > 8) || o.quick && n > 128 {
+                if (shape == "box" && n > 8) || o.quick && n > 128 || !o.wants_cell(scene.0, shape, n) {
                     continue;
                 }
                 if race(o, scene, shape, n, &mut rows).is_none() {

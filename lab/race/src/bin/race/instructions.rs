@@ -103,7 +103,7 @@ fn counted(engine: Engine, mut ask: impl FnMut(Engine, usize)) {
 }
 
 pub(crate) fn run(o: &Options) -> Result<Rows, String> {
-    let cells: Vec<_> = Cell::all().filter(|c| o.wants(c.scene)).collect();
+    let cells: Vec<_> = Cell::all().filter(|c| o.wants_cell(c.scene, c.shape, c.n)).collect();
     println!(
         "{:<14} {:<7} {:>5} {:<12} {:>12}",
         "scene", "shape", "n", "engine", "instructions"

@@ -8,6 +8,7 @@ mod bending;
 mod cad;
 mod contact;
 mod curved;
+mod gate;
 mod impact;
 mod instructions;
 mod meshes;
@@ -27,7 +28,9 @@ use truth::boxes::Kind;
 ///
 /// Each race measures one kind of query: closest points of polyhedra or curved shapes, contacts,
 /// broad phases, whole scenes, casts, meshes, segments of planners, Bézier surfaces, rays and
-/// hulls. The race `instructions` counts the instructions of queries.
+/// hulls. The race `instructions` counts the instructions of queries. The race `gate` runs 30 cells of
+/// the others in two minutes, and names the cells that are more than 5 % slower than in
+/// `benches/record/gate.csv`.
 #[derive(Parser)]
 struct Command {
     /// Race to run
@@ -35,6 +38,9 @@ struct Command {
     race: Race,
     #[command(flatten)]
     options: Options,
+    /// Write the results of `gate` to `benches/record/gate.csv`
+    #[arg(long)]
+    save: bool,
     /// One cell of the table of instructions, run in its own process
     #[arg(long, hide = true)]
     cell: Option<String>,
@@ -54,15 +60,26 @@ enum Race {
     Rays,
     Hulls,
     Instructions,
+    Gate,
 }
 
 fn main() -> ExitCode {
     truth::command::main(race)
 }
 
-fn race(Command { race, options, cell }: &Command) -> Result<(), String> {
+fn race(
+    Command {
+        race,
+        options,
+        save,
+        cell,
+    }: &Command,
+) -> Result<(), String> {
     if let Some(cell) = cell {
         return instructions::run_cell(cell);
+    }
+    if *save && !matches!(race, Race::Gate) {
+        return Err("--save belongs to gate".into());
     }
     let (scenes, run): (Vec<&str>, fn(&Options) -> Rows) = match race {
         Race::Pairs => (pairs::SCENES.into(), pairs::run),
@@ -76,6 +93,7 @@ fn race(Command { race, options, cell }: &Command) -> Result<(), String> {
         Race::Patches => (patches::SCENES.into(), patches::run),
         Race::Rays => (rays::SCENES.into(), rays::run),
         Race::Hulls => (points::SCENES.into(), points::run),
+        Race::Gate => return gate::run(*save),
         Race::Instructions => {
             options.check(&instructions::SCENES)?;
             return options.save(&instructions::run(options)?);

@@ -402,7 +402,8 @@ pub(crate) fn run(o: &Options) -> Rows {
     });
     for scene in plain.filter(|s| o.wants(s)) {
         for n in o.sizes([1_280, 20_480, 102_400]) {
-            for r in races(scene, n, frames) {
+            let races = races(scene, n, frames).into_iter();
+            for r in races.filter(|r| o.wants_cell(scene, r.shape, r.a.triangles.len())) {
                 race(scene, n, &r, &mut csv);
             }
         }

@@ -357,7 +357,7 @@ pub(crate) fn degrees(scene: &str) -> Option<f64> {
 }
 
 pub(crate) fn run(o: &Options) -> Rows {
-    let plan: Vec<_> = plan().into_iter().filter(|p| o.wants(p.0)).collect();
+    let plan: Vec<_> = plan().into_iter().filter(|p| o.wants_cell(p.0, p.1, p.2)).collect();
     println!(
         "nanoseconds a query. ours: closest; walk: propose; exact: closest_exact; gjk: parry's, its simplex kept; parry: its distance.\n\
          /gjk, /parry: ours over theirs. steps: feature pairs looked at in a query; not walk: queries that another layer answered.\n"
