@@ -53,8 +53,9 @@ pub(crate) struct Cloud {
     pub(crate) origin: Vector3<f64>,
     pub(crate) exponent: i32,
     pub(crate) flushed: usize,
-    /// The caller's indices of points proven strictly inside the hull and left out.
-    pub(crate) inside: Vec<u32>,
+    /// Points proven strictly inside the hull and left out: bit `i % 64` of word `i / 64` for the
+    /// caller's index `i`. Empty if no points were left out.
+    pub(crate) inside: Vec<u64>,
     /// Number of points given, used or not.
     pub(crate) given: usize,
 }
@@ -108,87 +109,92 @@ impl Cloud {
     /// Makes a cloud of the points named by `indices`. The indices must exist; `needed` is the
     /// least count accepted, `least` the least extent of different points.
     pub(crate) fn new(given: &[Point3<f64>], indices: Vec<u32>, needed: usize, least: f64) -> Result<Self, BuildError> {
-        Self::sifted(given, indices, needed, usize::MAX, least)
+        let points = indices.iter().map(|&i| (i, &given[i as usize]));
+        let placement = Placement::new(given.len(), points, needed, least)?;
+        let mut flushed = 0;
+        let place = |&i: &u32| placement.place(&given[i as usize], &mut flushed);
+        let stored: Vec<_> = indices.iter().map(place).collect();
+        Ok(Self::sorted(&placement, flushed, indices, stored, given.len()))
     }
 
-    /// Makes a cloud as [`new`](Self::new) does, but of more than `many` points leaves out such as
-    /// are proven strictly inside the hull.
-    pub(crate) fn sifted(
-        given: &[Point3<f64>],
-        mut indices: Vec<u32>,
-        needed: usize,
-        many: usize,
-        least: f64,
-    ) -> Result<Self, BuildError> {
-        if given.len() > POINTS_MAX {
-            return Err(BuildError::TooMany { count: given.len() });
+    /// Makes a cloud of all points as [`new`](Self::new) does. If there are more than `many`, it
+    /// leaves out points that are proven strictly inside the hull.
+    pub(crate) fn sifted(given: &[Point3<f64>], needed: usize, many: usize, least: f64) -> Result<Self, BuildError> {
+        let count = given.len();
+        if count <= many {
+            return Self::new(given, (0..count as u32).collect(), needed, least);
         }
-        if let Some(&index) = indices
+        let placement = Placement::new(count, (0..).zip(given), needed, least)?;
+        let sample: Vec<_> = given
             .iter()
-            .find(|&&i| !given[i as usize].iter().all(|x| x.is_finite()))
-        {
-            return Err(BuildError::NotFinite { index: index as usize });
-        }
-        if indices.len() < needed {
-            return Err(BuildError::TooFewPoints {
-                count: indices.len(),
-                needed,
-            });
-        }
-        let (origin, exponent, flush) = placement(given, &indices, least)?;
+            .step_by(count.div_ceil(SAMPLE.min(count / 4)))
+            .map(|p| placement.place(p, &mut 0))
+            .collect();
+        let core = InnerHull::new(&sample, DIRECTIONS, if count > 100_000 { 32 } else { 16 });
         let mut flushed = 0;
-        let mut place = |i: u32| {
-            let mut p = stored_place(&given[i as usize], &origin, exponent);
-            for x in p.iter_mut() {
-                let is_small = x.abs() < flush;
-                flushed += (is_small & (*x != 0.0)) as usize;
-                *x = if is_small { 0.0 } else { *x }; // also turns -0 into 0
+        let mut inside = vec![0u64; count.div_ceil(BLOCK)];
+        let (mut indices, mut stored) = (Vec::new(), Vec::new());
+        let mut block = PointBlock { at: [[0.0; BLOCK]; 3] };
+        for (number, chunk) in given.chunks(BLOCK).enumerate() {
+            placement.place_block(chunk, &mut block, &mut flushed);
+            let held = core.as_ref().map_or(0, |core| core.holds(&block, chunk.len()));
+            inside[number] = held;
+            for k in zeros(held, chunk.len()) {
+                indices.push((number * BLOCK + k) as u32);
+                stored.push(block.point(k));
             }
-            p
-        };
-        let mut inside = Vec::new();
-        let mut stored: Vec<Vector3<f64>>;
-        if indices.len() > many {
-            let count = indices.len();
-            let zero = |x: f64| if x.abs() < flush { 0.0 } else { x };
-            let sample: Vec<_> = indices
-                .iter()
-                .step_by(count.div_ceil(SAMPLE.min(count / 4)))
-                .map(|&i| stored_place(&given[i as usize], &origin, exponent).map(zero))
-                .collect();
-            let core = InnerHull::new(&sample, DIRECTIONS, if count > 100_000 { 32 } else { 16 });
-            let mut points = indices.iter().map(|&i| (i, place(i)));
-            (indices, stored) = sift(core.as_ref(), &mut points, &mut inside);
-            // Again with more directions while it pays.
-            let (mut before, mut directions) = (count, DIRECTIONS);
-            loop {
-                let left = indices.len();
-                directions *= 3;
-                if 4 * left > 3 * before || left < 400 * directions {
-                    break;
-                }
-                let sample: Vec<_> = stored.iter().step_by(left.div_ceil(SAMPLE)).copied().collect();
-                let Some(core) = InnerHull::new(&sample, directions, 32) else {
-                    break;
-                };
-                let mut points = indices.iter().copied().zip(stored.iter().copied());
-                let sifted = sift(Some(&core), &mut points, &mut inside);
-                (indices, stored) = sifted;
-                before = left;
-            }
-        } else {
-            stored = indices.iter().map(|&i| place(i)).collect();
         }
+        // Again with more directions while it pays.
+        let (mut before, mut directions) = (count, DIRECTIONS);
+        loop {
+            let left = indices.len();
+            directions *= 3;
+            if 4 * left > 3 * before || left < 400 * directions {
+                break;
+            }
+            let sample: Vec<_> = stored.iter().step_by(left.div_ceil(SAMPLE)).copied().collect();
+            let Some(core) = InnerHull::new(&sample, directions, 32) else {
+                break;
+            };
+            let mut kept = 0;
+            for start in (0..left).step_by(BLOCK) {
+                let end = left.min(start + BLOCK);
+                (start..end).for_each(|i| block.set(i - start, &stored[i]));
+                let held = core.holds(&block, end - start);
+                for i in (start..end).filter(|i| held >> (i - start) & 1 == 1) {
+                    inside[indices[i] as usize / BLOCK] |= 1 << (indices[i] as usize % BLOCK);
+                }
+                for k in zeros(held, end - start) {
+                    (indices[kept], stored[kept]) = (indices[start + k], stored[start + k]);
+                    kept += 1;
+                }
+            }
+            indices.truncate(kept);
+            stored.truncate(kept);
+            before = left;
+        }
+        let cloud = Self::sorted(&placement, flushed, indices, stored, count);
+        Ok(Self { inside, ..cloud })
+    }
+
+    /// Returns the cloud of stored points, with the caller's index of each point.
+    fn sorted(
+        placement: &Placement,
+        flushed: usize,
+        indices: Vec<u32>,
+        stored: Vec<Vector3<f64>>,
+        given: usize,
+    ) -> Self {
         let order = morton_order(&stored, &indices);
         let mut cloud = Self {
             points: Vec::with_capacity(order.len()),
             source: Vec::with_capacity(order.len()),
             duplicates: Vec::new(),
-            origin,
-            exponent,
+            origin: placement.origin,
+            exponent: placement.exponent,
             flushed,
-            inside,
-            given: given.len(),
+            inside: Vec::new(),
+            given,
         };
         for k in order {
             let (point, index) = (stored[k as usize], indices[k as usize]);
@@ -200,7 +206,7 @@ impl Cloud {
                 }
             }
         }
-        Ok(cloud)
+        cloud
     }
 
     /// Returns the stored coordinates of a given point, without flushing.
@@ -221,48 +227,14 @@ impl Cloud {
     }
 }
 
-/// Splits points into those that a core does not hold and, by their indices alone, those that it
-/// does.
-fn sift(
-    core: Option<&InnerHull>,
-    points: &mut impl Iterator<Item = (u32, Vector3<f64>)>,
-    inside: &mut Vec<u32>,
-) -> (Vec<u32>, Vec<Vector3<f64>>) {
-    let Some(core) = core else {
-        return points.unzip();
-    };
-    let (mut indices, mut stored) = (Vec::new(), Vec::new());
-    let mut block = PointBlock { at: [[0.0; BLOCK]; 3] };
-    let mut held = [false; BLOCK];
-    let mut names = [0u32; BLOCK];
-    let (mut names_dropped, mut places_kept) = ([0u32; BLOCK], [0u32; BLOCK]);
-    loop {
-        let mut filled = 0;
-        while filled < BLOCK {
-            let Some((i, p)) = points.next() else { break };
-            names[filled] = i;
-            (0..3).for_each(|k| block.at[k][filled] = p[k]);
-            filled += 1;
-        }
-        core.holds(&block, &mut held);
-        // Without branches, which nobody could predict.
-        let (mut dropped, mut kept) = (0, 0);
-        for k in 0..filled {
-            names_dropped[dropped] = names[k];
-            places_kept[kept] = k as u32;
-            dropped += held[k] as usize;
-            kept += !held[k] as usize;
-        }
-        inside.extend_from_slice(&names_dropped[..dropped]);
-        for &k in &places_kept[..kept] {
-            let k = k as usize;
-            indices.push(names[k]);
-            stored.push(Vector3::new(block.at[0][k], block.at[1][k], block.at[2][k]));
-        }
-        if filled < BLOCK {
-            return (indices, stored);
-        }
-    }
+/// Returns the positions of the zeros among the lowest `count` bits, in ascending order.
+fn zeros(bits: u64, count: usize) -> impl Iterator<Item = usize> {
+    let mut rest = !bits & (u64::MAX >> (u64::BITS as usize - count));
+    core::iter::from_fn(move || {
+        let k = (rest != 0).then_some(rest.trailing_zeros() as usize)?;
+        rest &= rest - 1;
+        Some(k)
+    })
 }
 
 fn stored_place(given: &Point3<f64>, origin: &Vector3<f64>, exponent: i32) -> Vector3<f64> {
@@ -283,50 +255,114 @@ pub(crate) fn flush_below(radius: f64) -> f64 {
     power_of_two(exponent_of(radius) - FLUSH_EXPONENT)
 }
 
-/// Returns the origin, the exponent and the magnitude below which stored coordinates become zero.
-/// Returns an error for extents below `least`.
-fn placement(given: &[Point3<f64>], indices: &[u32], least: f64) -> Result<(Vector3<f64>, i32, f64), BuildError> {
-    let all = || indices.iter().map(|&i| &given[i as usize].coords);
-    let (low, high) = bounding_box(all());
-    let sides = high - low;
-    let axis = sides.imax();
-    let extent = sides[axis];
-    if extent == 0.0 || indices.is_empty() {
-        if let Some(&i) = indices.iter().find(|&&i| given[i as usize].coords.amax() > PLACE_MAX) {
-            return Err(BuildError::OutOfRange {
-                index: i as usize,
-                extent: given[i as usize].coords.amax(),
+/// How the caller's points become stored coordinates.
+struct Placement {
+    origin: Vector3<f64>,
+    exponent: i32,
+    /// Magnitude below which stored coordinates become zero.
+    flush: f64,
+}
+
+impl Placement {
+    /// Returns the placement of points, each with the caller's index, of `given` points in all.
+    /// Returns an error for fewer than `needed` points, for numbers that are not finite, and for
+    /// extents below `least`.
+    fn new<'a>(
+        given: usize,
+        points: impl Iterator<Item = (u32, &'a Point3<f64>)> + Clone,
+        needed: usize,
+        least: f64,
+    ) -> Result<Self, BuildError> {
+        if given > POINTS_MAX {
+            return Err(BuildError::TooMany { count: given });
+        }
+        // A product with zero is not a number if the coordinate is not finite. One pass over the
+        // points, as memory is what a pass waits for.
+        let (mut low, mut high) = bounding_box(None);
+        let (mut zeros, mut count) = (Vector3::zeros(), 0);
+        for (_, p) in points.clone() {
+            (low, high) = (low.smaller(p.coords), high.larger(p.coords));
+            zeros += p.coords * 0.0;
+            count += 1;
+        }
+        if zeros != Vector3::zeros() {
+            let broken = points.clone().find(|(_, p)| !p.iter().all(|x| x.is_finite()));
+            let index = broken.map_or(0, |(i, _)| i as usize);
+            return Err(BuildError::NotFinite { index });
+        }
+        if count < needed {
+            return Err(BuildError::TooFewPoints { count, needed });
+        }
+        let sides = high - low;
+        let axis = sides.imax();
+        let extent = sides[axis];
+        if extent == 0.0 || count == 0 {
+            if let Some((i, p)) = points.clone().find(|(_, p)| p.coords.amax() > PLACE_MAX) {
+                return Err(BuildError::OutOfRange {
+                    index: i as usize,
+                    extent: p.coords.amax(),
+                });
+            }
+            // A single point becomes the origin, so the position is not rounded, but for magnitudes
+            // that count as zero.
+            let place = if count == 0 { Vector3::zeros() } else { low };
+            return Ok(Self {
+                origin: place.map(|x| if x.abs() < f64::MIN_POSITIVE { 0.0 } else { x }),
+                exponent: 0,
+                flush: f64::MIN_POSITIVE,
             });
         }
-        // A single point becomes the origin, so the position is not rounded, but for magnitudes
-        // that count as zero.
-        let place = if indices.is_empty() { Vector3::zeros() } else { low };
-        let origin = place.map(|x| if x.abs() < f64::MIN_POSITIVE { 0.0 } else { x });
-        return Ok((origin, 0, f64::MIN_POSITIVE));
-    }
-    if !(least..=EXTENT_MAX).contains(&extent) {
-        let ends = indices.iter().find(|&&i| given[i as usize][axis] == high[axis]);
-        return Err(BuildError::OutOfRange {
-            index: ends.map_or(0, |&i| i as usize),
-            extent,
+        if !(least..=EXTENT_MAX).contains(&extent) {
+            let end = points.clone().find(|(_, p)| p[axis] == high[axis]);
+            return Err(BuildError::OutOfRange {
+                index: end.map_or(0, |(i, _)| i as usize),
+                extent,
+            });
+        }
+        // Half the diagonal, not the distance of the farthest point: the diagonal depends on extreme
+        // points only, without rounding in between.
+        let middle = low * 0.5 + high * 0.5;
+        let radius = sqrt((sides * 0.5).norm_squared());
+        // The shift is exact by Sterbenz' lemma; the check costs nothing and covers the rounding of
+        // `middle`.
+        let origin = Vector3::from_fn(|k, _| {
+            let shifts =
+                middle[k].abs() > 2.0 * radius && points.clone().all(|(_, p)| two_sum(p[k], -middle[k]).1 == 0.0);
+            if shifts { middle[k] } else { 0.0 }
         });
+        let size = exponent_of(radius);
+        // The nearest multiple of the window, so that bodies of similar size share a stored unit,
+        // for any unit of the caller.
+        let window = 2 * EXPONENT_FREE;
+        let exponent = (size + EXPONENT_FREE).div_euclid(window) * window;
+        Ok(Self {
+            origin,
+            exponent,
+            flush: flush_below(radius * power_of_two(-exponent)),
+        })
     }
-    // Half the diagonal, not the distance of the farthest point: the diagonal depends on extreme
-    // points only, without rounding in between.
-    let middle = low * 0.5 + high * 0.5;
-    let radius = sqrt((sides * 0.5).norm_squared());
-    // The shift is exact by Sterbenz' lemma; the check costs nothing and covers the rounding of
-    // `middle`.
-    let origin = Vector3::from_fn(|k, _| {
-        let shifts = middle[k].abs() > 2.0 * radius && all().all(|p| two_sum(p[k], -middle[k]).1 == 0.0);
-        if shifts { middle[k] } else { 0.0 }
-    });
-    let size = exponent_of(radius);
-    // The nearest multiple of the window, so that bodies of similar size share a stored unit, for
-    // any unit of the caller.
-    let window = 2 * EXPONENT_FREE;
-    let exponent = (size + EXPONENT_FREE).div_euclid(window) * window;
-    Ok((origin, exponent, flush_below(radius * power_of_two(-exponent))))
+
+    /// Returns the stored coordinates of a given point, and counts those that become zero.
+    fn place(&self, given: &Point3<f64>, flushed: &mut usize) -> Vector3<f64> {
+        stored_place(given, &self.origin, self.exponent).map(|x| self.flush(x, flushed))
+    }
+
+    /// Stores the coordinates of up to [`BLOCK`] given points, and counts those that become zero.
+    fn place_block(&self, given: &[Point3<f64>], block: &mut PointBlock, flushed: &mut usize) {
+        let unit = power_of_two(-self.exponent);
+        for (axis, at) in block.at.iter_mut().enumerate() {
+            for (x, p) in at.iter_mut().zip(given) {
+                *x = self.flush((p[axis] - self.origin[axis]) * unit, flushed);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn flush(&self, x: f64, flushed: &mut usize) -> f64 {
+        let is_small = x.abs() < self.flush;
+        *flushed += (is_small & (x != 0.0)) as usize;
+        if is_small { 0.0 } else { x } // also turns -0 into 0
+    }
 }
 
 /// Returns the order of `points` along the Morton curve of their bounding box, equal points by
@@ -380,6 +416,16 @@ pub(crate) const BLOCK: usize = 64;
 /// Points of a block, coordinate by coordinate.
 pub(crate) struct PointBlock {
     pub(crate) at: [[f64; BLOCK]; 3],
+}
+
+impl PointBlock {
+    fn point(&self, k: usize) -> Vector3<f64> {
+        Vector3::new(self.at[0][k], self.at[1][k], self.at[2][k])
+    }
+
+    fn set(&mut self, k: usize, point: &Vector3<f64>) {
+        (0..3).for_each(|axis| self.at[axis][k] = point[axis]);
+    }
 }
 
 pub(crate) struct InnerHull {
@@ -456,9 +502,10 @@ impl InnerHull {
         })
     }
 
-    /// Returns for each point of a block whether it is proven strictly inside the core.
+    /// Returns which of the first `count` points of a block are proven strictly inside the core: bit
+    /// `k` for point `k`.
     #[inline]
-    pub(crate) fn holds(&self, block: &PointBlock, inside: &mut [bool; BLOCK]) {
+    pub(crate) fn holds(&self, block: &PointBlock, count: usize) -> u64 {
         /// Added to a number below `2^51`, leaves the nearest integer in the lowest bits.
         const ROUND: f64 = 4503599627370496.0;
         let grid = (self.cells - 1) as f64;
@@ -476,9 +523,12 @@ impl InnerHull {
             number[k] = ((((c << 1 | b) << 1 | a) << row | i) << row) | j;
             far[k] = sum;
         }
-        for k in 0..BLOCK {
-            inside[k] = far[k] < self.reach.get(number[k] as usize).map_or(-1.0, |&r| r as f64);
+        let mut held = 0;
+        for k in 0..count.min(BLOCK) {
+            let reach = self.reach.get(number[k] as usize).map_or(-1.0, |&r| r as f64);
+            held |= ((far[k] < reach) as u64) << k;
         }
+        held
     }
 }
 

@@ -103,8 +103,7 @@ impl ConvexPolyhedron {
 
     fn hull_watched(points: &[Point3<f64>], watch: &mut Watch<'_>) -> Result<Self, BuildError> {
         watch.stage("sort", Some(points.len()))?;
-        let indices = (0..points.len().min(u32::MAX as usize) as u32).collect();
-        let cloud = Cloud::sifted(points, indices, 4, MANY, EXTENT_MIN);
+        let cloud = Cloud::sifted(points, 4, MANY, EXTENT_MIN);
         let hull = cloud.and_then(|cloud| Self::hull_of(cloud, watch));
         hull.inspect_err(|why| callbacks::refused("a hull", why))
     }
@@ -223,18 +222,28 @@ impl ConvexPolyhedron {
             list.push(cloud.source[i]);
         }
         // Copies of inner points are inner points.
-        let mut is_inside = alloc::vec![false; cloud.given];
-        let interior = &mut self.report.interior;
-        interior
-            .iter()
-            .chain(&cloud.inside)
-            .for_each(|&i| is_inside[i as usize] = true);
+        let mut is_inside = cloud.inside.clone();
+        is_inside.resize(cloud.given.div_ceil(64), 0);
+        let place = |i: u32| (i as usize / 64, 1 << (i % 64));
+        for &i in &self.report.interior {
+            let (word, bit) = place(i);
+            is_inside[word] |= bit;
+        }
         self.report.duplicates.retain(|&(dropped, kept)| {
-            is_inside[dropped as usize] = is_inside[kept as usize];
-            !is_inside[kept as usize]
+            let (word, bit) = place(kept);
+            let is_inner = is_inside[word] & bit != 0;
+            if is_inner {
+                let (word, bit) = place(dropped);
+                is_inside[word] |= bit;
+            }
+            !is_inner
         });
+        let interior = &mut self.report.interior;
         interior.clear();
-        interior.extend((0u32..).zip(&is_inside).filter(|i| *i.1).map(|i| i.0));
+        interior.reserve_exact(is_inside.iter().map(|word| word.count_ones() as usize).sum());
+        for (first, word) in (0u32..).step_by(64).zip(is_inside) {
+            interior.extend((0..64).filter(|k| word >> k & 1 == 1).map(|k| first + k));
+        }
     }
 
     /// Returns an exact sign: positive if a point in stored coordinates is outside the plane of a
