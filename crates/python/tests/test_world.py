@@ -251,6 +251,10 @@ def test_a_batch_of_closest_pairs_is_the_loop_bit_for_bit(checker):
     assert calls == [(1024, 2400), (2048, 2400), (2400, 2400)]
     assert checker.nearest_batch(np.zeros((0, 3)), 2).shape == (0, 2)
     assert checker.nearest_batch(q, 0).shape == (300, 0)
+    far = np.tile(q, (8, 1))
+    far[1500, 1] = 4
+    with pytest.raises(lc.PlanError, match="configuration 1500: coordinate 1 .* 4"):
+        checker.nearest_batch(far, 1, threads=1)
 
 
 def test_batches_see_the_changed_world(checker):
@@ -286,7 +290,8 @@ def test_a_lift_starts_in_contact(checker):
     leaving = verdict.start_contacts[0]
     assert leaving.pair == ("part", "table") and 0 < leaving.until < 1 and "part" in repr(leaving)
     assert abs(leaving.distance) < 1e-12 and leaving.kept <= leaving.distance and "part and table" in str(verdict)
-    assert checker.certify_path([taken, lifted, [1.0, 0.5, 0]]).is_free
+    path = checker.certify_path([taken, lifted, [1.0, 0.5, 0.0]])
+    assert path.is_free and [c.pair for c in path.start_contacts] == [("part", "table")]
     assert checker.certify(taken, pressed).pair == ("part", "table")
     slid = checker.certify(taken, [0.5, 0.05, 0.0])
     assert slid.is_free and slid.start_contacts[0].until is None

@@ -167,3 +167,31 @@ pub(crate) fn bodies_called(checker: &Checker<JointTree>, name: &str) -> Vec<Wor
     let bodies = world.bodies().filter(|(_, of_body)| *of_body == name);
     bodies.map(|(id, _)| id).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fingerprints_cover_what_pairs_must_keep() {
+        let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../robot/examples/six_axis.urdf");
+        let (_, setup) = RobotFiles::new(urdf).load().expect("the example");
+        let of = |change: &dyn Fn(&mut Checker<JointTree>) -> Result<(), PlanError>| {
+            let mut checker = setup.checker().expect("a checker");
+            change(&mut checker).expect("a change");
+            fingerprint(&setup, &checker, StudyOptions::default()).expect("a fingerprint")
+        };
+        let all = [
+            of(&|_| Ok(())),
+            of(&|c| c.set_pair_margin("base", "gripper", Some(0.01)).map(|_| ())),
+            of(&|c| c.set_pair_margin("base", "gripper", Some(0.0)).map(|_| ())),
+            of(&|c| c.set_pair_margin("base", "forearm", Some(0.01)).map(|_| ())),
+            of(&|c| c.pad("gripper", 0.01).map(|_| ())),
+            of(&|c| c.exclude("base", "gripper").map(|_| ())),
+            of(&|c| c.set_margin(0.01)),
+        ];
+        let different: std::collections::BTreeSet<_> = all.iter().collect();
+        assert_eq!(different.len(), all.len(), "{all:?}");
+        assert_eq!(all[0], of(&|c| c.pad("gripper", 0.0).map(|_| ())));
+    }
+}

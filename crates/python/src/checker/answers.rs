@@ -162,7 +162,7 @@ impl Verdict {
 
     /// The contacts at the start that were accepted: see `Checker.start_contact_margin`.
     ///
-    /// Of a path, those of the last segment. Empty unless free.
+    /// Of a path, those of all segments. Empty unless free.
     #[getter]
     fn start_contacts(&self) -> Vec<StartContact> {
         self.start_contacts.clone()
