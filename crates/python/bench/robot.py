@@ -67,7 +67,7 @@ def main():
     options.add_argument("--rounds", type=int, default=5)
     rounds = options.parse_args().rounds
     robot = lc.Robot.load(ARM / "gripper.urdf", ARM / "gripper.srdf")
-    checker = lc.Checker(robot, ignore_adjacent=True)
+    checker = lc.Checker(robot, exclude_adjacent=True)
     q = np.random.default_rng(0).uniform(*robot.limits.T, (COUNT, robot.dof))
     runs = {
         "Rust loop": (lambda: None, COUNT),

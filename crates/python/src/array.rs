@@ -1,7 +1,7 @@
 //! Arrays of numpy: reading of arguments, structured answers.
 
 use lin_canny::nalgebra::{Point3, Vector3};
-use numpy::{Element, PyArray1, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PySlice};
 
@@ -16,6 +16,11 @@ pub(crate) trait Number: Element {
 impl Number for f64 {
     const DTYPE: &'static str = "float64";
     const KINDS: &'static str = "fiu";
+}
+
+impl Number for f32 {
+    const DTYPE: &'static str = "float32";
+    const KINDS: &'static str = "f";
 }
 
 impl Number for i64 {
@@ -101,6 +106,25 @@ pub(crate) fn vector(obj: &Bound<'_, PyAny>, argument: Argument) -> PyResult<Vec
     }
 }
 
+/// Returns the numbers of an array of shape (N,).
+pub(crate) fn numbers(obj: &Bound<'_, PyAny>, argument: Argument) -> PyResult<Vec<f64>> {
+    let array = contiguous::<f64>(obj, argument)?;
+    match array.shape() {
+        [_] => Ok(array.as_slice()?.to_vec()),
+        shape => Err((argument.error)(format!(
+            "{}: shape is {} (expected (N,))",
+            argument.name,
+            shape_text(shape)
+        ))),
+    }
+}
+
+/// Returns numbers as an array of shape (N, 3).
+pub(crate) fn of_triples<'py, T: Element>(py: Python<'py>, rows: Vec<[T; 3]>) -> PyResult<Bound<'py, PyArray2<T>>> {
+    let count = rows.len();
+    PyArray1::from_vec(py, rows.into_flattened()).reshape([count, 3])
+}
+
 /// Returns three numbers as an array.
 pub(crate) fn triple<'py>(py: Python<'py>, v: [f64; 3]) -> Bound<'py, PyArray1<f64>> {
     PyArray1::from_slice(py, &v)
@@ -118,7 +142,7 @@ pub(crate) fn structured<'py, const N: usize>(
     let count = table.len();
     let table = PyArray1::from_vec(py, table.into_flattened()).reshape([count, N])?;
     if fields.iter().all(|field| field.1 == "f8" && field.2 == 1) {
-        let dtype = record(py, fields.iter().copied())?;
+        let dtype = record(py, fields.iter().map(|(name, dtype, _)| (*name, *dtype, None)))?;
         return table.call_method1("view", (dtype,))?.call_method1("reshape", (count,));
     }
     let (transposed, mut first, mut named) = (table.getattr("T")?, 0, Vec::new());
@@ -130,7 +154,7 @@ pub(crate) fn structured<'py, const N: usize>(
                 transposed.get_item(part)?.getattr("T")?
             }
         };
-        named.push(((name, dtype, width), column));
+        named.push(((name, dtype, (width > 1).then_some(width)), column));
         first += width;
     }
     filled(py, count, named)
@@ -144,26 +168,34 @@ pub(crate) fn columns<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let named = fields
         .iter()
-        .map(|(name, dtype, column)| ((*name, *dtype, 1), column.clone()));
+        .map(|(name, dtype, column)| ((*name, *dtype, None), column.clone()));
     filled(py, count, named.collect())
 }
 
-/// Returns a dtype of fields.
-fn record<'py>(py: Python<'py>, fields: impl Iterator<Item = Field>) -> PyResult<Bound<'py, PyAny>> {
+/// A column of a structured array: name, dtype, and the number of its entries if it is an array.
+pub(crate) type Column = (&'static str, &'static str, Option<usize>);
+
+/// Returns a dtype of columns.
+fn record<'py>(py: Python<'py>, columns: impl Iterator<Item = Column>) -> PyResult<Bound<'py, PyAny>> {
     let names = PyList::empty(py);
-    for (name, dtype, width) in fields {
+    for (name, dtype, width) in columns {
         match width {
-            1 => names.append((name, dtype))?,
-            _ => names.append((name, dtype, (width,)))?,
+            None => names.append((name, dtype))?,
+            Some(width) => names.append((name, dtype, (width,)))?,
         }
     }
     py.import("numpy")?.call_method1("dtype", (names,))
 }
 
-fn filled<'py>(py: Python<'py>, count: usize, fields: Vec<(Field, Bound<'py, PyAny>)>) -> PyResult<Bound<'py, PyAny>> {
-    let dtype = record(py, fields.iter().map(|(field, _)| *field))?;
+/// Returns a structured array of shape (count,) from its columns.
+pub(crate) fn filled<'py>(
+    py: Python<'py>,
+    count: usize,
+    columns: Vec<(Column, Bound<'py, PyAny>)>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let dtype = record(py, columns.iter().map(|(column, _)| *column))?;
     let out = py.import("numpy")?.call_method1("empty", (count, dtype))?;
-    for ((name, ..), column) in fields {
+    for ((name, ..), column) in columns {
         out.set_item(name, column)?;
     }
     Ok(out)

@@ -4,6 +4,7 @@
 //! the number of threads, bit for bit.
 
 use std::iter::Enumerate;
+use std::ops::Range;
 use std::slice::ChunksMut;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -82,6 +83,27 @@ impl<'py> Run<'py> {
                 return Ok(());
             }
         }
+    }
+
+    /// Answers parts of a batch one after another, each by a function that uses all threads.
+    pub(crate) fn parts<T: Send>(
+        &self,
+        py: Python<'_>,
+        total: usize,
+        size: usize,
+        answer: impl Fn(Range<usize>) -> PyResult<T> + Sync,
+    ) -> PyResult<Vec<T>> {
+        let mut all = Vec::new();
+        for first in (0..total).step_by(size.max(1)) {
+            let part = first..total.min(first.saturating_add(size));
+            let end = part.end;
+            all.push(py.detach(|| answer(part))?);
+            py.check_signals()?;
+            if let Some(report) = &self.progress {
+                report.call1((end, total))?;
+            }
+        }
+        Ok(all)
     }
 }
 

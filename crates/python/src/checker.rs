@@ -3,17 +3,19 @@
 mod answers;
 mod batches;
 mod setup;
+mod world;
 
 pub(crate) use answers::{NearPair, Verdict};
+pub(crate) use world::BodyId;
 
 use std::time::{Duration, Instant};
 
 use lin_canny::Progress;
 use lin_canny_robot::Setup;
-use lin_canny_robot::plan::{Checker as Loaded, JointTree, Path, PlanOptions, WorldId};
+use lin_canny_robot::plan::{Checker as Loaded, ConfigurationSpace, JointTree, Path, PlanOptions, World};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 
 use crate::array::{Argument, contiguous, shape_text};
 use crate::errors::{plan_error, refused};
@@ -36,18 +38,35 @@ const BREATH: Duration = Duration::from_millis(50);
 /// Checks robots among obstacles: clearances with bounds, motions proven free over their whole
 /// length, and paths.
 ///
-/// One thread at a time may use a checker; batches use several threads.
+/// The world changes between queries: obstacles are added, moved, replaced and removed, objects are
+/// attached to links, bodies are padded, pairs are excluded. In these methods, `bodies`, `a` and
+/// `b` are a BodyId, a name, which stands for all bodies that have it, or a sequence of names. A
+/// wrong name is a PlanError that states the nearest name. A change that fails changes nothing.
 ///
-/// robot: a Robot, or for several robots a dict from a prefix of names to a tuple (Robot, pose).
-/// pose: the pose of the root link of a single robot. cell: the path of a JSON file of obstacles.
-/// obstacles: tuples (name, Geometry, pose). ignore: pairs of names of links and obstacles that are
-/// not checked. margin: the distance that all pairs must keep, a length.
+/// One thread at a time may use a checker; batches use several threads. A pickled checker has the
+/// world of the original, with the same ids; the files of its robots and cell are read again.
+///
+/// Parameters
+/// ----------
+/// robot : Robot or dict
+///     For several robots, a dict from a prefix of names to a tuple (Robot, pose).
+/// pose : pose, optional
+///     Of the root link of a single robot.
+/// cell : str or PathLike, optional
+///     A JSON or SDFormat file of obstacles.
+/// obstacles : sequence of tuples (name, Geometry, pose), optional
+/// exclude : sequence of tuples of two names, optional
+///     Links and obstacles whose pairs are not checked.
+/// exclude_adjacent : bool
+///     Whether pairs of adjacent links are not checked.
+/// margin : float
+///     The distance that all pairs must keep, a length.
+/// start_contact_margin : float, optional
+///     See the attribute.
 #[pyclass(module = "lin_canny")]
 pub(crate) struct Checker {
     setup: Setup,
     checker: Loaded<JointTree>,
-    names: Vec<String>,
-    robot_bodies: usize,
     /// The arguments, for pickling.
     arguments: (Py<PyTuple>, Py<PyDict>),
 }
@@ -56,7 +75,8 @@ pub(crate) struct Checker {
 impl Checker {
     #[new]
     #[pyo3(signature = (
-        robot, *, pose=None, cell=None, obstacles=None, ignore=None, ignore_adjacent=true, margin=0.0
+        robot, *, pose=None, cell=None, obstacles=None, exclude=None, exclude_adjacent=true, margin=0.0,
+        start_contact_margin=None
     ))]
     #[allow(clippy::too_many_arguments)] // the signature in Python
     fn new<'py>(
@@ -65,34 +85,43 @@ impl Checker {
         pose: Option<Bound<'py, PyAny>>,
         cell: Option<Bound<'py, PyAny>>,
         obstacles: Option<Vec<Obstacle<'py>>>,
-        ignore: Option<Vec<(String, String)>>,
-        ignore_adjacent: bool,
+        exclude: Option<Vec<(String, String)>>,
+        exclude_adjacent: bool,
         margin: f64,
+        start_contact_margin: Option<f64>,
     ) -> PyResult<Self> {
         let options = PyDict::new(py);
         options.set_item("pose", &pose)?;
         options.set_item("cell", &cell)?;
-        options.set_item("obstacles", &obstacles)?;
-        options.set_item("ignore", &ignore)?;
-        options.set_item("ignore_adjacent", ignore_adjacent)?;
-        options.set_item("margin", margin)?;
+        options.set_item("exclude_adjacent", exclude_adjacent)?;
         let robot_object = robot.object().clone();
-        let mut setup = setup::of_robots(&robot, pose, ignore_adjacent)?;
-        let in_cell = setup::add_cell(&mut setup, &robot, cell)?;
-        let others = setup::add_obstacles(&mut setup, obstacles.unwrap_or_default())?;
-        for (a, b) in ignore.unwrap_or_default() {
+        let mut setup = setup::of_robots(&robot, pose, exclude_adjacent)?;
+        setup::add_cell(&mut setup, &robot, cell)?;
+        setup::add_obstacles(&mut setup, obstacles.unwrap_or_default())?;
+        for (a, b) in exclude.unwrap_or_default() {
             setup.exclude(&a, &b);
         }
         let arguments = (PyTuple::new(py, [robot_object])?.unbind(), options.unbind());
-        let mut checker = Self::of_setup(setup, in_cell + others, arguments)?;
-        checker.checker.set_margin(margin).map_err(plan_error)?;
+        let mut checker = Self::of_setup(setup, arguments)?;
+        checker.set_margin(margin)?;
+        checker.set_start_contact_margin(start_contact_margin)?;
         Ok(checker)
     }
 
-    fn __getnewargs_ex__(&self, py: Python<'_>) -> PyResult<(Py<PyTuple>, Py<PyDict>)> {
-        let options = self.arguments.1.bind(py).copy()?;
-        options.set_item("margin", self.margin())?;
-        Ok((self.arguments.0.clone_ref(py), options.unbind()))
+    /// The robots and the cell; the world is in the state.
+    fn __getnewargs_ex__(&self, py: Python<'_>) -> (Py<PyTuple>, Py<PyDict>) {
+        (self.arguments.0.clone_ref(py), self.arguments.1.clone_ref(py))
+    }
+
+    fn __getstate__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let state = (self.checker.world(), self.checker.start_contact_margin());
+        Ok(PyBytes::new(py, &postcard::to_stdvec(&state).map_err(refused)?))
+    }
+
+    fn __setstate__(&mut self, state: &[u8]) -> PyResult<()> {
+        let (world, margin): (World, Option<f64>) = postcard::from_bytes(state).map_err(plan_error)?;
+        self.checker = Loaded::new(self.checker.space().clone(), world).map_err(plan_error)?;
+        self.set_start_contact_margin(margin)
     }
 
     /// The names of the coordinates of a configuration.
@@ -114,11 +143,11 @@ impl Checker {
         PyArray1::from_vec(py, limits.into_flattened()).reshape([self.dof(), 2])
     }
 
-    /// The names of all bodies, first those of the robots, then the obstacles. The name of a link
-    /// with several bodies is repeated.
+    /// The length that one unit of each coordinate stands for, shape (dof,): 1 for a prismatic
+    /// joint, the radius of the moved part for a revolute joint.
     #[getter]
-    fn bodies(&self) -> &[String] {
-        &self.names
+    fn scales<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.checker.space().scales())
     }
 
     /// What the files of the robots have and this checker does not use: see `Robot.skipped`.
@@ -127,7 +156,7 @@ impl Checker {
         self.setup.skipped().iter().map(ToString::to_string).collect()
     }
 
-    /// The distance that pairs must keep to be free, a length.
+    /// The distance that pairs without a margin of their own must keep to be free, a length.
     #[getter]
     fn margin(&self) -> f64 {
         self.checker.margin()
@@ -136,6 +165,27 @@ impl Checker {
     #[setter]
     fn set_margin(&mut self, margin: f64) -> PyResult<()> {
         self.checker.set_margin(margin).map_err(plan_error)
+    }
+
+    /// The distance within which a contact at the start of a segment is accepted, or None.
+    ///
+    /// A pair that is within this distance at the start, or overlaps by no more, is accepted if it
+    /// is proven not to come closer until it has left the margin. `Verdict.start_contacts` lists
+    /// such pairs. It acts on segments: `certify`, `certify_path`, and `is_free` of two
+    /// configurations.
+    #[getter]
+    fn start_contact_margin(&self) -> Option<f64> {
+        self.checker.start_contact_margin()
+    }
+
+    #[setter]
+    fn set_start_contact_margin(&mut self, margin: Option<f64>) -> PyResult<()> {
+        self.checker.set_start_contact_margin(margin).map_err(plan_error)
+    }
+
+    /// Drops all cached state: the next answer has the bits of a new checker's.
+    fn forget(&mut self) {
+        self.checker.forget();
     }
 
     /// Returns the pair of least signed distance at a configuration, shape (dof,).
@@ -148,7 +198,7 @@ impl Checker {
 
     /// Returns all pairs whose signed distance exceeds the least by at most `slack`, a length.
     ///
-    /// The closest pair comes first.
+    /// The closest pair comes first, by true distance; `excess` takes off what it must keep.
     fn nearest(&mut self, q: &Bound<'_, PyAny>, slack: f64) -> PyResult<Vec<NearPair>> {
         let found = self.checker.nearest(&configuration(q)?, slack).map_err(plan_error)?;
         Ok(found
@@ -157,10 +207,21 @@ impl Checker {
             .collect())
     }
 
-    /// Returns whether a configuration keeps the margin, by exact predicates.
+    /// Returns the names of all pairs in contact at a configuration, by exact predicates.
+    ///
+    /// A pair within rounding error of contact counts. Margins do not matter.
+    fn in_contact(&mut self, q: &Bound<'_, PyAny>) -> PyResult<Vec<Pair>> {
+        let found = self.checker.in_contact(&configuration(q)?).map_err(plan_error)?;
+        Ok(found
+            .into_iter()
+            .map(|pair| answers::names(&self.checker, pair))
+            .collect())
+    }
+
+    /// Returns whether a configuration keeps the margins, by exact predicates.
     ///
     /// With a second configuration, returns whether the straight segment between both is proven to
-    /// keep the margin over its whole length.
+    /// keep the margins over its whole length.
     #[pyo3(signature = (q, to=None))]
     fn is_free(&mut self, q: &Bound<'_, PyAny>, to: Option<&Bound<'_, PyAny>>) -> PyResult<bool> {
         let q = configuration(q)?;
@@ -241,28 +302,26 @@ impl Checker {
     }
 
     fn __repr__(&self) -> String {
-        let (own, all) = (self.robot_bodies, self.names.len());
+        let world = self.checker.world();
+        let (robot, attached) = (world.robot_bodies().len(), world.attached().count());
+        let carried = match attached {
+            0 => String::new(),
+            count => format!("{count} attached, "),
+        };
         format!(
-            "<Checker: {own} bodies, {} obstacles, {} coordinates>",
-            all - own,
+            "<Checker: {robot} bodies, {carried}{} obstacles, {} coordinates>",
+            world.obstacles().len(),
             self.dof()
         )
     }
 }
 
 impl Checker {
-    fn of_setup(setup: Setup, obstacles: usize, arguments: (Py<PyTuple>, Py<PyDict>)) -> PyResult<Self> {
+    fn of_setup(setup: Setup, arguments: (Py<PyTuple>, Py<PyDict>)) -> PyResult<Self> {
         let checker = setup.checker().map_err(plan_error)?;
-        let own = checker.world().robot_bodies().len();
-        let parts = (0..own)
-            .map(WorldId::Robot)
-            .chain((0..obstacles).map(WorldId::Obstacle));
-        let names = parts.map(|part| checker.name(part).to_owned()).collect();
         Ok(Self {
             setup,
             checker,
-            names,
-            robot_bodies: own,
             arguments,
         })
     }
@@ -272,7 +331,7 @@ impl Checker {
         let py = robot.py();
         let setup = setup::of_robots(&RobotArgument::One(robot.clone()), None, true)?;
         let arguments = (PyTuple::new(py, [robot])?.unbind(), PyDict::new(py).unbind());
-        Self::of_setup(setup, 0, arguments)
+        Self::of_setup(setup, arguments)
     }
 
     /// Returns the configurations of a path.

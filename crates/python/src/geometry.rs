@@ -1,7 +1,10 @@
 //! Geometries: what bodies are made of.
 
 mod build;
+mod cloud;
 mod patches;
+
+pub(crate) use cloud::Cloud;
 
 use std::borrow::Cow;
 
@@ -20,7 +23,7 @@ use crate::pose::Pose;
 ///
 /// Lengths are in the caller's unit; nothing depends on the unit. Every constructor raises
 /// `GeometryError` for input that makes no geometry, and names the point, triangle or parameter.
-#[pyclass(frozen, module = "lin_canny")]
+#[pyclass(frozen, subclass, module = "lin_canny")]
 pub(crate) struct Geometry(pub(crate) Body);
 
 /// A piece as an argument: a geometry, or a geometry and its pose.
@@ -74,7 +77,7 @@ impl Geometry {
     }
 
     /// The kind: "polyhedron", "point or segment", "rounded polyhedron", "curved shape",
-    /// "compound", "mesh" or "Bézier surface".
+    /// "compound", "mesh", "cloud", "Bézier surface" or "half-space".
     #[getter]
     fn kind(&self) -> String {
         self.0.kind().to_string()
@@ -106,7 +109,7 @@ impl Geometry {
     fn is_convex(&self) -> bool {
         !matches!(
             self.0.kind(),
-            GeometryKind::Compound | GeometryKind::Mesh | GeometryKind::BezierSurface
+            GeometryKind::Compound | GeometryKind::Mesh | GeometryKind::Cloud | GeometryKind::BezierSurface
         )
     }
 
@@ -120,7 +123,7 @@ impl Geometry {
         }
     }
 
-    /// A ball that contains the geometry: centre, shape (3,), and radius.
+    /// A ball that contains the geometry: centre, shape (3,), and radius; 1e100 for a half-space.
     #[getter]
     fn bounding_ball<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<f64>>, f64) {
         let (centre, radius) = self.0.bounding_ball();
@@ -170,6 +173,17 @@ impl Geometry {
                 )
             }
             Body::Compound(c) => format!("<Geometry compound: {} pieces>", c.pieces().len()),
+            Body::Cloud(c) => format!("<Cloud: {} points>", c.len()),
+            Body::HalfSpace(h) => {
+                let n = h.normal();
+                format!(
+                    "<Geometry half-space: normal ({}, {}, {}), offset {}>",
+                    n.x,
+                    n.y,
+                    n.z,
+                    h.offset()
+                )
+            }
             Body::BezierSurface(s) => format!("<Geometry surface: {} patches>", s.patches().len()),
             other => format!("<Geometry {}: radius {:.6}>", other.kind(), other.bounding_ball().1),
         }

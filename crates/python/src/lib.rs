@@ -7,7 +7,9 @@ mod checker;
 mod errors;
 mod geometry;
 mod mesh_file;
+mod point_file;
 mod pose;
+mod ray;
 mod robot;
 mod scene;
 mod tracker;
@@ -17,18 +19,25 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<geometry::Geometry>()?;
+    module.add_class::<geometry::Cloud>()?;
     module.add_class::<tracker::PairTracker>()?;
     module.add_class::<tracker::Closest>()?;
     module.add_class::<tracker::Penetration>()?;
     module.add_class::<tracker::Cast>()?;
+    module.add_class::<tracker::StartContact>()?;
+    module.add_class::<ray::RayCaster>()?;
+    module.add_class::<ray::RayCast>()?;
     module.add_class::<scene::Scene>()?;
     module.add_class::<scene::ScenePair>()?;
     module.add_class::<robot::Robot>()?;
     module.add_class::<checker::Checker>()?;
+    module.add_class::<checker::BodyId>()?;
     module.add_class::<checker::NearPair>()?;
     module.add_class::<checker::Verdict>()?;
     module.add_class::<mesh_file::MeshFile>()?;
+    module.add_class::<point_file::PointFile>()?;
     module.add_function(wrap_pyfunction!(mesh_file::load_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(point_file::read_points, module)?)?;
     module.add_function(wrap_pyfunction!(tracker::distances, module)?)?;
     #[cfg(feature = "bench")]
     module.add_function(wrap_pyfunction!(tracker::rust_loop, module)?)?;

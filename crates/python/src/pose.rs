@@ -9,3 +9,13 @@ pub(crate) use batch::Poses;
 pub(crate) use rigid::PoseView;
 
 mod batch;
+
+use lin_canny::nalgebra::Isometry3;
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+
+/// Returns a pose as an array of shape (4, 4).
+pub(crate) fn matrix_of_pose<'py>(py: Python<'py>, pose: &Isometry3<f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let matrix = pose.to_homogeneous();
+    PyArray1::from_slice(py, matrix.transpose().as_slice()).reshape([4, 4])
+}

@@ -8,14 +8,14 @@ pub(crate) use answers::ScenePair;
 use lin_canny::Velocity;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{Body, BodyId, Group, Scene as Loaded};
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::array::{Argument, vector};
 use crate::errors::{pose_error, refused, scene_error};
 use crate::geometry::Geometry;
-use crate::pose::{Pose, Poses};
+use crate::pose::{Pose, Poses, matrix_of_pose};
 
 const VELOCITY: Argument = Argument {
     name: "a velocity",
@@ -99,8 +99,7 @@ impl Scene {
     /// Returns the pose of a body, shape (4, 4).
     fn pose<'py>(&self, py: Python<'py>, id: u64) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let stale = || scene_error(format!("{} does not exist in this scene, or was removed", body(id)));
-        let matrix = self.0.pose(body(id)).ok_or_else(stale)?.to_homogeneous();
-        PyArray1::from_slice(py, matrix.transpose().as_slice()).reshape([4, 4])
+        matrix_of_pose(py, self.0.pose(body(id)).ok_or_else(stale)?)
     }
 
     /// Sets the velocity of a body in the world, which `advance` uses.

@@ -8,7 +8,7 @@ mod contacts;
 pub(crate) use at_poses::distances;
 #[cfg(feature = "bench")]
 pub(crate) use at_poses::rust_loop;
-pub(crate) use cast::Cast;
+pub(crate) use cast::{Cast, StartContact};
 pub(crate) use closest::{Closest, state_name};
 pub(crate) use contacts::Penetration;
 

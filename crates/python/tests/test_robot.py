@@ -107,7 +107,7 @@ def test_a_planned_path_is_free(checker):
     short_post = lc.Checker(
         lc.Robot.load(checker_urdf(checker)),
         obstacles=[("stub", lc.Geometry.cylinder(half_height=0.2, radius=0.1), ((0, 1.5, 0), (0, 0, 0, 1)))],
-        ignore=[("base", "bar")],
+        exclude=[("base", "bar")],
     )
     start, goal = [0.0, 0.0], [0.0, 2.5]
     assert not short_post.is_free(start, goal)
@@ -195,7 +195,7 @@ def test_a_robot_alone_has_no_pair_left(robot):
         (lambda c: c.certify([0, 0], [0, math.nan]), lc.PlanError, "coordinate 1"),
         (lambda c: lc.Robot.load("missing.urdf"), lc.FileError, "missing.urdf: cannot be read"),
         (lambda c: lc.Robot.load("x", meshes="soup"), lc.LinCannyError, '"soup"'),
-        (lambda c: lc.Checker(c.__getnewargs_ex__()[0][0], ignore=[("bar", "moon")]), lc.PlanError, "moon"),
+        (lambda c: lc.Checker(c.__getnewargs_ex__()[0][0], exclude=[("bar", "moon")]), lc.PlanError, "moon"),
         (lambda c: lc.Checker({}, cell="x"), lc.LinCannyError, "needs a robot"),
     ],
 )

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use lin_canny::nalgebra::Isometry3;
 
 use crate::cell::Cell;
+use crate::cell_body::AttachedBody;
 use crate::error::FileError;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
@@ -42,6 +43,12 @@ pub struct RobotFiles {
     pub options: LoadOptions,
     /// Whether adjacent links are checked as well.
     pub check_adjacent: bool,
+    /// Objects that links carry: the link, and the JSON file of an [`AttachedBody`].
+    pub attached: Vec<(String, PathBuf)>,
+    /// Paddings of links, obstacles and attached objects: see [`Setup::pad`].
+    pub paddings: Vec<(String, f64)>,
+    /// Pairs of names that are excluded: see [`Setup::exclude`].
+    pub excluded: Vec<[String; 2]>,
 }
 
 impl RobotFiles {
@@ -59,6 +66,9 @@ impl RobotFiles {
     }
 
     /// Returns the robot, and the setup of robot and cell for a checker.
+    ///
+    /// Names of attached objects, paddings and excluded pairs are checked by
+    /// [`Setup::checker`].
     ///
     /// # Errors
     /// Returns an error if a file is invalid, or if the robot has no link of a name in
@@ -81,6 +91,15 @@ impl RobotFiles {
         }
         if let Some(file) = &self.cell {
             setup.cell(&Cell::load(file, &self.packages, &self.options)?);
+        }
+        for (link, file) in &self.attached {
+            setup.attach(link, AttachedBody::load(file, &self.packages, &self.options)?);
+        }
+        for (name, padding) in &self.paddings {
+            setup.pad(name, *padding);
+        }
+        for [a, b] in &self.excluded {
+            setup.exclude(a, b);
         }
         Ok((robot, setup))
     }

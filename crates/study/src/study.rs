@@ -14,6 +14,9 @@ use crate::error::StudyError;
 pub struct StudyOptions {
     /// Minimum distance of all pairs for `is_free` and `certify`, in the robot's unit of length.
     pub margin: f64,
+    /// Distance within which `certify` accepts a contact at the start of a segment
+    /// ([`Checker::set_start_contact_margin`]); `None` accepts no contact.
+    pub start_contact_margin: Option<f64>,
     /// Whether an invalid row gives NULL instead of an error.
     pub lenient: bool,
 }
@@ -23,6 +26,13 @@ impl StudyOptions {
     #[must_use]
     pub const fn margin(mut self, margin: f64) -> Self {
         self.margin = margin;
+        self
+    }
+
+    /// Returns the options that accept contacts at the start of a segment, or no contact.
+    #[must_use]
+    pub const fn start_contact_margin(mut self, margin: Option<f64>) -> Self {
+        self.start_contact_margin = margin;
         self
     }
 
@@ -58,7 +68,7 @@ impl Study {
     /// Returns the study of a robot and a cell.
     ///
     /// # Errors
-    /// Returns an error if no checker can be made, or if the margin is negative or not finite.
+    /// Returns an error if no checker can be made, or if a margin is negative or not finite.
     pub fn new(setup: Setup, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
         let mut study = Self {
             setup,
@@ -132,43 +142,22 @@ impl Study {
     fn checker(&self) -> Result<Checker<JointTree>, PlanError> {
         let mut checker = self.setup.checker()?;
         checker.set_margin(self.options.margin)?;
+        checker.set_start_contact_margin(self.options.start_contact_margin)?;
         Ok(checker)
     }
 }
 
 /// Version of fingerprints and of their inputs.
-const FORMAT: &str = "lin-canny-study 1";
+const FORMAT: &str = "lin-canny-study 2";
 
 fn fingerprint(setup: &Setup, checker: &Checker<JointTree>, options: StudyOptions) -> Result<String, StudyError> {
     let mut hasher = blake3::Hasher::new();
-    // Every field ends with a byte that no text contains.
-    let mut text = |text: String| {
-        hasher.update(text.as_bytes()).update(&[0xff]);
-    };
-    text(FORMAT.into());
     // `Debug` writes every digit of a number.
-    text(format!("{options:?} {:?} {:?}", setup.coordinates(), checker.space()));
-    let world = checker.world();
-    for [a, b] in world.excluded() {
-        text(format!("{a:?} {b:?}"));
-    }
-    for (name, _) in world.robot_bodies() {
-        text(name.into());
-    }
-    for (name, _, pose) in world.obstacles() {
-        text(format!("{name} {pose:?}"));
-    }
-    for (_, object) in world.attached() {
-        text(format!("{} {} {:?}", object.name, object.link, object.pose));
-    }
-    for (id, _) in world.bodies().filter(|(id, _)| world.padding(*id) > 0.0) {
-        text(format!("{id:?} {:?}", world.padding(id)));
-    }
-    let robot = world.robot_bodies().map(|(_, geometry)| geometry);
-    let robot = robot.chain(world.attached().map(|(_, object)| &object.geometry));
-    for geometry in robot.chain(world.obstacles().map(|(_, geometry, _)| geometry)) {
-        serde_json::to_writer(&mut hasher, geometry)?;
-    }
+    let space = format!("{FORMAT} {options:?} {:?} {:?}", setup.coordinates(), checker.space());
+    // No text contains this byte.
+    hasher.update(space.as_bytes()).update(&[0xff]);
+    // The whole world: bodies, frames, excluded pairs, margins and paddings.
+    serde_json::to_writer(&mut hasher, checker.world())?;
     Ok(hasher.finalize().to_hex()[..16].to_owned())
 }
 
@@ -177,4 +166,32 @@ pub(crate) fn bodies_called(checker: &Checker<JointTree>, name: &str) -> Vec<Wor
     let world = checker.world();
     let bodies = world.bodies().filter(|(_, of_body)| *of_body == name);
     bodies.map(|(id, _)| id).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fingerprints_cover_what_pairs_must_keep() {
+        let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../robot/examples/six_axis.urdf");
+        let (_, setup) = RobotFiles::new(urdf).load().expect("the example");
+        let of = |change: &dyn Fn(&mut Checker<JointTree>) -> Result<(), PlanError>| {
+            let mut checker = setup.checker().expect("a checker");
+            change(&mut checker).expect("a change");
+            fingerprint(&setup, &checker, StudyOptions::default()).expect("a fingerprint")
+        };
+        let all = [
+            of(&|_| Ok(())),
+            of(&|c| c.set_pair_margin("base", "gripper", Some(0.01)).map(|_| ())),
+            of(&|c| c.set_pair_margin("base", "gripper", Some(0.0)).map(|_| ())),
+            of(&|c| c.set_pair_margin("base", "forearm", Some(0.01)).map(|_| ())),
+            of(&|c| c.pad("gripper", 0.01).map(|_| ())),
+            of(&|c| c.exclude("base", "gripper").map(|_| ())),
+            of(&|c| c.set_margin(0.01)),
+        ];
+        let different: std::collections::BTreeSet<_> = all.iter().collect();
+        assert_eq!(different.len(), all.len(), "{all:?}");
+        assert_eq!(all[0], of(&|c| c.pad("gripper", 0.0).map(|_| ())));
+    }
 }

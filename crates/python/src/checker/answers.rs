@@ -4,7 +4,9 @@ use lin_canny_robot::plan::{Checker, JointTree, NearPair as Near, Verdict as Jud
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
+use super::world::BodyId;
 use crate::array::triple;
+use crate::tracker::StartContact;
 
 /// The names of two bodies.
 pub(super) type Pair = (String, String);
@@ -48,6 +50,12 @@ impl NearPair {
         self.near.upper
     }
 
+    /// The signed distance less what the pair must keep: its margin and the paddings.
+    #[getter]
+    fn excess(&self) -> f64 {
+        self.near.excess
+    }
+
     /// The name of the first body.
     #[getter]
     fn a(&self) -> &str {
@@ -58,6 +66,12 @@ impl NearPair {
     #[getter]
     fn b(&self) -> &str {
         &self.pair.1
+    }
+
+    /// The ids of both bodies.
+    #[getter]
+    fn ids(&self) -> (BodyId, BodyId) {
+        (BodyId(self.near.pair.a), BodyId(self.near.pair.b))
     }
 
     /// The witness on the first body in the world, shape (3,).
@@ -72,11 +86,19 @@ impl NearPair {
         triple(py, self.near.witnesses[1].coords.into())
     }
 
-    /// The derivative of the signed distance by each coordinate, shape (dof,).
-    ///
-    /// Each component is divided by the length that corresponds to one unit of the coordinate (1
-    /// for a prismatic joint, the radius of the moved part for a revolute joint). It is zero for an
+    /// The unit vector from the first body to the second in the world, shape (3,); zero for an
     /// overlap of unknown depth.
+    #[getter]
+    fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        triple(py, self.near.normal.into())
+    }
+
+    /// The derivative of the signed distance by each coordinate, shape (dof,); zero for an overlap
+    /// of unknown depth.
+    ///
+    /// Where two places are equally close, as at parallel faces, the distance has a kink: the
+    /// gradient is that of the witnesses alone. Divide by `Checker.scales` for derivatives by a
+    /// length.
     #[getter]
     fn gradient<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.near.gradient)
@@ -97,6 +119,8 @@ pub(crate) struct Verdict {
     segment: usize,
     verdict: Judged,
     pair: Option<Pair>,
+    start_contacts: Vec<StartContact>,
+    text: String,
 }
 
 impl Verdict {
@@ -105,13 +129,27 @@ impl Verdict {
             Judged::Blocked { pair, .. } => Some(names(checker, pair)),
             _ => None,
         };
-        Self { segment, verdict, pair }
+        let start_contacts = match &verdict {
+            Judged::Free { start_contacts, .. } => start_contacts
+                .iter()
+                .map(|leaving| StartContact::new(leaving.contact, Some(names(checker, leaving.pair))))
+                .collect(),
+            _ => Vec::new(),
+        };
+        let text = checker.show(&verdict).to_string();
+        Self {
+            segment,
+            verdict,
+            pair,
+            start_contacts,
+            text,
+        }
     }
 }
 
 #[pymethods]
 impl Verdict {
-    /// "free" (every pair keeps the margin at every instant), "blocked" (a pair is proven not to)
+    /// "free" (every pair keeps its margin at every instant), "blocked" (a pair is proven not to)
     /// or "undecided" (rounding hides it).
     #[getter]
     fn state(&self) -> &'static str {
@@ -120,6 +158,14 @@ impl Verdict {
             Judged::Blocked { .. } => "blocked",
             _ => "undecided",
         }
+    }
+
+    /// The contacts at the start that were accepted: see `Checker.start_contact_margin`.
+    ///
+    /// Of a path, those of all segments. Empty unless free.
+    #[getter]
+    fn start_contacts(&self) -> Vec<StartContact> {
+        self.start_contacts.clone()
     }
 
     /// Whether the motion is proven free.
@@ -166,6 +212,10 @@ impl Verdict {
             }
             _ => None,
         }
+    }
+
+    fn __str__(&self) -> &str {
+        &self.text
     }
 
     fn __repr__(&self) -> String {

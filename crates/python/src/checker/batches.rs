@@ -1,13 +1,12 @@
 //! Many configurations.
 
-use lin_canny_robot::Setup;
-use lin_canny_robot::plan::{Checker as Loaded, JointTree, WorldId};
-use numpy::{PyArray1, PyReadonlyArrayDyn};
+use lin_canny_robot::plan::{Checker as Loaded, JointTree, NearPairs, PlanError, WorldId, WorldPair};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 
 use super::{CONFIGURATIONS, Checker, configurations};
-use crate::array::{contiguous, structured};
-use crate::batch::{Batch, Run};
+use crate::array::{contiguous, filled, of_triples, structured};
+use crate::batch::{BLOCK, Batch, Run};
 use crate::errors::plan_error;
 
 /// Number of queries between two readings of the clock.
@@ -19,34 +18,38 @@ type Row = [f64; 5];
 /// The answer without a pair.
 const NO_PAIR: Row = [f64::INFINITY, f64::INFINITY, f64::INFINITY, -1.0, -1.0];
 
-/// Configurations row by row, for checkers of one setup.
+/// Configurations row by row, for checkers of one world.
 struct Configurations<'a> {
-    setup: &'a Setup,
-    margin: f64,
-    robot_bodies: usize,
+    checker: &'a Loaded<JointTree>,
+    numbers: Numbers,
     rows: Vec<&'a [f64]>,
 }
 
-impl Configurations<'_> {
-    fn checker(&self) -> PyResult<Loaded<JointTree>> {
-        let mut checker = self.setup.checker().map_err(plan_error)?;
-        checker.set_margin(self.margin).map_err(plan_error)?;
-        Ok(checker)
+/// The bodies of a world in the order of `Checker.bodies`.
+struct Numbers(Vec<WorldId>);
+
+impl Numbers {
+    fn new(checker: &Loaded<JointTree>) -> Self {
+        Self(checker.world().bodies().map(|(id, _)| id).collect())
     }
 
-    fn number(&self, part: WorldId) -> f64 {
-        match part {
-            WorldId::Robot(k) => k as f64,
-            // A checker of Python has no attached objects.
-            WorldId::Attached(_) => -1.0,
-            WorldId::Obstacle(k) => (self.robot_bodies + k) as f64,
-        }
+    /// Returns the index of a body; bodies are in ascending order.
+    fn of(&self, id: WorldId) -> i32 {
+        self.0.binary_search(&id).map_or(-1, |k| k as i32)
+    }
+}
+
+impl Configurations<'_> {
+    /// Returns a new checker of the same world.
+    fn checker(&self) -> PyResult<Loaded<JointTree>> {
+        let (space, world) = (self.checker.space().clone(), self.checker.world().clone());
+        Loaded::new(space, world).map_err(plan_error)
     }
 
     fn clearance(&self, checker: &mut Loaded<JointTree>, k: usize) -> PyResult<Row> {
         let found = checker.clearance(self.rows[k]).map_err(|e| fault(k, &e))?;
         Ok(found.map_or(NO_PAIR, |near| {
-            let [a, b] = [near.pair.a, near.pair.b].map(|part| self.number(part));
+            let [a, b] = [near.pair.a, near.pair.b].map(|id| f64::from(self.numbers.of(id)));
             [near.distance, near.lower, near.upper, a, b]
         }))
     }
@@ -100,9 +103,8 @@ impl Batch for Free<'_> {
 impl Checker {
     fn batch<'a>(&'a self, array: &'a PyReadonlyArrayDyn<'_, f64>) -> PyResult<Configurations<'a>> {
         Ok(Configurations {
-            setup: &self.setup,
-            margin: self.checker.margin(),
-            robot_bodies: self.robot_bodies,
+            checker: &self.checker,
+            numbers: Numbers::new(&self.checker),
             rows: configurations(array, self.setup.coordinates().len())?.collect(),
         })
     }
@@ -153,6 +155,57 @@ impl Checker {
         Ok(PyArray1::from_vec(py, rows))
     }
 
+    /// Returns the `k` closest pairs at many configurations, shape (N, dof), with gradients.
+    ///
+    /// Row i has the bits of `nearest(q[i], slack)[:k]` after `forget`, for any number of threads.
+    /// Ctrl-C ends the call.
+    ///
+    /// Parameters
+    /// ----------
+    /// q : array_like, shape (N, dof)
+    /// k : int
+    ///     The largest number of pairs of a row.
+    /// slack : float
+    ///     Pairs whose distance exceeds the least of the row by more are left out.
+    /// threads : int
+    /// progress : callable or bool, optional
+    ///     As for `clearances`.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray, shape (N, k)
+    ///     A structured array, the closest pair of each row first. Fields: `distance`, `lower`,
+    ///     `upper`, `excess`; `a` and `b`, indices of `bodies`; `point_a`, `point_b`, `normal` of
+    ///     shape (3,), in the world; `gradient` of shape (dof,): see `NearPair.gradient`. In entries
+    ///     without a pair `a` and `b` are -1, the first four are infinite, the others zero.
+    #[pyo3(signature = (q, k, slack=f64::INFINITY, *, threads=1, progress=None))]
+    #[allow(clippy::too_many_arguments)] // the signature in Python
+    fn nearest_batch<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        k: usize,
+        slack: f64,
+        threads: usize,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let array = contiguous::<f64>(q, CONFIGURATIONS)?;
+        let (dof, checker) = (self.dof(), &self.checker);
+        let rows = configurations(&array, dof)?.len();
+        let run = Run::new(py, rows, threads, progress)?;
+        let numbers = array.as_slice()?;
+        let parts = run.parts(py, rows, BLOCK.saturating_mul(threads), |part| {
+            let values = &numbers[part.start * dof..part.end * dof];
+            let found = checker.nearest_batch(values, k, slack, threads);
+            found.map_err(|error| match error {
+                PlanError::Row { row, error } => fault(part.start + row, &error),
+                error => plan_error(error),
+            })
+        })?;
+        let found = near_pairs(py, &parts, &Numbers::new(checker), dof)?;
+        found.call_method1("reshape", ((rows, k),))
+    }
+
     /// Returns the seconds of thread CPU time of the loop in Rust, and the sum of all distances.
     #[cfg(feature = "bench")]
     fn _rust_loop(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<(f64, f64)> {
@@ -168,4 +221,38 @@ impl Checker {
             Ok((seconds, rows?.iter().map(|row| row[0]).sum()))
         })
     }
+}
+
+/// Returns the entries of batches as a structured array.
+fn near_pairs<'py>(py: Python<'py>, parts: &[NearPairs], numbers: &Numbers, dof: usize) -> PyResult<Bound<'py, PyAny>> {
+    let number = |of: fn(&NearPairs) -> &Vec<f64>| {
+        let values: Vec<f64> = parts.iter().flat_map(of).copied().collect();
+        PyArray1::from_vec(py, values)
+    };
+    let vector = |of: fn(&NearPairs) -> &Vec<[f64; 3]>| {
+        let values: Vec<[f64; 3]> = parts.iter().flat_map(of).copied().collect();
+        of_triples(py, values).map(Bound::into_any)
+    };
+    let body = |of: fn(&WorldPair) -> WorldId| {
+        let pairs = parts.iter().flat_map(|part| &part.pairs);
+        let indices = pairs.map(|pair| pair.as_ref().map_or(-1, |pair| numbers.of(of(pair))));
+        PyArray1::from_vec(py, indices.collect()).into_any()
+    };
+    let count = parts.iter().map(|part| part.pairs.len()).sum();
+    let columns = vec![
+        (("distance", "f8", None), number(|n| &n.distances).into_any()),
+        (("lower", "f8", None), number(|n| &n.lower).into_any()),
+        (("upper", "f8", None), number(|n| &n.upper).into_any()),
+        (("excess", "f8", None), number(|n| &n.excesses).into_any()),
+        (("a", "i4", None), body(|pair| pair.a)),
+        (("b", "i4", None), body(|pair| pair.b)),
+        (("point_a", "f8", Some(3)), vector(|n| &n.points_a)?),
+        (("point_b", "f8", Some(3)), vector(|n| &n.points_b)?),
+        (("normal", "f8", Some(3)), vector(|n| &n.normals)?),
+        (
+            ("gradient", "f8", Some(dof)),
+            number(|n| &n.gradients).reshape([count, dof])?.into_any(),
+        ),
+    ];
+    filled(py, count, columns)
 }

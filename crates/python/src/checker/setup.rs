@@ -51,7 +51,7 @@ fn pose_of(pose: Option<&Bound<'_, PyAny>>) -> PyResult<Isometry3<f64>> {
 pub(super) fn of_robots(
     robots: &RobotArgument<'_>,
     pose: Option<Bound<'_, PyAny>>,
-    ignore_adjacent: bool,
+    exclude_adjacent: bool,
 ) -> PyResult<Setup> {
     let mut placed = Vec::new();
     match robots {
@@ -73,7 +73,7 @@ pub(super) fn of_robots(
         setup.robot(prefix, &robot.get().robot, *pose);
     }
     // An SRDF may enable pairs of adjacent links again.
-    if ignore_adjacent {
+    if exclude_adjacent {
         setup.exclude_adjacent();
     }
     for (prefix, robot, _) in &placed {
@@ -84,24 +84,19 @@ pub(super) fn of_robots(
     Ok(setup)
 }
 
-/// Adds the obstacles of a JSON file, and returns their number.
-pub(super) fn add_cell(
-    setup: &mut Setup,
-    robots: &RobotArgument<'_>,
-    cell: Option<Bound<'_, PyAny>>,
-) -> PyResult<usize> {
-    let Some(cell) = cell else { return Ok(0) };
+/// Adds the obstacles of a JSON or SDFormat file.
+pub(super) fn add_cell(setup: &mut Setup, robots: &RobotArgument<'_>, cell: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+    let Some(cell) = cell else { return Ok(()) };
     let (packages, meshes) = robots.first()?.get().mesh_sources()?;
     let cell = Cell::load(cell.extract::<PathBuf>()?, &packages, &meshes).map_err(file_error)?;
     setup.cell(&cell);
-    Ok(cell.obstacles.len())
+    Ok(())
 }
 
-/// Adds obstacles, and returns their number.
-pub(super) fn add_obstacles(setup: &mut Setup, obstacles: Vec<Obstacle<'_>>) -> PyResult<usize> {
-    let count = obstacles.len();
+/// Adds obstacles.
+pub(super) fn add_obstacles(setup: &mut Setup, obstacles: Vec<Obstacle<'_>>) -> PyResult<()> {
     for (name, geometry, pose) in obstacles {
         setup.obstacle(name, geometry.get().0.clone(), pose_of(Some(&pose))?);
     }
-    Ok(count)
+    Ok(())
 }

@@ -1,11 +1,12 @@
 //! Geometries from points, triangles and parameters.
 
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::{ConvexPolyhedron, Mesh, Shape, ShapeError};
+use lin_canny::{ConvexPolyhedron, HalfSpace, Mesh, Shape, ShapeError};
+use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
 
 use super::Geometry;
-use crate::array::{Argument, contiguous, points, rows, vector};
+use crate::array::{Argument, contiguous, points, rows, shape_text, vector};
 use crate::errors::geometry_error;
 
 const POINTS: Argument = Argument {
@@ -22,6 +23,14 @@ pub(super) const VERTICES: Argument = Argument {
 };
 const TRIANGLES: Argument = Argument {
     name: "triangles",
+    ..POINTS
+};
+const NORMAL: Argument = Argument {
+    name: "a normal",
+    ..POINTS
+};
+const HEIGHTS: Argument = Argument {
+    name: "heights",
     ..POINTS
 };
 
@@ -111,6 +120,61 @@ impl Geometry {
     #[staticmethod]
     fn from_trimesh(py: Python<'_>, mesh: &Bound<'_, PyAny>) -> PyResult<Self> {
         Self::mesh(py, &mesh.getattr("vertices")?, &mesh.getattr("faces")?)
+    }
+
+    /// Returns the mesh of a height field.
+    ///
+    /// The value `[i][j]` is the z at x = j * spacing[0] and y = i * spacing[1]. Every square is cut
+    /// along the diagonal from `[i][j]` to `[i + 1][j + 1]`.
+    ///
+    /// Parameters
+    /// ----------
+    /// heights : array_like, shape (rows, columns)
+    ///     At least two rows and two columns.
+    /// spacing : tuple of two floats
+    ///     Distances of neighbouring values along x and y.
+    /// base : float, optional
+    ///     The z of a base below all heights: the mesh is a solid with walls down to it. Without a
+    ///     base, the mesh is an open surface, and a body below it does not overlap it.
+    ///
+    /// Raises
+    /// ------
+    /// GeometryError
+    ///     If a height is not finite or not above the base: names the index, row by row.
+    #[staticmethod]
+    #[pyo3(signature = (heights, *, spacing, base=None))]
+    fn from_heights(
+        py: Python<'_>,
+        heights: &Bound<'_, PyAny>,
+        spacing: [f64; 2],
+        base: Option<f64>,
+    ) -> PyResult<Self> {
+        let array = contiguous::<f64>(heights, HEIGHTS)?;
+        let &[rows, columns] = array.shape() else {
+            let shape = shape_text(array.shape());
+            return Err(geometry_error(format!("heights: shape is {shape} (expected (M, N))")));
+        };
+        let heights = array.as_slice()?.to_vec();
+        let mesh = py.detach(|| Mesh::from_heights(rows, columns, spacing, &heights, base));
+        Ok(Self(mesh.map_err(geometry_error)?.into()))
+    }
+
+    /// Returns the half-space of all points x with `normal . x <= offset`, such as a floor.
+    ///
+    /// The signed distance of any geometry is the height of its lowest point over the plane. So
+    /// depths are known for every kind.
+    ///
+    /// Parameters
+    /// ----------
+    /// normal : array_like, shape (3,)
+    ///     Points out of the half-space; of any length except zero.
+    /// offset : float
+    ///     The bound of `normal . x`: the height of the plane if the normal has length one.
+    #[staticmethod]
+    #[pyo3(signature = (normal, offset=0.0))]
+    fn half_space(normal: &Bound<'_, PyAny>, offset: f64) -> PyResult<Self> {
+        let space = HalfSpace::new(vector(normal, NORMAL)?, offset);
+        Ok(Self(space.map_err(geometry_error)?.into()))
     }
 
     /// Returns the box about the origin with the given half extents along x, y and z.

@@ -1,7 +1,7 @@
 //! Times of impact.
 
 use lin_canny::Velocity;
-use lin_canny::impact::{self, Impact, Tolerance, cast_within};
+use lin_canny::impact::{self, CastOptions, Impact, Tolerance};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::separation::Measurement;
@@ -18,6 +18,57 @@ const VELOCITY: Argument = Argument {
     name: "a velocity",
     error: |why| motion_error(why),
 };
+
+/// A contact at the start of a motion that was accepted: the bodies leave it or slide along it.
+#[pyclass(frozen, module = "lin_canny")]
+#[derive(Clone)]
+pub(crate) struct StartContact {
+    contact: impact::StartContact,
+    pair: Option<(String, String)>,
+}
+
+impl StartContact {
+    pub(crate) fn new(contact: impact::StartContact, pair: Option<(String, String)>) -> Self {
+        Self { contact, pair }
+    }
+}
+
+#[pymethods]
+impl StartContact {
+    /// The names of both bodies; None for a cast of two geometries.
+    #[getter]
+    fn pair(&self) -> Option<(String, String)> {
+        self.pair.clone()
+    }
+
+    /// Lower bound of the signed distance at the start.
+    #[getter]
+    fn distance(&self) -> f64 {
+        self.contact.distance
+    }
+
+    /// The signed distance that the bodies are proven to keep until `until`: `distance` less 2^-30
+    /// of the pair size.
+    #[getter]
+    fn kept(&self) -> f64 {
+        self.contact.kept
+    }
+
+    /// The time at which the bodies have left the margin; None if they slide along each other to
+    /// the end.
+    #[getter]
+    fn until(&self) -> Option<f64> {
+        self.contact.until
+    }
+
+    fn __repr__(&self) -> String {
+        let pair = self.pair.as_ref();
+        let pair = pair.map_or(String::new(), |(a, b)| format!(" {a:?} - {b:?}"));
+        let end = self.contact.until;
+        let end = end.map_or("to the end".to_owned(), |time| format!("until {time:.6}"));
+        format!("<StartContact{pair}: {:.6} apart, {end}>", self.contact.distance)
+    }
+}
 
 /// The first contact of two moving geometries: a bracket of the time, or a proven miss.
 #[pyclass(frozen, module = "lin_canny")]
@@ -92,6 +143,12 @@ impl Cast {
         Some(triple(py, (self.poses[0].rotation * *seen.normal).into()))
     }
 
+    /// The contact at the start that the cast accepted; None without one.
+    #[getter]
+    fn start_contact(&self) -> Option<StartContact> {
+        self.cast.start_contact.map(|contact| StartContact::new(contact, None))
+    }
+
     /// The number of distance queries.
     #[getter]
     fn queries(&self) -> u32 {
@@ -127,8 +184,12 @@ impl PairTracker {
     /// velocity_a, velocity_b: tuples (linear, angular), each of three numbers in the world, about
     /// the origin of the geometry, in lengths per time and radians per time; None is at rest.
     /// tolerance: the geometries are closer than this at `safe`, a length.
+    /// start_contact_margin: a contact at the start within this distance, or of at most this depth,
+    /// is accepted if the geometries are proven not to come closer until they have left it; see
+    /// `Cast.start_contact`. None accepts no contact.
     #[pyo3(signature = (
-        a, b, pose_a=None, pose_b=None, *, velocity_a=None, velocity_b=None, duration, tolerance, distance=0.0
+        a, b, pose_a=None, pose_b=None, *, velocity_a=None, velocity_b=None, duration, tolerance, distance=0.0,
+        start_contact_margin=None
     ))]
     #[allow(clippy::too_many_arguments)] // the signature in Python
     fn cast<'py>(
@@ -143,13 +204,17 @@ impl PairTracker {
         duration: f64,
         tolerance: f64,
         distance: f64,
+        start_contact_margin: Option<f64>,
     ) -> PyResult<Cast> {
         let motions = [motion(pose_a, velocity_a)?, motion(pose_b, velocity_b)?];
         let (a, b) = (&a.get().0, &b.get().0);
-        let tolerance = Tolerance::Distance(tolerance);
+        let mut options = CastOptions::new(Tolerance::Distance(tolerance)).distance(distance);
+        options.start_contact_margin = start_contact_margin;
+        let [from, to] = &motions;
         let cast = py.detach(|| {
-            let mut pair = self.tracker.pair(a, b);
-            cast_within(&mut pair, &motions[0], &motions[1], 0.0..duration, tolerance, distance)
+            let bodies = [a.into(), b.into()];
+            self.tracker
+                .cast_from_contact(bodies, from, to, 0.0..duration, &options, None)
         });
         let cast = cast.map_err(motion_error)?;
         let time = match cast.impact {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use lin_canny::Geometry;
 use lin_canny_robot::{
-    AttachedBody, FileErrorKind, LoadOptions, MeshUse, Packages, Robot, RobotFiles, Setup, Skipped, Srdf, Trajectory,
+    FileErrorKind, LoadOptions, MeshUse, Packages, Robot, RobotFiles, Setup, Skipped, Srdf, Trajectory,
 };
 
 use super::ToolError;
@@ -233,18 +233,12 @@ impl RobotOptions {
             packages: Packages::new(&self.packages).with_environment(),
             options,
             check_adjacent: self.check_adjacent,
+            attached: self.attach.clone(),
+            paddings: self.pad.clone(),
+            excluded: self.exclude.clone(),
         };
         let (robot, mut setup) = files.load()?;
         setup.widen_limits(self.limit_slack);
-        for (link, file) in &self.attach {
-            setup.attach(link, AttachedBody::load(file, &files.packages, &files.options)?);
-        }
-        for (name, padding) in &self.pad {
-            setup.pad(name, *padding);
-        }
-        for [a, b] in &self.exclude {
-            setup.exclude(a, b);
-        }
         for [a, b] in setup.exclusions_without_bodies() {
             if self
                 .exclude

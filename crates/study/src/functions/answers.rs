@@ -18,6 +18,7 @@ pub(super) enum Kind {
 pub(super) enum Value<'a> {
     Number(f64),
     Word(&'a str),
+    Null,
 }
 
 enum Column {

@@ -12,12 +12,13 @@ use crate::error::RowError;
 use crate::rows::{Vectors, configuration, vector_types};
 use crate::study::Study;
 
-const FIELDS: [(&str, Kind); 5] = [
+const FIELDS: [(&str, Kind); 6] = [
     ("verdict", Kind::Word),
     ("safe", Kind::Number),
     ("t", Kind::Number),
     ("a", Kind::Word),
     ("b", Kind::Word),
+    ("start_contacts", Kind::Word),
 ];
 
 pub(super) fn fields() -> Fields {
@@ -60,7 +61,18 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
                 };
                 let safe = Value::Number(verdict.safe());
                 match verdict {
-                    Verdict::Free { .. } => answers.push(Some(&[Value::Word("free"), safe])),
+                    Verdict::Free { start_contacts, .. } => {
+                        let pairs = start_contacts
+                            .iter()
+                            .map(|leaving| checker.show(&leaving.pair).to_string());
+                        let pairs = pairs.collect::<Vec<_>>().join(", ");
+                        let contacts = match pairs.as_str() {
+                            "" => Value::Null,
+                            pairs => Value::Word(pairs),
+                        };
+                        let [t, a, b] = [Value::Null, Value::Null, Value::Null];
+                        answers.push(Some(&[Value::Word("free"), safe, t, a, b, contacts]));
+                    }
                     Verdict::Blocked { t, pair, .. } => {
                         let [a, b] = [pair.a, pair.b].map(|part| Value::Word(checker.name(part)));
                         answers.push(Some(&[Value::Word("blocked"), safe, Value::Number(t), a, b]));

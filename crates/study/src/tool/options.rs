@@ -38,12 +38,45 @@ pub(super) struct StudyArguments {
     /// Check adjacent links as well
     #[arg(long)]
     check_adjacent: bool,
+    /// Attach an object to a link: a JSON file with a body of a cell, its pose in the frame of the
+    /// link, and `touch_links`; may be repeated
+    #[arg(long, value_name = "LINK=FILE.json", value_parser = attachment)]
+    attach: Vec<(String, PathBuf)>,
+    /// Add a padding to a link, an obstacle or an attached object, in the unit of the robot: its pairs
+    /// keep so much more than the margin; may be repeated
+    #[arg(long, value_name = "NAME=LENGTH", value_parser = padding)]
+    pad: Vec<(String, f64)>,
+    /// Exclude all pairs of two links, or of a link and an obstacle; may be repeated
+    #[arg(long, alias = "allow", value_name = "A,B", value_parser = name_pair)]
+    exclude: Vec<[String; 2]>,
     /// Minimum distance for `is_free` and `certify`, in the unit of the robot
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
     margin: f64,
+    /// Accept pairs that are in contact at the start of a segment of `certify`, within this distance:
+    /// they must not come closer until they have left it
+    #[arg(long, value_name = "LENGTH")]
+    start_contact: Option<f64>,
     /// Return NULL for invalid rows and count them, instead of stopping with an error
     #[arg(long)]
     lenient: bool,
+}
+
+fn attachment(text: &str) -> Result<(String, PathBuf), String> {
+    let (link, file) = text.split_once('=').ok_or("expected LINK=FILE.json")?;
+    Ok((link.into(), file.into()))
+}
+
+fn padding(text: &str) -> Result<(String, f64), String> {
+    let (name, length) = text.rsplit_once('=').ok_or("expected NAME=LENGTH")?;
+    let length = length.parse::<f64>().map_err(|e| e.to_string())?;
+    Ok((name.into(), length))
+}
+
+fn name_pair(text: &str) -> Result<[String; 2], String> {
+    let (a, b) = text
+        .split_once(',')
+        .ok_or("expected two names with a comma between them")?;
+    Ok([a.into(), b.into()])
 }
 
 impl StudyArguments {
@@ -59,9 +92,18 @@ impl StudyArguments {
             packages: Packages::new(&self.packages).with_environment(),
             options: LoadOptions::default().meshes(usage),
             check_adjacent: self.check_adjacent,
+            attached: self.attach.clone(),
+            paddings: self.pad.clone(),
+            excluded: self.exclude.clone(),
         };
-        let options = StudyOptions::default().margin(self.margin).lenient(self.lenient);
+        let options = StudyOptions::default()
+            .margin(self.margin)
+            .start_contact_margin(self.start_contact)
+            .lenient(self.lenient);
         let study = Study::load(&files, options)?;
+        for skipped in study.setup().skipped() {
+            eprintln!("warning: {skipped}");
+        }
         eprintln!("robot, cell and options: {}", study.fingerprint());
         Ok(study)
     }

@@ -6,6 +6,7 @@ use datafusion::arrow::array::{ArrayRef, Int64Array, RecordBatch, StructArray};
 use datafusion::arrow::buffer::NullBuffer;
 use datafusion::arrow::datatypes::{DataType, Field};
 use lin_canny_plan::Verdict;
+use lin_canny_study::robot::RobotFiles;
 use lin_canny_study::sampled::Source;
 use lin_canny_study::{Study, StudyError, StudyOptions, engine, flat};
 
@@ -83,6 +84,76 @@ fn a_margin_is_kept() {
 }
 
 #[test]
+fn an_attached_object_a_padding_and_an_excluded_pair_are_those_of_the_checker() {
+    let folder = crate::scratch("attached");
+    let part = folder.join("part.json");
+    let text = r#"{"name": "rod", "box": {"size": [0.04, 0.04, 0.5]}, "xyz": [0, 0, 0.3], "touch_links": ["gripper"]}"#;
+    std::fs::write(&part, text).expect("a file");
+    let mut files = crate::files();
+    files.attached.push(("gripper".into(), part));
+    files.paddings.push(("rod".into(), 0.05));
+    files.excluded.push(["rod".into(), "table".into()]);
+    let study = Study::load(&files, StudyOptions::default().margin(0.01)).expect("the example");
+    let query = format!("SELECT {JOINTS}, is_free({JOINTS}), clearance({JOINTS}) AS c FROM configs");
+    let (mut rods, mut kept) = (0, 0);
+    for row in values(&asked(&study, 400, &query).expect("rows")) {
+        let bits = |text: &String| f64::from_bits(u64::from_str_radix(text, 16).expect("bits"));
+        let q: Vec<f64> = row[..6].iter().map(bits).collect();
+        let mut checker = study.setup().checker().expect("a checker");
+        checker.set_margin(0.01).expect("a margin");
+        let near = checker.nearest(&q, 0.1).expect("a configuration");
+        assert_eq!(bits(&row[7]).to_bits(), near[0].distance.to_bits(), "{q:?}");
+        let names = [near[0].pair.a, near[0].pair.b].map(|part| checker.name(part).to_owned());
+        assert_eq!(row[10..12], names);
+        assert_ne!(names, ["rod", "table"]);
+        rods += u32::from(names[0] == "rod");
+        // A pair that is farther by the slack keeps every distance.
+        let is_free = near.iter().all(|pair| pair.excess > 0.0);
+        assert_eq!(row[6], is_free.to_string(), "{q:?}");
+        kept += u32::from(!is_free && near[0].distance > 0.01);
+    }
+    assert!(rods > 50 && kept > 5, "{rods} {kept}");
+    files.paddings.push(("hnad".into(), 0.05));
+    let error = Study::load(&files, StudyOptions::default()).err().expect("an error");
+    assert!(error.to_string().contains("hnad"), "{error}");
+}
+
+#[test]
+fn a_lift_from_a_contact_is_certified_with_a_margin() {
+    let folder = crate::scratch("lift");
+    let urdf = r#"<robot name="lift"><link name="base"/>
+        <link name="part"><collision><geometry><box size="0.5 0.5 0.5"/></geometry></collision></link>
+        <joint name="z" type="prismatic"><parent link="base"/><child link="part"/><axis xyz="0 0 1"/>
+        <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"#;
+    let cell = r#"{"bodies": [{"name": "table", "box": {"size": [2, 2, 0.5]}, "xyz": [0, 0, -0.5]}]}"#;
+    std::fs::write(folder.join("lift.urdf"), urdf).expect("a file");
+    std::fs::write(folder.join("cell.json"), cell).expect("a file");
+    let mut files = RobotFiles::new(folder.join("lift.urdf"));
+    files.cell = Some(folder.join("cell.json"));
+    let ask = |margin: Option<f64>| {
+        let options = StudyOptions::default().start_contact_margin(margin);
+        let study = Study::load(&files, options).expect("the lift");
+        let query = "SELECT certify(0.0, z) AS c FROM (VALUES (0.5), (-0.5)) AS t(z)";
+        let rows = block_on(async {
+            let answers = engine::local(&study, 1).sql(query).await?.collect().await?;
+            answers.iter().map(flat).collect::<Result<Vec<_>, StudyError>>()
+        });
+        let rows = values(&rows.expect("rows"));
+        let picked: Vec<_> = rows.iter().map(|row| [row[0].clone(), row[5].clone()]).collect();
+        (picked, study.fingerprint().to_owned())
+    };
+    let blocked = ["blocked".to_owned(), String::new()];
+    let (strict, first) = ask(None);
+    assert_eq!(strict, [blocked.clone(), blocked.clone()]);
+    let (lifted, second) = ask(Some(1e-3));
+    assert_eq!(lifted, [["free".to_owned(), "part and table".to_owned()], blocked]);
+    assert_ne!(first, second);
+    let options = StudyOptions::default().start_contact_margin(Some(-1.0));
+    let error = Study::load(&files, options).err().expect("an error");
+    assert!(error.to_string().contains("start contact margin"), "{error}");
+}
+
+#[test]
 fn segments_are_certified_as_by_a_new_checker() {
     let study = study(StudyOptions::default());
     let next = "turn + 0.3, lift, elbow - 0.6, roll, bend, twist";
@@ -99,10 +170,10 @@ fn segments_are_certified_as_by_a_new_checker() {
         let verdict = checker.certify(&from, &to).expect("configurations");
         assert_eq!(bits(&row[9]).to_bits(), verdict.safe().to_bits());
         match verdict {
-            Verdict::Free { .. } => assert_eq!(row[8], "free"),
+            Verdict::Free { .. } => assert_eq!((row[8].as_str(), row[13].as_str()), ("free", "")),
             Verdict::Blocked { t, pair, .. } => {
                 assert_eq!((row[8].as_str(), bits(&row[10]).to_bits()), ("blocked", t.to_bits()));
-                assert_eq!(row[11..], [pair.a, pair.b].map(|part| checker.name(part).to_owned()));
+                assert_eq!(row[11..13], [pair.a, pair.b].map(|part| checker.name(part).to_owned()));
             }
             _ => assert_eq!(row[8], "undecided"),
         }

@@ -68,6 +68,46 @@ fn a_query_is_answered_as_a_whole() {
 }
 
 #[test]
+fn options_of_the_scene_change_the_study() {
+    let folder = scratch("scene");
+    let at = |name: &str| folder.join(name).to_string_lossy().into_owned();
+    assert_eq!(said(tool("sample").args(["--rows", "200", "--out", &at("q")])).0, 0);
+    let run = ["--in", &at("q"), "--out", &at("out")];
+    assert_eq!(said(tool("run").args(run)).0, 0);
+    let part = r#"{"name": "rod", "box": {"size": [0.04, 0.04, 0.5]}, "xyz": [0, 0, 0.3], "touch_links": ["gripper"]}"#;
+    std::fs::write(at("part.json"), part).expect("a file");
+    let attach = format!("gripper={}", at("part.json"));
+    for scene in [
+        ["--attach", attach.as_str()],
+        ["--pad", "gripper=0.01"],
+        ["--exclude", "gripper,table"],
+        ["--start-contact", "0.001"],
+    ] {
+        let (code, text) = said(tool("run").args(run).args(scene));
+        assert!(
+            code == 3 && text.contains("another robot, cell or option"),
+            "{scene:?}: {text}"
+        );
+        let other = at(scene[0].trim_start_matches('-'));
+        let (code, text) = said(tool("run").args(["--in", &at("q"), "--out", &other]).args(scene));
+        assert!(code == 0 && text.contains("200 rows in 1 part(s)"), "{scene:?}: {text}");
+    }
+    for (wrong, word) in [
+        (["--attach", "gripper"], "LINK=FILE.json"),
+        (["--attach", "gripper=none.json"], "none.json"),
+        (["--pad", "gripper"], "NAME=LENGTH"),
+        (["--pad", "gripper=-1"], "padding is out of range: -1"),
+        (["--pad", "hnad=1"], "hnad"),
+        (["--exclude", "gripper"], "two names"),
+        (["--exclude", "gripper,tabel"], "tabel"),
+        (["--start-contact", "nan"], "start contact margin is out of range"),
+    ] {
+        let (code, text) = said(tool("run").args(run).args(wrong));
+        assert!(code != 0 && text.contains(word), "{wrong:?}: {code} {text}");
+    }
+}
+
+#[test]
 fn a_roadmap_has_nodes_and_edges() {
     let folder = scratch("roadmap");
     let out = folder.join("map").to_string_lossy().into_owned();

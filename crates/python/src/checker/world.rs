@@ -1,0 +1,282 @@
+//! Changes of the world of a checker, and what the world holds.
+
+use lin_canny::nalgebra::Isometry3;
+use lin_canny_robot::plan::{PlanError, Select, WorldId, WorldPair};
+use numpy::PyArray2;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use super::answers::{Pair, names};
+use super::{Checker, configuration};
+use crate::errors::{plan_error, refused};
+use crate::geometry::Geometry;
+use crate::pose::{Pose, matrix_of_pose};
+
+/// Names one body of a checker for ever: ids of removed bodies are never used again.
+///
+/// Parameters
+/// ----------
+/// kind : {"robot", "attached", "obstacle"}
+/// index : int
+///     The number of the body in the order of insertion.
+#[pyclass(frozen, eq, hash, module = "lin_canny")]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct BodyId(pub(super) WorldId);
+
+#[pymethods]
+impl BodyId {
+    #[new]
+    fn new(kind: &str, index: usize) -> PyResult<Self> {
+        Ok(Self(match kind {
+            "robot" => WorldId::Robot(index),
+            "attached" => WorldId::Attached(index),
+            "obstacle" => WorldId::Obstacle(index),
+            _ => {
+                return Err(refused(format!(
+                    "kind is {kind:?} (expected \"robot\", \"attached\" or \"obstacle\")"
+                )));
+            }
+        }))
+    }
+
+    /// "robot", "attached" or "obstacle".
+    #[getter]
+    fn kind(&self) -> &'static str {
+        match self.0 {
+            WorldId::Robot(_) => "robot",
+            WorldId::Attached(_) => "attached",
+            WorldId::Obstacle(_) => "obstacle",
+        }
+    }
+
+    /// The number of the body among those of its kind, in the order of insertion.
+    #[getter]
+    fn index(&self) -> usize {
+        match self.0 {
+            WorldId::Robot(k) | WorldId::Attached(k) | WorldId::Obstacle(k) => k,
+        }
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<BodyId {} {}>", self.kind(), self.index())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        (py.get_type::<Self>(), (self.kind(), self.index())).into_pyobject(py)
+    }
+}
+
+/// Bodies as an argument: an id, a name, or several names.
+#[derive(FromPyObject)]
+pub(super) enum Bodies<'py> {
+    Id(Bound<'py, BodyId>),
+    Name(String),
+    Names(Vec<String>),
+}
+
+impl Bodies<'_> {
+    fn select(&self) -> Select<'_> {
+        match self {
+            Self::Id(id) => id.get().0.into(),
+            Self::Name(name) => name.into(),
+            Self::Names(names) => names.into(),
+        }
+    }
+}
+
+fn pose_of(pose: Option<Pose>) -> Isometry3<f64> {
+    pose.map_or_else(Isometry3::identity, |pose| pose.0)
+}
+
+/// Converts the answer of a change.
+fn ids(found: Result<Vec<WorldId>, PlanError>) -> PyResult<Vec<BodyId>> {
+    Ok(found.map_err(plan_error)?.into_iter().map(BodyId).collect())
+}
+
+impl Checker {
+    fn pair_names(&self, found: Result<Vec<WorldPair>, PlanError>) -> PyResult<Vec<Pair>> {
+        let pairs = found.map_err(plan_error)?.into_iter();
+        Ok(pairs.map(|pair| names(&self.checker, pair)).collect())
+    }
+}
+
+#[pymethods]
+impl Checker {
+    /// Adds an obstacle, and returns its id.
+    ///
+    /// The change costs the pairs of this body; the cached state of other pairs stays.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Several obstacles may have the same name.
+    /// geometry : Geometry
+    /// pose : pose, optional
+    ///     In the world.
+    #[pyo3(signature = (name, geometry, pose=None))]
+    fn add_obstacle(&mut self, name: &str, geometry: &Bound<'_, Geometry>, pose: Option<Pose>) -> PyResult<BodyId> {
+        let geometry = geometry.get().0.clone();
+        let id = self.checker.add_obstacle(name, geometry, pose_of(pose));
+        id.map(BodyId).map_err(plan_error)
+    }
+
+    /// Moves obstacles to a pose in the world, and returns their ids.
+    fn move_obstacle(&mut self, bodies: Bodies<'_>, pose: Pose) -> PyResult<Vec<BodyId>> {
+        ids(self.checker.move_obstacle(bodies.select(), pose.0))
+    }
+
+    /// Replaces the geometry of obstacles, and returns their ids; poses, names and ids stay.
+    ///
+    /// This is the call for the next cloud of a camera.
+    fn replace_obstacle(&mut self, bodies: Bodies<'_>, geometry: &Bound<'_, Geometry>) -> PyResult<Vec<BodyId>> {
+        let geometry = geometry.get().0.clone();
+        ids(self.checker.replace_obstacle(bodies.select(), geometry))
+    }
+
+    /// Removes obstacles, with their paddings, margins and excluded pairs, and returns their ids.
+    fn remove_obstacle(&mut self, bodies: Bodies<'_>) -> PyResult<Vec<BodyId>> {
+        ids(self.checker.remove_obstacle(bodies.select()))
+    }
+
+    /// Attaches an object to a link, and returns its id: it moves with the link in every query.
+    ///
+    /// Parameters
+    /// ----------
+    /// link : str
+    ///     A link with or without bodies, such as a tool flange.
+    /// name : str
+    /// geometry : Geometry
+    ///     Of any kind but a half-space.
+    /// pose : pose, optional
+    ///     In the frame of the link.
+    /// touch_links : sequence of str
+    ///     Links that may touch the object, such as fingers: these pairs are excluded.
+    #[pyo3(signature = (link, name, geometry, pose=None, *, touch_links=Vec::new()))]
+    fn attach(
+        &mut self,
+        link: &str,
+        name: &str,
+        geometry: &Bound<'_, Geometry>,
+        pose: Option<Pose>,
+        touch_links: Vec<String>,
+    ) -> PyResult<BodyId> {
+        let touch: Vec<&str> = touch_links.iter().map(String::as_str).collect();
+        let geometry = geometry.get().0.clone();
+        let id = self.checker.attach(link, name, geometry, pose_of(pose), &touch);
+        id.map(BodyId).map_err(plan_error)
+    }
+
+    /// Removes attached objects, and returns their ids.
+    fn detach(&mut self, bodies: Bodies<'_>) -> PyResult<Vec<BodyId>> {
+        ids(self.checker.detach(bodies.select()))
+    }
+
+    /// Removes an attached object, and leaves it as an obstacle where it is at a configuration.
+    ///
+    /// Returns the id of the obstacle, which has the name and the padding of the object.
+    fn detach_at(&mut self, body: Bodies<'_>, q: &Bound<'_, PyAny>) -> PyResult<BodyId> {
+        let id = self.checker.detach_at(body.select(), &configuration(q)?);
+        id.map(BodyId).map_err(plan_error)
+    }
+
+    /// Sets the padding of bodies, a length: their pairs must keep so much more than the margin.
+    ///
+    /// Returns the ids. Distances do not change; `NearPair.excess` takes the padding off.
+    fn pad(&mut self, bodies: Bodies<'_>, padding: f64) -> PyResult<Vec<BodyId>> {
+        ids(self.checker.pad(bodies.select(), padding))
+    }
+
+    /// Sets the distance that the pairs of two bodies must keep, instead of the margin of all pairs.
+    ///
+    /// None removes it. Returns the names of the pairs.
+    fn set_pair_margin(&mut self, a: Bodies<'_>, b: Bodies<'_>, margin: Option<f64>) -> PyResult<Vec<Pair>> {
+        let found = self.checker.set_pair_margin(a.select(), b.select(), margin);
+        self.pair_names(found)
+    }
+
+    /// Excludes the pairs of two bodies, which are then never checked.
+    ///
+    /// Returns the names of the pairs that were checked before.
+    fn exclude(&mut self, a: Bodies<'_>, b: Bodies<'_>) -> PyResult<Vec<Pair>> {
+        let found = self.checker.exclude(a.select(), b.select());
+        self.pair_names(found)
+    }
+
+    /// Includes the pairs of two bodies again.
+    ///
+    /// Returns the names of the pairs that were excluded.
+    fn include(&mut self, a: Bodies<'_>, b: Bodies<'_>) -> PyResult<Vec<Pair>> {
+        let found = self.checker.include(a.select(), b.select());
+        self.pair_names(found)
+    }
+
+    /// The table of excluded pairs (the allowed collision matrix of MoveIt): each two names once,
+    /// if all pairs of their bodies are excluded.
+    #[getter]
+    fn excluded(&self) -> Vec<(&str, &str)> {
+        let names = self.checker.world().excluded_names();
+        names.into_iter().map(|[a, b]| (a, b)).collect()
+    }
+
+    /// All excluded pairs of bodies, by their ids.
+    #[getter]
+    fn excluded_ids(&self) -> Vec<(BodyId, BodyId)> {
+        let pairs = self.checker.world().excluded();
+        pairs.map(|[a, b]| (BodyId(a), BodyId(b))).collect()
+    }
+
+    /// The names of all bodies: of the robots, then attached objects, then obstacles.
+    ///
+    /// The name of a link with several bodies is repeated.
+    #[getter]
+    fn bodies(&self) -> Vec<&str> {
+        self.checker.world().bodies().map(|(_, name)| name).collect()
+    }
+
+    /// The ids of `bodies`, in the same order.
+    #[getter]
+    fn ids(&self) -> Vec<BodyId> {
+        self.checker.world().bodies().map(|(id, _)| BodyId(id)).collect()
+    }
+
+    /// Returns the padding of a body, a length.
+    fn padding(&self, body: &Bound<'_, BodyId>) -> PyResult<f64> {
+        let (id, world) = (body.get().0, self.checker.world());
+        world.select(id).map_err(plan_error)?;
+        Ok(world.padding(id))
+    }
+
+    /// Returns the distance that two bodies must keep: their margin plus both paddings.
+    fn kept_distance(&self, a: &Bound<'_, BodyId>, b: &Bound<'_, BodyId>) -> PyResult<f64> {
+        let (a, b, world) = (a.get().0, b.get().0, self.checker.world());
+        for id in [a, b] {
+            world.select(id).map_err(plan_error)?;
+        }
+        let pair = WorldPair::new(a, b);
+        let pair = pair.ok_or_else(|| plan_error(format!("{a} and {b} are not a pair that is checked")))?;
+        Ok(world.kept_distance(pair))
+    }
+
+    /// Returns the pose of a body in the world at a configuration, shape (4, 4).
+    fn pose<'py>(
+        &self,
+        py: Python<'py>,
+        body: &Bound<'py, BodyId>,
+        q: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let pose = self.checker.pose(body.get().0, &configuration(q)?);
+        matrix_of_pose(py, &pose.map_err(plan_error)?)
+    }
+
+    /// Returns the pose of a link in the world at a configuration, shape (4, 4): the frame of
+    /// `attach`.
+    fn link_pose<'py>(
+        &self,
+        py: Python<'py>,
+        link: &str,
+        q: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let pose = self.checker.link_pose(link, &configuration(q)?);
+        matrix_of_pose(py, &pose.map_err(plan_error)?)
+    }
+}
