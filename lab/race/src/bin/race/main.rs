@@ -6,6 +6,7 @@
 
 mod bending;
 mod cad;
+mod clouds;
 mod contact;
 mod curved;
 mod impact;
@@ -26,8 +27,8 @@ use truth::boxes::Kind;
 /// Compare the speed of this crate with other libraries
 ///
 /// Each race measures one kind of query: closest points of polyhedra or curved shapes, contacts,
-/// broad phases, whole scenes, casts, meshes, segments of planners, Bézier surfaces, rays and
-/// hulls. The race `instructions` counts the instructions of queries.
+/// broad phases, whole scenes, casts, meshes, segments of planners, Bézier surfaces, rays, hulls and
+/// clouds. The race `instructions` counts the instructions of queries.
 #[derive(Parser)]
 struct Command {
     /// Race to run
@@ -53,6 +54,7 @@ enum Race {
     Patches,
     Rays,
     Hulls,
+    Clouds,
     Instructions,
 }
 
@@ -76,6 +78,7 @@ fn race(Command { race, options, cell }: &Command) -> Result<(), String> {
         Race::Patches => (patches::SCENES.into(), patches::run),
         Race::Rays => (rays::SCENES.into(), rays::run),
         Race::Hulls => (points::SCENES.into(), points::run),
+        Race::Clouds => (clouds::SCENES.into(), clouds::run),
         Race::Instructions => {
             options.check(&instructions::SCENES)?;
             return options.save(&instructions::run(options)?);
