@@ -150,9 +150,9 @@ fn judge_configurations(holder: &Holder, points: usize, count: usize) -> usize {
     free
 }
 
-/// Certifies motions until so many are free, and asks predicates at places of each free motion, and
-/// all points at ten of them. Returns how many motions were blocked and undecided.
-fn judge_motions(holder: &Holder, points: usize, count: usize, places: usize) -> [usize; 2] {
+/// Certifies motions of up to a step per joint until so many are free. Asks predicates at places of
+/// each free motion, and all points at ten of them. Returns how many motions were blocked and undecided.
+fn judge_motions(holder: &Holder, points: usize, step: f64, [count, places]: [usize; 2]) -> [usize; 2] {
     let points = camera(points);
     let (mut checker, mut other) = (checker(holder, &points), checker(holder, &points));
     let limits = limits(holder);
@@ -173,7 +173,7 @@ fn judge_motions(holder: &Holder, points: usize, count: usize, places: usize) ->
         let to: Vec<f64> = from
             .iter()
             .zip(&limits)
-            .map(|(x, [low, high])| (x + rng.range(-0.5, 0.5)).clamp(*low, *high))
+            .map(|(x, [low, high])| (x + rng.range(-step, step)).clamp(*low, *high))
             .collect();
         match checker.certify(&from, &to).expect("a motion") {
             Verdict::Free { .. } => free += 1,
@@ -213,7 +213,7 @@ fn configurations_over_a_cloud_are_those_of_all_points() {
 
 #[test]
 fn motions_over_a_cloud_are_free_where_they_are_proven_so() {
-    let [blocked, open] = judge_motions(&six_axis(), 2000, 10, 100);
+    let [blocked, open] = judge_motions(&six_axis(), 2000, 2.0, [20, 100]);
     assert!(blocked > 0 && open == 0, "{blocked} blocked, {open} undecided");
 }
 
@@ -227,6 +227,6 @@ fn configurations_of_panda_are_those_of_all_points_10_000() {
 #[test]
 #[ignore = "1,000 motions of Panda over 20,000 points: minutes; needs LIN_CANNY_PANDA and ROS_PACKAGE_PATH"]
 fn motions_of_panda_are_free_where_they_are_proven_so_1_000() {
-    let [blocked, open] = judge_motions(&panda(), 20_000, 1000, 10_000);
+    let [blocked, open] = judge_motions(&panda(), 20_000, 0.5, [1000, 10_000]);
     println!("1,000 free motions at 10,000 places each; {blocked} blocked, {open} undecided");
 }
