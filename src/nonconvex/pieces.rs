@@ -448,8 +448,8 @@ fn probe(piece: &Piece) -> [Vector3<f64>; 2] {
 
 /// Returns an inner point of a shape and another of its points, in the caller's unit.
 ///
-/// The inner point of a polyhedron is the mean of its vertices, because its centroid costs more than
-/// a query.
+/// The inner point of a polyhedron is the mean of its vertices, because its centroid costs more
+/// than a query.
 pub(super) fn inner_points(shape: &Shape) -> [Point3<f64>; 2] {
     let Core::Polyhedron(body) = shape.core() else {
         return [Point3::origin(); 2];

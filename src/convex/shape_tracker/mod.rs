@@ -84,7 +84,8 @@ impl ShapeTracker {
     /// Returns the closest points; for polyhedra whose cores overlap, the contact state without the
     /// depth.
     ///
-    /// Then the upper bound is minus the sum of the radii, and the witnesses are those of the cores.
+    /// Then the upper bound is minus the sum of the radii, and the witnesses are those of the
+    /// cores.
     pub(crate) fn closest_or_class(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
         let (Core::Polyhedron(x), Core::Polyhedron(y)) = (a.core(), b.core()) else {
             return self.closest(a, b, a_from_b);
