@@ -188,7 +188,9 @@ fn judge_motions(holder: &Holder, points: usize, step: f64, [count, places]: [us
         }
         for i in 0..=places {
             let t = i as f64 / places as f64;
-            let q: Vec<f64> = from.iter().zip(&to).map(|(a, b)| a + t * (b - a)).collect();
+            // Rounded, a place may be beyond a limit at which the motion ends.
+            let place = |((a, b), [low, high]): ((&f64, &f64), &[f64; 2])| (a + t * (b - a)).clamp(*low, *high);
+            let q: Vec<f64> = from.iter().zip(&to).zip(&limits).map(place).collect();
             assert!(
                 other.is_free_at(&q).expect("a configuration"),
                 "motion {} at {t}",
