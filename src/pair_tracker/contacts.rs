@@ -8,6 +8,7 @@ use super::lent_pair::LentPair;
 use super::tracker::{Followed, PairTracker};
 use super::tracker::{PairError, refused};
 use crate::base::num::each::Each;
+use crate::base::num::extremes::Bounded;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;
 use crate::body::shape::Shape;
@@ -120,7 +121,7 @@ impl PatchwiseContacts {
             } else {
                 at.inverse_transform_point(&centre)
             };
-            let ball = (centre, radius + options.prediction.max(0.0));
+            let ball = (centre, radius + options.prediction.at_least(0.0));
             self.near[k] = NearElements::collect(self.near[k].take(), cloud.get(), ball);
             if self.near[k].is_none() {
                 return Some(self.converted.insert(Vec::new()));

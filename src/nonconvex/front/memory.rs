@@ -206,7 +206,7 @@ impl FrontMemory {
         let before = FrontWorth::work(&search.work);
         self.front.clear();
         // The descent to the only item of a body meets a close pair as soon as the seed does.
-        if !(motion < JUMP) && !(search.a.is_alone() || search.b.is_alone()) {
+        if !(motion < JUMP || search.a.is_alone() || search.b.is_alone()) {
             search.seed();
         }
         if !search.is_over() {

@@ -1,8 +1,9 @@
 //! The search down both trees to the closest pair, with every other pair proven farther, and the
 //! work counters.
 //!
-//! 1. The search starts with a close pair of items ([`TreeSearch::seed`]). This pair proves
-//!    nothing, but pairs of boxes farther apart than its distance are pruned.
+//! 1. The search starts with a close pair of items ([`TreeSearch::seed`]), unless a body has a
+//!    single item. This pair proves nothing, but pairs of boxes farther apart than its distance are
+//!    pruned.
 //! 2. Pairs of nodes that are not proven far enough are split, the nearest first
 //!    ([`TreeSearch::descend`]).
 //! 3. The search ends at pairs of leaves, which are tested item by item
