@@ -106,8 +106,11 @@ fn over_all_points(checker: &Checker<JointTree>, id: WorldId, q: &[f64], points:
     let (centre, reach) = geometry.bounding_ball();
     let centre = (at * centre).coords;
     let place = |p: &[f32; 3]| Vector3::from(p.map(f64::from));
-    let mut far: Vec<(f64, Vector3<f64>)> = points.iter().map(|p| ((place(p) - centre).norm(), place(p))).collect();
-    // The nearest points first: those beyond the least distance need no query.
+    let from_centre = |p: &[f32; 3]| (place(p) - centre).norm();
+    let least = points.iter().map(from_centre).fold(f64::INFINITY, f64::min);
+    // A point farther from the centre is farther from the body than the nearest point.
+    let mut far: Vec<(f64, Vector3<f64>)> = points.iter().map(|p| (from_centre(p), place(p))).collect();
+    far.retain(|p| p.0 <= least + 2.0 * reach + 1e-9);
     far.sort_by(|x, y| x.0.total_cmp(&y.0));
     let (ball, mut tracker) = (Shape::ball(RADIUS).expect("a ball"), PairTracker::new());
     let mut bounds = [f64::INFINITY; 2];
