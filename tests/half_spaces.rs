@@ -149,6 +149,21 @@ fn random_case(rng: &mut Rng, k: usize, by: f64) -> Case {
     }
 }
 
+/// Returns the points that may be the lowest along a direction after some poses, one after the
+/// other.
+///
+/// Heights are in double precision. The margin is some million times their error.
+fn lowest(points: &[Point], along: &Point, poses: &[&Pose]) -> Vec<Point> {
+    let place = |p: &Point| poses.iter().fold(*p, |p, pose| pose.apply(p));
+    let heights: Vec<_> = points.iter().map(|p| truth::pose::dot(*along, place(p))).collect();
+    let sizes = points.iter().chain(poses.iter().map(|pose| &pose.t));
+    let size: f64 = sizes.map(|p| truth::pose::norm(*p)).sum();
+    let least = heights.iter().copied().fold(f64::INFINITY, f64::min);
+    let is_low = |h: &f64| *h <= least + 1e-9 * size;
+    let low = points.iter().zip(&heights).filter(|(_, h)| is_low(h));
+    low.map(|(p, _)| *p).collect()
+}
+
 /// Returns the signed distance of a body from a half-space, rounded once or by about 1e-15 of the
 /// size for curved members.
 fn truth_of(space: &HalfSpace, pose: &Pose, case: &Case, of_body: &Pose) -> f64 {
@@ -157,14 +172,16 @@ fn truth_of(space: &HalfSpace, pose: &Pose, case: &Case, of_body: &Pose) -> f64 
     let (n, t) = (n.map(exact), pose.t.map(exact));
     // The normal in the world, and the offset there.
     let out: [RBig; 3] = std::array::from_fn(|i| &m[i][0] * &n[0] + &m[i][1] * &n[1] + &m[i][2] * &n[2]);
+    let up = pose.rotate(space.normal().into_inner().into());
     let dot = |a: &[RBig; 3], b: &[RBig; 3]| &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2];
     let offset = exact(space.offset()) + dot(&out, &t);
     let norm2 = dot(&n, &n);
     let height_of = |part: &Part| {
         let stands = part.pose != Pose::IDENTITY;
         if let Kind::Hull(points) = &part.kind {
+            let points = lowest(points, &up, &[&part.pose, of_body]);
             let at = if stands {
-                placed(points, &part.pose)
+                placed(&points, &part.pose)
             } else {
                 points.iter().map(|p| p.map(exact)).collect()
             };

@@ -300,7 +300,7 @@ impl Parted for PartsRef<'_> {
 }
 
 /// Returns the pose of B in A's frame, exact up to rounding.
-pub(super) fn relative(pose: &RelativePose) -> Isometry3<f64> {
+pub(crate) fn relative(pose: &RelativePose) -> Isometry3<f64> {
     let (pose_a, pose_b) = pose.poses();
     let unit = |q: UnitQuaternion<f64>| UnitQuaternion::new_normalize(q.into_inner());
     let rotation = unit(unit(pose_a.rotation).inverse() * unit(pose_b.rotation));

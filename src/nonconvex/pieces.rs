@@ -443,11 +443,22 @@ impl Parted for Compound {
 ///
 /// Both are in the caller's unit and the body's frame.
 fn probe(piece: &Piece) -> [Vector3<f64>; 2] {
-    let two = match piece.shape.core() {
-        Core::Polyhedron(body) => [Some(body.centroid()), body.vertex_points().next()],
-        _ => [None; 2],
+    inner_points(&piece.shape).each(|p| (piece.pose * p).coords)
+}
+
+/// Returns an inner point of a shape and another of its points, in the caller's unit.
+///
+/// The inner point of a polyhedron is the mean of its vertices, because its centroid costs more
+/// than a query.
+pub(super) fn inner_points(shape: &Shape) -> [Point3<f64>; 2] {
+    let Core::Polyhedron(body) = shape.core() else {
+        return [Point3::origin(); 2];
     };
-    two.each(|p| (piece.pose * p.unwrap_or_else(Point3::origin)).coords)
+    let share = 1.0 / body.vertex_count() as f64;
+    // Scaled first, because a sum may leave the range.
+    let middle: Vector3<f64> = body.vertex_points().map(|p| p.coords * share).sum();
+    let vertex = body.vertex_points().next().unwrap_or_else(Point3::origin);
+    [Point3::from(middle), vertex]
 }
 
 /// Adds points whose hull contains a shape.
@@ -714,13 +725,13 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
         let (at_p, at_q) = (&shared[0].unwrap_or(*at_p), &shared[1].unwrap_or(*at_q));
         let (pose, exact) = self.placed.between(at_p, at_q);
         let mut o: Outcome = tracker.closest_or_class(p, q, &pose);
-        if !exact && o.state == ContactState::Overlapping {
-            // Only a depth beyond the rounding of composed poses proves an overlap.
-            o = tracker.closest(p, q, &pose);
-        }
         let unit = 1.0 / a.stored_unit();
         // The rounding error of composed poses: two products of rotations and two sums.
         let error = if exact { 0.0 } else { 2.0 * frame.error };
+        if !exact && o.state == ContactState::Overlapping && !(o.upper * unit < -error) {
+            // Only a depth beyond the rounding of composed poses proves an overlap.
+            o = tracker.closest(p, q, &pose);
+        }
         let meets = o.state == ContactState::Overlapping;
         let distance = if meets { 0.0 } else { (o.distance * unit).at_least(0.0) };
         let mut m = Measured {

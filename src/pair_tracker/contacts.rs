@@ -2,15 +2,20 @@
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
+use nalgebra::Point3;
 
 use super::lent_pair::LentPair;
 use super::tracker::{Followed, PairTracker};
 use super::tracker::{PairError, refused};
 use crate::base::num::each::Each;
+use crate::base::num::extremes::Bounded;
+use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;
 use crate::body::shape::Shape;
 use crate::convex::contact::{Manifold, ManifoldOptions};
+use crate::nonconvex::cloud::Cloud;
 use crate::nonconvex::contact::{ContactGroup, ContactTracker, ConvexPatches, PatchContact};
+use crate::nonconvex::parts::{Parted, relative};
 use crate::nonconvex::penetration::PenetrationBounds;
 use crate::nonconvex::pieces::{Compound, CompoundTracker};
 use crate::pair_tracker::geometry::{GeometryRef, Lent};
@@ -24,21 +29,67 @@ pub(super) enum PairContacts {
     Patches(Box<PatchwiseContacts>),
 }
 
-/// The contacts of a pair with a compound, a mesh or a half-space.
+/// The contacts of a pair with a compound, a mesh, a cloud or a half-space.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PatchwiseContacts {
     tracker: ContactTracker,
     /// The patches of bodies for which the caller has made none.
     stand_ins: [Option<ConvexPatches>; 2],
-    /// The contacts of a pair with a half-space.
-    on_half_space: Option<Vec<ContactGroup>>,
+    /// The elements of clouds near the other body.
+    near: [Option<NearElements>; 2],
+    /// The contacts of a pair with a half-space or a cloud, which are not as the tracker has them.
+    converted: Option<Vec<ContactGroup>>,
+}
+
+/// The elements of a cloud near another body, as patches.
+#[derive(Clone, Debug)]
+struct NearElements {
+    cloud: Fingerprint,
+    /// The number of the point of each patch; they rise.
+    numbers: Vec<u32>,
+    patches: ConvexPatches,
+}
+
+/// Factor by which the ball of a body grows around which elements are collected, so that the same
+/// elements serve for some frames. Not measured.
+const COLLECTED: f64 = 1.25;
+
+impl NearElements {
+    /// Returns the elements within a ball in the frame of the cloud; `None` if there are none.
+    ///
+    /// Elements that were collected before stay if they contain all of these.
+    fn collect(before: Option<Self>, cloud: &Cloud, (centre, radius): (Point3<f64>, f64)) -> Option<Self> {
+        let sorted = |radius: f64| {
+            let mut items = cloud.items_near((centre, radius));
+            items.sort_unstable_by_key(|item| cloud.number(*item));
+            items
+        };
+        let numbers = |items: &[u32]| -> Vec<u32> { items.iter().map(|item| cloud.number(*item)).collect() };
+        let needed = numbers(&sorted(radius));
+        if needed.is_empty() {
+            return None;
+        }
+        let holds_all = |before: &Self| {
+            let mut held = before.numbers.iter();
+            before.cloud == cloud.fingerprint() && needed.iter().all(|number| held.any(|k| k == number))
+        };
+        if let Some(before) = before.filter(holds_all) {
+            return Some(before);
+        }
+        let items = sorted(COLLECTED * radius);
+        Some(Self {
+            cloud: cloud.fingerprint(),
+            numbers: numbers(&items),
+            patches: ConvexPatches::from_compound(cloud.compound_of(items.into_iter()).ok()?),
+        })
+    }
 }
 
 impl PatchwiseContacts {
     /// Returns the contacts of two bodies at a pose; `None` if one of them can have no contacts.
     ///
-    /// Bodies without patches get them here once. A mesh gets new patches after its vertices have
-    /// moved.
+    /// Bodies without patches get them here once, and clouds those of the elements near the other
+    /// body. A mesh gets new patches after its vertices have moved.
     pub(crate) fn find(
         &mut self,
         bodies: [GeometryRef<'_>; 2],
@@ -47,37 +98,71 @@ impl PatchwiseContacts {
         options: &ManifoldOptions,
     ) -> Option<&[ContactGroup]> {
         if let Some(pair) = GeometryRef::half_space_pair(bodies) {
-            return Some(self.on_half_space.insert(pair.contacts(pose, options)));
+            return Some(self.converted.insert(pair.contacts(pose, options)));
         }
+        self.converted = None;
         for (k, own) in bodies.into_iter().enumerate() {
             let is_known = |known: &ConvexPatches| own.mesh().is_none_or(|mesh| known.are_of(mesh));
             if patches[k].is_none() && !self.stand_ins[k].as_ref().is_some_and(is_known) {
                 self.stand_ins[k] = patches_of(own);
             }
         }
-        let [x, y] = &self.stand_ins;
-        let (x, y) = (patches[0].or(x.as_ref())?, patches[1].or(y.as_ref())?);
-        Some(self.tracker.contacts(x, y, pose, options))
+        let is_cloud = |k: usize| matches!(bodies[k].0, Lent::Cloud(_));
+        if (0..2).any(|k| !is_cloud(k) && patches[k].is_none() && self.stand_ins[k].is_none()) {
+            return None;
+        }
+        let balls = bodies.each(GeometryRef::bounding_ball);
+        for (k, own) in bodies.into_iter().enumerate() {
+            let Lent::Cloud(cloud) = own.0 else { continue };
+            let at = relative(pose);
+            let (centre, radius) = balls[1 - k];
+            let centre = if k == 0 {
+                at * centre
+            } else {
+                at.inverse_transform_point(&centre)
+            };
+            let ball = (centre, radius + options.prediction.at_least(0.0));
+            self.near[k] = NearElements::collect(self.near[k].take(), cloud.get(), ball);
+            if self.near[k].is_none() {
+                return Some(self.converted.insert(Vec::new()));
+            }
+        }
+        let part = |k: usize| {
+            let near = self.near[k].as_ref().map(|near| &near.patches);
+            near.or(patches[k]).or(self.stand_ins[k].as_ref())
+        };
+        let found = self.tracker.contacts(part(0)?, part(1)?, pose, options);
+        if self.near.iter().all(Option::is_none) {
+            return Some(found);
+        }
+        let mut found = found.to_vec();
+        for contact in found.iter_mut().flat_map(|group| &mut group.contacts) {
+            for (patch, near) in contact.patches.iter_mut().zip(&self.near) {
+                if let Some(near) = near {
+                    *patch = near.numbers[*patch as usize];
+                }
+            }
+        }
+        Some(self.converted.insert(found))
     }
 
     pub(crate) fn found(&self) -> &[ContactGroup] {
-        match &self.on_half_space {
+        match &self.converted {
             Some(found) => found,
             None => self.tracker.found(),
         }
     }
 }
 
-/// Returns the patches of a body; `None` for a Bézier surface and a half-space.
+/// Returns the patches of a body; `None` for a cloud, a Bézier surface and a half-space.
 pub(crate) fn patches_of(own: GeometryRef) -> Option<ConvexPatches> {
     match own.0 {
         Lent::Mesh(mesh) => Some(ConvexPatches::from_mesh(mesh.to_arc())),
         Lent::Compound(body) => Some(ConvexPatches::from_compound(body.to_arc())),
-        Lent::Cloud(cloud) => cloud.get().to_compound().ok().map(ConvexPatches::from_compound),
         Lent::Polyhedron(_) | Lent::Convex(_) => own.to_shape().map(|s| ConvexPatches::from((*s).clone())),
         #[cfg(feature = "surfaces")]
         Lent::BezierSurface(_) => None,
-        Lent::HalfSpace(_) => None,
+        Lent::Cloud(_) | Lent::HalfSpace(_) => None,
     }
 }
 
@@ -119,7 +204,8 @@ impl PairTracker {
     /// Two convex geometries have one group: the points of their [`manifold`](Self::manifold).
     /// Otherwise the groups belong to the patches of meshes and the pieces of compounds, as in
     /// [`contacts_between`](Self::contacts_between). The tracker makes the patches of a body at the
-    /// first call; if the body is borrowed without being shared, it makes them from a copy.
+    /// first call; if the body is borrowed without being shared, it makes them from a copy. Of a
+    /// cloud, the elements near the other body are its patches, with the numbers of their points.
     ///
     /// A body on a half-space has one group: the lowest point, and the points within the prediction
     /// that span the most area. They are vertices, points of flat round faces, or ends of straight

@@ -172,6 +172,19 @@ fn elements_inside_of_a_mesh_overlap_it() {
             PairTracker::new().intersects(&cloud, &sphere, &pose.swapped()),
             is_inside
         );
+        let gap = if is_inside { 0.0 } else { 2.0 - 0.1 };
+        let mut tracker = PairTracker::new();
+        assert_eq!(
+            tracker.within(&cloud, &sphere, &pose.swapped(), (gap - 0.2).max(0.0)),
+            is_inside
+        );
+        assert!(tracker.within(&cloud, &sphere, &pose.swapped(), gap + 0.2));
+        let distance = tracker.distance(&sphere, &cloud, &pose);
+        assert!(
+            distance.lower <= gap + 0.2 && distance.upper >= gap - 0.2,
+            "{distance:?}"
+        );
+        assert!(!is_inside || distance.upper <= 0.0, "{distance:?}");
     }
 }
 

@@ -67,6 +67,66 @@ fn contacts_are_on_the_elements() {
     assert!((lowest + 0.005).abs() < 1e-9, "{lowest}");
 }
 
+/// Only the elements near the other body are asked, in every frame of a motion.
+#[test]
+fn contacts_are_those_of_all_elements() {
+    let mut rng = Rng::new(17);
+    let points: Vec<_> = (0..3000)
+        .map(|_| Point3::from(vector(&mut rng, 2.0).component_mul(&Vector3::new(1.0, 1.0, 0.02))))
+        .collect();
+    let elements = [
+        CloudElement::Ball(0.05),
+        CloudElement::Box(Vector3::new(0.04, 0.05, 0.06)),
+        CloudElement::Balls((0..3000).map(|k| 0.01 + 0.04 * f64::from(k % 7) / 7.0).collect()),
+    ];
+    let die = solids::cuboid(Vector3::repeat(0.3)).unwrap();
+    let others = [
+        Geometry::from(die.clone()),
+        Geometry::from(Shape::ball(0.3).unwrap()),
+        Geometry::from(Mesh::from_convex(&die).unwrap()),
+        Geometry::from(Cloud::new(&points[..40], CloudElement::Ball(0.02)).unwrap()),
+    ];
+    let options = ManifoldOptions::with_prediction(0.02);
+    let mut met = 0;
+    for element in elements {
+        let cloud = Cloud::new(&points, element).unwrap();
+        let compound = cloud.to_compound().unwrap();
+        for other in &others {
+            let [mut ours, mut swapped, mut all] = [(); 3].map(|()| PairTracker::new());
+            for frame in 0..12 {
+                let t = f64::from(frame);
+                let at = Isometry3::new(
+                    Vector3::new(-1.0 + 0.15 * t, 0.3, 0.42 - 0.01 * t),
+                    Vector3::new(0.02 * t, 0.01 * t, 0.1 * t),
+                );
+                let pose = RelativePose::from_isometry(&at).unwrap();
+                let lowest = |groups: &[lin_canny::ContactGroup]| {
+                    let contacts = groups.iter().flat_map(|group| &group.contacts);
+                    contacts.map(|c| c.point.separation).fold(f64::INFINITY, f64::min)
+                };
+                let expected = lowest(all.contacts(&compound, other, &pose, &options).unwrap());
+                let found = ours.contacts(&cloud, other, &pose, &options).unwrap();
+                let what = format!("{other:?} frame {frame}: {} for {expected}", lowest(found));
+                assert!(
+                    lowest(found) == expected || (lowest(found) - expected).abs() < 1e-9,
+                    "{what}"
+                );
+                for contact in found.iter().flat_map(|group| &group.contacts) {
+                    met += 1;
+                    let at = points[contact.patches[0] as usize];
+                    assert!((at - contact.point.point_on_a).norm() < 0.12, "{what}: {contact:?}");
+                }
+                let back = swapped.contacts(other, &cloud, &pose.swapped(), &options).unwrap();
+                assert!(
+                    lowest(back) == expected || (lowest(back) - expected).abs() < 1e-9,
+                    "{what}"
+                );
+            }
+        }
+    }
+    assert!(met > 200, "{met}");
+}
+
 #[test]
 fn scenes_measure_clouds() {
     let all = Group::default();

@@ -81,14 +81,24 @@ impl ShapeTracker {
         }
     }
 
-    /// Returns the closest points; for overlapping polyhedra, the contact state without the depth.
+    /// Returns the closest points; for polyhedra whose cores overlap, the contact state without the
+    /// depth.
+    ///
+    /// Then the upper bound is minus the sum of the radii, and the witnesses are those of the
+    /// cores.
     pub(crate) fn closest_or_class(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
-        match (a.core(), b.core()) {
-            (Core::Polyhedron(x), Core::Polyhedron(y)) if a.rounding_radius() == 0.0 && b.rounding_radius() == 0.0 => {
-                self.polyhedral.closest_or_class(x, y, a_from_b)
-            }
-            _ => self.closest(a, b, a_from_b),
+        let (Core::Polyhedron(x), Core::Polyhedron(y)) = (a.core(), b.core()) else {
+            return self.closest(a, b, a_from_b);
+        };
+        let radii = [a.rounding_radius(), b.rounding_radius()];
+        let mut outcome = self.polyhedral.closest_or_class(x, y, a_from_b);
+        if outcome.state == ContactState::Overlapping {
+            outcome.distance = rounding::less(outcome.distance, radii);
+            [_, outcome.upper] = rounding::bounds([outcome.lower, outcome.upper], radii);
+        } else if radii != [0.0; 2] {
+            self::grow([x, y], a_from_b, radii, &mut outcome);
         }
+        outcome
     }
 
     /// Returns whether the closed shapes are at most `d` apart, in the caller's unit.

@@ -19,11 +19,11 @@ use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{EXPONENT_FREE, EXTENT_MAX, PLACE_MAX, UNIT};
 use crate::body::polyhedron::{BuildError, ConvexPolyhedron, exponent_of, power_of_two};
-use crate::body::shape::{Core, Shape, ShapeError, is_rounding};
+use crate::body::shape::{Shape, ShapeError, is_rounding};
 #[cfg(feature = "exact")]
 use crate::convex::exact::place::ExactVector;
 use crate::nonconvex::parts::{Parted, PartsRef};
-use crate::nonconvex::pieces::{Compound, CompoundError, Piece};
+use crate::nonconvex::pieces::{Compound, CompoundError, Piece, inner_points};
 use crate::nonconvex::query::frame::TreeSide;
 use crate::nonconvex::separation::ball_about;
 use crate::nonconvex::tree::Tree;
@@ -132,6 +132,14 @@ enum Element {
 /// members have the frame of their body, then the poses of elements are not rounded. Distances are
 /// then as tight, and predicates as exact, as for the element alone. At other poses, bounds are
 /// wider by the rounding of composed poses, and ties count as within.
+///
+/// **Inside of a solid mesh.** A mesh that contains an element overlaps the cloud, in every query
+/// and whether or not the surfaces meet. The witness is then a point of that element, but the
+/// locations of the outcome are those of the closest pair of an element and a triangle.
+///
+/// **Contacts and surfaces.** Contacts are those of a compound of the elements near the other body,
+/// which is made again when the bodies have moved. Against a Bézier surface, the whole cloud is
+/// converted to a compound of some hundred bytes per point.
 ///
 /// A cloud takes about 29 bytes per `f32` point, 41 per `f64` point, and 19 per cell of
 /// [`from_cells`](Self::from_cells), its tree included (measured on 50,000 points of a sheet).
@@ -314,7 +322,7 @@ impl Cloud {
         let element = element.in_order(&order);
         let is_grid = matches!(points, Points::Grid { .. });
         let mut cloud = Self {
-            probes: probes_of(&shape),
+            probes: inner_points(&shape).each(|p| p.coords),
             radius: (sqrt(square) + reach) * scale * (1.0 + 64.0 * UNIT),
             points,
             order: if is_grid { Vec::new() } else { order },
@@ -441,6 +449,20 @@ impl Cloud {
         Compound::new(items.map(piece).collect())
     }
 
+    /// Returns the items whose leaf comes within a ball, given by its centre and radius.
+    ///
+    /// The ball is in the frame of the cloud and in the caller's unit.
+    pub(crate) fn items_near(&self, (centre, radius): (Point3<f64>, f64)) -> Vec<u32> {
+        let (scale, mut items) = (1.0 / self.unit(), Vec::new());
+        // The tree doubles the length; a hundredth covers rounding.
+        let half = 0.505 * radius * scale;
+        self.tree.any_near(&(centre.coords * scale), half, |item| {
+            items.push(item);
+            false
+        });
+        items
+    }
+
     /// Returns a polyhedron that contains the cloud: its box.
     pub(super) fn hull(&self) -> Result<ConvexPolyhedron, BuildError> {
         let end = |k: usize, i: usize| if k >> i & 1 == 1 { self.high[i] } else { self.low[i] };
@@ -552,18 +574,6 @@ impl Element {
             Self::Balls(radii) => Self::Balls(radii.in_order(order)),
             other => other,
         }
-    }
-}
-
-/// Returns an inner point of an element at the origin and another of its points.
-fn probes_of(shape: &Shape) -> [Vector3<f64>; 2] {
-    let origin = Vector3::zeros();
-    match shape.core() {
-        Core::Polyhedron(body) => {
-            let vertex = body.vertex_points().next().map_or(origin, |p| p.coords);
-            [body.centroid().coords, vertex]
-        }
-        _ => [origin; 2],
     }
 }
 

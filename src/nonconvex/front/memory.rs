@@ -205,7 +205,8 @@ impl FrontMemory {
     fn begin<J: Judge>(&mut self, search: &mut TreeSearch<J>, motion: f64) {
         let before = FrontWorth::work(&search.work);
         self.front.clear();
-        if !(motion < JUMP) {
+        // The descent to the only item of a body meets a close pair as soon as the seed does.
+        if !(motion < JUMP || search.a.is_alone() || search.b.is_alone()) {
             search.seed();
         }
         if !search.is_over() {

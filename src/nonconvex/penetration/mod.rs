@@ -34,8 +34,6 @@
 mod cell;
 mod inner;
 
-use alloc::vec::Vec;
-
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 use crate::base::num::each::Each;
@@ -369,12 +367,7 @@ const NEAR_ELEMENTS: usize = 1024;
 fn near_elements(body: PartsRef, other: (Point3<f64>, f64)) -> Option<Compound> {
     let PartsRef::Cloud(cloud) = body else { return None };
     let (centre, radius) = other;
-    let (scale, mut items) = (1.0 / cloud.stored_unit(), Vec::new());
-    let side = cloud.side();
-    side.tree.any_near(&(centre.coords * scale), radius * scale, |item| {
-        items.push(item);
-        false
-    });
+    let items = cloud.items_near((centre, 2.0 * radius));
     let step = items.len().div_ceil(NEAR_ELEMENTS).max(1);
     cloud.compound_of(items.into_iter().step_by(step)).ok()
 }

@@ -1,8 +1,9 @@
 //! The search down both trees to the closest pair, with every other pair proven farther, and the
 //! work counters.
 //!
-//! 1. The search starts with a close pair of items ([`TreeSearch::seed`]). This pair proves
-//!    nothing, but pairs of boxes farther apart than its distance are pruned.
+//! 1. The search starts with a close pair of items ([`TreeSearch::seed`]), unless a body has a
+//!    single item. This pair proves nothing, but pairs of boxes farther apart than its distance are
+//!    pruned.
 //! 2. Pairs of nodes that are not proven far enough are split, the nearest first
 //!    ([`TreeSearch::descend`]).
 //! 3. The search ends at pairs of leaves, which are tested item by item
@@ -182,17 +183,9 @@ pub(crate) struct TriedDirection {
     in_b: Vector3<f64>,
     /// The height of the origin of B's frame above the origin of A's.
     lift: f64,
-}
-
-impl TriedDirection {
-    #[inline(always)]
-    fn new(frame: &TreeFrame, n: &Vector3<f64>) -> Self {
-        Self {
-            in_a: *n,
-            in_b: frame.direction_in_b(n),
-            lift: n.dot(&frame.translation),
-        }
-    }
+    /// The greatest height of A in its frame if A has a single item, and the least height of B in
+    /// its frame if B has.
+    alone: [f64; 2],
 }
 
 /// A direction and a proven gap along it, in single precision.
@@ -232,6 +225,25 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         };
         search.single = search.single_level();
         search
+    }
+
+    /// Returns a direction in both frames, with the height of a body of a single item.
+    #[inline(always)]
+    fn tried(&self, n: &Vector3<f64>) -> TriedDirection {
+        let in_b = self.frame.direction_in_b(n);
+        let (mut high, mut low) = (0.0, 0.0);
+        if self.a.is_alone() {
+            high = self.judge.highest_in_a(0, n);
+        }
+        if self.b.is_alone() {
+            low = self.judge.lowest_in_b(0, &in_b);
+        }
+        TriedDirection {
+            in_a: *n,
+            in_b,
+            lift: n.dot(&self.frame.translation),
+            alone: [high, low],
+        }
     }
 
     /// Returns the pruning level in A's stored units: the distance of the goal, or the least so
@@ -290,7 +302,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         let level = self.best.as_ref().map_or(f64::INFINITY, |b| b.distance);
         let is_tie = found.distance <= level + self.frame.tie;
         let is_closer = found.distance < level || found.crosses && self.best.as_ref().is_some_and(|b| !b.crosses);
-        let own = Some((pair, TriedDirection::new(self.frame, &found.normal)));
+        let own = Some((pair, self.tried(&found.normal)));
         if found.distance < level - self.frame.tie || self.best.is_none() {
             self.directions = [own, None];
         } else if is_tie {
@@ -393,22 +405,18 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
             (_, true) => self.b.boxes[0].radius() * self.frame.single.scale_b,
             _ => return None,
         };
-        if gap + reach < self.single {
+        // A body is lower than its box by rarely more than half the radius of the box.
+        if gap + 0.5 * reach < self.single {
             return None;
         }
-        let own = self.own_direction(normal);
-        for n in [own, self.directions[0].map(|d| d.1)].into_iter().flatten() {
+        for k in 0..2 {
+            // The height of the item along the known direction costs nothing, so it is first.
+            let known = self.directions[0].filter(|_| k == 0).map(|d| d.1);
+            let new = if k == 1 { self.own_direction(normal) } else { None };
+            let Some(n) = known.or(new) else { continue };
             self.work.looks += 1;
-            let high = if is_a {
-                self.judge.highest_in_a(0, &n.in_a)
-            } else {
-                height(self.a, x, &n.in_a)
-            };
-            let low = if is_b {
-                self.judge.lowest_in_b(0, &n.in_b)
-            } else {
-                -height(self.b, y, &-n.in_b)
-            };
+            let high = if is_a { n.alone[0] } else { height(self.a, x, &n.in_a) };
+            let low = if is_b { n.alone[1] } else { -height(self.b, y, &-n.in_b) };
             let gap = low + n.lift - 2.0 * self.frame.error - high;
             if self.passes(gap) {
                 return Some(self.proof(&n.in_a, gap));
@@ -444,7 +452,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     /// Returns the direction along which a pair of boxes has its best gap.
     fn own_direction(&self, normal: [f32; 3]) -> Option<TriedDirection> {
         let n = near_unit(&Vector3::from(normal.each(f64::from)))?;
-        Some(TriedDirection::new(self.frame, &n))
+        Some(self.tried(&n))
     }
 
     /// Converts a direction and a gap in double precision to the form in a front.
@@ -465,7 +473,9 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     fn look(&mut self, [x, y]: NodePair, n: &TriedDirection) -> f64 {
         self.work.looks += 1;
         let lift = n.lift - 2.0 * self.frame.error;
-        let (mut low, mut high) = (-height(self.b, y, &-n.in_b), height(self.a, x, &n.in_a));
+        let (is_a, is_b) = (self.a.is_alone(), self.b.is_alone());
+        let mut high = if is_a { n.alone[0] } else { height(self.a, x, &n.in_a) };
+        let mut low = if is_b { n.alone[1] } else { -height(self.b, y, &-n.in_b) };
         let hidden = f64::from(self.frame.single.error) * self.frame.single.unit;
         let level = self.level() - self.frame.tie;
         let is_short = |gap: f64| gap < level && gap + hidden >= level;
@@ -640,6 +650,8 @@ struct OpenLeafPair<const M: usize, const N: usize> {
     of_b: Range<u32>,
     /// One bit per pair, `N` bits per item of A.
     left: u64,
+    /// The pair with the least gap along the direction tried last, which is measured first.
+    nearest: u32,
     /// The direction along which the least gap of all pairs is greatest, and this gap.
     best: Option<(Vector3<f64>, f64)>,
     /// Lower bound over the pairs that are proven.
@@ -654,9 +666,23 @@ impl<const M: usize, const N: usize> OpenLeafPair<M, N> {
             of_a,
             of_b,
             left,
+            nearest: 0,
             best: None,
             proven: f64::INFINITY,
         }
+    }
+
+    /// Takes the next pair to measure out of those that are not proven.
+    #[inline(always)]
+    fn take_next(&mut self) -> NodePair {
+        let is_open = self.left & 1 << self.nearest != 0;
+        let bit = if is_open {
+            self.nearest
+        } else {
+            self.left.trailing_zeros()
+        };
+        self.left &= !(1 << bit);
+        self.pair(bit)
     }
 
     /// Records a lower bound of some pairs, for a body against itself.
@@ -763,11 +789,9 @@ impl<J: Judge> TreeSearch<'_, J> {
             }
         }
         while open.left != 0 && !self.is_over() {
-            let bit = open.left.trailing_zeros();
-            open.left &= open.left - 1;
-            let (n, lower) = self.measure(open.pair(bit));
+            let (n, lower) = self.measure(open.take_next());
             open.prove::<J>(lower);
-            self.along(&mut open, &TriedDirection::new(self.frame, &n));
+            self.along(&mut open, &self.tried(&n));
         }
         if J::IS_SELF {
             let is_whole = open.left == 0;
@@ -786,11 +810,19 @@ impl<J: Judge> TreeSearch<'_, J> {
         let lift = n.lift - self.frame.error;
         let (mut high, mut low) = ([f64::NEG_INFINITY; M], [f64::INFINITY; N]);
         let (mut top, mut bottom) = (f64::NEG_INFINITY, f64::INFINITY);
-        self.judge.heights_in_a(open.of_a.clone(), &n.in_a, &mut high);
+        if self.a.is_alone() {
+            high[0] = n.alone[0];
+        } else {
+            self.judge.heights_in_a(open.of_a.clone(), &n.in_a, &mut high);
+        }
         for high in &high[..open.of_a.len()] {
             top = top.at_least(*high);
         }
-        self.judge.heights_in_b(open.of_b.clone(), &n.in_b, &mut low);
+        if self.b.is_alone() {
+            low[0] = n.alone[1];
+        } else {
+            self.judge.heights_in_b(open.of_b.clone(), &n.in_b, &mut low);
+        }
         for low in &mut low[..open.of_b.len()] {
             *low += lift;
             bottom = bottom.at_most(*low);
@@ -800,6 +832,7 @@ impl<J: Judge> TreeSearch<'_, J> {
             open.left = 0;
             open.prove::<J>(least);
         } else {
+            let mut closest = f64::INFINITY;
             for bit in bits(open.left) {
                 let gap = low[bit as usize % N] - high[bit as usize / N];
                 if self.passes(gap) {
@@ -808,6 +841,8 @@ impl<J: Judge> TreeSearch<'_, J> {
                     if gap <= self.frame.tie {
                         self.touching.push(open.pair(bit));
                     }
+                } else if gap < closest {
+                    (closest, open.nearest) = (gap, bit);
                 }
             }
         }

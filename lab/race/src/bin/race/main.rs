@@ -6,6 +6,7 @@
 
 mod bending;
 mod cad;
+mod clouds;
 mod contact;
 mod curved;
 mod gate;
@@ -27,8 +28,8 @@ use truth::boxes::Kind;
 /// Compare the speed of this crate with other libraries
 ///
 /// Each race measures one kind of query: closest points of polyhedra or curved shapes, contacts,
-/// broad phases, whole scenes, casts, meshes, segments of planners, Bézier surfaces, rays and
-/// hulls. The race `instructions` counts the instructions of queries. The race `gate` runs 30 cells of
+/// broad phases, whole scenes, casts, meshes, segments of planners, Bézier surfaces, rays, hulls
+/// and clouds. The race `instructions` counts the instructions of queries. The race `gate` runs 30 cells of
 /// the others in two minutes, and names the cells that are more than 5 % slower than in
 /// `benches/record/gate.csv`.
 #[derive(Parser)]
@@ -59,6 +60,7 @@ enum Race {
     Patches,
     Rays,
     Hulls,
+    Clouds,
     Instructions,
     Gate,
 }
@@ -94,6 +96,7 @@ fn race(
         Race::Rays => (rays::SCENES.into(), rays::run),
         Race::Hulls => (points::SCENES.into(), points::run),
         Race::Gate => return gate::run(*save),
+        Race::Clouds => (clouds::SCENES.into(), clouds::run),
         Race::Instructions => {
             options.check(&instructions::SCENES)?;
             return options.save(&instructions::run(options)?);
