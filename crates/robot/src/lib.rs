@@ -171,6 +171,7 @@
 
 mod cell;
 mod cell_body;
+mod cell_save;
 mod drake;
 mod error;
 mod excludable;
@@ -193,7 +194,7 @@ mod turn;
 mod urdf;
 mod xml;
 
-pub use cell::{Cell, Obstacle};
+pub use cell::{BodyName, Cell, Obstacle};
 pub use cell_body::AttachedBody;
 pub use error::{FileError, FileErrorKind, Skipped};
 pub use excludable::{ExcludeReason, LinkPairCount, find_excludable};
