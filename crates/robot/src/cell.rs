@@ -102,7 +102,7 @@ impl From<NameText> for BodyName {
 /// | `voxels` | `file` or `indices`; `size` of a cell, one number or three; `origin`: the least corner of the cell `[0, 0, 0]` |
 /// | `half_space` | `normal`, `offset` (0 by default): the points x with `normal . x <= offset` |
 /// | `geometry` | any geometry in the form in which `lin-canny` serialises it |
-/// | `heights` | `file` (rows of numbers) or `values`; `spacing` `[x, y]`: value `[i][j]` is at `(j x, i y)`; `base`: the body is solid down to this height, else an open surface |
+/// | `heights` | `file` (rows of numbers, or an npy array of two axes) or `values`; `spacing` `[x, y]`: value `[i][j]` is at `(j x, i y)`; `base`: the body is solid down to this height, else an open surface |
 ///
 /// A body has exactly one shape. Its pose in the world is `xyz`, and either `rpy` in radians or the
 /// quaternion `xyzw`, which is normalised unless its squared norm is 1 to 1e-12. A path is relative to the folder of the JSON file, or starts with `package://`

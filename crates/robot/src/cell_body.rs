@@ -4,7 +4,7 @@ use std::path::Path;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Mesh, RelativePose, normalize_rotation};
-use lin_canny_formats::{Invalid, PointFile, Points};
+use lin_canny_formats::{Grid, Invalid, PointFile, Points};
 
 use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::geometry::{self, MeshUse, Solid};
@@ -379,39 +379,26 @@ impl Files<'_> {
     }
 
     fn heights(&self, heights: &HeightsText) -> Result<Geometry, FileErrorKind> {
-        let rows = match (&heights.file, &heights.values) {
+        let (rows, columns, values) = match (&heights.file, &heights.values) {
             (Some(_), Some(_)) => return Err(both("heights", "file", "values")),
             (None, None) => return Err(FileErrorKind::Missing("file or values".into())),
-            (None, Some(values)) => values.clone(),
-            (Some(name), None) => rows_of(&self.packages.find(name, self.folder)?)?,
+            (None, Some(rows)) => {
+                let columns = rows.first().map_or(0, Vec::len);
+                if let Some(k) = rows.iter().position(|row| row.len() != columns) {
+                    let count = rows[k].len();
+                    let reason = format!("row {k} of heights has {count} numbers (expected {columns})");
+                    return Err(FileErrorKind::Malformed(reason));
+                }
+                (rows.len(), columns, rows.concat())
+            }
+            (Some(name), None) => {
+                let grid = Grid::read(self.packages.find(name, self.folder)?).map_err(wrong)?;
+                (grid.rows, grid.columns, grid.values)
+            }
         };
-        let columns = rows.first().map_or(0, Vec::len);
-        if let Some(k) = rows.iter().position(|row| row.len() != columns) {
-            let count = rows[k].len();
-            let reason = format!("row {k} of heights has {count} numbers (expected {columns})");
-            return Err(FileErrorKind::Malformed(reason));
-        }
-        let mesh = Mesh::from_heights(rows.len(), columns, heights.spacing, &rows.concat(), heights.base);
+        let mesh = Mesh::from_heights(rows, columns, heights.spacing, &values, heights.base);
         mesh.map(Geometry::from).map_err(wrong)
     }
-}
-
-/// Returns the rows of numbers of a text file; blanks or commas separate the numbers.
-fn rows_of(file: &Path) -> Result<Vec<Vec<f64>>, FileErrorKind> {
-    let text = FileError::read(file).map_err(|error| FileErrorKind::Malformed(error.to_string()))?;
-    let mut rows = Vec::new();
-    for (k, line) in text.lines().enumerate() {
-        let words = line.split([' ', '\t', ',']).filter(|word| !word.is_empty());
-        let row: Result<Vec<f64>, _> = words.map(str::parse).collect();
-        let row = row.map_err(|_| {
-            let reason = format!("{}:{}: {line:.60?} (expected numbers)", file.display(), k + 1);
-            FileErrorKind::Malformed(reason)
-        })?;
-        if !row.is_empty() {
-            rows.push(row);
-        }
-    }
-    Ok(rows)
 }
 
 fn both(shape: &str, a: &str, b: &str) -> FileErrorKind {

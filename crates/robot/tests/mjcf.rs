@@ -324,12 +324,13 @@ fn a_height_field_without_heights_is_a_box() {
     let field = "<asset><hfield name='h' nrow='1000000' ncol='1000000' size='1 2 3 4'/></asset>";
     let geom = "<worldbody><geom type='hfield' hfield='h'/></worldbody>";
     let robot = parse(&format!("<mujoco>{field}{geom}</mujoco>")).expect("a robot");
-    let Geometry::Mesh(mesh) = &robot.links()[0].bodies[0].geometry else {
+    let body = &robot.links()[0].bodies[0];
+    let Geometry::Mesh(mesh) = &body.geometry else {
         panic!("a mesh");
     };
     assert_eq!(mesh.triangle_count(), 12);
-    let (centre, radius) = robot.links()[0].bodies[0].geometry.bounding_ball();
-    assert!((centre - Point3::new(0.0, 0.0, -2.0)).norm() < 0.5 && (2.9..3.5).contains(&radius));
+    let (centre, radius) = body.geometry.bounding_ball();
+    assert!((body.origin * centre - Point3::new(0.0, 0.0, -2.0)).norm() < 0.5 && (2.9..3.5).contains(&radius));
 }
 
 #[test]

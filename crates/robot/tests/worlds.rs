@@ -69,11 +69,12 @@ fn geometry(rng: &mut Rng, is_bounded: bool) -> Geometry {
     let mut size = || rng.range(0.05, 0.2);
     let [x, y, z] = [size(), size(), size()];
     let block = solids::cuboid(Vector3::new(x, y, z)).expect("a box");
+    let kind = rng.below(if is_bounded { 11 } else { 12 });
     let mut points = || -> Vec<Point3<f64>> {
         let draw = |_| Point3::from(Vector3::from_fn(|_, _| rng.range(-0.3, 0.3)));
         (0..12).map(draw).collect()
     };
-    match rng.below(if is_bounded { 11 } else { 12 }) {
+    match kind {
         0 => Shape::ball(x).expect("a ball").into(),
         1 => Shape::capsule(x, y).expect("a capsule").into(),
         2 => Shape::cylinder(x, y).expect("a cylinder").into(),
