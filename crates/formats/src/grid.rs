@@ -92,7 +92,11 @@ fn from_text(bytes: &[u8]) -> Result<Grid, Fault> {
         for word in line.split([' ', '\t', ',', ';']).filter(|word| !word.is_empty()) {
             let number = text::number(word).ok_or_else(|| {
                 let column = grid.values.len() - before;
-                let why = format!("number [{}][{column}] is {} (expected a finite number)", grid.rows, text::quoted(word));
+                let why = format!(
+                    "number [{}][{column}] is {} (expected a finite number)",
+                    grid.rows,
+                    text::quoted(word)
+                );
                 Fault::malformed(at, why)
             })?;
             grid.values.push(number);

@@ -321,7 +321,10 @@ impl Array {
         };
         let field = self.fields.first().filter(|_| !self.is_structure);
         let Some((of, order)) = field.and_then(|field| field.of) else {
-            let of = field.map_or_else(|| "structures".into(), |field| format!("type {}", text::quoted(&field.text)));
+            let of = field.map_or_else(
+                || "structures".into(),
+                |field| format!("type {}", text::quoted(&field.text)),
+            );
             return Err(Fault::unsupported(None, format!("an array of {of}")));
         };
         let (rows, columns) = (rows as usize, columns as usize);
@@ -339,7 +342,11 @@ impl Array {
         let mut values = Vec::with_capacity(rows * columns);
         for row in 0..rows {
             for j in 0..columns {
-                let item = if self.is_fortran { j * rows + row } else { row * columns + j };
+                let item = if self.is_fortran {
+                    j * rows + row
+                } else {
+                    row * columns + j
+                };
                 let number = column.number(data, item);
                 values.push(number.map_err(|why| Fault::malformed(None, format!("number [{row}][{j}] {why}")))?);
             }

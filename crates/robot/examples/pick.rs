@@ -1,6 +1,6 @@
 //! A six-axis arm takes a part from a tray under a scanned hood, carries it past a post, and puts it down.
 //!
-//! `cargo run --release -p lin-canny-robot --example pick -- [--points N] [--seed N] [--out FILE.jsonl]`
+//! `cargo run --release -p lin-canny-robot --example pick -- [--points N] [--seed N] [--out FILE.jsonl] [--picture FILE.svg]`
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::PathBuf;
@@ -11,16 +11,17 @@ use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Mesh, Progress, Shape};
-use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanOptions, Verdict};
+use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, NearPair, PlanOptions, Verdict};
 use lin_canny_robot::{RobotFiles, RobotRecorder};
-use truth::arm::Trouble;
+use truth::arm::{Trouble, draw};
 use truth::command::{count, file};
 use truth::rng::Rng;
 
 /// Plan how a six-axis arm takes a part from a tray and puts it down behind a post
 ///
 /// A hood over the tray is known only as a cloud of points with noise. Every motion is proven free:
-/// of the arm, and of the part in its gripper. Writes a recording for the viewer.
+/// of the arm, and of the part in its gripper. Writes a recording for the viewer, and draws the arm
+/// where the part is closest to the post.
 #[derive(Parser)]
 struct Options {
     /// Number of points of the cloud
@@ -32,6 +33,9 @@ struct Options {
     /// Output recording
     #[arg(long, value_name = "FILE.jsonl", default_value = "target/pick.jsonl", value_parser = file("jsonl"))]
     out: PathBuf,
+    /// Output picture
+    #[arg(long, value_name = "FILE.svg", default_value = "target/pick.svg", value_parser = file("svg"))]
+    picture: PathBuf,
 }
 
 /// Half the size of the part in metres.
@@ -92,9 +96,16 @@ fn run(options: &Options) -> Result<(), Trouble> {
     proven(&mut checker, "lift", &taken)?;
     film.show(&mut checker, "lift", &taken)?;
     let straight = checker.certify(&taken[LAST], &put[LAST])?;
-    println!("straight from tray to table: {}", checker.show(&straight));
+    if let Verdict::Blocked { t, pair, .. } = &straight {
+        println!(
+            "straight from tray to table: {} meet at {t:.3} of the way",
+            checker.show(pair)
+        );
+    }
     let carry = planned(&mut checker, "carry", &taken[LAST], &put[LAST], options.seed)?;
     film.show(&mut checker, "carry", &carry)?;
+    let svg = picture(&mut checker, &carry)?;
+    truth::command::write(&options.picture, &svg)?;
     proven(&mut checker, "put down", &put)?;
     film.show(&mut checker, "put down", &reversed(&put))?;
 
@@ -102,7 +113,12 @@ fn run(options: &Options) -> Result<(), Trouble> {
     proven(&mut checker, "leave", &put)?;
     film.show(&mut checker, "leave", &put)?;
     film.to.finish()?;
-    println!("recorded to {} in {:.1?}", options.out.display(), began.elapsed());
+    println!(
+        "recorded to {}, drawn to {}, in {:.1?}",
+        options.out.display(),
+        options.picture.display(),
+        began.elapsed()
+    );
     Ok(())
 }
 
@@ -222,7 +238,7 @@ fn proven(checker: &mut Checker<JointTree>, what: &str, path: &[Vec<f64>]) -> Re
     checker.set_start_contact_margin(None)?;
     touching.dedup();
     println!(
-        "{what}: proven free in {:.1?}; in contact below: {}",
+        "{what}: proven free in {:.1?}; in contact at its low end: {}",
         began.elapsed(),
         touching.join(", ")
     );
@@ -259,6 +275,59 @@ fn planned(
         began.elapsed()
     );
     Ok(path)
+}
+
+/// Points of the cloud that the picture shows.
+const DOTS: usize = 6000;
+
+/// The arm in its cell where the part is closest to the post, and the part at both ends of the path.
+fn picture(checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<String, Trouble> {
+    let names = [checker.world().select("part")?[0], checker.world().select("post")?[0]];
+    let mut nearest: Option<(NearPair, Vec<f64>)> = None;
+    for ends in path.windows(2) {
+        for k in 0..=40 {
+            let q = checker.space().between(&ends[0], &ends[1], f64::from(k) / 40.0);
+            let all = checker.nearest(&q, f64::INFINITY)?;
+            let near = all.into_iter().find(|near| [near.pair.a, near.pair.b] == names);
+            let near = near.ok_or("part and post are no pair")?;
+            if nearest.as_ref().is_none_or(|(least, _)| near.distance < least.distance) {
+                nearest = Some((near, q));
+            }
+        }
+    }
+    let (near, q) = nearest.ok_or("the path is empty")?;
+    let (mut shapes, mut poses, mut cloud) = (vec![], vec![], vec![]);
+    let world = checker.world();
+    for (id, name) in world.bodies() {
+        match world.geometry(id).ok_or("no geometry")? {
+            Geometry::Cloud(hood) => cloud = hood.points(),
+            Geometry::HalfSpace(_) => {}
+            geometry => {
+                let is_moving = world.obstacle_pose(id).is_none();
+                let outline = draw::outline(geometry)?;
+                if name == "part" {
+                    for end in [&path[0], &path[path.len() - 1]] {
+                        shapes.push((outline.clone(), false));
+                        poses.push(checker.pose(id, end)?);
+                    }
+                }
+                shapes.push((outline, is_moving));
+                poses.push(checker.pose(id, &q)?);
+            }
+        }
+    }
+    let step = cloud.len().div_ceil(DOTS).max(1);
+    let picture = draw::Picture {
+        caption: format!(
+            "A part is carried from a tray to the table: {:.3} m from the post",
+            near.distance
+        ),
+        bodies: shapes.iter().map(|(shape, is_moving)| (shape, *is_moving)).collect(),
+        poses,
+        points: near.witnesses,
+        cloud: cloud.into_iter().step_by(step).collect(),
+    };
+    Ok(picture.alone())
 }
 
 /// Radians between two frames.

@@ -107,7 +107,9 @@ impl Solid {
             Self::Ellipsoid { radii } => Shape::ellipsoid(Vector3::from(radii)),
             Self::Cone { radius, length } => Shape::cone(0.5 * length, radius),
             Self::HalfSpace { extent: f64::INFINITY } => {
-                return HalfSpace::new(Vector3::z(), 0.0).map(Geometry::from).map_err(|e| wrong(&e));
+                return HalfSpace::new(Vector3::z(), 0.0)
+                    .map(Geometry::from)
+                    .map_err(|e| wrong(&e));
             }
             Self::HalfSpace { extent } => {
                 let corner = |k: usize| {

@@ -1,4 +1,5 @@
-//! Promise: a world that is saved as a cell file and loaded again answers as before, bit for bit.
+//! Promise: a world that is saved as a cell file and loaded again answers as before, bit for bit; a recording shows it as it
+//! is in each frame.
 
 use std::path::Path;
 
@@ -8,7 +9,8 @@ use lin_canny_robot::lin_canny::{
     Cloud, CloudElement, Compound, ConvexPolyhedron, Geometry, HalfSpace, Mesh, Piece, Shape,
 };
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, World, WorldId};
-use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup};
+use lin_canny_robot::record::{Cursor, Recording};
+use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, RobotRecorder, Setup};
 use truth::rng::Rng;
 
 /// An arm of three links, of which one has two bodies, and a tool without bodies.
@@ -331,4 +333,61 @@ fn wrong_worlds_are_named() {
     cell.obstacles[2].pose.translation.x = f64::NAN;
     let error = cell.to_json().err().map(|error| error.to_string()).unwrap_or_default();
     assert!(error.starts_with("cell.json: \"x\": "), "{error}");
+}
+
+#[test]
+fn a_recording_shows_the_world_as_it_is_in_each_frame() {
+    let mut checker = setup().checker().expect("a checker");
+    let q = [0.0, 0.0, 0.1];
+    let at = |x: f64| Isometry3::translation(x, 0.0, 2.0);
+    let ball = Geometry::from(Shape::ball(0.1).expect("a ball"));
+    checker
+        .add_obstacle("part", ball.clone(), at(0.0))
+        .expect("an obstacle");
+    checker
+        .add_obstacle("post", ball.clone(), at(1.0))
+        .expect("an obstacle");
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("changes.jsonl");
+    let mut recorder = RobotRecorder::create(&file, &checker, &q).expect("a file");
+    let mut frame = |checker: &mut Checker<JointTree>| {
+        let near = checker.clearance(&q).expect("a configuration").expect("a pair");
+        recorder.frame(checker, &q, "here", &near).expect("a frame");
+    };
+    frame(&mut checker);
+    // The part stays the same body when a link takes it and puts it down.
+    checker.remove_obstacle("part").expect("a part");
+    checker
+        .attach("tool", "part", ball.clone(), at(0.0), &[])
+        .expect("a part");
+    frame(&mut checker);
+    checker.detach_at("part", &q).expect("a part");
+    checker.move_obstacle("post", at(2.0)).expect("a post");
+    frame(&mut checker);
+    checker
+        .replace_obstacle("post", Shape::ball(0.2).expect("a ball"))
+        .expect("a post");
+    frame(&mut checker);
+    checker.remove_obstacle("part").expect("a part");
+    frame(&mut checker);
+    recorder.finish().expect("a file");
+    let recording = Recording::open(&file).expect("a recording");
+    let names: Vec<&str> = recording.bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(names, ["upper", "fore", "fore", "hand", "part", "post", "post"]);
+    let mut cursor = Cursor::default();
+    let mut shown = |frame: usize, body: usize| {
+        cursor.seek(&recording, frame);
+        cursor.poses.get(body).copied().flatten()
+    };
+    let tool = checker.link_pose("tool", &q).expect("a link");
+    let carried = (tool * at(0.0)).translation.vector;
+    assert_eq!(shown(0, 4), Some(at(0.0)));
+    for frame in [1, 2, 3] {
+        let pose = shown(frame, 4).expect("a part");
+        assert!((pose.translation.vector - carried).norm() < 1e-12, "{frame}: {pose}");
+    }
+    assert_eq!(
+        (shown(1, 5), shown(2, 5), shown(3, 5)),
+        (Some(at(1.0)), Some(at(2.0)), None)
+    );
+    assert_eq!((shown(3, 6), shown(4, 4)), (Some(at(2.0)), None));
 }
