@@ -30,6 +30,7 @@
 //! | exclude pairs of links, from an SRDF or random configurations | [`Srdf`], [`find_excludable`] |
 //! | use the groups and named states of an SRDF | [`Srdf::groups`], [`Srdf::state`] |
 //! | load obstacles from JSON or SDFormat | [`Cell`] |
+//! | save the world of a checker, and load it again | [`Cell::from_world`], [`Cell::save`] |
 //! | load all files of a robot and its cell in one call | [`RobotFiles`] |
 //! | put robots and obstacles into one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
 //! | read configurations from CSV | [`Trajectory`] |

@@ -272,7 +272,8 @@ impl Setup {
     /// Returns the excluded pairs that name a link without bodies, so that they exclude nothing.
     #[must_use]
     pub fn exclusions_without_bodies(&self) -> Vec<[&str; 2]> {
-        let is_bare = |pair: &&[&str; 2]| pair.iter().any(|name| self.frames.contains(*name));
+        let is_frame = |name: &&str| self.frames.contains(*name) && !self.has_body(name);
+        let is_bare = |pair: &&[&str; 2]| pair.iter().any(is_frame);
         let pairs = self.excluded().map(|(pair, _)| pair);
         pairs.collect::<Vec<_>>().iter().filter(is_bare).copied().collect()
     }
@@ -369,13 +370,14 @@ impl Setup {
             world.attach(link, &object.name, object.geometry.clone(), object.pose, &touch)?;
         }
         world.set_margin(self.margin.unwrap_or(world.margin()))?;
+        let named = NamedBodies::new(&world);
         for (name, padding) in &self.paddings {
-            for id in named(&world, name)? {
+            for id in named.select(&world, name)? {
                 world.pad(id, *padding)?;
             }
         }
         for ([a, b], margin) in &self.margins {
-            for (a, b) in pairs(&world, a, b)? {
+            for (a, b) in named.pairs(&world, a, b)? {
                 world.set_pair_margin(a, b, Some(*margin))?;
             }
         }
@@ -384,7 +386,7 @@ impl Setup {
             world.exclude(a, b)?;
         }
         for [a, b] in &self.excluded_single {
-            for (a, b) in pairs(&world, a, b)? {
+            for (a, b) in named.pairs(&world, a, b)? {
                 world.exclude(a, b)?;
             }
         }
@@ -397,26 +399,42 @@ impl Setup {
     }
 }
 
-/// Returns the bodies of a world that a name stands for.
-fn named(world: &World, body: &BodyName) -> Result<Vec<WorldId>, PlanError> {
-    let found = world.select(&body.name)?;
-    match body.index {
-        None => Ok(found),
-        Some(index) => match found.get(index) {
-            Some(id) => Ok(vec![*id]),
-            None => Err(PlanError::Unnamed {
-                name: body.to_string(),
-                near: Some(body.name.as_str().into()),
-            }),
-        },
-    }
-}
+/// The bodies of a world by their names: a saved world may have a pair of names for each two bodies.
+struct NamedBodies(BTreeMap<String, Vec<WorldId>>);
 
-/// Returns all pairs of a body of `a` and a body of `b`.
-fn pairs(world: &World, a: &BodyName, b: &BodyName) -> Result<Vec<(WorldId, WorldId)>, PlanError> {
-    let (first, second) = (named(world, a)?, named(world, b)?);
-    let each = first.iter().flat_map(|a| second.iter().map(move |b| (*a, *b)));
-    Ok(each.collect())
+impl NamedBodies {
+    fn new(world: &World) -> Self {
+        let mut named: BTreeMap<String, Vec<WorldId>> = BTreeMap::new();
+        for (id, name) in world.bodies() {
+            named.entry(name.to_owned()).or_default().push(id);
+        }
+        Self(named)
+    }
+
+    /// Returns the bodies that a name of a cell stands for.
+    fn select(&self, world: &World, body: &BodyName) -> Result<Vec<WorldId>, PlanError> {
+        let Some(found) = self.0.get(&body.name) else {
+            // The error says why.
+            return world.select(&body.name);
+        };
+        match body.index {
+            None => Ok(found.clone()),
+            Some(index) => match found.get(index) {
+                Some(id) => Ok(vec![*id]),
+                None => Err(PlanError::Unnamed {
+                    name: body.to_string(),
+                    near: Some(body.name.as_str().into()),
+                }),
+            },
+        }
+    }
+
+    /// Returns all pairs of a body of `a` and a body of `b`.
+    fn pairs(&self, world: &World, a: &BodyName, b: &BodyName) -> Result<Vec<(WorldId, WorldId)>, PlanError> {
+        let (first, second) = (self.select(world, a)?, self.select(world, b)?);
+        let each = first.iter().flat_map(|a| second.iter().map(move |b| (*a, *b)));
+        Ok(each.collect())
+    }
 }
 
 /// Returns the consecutive revolute and prismatic joints of a joint; the caller sets their parents.
