@@ -1,4 +1,4 @@
-//! Mesh and point files as the world writes them, with nothing dropped in silence.
+//! Mesh, point and grid files as the world writes them, with nothing dropped in silence.
 //!
 //! ```
 //! use lin_canny_formats::{MeshFile, PointFile, Points};
@@ -50,6 +50,11 @@
 //! * All the rest is in [`PointFile::skipped`]: colours, normals, faces, and the pose of the sensor
 //!   of a PCD (`VIEWPOINT`), by which points are not moved.
 //!
+//! # Grids
+//!
+//! [`Grid`] reads a rectangle of numbers from an npy file or a text, such as the heights of a
+//! terrain. A number that is not finite is an error with its row and column.
+//!
 //! # When not to use it
 //!
 //! The crate reads positions, triangles and radii of points. It reads no normals, colours, textures or animations.
@@ -57,6 +62,7 @@
 mod collada;
 mod error;
 mod gltf;
+mod grid;
 mod mesh;
 mod msh;
 mod npy;
@@ -73,5 +79,6 @@ mod xml;
 mod xyz;
 
 pub use error::{MeshFault, MeshFileError};
+pub use grid::Grid;
 pub use mesh::{MeshFile, MeshFormat, MeshObject, Skipped};
 pub use points::{Invalid, PointFile, PointFormat, Points};

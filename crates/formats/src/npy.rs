@@ -1,5 +1,6 @@
 //! Arrays of numpy, versions 1 to 3: an array whose last axis is x, y, z and further columns, or an
-//! array of structures with the fields x, y and z; in both byte orders, in C and Fortran order.
+//! array of structures with the fields x, y and z; in both byte orders, in C and Fortran order. A
+//! grid is an array of two axes.
 //!
 //! The size of the data must fit the shape. Points follow each other in C order: an image of points
 //! is read row by row.
@@ -7,6 +8,7 @@
 //! Source: numpy.lib.format, and the documentation of `numpy.dtype`.
 
 use crate::error::Fault;
+use crate::grid::Grid;
 use crate::number::{Order, Type};
 use crate::points::{Column, PointList};
 use crate::text;
@@ -19,6 +21,20 @@ const COLUMNS: u64 = 64;
 
 /// Reads an array of points.
 pub(crate) fn read(bytes: &[u8], list: &mut PointList) -> Result<(), Fault> {
+    let (array, data, start) = parse(bytes)?;
+    array.check_size(data, start)?;
+    array.read(data, list)
+}
+
+/// Reads an array of two axes.
+pub(crate) fn read_grid(bytes: &[u8]) -> Result<Grid, Fault> {
+    let (array, data, start) = parse(bytes)?;
+    array.check_size(data, start)?;
+    array.grid(data)
+}
+
+/// Returns the array of a file, its data, and the byte at which they start.
+fn parse(bytes: &[u8]) -> Result<(Array, &[u8], usize), Fault> {
     let malformed = |why: String| Fault::malformed(None, why);
     let cut = || malformed("header is cut".into());
     let Some(rest) = bytes.strip_prefix(MAGIC) else {
@@ -52,7 +68,7 @@ pub(crate) fn read(bytes: &[u8], list: &mut PointList) -> Result<(), Fault> {
         Why::Malformed(why) => malformed(why),
         Why::Unsupported(what) => Fault::unsupported(None, what),
     })?;
-    array.read(data, start, list)
+    Ok((array, data, start))
 }
 
 /// An expression of Python.
@@ -275,22 +291,71 @@ impl Array {
         })
     }
 
-    /// Reads the data, which starts at a byte of the file.
-    fn read(&self, data: &[u8], start: usize, list: &mut PointList) -> Result<(), Fault> {
-        let product = |shape: &[u64]| shape.iter().try_fold(1u64, |product, n| product.checked_mul(*n));
-        let items = product(&self.shape);
-        let all = items.and_then(|items| items.checked_mul(self.size));
+    /// Returns the shape for an error.
+    fn shown_shape(&self) -> String {
         let shape: Vec<String> = self.shape.iter().map(u64::to_string).collect();
-        let shape = shape.join(" x ");
+        text::quoted(&shape.join(" x "))
+    }
+
+    /// Returns an error if the data, which start at a byte of the file, do not fit the shape.
+    fn check_size(&self, data: &[u8], start: usize) -> Result<(), Fault> {
+        let all = product(&self.shape).and_then(|items| items.checked_mul(self.size));
         if all != Some(data.len() as u64) {
             let why = format!("{} bytes follow the header of {start} bytes", data.len());
-            let shape = text::quoted(&shape);
+            let shape = self.shown_shape();
             let why = match all {
                 Some(all) => format!("{why} (expected {all}: shape {shape} of {} bytes)", self.size),
                 None => format!("{why} (expected shape {shape})"),
             };
             return Err(Fault::malformed(None, why));
         }
+        Ok(())
+    }
+
+    /// Returns the numbers of an array of two axes, whose data fit its shape.
+    fn grid(&self, data: &[u8]) -> Result<Grid, Fault> {
+        let &[rows, columns] = &self.shape[..] else {
+            let shape = self.shown_shape();
+            let why = format!("an array of shape {shape} (expected two axes: rows and columns)");
+            return Err(Fault::malformed(None, why));
+        };
+        let field = self.fields.first().filter(|_| !self.is_structure);
+        let Some((of, order)) = field.and_then(|field| field.of) else {
+            let of = field.map_or_else(
+                || "structures".into(),
+                |field| format!("type {}", text::quoted(&field.text)),
+            );
+            return Err(Fault::unsupported(None, format!("an array of {of}")));
+        };
+        let (rows, columns) = (rows as usize, columns as usize);
+        if rows == 0 || columns == 0 {
+            let why = format!("an array of shape {} contains no number", self.shown_shape());
+            return Err(Fault::malformed(None, why));
+        }
+        let size = self.size as usize;
+        let column = Column {
+            of,
+            order,
+            start: 0,
+            stride: size,
+        };
+        let mut values = Vec::with_capacity(rows * columns);
+        for row in 0..rows {
+            for j in 0..columns {
+                let item = if self.is_fortran {
+                    j * rows + row
+                } else {
+                    row * columns + j
+                };
+                let number = column.number(data, item);
+                values.push(number.map_err(|why| Fault::malformed(None, format!("number [{row}][{j}] {why}")))?);
+            }
+        }
+        Ok(Grid { rows, columns, values })
+    }
+
+    /// Reads the points of data that fit the shape.
+    fn read(&self, data: &[u8], list: &mut PointList) -> Result<(), Fault> {
         let unsupported = |what: String| Fault::unsupported(None, what);
         // The axes that number points.
         let rows = if self.is_structure {
@@ -299,7 +364,7 @@ impl Array {
             match self.shape.split_last() {
                 Some((3..=COLUMNS, rows)) if !rows.is_empty() => rows,
                 _ => {
-                    let shape = text::quoted(&shape);
+                    let shape = self.shown_shape();
                     let what =
                         format!("an array of shape {shape} (expected a row of 3 to {COLUMNS} numbers per point)");
                     return Err(Fault::malformed(None, what));
@@ -366,6 +431,11 @@ impl Array {
         let item = |k: usize| if self.is_fortran { fortran(rows, k) } else { k };
         list.read(data, count, axes, radius, item)
     }
+}
+
+/// Returns the number of items of a shape.
+fn product(shape: &[u64]) -> Option<u64> {
+    shape.iter().try_fold(1u64, |product, n| product.checked_mul(*n))
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];

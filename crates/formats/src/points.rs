@@ -292,7 +292,7 @@ pub(crate) struct Column {
 }
 
 impl Column {
-    fn number(&self, bytes: &[u8], item: usize) -> Result<f64, String> {
+    pub(crate) fn number(&self, bytes: &[u8], item: usize) -> Result<f64, String> {
         let start = self.start + item * self.stride;
         let mut rest = bytes.get(start..).unwrap_or_default();
         let number = self.of.take(&mut rest, self.order);

@@ -2,7 +2,7 @@
 
 mod support;
 
-use lin_canny_formats::{Invalid, MeshFault, PointFile, PointFormat, Points};
+use lin_canny_formats::{Grid, Invalid, MeshFault, PointFile, PointFormat, Points};
 use support::mutants;
 
 fn read(bytes: impl AsRef<[u8]>, name: &str) -> PointFile {
@@ -766,4 +766,88 @@ fn mutants_are_read_or_named() {
     check(&npy(1, &header("'<f4'", true, "(5, 3)"), &little), "a.npy");
     let descr = "[('x', '<f4'), ('y', '<f4'), ('z', '<f4')]";
     check(&npy(2, &header(descr, false, "(5,)"), &little), "a.npy");
+}
+
+#[test]
+fn grids_are_arrays_of_two_axes_in_every_order() {
+    let expected: [f64; 6] = [0.5, -1.0, 2.0, 4.0, 8.0, -16.0];
+    let fortran = [0usize, 3, 1, 4, 2, 5].map(|k| expected[k]);
+    for (is_fortran, values) in [(false, expected), (true, fortran)] {
+        for (descr, data) in [
+            (
+                "'<f8'",
+                values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>(),
+            ),
+            ("'>f8'", values.iter().flat_map(|x| x.to_be_bytes()).collect()),
+            ("'<f4'", values.iter().flat_map(|x| (*x as f32).to_le_bytes()).collect()),
+            ("'>f4'", values.iter().flat_map(|x| (*x as f32).to_be_bytes()).collect()),
+        ] {
+            let bytes = npy(1, &header(descr, is_fortran, "(2, 3)"), &data);
+            let grid = Grid::parse(&bytes, "a.npy").expect("a grid");
+            assert_eq!((grid.rows, grid.columns), (2, 3));
+            assert_eq!(grid.values, expected);
+            for cut in 0..bytes.len() {
+                assert!(Grid::parse(&bytes[..cut], "a.npy").is_err(), "{cut}");
+            }
+        }
+    }
+    let whole = npy(1, &header("'|i1'", false, "(1, 2)"), &[7, 0xff]);
+    assert_eq!(Grid::parse(&whole, "a.npy").expect("a grid").values, [7.0, -1.0]);
+    for text in encodings("# a hill\n1 2;3\n\n4,5\t-6e0\n") {
+        let grid = Grid::parse(&text, "a.txt").expect("a grid");
+        assert_eq!((grid.rows, grid.columns), (2, 3));
+        assert_eq!(grid.values, [1.0, 2.0, 3.0, 4.0, 5.0, -6.0]);
+    }
+}
+
+#[test]
+fn wrong_grids_are_named_with_their_shape_or_number() {
+    let array = |descr: &str, shape: &str, bytes: usize| npy(1, &header(descr, false, shape), &vec![0; bytes]);
+    let nan: Vec<u8> = [1.0, f64::NAN].iter().flat_map(|x: &f64| x.to_le_bytes()).collect();
+    for (bytes, expected) in [
+        (
+            array("'<f8'", "(4,)", 32),
+            "a: an array of shape \"4\" (expected two axes: rows and columns)",
+        ),
+        (
+            array("'<f4'", "(2, 2, 2)", 32),
+            "a: an array of shape \"2 x 2 x 2\" (expected two axes: rows and columns)",
+        ),
+        (
+            array("'<f8'", "(0, 3)", 0),
+            "a: an array of shape \"0 x 3\" contains no number",
+        ),
+        (
+            array("'<f2'", "(2, 2)", 8),
+            "a: an array of type \"<f2\" is not supported",
+        ),
+        (
+            array("[('x', '<f8')]", "(1, 1)", 8),
+            "a: an array of structures is not supported",
+        ),
+        (
+            npy(1, &header("'<f8'", false, "(1, 2)"), &nan),
+            "a: number [0][1] is not finite: NaN",
+        ),
+        (
+            b"1 2\n3 x\n".to_vec(),
+            "a, line 2: number [1][1] is \"x\" (expected a finite number)",
+        ),
+        (
+            b"1 2\n3 inf\n".to_vec(),
+            "a, line 2: number [1][1] is \"inf\" (expected a finite number)",
+        ),
+        (b"1 2\n\n3\n".to_vec(), "a, line 3: row 1 has 1 numbers (expected 2)"),
+        (b"# no row\n".to_vec(), "a: the file contains no number"),
+        (b" \n".to_vec(), "a: the file is empty"),
+    ] {
+        let error = Grid::parse(&bytes, "a").expect_err(expected).to_string();
+        assert_eq!(error, expected);
+    }
+    assert!(
+        Grid::read("/no file")
+            .expect_err("no file")
+            .to_string()
+            .starts_with("/no file: cannot be read")
+    );
 }

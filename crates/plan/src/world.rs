@@ -301,7 +301,7 @@ impl World {
             name: name.to_string(),
             geometry,
             link: link.to_string(),
-            pose: normalize_rotation(&pose),
+            pose: normalized_once(&pose),
             frame,
         }));
         self.excluded
@@ -748,6 +748,16 @@ impl World {
         self.paddings.get(&id).copied().unwrap_or(0.0)
     }
 
+    /// Returns the bodies with a padding above 0, in ascending order.
+    pub fn paddings(&self) -> impl ExactSizeIterator<Item = (WorldId, f64)> {
+        self.paddings.iter().map(|(id, padding)| (*id, *padding))
+    }
+
+    /// Returns the pairs with an explicit margin, in ascending order.
+    pub fn margins(&self) -> impl ExactSizeIterator<Item = (WorldPair, f64)> {
+        self.margins.iter().map(|(pair, margin)| (*pair, *margin))
+    }
+
     /// Sets or removes the explicit margin of all pairs of a body of `a` and a body of `b`, and
     /// returns the pairs. It replaces the [`margin`](Self::margin).
     ///
@@ -801,6 +811,16 @@ impl World {
             .filter(|(id, _)| matches!(id, WorldId::Obstacle(_)));
         let pad = pads.map(|(_, pad)| *pad).fold(0.0, f64::larger);
         (most + pad, margins().fold(self.margin, f64::smaller))
+    }
+}
+
+/// Returns the pose with a normalised rotation. A rotation that was normalised before keeps its
+/// bits, so that a world that was saved is the same when it is loaded.
+fn normalized_once(pose: &Isometry3<f64>) -> Isometry3<f64> {
+    // Components of a normalised quaternion err by less than 5 units of rounding.
+    match (pose.rotation.norm_squared() - 1.0).abs() <= 8.0 * f64::EPSILON {
+        true => *pose,
+        false => normalize_rotation(pose),
     }
 }
 

@@ -59,4 +59,4 @@ mod write;
 pub use format::{BodyLine, Bracket, ColumnLine, Contact, FORMAT, Frame, Header, PairLine, VERSION, poses};
 pub use picture::RenderMesh;
 pub use read::{Cursor, ReadError, Recording};
-pub use write::{Recorder, WriteError};
+pub use write::{Recorder, WriteError, is_same};

@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::shape::Core;
 use lin_canny::surface::{BezierPatch, BezierSurface};
-use lin_canny::{ConvexPolyhedron, Geometry, HalfSpace, Mesh, Shape};
+use lin_canny::{Cloud, CloudElement, ConvexPolyhedron, Geometry, HalfSpace, Mesh, Shape};
 
 /// Cosine between face normals above which an edge of a curved body is not drawn.
 const SHARP: f64 = 0.87;
@@ -19,6 +19,12 @@ const PATCH_STEPS: usize = 14;
 
 /// Number of triangles above which a mesh is drawn without edges.
 const MOST_EDGED: usize = 4000;
+
+/// Largest number of triangles of a cloud whose elements are drawn as they are.
+const MOST_OF_CLOUD: usize = 400_000;
+
+/// Radius below which a point of a cloud is drawn larger than it is, in radii of the cloud.
+const LEAST_POINT: f64 = 5e-4;
 
 /// Half the side of the square that stands for a half-space, in cells of one unit.
 const GRID: i32 = 10;
@@ -38,7 +44,9 @@ impl RenderMesh {
     /// Returns the triangles and edges of a geometry.
     ///
     /// A curved body is drawn as the hull of points on its surface, and a half-space as a square of
-    /// its plane with a grid.
+    /// its plane with a grid. A cloud is drawn as its elements, balls as octahedra. If that makes
+    /// more than 400,000 triangles, each element is drawn as a tetrahedron. A small element is drawn
+    /// with a radius of at least 1/2000 of that of the cloud, so that single points are visible.
     #[must_use]
     pub fn from_geometry(geometry: &Geometry) -> Self {
         let mut solid = Self::default();
@@ -49,6 +57,7 @@ impl RenderMesh {
             Geometry::Mesh(mesh) => solid.mesh(mesh),
             Geometry::BezierSurface(surface) => solid.surface(surface),
             Geometry::HalfSpace(space) => solid.plane(space),
+            Geometry::Cloud(cloud) => solid.cloud(cloud),
             _ => {}
         }
         let corners = solid.triangles.iter().flat_map(|(corners, _)| corners);
@@ -133,6 +142,60 @@ impl RenderMesh {
         }
     }
 
+    fn cloud(&mut self, cloud: &Cloud) {
+        let least = LEAST_POINT * cloud.bounding_ball().1;
+        let mut element = Self::default();
+        let (half, radii) = match cloud.element() {
+            CloudElement::Box(half) => {
+                if let Ok(block) = solids::cuboid(half) {
+                    element.convex(&block, &Isometry3::identity(), false);
+                }
+                (half, None)
+            }
+            CloudElement::Shape(shape) => {
+                element.shape(&shape, &Isometry3::identity());
+                let (centre, radius) = shape.bounding_ball();
+                (Vector3::repeat(radius + centre.coords.norm()), None)
+            }
+            CloudElement::Ball(radius) => (Vector3::repeat(radius), None),
+            CloudElement::Balls(radii) => (Vector3::repeat(1.0), Some(radii)),
+            _ => (Vector3::zeros(), None),
+        };
+        let is_small = radii.is_none() && half.max() < least;
+        if element.triangles.is_empty() || is_small {
+            element = Self::default();
+            let points = OCTAHEDRON.map(|p| Point3::from(Vector3::from(p)));
+            if let Ok(body) = ConvexPolyhedron::from_points(&points) {
+                element.convex(&body, &Isometry3::identity(), true);
+            }
+            let size = if is_small { Vector3::repeat(least) } else { half };
+            element.scale(&size);
+        }
+        if cloud.len().saturating_mul(element.triangles.len()) > MOST_OF_CLOUD {
+            element = Self::default();
+            let points = TETRAHEDRON.map(|p| Point3::from(Vector3::from(p)));
+            if let Ok(body) = ConvexPolyhedron::from_points(&points) {
+                element.convex(&body, &Isometry3::identity(), true);
+            }
+            element.scale(&half.map(|x| x.max(least)));
+        }
+        self.triangles.reserve(cloud.len() * element.triangles.len());
+        for (k, point) in cloud.points().iter().enumerate() {
+            let size = radii.as_ref().map_or(1.0, |radii| radii[k].max(least));
+            let placed = |p: &Point3<f64>| point + p.coords * size;
+            let triangles = element.triangles.iter();
+            self.triangles
+                .extend(triangles.map(|(corners, normal)| (corners.each_ref().map(placed), *normal)));
+        }
+    }
+
+    /// Stretches triangles along the axes; edges are dropped.
+    fn scale(&mut self, size: &Vector3<f64>) {
+        for (corners, _) in std::mem::take(self).triangles {
+            self.triangle(corners.map(|p| Point3::from(p.coords.component_mul(size))));
+        }
+    }
+
     fn surface(&mut self, surface: &BezierSurface) {
         for patch in surface.patches() {
             self.patch(patch);
@@ -162,6 +225,22 @@ impl RenderMesh {
         }
     }
 }
+
+/// Vertices of the bodies that stand for a ball of radius 1. The tetrahedron has its volume.
+const OCTAHEDRON: [[f64; 3]; 6] = [
+    [1.0, 0.0, 0.0],
+    [-1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, -1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [0.0, 0.0, -1.0],
+];
+const TETRAHEDRON: [[f64; 3]; 4] = [
+    [1.16, 1.16, 1.16],
+    [1.16, -1.16, -1.16],
+    [-1.16, 1.16, -1.16],
+    [-1.16, -1.16, 1.16],
+];
 
 /// Returns points on the surface of a shape that is rounded or curved.
 fn samples(shape: &Shape) -> Vec<Point3<f64>> {

@@ -291,8 +291,9 @@ fn checked(pose: &Isometry3<f64>) -> Result<(), WriteError> {
     poses::pose(numbers).map(|_| ()).ok_or(WriteError::Pose(numbers))
 }
 
-/// Returns whether two geometries share one body in memory.
-fn is_same(a: &Geometry, b: &Geometry) -> bool {
+/// Returns whether two geometries share one body in memory, which a recording holds once.
+#[must_use]
+pub fn is_same(a: &Geometry, b: &Geometry) -> bool {
     use std::sync::Arc;
     match (a, b) {
         (Geometry::Polyhedron(a), Geometry::Polyhedron(b)) => Arc::ptr_eq(a, b),
@@ -301,6 +302,7 @@ fn is_same(a: &Geometry, b: &Geometry) -> bool {
         (Geometry::Mesh(a), Geometry::Mesh(b)) => Arc::ptr_eq(a, b),
         (Geometry::BezierSurface(a), Geometry::BezierSurface(b)) => Arc::ptr_eq(a, b),
         (Geometry::HalfSpace(a), Geometry::HalfSpace(b)) => Arc::ptr_eq(a, b),
+        (Geometry::Cloud(a), Geometry::Cloud(b)) => Arc::ptr_eq(a, b),
         _ => false,
     }
 }

@@ -3,8 +3,8 @@
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, Group, PairQueries, Scene};
-use lin_canny::{Geometry, ManifoldOptions, PairTracker, RelativePose};
-use lin_canny_record::{Cursor, ReadError, Recorder, Recording, WriteError};
+use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, ManifoldOptions, PairTracker, RelativePose, Shape};
+use lin_canny_record::{Cursor, ReadError, Recorder, Recording, RenderMesh, WriteError};
 
 fn cube() -> Geometry {
     solids::cuboid(Vector3::new(0.5, 0.4, 0.3)).unwrap().into()
@@ -195,4 +195,69 @@ fn vertices_of_meshes_that_bend_are_read_back() {
         Recording::read(fewer.as_bytes()),
         Err(ReadError::Vertices { body: 1, .. })
     ));
+}
+
+/// A grid of points 0.1 apart.
+fn grid(side: usize) -> Vec<[f32; 3]> {
+    let at = |k: usize| [k % side, k / side % side, k / side / side].map(|x| 0.1 * x as f32);
+    (0..side.pow(3)).map(at).collect()
+}
+
+#[test]
+fn a_cloud_is_written_once_and_read_back_to_the_bit() {
+    let cloud: Geometry = Cloud::from_f32(&grid(20), CloudElement::Ball(0.02)).unwrap().into();
+    let floor: Geometry = HalfSpace::new(Vector3::z(), -1.0).unwrap().into();
+    let mut recorder = Recorder::new(Vec::new(), "cloud").unwrap();
+    for name in ["a", "b"] {
+        recorder.body(name, &cloud, &Isometry3::identity()).unwrap();
+        recorder.body(name, &floor, &Isometry3::identity()).unwrap();
+    }
+    recorder.end_frame().unwrap();
+    let text = String::from_utf8(recorder.finish().unwrap()).unwrap();
+    let recording = Recording::read(text.as_bytes()).unwrap();
+    assert_eq!((recording.geometries.len(), recording.bodies.len()), (2, 4));
+    assert_eq!(
+        serde_json::to_string(&recording.geometries[0]).unwrap(),
+        serde_json::to_string(&cloud).unwrap()
+    );
+    assert!(text.len() < 8000 * 36, "{} bytes", text.len());
+}
+
+#[test]
+fn clouds_are_drawn_as_their_elements_or_as_a_tetrahedron_per_point() {
+    let drawn = |side: usize, element: CloudElement| {
+        RenderMesh::from_geometry(&Cloud::from_f32(&grid(side), element).unwrap().into())
+    };
+    let ball = Shape::ball(0.02).unwrap();
+    for (side, element, triangles) in [
+        (3, CloudElement::Ball(0.02), 8 * 27),
+        (3, CloudElement::Ball(0.0), 8 * 27),
+        (
+            3,
+            CloudElement::Balls((0..27).map(|k| 0.001 * f64::from(k)).collect()),
+            8 * 27,
+        ),
+        (3, CloudElement::Box(Vector3::new(0.01, 0.02, 0.03)), 12 * 27),
+        (40, CloudElement::Ball(0.02), 4 * 64_000),
+        (40, CloudElement::Box(Vector3::new(0.01, 0.02, 0.03)), 4 * 64_000),
+        (20, CloudElement::Shape(ball), 4 * 8000),
+    ] {
+        let mesh = drawn(side, element.clone());
+        assert_eq!(mesh.triangles.len(), triangles, "{side} {element:?}");
+        let size = 0.1 * (side - 1) as f64;
+        assert!((mesh.radius - size * 3f64.sqrt()).abs() < 0.08, "{}", mesh.radius);
+        for (corners, normal) in &mesh.triangles {
+            let across = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+            assert!(across.dot(normal) > 0.0);
+        }
+    }
+    // The triangles of a cloud of one point are those of its element.
+    let one = RenderMesh::from_geometry(
+        &Cloud::from_f32(&[[1.0, 2.0, 3.0]], CloudElement::Ball(0.5))
+            .unwrap()
+            .into(),
+    );
+    let corners = one.triangles.iter().flat_map(|(corners, _)| corners);
+    let far = corners.map(|p| (p - Vector3::new(1.0, 2.0, 3.0)).coords.norm());
+    assert!(far.into_iter().all(|r| (r - 0.5).abs() < 1e-12));
 }

@@ -173,6 +173,7 @@ fn picture(
         bodies,
         poses,
         points,
+        cloud: vec![],
     };
     Ok(picture.above(chart))
 }

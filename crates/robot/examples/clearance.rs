@@ -123,6 +123,7 @@ fn picture(
         bodies: shapes.iter().map(|(shape, is_robot)| (shape, *is_robot)).collect(),
         poses,
         points: near.witnesses,
+        cloud: vec![],
     };
     Ok(picture.above(chart))
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use lin_canny::Geometry;
 use lin_canny::nalgebra::Isometry3;
 
-use crate::cell_body::{BodyText, parse_json};
+use crate::cell_body::{AttachedBody, BodyText, parse_json};
 use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::options::LoadOptions;
 use crate::packages::Packages;
@@ -26,7 +26,56 @@ pub struct Obstacle {
     pub pose: Isometry3<f64>,
 }
 
-/// The obstacles of a JSON or SDFormat file, and pairs to exclude.
+/// The bodies that a name in a cell stands for: all bodies with this name, or one of them.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub struct BodyName {
+    /// The name of links, attached objects or obstacles.
+    pub name: String,
+    /// The index of one body among those with the name, in the order of
+    /// [`World::bodies`](lin_canny_plan::World::bodies); `None` for all of them.
+    pub index: Option<usize>,
+}
+
+impl From<&str> for BodyName {
+    fn from(name: &str) -> Self {
+        Self {
+            name: name.into(),
+            index: None,
+        }
+    }
+}
+
+impl std::fmt::Display for BodyName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.index {
+            None => f.write_str(&self.name),
+            Some(index) => write!(f, "{} {index}", self.name),
+        }
+    }
+}
+
+/// A name in a JSON file: `"post"`, or `["post", 1]` for the second body of this name.
+#[derive(serde::Deserialize)]
+#[serde(untagged)]
+enum NameText {
+    All(String),
+    One(String, usize),
+}
+
+impl From<NameText> for BodyName {
+    fn from(text: NameText) -> Self {
+        match text {
+            NameText::All(name) => Self { name, index: None },
+            NameText::One(name, index) => Self {
+                name,
+                index: Some(index),
+            },
+        }
+    }
+}
+
+/// The obstacles of a JSON or SDFormat file, attached objects, pairs to exclude, and margins.
 ///
 /// A file of JSON looks like this:
 ///
@@ -52,13 +101,29 @@ pub struct Obstacle {
 /// | `cloud` | `file` (PLY, PCD, XYZ or npy) or `points`; `radius` of the balls, or `box` with `size`, or the radii of the file; `scale` of the points |
 /// | `voxels` | `file` or `indices`; `size` of a cell, one number or three; `origin`: the least corner of the cell `[0, 0, 0]` |
 /// | `half_space` | `normal`, `offset` (0 by default): the points x with `normal . x <= offset` |
-/// | `heights` | `file` (rows of numbers) or `values`; `spacing` `[x, y]`: value `[i][j]` is at `(j x, i y)`; `base`: the body is solid down to this height, else an open surface |
+/// | `geometry` | any geometry in the form in which `lin-canny` serialises it |
+/// | `heights` | `file` (rows of numbers, or an npy array of two axes) or `values`; `spacing` `[x, y]`: value `[i][j]` is at `(j x, i y)`; `base`: the body is solid down to this height, else an open surface |
 ///
 /// A body has exactly one shape. Its pose in the world is `xyz`, and either `rpy` in radians or the
-/// quaternion `xyzw`. A path is relative to the folder of the JSON file, or starts with `package://`
+/// quaternion `xyzw`, which is normalised unless its squared norm is 1 to 1e-12. A path is relative to the folder of the JSON file, or starts with `package://`
 /// or `file://`. Lengths are in metres, except the points of a file with a `scale`. Points without a
 /// return are dropped and counted in [`skipped`](Self::skipped), unless
 /// [`LoadOptions::keep_invalid`] is set. The key `ignore` is read like `exclude`.
+///
+/// The other keys of the file are optional:
+///
+/// | key | value |
+/// |---|---|
+/// | `attached` | objects: `{"link": "hand", "body": {...}}`, with the pose in the frame of the link and `touch_links` in the body |
+/// | `margin` | the distance that all pairs must keep |
+/// | `paddings` | `[name, length]`: see [`Setup::pad`] |
+/// | `margins` | `[name, name, length]`: the explicit margin of pairs |
+/// | `exclude` | `[name, name]`: pairs that are excluded, in addition to those of the setup |
+/// | `exclude_exactly` | `[name, name]`: the pairs that are excluded; no others are |
+///
+/// A name stands for all links, attached objects and obstacles that have it. `["post", 1]` in place
+/// of a name stands for the second of them. [`from_world`](Self::from_world) and
+/// [`save`](Self::save) write such files.
 ///
 /// A file whose root element is `sdf` is SDFormat under any name. Each collision element of
 /// each link is an obstacle named `model::link`, at the pose where the file draws it. Models that
@@ -68,22 +133,47 @@ pub struct Obstacle {
 pub struct Cell {
     /// The obstacles.
     pub obstacles: Vec<Obstacle>,
-    /// Pairs of names of links and obstacles that are excluded.
-    pub excluded: Vec<[String; 2]>,
+    /// Objects that are attached to links.
+    pub attached: Vec<(String, AttachedBody)>,
+    /// The distance that all pairs must keep.
+    pub margin: Option<f64>,
+    /// Paddings of bodies.
+    pub paddings: Vec<(BodyName, f64)>,
+    /// Explicit margins of pairs.
+    pub margins: Vec<([BodyName; 2], f64)>,
+    /// Pairs of links, attached objects and obstacles that are excluded.
+    pub excluded: Vec<[BodyName; 2]>,
+    /// Whether no other pairs are excluded.
+    pub excludes_exactly: bool,
     /// Bodies that were skipped because their mesh file does not exist, if
     /// [`LoadOptions::skip_missing_meshes`] is set; points without a return; elements of SDFormat
     /// that are left out by rule, such as `actor`.
     pub skipped: Vec<Skipped>,
     /// Names of the skipped bodies, because `excluded` may hold them.
-    missing: Vec<String>,
+    pub(crate) missing: Vec<String>,
 }
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CellText {
     bodies: Vec<BodyText>,
-    #[serde(default, alias = "ignore")]
-    exclude: Vec<[String; 2]>,
+    #[serde(default)]
+    attached: Vec<AttachedText>,
+    margin: Option<f64>,
+    #[serde(default)]
+    paddings: Vec<(NameText, f64)>,
+    #[serde(default)]
+    margins: Vec<(NameText, NameText, f64)>,
+    #[serde(alias = "ignore")]
+    exclude: Option<Vec<[NameText; 2]>>,
+    exclude_exactly: Option<Vec<[NameText; 2]>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AttachedText {
+    link: String,
+    body: BodyText,
 }
 
 impl Cell {
@@ -119,7 +209,6 @@ impl Cell {
         }
         check_content(text).map_err(|reason| FileError::new(path, Some(1), "", reason))?;
         let cell: CellText = parse_json(text, path)?;
-        let folder = path.parent().unwrap_or(Path::new(""));
         let mut found = Self::default();
         for (k, body) in cell.bodies.into_iter().enumerate() {
             let element = format!("bodies[{k}] {:?}", body.name);
@@ -128,42 +217,76 @@ impl Cell {
                 let what = "touch_links of an obstacle (expected in a body that is attached to a link)";
                 return Err(wrong(FileErrorKind::Unsupported(what.into())));
             }
-            let pose = body.pose().map_err(wrong)?;
-            let mut notes = Vec::new();
-            match body.geometry(folder, packages, options, &mut notes) {
-                Ok(geometry) => {
-                    let notes = notes.into_iter().map(FileErrorKind::Malformed);
-                    found.skipped.extend(notes.map(|note| Skipped::from(wrong(note))));
-                    found.obstacles.push(Obstacle {
-                        name: body.name,
-                        geometry,
-                        pose,
-                    });
-                }
-                Err(reason @ FileErrorKind::MissingMesh(_)) if options.skip_missing_meshes => {
-                    found.skipped.push(wrong(reason).into());
-                    found.missing.push(body.name);
-                }
-                Err(reason) => return Err(wrong(reason)),
+            let name = body.name.clone();
+            if let Some(body) = found.body(body, element, path, packages, options)? {
+                found.obstacles.push(Obstacle {
+                    name,
+                    geometry: body.geometry,
+                    pose: body.pose,
+                });
             }
         }
-        found.excluded = cell.exclude;
+        for (k, AttachedText { link, body }) in cell.attached.into_iter().enumerate() {
+            let element = format!("attached[{k}] {:?}", body.name);
+            if let Some(body) = found.body(body, element, path, packages, options)? {
+                found.attached.push((link, body));
+            }
+        }
+        let names = |pair: [NameText; 2]| pair.map(BodyName::from);
+        found.margin = cell.margin;
+        found.paddings = cell.paddings.into_iter().map(|(a, p)| (a.into(), p)).collect();
+        found.margins = cell.margins.into_iter().map(|(a, b, m)| (names([a, b]), m)).collect();
+        found.excludes_exactly = cell.exclude_exactly.is_some();
+        if cell.exclude.is_some() && found.excludes_exactly {
+            let reason = FileErrorKind::Malformed("both exclude and exclude_exactly (expected one)".into());
+            return Err(FileError::new(path, None, "", reason));
+        }
+        let pairs = cell.exclude_exactly.or(cell.exclude).unwrap_or_default();
+        found.excluded = pairs.into_iter().map(names).collect();
         Ok(found)
+    }
+
+    /// Returns a body of a file, or `None` if its mesh is missing and may be. Notes what is skipped.
+    fn body(
+        &mut self,
+        body: BodyText,
+        element: String,
+        path: &Path,
+        packages: &Packages,
+        options: &LoadOptions,
+    ) -> Result<Option<AttachedBody>, FileError> {
+        let name = body.name.clone();
+        match AttachedBody::from_text(body, element, path, packages, options) {
+            Ok(mut body) => {
+                self.skipped.append(&mut body.skipped);
+                Ok(Some(body))
+            }
+            Err(error) if options.skip_missing_meshes && matches!(error.reason, FileErrorKind::MissingMesh(_)) => {
+                self.skipped.push(error.into());
+                self.missing.push(name);
+                Ok(None)
+            }
+            Err(error) => Err(error),
+        }
     }
 }
 
 impl Setup {
-    /// Adds the obstacles of a cell, and excludes its pairs.
+    /// Adds the obstacles and attached objects of a cell, excludes its pairs, and sets its margins.
+    ///
+    /// If the cell [excludes exactly](Cell::excludes_exactly) its pairs, pairs that were excluded
+    /// before this call are not excluded any more.
     pub fn cell(&mut self, cell: &Cell) {
         for obstacle in &cell.obstacles {
             self.obstacle(&obstacle.name, obstacle.geometry.clone(), obstacle.pose);
+        }
+        for (link, object) in &cell.attached {
+            self.attach(link, object.clone());
         }
         self.skipped.extend(cell.skipped.iter().cloned());
         // Another body of this name still has its pairs.
         let missing = cell.missing.iter().filter(|name| !self.has_body(name));
         self.frames.extend(missing.cloned().collect::<Vec<_>>());
-        for [a, b] in &cell.excluded {
-            self.exclude(a, b);
-        }
+        self.pairs_and_margins_of(cell);
     }
 }

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Mesh, normalize_rotation};
-use lin_canny_formats::{Invalid, PointFile, Points};
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Mesh, RelativePose, normalize_rotation};
+use lin_canny_formats::{Grid, Invalid, PointFile, Points};
 
 use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::geometry::{self, MeshUse, Solid};
@@ -15,7 +15,8 @@ use crate::text::check_content;
 use crate::turn::{from_xyzw, roll_pitch_yaw};
 
 /// Names of the shapes of a body, for errors.
-const SHAPES: &str = "box, cylinder, capsule, sphere, ellipsoid, cone, mesh, cloud, voxels, half_space or heights";
+const SHAPES: &str = "box, cylinder, capsule, sphere, ellipsoid, cone, mesh, cloud, voxels, half_space, heights \
+                      or geometry";
 
 /// An object that is attached to a link, from a JSON file.
 ///
@@ -51,10 +52,21 @@ impl AttachedBody {
         let path = path.as_ref();
         let text = FileError::read(path)?;
         check_content(&text).map_err(|reason| FileError::new(path, Some(1), "", reason))?;
-        let mut body: BodyText = parse_json(&text, path)?;
-        let touch_links = body.touch_links.take().unwrap_or_default();
+        let body: BodyText = parse_json(&text, path)?;
         let element = format!("{:?}", body.name);
+        Self::from_text(body, element, path, packages, options)
+    }
+
+    /// Returns the object of a body of a file. Errors name the element.
+    pub(crate) fn from_text(
+        body: BodyText,
+        element: String,
+        path: &Path,
+        packages: &Packages,
+        options: &LoadOptions,
+    ) -> Result<Self, FileError> {
         let wrong = |reason| FileError::new(path, None, element.clone(), reason);
+        let pose = body.pose().map_err(wrong)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut notes = Vec::new();
         let geometry = body.geometry(folder, packages, options, &mut notes).map_err(wrong)?;
@@ -63,10 +75,10 @@ impl AttachedBody {
             .map(|note| wrong(FileErrorKind::Malformed(note)).into());
         Ok(Self {
             geometry,
-            pose: body.pose().map_err(wrong)?,
+            pose,
             skipped: skipped.collect(),
             name: body.name,
-            touch_links,
+            touch_links: body.touch_links.unwrap_or_default(),
         })
     }
 }
@@ -96,6 +108,7 @@ pub(crate) struct BodyText {
     voxels: Option<VoxelsText>,
     half_space: Option<HalfSpaceText>,
     heights: Option<HeightsText>,
+    geometry: Option<Geometry>,
     #[serde(default)]
     xyz: [f64; 3],
     rpy: Option<[f64; 3]>,
@@ -103,29 +116,29 @@ pub(crate) struct BodyText {
     pub(crate) touch_links: Option<Vec<String>>,
 }
 
-#[derive(serde::Deserialize)]
+#[derive(serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields)]
-struct BlockText {
-    size: [f64; 3],
+pub(crate) struct BlockText {
+    pub(crate) size: [f64; 3],
 }
 
-#[derive(serde::Deserialize)]
+#[derive(serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields)]
-struct RoundText {
-    radius: f64,
-    length: f64,
+pub(crate) struct RoundText {
+    pub(crate) radius: f64,
+    pub(crate) length: f64,
 }
 
-#[derive(serde::Deserialize)]
+#[derive(serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields)]
-struct SphereText {
-    radius: f64,
+pub(crate) struct SphereText {
+    pub(crate) radius: f64,
 }
 
-#[derive(serde::Deserialize)]
+#[derive(serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields)]
-struct EllipsoidText {
-    radii: [f64; 3],
+pub(crate) struct EllipsoidText {
+    pub(crate) radii: [f64; 3],
 }
 
 #[derive(serde::Deserialize)]
@@ -165,12 +178,12 @@ enum SizeText {
     Box([f64; 3]),
 }
 
-#[derive(serde::Deserialize)]
+#[derive(serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields)]
-struct HalfSpaceText {
-    normal: [f64; 3],
+pub(crate) struct HalfSpaceText {
+    pub(crate) normal: [f64; 3],
     #[serde(default)]
-    offset: f64,
+    pub(crate) offset: f64,
 }
 
 #[derive(serde::Deserialize)]
@@ -231,6 +244,9 @@ impl BodyText {
         if let Some(heights) = &self.heights {
             found.push(files.heights(heights));
         }
+        if let Some(geometry) = &self.geometry {
+            found.push(Ok(geometry.clone()));
+        }
         match found.len() {
             0 => Err(FileErrorKind::Missing(SHAPES.into())),
             1 => found.remove(0),
@@ -240,8 +256,9 @@ impl BodyText {
         }
     }
 
-    /// Returns the pose.
+    /// Returns the pose. A quaternion that a checker takes as it is keeps its bits.
     pub(crate) fn pose(&self) -> Result<Isometry3<f64>, FileErrorKind> {
+        let placed = |turn| Isometry3::from_parts(Translation3::from(Vector3::from(self.xyz)), turn);
         let turn = match (self.rpy, self.xyzw) {
             (Some(_), Some(_)) => {
                 return Err(FileErrorKind::Malformed(
@@ -249,16 +266,19 @@ impl BodyText {
                 ));
             }
             (Some(rpy), None) => roll_pitch_yaw(rpy),
-            (None, Some(xyzw)) => from_xyzw(xyzw).ok_or_else(|| FileErrorKind::Range {
-                field: "length of xyzw".into(),
-                value: 0.0,
-            })?,
+            (None, Some(xyzw)) => {
+                let given = placed(UnitQuaternion::new_unchecked(Quaternion::from(xyzw)));
+                if RelativePose::from_isometry(&given).is_ok() {
+                    return Ok(given);
+                }
+                from_xyzw(xyzw).ok_or_else(|| FileErrorKind::Range {
+                    field: "length of xyzw".into(),
+                    value: 0.0,
+                })?
+            }
             (None, None) => UnitQuaternion::identity(),
         };
-        Ok(normalize_rotation(&Isometry3::from_parts(
-            Translation3::from(Vector3::from(self.xyz)),
-            turn,
-        )))
+        Ok(normalize_rotation(&placed(turn)))
     }
 }
 
@@ -359,39 +379,26 @@ impl Files<'_> {
     }
 
     fn heights(&self, heights: &HeightsText) -> Result<Geometry, FileErrorKind> {
-        let rows = match (&heights.file, &heights.values) {
+        let (rows, columns, values) = match (&heights.file, &heights.values) {
             (Some(_), Some(_)) => return Err(both("heights", "file", "values")),
             (None, None) => return Err(FileErrorKind::Missing("file or values".into())),
-            (None, Some(values)) => values.clone(),
-            (Some(name), None) => rows_of(&self.packages.find(name, self.folder)?)?,
+            (None, Some(rows)) => {
+                let columns = rows.first().map_or(0, Vec::len);
+                if let Some(k) = rows.iter().position(|row| row.len() != columns) {
+                    let count = rows[k].len();
+                    let reason = format!("row {k} of heights has {count} numbers (expected {columns})");
+                    return Err(FileErrorKind::Malformed(reason));
+                }
+                (rows.len(), columns, rows.concat())
+            }
+            (Some(name), None) => {
+                let grid = Grid::read(self.packages.find(name, self.folder)?).map_err(wrong)?;
+                (grid.rows, grid.columns, grid.values)
+            }
         };
-        let columns = rows.first().map_or(0, Vec::len);
-        if let Some(k) = rows.iter().position(|row| row.len() != columns) {
-            let count = rows[k].len();
-            let reason = format!("row {k} of heights has {count} numbers (expected {columns})");
-            return Err(FileErrorKind::Malformed(reason));
-        }
-        let mesh = Mesh::from_heights(rows.len(), columns, heights.spacing, &rows.concat(), heights.base);
+        let mesh = Mesh::from_heights(rows, columns, heights.spacing, &values, heights.base);
         mesh.map(Geometry::from).map_err(wrong)
     }
-}
-
-/// Returns the rows of numbers of a text file; blanks or commas separate the numbers.
-fn rows_of(file: &Path) -> Result<Vec<Vec<f64>>, FileErrorKind> {
-    let text = FileError::read(file).map_err(|error| FileErrorKind::Malformed(error.to_string()))?;
-    let mut rows = Vec::new();
-    for (k, line) in text.lines().enumerate() {
-        let words = line.split([' ', '\t', ',']).filter(|word| !word.is_empty());
-        let row: Result<Vec<f64>, _> = words.map(str::parse).collect();
-        let row = row.map_err(|_| {
-            let reason = format!("{}:{}: {line:.60?} (expected numbers)", file.display(), k + 1);
-            FileErrorKind::Malformed(reason)
-        })?;
-        if !row.is_empty() {
-            rows.push(row);
-        }
-    }
-    Ok(rows)
 }
 
 fn both(shape: &str, a: &str, b: &str) -> FileErrorKind {

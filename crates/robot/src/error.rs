@@ -126,6 +126,9 @@ pub enum FileErrorKind {
     /// Returned if a kind of element or joint is not supported.
     #[error("{0} is not supported")]
     Unsupported(String),
+    /// Returned if a file cannot be written.
+    #[error("cannot be written: {0}")]
+    Write(#[source] std::io::Error),
     /// Returned if a recording cannot be written.
     #[error("cannot be written: {0}")]
     Record(#[from] lin_canny_record::WriteError),

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{BuildError, Compound, ConvexPolyhedron, Geometry, HullFit, Mesh, Piece, Shape};
+use lin_canny::{BuildError, Compound, ConvexPolyhedron, Geometry, HalfSpace, HullFit, Mesh, Piece, Shape};
 
 use crate::error::FileErrorKind;
 use crate::mesh_file::{self, MeshPlacing, Soup};
@@ -51,7 +51,8 @@ pub(crate) enum Solid {
         radius: f64,
         length: f64,
     },
-    /// All below the plane `z = 0`, as far as `extent` in each direction.
+    /// All below the plane `z = 0`, as far as `extent` in each direction: a box, or a half-space if
+    /// the extent is infinite.
     HalfSpace {
         extent: f64,
     },
@@ -105,6 +106,11 @@ impl Solid {
             Self::Capsule { radius, length } => Shape::capsule(0.5 * length, radius),
             Self::Ellipsoid { radii } => Shape::ellipsoid(Vector3::from(radii)),
             Self::Cone { radius, length } => Shape::cone(0.5 * length, radius),
+            Self::HalfSpace { extent: f64::INFINITY } => {
+                return HalfSpace::new(Vector3::z(), 0.0)
+                    .map(Geometry::from)
+                    .map_err(|e| wrong(&e));
+            }
             Self::HalfSpace { extent } => {
                 let corner = |k: usize| {
                     let [x, y] = [k & 1, k >> 1 & 1].map(|side| if side == 1 { extent } else { -extent });

@@ -30,6 +30,7 @@
 //! | exclude pairs of links, from an SRDF or random configurations | [`Srdf`], [`find_excludable`] |
 //! | use the groups and named states of an SRDF | [`Srdf::groups`], [`Srdf::state`] |
 //! | load obstacles from JSON or SDFormat | [`Cell`] |
+//! | save the world of a checker, and load it again | [`Cell::from_world`], [`Cell::save`] |
 //! | load all files of a robot and its cell in one call | [`RobotFiles`] |
 //! | put robots and obstacles into one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
 //! | read configurations from CSV | [`Trajectory`] |
@@ -86,7 +87,7 @@
 //!   robot change nothing: all those pairs are checked.
 //! * A mesh is used as its hull, as in MuJoCo, or as [`LoadOptions::meshes`] says. Meshes are STL,
 //!   OBJ and MSH files, or in the file. A geom that MuJoCo would fit to a mesh is an error.
-//! * A plane is a box with the sides [`LoadOptions::plane_extent`]. A height field is the solid
+//! * A plane is a box of the size [`LoadOptions::plane_extent`] below the plane. A height field is the solid
 //!   below its heights, which must be in the file.
 //! * An equality of two joints is a mimic joint, and one without a second joint holds the joint.
 //!   Other equalities are listed in [`Robot::skipped`].
@@ -129,8 +130,8 @@
 //!   link with two parent joints.
 //! * All pairs of links of a model are checked, although `self_collide` is false by default.
 //!   `collide_bitmask` and `category_bitmask` exclude pairs of bodies: see [`Robot::excluded`].
-//! * A `plane` is a box of the size [`LoadOptions::plane_extent`] below the plane. A `polyline` is
-//!   an exact prism. `heightmap`, `image`, a geometry of several polylines, and a `submesh` of a
+//! * A `plane` of a robot is a box of the size [`LoadOptions::plane_extent`] below the plane; that
+//!   of a [`Cell`] is a half-space. A `polyline` is an exact prism. `heightmap`, `image`, a geometry of several polylines, and a `submesh` of a
 //!   COLLADA file are errors.
 //! * `actor`, `road`, `population`, `state` and an `initial_position` other than zero are left out,
 //!   and listed in [`Robot::skipped`]. So are joints of static models.
@@ -171,6 +172,7 @@
 
 mod cell;
 mod cell_body;
+mod cell_save;
 mod drake;
 mod error;
 mod excludable;
@@ -193,7 +195,7 @@ mod turn;
 mod urdf;
 mod xml;
 
-pub use cell::{Cell, Obstacle};
+pub use cell::{BodyName, Cell, Obstacle};
 pub use cell_body::AttachedBody;
 pub use error::{FileError, FileErrorKind, Skipped};
 pub use excludable::{ExcludeReason, LinkPairCount, find_excludable};

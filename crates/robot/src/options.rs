@@ -43,8 +43,10 @@ pub struct LoadOptions {
     /// Least and greatest position of planar and floating joints, which URDF does not limit, in the
     /// unit of the file.
     pub floating_limits: [f64; 2],
-    /// Half the side of the box that stands for an infinite plane of MJCF or SDFormat; the box is
-    /// as deep. In the unit of the file.
+    /// Half the side of the box that stands for an infinite plane of a robot in MJCF or SDFormat; the
+    /// box is as deep. In the unit of the file.
+    ///
+    /// A body of a robot is bounded. In a cell such a plane is a half-space.
     pub plane_extent: f64,
 }
 

@@ -1,5 +1,6 @@
 //! Recordings of a robot in its cell, for the viewer.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -7,11 +8,15 @@ use std::path::{Path, PathBuf};
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::{Geometry, PairTracker, RelativePose};
 use lin_canny_plan::{Checker, JointTree, NearPair, WorldId};
-use lin_canny_record::{Recorder, WriteError};
+use lin_canny_record::{Recorder, WriteError, is_same};
 
 use crate::error::{FileError, FileErrorKind};
 
 /// A recording whose frames are configurations with their closest pairs.
+///
+/// Each frame shows the world of the checker as it then is: bodies that were added, moved, replaced
+/// or removed, and objects that were attached or detached. An object that is attached and was an
+/// obstacle of the same name and geometry stays one body of the recording.
 ///
 /// ```no_run
 /// # use lin_canny_robot::{RobotRecorder, RobotFiles};
@@ -28,8 +33,17 @@ use crate::error::{FileError, FileErrorKind};
 pub struct RobotRecorder {
     file: PathBuf,
     to: Recorder<BufWriter<File>>,
-    /// The bodies with geometries and poses: of the robot, then attached objects, then obstacles.
-    bodies: Vec<(WorldId, Geometry, Isometry3<f64>)>,
+    /// The bodies of the recording, by their numbers.
+    bodies: Vec<Shown>,
+    /// The numbers of the bodies that are shown.
+    numbers: BTreeMap<WorldId, usize>,
+}
+
+/// A body of the recording.
+struct Shown {
+    name: String,
+    geometry: Geometry,
+    pose: Isometry3<f64>,
 }
 
 impl RobotRecorder {
@@ -38,27 +52,20 @@ impl RobotRecorder {
     /// # Errors
     /// Returns an error if the file cannot be written, or if recordings do not support a shape.
     pub fn create(file: impl AsRef<Path>, checker: &Checker<JointTree>, q: &[f64]) -> Result<Self, FileError> {
-        let world = checker.world();
         let begin = || -> Result<_, WriteError> {
-            let mut to = Recorder::create(file.as_ref(), "a robot in its cell")?;
-            let mut bodies = Vec::new();
-            for (id, name) in world.bodies() {
-                let Some(shape) = world.geometry(id) else { continue };
-                // Poses of a configuration that is invalid are those of no configuration.
-                let pose = checker.pose(id, q).unwrap_or_default();
-                to.body(name, shape, &pose)?;
-                bodies.push((id, shape.clone(), pose));
-            }
-            Ok((to, bodies))
+            let mut recorder = Self {
+                file: file.as_ref().to_owned(),
+                to: Recorder::create(file.as_ref(), "a robot in its cell")?,
+                bodies: Vec::new(),
+                numbers: BTreeMap::new(),
+            };
+            recorder.follow(checker, q)?;
+            Ok(recorder)
         };
-        let (to, bodies) = begin().map_err(|fault| refused(file.as_ref(), fault))?;
-        let file = file.as_ref().to_owned();
-        Ok(Self { file, to, bodies })
+        begin().map_err(|fault| refused(file.as_ref(), fault))
     }
 
     /// Adds a frame: a configuration, its closest pair, and a note such as the line of a file.
-    ///
-    /// Bodies that the checker has no more since the recording began stay where they were.
     ///
     /// # Errors
     /// Returns an error if the file cannot be written.
@@ -80,18 +87,11 @@ impl RobotRecorder {
         place: &str,
         near: &NearPair,
     ) -> Result<(), WriteError> {
-        for (k, (id, _, at)) in (0..).zip(&mut self.bodies) {
-            let moves = !matches!(id, WorldId::Obstacle(_));
-            if let Some(pose) = moves.then(|| checker.pose(*id, q).ok()).flatten() {
-                *at = pose;
-                self.to.pose(k, &pose)?;
-            }
-        }
-        let index = |id: WorldId| self.bodies.iter().position(|body| body.0 == id);
-        if let [Some(a), Some(b)] = [near.pair.a, near.pair.b].map(index) {
-            let [(_, x, at), (_, y, there)] = [&self.bodies[a], &self.bodies[b]];
-            if let Ok(pose) = RelativePose::new(at, there) {
-                let answer = PairTracker::new().closest(x, y, &pose);
+        self.follow(checker, q)?;
+        if let [Some(&a), Some(&b)] = [near.pair.a, near.pair.b].map(|id| self.numbers.get(&id)) {
+            let [x, y] = [&self.bodies[a], &self.bodies[b]];
+            if let Ok(pose) = RelativePose::new(&x.pose, &y.pose) {
+                let answer = PairTracker::new().closest(&x.geometry, &y.geometry, &pose);
                 self.to.answer(a as u32, b as u32, &answer)?;
             }
         }
@@ -100,6 +100,52 @@ impl RobotRecorder {
             near.distance, near.lower, near.upper
         ));
         self.to.end_frame()
+    }
+
+    /// Shows the bodies of the checker at their poses, and no others.
+    fn follow(&mut self, checker: &Checker<JointTree>, q: &[f64]) -> Result<(), WriteError> {
+        let world = checker.world();
+        let bodies = &self.bodies;
+        let is_shown = |id: WorldId, number: usize| {
+            let geometry = world.geometry(id);
+            geometry.is_some_and(|geometry| is_same(geometry, &bodies[number].geometry))
+        };
+        let (shown, gone): (BTreeMap<_, _>, BTreeMap<_, _>) = std::mem::take(&mut self.numbers)
+            .into_iter()
+            .partition(|(id, number)| is_shown(*id, *number));
+        self.numbers = shown;
+        let mut gone: Vec<usize> = gone.into_values().collect();
+        for (id, name) in world.bodies() {
+            let Some(geometry) = world.geometry(id) else { continue };
+            // Poses of a configuration that is invalid are those of no configuration.
+            let pose = match world.obstacle_pose(id) {
+                Some(pose) => *pose,
+                None => checker.pose(id, q).unwrap_or_default(),
+            };
+            let is_it = |body: &Shown| body.name == name && is_same(&body.geometry, geometry);
+            let known = self.numbers.get(&id).copied();
+            let known = known.or_else(|| {
+                let again = gone.iter().position(|number| is_it(&self.bodies[*number]))?;
+                Some(gone.remove(again))
+            });
+            match known {
+                Some(number) => {
+                    self.numbers.insert(id, number);
+                    self.bodies[number].pose = pose;
+                    self.to.pose(number as u32, &pose)?;
+                }
+                None => {
+                    self.to.body(name, geometry, &pose)?;
+                    self.numbers.insert(id, self.bodies.len());
+                    self.bodies.push(Shown {
+                        name: name.into(),
+                        geometry: geometry.clone(),
+                        pose,
+                    });
+                }
+            }
+        }
+        gone.into_iter().try_for_each(|number| self.to.remove(number as u32))
     }
 
     /// Ends the recording.

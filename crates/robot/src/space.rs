@@ -6,6 +6,7 @@ use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny_plan::{Checker, Drive, JointKind, JointTree, PlanError, TreeJoint, World, WorldId};
 
+use crate::cell::{BodyName, Cell};
 use crate::cell_body::AttachedBody;
 use crate::error::Skipped;
 use crate::excludable::LinkPairCount;
@@ -58,7 +59,11 @@ pub struct Setup {
     obstacles: Vec<(String, Geometry, Isometry3<f64>)>,
     /// The link and the object.
     attached: Vec<(String, AttachedBody)>,
-    paddings: Vec<(String, f64)>,
+    /// Excluded pairs of which at least one is a single body of several with its name.
+    excluded_single: Vec<[BodyName; 2]>,
+    margin: Option<f64>,
+    paddings: Vec<(BodyName, f64)>,
+    margins: Vec<([BodyName; 2], f64)>,
     pub(crate) skipped: Vec<Skipped>,
 }
 
@@ -174,7 +179,26 @@ impl Setup {
     /// If the name does not exist or the padding is negative, [`checker`](Self::checker) returns an
     /// error.
     pub fn pad(&mut self, name: impl Into<String>, padding: f64) {
-        self.paddings.push((name.into(), padding));
+        let (name, index) = (name.into(), None);
+        self.paddings.push((BodyName { name, index }, padding));
+    }
+
+    /// Excludes the pairs of a cell and sets its margins.
+    pub(crate) fn pairs_and_margins_of(&mut self, cell: &Cell) {
+        if cell.excludes_exactly {
+            self.excluded.clear();
+            self.excluded_bodies.clear();
+            self.excluded_single.clear();
+        }
+        for pair in &cell.excluded {
+            match pair {
+                [a, b] if a.index.is_none() && b.index.is_none() => self.exclude(&a.name, &b.name),
+                single => self.excluded_single.push(single.clone()),
+            }
+        }
+        self.margin = cell.margin.or(self.margin);
+        self.paddings.extend(cell.paddings.iter().cloned());
+        self.margins.extend(cell.margins.iter().cloned());
     }
 
     /// Excludes all pairs of adjacent links: see [`Robot::adjacent`].
@@ -248,7 +272,8 @@ impl Setup {
     /// Returns the excluded pairs that name a link without bodies, so that they exclude nothing.
     #[must_use]
     pub fn exclusions_without_bodies(&self) -> Vec<[&str; 2]> {
-        let is_bare = |pair: &&[&str; 2]| pair.iter().any(|name| self.frames.contains(*name));
+        let is_frame = |name: &&str| self.frames.contains(*name) && !self.has_body(name);
+        let is_bare = |pair: &&[&str; 2]| pair.iter().any(is_frame);
         let pairs = self.excluded().map(|(pair, _)| pair);
         pairs.collect::<Vec<_>>().iter().filter(is_bare).copied().collect()
     }
@@ -275,10 +300,12 @@ impl Setup {
         }
     }
 
-    /// Returns whether a link with bodies or an obstacle has this name.
+    /// Returns whether a link with bodies, an attached object or an obstacle has this name.
     pub(crate) fn has_body(&self, name: &str) -> bool {
         let links = self.bodies.iter().map(|body| &body.name);
-        links.chain(self.obstacles.iter().map(|o| &o.0)).any(|n| n == name)
+        let objects = self.attached.iter().map(|(_, object)| &object.name);
+        let mut names = links.chain(objects).chain(self.obstacles.iter().map(|o| &o.0));
+        names.any(|n| n == name)
     }
 
     pub(crate) fn bodies(&self) -> &[SetupBody] {
@@ -342,12 +369,26 @@ impl Setup {
             let touch: Vec<&str> = object.touch_links.iter().map(String::as_str).collect();
             world.attach(link, &object.name, object.geometry.clone(), object.pose, &touch)?;
         }
+        world.set_margin(self.margin.unwrap_or(world.margin()))?;
+        let named = NamedBodies::new(&world);
         for (name, padding) in &self.paddings {
-            world.pad(name, *padding)?;
+            for id in named.select(&world, name)? {
+                world.pad(id, *padding)?;
+            }
         }
-        let is_frame = |name: &String| self.frames.contains(name);
+        for ([a, b], margin) in &self.margins {
+            for (a, b) in named.pairs(&world, a, b)? {
+                world.set_pair_margin(a, b, Some(*margin))?;
+            }
+        }
+        let is_frame = |name: &String| self.frames.contains(name) && !self.has_body(name);
         for [a, b] in self.excluded.keys().filter(|pair| !pair.iter().any(is_frame)) {
             world.exclude(a, b)?;
+        }
+        for [a, b] in &self.excluded_single {
+            for (a, b) in named.pairs(&world, a, b)? {
+                world.exclude(a, b)?;
+            }
         }
         let bare = self.link_frames.iter().filter_map(|(_, frame)| match frame {
             LinkFrame::Link(link) => Some(*link),
@@ -355,6 +396,44 @@ impl Setup {
         });
         let links = self.bodies.iter().map(|b| b.link).chain(bare).collect();
         Checker::new(self.space_of(links)?, world)
+    }
+}
+
+/// The bodies of a world by their names: a saved world may have a pair of names for each two bodies.
+struct NamedBodies(BTreeMap<String, Vec<WorldId>>);
+
+impl NamedBodies {
+    fn new(world: &World) -> Self {
+        let mut named: BTreeMap<String, Vec<WorldId>> = BTreeMap::new();
+        for (id, name) in world.bodies() {
+            named.entry(name.to_owned()).or_default().push(id);
+        }
+        Self(named)
+    }
+
+    /// Returns the bodies that a name of a cell stands for.
+    fn select(&self, world: &World, body: &BodyName) -> Result<Vec<WorldId>, PlanError> {
+        let Some(found) = self.0.get(&body.name) else {
+            // The error says why.
+            return world.select(&body.name);
+        };
+        match body.index {
+            None => Ok(found.clone()),
+            Some(index) => match found.get(index) {
+                Some(id) => Ok(vec![*id]),
+                None => Err(PlanError::Unnamed {
+                    name: body.to_string(),
+                    near: Some(body.name.as_str().into()),
+                }),
+            },
+        }
+    }
+
+    /// Returns all pairs of a body of `a` and a body of `b`.
+    fn pairs(&self, world: &World, a: &BodyName, b: &BodyName) -> Result<Vec<(WorldId, WorldId)>, PlanError> {
+        let (first, second) = (self.select(world, a)?, self.select(world, b)?);
+        let each = first.iter().flat_map(|a| second.iter().map(move |b| (*a, *b)));
+        Ok(each.collect())
     }
 }
 

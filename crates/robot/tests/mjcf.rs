@@ -144,11 +144,16 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
                 let world = pose(&numbers(&configuration["poses"][body]));
                 let (kind, expected) = (geom["type"].as_i64(), world * pose(&numbers(&geom["pose"])));
                 poses += 1;
+                // The frame of a height field is at its first corner.
+                let corner = match kind {
+                    Some(1) => Vector3::new(numbers(&geom["size"])[0], numbers(&geom["size"])[1], 0.0),
+                    _ => Vector3::zeros(),
+                };
                 // MuJoCo moves meshes to their centre: their points are compared below.
                 let place = if kind == Some(7) {
                     0.0
                 } else {
-                    (found.translation.vector - expected.translation.vector).amax()
+                    ((found * Point3::from(corner)).coords - expected.translation.vector).amax()
                 };
                 let turn = if kind == Some(7) {
                     0.0
@@ -324,12 +329,14 @@ fn a_height_field_without_heights_is_a_box() {
     let field = "<asset><hfield name='h' nrow='1000000' ncol='1000000' size='1 2 3 4'/></asset>";
     let geom = "<worldbody><geom type='hfield' hfield='h'/></worldbody>";
     let robot = parse(&format!("<mujoco>{field}{geom}</mujoco>")).expect("a robot");
-    let Geometry::Mesh(mesh) = &robot.links()[0].bodies[0].geometry else {
+    let body = &robot.links()[0].bodies[0];
+    let Geometry::Mesh(mesh) = &body.geometry else {
         panic!("a mesh");
     };
-    assert_eq!(mesh.triangle_count(), 12);
-    let (centre, radius) = robot.links()[0].bodies[0].geometry.bounding_ball();
-    assert!((centre - Point3::new(0.0, 0.0, -2.0)).norm() < 0.5 && (2.9..3.5).contains(&radius));
+    // Two above, eight of the walls, and four of the base.
+    assert_eq!(mesh.triangle_count(), 14);
+    let (centre, radius) = body.geometry.bounding_ball();
+    assert!((body.origin * centre - Point3::new(0.0, 0.0, -2.0)).norm() < 0.5 && (2.9..3.5).contains(&radius));
 }
 
 #[test]

@@ -19,6 +19,16 @@ fn write(name: &str, text: &str) -> PathBuf {
     file
 }
 
+/// Returns an array of numpy in double precision and C order.
+fn npy(shape: &str, values: &[f64]) -> Vec<u8> {
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}}}\n");
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(values.iter().flat_map(|x| x.to_le_bytes()));
+    bytes
+}
+
 /// Returns the cell with one body, or the text of the error.
 fn cell(body: &str) -> Result<Cell, String> {
     let text = format!("{{\"bodies\": [{{\"name\": \"x\", {body}}}]}}");
@@ -106,13 +116,18 @@ fn voxels_half_spaces_and_heights_are_where_the_file_says() {
     };
     assert_eq!(solid.kind(), MeshKind::Solid);
     write("heights.txt", "0 0 0\n0, 0.5, 0\n\n");
-    let file = body(r#""heights": {"file": "heights.txt", "spacing": [1, 2]}"#);
-    is(distance(&file, [1.0, 2.0, 1.0]), 0.4);
+    let array = npy("(2, 3)", &[0.0, 0.0, 0.0, 0.0, 0.5, 0.0]);
+    std::fs::write(folder().join("heights.npy"), array).expect("a file");
+    for name in ["heights.txt", "heights.npy"] {
+        let file = body(&format!("\"heights\": {{\"file\": \"{name}\", \"spacing\": [1, 2]}}"));
+        is(distance(&file, [1.0, 2.0, 1.0]), 0.4);
+    }
 }
 
 #[test]
 fn wrong_bodies_are_named() {
     write("bad.txt", "0 0\n0 x\n");
+    std::fs::write(folder().join("bad.npy"), npy("(2, 1, 2)", &[0.0; 4])).expect("a file");
     for (text, expected) in [
         (r#""cloud": {"radius": 1}"#, "file or points is missing"),
         (r#""cloud": {"points": [[0, 0, 0]]}"#, "radius or box is missing"),
@@ -159,7 +174,14 @@ fn wrong_bodies_are_named() {
             r#""heights": {"values": [[0, 0], [0, 0]], "spacing": [1, 1], "base": 0}"#,
             "height 0 is 0",
         ),
-        (r#""heights": {"file": "bad.txt", "spacing": [1, 1]}"#, "bad.txt:2"),
+        (
+            r#""heights": {"file": "bad.txt", "spacing": [1, 1]}"#,
+            "bad.txt, line 2: number [1][1] is \"x\"",
+        ),
+        (
+            r#""heights": {"file": "bad.npy", "spacing": [1, 1]}"#,
+            "bad.npy: an array of shape \"2 x 1 x 2\" (expected two axes: rows and columns)",
+        ),
         (r#""heights": {"values": [], "spacing": [1, 1]}"#, "0 heights"),
         (
             r#""sphere": {"radius": 1}, "half_space": {"normal": [0, 0, 1]}"#,

@@ -1238,6 +1238,21 @@ fn shapes_have_the_sizes_of_the_specification() {
     assert!(empty.expect("a robot").links()[1].bodies.is_empty());
 }
 
+#[test]
+fn a_plane_of_a_cell_is_a_half_space() {
+    let plane = "<collision name=\"c\"><pose>0 0 1 0 0 0</pose><geometry><plane><normal>0 0 2</normal></plane></geometry></collision>";
+    let cell = cell(&model("1.9", &format!("<link name=\"a\">{plane}</link>"))).expect("a cell");
+    let obstacle = &cell.obstacles[0];
+    assert_eq!(obstacle.geometry.kind(), lin_canny::GeometryKind::HalfSpace);
+    let ball = lin_canny::Shape::ball(0.5).expect("a ball");
+    for at in [[0.0, 0.0], [1e6, -1e6]] {
+        let there = Isometry3::translation(at[0], at[1], 4.0);
+        let pose = lin_canny::RelativePose::new(&obstacle.pose, &there).expect("a pose");
+        let found = lin_canny::PairTracker::new().closest(&obstacle.geometry, &ball, &pose);
+        assert!((found.distance - 2.5).abs() < 1e-6, "{}", found.distance);
+    }
+}
+
 /// A prism covers its polygon and nothing else: whichever way around, and with the first point again.
 #[test]
 fn polylines_become_exact_prisms() {

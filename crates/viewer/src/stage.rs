@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{Geometry, ManifoldOptions, Outcome, PairTracker, RelativePose};
+use lin_canny::{Geometry, GeometryKind, ManifoldOptions, Outcome, PairTracker, RelativePose};
 use lin_canny_record::{Bracket, ColumnLine, Contact, RenderMesh};
 
 /// A body and its pose.
@@ -188,10 +188,17 @@ impl Stage {
         hits.min_by(|x, y| x.1.total_cmp(&y.1))
     }
 
-    /// Returns centre and radius of a ball around all shown bodies.
+    /// Returns centre and radius of a ball around all shown bodies. A half-space counts with the part
+    /// that is drawn, and only if there is nothing else.
     #[must_use]
     pub fn ball(&self) -> (Point3<f64>, f64) {
-        let shown = || self.bodies.iter().filter(|b| b.shown);
+        let is_bounded = |b: &&Body| self.geometries[b.geometry].kind() != GeometryKind::HalfSpace;
+        if !self.bodies.iter().filter(|b| b.shown).any(|b| is_bounded(&b)) {
+            let drawn = self.bodies.iter().find(|b| b.shown);
+            let ball = drawn.map(|b| (b.pose * Point3::origin(), self.solids[b.geometry].radius));
+            return ball.unwrap_or((Point3::origin(), 1.0));
+        }
+        let shown = || self.bodies.iter().filter(|b| b.shown).filter(is_bounded);
         let middle = |b: &Body| b.pose * self.geometries[b.geometry].bounding_ball().0;
         let radius = |b: &Body| self.geometries[b.geometry].bounding_ball().1;
         let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));

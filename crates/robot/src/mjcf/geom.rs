@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use lin_canny::nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use lin_canny::nalgebra::{Isometry3, Matrix3, Translation3, Vector3};
 use lin_canny::{Geometry, HullFit, Mesh};
 
 use super::element::{Element, numbers};
@@ -30,7 +30,7 @@ pub(super) struct Assets<'e> {
     /// Bodies of meshes that have been read.
     read: HashMap<(String, MeshUse), MeshBody>,
     /// Bodies of height fields that have been read, and the number of their heights.
-    read_fields: HashMap<String, Geometry>,
+    read_fields: HashMap<String, (Geometry, Vector3<f64>)>,
     heights: usize,
 }
 
@@ -125,8 +125,8 @@ impl<'e> Assets<'e> {
                 size: [2.0 * size(0)?, 2.0 * size(1)?, 2.0 * size(2)?],
             },
             "hfield" => {
-                let geometry = self.height_field(geom)?;
-                return Ok(LinkBody::new(origin, geometry));
+                let (geometry, corner) = self.height_field(geom)?;
+                return Ok(LinkBody::new(origin * Translation3::from(corner), geometry));
             }
             "mesh" => {
                 let (geometry, hull_fit, mesh) = self.mesh(geom, reader.options.mesh_of(link), reader)?;
@@ -219,8 +219,8 @@ impl<'e> Assets<'e> {
         Ok(read)
     }
 
-    /// Returns the solid below the heights of a field.
-    fn height_field(&mut self, geom: &Settings) -> Result<Geometry, FileError> {
+    /// Returns the solid below the heights of a field, and where its frame is in that of the geom.
+    fn height_field(&mut self, geom: &Settings) -> Result<(Geometry, Vector3<f64>), FileError> {
         let name = needed(geom, "hfield")?;
         if let Some(read) = self.read_fields.get(name) {
             return Ok(read.clone());
@@ -273,45 +273,16 @@ impl<'e> Assets<'e> {
                 (if *h < low { *h } else { low }, if *h > high { *h } else { high })
             });
         let range = if most > least { most - least } else { 1.0 };
-        let at = |row: usize, column: usize, z: f64| {
-            let place = |k: usize, count: usize, half: f64| half * (2.0 * k as f64 / (count - 1) as f64 - 1.0);
-            // The first row has the largest y.
-            Point3::new(place(column, columns, x), -place(row, rows, y), z)
-        };
-        let mut points = Vec::with_capacity(2 * rows * columns);
-        for row in 0..rows {
-            for column in 0..columns {
-                let height = (heights[row * columns + column] - least) / range;
-                points.push(at(row, column, height * high));
-            }
-        }
-        let top = points.len() as u32;
-        for row in 0..rows {
-            points.extend((0..columns).map(|column| at(row, column, -low)));
-        }
-        let index = |row: usize, column: usize| (row * columns + column) as u32;
-        let mut triangles = Vec::new();
-        for row in 0..rows - 1 {
-            for column in 0..columns - 1 {
-                let [a, b] = [index(row, column), index(row, column + 1)];
-                let [c, d] = [index(row + 1, column), index(row + 1, column + 1)];
-                triangles.extend([[a, c, b], [b, c, d]]);
-                triangles.extend([[a, b, c], [b, d, c]].map(|t| t.map(|k| k + top)));
-            }
-        }
-        let mut border: Vec<u32> = (0..columns - 1).map(|column| index(0, column)).collect();
-        border.extend((0..rows - 1).map(|row| index(row, columns - 1)));
-        border.extend((1..columns).rev().map(|column| index(rows - 1, column)));
-        border.extend((1..rows).rev().map(|row| index(row, 0)));
-        for (k, &a) in border.iter().enumerate() {
-            let b = border[(k + 1) % border.len()];
-            triangles.extend([[a, b, b + top], [a, b + top, a + top]]);
-        }
-        let mesh = Mesh::new(&points, &triangles);
+        // The first row has the largest y.
+        let heights: Vec<f64> = (heights.chunks(columns).rev().flatten())
+            .map(|height| (height - least) / range * high)
+            .collect();
+        let spacing = [2.0 * x / (columns - 1) as f64, 2.0 * y / (rows - 1) as f64];
+        let mesh = Mesh::from_heights(rows, columns, spacing, &heights, Some(-low));
         let mesh = mesh.map_err(|e| field.error(FileErrorKind::Geometry(e.to_string())))?;
-        let geometry = Geometry::from(mesh);
-        self.read_fields.insert(name.to_owned(), geometry.clone());
-        Ok(geometry)
+        let read = (Geometry::from(mesh), Vector3::new(-x, -y, 0.0));
+        self.read_fields.insert(name.to_owned(), read.clone());
+        Ok(read)
     }
 }
 

@@ -56,8 +56,12 @@ pub(crate) fn obstacles(
     packages: &Packages,
     options: &LoadOptions,
 ) -> Result<(Vec<Obstacle>, Vec<Skipped>), FileError> {
-    // A cell has no links, and all of its meshes must exist.
-    let options = options.clone().link_meshes([]).skip_missing_meshes(false);
+    // A cell has no links, and all of its meshes must exist. Obstacles may be infinite.
+    let options = options
+        .clone()
+        .link_meshes([])
+        .skip_missing_meshes(false)
+        .plane_extent(f64::INFINITY);
     let mut description = Description::new(xml.place(&xml.root()), packages, &options);
     describe(xml, &mut description, false)?;
     let poses = description.frames.resolve()?;

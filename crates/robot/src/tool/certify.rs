@@ -15,9 +15,9 @@ pub(super) struct CertifyOptions {
     robot: RobotOptions,
     #[command(flatten)]
     rows: RowOptions,
-    /// Minimum distance of all pairs in metres
-    #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
-    margin: f64,
+    /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    margin: Option<f64>,
     /// Accept pairs that are in contact at the start of a segment, within this distance in metres: they
     /// must not come closer until they have left it
     #[arg(long, value_name = "LENGTH")]
@@ -33,7 +33,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     let (robot, setup) = options.robot.load()?;
     let path = options.rows.load(&options.robot, &robot, &setup, 2)?;
     let mut checker = setup.checker()?;
-    checker.set_margin(options.margin)?;
+    checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
     checker.set_start_contact_margin(options.start_contact)?;
     let mut table = Table::new(COLUMNS);
     let bar = progress("segments", path.rows.len() as u64 - 1);
@@ -59,7 +59,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
             Verdict::Blocked { safe, t, pair, .. } => {
                 let [a, b] = names(&checker, pair);
                 let (time, at) = (time_at(&path, k, t), place(t, time_at(&path, k, t)));
-                let meet = match options.margin {
+                let meet = match checker.margin() {
                     0.0 => "meet".to_owned(),
                     margin => format!("come within {margin} m"),
                 };

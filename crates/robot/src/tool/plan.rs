@@ -24,9 +24,9 @@ pub(super) struct PlanArguments {
     /// Output recording of the motion along the path, for the viewer
     #[arg(long, value_name = "OUT.jsonl")]
     record: Option<PathBuf>,
-    /// Minimum distance of all pairs in metres
-    #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
-    margin: f64,
+    /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    margin: Option<f64>,
     /// Random seed
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -48,7 +48,7 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
     let rows = options.rows.load(&options.robot, &robot, &setup, 2)?;
     let (start, goal) = (&rows.rows[0], &rows.rows[rows.rows.len() - 1]);
     let mut checker = setup.checker()?;
-    checker.set_margin(options.margin)?;
+    checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
     let began = Instant::now();
     let search = PlanOptions::default()
         .seed(options.seed)
@@ -95,7 +95,7 @@ fn blocked(
     let mut how = "in contact or closer than the margin".to_owned();
     if let Ok(Some(near)) = checker.clearance(&rows.rows[row]) {
         [a, b] = names(checker, near.pair);
-        let (far, margin) = (distance(near.lower, near.upper), options.margin);
+        let (far, margin) = (distance(near.lower, near.upper), checker.margin());
         how = if near.upper <= 0.0 {
             format!("in contact at the {end}")
         } else {

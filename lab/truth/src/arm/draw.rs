@@ -17,6 +17,9 @@ const GLASS: f64 = 0.12;
 /// Steps of an outline from pole to pole.
 const LATITUDES: u32 = 18;
 
+/// Length of a line of sight from a point of a cloud.
+const FAR: f64 = 10.0;
+
 /// Directions to the viewer and to the light, not of unit length.
 const VIEWER: Vector3<f64> = Vector3::new(1.0, -0.75, 0.62);
 const LIGHT: Vector3<f64> = Vector3::new(0.5, -0.9, 1.6);
@@ -31,6 +34,8 @@ pub struct Picture<'a> {
     pub poses: Vec<Isometry3<f64>>,
     /// Points joined by a red line.
     pub points: [Point3<f64>; 2],
+    /// Points of a cloud, which bodies in front of them hide.
+    pub cloud: Vec<Point3<f64>>,
 }
 
 /// Returns the hull of the points of a convex geometry closest to far points all around, for
@@ -135,11 +140,12 @@ impl Picture<'_> {
     fn draw(&self, svg: &mut String) {
         let placed = self.bodies.iter().zip(&self.poses);
         let corners = placed.flat_map(|((shape, _), pose)| shape.vertex_points().map(move |p| pose * p));
-        let view = View::of(&corners.collect::<Vec<_>>());
+        let view = View::of(&corners.chain(self.cloud.iter().copied()).collect::<Vec<_>>());
         for k in self.order(&view) {
             let opacity = if self.hides_robot(k, &view) { GLASS } else { 1.0 };
             self.draw_body(k, opacity, &view, svg);
         }
+        self.draw_cloud(&view, svg);
         let [p, q] = self.points.map(|p| view.place(&p));
         let _ = writeln!(
             svg,
@@ -149,6 +155,30 @@ impl Picture<'_> {
         for [x, y] in [p, q] {
             let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4.5\" fill=\"#c00\"/>");
         }
+    }
+
+    fn draw_cloud(&self, view: &View, svg: &mut String) {
+        let seen = self.cloud.iter().filter(|p| !self.is_hidden(p, view));
+        let dots = seen.map(|p| view.place(p)).map(|[x, y]| format!("M{x:.1} {y:.1}h0"));
+        let dots: String = dots.collect();
+        if !dots.is_empty() {
+            let _ = writeln!(
+                svg,
+                "<path d=\"{dots}\" stroke=\"#17805b\" stroke-opacity=\"0.6\" stroke-width=\"1.9\" stroke-linecap=\"round\"/>"
+            );
+        }
+    }
+
+    /// Returns whether a body is between a point and the viewer.
+    fn is_hidden(&self, p: &Point3<f64>, view: &View) -> bool {
+        let Ok(sight) = ConvexPolyhedron::segment(*p, p + view.near * FAR) else {
+            return false;
+        };
+        let mut bodies = self.bodies.iter().zip(&self.poses);
+        bodies.any(|((shape, _), pose)| {
+            let pose = RelativePose::new_normalized(&Isometry3::identity(), pose);
+            pose.is_ok_and(|pose| Tracker::new().intersects(&sight, shape, &pose))
+        })
     }
 
     /// Returns whether an obstacle is between a body of the robot and the viewer.

@@ -7,7 +7,7 @@
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-use lin_canny_formats::{Invalid, MeshFile, PointFile};
+use lin_canny_formats::{Grid, Invalid, MeshFile, PointFile};
 use lin_canny_plan::ConfigurationSpace;
 use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory, csv_text};
 use nalgebra::Isometry3;
@@ -101,7 +101,25 @@ pub fn meshes(data: &[u8]) {
     assert!(file.skipped.iter().all(|skipped| !skipped.what.is_empty()));
 }
 
-/// Reads a point file.
+/// Reads a grid.
+///
+/// # Panics
+/// Panics if a number is not finite or the shape is not that of the numbers, or if time or memory
+/// are out of bounds.
+fn grid(bytes: &[u8], path: &str) {
+    match bounded(bytes, || Grid::parse(bytes, path)) {
+        Ok(grid) => {
+            assert!(!grid.values.is_empty() && grid.values.len() == grid.rows * grid.columns);
+            assert!(grid.values.iter().all(|x| x.is_finite()));
+        }
+        Err(error) => {
+            let letters = error.to_string().chars().count();
+            assert!((1..=MESSAGE).contains(&letters), "{letters} letters: {error}");
+        }
+    }
+}
+
+/// Reads a point file, and the same bytes as a grid.
 ///
 /// # Panics
 /// Panics if a point or a radius is not finite, if there is no point, if files whose points all have
@@ -114,6 +132,9 @@ pub fn points(data: &[u8]) {
         return;
     };
     let path = format!("{FILE}.{extension}");
+    if matches!(*extension, "npy" | "xyz") {
+        grid(bytes, &path);
+    }
     let file = bounded(bytes, || PointFile::parse(bytes, &path));
     let strict = bounded(bytes, || PointFile::parse_with(bytes, &path, Invalid::Refuse));
     for error in [&file, &strict].into_iter().filter_map(|file| file.as_ref().err()) {
@@ -203,7 +224,10 @@ fn cell(text: &str) {
     setup.robot("", &ROBOT, Isometry3::identity());
     setup.cell(&cell);
     // Poses and names may be out of range, which is an error.
-    let _ = setup.checker();
+    let Ok(checker) = setup.checker() else { return };
+    let saved = Cell::from_world(checker.world()).to_json().expect("a world is written");
+    let again = Cell::parse(&saved, FILE, &Packages::default(), &options).expect("what was written is read");
+    assert_eq!(again.to_json().expect("a cell is written"), saved);
 }
 
 fn trajectory(text: &str) {

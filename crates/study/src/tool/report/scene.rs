@@ -33,6 +33,7 @@ pub(super) fn picture(study: &Arc<Study>, row: &WorstRow) -> Result<String, Stud
             bodies: shapes.iter().map(|(shape, is_robot)| (shape, *is_robot)).collect(),
             poses,
             points: near.witnesses,
+            cloud: Vec::new(),
         };
         Ok(picture.alone())
     })?

@@ -1,0 +1,116 @@
+//! A grid of numbers: an array of numpy with two axes, or a text with a row per line.
+
+use std::path::Path;
+
+use crate::error::{Fault, MeshFault, MeshFileError};
+use crate::{npy, text};
+
+/// A rectangle of finite numbers from a file, such as the heights of a terrain.
+///
+/// A file is one of these:
+///
+/// * npy: an array of two axes of numbers, in both byte orders, in C and Fortran order.
+/// * Text: a row per line, all of the same length. White space, commas or semicolons are between
+///   the numbers. Empty lines and lines that start with `#` are passed over.
+///
+/// ```
+/// use lin_canny_formats::Grid;
+///
+/// let grid = Grid::parse(b"0 0 0\n0, 0.5, 0\n", "heights.txt")?;
+/// assert_eq!((grid.rows, grid.columns), (2, 3));
+/// assert_eq!(grid.values[4], 0.5);
+/// # Ok::<(), lin_canny_formats::MeshFileError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Grid {
+    /// Number of rows, at least 1.
+    pub rows: usize,
+    /// Number of columns, at least 1.
+    pub columns: usize,
+    /// The numbers, row by row; all are finite.
+    pub values: Vec<f64>,
+}
+
+impl Grid {
+    /// Returns the grid of a file.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read or is malformed, if it is an array of other than
+    /// two axes, if rows differ in length, if there is no number, or if a number is not finite.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, MeshFileError> {
+        let path = path.as_ref();
+        let bytes = std::fs::read(path).map_err(|e| MeshFileError {
+            file: path.to_owned(),
+            line: None,
+            fault: MeshFault::Read(e),
+        })?;
+        Self::parse(&bytes, path)
+    }
+
+    /// Returns the grid of the bytes of a file. Errors name the file `path`.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn parse(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, MeshFileError> {
+        let is_array = bytes.starts_with(npy::MAGIC);
+        let found = match (is_array, text::foreign(bytes)) {
+            (true, _) => npy::read_grid(bytes),
+            (false, None) => from_text(bytes),
+            (false, Some(why)) => Err(Fault::malformed(None, why)),
+        };
+        found.and_then(Self::checked).map_err(|fault| MeshFileError {
+            file: path.as_ref().to_owned(),
+            line: fault.line,
+            fault: fault.fault,
+        })
+    }
+
+    fn checked(self) -> Result<Self, Fault> {
+        let Some(at) = self.values.iter().position(|x| !x.is_finite()) else {
+            return Ok(self);
+        };
+        let (row, column) = (at / self.columns, at % self.columns);
+        let why = format!("number [{row}][{column}] is not finite: {:?}", self.values[at]);
+        Err(Fault::malformed(None, why))
+    }
+}
+
+fn from_text(bytes: &[u8]) -> Result<Grid, Fault> {
+    let text = text::decode(bytes);
+    let mut grid = Grid {
+        rows: 0,
+        columns: 0,
+        values: Vec::new(),
+    };
+    for (at, line) in text::lines(&text) {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let before = grid.values.len();
+        for word in line.split([' ', '\t', ',', ';']).filter(|word| !word.is_empty()) {
+            let number = text::number(word).ok_or_else(|| {
+                let column = grid.values.len() - before;
+                let why = format!(
+                    "number [{}][{column}] is {} (expected a finite number)",
+                    grid.rows,
+                    text::quoted(word)
+                );
+                Fault::malformed(at, why)
+            })?;
+            grid.values.push(number);
+        }
+        let columns = grid.values.len() - before;
+        if grid.rows > 0 && columns != grid.columns {
+            let why = format!("row {} has {columns} numbers (expected {})", grid.rows, grid.columns);
+            return Err(Fault::malformed(at, why));
+        }
+        grid.columns = columns;
+        grid.rows += 1;
+    }
+    match grid.values.is_empty() {
+        true => Err(Fault::malformed(None, "the file contains no number")),
+        false => Ok(grid),
+    }
+}

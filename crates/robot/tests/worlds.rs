@@ -1,0 +1,393 @@
+//! Promise: a world that is saved as a cell file and loaded again answers as before, bit for bit; a recording shows it as it
+//! is in each frame.
+
+use std::path::Path;
+
+use lin_canny_robot::lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use lin_canny_robot::lin_canny::polyhedron::solids;
+use lin_canny_robot::lin_canny::{
+    Cloud, CloudElement, Compound, ConvexPolyhedron, Geometry, HalfSpace, Mesh, Piece, Shape,
+};
+use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, World, WorldId};
+use lin_canny_robot::record::{Cursor, Recording};
+use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, RobotRecorder, Setup};
+use truth::rng::Rng;
+
+/// An arm of three links, of which one has two bodies, and a tool without bodies.
+const ARM: &str = r#"<robot name="arm">
+  <link name="base"/>
+  <link name="upper"><collision><origin xyz="0.4 0 0"/><geometry><box size="0.8 0.14 0.12"/></geometry></collision></link>
+  <link name="fore">
+    <collision><origin xyz="0.2 0 0"/><geometry><box size="0.4 0.12 0.12"/></geometry></collision>
+    <collision><origin xyz="0.6 0 0"/><geometry><cylinder radius="0.07" length="0.3"/></geometry></collision>
+  </link>
+  <link name="hand"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="tool"/>
+  <joint name="turn" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+    <limit lower="-2.5" upper="2.5" effort="1" velocity="1"/></joint>
+  <joint name="bend" type="revolute"><parent link="upper"/><child link="fore"/><origin xyz="1 0 0"/><axis xyz="0 1 0"/>
+    <limit lower="-2.5" upper="2.5" effort="1" velocity="1"/></joint>
+  <joint name="slide" type="prismatic"><parent link="fore"/><child link="hand"/><origin xyz="1 0 0"/><axis xyz="1 0 0"/>
+    <limit lower="0" upper="0.3" effort="1" velocity="1"/></joint>
+  <joint name="grip" type="fixed"><parent link="hand"/><child link="tool"/><origin xyz="0.2 0 0.05" rpy="0 0.4 0.1"/></joint>
+</robot>"#;
+
+/// The setup of the arm with adjacent links excluded.
+fn setup() -> Setup {
+    let robot = Robot::parse(ARM, "arm.urdf", &Packages::default(), &LoadOptions::default()).expect("an arm");
+    let mut setup = Setup::new();
+    setup.robot("", &robot, Isometry3::identity());
+    setup.exclude_adjacent();
+    setup
+}
+
+fn parse(text: &str) -> Result<Cell, String> {
+    let found = Cell::parse(text, "cell.json", &Packages::default(), &LoadOptions::default());
+    found.map_err(|error| error.to_string())
+}
+
+/// The checker of a world that was saved and loaded.
+fn reloaded(world: &World) -> Checker<JointTree> {
+    let text = Cell::from_world(world).to_json().expect("a world");
+    let mut setup = setup();
+    setup.cell(&parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}")));
+    setup.checker().unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+fn pose(rng: &mut Rng, far: f64) -> Isometry3<f64> {
+    let mut draw = |most: f64| Vector3::from_fn(|_, _| rng.range(-most, most));
+    let turn = UnitQuaternion::from_scaled_axis(draw(3.0));
+    let mut pose = Isometry3::from_parts(Translation3::from(draw(far)), turn);
+    // A checker takes rotations that are nearly unit.
+    if rng.below(2) == 0 {
+        let off = turn.coords * (1.0 + 1e-13);
+        pose.rotation = UnitQuaternion::new_unchecked(off.into());
+    }
+    pose
+}
+
+/// A geometry of any kind; bounded, if it moves with the robot.
+fn geometry(rng: &mut Rng, is_bounded: bool) -> Geometry {
+    let mut size = || rng.range(0.05, 0.2);
+    let [x, y, z] = [size(), size(), size()];
+    let block = solids::cuboid(Vector3::new(x, y, z)).expect("a box");
+    let kind = rng.below(if is_bounded { 11 } else { 12 });
+    let mut points = || -> Vec<Point3<f64>> {
+        let draw = |_| Point3::from(Vector3::from_fn(|_, _| rng.range(-0.3, 0.3)));
+        (0..12).map(draw).collect()
+    };
+    match kind {
+        0 => Shape::ball(x).expect("a ball").into(),
+        1 => Shape::capsule(x, y).expect("a capsule").into(),
+        2 => Shape::cylinder(x, y).expect("a cylinder").into(),
+        3 => Shape::cone(x, y).expect("a cone").into(),
+        4 => Shape::ellipsoid(Vector3::new(x, y, z)).expect("an ellipsoid").into(),
+        5 => Mesh::from_convex(&block).expect("a mesh").into(),
+        6 => Cloud::new(&points(), CloudElement::Ball(0.3 * x))
+            .expect("a cloud")
+            .into(),
+        7 => {
+            let points: Vec<[f32; 3]> = points().iter().map(|p| [p.x as f32, p.y as f32, p.z as f32]).collect();
+            let radii = points.iter().map(|p| 0.1 * f64::from(p[0].abs())).collect();
+            Cloud::from_f32(&points, CloudElement::Balls(radii))
+                .expect("a cloud")
+                .into()
+        }
+        8 => ConvexPolyhedron::from_points(&points()).expect("a hull").into(),
+        9 => {
+            let mut moved = Piece::new(Shape::from(block.clone()));
+            moved.pose = Isometry3::translation(0.3, 0.1, 0.0);
+            Compound::new(vec![Piece::new(block), moved])
+                .expect("a compound")
+                .into()
+        }
+        10 => block.into(),
+        _ => HalfSpace::new(Vector3::new(x - 0.1, y - 0.1, 1.0), -2.0)
+            .expect("a half-space")
+            .into(),
+    }
+}
+
+fn sample(rng: &mut Rng) -> Vec<f64> {
+    vec![rng.range(-2.5, 2.5), rng.range(-2.5, 2.5), rng.range(0.0, 0.3)]
+}
+
+/// Makes a random change, which may be refused.
+fn change(checker: &mut Checker<JointTree>, rng: &mut Rng) {
+    let names = ["a", "b", "c", "upper", "fore", "hand", "tool", "nobody"];
+    let name = *rng.pick(&names[..4]);
+    let [one, two] = [*rng.pick(&names), *rng.pick(&names)];
+    let all: Vec<WorldId> = checker.world().bodies().map(|b| b.0).collect();
+    let [id, other] = [*rng.pick(&all), *rng.pick(&all)];
+    let link = *rng.pick(&names[3..]);
+    let _ = match rng.below(14) {
+        0 | 1 => checker
+            .add_obstacle(name, geometry(rng, false), pose(rng, 1.6))
+            .map(|_| ()),
+        2 => checker.move_obstacle(name, pose(rng, 1.6)).map(|_| ()),
+        3 => checker.move_obstacle(id, pose(rng, 1.6)).map(|_| ()),
+        4 => checker.replace_obstacle(id, geometry(rng, false)).map(|_| ()),
+        5 => checker
+            .remove_obstacle(if rng.below(4) == 0 { name } else { "c" })
+            .map(|_| ()),
+        6 => checker
+            .attach(link, name, geometry(rng, true), pose(rng, 0.2), &[one])
+            .map(|_| ()),
+        7 => checker.detach(name).map(|_| ()),
+        8 => checker.detach_at(name, &sample(rng)).map(|_| ()),
+        9 => checker.pad(one, *rng.pick(&[0.0, 0.01, 0.2])).map(|_| ()),
+        10 => checker.pad(id, 0.03).map(|_| ()),
+        11 => checker
+            .set_pair_margin(one, id, *rng.pick(&[None, Some(0.0), Some(0.05)]))
+            .map(|_| ()),
+        12 => checker.exclude(one, two).and(checker.exclude(id, other)).map(|_| ()),
+        _ => checker.include(one, id).map(|_| ()),
+    };
+}
+
+/// What a checker answers; `Debug` writes every digit, and the sign of zero.
+fn ask(checker: &mut Checker<JointTree>, question: usize, q: &[f64], p: &[f64]) -> String {
+    match question {
+        0 => format!("{:?}", checker.nearest(q, 0.2)),
+        1 => format!("{:?}", checker.is_free_at(q)),
+        2 => format!("{:?}", checker.certify(q, p)),
+        3 => format!("{:?}", checker.clearance(q)),
+        4 => format!("{:?}", checker.in_contact(q)),
+        _ => format!("{:?}", checker.nearest(q, f64::INFINITY)),
+    }
+}
+
+/// Returns a text with the ids of one world replaced by those of the same bodies of another.
+fn renamed(text: &str, from: &World, to: &World) -> String {
+    let ids = |world: &World| -> Vec<String> { world.bodies().map(|b| format!("{:?}", b.0)).collect() };
+    let pairs: Vec<_> = ids(from).into_iter().zip(ids(to)).collect();
+    let (mut found, mut rest) = (String::new(), text);
+    while !rest.is_empty() {
+        let (step, with) = match pairs.iter().find(|pair| rest.starts_with(&pair.0)) {
+            Some((id, with)) => (id.len(), with.as_str()),
+            None => {
+                let step = rest.chars().next().map_or(1, char::len_utf8);
+                (step, &rest[..step])
+            }
+        };
+        found += with;
+        rest = &rest[step..];
+    }
+    found
+}
+
+fn judge(sequences: usize, changes: usize, seed: u64) {
+    let (mut free, mut removed) = (0, 0);
+    for k in 0..sequences {
+        let mut rng = Rng::new(seed + k as u64);
+        let mut checker = setup().checker().expect("a checker");
+        checker.set_margin(0.02).expect("a margin");
+        for step in 0..changes {
+            change(&mut checker, &mut rng);
+            let mut loaded = reloaded(checker.world());
+            let q = sample(&mut rng);
+            let by = [0; 3].map(|_| rng.range(-0.3, 0.3));
+            let p = checker.space().moved(&q, &by);
+            for question in 0..if step % 8 == 0 { 6 } else { 3 } {
+                checker.forget();
+                loaded.forget();
+                let expected = ask(&mut checker, question, &q, &p);
+                let told = renamed(&ask(&mut loaded, question, &q, &p), loaded.world(), checker.world());
+                assert_eq!(told, expected, "{k} {step} {question}");
+                free += usize::from(told == "Ok(true)");
+            }
+            // A world without removed bodies is the same in full.
+            let again = reloaded(loaded.world());
+            assert_eq!(format!("{:?}", again.world()), format!("{:?}", loaded.world()));
+            removed += usize::from(format!("{:?}", checker.world()) != format!("{:?}", loaded.world()));
+            if rng.below(4) == 0 {
+                checker = loaded;
+            }
+        }
+    }
+    assert!(
+        free > sequences && removed > sequences,
+        "{free} free, {removed} with removed bodies"
+    );
+}
+
+#[test]
+fn a_world_that_was_saved_and_loaded_answers_as_before() {
+    judge(10, 100, 100);
+}
+
+#[test]
+#[ignore = "1,000 sequences of 100 changes: cargo test --release -p lin-canny-robot --test worlds -- --ignored"]
+fn a_world_that_was_saved_and_loaded_answers_as_before_1000_times() {
+    judge(1000, 100, 10_000);
+}
+
+#[test]
+fn solids_have_their_names_in_the_file() {
+    let mut checker = setup().checker().expect("a checker");
+    let at = Isometry3::translation(0.0, 0.0, 2.0);
+    let block = solids::cuboid(Vector3::new(0.1, 0.2, 0.3)).expect("a box");
+    for (name, geometry) in [
+        ("a", Geometry::from(block.clone())),
+        ("b", Shape::ball(0.1).expect("a ball").into()),
+        ("c", Shape::capsule(0.1, 0.2).expect("a capsule").into()),
+        ("d", Shape::cone(0.1, 0.2).expect("a cone").into()),
+        ("e", HalfSpace::new(Vector3::z(), -2.5).expect("a half-space").into()),
+        ("e", Mesh::from_convex(&block).expect("a mesh").into()),
+    ] {
+        checker.add_obstacle(name, geometry, at).expect("an obstacle");
+    }
+    checker.pad("e", 0.01).expect("a padding");
+    checker.pad("a", 0.02).expect("a padding");
+    checker.include("upper", "fore").expect("links");
+    checker.exclude("hand", "e").expect("bodies");
+    checker
+        .exclude(WorldId::Robot(1), WorldId::Obstacle(0))
+        .expect("bodies");
+    let text = Cell::from_world(checker.world()).to_json().expect("a world");
+    for part in [
+        r#"{"name":"a","box":{"size":[0.2,0.4,0.6]},"xyz":[0.0,0.0,2.0],"xyzw":[0.0,0.0,0.0,1.0]}"#,
+        r#""sphere":{"radius":0.1}"#,
+        r#""capsule":{"radius":0.2,"length":0.2}"#,
+        r#""cone":{"radius":0.2,"length":0.2}"#,
+        r#""half_space":{"normal":[0.0,0.0,1.0],"offset":-2.5}"#,
+        r#""geometry":{"Mesh":"#,
+        r#"["e","hand"]"#,
+        r#"[["fore",0],"a"]"#,
+        r#"[["e",1],0.01]"#,
+        r#"["a",0.02]"#,
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    assert!(!text.contains(r#"["fore","upper"]"#), "{text}");
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("saved.json");
+    Cell::from_world(checker.world()).save(&file).expect("a file");
+    let cell = Cell::load(&file, &Packages::default(), &LoadOptions::default()).expect("a cell");
+    assert_eq!(cell.to_json().expect("a cell"), text);
+}
+
+#[test]
+fn wrong_worlds_are_named() {
+    let body = r#"{"name": "x", "sphere": {"radius": 1}, "xyz": [0, 9, 0]}"#;
+    let checker = |more: &str| {
+        let mut setup = setup();
+        setup.cell(&parse(&format!("{{\"bodies\": [{body}, {body}], {more}}}"))?);
+        setup.checker().map_err(|error| error.to_string())
+    };
+    for (more, expected) in [
+        (r#""paddings": [["y", 1]]"#, "body \"y\" does not exist"),
+        (r#""paddings": [[["x", 2], 1]]"#, "body \"x 2\" does not exist"),
+        (r#""paddings": [["x", -1]]"#, "padding is out of range: -1.0"),
+        (
+            r#""margins": [["x", "hand", -1]]"#,
+            "margin of a pair is out of range: -1.0",
+        ),
+        (r#""margin": -1"#, "margin is out of range: -1.0"),
+        (r#""exclude": [["x", "y"]]"#, "body \"y\" does not exist"),
+        (
+            r#""exclude": [], "exclude_exactly": []"#,
+            "both exclude and exclude_exactly",
+        ),
+        (
+            r#""attached": [{"link": "arm", "body": {"name": "y", "sphere": {"radius": 1}}}]"#,
+            "body \"arm\" does not exist",
+        ),
+        (
+            r#""attached": [{"link": "hand", "body": {"name": "y"}}]"#,
+            "attached[0] \"y\": box, cylinder",
+        ),
+        (
+            r#""attached": [{"link": "hand", "body": {"name": "y", "half_space": {"normal": [0, 0, 1]}}}]"#,
+            "half-space",
+        ),
+    ] {
+        let error = checker(more).err().unwrap_or_default();
+        assert!(error.contains(expected), "{more}: {error}");
+    }
+    for (shape, expected) in [
+        (r#""geometry": {"Mesh": {}}"#, "missing field"),
+        (r#""geometry": {"Ball": 1}"#, "unknown variant"),
+        (
+            r#""geometry": {"HalfSpace": {"normal": [0, 0, 0], "offset": 0}}"#,
+            "normal",
+        ),
+    ] {
+        let error = parse(&format!("{{\"bodies\": [{{\"name\": \"x\", {shape}}}]}}"))
+            .err()
+            .unwrap_or_default();
+        assert!(
+            error.starts_with("cell.json:1: ") && error.contains(expected),
+            "{error}"
+        );
+    }
+    let mut checker = checker(r#""margin": 0.1"#).expect("a checker");
+    assert_eq!(checker.margin(), 0.1);
+    checker
+        .add_obstacle(
+            "x",
+            Shape::ball(1.0).expect("a ball"),
+            Isometry3::translation(0.0, 9.0, 0.0),
+        )
+        .expect("a ball");
+    let mut cell = Cell::from_world(checker.world());
+    cell.obstacles[2].pose.translation.x = f64::NAN;
+    let error = cell.to_json().err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(error.starts_with("cell.json: \"x\": "), "{error}");
+}
+
+#[test]
+fn a_recording_shows_the_world_as_it_is_in_each_frame() {
+    let mut checker = setup().checker().expect("a checker");
+    let q = [0.0, 0.0, 0.1];
+    let at = |x: f64| Isometry3::translation(x, 0.0, 2.0);
+    let ball = Geometry::from(Shape::ball(0.1).expect("a ball"));
+    checker
+        .add_obstacle("part", ball.clone(), at(0.0))
+        .expect("an obstacle");
+    checker
+        .add_obstacle("post", ball.clone(), at(1.0))
+        .expect("an obstacle");
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("changes.jsonl");
+    let mut recorder = RobotRecorder::create(&file, &checker, &q).expect("a file");
+    let mut frame = |checker: &mut Checker<JointTree>| {
+        let near = checker.clearance(&q).expect("a configuration").expect("a pair");
+        recorder.frame(checker, &q, "here", &near).expect("a frame");
+    };
+    frame(&mut checker);
+    // The part stays the same body when a link takes it and puts it down.
+    checker.remove_obstacle("part").expect("a part");
+    checker
+        .attach("tool", "part", ball.clone(), at(0.0), &[])
+        .expect("a part");
+    frame(&mut checker);
+    checker.detach_at("part", &q).expect("a part");
+    checker.move_obstacle("post", at(2.0)).expect("a post");
+    frame(&mut checker);
+    checker
+        .replace_obstacle("post", Shape::ball(0.2).expect("a ball"))
+        .expect("a post");
+    frame(&mut checker);
+    checker.remove_obstacle("part").expect("a part");
+    frame(&mut checker);
+    recorder.finish().expect("a file");
+    let recording = Recording::open(&file).expect("a recording");
+    let names: Vec<&str> = recording.bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(names, ["upper", "fore", "fore", "hand", "part", "post", "post"]);
+    let mut cursor = Cursor::default();
+    let mut shown = |frame: usize, body: usize| {
+        cursor.seek(&recording, frame);
+        cursor.poses.get(body).copied().flatten()
+    };
+    let tool = checker.link_pose("tool", &q).expect("a link");
+    let carried = (tool * at(0.0)).translation.vector;
+    assert_eq!(shown(0, 4), Some(at(0.0)));
+    for frame in [1, 2, 3] {
+        let pose = shown(frame, 4).expect("a part");
+        assert!((pose.translation.vector - carried).norm() < 1e-12, "{frame}: {pose}");
+    }
+    assert_eq!(
+        (shown(1, 5), shown(2, 5), shown(3, 5)),
+        (Some(at(1.0)), Some(at(2.0)), None)
+    );
+    assert_eq!((shown(3, 6), shown(4, 4)), (Some(at(2.0)), None));
+}
