@@ -319,8 +319,8 @@ impl Placement {
                 extent,
             });
         }
-        // Half the diagonal, not the distance of the farthest point: the diagonal depends on extreme
-        // points only, without rounding in between.
+        // Half the diagonal, not the distance of the farthest point: the diagonal depends on
+        // extreme points only, without rounding in between.
         let middle = low * 0.5 + high * 0.5;
         let radius = sqrt((sides * 0.5).norm_squared());
         // The shift is exact by Sterbenz' lemma; the check costs nothing and covers the rounding of
@@ -502,8 +502,8 @@ impl InnerHull {
         })
     }
 
-    /// Returns which of the first `count` points of a block are proven strictly inside the core: bit
-    /// `k` for point `k`.
+    /// Returns which of the first `count` points of a block are proven strictly inside the core:
+    /// bit `k` for point `k`.
     #[inline]
     pub(crate) fn holds(&self, block: &PointBlock, count: usize) -> u64 {
         /// Added to a number below `2^51`, leaves the nearest integer in the lowest bits.
