@@ -310,6 +310,7 @@ pub mod __proofs;
 pub mod guide;
 mod pair;
 mod pair_tracker;
+mod point;
 mod ray;
 #[cfg(test)]
 #[allow(dead_code, unreachable_pub)]
@@ -355,9 +356,11 @@ pub use nonconvex::query::search::TreeWork;
 pub use pair::location::{PairOutcome, WitnessLocation};
 pub use pair::options::QueryOptions;
 pub use pair::outcome::WorldWitnesses;
+pub use pair::point::PointOutcome;
 pub use pair::outcome::{Accuracy, ContactState, Decision, DepthMode, Distance, Outcome, Proposal, Solver, Work};
 pub use pair_tracker::geometry::{Geometry, GeometryKind, GeometryRef};
 pub use pair_tracker::{MovingPair, PairError, PairTracker, PairWork};
+pub use point::{PointError, PointQuery, PointTracker};
 pub use ray::{Ray, RayCast, RayCaster, RayError, RayHit};
 pub use time::{impact, schedule, separation};
 

@@ -13,6 +13,7 @@
 //! - `front`: the proof of the last answer, kept from frame to frame.
 //! - `contact`: manifolds of convex patches.
 //! - `penetration`: bounds of the depth.
+//! - `point`: a point and a mesh.
 //! - `decomposition`: pieces that replace a mesh.
 //! - `separation`: pairs over time.
 //! - `top`: the highest point along a direction.
@@ -48,7 +49,8 @@ pub mod mesh;
 pub(crate) mod parts;
 pub(crate) mod penetration;
 pub(crate) mod pieces;
+pub(crate) mod point;
 pub(crate) mod query;
 pub(crate) mod separation;
 pub(crate) mod top;
-mod tree;
+pub(crate) mod tree;
