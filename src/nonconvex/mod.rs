@@ -14,6 +14,7 @@
 //! - `contact`: manifolds of convex patches.
 //! - `penetration`: bounds of the depth.
 //! - `point`: a point and a mesh.
+//! - `simple_surface`: proves that a mesh does not meet itself.
 //! - `decomposition`: pieces that replace a mesh.
 //! - `separation`: pairs over time.
 //! - `top`: the highest point along a direction.
@@ -52,5 +53,6 @@ pub(crate) mod pieces;
 pub(crate) mod point;
 pub(crate) mod query;
 pub(crate) mod separation;
+pub(crate) mod simple_surface;
 pub(crate) mod top;
 pub(crate) mod tree;

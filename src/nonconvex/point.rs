@@ -13,8 +13,6 @@
 //! the side, and is not zero (Baerentzen and Aanaes 2005). All triangles at c may be closest, so
 //! all of them vote. If no `u . n` is negative, neither is `u . N`.
 
-use alloc::vec::Vec;
-
 use nalgebra::{Point3, Vector3};
 
 use crate::base::num::extremes::Bounded;
@@ -25,13 +23,10 @@ use crate::nonconvex::mesh::{Mesh, tracker};
 use crate::nonconvex::query::inside::ExactSigns;
 use crate::nonconvex::query::near::{NearRoom, NearTriangle};
 use crate::nonconvex::query::triangle;
+use crate::nonconvex::simple_surface::SimpleSurface;
 use crate::pair::draft::unit;
 use crate::pair::outcome::ContactState;
 use crate::pair::point::PointOutcome;
-
-/// Number of triangles that may vote; a point with more is decided by its winding number. Not
-/// measured.
-const VOTERS: usize = 64;
 
 /// A distance this many times wider than its bounds gives the normal; a shorter one leaves it to
 /// the triangle. Not measured.
@@ -79,8 +74,17 @@ impl Mesh {
         let normal = if is_clear { to_point * way } else { own };
         let scaled = |x: f64| x * self.unit();
         // Beyond the range of normal numbers the product is rounded.
-        let outward = |x: f64, next: fn(f64) -> f64| if self.exponent == 0 || x == 0.0 { x } else { next(scaled(x)) };
-        let (lower, upper) = (outward(lower, f64::next_down).at_least(0.0), outward(upper, f64::next_up));
+        let outward = |x: f64, next: fn(f64) -> f64| {
+            if self.exponent == 0 || x == 0.0 {
+                x
+            } else {
+                next(scaled(x))
+            }
+        };
+        let (lower, upper) = (
+            outward(lower, f64::next_down).at_least(0.0),
+            outward(upper, f64::next_up),
+        );
         let distance = scaled(distance);
         let (distance, lower, upper) = match state {
             ContactState::Overlapping => (-distance, -upper, -lower),
@@ -102,7 +106,10 @@ impl Mesh {
     pub(crate) fn contains_point(&self, point: &Point3<f64>) -> bool {
         let (p, is_far) = self.stored_point(point);
         // Without a winding number the point is on the surface.
-        !is_far && self.winding_about(&p, |_| true).is_none_or(|w| self.is_solid() && w != 0)
+        !is_far
+            && self
+                .winding_about(&p, |_| true)
+                .is_none_or(|w| self.is_solid() && w != 0)
     }
 
     /// Returns a point in stored coordinates, and whether it was moved towards the mesh.
@@ -163,39 +170,5 @@ impl KnownSide {
     fn holds_at(&self, mesh: &Mesh, p: &Vector3<f64>) -> bool {
         let moved = sqrt((p - self.at).norm_squared()) * ROUND_UP;
         self.mesh == mesh.fingerprint && moved < self.free
-    }
-}
-
-/// A closed surface that is proven not to meet itself: each point of it has triangles around it on
-/// one sheet.
-#[derive(Clone, Debug)]
-pub(crate) struct SimpleSurface {
-    /// The sheet of each triangle: those reached over edges.
-    sheets: Vec<u32>,
-    /// The winding number in front of each sheet, if it is known.
-    fronts: Vec<Option<i32>>,
-}
-
-impl SimpleSurface {
-    /// Returns the winding number of a point by the votes of the triangles that may be closest.
-    fn winding_by_vote(&self, mesh: &Mesh, p: &Vector3<f64>, found: &[NearTriangle]) -> Option<i32> {
-        if found.len() > VOTERS {
-            return None;
-        }
-        let mut winding = None;
-        for t in found {
-            let height = p.height(&mesh.corners(t.item));
-            if height == 0 {
-                continue;
-            }
-            let front = self.fronts[self.sheets[t.item as usize] as usize]?;
-            // Behind a triangle the surface winds once more.
-            let seen = front + i32::from(height < 0);
-            if winding.is_some_and(|w| w != seen) {
-                return None;
-            }
-            winding = Some(seen);
-        }
-        winding
     }
 }

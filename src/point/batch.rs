@@ -10,12 +10,17 @@ use rayon::prelude::*;
 
 use super::{PointError, PointQuery, PointRoom, check};
 #[cfg(feature = "meshes")]
-use crate::nonconvex::tree::morton;
+use crate::nonconvex::{mesh::Mesh, tree::morton};
 use crate::pair::outcome::Distance;
 use crate::pair::point::PointOutcome;
 
 /// Number of points that are put in order at once. Not measured.
 const BLOCK: usize = 1 << 18;
+
+/// Number of points per triangle from which a batch tests whether the surface meets itself. Not
+/// measured.
+#[cfg(feature = "meshes")]
+const PREPARED: usize = 4;
 
 /// Number of points of one task. Not measured.
 #[cfg(feature = "parallel")]
@@ -48,7 +53,7 @@ impl PointQuery<'_> {
     ///
     /// Returns an error with the index of the first point that is not finite or out of range.
     pub fn closest_points(&self, points: &[Point3<f64>]) -> Result<Vec<PointOutcome>, PointError> {
-        self.each(points, |p, room| self.ask(p, room))
+        self.each(points, |query, p, room| query.ask(p, room))
     }
 
     /// Returns the signed distance of each point with its bounds, in the order given.
@@ -59,7 +64,7 @@ impl PointQuery<'_> {
     ///
     /// Returns an error with the index of the first point that is not finite or out of range.
     pub fn signed_distances(&self, points: &[Point3<f64>]) -> Result<Vec<Distance>, PointError> {
-        self.each(points, |p, room| Distance::from(&self.ask(p, room)))
+        self.each(points, |query, p, room| Distance::from(&query.ask(p, room)))
     }
 
     /// Returns for each point whether the geometry contains it, in the order given.
@@ -70,22 +75,26 @@ impl PointQuery<'_> {
     ///
     /// Returns an error with the index of the first point that is not finite or out of range.
     pub fn contains_each(&self, points: &[Point3<f64>]) -> Result<Vec<bool>, PointError> {
-        self.each(points, |p, room| self.holds(p, room))
+        self.each(points, |query, p, room| query.holds(p, room))
     }
 
     /// Answers each point, in the order given.
     fn each<T: Send>(
         &self,
         points: &[Point3<f64>],
-        answer: impl Fn(&Point3<f64>, &mut PointRoom) -> T + Sync,
+        answer: impl Fn(&Self, &Point3<f64>, &mut PointRoom) -> T + Sync,
     ) -> Result<Vec<T>, PointError> {
         (0..).zip(points).try_for_each(|(index, p)| check(index, p))?;
+        let prepared = self.is_worth_preparing(points.len()).then(|| self.clone().prepared());
+        let query = prepared.as_ref().unwrap_or(self);
         let mut all = Vec::with_capacity(points.len());
         for block in points.chunks(BLOCK) {
             let order = self.order(block);
             let run = |part: &[u32]| -> Vec<(u32, T)> {
                 let mut room = PointRoom::default();
-                part.iter().map(|&k| (k, answer(&block[k as usize], &mut room))).collect()
+                part.iter()
+                    .map(|&k| (k, answer(query, &block[k as usize], &mut room)))
+                    .collect()
             };
             #[cfg(feature = "parallel")]
             let mut found: Vec<(u32, T)> = order.par_chunks(RUN).flat_map_iter(run).collect();
@@ -95,6 +104,18 @@ impl PointQuery<'_> {
             all.extend(found.into_iter().map(|(_, answer)| answer));
         }
         Ok(all)
+    }
+
+    /// Returns whether so many points are worth the work of [`prepared`](Self::prepared).
+    #[cfg(feature = "meshes")]
+    fn is_worth_preparing(&self, count: usize) -> bool {
+        let is_many = |mesh: &Mesh| mesh.is_solid() && count / PREPARED >= mesh.triangle_count();
+        self.surface.is_none() && self.geometry.mesh().is_some_and(is_many)
+    }
+
+    #[cfg(not(feature = "meshes"))]
+    fn is_worth_preparing(&self, _: usize) -> bool {
+        false
     }
 
     /// Returns an order of points in which neighbours follow each other.

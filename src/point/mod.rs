@@ -19,7 +19,9 @@ use crate::base::tolerance::PLACE_MAX;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
 #[cfg(feature = "meshes")]
-use crate::nonconvex::point::{MeshRoom, SimpleSurface};
+use crate::nonconvex::point::MeshRoom;
+#[cfg(feature = "meshes")]
+use crate::nonconvex::simple_surface::SimpleSurface;
 use crate::pair::outcome::{ContactState, Distance};
 use crate::pair::point::PointOutcome;
 use crate::pair_tracker::PairTracker;
@@ -116,6 +118,22 @@ impl<'g> PointQuery<'g> {
             #[cfg(feature = "meshes")]
             surface: None,
         }
+    }
+
+    /// Returns the queries after work that makes many points of a closed mesh faster.
+    ///
+    /// The call tests whether the surface meets itself, in a few microseconds per triangle. If it is
+    /// proven that it does not, the side of most points follows from the closest triangles. The
+    /// answers are the same with and without this call. Batches of more than four points per triangle
+    /// make it themselves. For other kinds of geometry the call does nothing.
+    #[must_use]
+    pub fn prepared(self) -> Self {
+        #[cfg(feature = "meshes")]
+        if let (None, Some(mesh)) = (&self.surface, self.geometry.mesh()) {
+            let surface = SimpleSurface::new(mesh);
+            return Self { surface, ..self };
+        }
+        self
     }
 
     /// Returns the closest point of the surface and the signed distance with its bounds.

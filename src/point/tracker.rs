@@ -3,10 +3,10 @@
 use nalgebra::Point3;
 
 use super::{PointError, PointQuery, PointRoom, check};
-#[cfg(feature = "meshes")]
-use crate::pair_tracker::geometry::Lent;
 use crate::pair::point::PointOutcome;
 use crate::pair_tracker::PairTracker;
+#[cfg(feature = "meshes")]
+use crate::pair_tracker::geometry::Lent;
 
 /// The state of a point that moves little between queries of one geometry.
 ///

@@ -162,6 +162,10 @@ impl Mesh {
         let near = self.nearest_triangle(point, level, &mut NearRoom::default());
         let (square, point) = triangle::foot_of(point, &self.corners(near.item));
         let triangle = near.item;
-        MeshFoot { square, point, triangle }
+        MeshFoot {
+            square,
+            point,
+            triangle,
+        }
     }
 }

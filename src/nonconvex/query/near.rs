@@ -95,16 +95,15 @@ impl<'a> TreePoint<'a> {
     /// The level is the distance that the last call returned, at the start `level`, in stored units
     /// of the body. Leaves farther than the level are skipped; so are all after a negative level.
     #[inline(always)]
-    pub(super) fn descend(
-        &self,
-        stack: &mut Vec<(f64, u32)>,
-        level: f64,
-        mut leaf: impl FnMut(Range<u32>) -> f64,
-    ) {
+    pub(super) fn descend(&self, stack: &mut Vec<(f64, u32)>, level: f64, mut leaf: impl FnMut(Range<u32>) -> f64) {
         let per_unit = 1.0 / self.tree.unit();
         let most_at = |level: f64| {
             let most = level * per_unit;
-            if most < 0.0 { -1.0 } else { most * most * (1.0 + 8.0 * UNIT) }
+            if most < 0.0 {
+                -1.0
+            } else {
+                most * most * (1.0 + 8.0 * UNIT)
+            }
         };
         let mut most = most_at(level);
         stack.clear();
@@ -170,7 +169,11 @@ fn bound_four(point: &Vector3<f64>, triangles: [Triangle; 4]) -> FourBounds {
     let n = cross(&ab, &bc);
     let nn = dot(&n, &n);
     // Twice the areas of the triangles with the foot, times the length of the normal.
-    let (wc, wa, wb) = (dot(&n, &cross(&a, &b)), dot(&n, &cross(&b, &c)), dot(&n, &cross(&c, &a)));
+    let (wc, wa, wb) = (
+        dot(&n, &cross(&a, &b)),
+        dot(&n, &cross(&b, &c)),
+        dot(&n, &cross(&c, &a)),
+    );
     let (sum, area) = (wa + wb + wc, nn.simd_gt(tiny));
     let inside = wa.simd_ge(zero) & wb.simd_ge(zero) & wc.simd_ge(zero) & area & sum.simd_gt(tiny);
     let sum = sum.fast_max(tiny);
@@ -246,7 +249,11 @@ impl Mesh {
             if is_nearer { *t } else { best }
         };
         // A mesh has a triangle, and its bounds are finite.
-        let none = NearTriangle { lower: 0.0, upper: f64::INFINITY, item: 0 };
+        let none = NearTriangle {
+            lower: 0.0,
+            upper: f64::INFINITY,
+            item: 0,
+        };
         let best = found.iter().fold(none, nearest);
         let least = found.iter().fold(level, |least, t| least.smaller(t.lower));
         *start = Some(best.item);
