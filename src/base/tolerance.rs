@@ -672,6 +672,12 @@ pub(crate) const POINT_BOX_SQUARE: f64 = 48.0 * UNIT_SINGLE;
 ///    the length of d by 3 UNIT and the quotient by one, of at most r. Sum: 8.
 pub(crate) const POINT_HEIGHT: f64 = 16.0 * UNIT;
 
+/// Error of the distance of a point from a ball or a box along the axes, in units of the sum of the
+/// distance and the size: the difference of the places errs by UNIT of itself, the quotient by its
+/// largest coordinate by one, three squares, two sums and a root by 3, the product with the largest
+/// coordinate and the difference from the size by one each. Sum: 7.
+pub(crate) const POINT_ELEMENT: f64 = 16.0 * UNIT;
+
 /// Square of the sine of the angle of two axes up to which their cross product in f32 is mostly
 /// rounding, 10 UNIT_SINGLE: below 128 UNIT_SINGLE. Not a matter of soundness: the bound along any
 /// direction holds.

@@ -14,6 +14,7 @@
 //! - `contact`: manifolds of convex patches.
 //! - `penetration`: bounds of the depth.
 //! - `point`: a point and a mesh.
+//! - `near_parts`: a point and the members of a body.
 //! - `simple_surface`: proves that a mesh does not meet itself.
 //! - `decomposition`: pieces that replace a mesh.
 //! - `separation`: pairs over time.
@@ -47,6 +48,7 @@ pub mod continuous;
 pub(crate) mod decomposition;
 pub(crate) mod front;
 pub mod mesh;
+pub(crate) mod near_parts;
 pub(crate) mod parts;
 pub(crate) mod penetration;
 pub(crate) mod pieces;

@@ -20,6 +20,7 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{FAR_POINT, POINT_HEIGHT, ROUND_UP};
 use crate::nonconvex::mesh::{Mesh, tracker};
+use crate::nonconvex::near_parts::NearItems;
 use crate::nonconvex::query::inside::ExactSigns;
 use crate::nonconvex::query::near::{NearRoom, NearTriangle};
 use crate::nonconvex::query::triangle;
@@ -42,8 +43,6 @@ impl Mesh {
     ) -> PointOutcome {
         let (p, is_far) = self.stored_point(point);
         let near = self.nearest_triangle(&p, -1.0, &mut room.near);
-        let corners = self.corners(near.item);
-        let (square, foot, spot) = triangle::nearest_point(&p, &corners);
         let known = room.known.filter(|known| known.holds_at(self, &p));
         let state = match known {
             _ if is_far => ContactState::Separated,
@@ -56,6 +55,21 @@ impl Mesh {
             free: near.lower,
             state,
         });
+        self.outcome_at(point, &near, (&p, is_far), state)
+    }
+
+    /// Returns the outcome with the closest point on a triangle.
+    ///
+    /// `p` is the point in stored coordinates, with whether it was moved.
+    fn outcome_at(
+        &self,
+        point: &Point3<f64>,
+        near: &NearTriangle,
+        (p, is_far): (&Vector3<f64>, bool),
+        state: ContactState,
+    ) -> PointOutcome {
+        let corners = self.corners(near.item);
+        let (square, foot, spot) = triangle::nearest_point(p, &corners);
         let (mut lower, mut upper) = (near.lower, near.upper);
         let mut distance = sqrt(square).clamped(lower, upper);
         let mut to_point = p - foot;
@@ -101,6 +115,12 @@ impl Mesh {
         }
     }
 
+    /// Returns whether a triangle, with bounds of its distance, contains a point.
+    fn is_on(&self, p: &Vector3<f64>, t: &NearTriangle) -> bool {
+        let corners = self.corners(t.item);
+        t.lower == 0.0 && p.height(&corners) == 0 && p.is_on(&corners)
+    }
+
     /// Returns whether the solid contains a point in the caller's coordinates, or the surface of an
     /// open mesh does.
     pub(crate) fn contains_point(&self, point: &Point3<f64>) -> bool {
@@ -128,11 +148,7 @@ impl Mesh {
 
     /// Returns the side of a point whose closest triangles are in the room.
     fn side_of_near(&self, p: &Vector3<f64>, surface: Option<&SimpleSurface>, room: &NearRoom) -> ContactState {
-        let is_on = |t: &NearTriangle| {
-            let corners = self.corners(t.item);
-            t.lower == 0.0 && p.height(&corners) == 0 && p.is_on(&corners)
-        };
-        if room.found.iter().any(is_on) {
+        if room.found.iter().any(|t| self.is_on(p, t)) {
             return ContactState::Touching;
         }
         let is_out = |k: usize| p[k] < self.low[k] || p[k] > self.high[k];
@@ -146,6 +162,21 @@ impl Mesh {
             // Not reached: a triangle that contains the point is among those found.
             None => ContactState::Touching,
         }
+    }
+}
+
+impl NearItems for Mesh {
+    /// Returns the outcome of a triangle alone, which has no inside.
+    fn outcome_of_item(&self, item: u32, point: &Point3<f64>) -> PointOutcome {
+        let (p, is_far) = self.stored_point(point);
+        let near = self.near_triangle(&p, item);
+        let is_on = !is_far && self.is_on(&p, &near);
+        let state = if is_on {
+            ContactState::Touching
+        } else {
+            ContactState::Separated
+        };
+        self.outcome_at(point, &near, (&p, is_far), state)
     }
 }
 

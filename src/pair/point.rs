@@ -45,6 +45,19 @@ impl PointOutcome {
 }
 
 impl PointOutcome {
+    /// Returns the side that bounds prove.
+    pub(crate) fn state_of(lower: f64, upper: f64) -> ContactState {
+        if lower > 0.0 {
+            ContactState::Separated
+        } else if upper < 0.0 {
+            ContactState::Overlapping
+        } else if lower == 0.0 && upper == 0.0 {
+            ContactState::Touching
+        } else {
+            ContactState::Undecided
+        }
+    }
+
     /// Sets the proven side: 1 outside, 0 on the surface, -1 inside.
     pub(crate) fn set_side(&mut self, side: i32) {
         let positive = |x: f64| x.at_least(0.0);

@@ -12,12 +12,17 @@
 mod batch;
 mod tracker;
 
+#[cfg(feature = "meshes")]
+use alloc::vec::Vec;
+
 use nalgebra::{Isometry3, Point3};
 
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::PLACE_MAX;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
+#[cfg(feature = "meshes")]
+use crate::nonconvex::near_parts;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::point::MeshRoom;
 #[cfg(feature = "meshes")]
@@ -175,11 +180,92 @@ impl<'g> PointQuery<'g> {
         Ok(Distance::from(&self.closest_point(point)?))
     }
 
+    /// Returns the `count` subshapes nearest to a point, in rising order of their upper bounds.
+    ///
+    /// Subshapes are the triangles of a mesh, the faces of a polyhedron, the pieces of a compound and
+    /// the elements of a cloud; any other geometry is one. Equal bounds are in the order of the
+    /// indices ([`WitnessLocation::subshape`](crate::WitnessLocation::subshape)). The distance of a
+    /// piece or element is signed. The distance of a triangle or face is not: no point is inside.
+    ///
+    /// The time for a polyhedron is proportional to its faces.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::Point3;
+    /// use lin_canny::{Cloud, CloudElement, PointQuery};
+    ///
+    /// let points: Vec<_> = (0..10u8)
+    ///     .map(|k| Point3::new(f64::from(k), 0.0, 0.0))
+    ///     .collect();
+    /// let cloud = Cloud::new(&points, CloudElement::Ball(0.25))?;
+    /// let query = PointQuery::new(&cloud);
+    /// let p = Point3::new(3.125, 0.0, 0.0);
+    /// let near = query.nearest_features(&p, 2)?;
+    /// assert_eq!(near[0].location.subshape, 3);
+    /// assert_eq!(near[1].location.subshape, 4);
+    /// assert_eq!(query.within(&p, 0.9)?.len(), 3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if a coordinate is not finite, or its absolute value is 1e116 or more.
+    #[cfg(feature = "meshes")]
+    #[doc(alias = "k nearest neighbours")]
+    pub fn nearest_features(&self, point: &Point3<f64>, count: usize) -> Result<Vec<PointOutcome>, PointError> {
+        check(0, point)?;
+        Ok(match self.geometry.0 {
+            Lent::Mesh(mesh) => near_parts::nearest(mesh.get(), point, count),
+            Lent::Compound(body) => near_parts::nearest(body.get(), point, count),
+            Lent::Cloud(body) => near_parts::nearest(body.get(), point, count),
+            _ => {
+                let mut all = self.few_features(point);
+                all.truncate(count);
+                all
+            }
+        })
+    }
+
+    /// Returns all subshapes that may be at most `d` from a point, in rising order of their upper
+    /// bounds.
+    ///
+    /// A subshape is left out if its lower bound is above `d`; so ties count as within. The rest is
+    /// as in [`nearest_features`](Self::nearest_features).
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if a coordinate is not finite, or its absolute value is 1e116 or more.
+    #[cfg(feature = "meshes")]
+    pub fn within(&self, point: &Point3<f64>, d: f64) -> Result<Vec<PointOutcome>, PointError> {
+        check(0, point)?;
+        Ok(match self.geometry.0 {
+            Lent::Mesh(mesh) => near_parts::within(mesh.get(), point, d),
+            Lent::Compound(body) => near_parts::within(body.get(), point, d),
+            Lent::Cloud(body) => near_parts::within(body.get(), point, d),
+            _ => {
+                let mut all = self.few_features(point);
+                all.retain(|found| found.lower <= d);
+                all
+            }
+        })
+    }
+
+    /// Returns the faces of a polyhedron, or the geometry as its only subshape.
+    #[cfg(feature = "meshes")]
+    fn few_features(&self, point: &Point3<f64>) -> Vec<PointOutcome> {
+        let body = self.geometry.polyhedron();
+        let faces = body.and_then(|body| near_parts::outcomes_of_faces(body, point));
+        faces.unwrap_or_else(|| alloc::vec![self.ask(point, &mut PointRoom::default())])
+    }
+
     fn ask(&self, point: &Point3<f64>, room: &mut PointRoom) -> PointOutcome {
         let _ = &room;
         match self.geometry.0 {
             #[cfg(feature = "meshes")]
             Lent::Mesh(mesh) => mesh.get().outcome_of(point, self.surface.as_ref(), &mut room.mesh),
+            #[cfg(feature = "meshes")]
+            Lent::Compound(body) => near_parts::outcome_of_union(body.get(), point),
+            #[cfg(feature = "meshes")]
+            Lent::Cloud(body) => near_parts::outcome_of_union(body.get(), point),
             Lent::HalfSpace(space) => space.get().outcome_of(point),
             _ => self.ask_pair(point, &mut PairTracker::new()),
         }
@@ -199,7 +285,7 @@ impl<'g> PointQuery<'g> {
     fn ask_pair(&self, point: &Point3<f64>, tracker: &mut PairTracker) -> PointOutcome {
         let found = tracker.closest(self.geometry, &self.origin, &pose_of(point));
         let mut outcome = PointOutcome {
-            state: state_of(found.lower, found.upper),
+            state: PointOutcome::state_of(found.lower, found.upper),
             distance: found.distance,
             lower: found.lower,
             upper: found.upper,
@@ -219,19 +305,6 @@ impl<'g> PointQuery<'g> {
             _ => {}
         }
         outcome
-    }
-}
-
-/// Returns the side that bounds prove.
-fn state_of(lower: f64, upper: f64) -> ContactState {
-    if lower > 0.0 {
-        ContactState::Separated
-    } else if upper < 0.0 {
-        ContactState::Overlapping
-    } else if lower == 0.0 && upper == 0.0 {
-        ContactState::Touching
-    } else {
-        ContactState::Undecided
     }
 }
 

@@ -33,7 +33,7 @@ use crate::nonconvex::tree::{Below, Tree, up};
 const FAR_BOX: f64 = 512.0;
 
 /// A point in the coordinates of a tree.
-pub(super) struct TreePoint<'a> {
+pub(crate) struct TreePoint<'a> {
     tree: &'a Tree,
     place: Vector3<f64>,
     pub(super) single: [f32; 3],
@@ -46,7 +46,7 @@ pub(super) struct TreePoint<'a> {
 
 impl<'a> TreePoint<'a> {
     /// Returns a point in stored coordinates of the body, each with this error.
-    pub(super) fn new(tree: &'a Tree, point: &Vector3<f64>, error: f64) -> Self {
+    pub(crate) fn new(tree: &'a Tree, point: &Vector3<f64>, error: f64) -> Self {
         let place = (point - tree.centre) / tree.unit();
         // The shift errs by a rounding of the coordinates, far from the origin of the body.
         let shift = 4.0 * (error + UNIT * (point.amax() + tree.centre.amax())) / tree.unit();
@@ -95,7 +95,7 @@ impl<'a> TreePoint<'a> {
     /// The level is the distance that the last call returned, at the start `level`, in stored units
     /// of the body. Leaves farther than the level are skipped; so are all after a negative level.
     #[inline(always)]
-    pub(super) fn descend(&self, stack: &mut Vec<(f64, u32)>, level: f64, mut leaf: impl FnMut(Range<u32>) -> f64) {
+    pub(crate) fn descend(&self, stack: &mut Vec<(f64, u32)>, level: f64, mut leaf: impl FnMut(Range<u32>) -> f64) {
         let per_unit = 1.0 / self.tree.unit();
         let most_at = |level: f64| {
             let most = level * per_unit;
@@ -224,7 +224,7 @@ impl Mesh {
         let NearRoom { stack, found, start } = room;
         found.clear();
         let known = start.filter(|item| (*item as usize) < self.triangles.len());
-        let mut level = known.map_or(f64::INFINITY, |item| self.bounds_of(point, &(item..item + 1)).upper[0]);
+        let mut level = known.map_or(f64::INFINITY, |item| self.near_triangle(point, item).upper);
         let mut limit = 32;
         TreePoint::new(&self.tree, point, 0.0).descend(stack, level, |items| {
             let bounds = self.bounds_of(point, &items);
@@ -261,6 +261,13 @@ impl Mesh {
             lower: if level <= enough { 0.0 } else { least },
             ..best
         }
+    }
+
+    /// Returns bounds of the distance of one triangle.
+    pub(crate) fn near_triangle(&self, point: &Vector3<f64>, item: u32) -> NearTriangle {
+        let bounds = self.bounds_of(point, &(item..item + 1));
+        let (lower, upper) = (bounds.lower[0], bounds.upper[0]);
+        NearTriangle { lower, upper, item }
     }
 
     #[inline(always)]
