@@ -1,9 +1,12 @@
 use std::f64::consts::SQRT_2;
 
-use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierPatch, BezierSurface};
-use lin_canny::{ContactState, ConvexPolyhedron, HalfSpace, Mesh, PointQuery, Shape};
+use lin_canny::{
+    Cloud, CloudElement, Compound, ContactState, ConvexPolyhedron, Geometry, HalfSpace, Mesh, Piece, PointOutcome,
+    PointQuery, Shape,
+};
 use truth::rng::Rng;
 
 /// Points anywhere, on a lattice, and on planes of symmetry.
@@ -151,4 +154,105 @@ fn a_surface_has_a_distance_and_no_inside() {
         found.lower <= SQRT_2 && SQRT_2 <= found.upper && !found.is_contained(),
         "{found:?}"
     );
+}
+
+#[test]
+fn unions_have_the_side_and_the_distance_of_their_members() {
+    let mut rng = Rng::new(11);
+    for size in [1.0, 1e-60, 1e40] {
+        let die = solids::cuboid(Vector3::repeat(size)).expect("a box");
+        let ball = Shape::ball(0.75 * size).expect("a ball");
+        let shifts: Vec<Vector3<f64>> = (0..40).map(|_| Vector3::from_fn(|_, _| rng.int(-4, 4) as f64 * size)).collect();
+        let centres: Vec<_> = shifts.iter().map(|s| Point3::from(*s)).collect();
+        let of_boxes = |p: &Point3<f64>| shifts.iter().map(|s| of_box(&(p - s), size)).fold(f64::INFINITY, f64::min);
+        let of_balls = |p: &Point3<f64>| {
+            shifts.iter().map(|s| (p.coords - s).norm() - 0.75 * size).fold(f64::INFINITY, f64::min)
+        };
+        let piece = |shape: Shape, shift: &Vector3<f64>| Piece {
+            pose: Isometry3::translation(shift.x, shift.y, shift.z),
+            ..Piece::new(shape)
+        };
+        let boxes: Vec<_> = shifts.iter().map(|s| piece(Shape::from(die.clone()), s)).collect();
+        let balls: Vec<_> = shifts.iter().map(|s| piece(ball.clone(), s)).collect();
+        let half = Vector3::repeat(size);
+        let cylinder = Shape::cylinder(size, size).expect("a cylinder");
+        let all: [(&str, Geometry, bool); 6] = [
+            ("boxes", Compound::new(boxes).expect("pieces").into(), true),
+            ("balls", Compound::new(balls).expect("pieces").into(), false),
+            ("cloud of boxes", Cloud::new(&centres, CloudElement::Box(half)).expect("a cloud").into(), true),
+            ("cloud of balls", Cloud::new(&centres, CloudElement::Ball(0.75 * size)).expect("a cloud").into(), false),
+            (
+                "cloud of radii",
+                Cloud::new(&centres, CloudElement::Balls(vec![0.75 * size; 40])).expect("a cloud").into(),
+                false,
+            ),
+            ("cloud of shapes", Cloud::new(&centres, CloudElement::Shape(cylinder)).expect("a cloud").into(), true),
+        ];
+        for (told, geometry, are_boxes) in &all {
+            let query = PointQuery::new(geometry);
+            let points = points(120, 2.0 * size, &mut rng);
+            let told = format!("{told} {size:e}");
+            for (p, found) in points.iter().zip(super::ask(&query, &points, &told)) {
+                let told = format!("{told}, {p:?}: {found:?}");
+                if told.starts_with("cloud of shapes") {
+                    continue;
+                }
+                let truth = if *are_boxes { of_boxes(p) } else { of_balls(p) };
+                let slack = 1e-14 * (size + p.coords.norm());
+                // The union of overlapping members is at least as deep as the deepest.
+                assert!(truth <= found.upper + slack && (truth < 0.0 || found.lower <= truth + slack), "{truth}: {told}");
+                assert!(truth >= 0.0 || found.lower <= truth + slack, "{truth}: {told}");
+                assert!(found.state != ContactState::Separated || truth >= -slack, "{truth}: {told}");
+                assert!(found.state != ContactState::Overlapping || truth <= slack, "{truth}: {told}");
+                assert!(found.state != ContactState::Undecided || truth.abs() <= slack, "{truth}: {told}");
+            }
+        }
+    }
+}
+
+/// Checks near subshapes against all of them, each measured by itself.
+fn judge_near(query: &PointQuery<'_>, count: usize, points: &[Point3<f64>], told: &str) {
+    for p in points {
+        let all = query.nearest_features(p, usize::MAX).expect("a point");
+        let told = format!("{told}, {p:?}");
+        assert_eq!(all.len(), count, "{told}");
+        let key = |f: &PointOutcome| (f.upper, f.location.subshape);
+        assert!(all.is_sorted_by(|a, b| key(a) < key(b)), "{told}");
+        for k in [0, 1, 3, 7] {
+            let few = query.nearest_features(p, k).expect("a point");
+            assert_eq!(few[..], all[..k.min(all.len())], "{told}, {k}");
+        }
+        let nearest = query.closest_point(p).expect("a point");
+        assert!(nearest.lower.abs() <= all[0].upper.abs() || nearest.lower <= all[0].upper, "{told}");
+        for d in [-1.0, 0.0, all[all.len() / 2].upper, all[all.len() / 2].lower, f64::NAN, f64::INFINITY] {
+            let near = query.within(p, d).expect("a point");
+            let expected: Vec<_> = all.iter().filter(|f| f.lower <= d).copied().collect();
+            assert_eq!(near, expected, "{told}, {d}");
+        }
+    }
+}
+
+#[test]
+fn near_subshapes_are_those_of_a_search_of_all() {
+    let mut rng = Rng::new(12);
+    let soup = truth::near_points::hard_mesh(6, &mut rng);
+    let at: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
+    let mesh = Mesh::new(&at, &soup.triangles).expect("a mesh");
+    let mut own = points(8, 1.0, &mut rng);
+    own.extend(&at[..4]);
+    judge_near(&PointQuery::new(&mesh), soup.triangles.len(), &own, "mesh");
+    let hull = ConvexPolyhedron::from_points(&at).expect("a hull");
+    judge_near(&PointQuery::new(&hull), hull.face_count(), &own, "hull");
+    let cloud = Cloud::new(&at, CloudElement::Ball(0.125)).expect("a cloud");
+    judge_near(&PointQuery::new(&cloud), at.len(), &own, "cloud");
+    let voxels = Cloud::new(&at[..50], CloudElement::Box(Vector3::repeat(0.25))).expect("a cloud");
+    judge_near(&PointQuery::new(&voxels), 50, &own, "voxels");
+    let piece = |p: &Point3<f64>| Piece {
+        pose: Isometry3::new(p.coords, p.coords),
+        ..Piece::new(solids::icosahedron(0.2).expect("a body"))
+    };
+    let compound = Compound::new(at[..30].iter().map(piece).collect()).expect("pieces");
+    judge_near(&PointQuery::new(&compound), 30, &own, "compound");
+    let can = Shape::cylinder(1.0, 0.5).expect("a shape");
+    judge_near(&PointQuery::new(&can), 1, &own, "cylinder");
 }

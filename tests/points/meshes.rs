@@ -47,7 +47,7 @@ fn judge(soup: &Soup, count: usize, rng: &mut Rng, told: &str) -> [usize; 3] {
 
 /// Points per mesh and pass; a million in the record.
 fn count() -> usize {
-    std::env::var("LIN_CANNY_POINTS").map_or(60, |n| n.parse().expect("a number"))
+    std::env::var("LIN_CANNY_POINTS").map_or(24, |n| n.parse().expect("a number"))
 }
 
 #[test]

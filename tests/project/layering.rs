@@ -102,6 +102,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("surface", &[]),
     ("half_space", &[]),
     ("pair_tracker", &["geometry"]),
+    ("point", &[]),
     ("ray", &[]),
     ("broad", &[]),
     ("scene", &[]),

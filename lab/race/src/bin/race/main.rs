@@ -14,6 +14,7 @@ mod meshes;
 mod pairs;
 mod patches;
 mod plan;
+mod point_queries;
 mod points;
 mod rays;
 mod rrt;
@@ -26,8 +27,8 @@ use truth::boxes::Kind;
 /// Compare the speed of this crate with other libraries
 ///
 /// Each race measures one kind of query: closest points of polyhedra or curved shapes, contacts,
-/// broad phases, whole scenes, casts, meshes, segments of planners, Bézier surfaces, rays and
-/// hulls. The race `instructions` counts the instructions of queries.
+/// broad phases, whole scenes, casts, meshes, segments of planners, Bézier surfaces, rays,
+/// hulls, and points. The race `instructions` counts the instructions of queries.
 #[derive(Parser)]
 struct Command {
     /// Race to run
@@ -53,6 +54,7 @@ enum Race {
     Patches,
     Rays,
     Hulls,
+    Points,
     Instructions,
 }
 
@@ -76,6 +78,7 @@ fn race(Command { race, options, cell }: &Command) -> Result<(), String> {
         Race::Patches => (patches::SCENES.into(), patches::run),
         Race::Rays => (rays::SCENES.into(), rays::run),
         Race::Hulls => (points::SCENES.into(), points::run),
+        Race::Points => (point_queries::SCENES.into(), point_queries::run),
         Race::Instructions => {
             options.check(&instructions::SCENES)?;
             return options.save(&instructions::run(options)?);
