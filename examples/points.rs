@@ -23,7 +23,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // A slice through the middle: `#` inside, `.` outside.
     let at = |column: u8, row: u8| Point3::new(0.125 * f64::from(column) - 0.5, 3.5 - 0.25 * f64::from(row), 0.5);
-    let slice: Vec<_> = (0..17).flat_map(|row| (0..33).map(move |column| at(column, row))).collect();
+    let slice: Vec<_> = (0..17)
+        .flat_map(|row| (0..33).map(move |column| at(column, row)))
+        .collect();
     for line in query.contains_each(&slice)?.chunks(33) {
         let line: String = line.iter().map(|is_in| if *is_in { '#' } else { '.' }).collect();
         println!("{line}");

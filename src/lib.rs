@@ -360,7 +360,7 @@ pub use pair::outcome::{Accuracy, ContactState, Decision, DepthMode, Distance, O
 pub use pair::point::PointOutcome;
 pub use pair_tracker::geometry::{Geometry, GeometryKind, GeometryRef};
 pub use pair_tracker::{MovingPair, PairError, PairTracker, PairWork};
-pub use point::{PointError, PointQuery, PointTracker};
+pub use point::{DistanceGrid, PointError, PointQuery, PointTracker};
 pub use ray::{Ray, RayCast, RayCaster, RayError, RayHit};
 pub use time::{impact, schedule, separation};
 

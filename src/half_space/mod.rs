@@ -235,7 +235,7 @@ impl HalfSpace {
     /// Returns the signed distance of a point, by the exact sum of its products.
     pub(crate) fn outcome_of(&self, point: &Point3<f64>) -> PointOutcome {
         let n = self.normal().into_inner();
-        let mut height = Expansion::<8>::new();
+        let mut height = Expansion::<10>::new();
         (0..3).for_each(|k| height.add_product(n[k], point[k]));
         height.add(-self.offset());
         let (side, [distance]) = (height.sign(), height.leading());

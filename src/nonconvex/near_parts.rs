@@ -126,10 +126,16 @@ pub(crate) fn outcome_of_union(body: &impl NearItems, point: &Point3<f64>) -> Po
         ContactState::Touching => 0.0,
         _ => least,
     };
+    let upper = if state == ContactState::Undecided {
+        level
+    } else {
+        best.upper
+    };
     PointOutcome {
         state,
         lower,
-        distance: best.distance.clamped(lower, best.upper),
+        upper,
+        distance: best.distance.clamped(lower, upper),
         ..best
     }
 }

@@ -3,6 +3,7 @@
 //! ```text
 //! PointQuery     which kind; polyhedra, half-spaces and curved shapes   mod.rs
 //!   batch        many points, in Morton order                           batch.rs
+//!   grid         signed distances at the nodes of a grid                grid.rs
 //! PointTracker   a point that moves little                              tracker.rs
 //! ```
 //!
@@ -10,6 +11,7 @@
 //! The other kinds are pairs with a point, which is exact: its pose is a translation.
 
 mod batch;
+mod grid;
 mod tracker;
 
 #[cfg(feature = "meshes")]
@@ -31,6 +33,7 @@ use crate::pair::outcome::{ContactState, Distance};
 use crate::pair::point::PointOutcome;
 use crate::pair_tracker::PairTracker;
 use crate::pair_tracker::geometry::{GeometryRef, Lent};
+pub use grid::DistanceGrid;
 pub use tracker::PointTracker;
 
 /// Error returned if a query point is invalid.
@@ -44,6 +47,18 @@ pub enum PointError {
         index: usize,
         /// The coordinates.
         value: [f64; 3],
+    },
+    /// A grid has no cell along an axis, no extent, or more than 2^31 nodes.
+    #[error(
+        "grid has {cells} cells over a side of {side} along axis {axis} (expected a cell, an extent, at most 2^31 nodes)"
+    )]
+    Grid {
+        /// The axis, 0 to 2.
+        axis: usize,
+        /// Number of cells along the axis.
+        cells: usize,
+        /// Extent along the axis.
+        side: f64,
     },
 }
 

@@ -162,11 +162,21 @@ fn unions_have_the_side_and_the_distance_of_their_members() {
     for size in [1.0, 1e-60, 1e40] {
         let die = solids::cuboid(Vector3::repeat(size)).expect("a box");
         let ball = Shape::ball(0.75 * size).expect("a ball");
-        let shifts: Vec<Vector3<f64>> = (0..40).map(|_| Vector3::from_fn(|_, _| rng.int(-4, 4) as f64 * size)).collect();
+        let shifts: Vec<Vector3<f64>> = (0..40)
+            .map(|_| Vector3::from_fn(|_, _| rng.int(-4, 4) as f64 * size))
+            .collect();
         let centres: Vec<_> = shifts.iter().map(|s| Point3::from(*s)).collect();
-        let of_boxes = |p: &Point3<f64>| shifts.iter().map(|s| of_box(&(p - s), size)).fold(f64::INFINITY, f64::min);
+        let of_boxes = |p: &Point3<f64>| {
+            shifts
+                .iter()
+                .map(|s| of_box(&(p - s), size))
+                .fold(f64::INFINITY, f64::min)
+        };
         let of_balls = |p: &Point3<f64>| {
-            shifts.iter().map(|s| (p.coords - s).norm() - 0.75 * size).fold(f64::INFINITY, f64::min)
+            shifts
+                .iter()
+                .map(|s| (p.coords - s).norm() - 0.75 * size)
+                .fold(f64::INFINITY, f64::min)
         };
         let piece = |shape: Shape, shift: &Vector3<f64>| Piece {
             pose: Isometry3::translation(shift.x, shift.y, shift.z),
@@ -179,14 +189,32 @@ fn unions_have_the_side_and_the_distance_of_their_members() {
         let all: [(&str, Geometry, bool); 6] = [
             ("boxes", Compound::new(boxes).expect("pieces").into(), true),
             ("balls", Compound::new(balls).expect("pieces").into(), false),
-            ("cloud of boxes", Cloud::new(&centres, CloudElement::Box(half)).expect("a cloud").into(), true),
-            ("cloud of balls", Cloud::new(&centres, CloudElement::Ball(0.75 * size)).expect("a cloud").into(), false),
             (
-                "cloud of radii",
-                Cloud::new(&centres, CloudElement::Balls(vec![0.75 * size; 40])).expect("a cloud").into(),
+                "cloud of boxes",
+                Cloud::new(&centres, CloudElement::Box(half)).expect("a cloud").into(),
+                true,
+            ),
+            (
+                "cloud of balls",
+                Cloud::new(&centres, CloudElement::Ball(0.75 * size))
+                    .expect("a cloud")
+                    .into(),
                 false,
             ),
-            ("cloud of shapes", Cloud::new(&centres, CloudElement::Shape(cylinder)).expect("a cloud").into(), true),
+            (
+                "cloud of radii",
+                Cloud::new(&centres, CloudElement::Balls(vec![0.75 * size; 40]))
+                    .expect("a cloud")
+                    .into(),
+                false,
+            ),
+            (
+                "cloud of shapes",
+                Cloud::new(&centres, CloudElement::Shape(cylinder))
+                    .expect("a cloud")
+                    .into(),
+                true,
+            ),
         ];
         for (told, geometry, are_boxes) in &all {
             let query = PointQuery::new(geometry);
@@ -200,11 +228,23 @@ fn unions_have_the_side_and_the_distance_of_their_members() {
                 let truth = if *are_boxes { of_boxes(p) } else { of_balls(p) };
                 let slack = 1e-14 * (size + p.coords.norm());
                 // The union of overlapping members is at least as deep as the deepest.
-                assert!(truth <= found.upper + slack && (truth < 0.0 || found.lower <= truth + slack), "{truth}: {told}");
+                assert!(
+                    truth <= found.upper + slack && (truth < 0.0 || found.lower <= truth + slack),
+                    "{truth}: {told}"
+                );
                 assert!(truth >= 0.0 || found.lower <= truth + slack, "{truth}: {told}");
-                assert!(found.state != ContactState::Separated || truth >= -slack, "{truth}: {told}");
-                assert!(found.state != ContactState::Overlapping || truth <= slack, "{truth}: {told}");
-                assert!(found.state != ContactState::Undecided || truth.abs() <= slack, "{truth}: {told}");
+                assert!(
+                    found.state != ContactState::Separated || truth >= -slack,
+                    "{truth}: {told}"
+                );
+                assert!(
+                    found.state != ContactState::Overlapping || truth <= slack,
+                    "{truth}: {told}"
+                );
+                assert!(
+                    found.state != ContactState::Undecided || truth.abs() <= slack,
+                    "{truth}: {told}"
+                );
             }
         }
     }
@@ -223,8 +263,18 @@ fn judge_near(query: &PointQuery<'_>, count: usize, points: &[Point3<f64>], told
             assert_eq!(few[..], all[..k.min(all.len())], "{told}, {k}");
         }
         let nearest = query.closest_point(p).expect("a point");
-        assert!(nearest.lower.abs() <= all[0].upper.abs() || nearest.lower <= all[0].upper, "{told}");
-        for d in [-1.0, 0.0, all[all.len() / 2].upper, all[all.len() / 2].lower, f64::NAN, f64::INFINITY] {
+        assert!(
+            nearest.lower.abs() <= all[0].upper.abs() || nearest.lower <= all[0].upper,
+            "{told}"
+        );
+        for d in [
+            -1.0,
+            0.0,
+            all[all.len() / 2].upper,
+            all[all.len() / 2].lower,
+            f64::NAN,
+            f64::INFINITY,
+        ] {
             let near = query.within(p, d).expect("a point");
             let expected: Vec<_> = all.iter().filter(|f| f.lower <= d).copied().collect();
             assert_eq!(near, expected, "{told}, {d}");
@@ -255,4 +305,33 @@ fn near_subshapes_are_those_of_a_search_of_all() {
     judge_near(&PointQuery::new(&compound), 30, &own, "compound");
     let can = Shape::cylinder(1.0, 0.5).expect("a shape");
     judge_near(&PointQuery::new(&can), 1, &own, "cylinder");
+}
+
+#[test]
+fn a_grid_bounds_the_error_of_its_interpolation() {
+    let mut rng = Rng::new(4);
+    let soup = truth::near_points::hard_mesh(3, &mut rng);
+    let at: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
+    let mesh = Mesh::new(&at, &soup.triangles).expect("a mesh");
+    let query = PointQuery::new(&mesh);
+    let (low, high) = (Point3::new(-1.0, -0.9, -0.8), Point3::new(1.0, 1.1, 0.7));
+    let grid = query.signed_distance_grid(low, high, [9, 7, 5]).expect("a grid");
+    assert_eq!((grid.nodes, grid.values.len()), ([10, 8, 6], 480));
+    for _ in 0..2000 {
+        let p = Point3::new(rng.range(-1.0, 1.0), rng.range(-0.9, 1.1), rng.range(-0.8, 0.7));
+        let (value, error) = grid.value_at(&p).expect("a point of the grid");
+        let truth = query.signed_distance(&p).expect("a point").value;
+        assert!(
+            (value - truth).abs() <= error && error < 0.25,
+            "{p:?}: {value} +- {error}, {truth}"
+        );
+    }
+    assert!(grid.value_at(&Point3::new(2.0, 0.0, 0.0)).is_none() && grid.error([9, 0, 0]).is_none());
+    for bad in [
+        query.signed_distance_grid(low, high, [0, 1, 1]),
+        query.signed_distance_grid(high, low, [1; 3]),
+    ] {
+        assert!(bad.is_err(), "{bad:?}");
+    }
+    assert!(query.signed_distance_grid(low, high, [usize::MAX; 3]).is_err());
 }

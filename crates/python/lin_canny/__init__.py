@@ -26,8 +26,11 @@ from ._native import (
     ScenePair,
     UndecidedError,
     Verdict,
+    closest_points,
+    contains,
     distances,
     load_mesh,
+    signed_distance,
 )
 
 __all__ = [
@@ -52,6 +55,9 @@ __all__ = [
     "ScenePair",
     "UndecidedError",
     "Verdict",
+    "closest_points",
+    "contains",
     "distances",
     "load_mesh",
+    "signed_distance",
 ]

@@ -7,6 +7,7 @@ mod checker;
 mod errors;
 mod geometry;
 mod mesh_file;
+mod points;
 mod pose;
 mod robot;
 mod scene;
@@ -30,6 +31,9 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<mesh_file::MeshFile>()?;
     module.add_function(wrap_pyfunction!(mesh_file::load_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(tracker::distances, module)?)?;
+    module.add_function(wrap_pyfunction!(points::signed_distance, module)?)?;
+    module.add_function(wrap_pyfunction!(points::contains, module)?)?;
+    module.add_function(wrap_pyfunction!(points::closest_points, module)?)?;
     #[cfg(feature = "bench")]
     module.add_function(wrap_pyfunction!(tracker::rust_loop, module)?)?;
     errors::add(module)

@@ -66,7 +66,10 @@ fn timed(passes: usize, mut pass: impl FnMut()) -> f64 {
 pub(crate) fn run(options: &Options) -> Rows {
     let mut rows = Rows::default();
     let passes = if options.quick { 1 } else { PASSES };
-    println!("{:5} {:6} {:>8} {:>8} {:>10} {:>12}", "scene", "shape", "n", "ours", "ours-batch", "ours-tracked");
+    println!(
+        "{:5} {:6} {:>8} {:>8} {:>10} {:>12}",
+        "scene", "shape", "n", "ours", "ours-batch", "ours-tracked"
+    );
     for (name, soup) in solids(options) {
         let mesh: Mesh = mesh(&soup);
         let query = PointQuery::new(&mesh).prepared();
@@ -77,7 +80,9 @@ pub(crate) fn run(options: &Options) -> Rows {
             let batch = timed(passes, || drop(black_box(query.closest_points(&points))));
             let tracked = timed(passes, || {
                 let mut tracker = PointTracker::new();
-                points.iter().for_each(|p| drop(black_box(tracker.closest_point(&query, p))));
+                points
+                    .iter()
+                    .for_each(|p| drop(black_box(tracker.closest_point(&query, p))));
             });
             let n = mesh.triangle_count();
             println!("{scene:5} {name:6} {n:8} {alone:8.0} {batch:10.0} {tracked:12.0}");
