@@ -1,8 +1,8 @@
 //! A point and the subshapes of a body: triangles, pieces of a compound, elements of a cloud.
 //!
 //! Compounds and clouds are unions: a point outside all of them is as far as the closest, a point
-//! inside of one is inside. The deepest one bounds the distance from above, the box of the body from
-//! below.
+//! inside of one is inside. The deepest one bounds the distance from above, the box of the body
+//! from below.
 
 use alloc::vec::Vec;
 
@@ -83,7 +83,8 @@ pub(crate) fn nearest(body: &impl NearItems, point: &Point3<f64>, count: usize) 
     found
 }
 
-/// Returns the subshapes that may be at most `d` from a point, in rising order of their upper bounds.
+/// Returns the subshapes that may be at most `d` from a point, in rising order of their upper
+/// bounds.
 pub(crate) fn within(body: &impl NearItems, point: &Point3<f64>, d: f64) -> Vec<PointOutcome> {
     let mut found = Vec::new();
     if d.is_nan() {

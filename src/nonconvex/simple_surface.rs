@@ -3,8 +3,8 @@
 //!
 //! 1. Each edge has two triangles, which run along it in opposite directions. Triangles that are
 //!    connected over edges form a sheet.
-//! 2. Two triangles share a vertex, an edge or nothing, and no other point. All pairs whose boxes may
-//!    meet are tested by exact signs.
+//! 2. Two triangles share a vertex, an edge or nothing, and no other point. All pairs whose boxes
+//!    may meet are tested by exact signs.
 //! 3. So the winding number in front of a sheet is the same everywhere. A point close to the sheet,
 //!    with exact votes and an exact winding number, reveals it.
 //!
@@ -173,7 +173,8 @@ impl Mesh {
                 sign::projection(&a, &b, &c).is_some_and(|axis| turned(axis) < 0.0)
             }
             2 => {
-                // Triangles with a common vertex meet elsewhere only if the opposite edge of one does.
+                // Triangles with a common vertex meet elsewhere only if the opposite edge of one
+                // does.
                 let opposite = |x: &Triangle, is_own: &dyn Fn(usize) -> bool| {
                     let k = (0..3).find(|k| !is_own(*k)).unwrap_or(0);
                     [x[(k + 1) % 3], x[(k + 2) % 3]]

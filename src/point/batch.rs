@@ -30,8 +30,9 @@ impl PointQuery<'_> {
     /// Returns the closest point and the signed distance of each point, in the order given.
     ///
     /// The results are those of [`closest_point`](Self::closest_point). For meshes, compounds and
-    /// clouds the points are visited in Morton order, so that neighbours follow each other. With the
-    /// feature `parallel` the call uses several threads; the bits do not depend on their number.
+    /// clouds the points are visited in Morton order, so that neighbours follow each other. With
+    /// the feature `parallel` the call uses several threads; the bits do not depend on their
+    /// number.
     ///
     /// ```
     /// use lin_canny::nalgebra::Point3;

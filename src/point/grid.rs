@@ -36,8 +36,8 @@ impl DistanceGrid {
     ///
     /// It bounds the difference to the true signed distance everywhere in the cell. A signed
     /// distance grows at most as fast as a point moves. So the weights of the eight nodes, times
-    /// their distances, add up to half the diagonal at most; the errors of the nodes and of rounding
-    /// are added. `None` for a cell beyond the last.
+    /// their distances, add up to half the diagonal at most; the errors of the nodes and of
+    /// rounding are added. `None` for a cell beyond the last.
     #[must_use]
     pub fn error(&self, cell: [usize; 3]) -> Option<f64> {
         let corners = self.corners(cell)?;

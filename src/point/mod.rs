@@ -7,8 +7,9 @@
 //! PointTracker   a point that moves little                              tracker.rs
 //! ```
 //!
-//! Meshes, compounds and clouds search their trees (`nonconvex/point.rs`, `nonconvex/near_parts.rs`).
-//! The other kinds are pairs with a point, which is exact: its pose is a translation.
+//! Meshes, compounds and clouds search their trees (`nonconvex/point.rs`,
+//! `nonconvex/near_parts.rs`). The other kinds are pairs with a point, which is exact: its pose is
+//! a translation.
 
 mod batch;
 mod grid;
@@ -65,11 +66,11 @@ pub enum PointError {
 /// Queries of points and one geometry of any kind, which it borrows.
 ///
 /// Points are in the frame of the geometry: for a body at a pose, pass
-/// `pose.inverse_transform_point(&p)`. Coordinates below 2^-200 of the size of the geometry count as
-/// zero.
+/// `pose.inverse_transform_point(&p)`. Coordinates below 2^-200 of the size of the geometry count
+/// as zero.
 ///
-/// The signed distance is positive outside and negative inside. Its sign is proven by the state, and
-/// its value by two bounds:
+/// The signed distance is positive outside and negative inside. Its sign is proven by the state,
+/// and its value by two bounds:
 ///
 /// | geometry | side | width of the bounds |
 /// |---|---|---|
@@ -86,8 +87,8 @@ pub enum PointError {
 /// - **Meshes.** A closed mesh contains the points with a winding number that is not zero, and its
 ///   surface. An [open mesh](crate::MeshKind::Open) contains only its surface. The distance is that
 ///   of the triangles, also of those inside other components.
-/// - **Compounds and clouds** are unions. Inside, the distance is that of the deepest piece, an upper
-///   bound; the lower bound is that of the box of the union.
+/// - **Compounds and clouds** are unions. Inside, the distance is that of the deepest piece, an
+///   upper bound; the lower bound is that of the box of the union.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Point3, Vector3};
@@ -142,10 +143,10 @@ impl<'g> PointQuery<'g> {
 
     /// Returns the queries after work that makes many points of a closed mesh faster.
     ///
-    /// The call tests whether the surface meets itself, in a few microseconds per triangle. If it is
-    /// proven that it does not, the side of most points follows from the closest triangles. The
-    /// answers are the same with and without this call. Batches of more than four points per triangle
-    /// make it themselves. For other kinds of geometry the call does nothing.
+    /// The call tests whether the surface meets itself, in a few microseconds per triangle. If it
+    /// is proven that it does not, the side of most points follows from the closest triangles. The
+    /// answers are the same with and without this call. Batches of more than four points per
+    /// triangle make it themselves. For other kinds of geometry the call does nothing.
     #[must_use]
     pub fn prepared(self) -> Self {
         #[cfg(feature = "meshes")]
@@ -173,8 +174,8 @@ impl<'g> PointQuery<'g> {
 
     /// Returns whether the geometry contains a point; its surface counts.
     ///
-    /// The result is exact for polyhedra, meshes and half-spaces, and for rounded polyhedra with the
-    /// feature `exact`. For a curved shape a point within rounding of the surface counts as
+    /// The result is exact for polyhedra, meshes and half-spaces, and for rounded polyhedra with
+    /// the feature `exact`. For a curved shape a point within rounding of the surface counts as
     /// contained. A compound or a cloud contains the points of its pieces.
     ///
     /// # Errors
@@ -197,8 +198,8 @@ impl<'g> PointQuery<'g> {
 
     /// Returns the `count` subshapes nearest to a point, in rising order of their upper bounds.
     ///
-    /// Subshapes are the triangles of a mesh, the faces of a polyhedron, the pieces of a compound and
-    /// the elements of a cloud; any other geometry is one. Equal bounds are in the order of the
+    /// Subshapes are the triangles of a mesh, the faces of a polyhedron, the pieces of a compound
+    /// and the elements of a cloud; any other geometry is one. Equal bounds are in the order of the
     /// indices ([`WitnessLocation::subshape`](crate::WitnessLocation::subshape)). The distance of a
     /// piece or element is signed. The distance of a triangle or face is not: no point is inside.
     ///

@@ -11,9 +11,9 @@ use crate::pair_tracker::geometry::Lent;
 /// The state of a point that moves little between queries of one geometry.
 ///
 /// For meshes, each search starts with the last closest triangle, and a point that did not reach
-/// the surface keeps its side; the answers have the bits of [`PointQuery::closest_point`]. For other
-/// kinds the tracker keeps the state of a [`PairTracker`]. The state changes the time of a query,
-/// never the answer: a tracker may be used with any [`PointQuery`].
+/// the surface keeps its side; the answers have the bits of [`PointQuery::closest_point`]. For
+/// other kinds the tracker keeps the state of a [`PairTracker`]. The state changes the time of a
+/// query, never the answer: a tracker may be used with any [`PointQuery`].
 ///
 /// ```
 /// use lin_canny::nalgebra::Point3;

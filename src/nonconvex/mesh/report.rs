@@ -388,8 +388,8 @@ impl Mesh {
             });
     }
 
-    /// Calls `leaves` with all pairs of leaves whose boxes may meet, each leaf with itself included,
-    /// until a call returns false.
+    /// Calls `leaves` with all pairs of leaves whose boxes may meet, each leaf with itself
+    /// included, until a call returns false.
     ///
     /// Returns false if a call did, or if the caller stopped the watch.
     pub(crate) fn join_leaves(

@@ -216,7 +216,8 @@ pub(crate) struct NearRoom {
 }
 
 impl Mesh {
-    /// Returns the closest triangle and bounds of the distance, and leaves all triangles that may be closest in the room.
+    /// Returns the closest triangle and bounds of the distance, and leaves all triangles that may
+    /// be closest in the room.
     ///
     /// All lengths are in stored units. The search ends early if a triangle is no farther than
     /// `enough`; then the lower bound is zero.
