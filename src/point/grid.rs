@@ -110,8 +110,10 @@ impl PointQuery<'_> {
     ///
     /// let ball = Shape::ball(1.0)?;
     /// let [low, high] = [-2.0, 2.0].map(|x| Point3::new(x, x, x));
-    /// let grid = PointQuery::new(&ball).signed_distance_grid(low, high, [16; 3])?;
-    /// let (value, error) = grid.value_at(&Point3::new(1.1, 0.2, 0.3)).expect("inside");
+    /// let query = PointQuery::new(&ball);
+    /// let grid = query.signed_distance_grid(low, high, [16; 3])?;
+    /// let p = Point3::new(1.1, 0.2, 0.3);
+    /// let (value, error) = grid.value_at(&p).ok_or("outside")?;
     /// let truth = 1.34_f64.sqrt() - 1.0;
     /// assert!((value - truth).abs() <= error && error < 0.22);
     /// # Ok::<(), Box<dyn std::error::Error>>(())

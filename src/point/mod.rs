@@ -77,7 +77,7 @@ pub enum PointError {
 /// | polyhedron | exact | `1e-13 L` |
 /// | rounded polyhedron | exact outside (feature `exact`), else by the bounds | `1e-13 L` |
 /// | curved shape | by the bounds: undecided within rounding | `1e-13 L`; inside `2^-19 L` |
-/// | mesh | exact | `1e-14 L` |
+/// | mesh | exact | `2e-14 L` |
 /// | half-space | exact | `1e-14` of the distance |
 /// | compound, cloud | as of the pieces | outside as of the pieces; inside see below |
 /// | Bézier surface | outside or undecided: it has no inside | as of [`PairTracker`] |
