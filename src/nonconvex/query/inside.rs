@@ -125,7 +125,7 @@ impl AxisRay<'_> {
                 height(axes[1][u], axes[1][v]),
                 height(axes[2][u], axes[2][v]),
             );
-            open = open & height(du, dv).abs().simd_le(own + slack);
+            open &= height(du, dv).abs().simd_le(own + slack);
         }
         open.to_bitmask() & 0xff
     }

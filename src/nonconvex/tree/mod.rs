@@ -194,7 +194,8 @@ impl Tree {
     pub(crate) fn eight_below(&self, node: u32) -> ([u32; 8], usize) {
         let (mut nodes, mut count) = ([node; 8], 1);
         for _ in 0..3 {
-            for k in 0..count {
+            let above = count;
+            for k in 0..above {
                 if let Below::Children(c) = self.below(nodes[k]) {
                     nodes[k] = c;
                     nodes[count] = c + 1;
