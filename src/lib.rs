@@ -128,6 +128,7 @@
 //! | The same for any two geometries: do two meshes overlap, how far apart are a mesh and a ball? | [`PairTracker`]: `intersects`, `within`, `distance`, `closest` | `bool`, [`Distance`], [`PairOutcome`] with the piece, triangle or patch of each witness; overlaps of meshes, compounds and surfaces have distance 0, but their depth in a half-space is exact |
 //! | Where do any two bodies but Bézier surfaces touch? How deep do two solids overlap? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`ContactGroup`]: points with one normal, for gaps up to a prediction and shallow overlaps; [`PenetrationBounds`]: an interval |
 //! | How far is a mesh from itself, and which of its triangles are close? | [`PairTracker::self_closest`], [`self_within`](PairTracker::self_within), [`self_pairs`](PairTracker::self_pairs) | [`PairOutcome`]s, for triangles that share no vertex |
+//! | On which side of a body is a point, and how far is it? What is near it? | [`PointQuery`]: `closest_point`, `contains`, `signed_distance`, `nearest_features`, `within`, and batches of points | [`PointOutcome`]: proven side, signed distance with bounds, closest point; exact sides for polyhedra, meshes and half-spaces |
 //! | Where does a ray enter a body (any but a Bézier surface)? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a hit with a proven bracket, point, normal and feature; a miss; inside; or undecided |
 //!
 //! **Over time**
@@ -158,7 +159,6 @@
 //! | How do I give the pose of B relative to A? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
 //! | How much does the hull of a mesh add? | [`Mesh::hull_fit`] | [`HullFit`]: volumes and the largest gap |
 //! | How well do convex pieces approximate a mesh? | [`Decomposition`] | [`DecompositionFit`]: gaps; distances as intervals that hold for the mesh |
-//! | Is a point inside a body? Which point of the body is nearest? | [`contains`](ConvexPolyhedron::contains), [`closest_point`](ConvexPolyhedron::closest_point) | one body, one point |
 //!
 //! # Guarantees
 //!
@@ -310,6 +310,7 @@ pub mod __proofs;
 pub mod guide;
 mod pair;
 mod pair_tracker;
+mod point;
 mod ray;
 #[cfg(test)]
 #[allow(dead_code, unreachable_pub)]
@@ -356,8 +357,10 @@ pub use pair::location::{PairOutcome, WitnessLocation};
 pub use pair::options::QueryOptions;
 pub use pair::outcome::WorldWitnesses;
 pub use pair::outcome::{Accuracy, ContactState, Decision, DepthMode, Distance, Outcome, Proposal, Solver, Work};
+pub use pair::point::PointOutcome;
 pub use pair_tracker::geometry::{Geometry, GeometryKind, GeometryRef};
 pub use pair_tracker::{MovingPair, PairError, PairTracker, PairWork};
+pub use point::{DistanceGrid, PointError, PointQuery, PointTracker};
 pub use ray::{Ray, RayCast, RayCaster, RayError, RayHit};
 pub use time::{impact, schedule, separation};
 

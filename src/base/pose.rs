@@ -227,7 +227,6 @@ impl RelativePose {
     }
 
     /// Returns the pose of a body relative to itself.
-    #[cfg(feature = "meshes")]
     pub(crate) fn identity() -> Self {
         let here = PoseBits::of([0.0, 0.0, 0.0, 1.0], [0.0; 3]);
         Self { a: here, b: here }

@@ -646,6 +646,38 @@ pub(crate) const BOX_SKEW: f64 = 9.0 * UNIT_SINGLE;
 /// 80 would do.
 pub(crate) const BOXES: f64 = 96.0 * UNIT_SINGLE;
 
+/// Error of a height of a point over the centre of a box of a compound in f32, in units of the
+/// 1-norm of the point and of the radius R of the tree, with v = UNIT_SINGLE: the point q is
+/// rounded, v |q|; its difference from the centre errs by v of |q| + R, the product with an axis by
+/// 3 v of that, the difference from the half extent by 2 v. The box is made of its axes as stored,
+/// which are orthonormal within `BOX_SKEW`: the two other axes add `9 v` of their half extents
+/// each, and this one as much, 9 sqrt(3) v R in all. Sum: below 7 v |q| + 22 v R.
+pub(crate) const POINT_BOX: f64 = 32.0 * UNIT_SINGLE;
+
+/// What the squared distance of a point from a box of a compound in f32 loses, relative to itself:
+/// a vector is longer than its heights along axes that are orthonormal within `BOX_SKEW` say by up
+/// to 27 UNIT_SINGLE of the square; the sum of three squares errs by 4, the product with this bound
+/// by 2.
+pub(crate) const POINT_BOX_SQUARE: f64 = 48.0 * UNIT_SINGLE;
+
+/// Error of the distance of a point from a foot on a triangle, and of the height of a corner over
+/// the point along a direction, in units of the farthest corner's distance r from the point.
+///
+/// 1. Foot: the corner minus the point errs by UNIT r; a side, of two such, by UNIT of its length,
+///    at most 2 r; with a weight clamped to 0..=1 of an edge, the product by 2 UNIT r and the sum
+///    by UNIT r, so the foot by 6 UNIT r as a vector, after the corners. Two weights of an area add
+///    up to one within 3 UNIT, 2 r each; the two products and sums err by 8 UNIT r more. The
+///    length, of three squares, two sums and a root, errs by 3 UNIT of itself. Sum: below 14.
+/// 2. Height: the product of a direction d and a corner errs by 3 UNIT |d| r, the corner by UNIT r,
+///    the length of d by 3 UNIT and the quotient by one, of at most r. Sum: 8.
+pub(crate) const POINT_HEIGHT: f64 = 16.0 * UNIT;
+
+/// Error of the distance of a point from a ball or a box along the axes, in units of the sum of the
+/// distance and the size: the difference of the places errs by UNIT of itself, the quotient by its
+/// largest coordinate by one, three squares, two sums and a root by 3, the product with the largest
+/// coordinate and the difference from the size by one each. Sum: 7.
+pub(crate) const POINT_ELEMENT: f64 = 16.0 * UNIT;
+
 /// Square of the sine of the angle of two axes up to which their cross product in f32 is mostly
 /// rounding, 10 UNIT_SINGLE: below 128 UNIT_SINGLE. Not a matter of soundness: the bound along any
 /// direction holds.

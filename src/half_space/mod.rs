@@ -29,12 +29,14 @@ mod over_time;
 
 use nalgebra::{Point3, Unit, Vector3};
 
+use crate::base::num::double_double::Expansion;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{Operand, RelativePose};
 #[cfg(feature = "surfaces")]
 use crate::base::tolerance::SURFACE_POINT;
-use crate::base::tolerance::{CERTIFICATE, OPPOSITE, UNIT};
+use crate::base::tolerance::{CERTIFICATE, OPPOSITE, UNIT, UNIT_LENGTH};
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, Feature};
 use crate::body::shape::{Shape, Top};
 use crate::convex::contact::HalfSpace;
@@ -46,6 +48,7 @@ use crate::pair::draft::unit;
 use crate::pair::location::{PairOutcome, WitnessLocation, features_on};
 use crate::pair::options::QueryOptions;
 use crate::pair::outcome::{ContactState, Decision, DepthMode, Outcome};
+use crate::pair::point::PointOutcome;
 #[cfg(feature = "surfaces")]
 use crate::surface::BezierSurface;
 
@@ -225,6 +228,30 @@ impl<'a> Above<'a> {
             Self::Surface(_) => true,
             _ => false,
         }
+    }
+}
+
+impl HalfSpace {
+    /// Returns the signed distance of a point, by the exact sum of its products.
+    pub(crate) fn outcome_of(&self, point: &Point3<f64>) -> PointOutcome {
+        let n = self.normal().into_inner();
+        let mut height = Expansion::<10>::new();
+        (0..3).for_each(|k| height.add_product(n[k], point[k]));
+        height.add(-self.offset());
+        let (side, [distance]) = (height.sign(), height.leading());
+        // The stored normal has a length of one within 8 UNIT.
+        let [lower, upper] = [1.0 - UNIT_LENGTH, 1.0 + UNIT_LENGTH].each(|part| distance * part);
+        let mut outcome = PointOutcome {
+            state: ContactState::Undecided,
+            distance,
+            lower: lower.smaller(upper),
+            upper: lower.larger(upper),
+            point: point - n * distance,
+            normal: self.normal(),
+            location: WitnessLocation::new(0, PLANE),
+        };
+        outcome.set_side(side);
+        outcome
     }
 }
 

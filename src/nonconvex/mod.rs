@@ -13,6 +13,9 @@
 //! - `front`: the proof of the last answer, kept from frame to frame.
 //! - `contact`: manifolds of convex patches.
 //! - `penetration`: bounds of the depth.
+//! - `point`: a point and a mesh.
+//! - `near_parts`: a point and the members of a body.
+//! - `simple_surface`: proves that a mesh does not meet itself.
 //! - `decomposition`: pieces that replace a mesh.
 //! - `separation`: pairs over time.
 //! - `top`: the highest point along a direction.
@@ -45,10 +48,13 @@ pub mod continuous;
 pub(crate) mod decomposition;
 pub(crate) mod front;
 pub mod mesh;
+pub(crate) mod near_parts;
 pub(crate) mod parts;
 pub(crate) mod penetration;
 pub(crate) mod pieces;
+pub(crate) mod point;
 pub(crate) mod query;
 pub(crate) mod separation;
+pub(crate) mod simple_surface;
 pub(crate) mod top;
-mod tree;
+pub(crate) mod tree;

@@ -26,6 +26,7 @@ use crate::convex::shape_tracker::ShapeTracker;
 use crate::nonconvex::front::NodePair;
 use crate::nonconvex::front::memory::FrontMemory;
 use crate::nonconvex::mesh::{Mesh, MeshError, MeshKind};
+use crate::nonconvex::near_parts::{NearItems, outcome_of_shape};
 use crate::nonconvex::parts::Placed;
 use crate::nonconvex::parts::{Parted, PartsRef};
 use crate::nonconvex::query::frame::{TreeFrame, TreeSide};
@@ -36,6 +37,7 @@ use crate::nonconvex::query::state::{PosedTrees, Recognised, TreeAnswer, TreeSta
 use crate::nonconvex::tree::Tree;
 use crate::pair::location::{PairOutcome, WitnessLocation};
 use crate::pair::outcome::{ContactState, Outcome};
+use crate::pair::point::PointOutcome;
 
 /// A convex piece of a [`Compound`]: a shape of any kind, its pose, and a name.
 #[derive(Clone, Debug)]
@@ -436,6 +438,14 @@ impl Parted for Compound {
 
     fn holds(&self, _: &Vector3<f64>, _: f64) -> Option<bool> {
         Some(false)
+    }
+}
+
+impl NearItems for Compound {
+    fn outcome_of_item(&self, item: u32, point: &Point3<f64>) -> PointOutcome {
+        let number = self.order[item as usize];
+        let piece = &self.pieces[number as usize];
+        outcome_of_shape(&piece.shape, &piece.pose, point, number)
     }
 }
 

@@ -10,6 +10,7 @@ pub(crate) mod face;
 pub(crate) mod location;
 pub(crate) mod options;
 pub(crate) mod outcome;
+pub(crate) mod point;
 pub(crate) mod posed;
 pub(crate) mod rounding;
 pub(crate) mod soundness;

@@ -32,9 +32,12 @@ from ._native import (
     StartContact,
     UndecidedError,
     Verdict,
+    closest_points,
+    contains,
     distances,
     load_mesh,
     read_points,
+    signed_distance,
 )
 
 __all__ = [
@@ -65,7 +68,10 @@ __all__ = [
     "StartContact",
     "UndecidedError",
     "Verdict",
+    "closest_points",
+    "contains",
     "distances",
     "load_mesh",
     "read_points",
+    "signed_distance",
 ]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any, Literal, Protocol, TypeAlias, final
+from typing import Any, Literal, Protocol, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -64,9 +64,12 @@ __all__ = [
     "StartContact",
     "UndecidedError",
     "Verdict",
+    "closest_points",
+    "contains",
     "distances",
     "load_mesh",
     "read_points",
+    "signed_distance",
 ]
 
 class LinCannyError(ValueError): ...
@@ -299,6 +302,30 @@ def distances(
     a: Geometry, b: Geometry, poses: _Poses, *, threads: int = 1, progress: _Progress = None
 ) -> _Records: ...
 
+@overload
+def signed_distance(
+    geometry: Geometry,
+    points: ArrayLike,
+    *,
+    bounds: Literal[False] = False,
+    threads: int = 1,
+    progress: _Progress = None,
+) -> NDArray[np.float64]: ...
+@overload
+def signed_distance(
+    geometry: Geometry,
+    points: ArrayLike,
+    *,
+    bounds: Literal[True],
+    threads: int = 1,
+    progress: _Progress = None,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
+def contains(
+    geometry: Geometry, points: ArrayLike, *, threads: int = 1, progress: _Progress = None
+) -> NDArray[np.bool_]: ...
+def closest_points(
+    geometry: Geometry, points: ArrayLike, *, threads: int = 1, progress: _Progress = None
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]: ...
 def load_mesh(path: _Path) -> MeshFile: ...
 
 @final

@@ -8,6 +8,7 @@ mod errors;
 mod geometry;
 mod mesh_file;
 mod point_file;
+mod points;
 mod pose;
 mod ray;
 mod robot;
@@ -39,6 +40,9 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(mesh_file::load_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(point_file::read_points, module)?)?;
     module.add_function(wrap_pyfunction!(tracker::distances, module)?)?;
+    module.add_function(wrap_pyfunction!(points::signed_distance, module)?)?;
+    module.add_function(wrap_pyfunction!(points::contains, module)?)?;
+    module.add_function(wrap_pyfunction!(points::closest_points, module)?)?;
     #[cfg(feature = "bench")]
     module.add_function(wrap_pyfunction!(tracker::rust_loop, module)?)?;
     errors::add(module)

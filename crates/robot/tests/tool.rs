@@ -908,3 +908,28 @@ fn a_part_is_lifted_from_the_table() {
     let (code, text) = run_of(&robot, "certify", &["--joints", &up, "--start-contact", "-1"]);
     assert!(code > 1, "{code} {text}");
 }
+
+#[test]
+fn points_have_signed_distances_from_a_mesh() {
+    let wedge = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    let mesh = scratch("wedge.obj", wedge);
+    let points = scratch("three.xyz", "0.25 0.25 0.25\n-0.5 0.25 0.25\n0 0.25 0.25\n");
+    let out = scratch("three.csv", "");
+    let (code, text) = run_of(&mesh, "points", &["--points", &points, "--csv", &out]);
+    assert_eq!(code, 0, "{text}");
+    assert!(text.contains("3 points, 2 in the body or on its surface"), "{text}");
+    let table = std::fs::read_to_string(&out).expect("the table");
+    let rows: Vec<&str> = table.lines().collect();
+    assert!(rows[0].starts_with("x,y,z,distance,lower,upper,state,"), "{table}");
+    let field = |row: usize, k: usize| rows[row].split(',').nth(k).expect("a field");
+    assert_eq!(
+        [field(1, 6), field(2, 6), field(3, 6)],
+        ["overlapping", "separated", "touching"],
+        "{table}"
+    );
+    let distance: f64 = field(2, 3).parse().expect("a number");
+    assert!((distance - 0.5).abs() < 1e-15, "{table}");
+    let bad = scratch("bad.xyz", "0 0 0\nnan 0 0\n");
+    let (code, text) = run_of(&mesh, "points", &["--points", &bad]);
+    assert!(code == 3 && text.contains("bad.xyz"), "{code}: {text}");
+}

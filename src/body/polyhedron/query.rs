@@ -34,25 +34,45 @@ impl ConvexPolyhedron {
     /// the number of faces.
     #[must_use]
     pub fn contains(&self, point: &Point3<f64>) -> bool {
+        self.side_of(point) <= 0
+    }
+
+    /// Returns the side of a point, as exactly as [`contains`](Self::contains): 1 outside, 0 on the
+    /// surface, -1 inside.
+    ///
+    /// All points of a body without volume are on its surface.
+    pub(crate) fn side_of(&self, point: &Point3<f64>) -> i32 {
         let flush = flush_below(sqrt(((self.high - self.low) * 0.5).norm_squared()));
         // Within the box of a shifted body the shift is exact (Sterbenz), as for the vertices. A
         // point that is not shifted exactly is at least half the shift away, and so outside the
         // body.
         let p = ((point.coords - self.origin) / self.unit()).map(|x| if x.abs() < flush { 0.0 } else { x });
         if !(0..3).all(|k| self.low[k] <= p[k] && p[k] <= self.high[k]) {
-            return false; // also where a coordinate is not a number
+            return 1; // also where a coordinate is not a number
         }
+        let on_flat = |is_on: bool| if is_on { 0 } else { 1 };
         match self.topology.face_count() {
-            0 => true,
-            1 => projection(&self.points[0], &self.points[1], &p).is_none(),
-            2 => self.polygon_contains(&p),
+            0 => 0,
+            1 => on_flat(projection(&self.points[0], &self.points[1], &p).is_none()),
+            2 => on_flat(self.polygon_contains(&p)),
             _ => {
                 // Stored planes decide the clear cases, exact signs the others.
                 let clear = NEAR_PLANE * (self.radius + p.norm());
-                self.planes.iter().zip(self.faces()).all(|(plane, f)| {
+                let mut side = -1;
+                for (plane, f) in self.planes.iter().zip(self.faces()) {
                     let height = plane.normal.dot(&p) - plane.offset;
-                    height < -clear || height <= clear && self.face_side(f, &p) <= 0.0
-                })
+                    if height < -clear {
+                        continue;
+                    }
+                    let exact = if height > clear { 1.0 } else { self.face_side(f, &p) };
+                    if exact > 0.0 {
+                        return 1;
+                    }
+                    if exact == 0.0 {
+                        side = 0;
+                    }
+                }
+                side
             }
         }
     }

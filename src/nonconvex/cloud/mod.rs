@@ -22,12 +22,14 @@ use crate::body::polyhedron::{BuildError, ConvexPolyhedron, exponent_of, power_o
 use crate::body::shape::{Shape, ShapeError, is_rounding};
 #[cfg(feature = "exact")]
 use crate::convex::exact::place::ExactVector;
+use crate::nonconvex::near_parts::{NearItems, outcome_of_ball, outcome_of_box, outcome_of_shape};
 use crate::nonconvex::parts::{Parted, PartsRef};
 use crate::nonconvex::pieces::{Compound, CompoundError, Piece, inner_points};
 use crate::nonconvex::query::frame::TreeSide;
 use crate::nonconvex::separation::ball_about;
 use crate::nonconvex::tree::Tree;
 use crate::nonconvex::tree::morton::ElementExtent;
+use crate::pair::point::PointOutcome;
 
 /// Largest number of points: the index of an item in a leaf has 27 bits.
 const POINTS_MOST: usize = 1 << 27;
@@ -682,5 +684,17 @@ impl Parted for Cloud {
 
     fn holds(&self, _: &Vector3<f64>, _: f64) -> Option<bool> {
         Some(false)
+    }
+}
+
+impl NearItems for Cloud {
+    fn outcome_of_item(&self, item: u32, point: &Point3<f64>) -> PointOutcome {
+        let (centre, number) = (self.points.at(item as usize), self.number(item));
+        match &self.element {
+            Element::Ball(radius) => outcome_of_ball(&centre, *radius, point, number),
+            Element::Balls(radii) => outcome_of_ball(&centre, radii.at(item as usize), point, number),
+            Element::Box(half) => outcome_of_box(&centre, half, point, number),
+            Element::Shape => outcome_of_shape(&self.shape, &self.pose_of(item), point, number),
+        }
     }
 }

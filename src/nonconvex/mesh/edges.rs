@@ -177,7 +177,7 @@ fn spread([a, b, c, d]: [&Vector3<f64>; 4], corner: usize) -> f64 {
 }
 
 /// Returns the root of a vertex and halves the path to it.
-pub(super) fn find(parent: &mut [u32], mut v: u32) -> u32 {
+pub(crate) fn find(parent: &mut [u32], mut v: u32) -> u32 {
     while parent[v as usize] != v {
         let above = parent[parent[v as usize] as usize];
         parent[v as usize] = above;

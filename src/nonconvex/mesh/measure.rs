@@ -11,8 +11,9 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT_SINGLE;
+use crate::nonconvex::query::near::NearRoom;
 use crate::nonconvex::query::triangle;
-use crate::nonconvex::tree::{Below, Tree};
+use crate::nonconvex::tree::Tree;
 use crate::pair::location::WitnessLocation;
 
 /// Moments about the box centre, in stored units.
@@ -158,40 +159,13 @@ impl Mesh {
     ///
     /// The second case applies if the surface is no farther than `level`.
     pub(crate) fn nearest_beyond(&self, point: &Vector3<f64>, level: f64) -> MeshFoot {
-        let (tree, from) = (&self.tree, From::new(&self.tree, point));
-        let least = |node: u32| from.least(node);
-        let mut best = MeshFoot {
-            square: f64::INFINITY,
-            point: *point,
-            triangle: 0,
-        };
-        let mut stack = alloc::vec![(least(0), 0)];
-        while let Some((bound, node)) = stack.pop()
-            && best.square > level * level
-        {
-            if bound * bound >= best.square {
-                continue;
-            }
-            match tree.below(node) {
-                Below::Children(c) => {
-                    let two = [(least(c), c), (least(c + 1), c + 1)];
-                    // The nearer one is on top.
-                    stack.extend(if two[0].0 < two[1].0 { [two[1], two[0]] } else { two });
-                }
-                Below::Leaf(first, count) => {
-                    for triangle in first..first + count {
-                        let (square, point) = triangle::foot_of(point, &self.corners(triangle));
-                        if square < best.square {
-                            best = MeshFoot {
-                                square,
-                                point,
-                                triangle,
-                            };
-                        }
-                    }
-                }
-            }
+        let near = self.nearest_triangle(point, level, &mut NearRoom::default());
+        let (square, point) = triangle::foot_of(point, &self.corners(near.item));
+        let triangle = near.item;
+        MeshFoot {
+            square,
+            point,
+            triangle,
         }
-        best
     }
 }

@@ -1,7 +1,7 @@
 //! Triangle meshes: checked, welded and stored in the order of their tree.
 
 mod build;
-mod edges;
+pub(crate) mod edges;
 mod heights;
 pub(super) mod hull;
 pub(super) mod measure;

@@ -381,14 +381,32 @@ impl Mesh {
     }
 
     fn cross(&self, frame: &TreeFrame, most: usize, found: &mut MeshInspection, watch: &mut Watch<'_>) {
+        found.is_complete = watch.stage("crossings", None).is_ok()
+            && self.join_leaves(frame, watch, |nodes| {
+                self.cross_leaves(nodes, most, found);
+                found.is_complete
+            });
+    }
+
+    /// Calls `leaves` with all pairs of leaves whose boxes may meet, each leaf with itself
+    /// included, until a call returns false.
+    ///
+    /// Returns false if a call did, or if the caller stopped the watch.
+    pub(crate) fn join_leaves(
+        &self,
+        frame: &TreeFrame,
+        watch: &mut Watch<'_>,
+        mut leaves: impl FnMut([u32; 2]) -> bool,
+    ) -> bool {
         let (tree, aim) = (&self.tree, BoundAim::to(frame.single.error.next_up()));
         let (mut stack, mut done) = (alloc::vec![[0, 0]], 0);
-        found.is_complete = watch.stage("crossings", None).is_ok();
-        while found.is_complete && !stack.is_empty() {
+        while !stack.is_empty() {
             let batch = stack.split_off(stack.len().saturating_sub(WIDTH));
             let gaps = bounds(&frame.single, [tree; 2], &batch, &aim);
             done += batch.len();
-            found.is_complete &= watch.done(done);
+            if !watch.done(done) {
+                return false;
+            }
             for (&[x, y], gap) in batch.iter().zip(gaps.gap) {
                 if gap > frame.single.error {
                     continue;
@@ -397,11 +415,13 @@ impl Mesh {
                     (true, Below::Children(c)) => stack.extend([[c, c], [c, c + 1], [c + 1, c + 1]]),
                     _ => match split_pair([tree; 2], frame, [x, y]) {
                         Some(two) => stack.extend(two),
-                        None => self.cross_leaves([x, y], most, found),
+                        None if !leaves([x, y]) => return false,
+                        None => {}
                     },
                 }
             }
         }
+        true
     }
 
     fn cross_leaves(&self, nodes: [u32; 2], most: usize, found: &mut MeshInspection) {

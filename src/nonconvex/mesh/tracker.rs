@@ -253,7 +253,7 @@ pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [TriangleSpot; 
 }
 
 /// Returns the caller's index of the triangle of an item, and its feature.
-pub(super) fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> WitnessLocation {
+pub(crate) fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> WitnessLocation {
     let corners = mesh.triangles[item as usize].each(|v| mesh.source_points[v as usize]);
     let at = |k: u8| corners[k as usize % 3];
     let triangle = mesh.source_triangles[item as usize];

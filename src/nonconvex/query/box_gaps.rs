@@ -66,15 +66,15 @@ impl BoundAim {
 }
 
 /// Eight boxes, stored by component.
-struct EightBoxes {
-    axes: [[f32x8; 3]; 3],
-    centre: [f32x8; 3],
-    half: [f32x8; 3],
+pub(super) struct EightBoxes {
+    pub(super) axes: [[f32x8; 3]; 3],
+    pub(super) centre: [f32x8; 3],
+    pub(super) half: [f32x8; 3],
 }
 
 impl EightBoxes {
     #[inline(always)]
-    fn new(boxes: [&OrientedBox; WIDTH], scale: f32) -> Self {
+    pub(super) fn new(boxes: [&OrientedBox; WIDTH], scale: f32) -> Self {
         let [b0, b1, b2, b3, b4, b5, b6, b7] = boxes;
         let row = |k: usize| {
             let low = f32x4::transpose([b0, b1, b2, b3].each(|b| f32x4::new(b.rows[k])));

@@ -1,12 +1,9 @@
 //! Exact integer arithmetic for meshes: the side of a point within rounding of the surface, and
 //! where a ray meets a triangle.
 //!
-//! The side of a point comes from a ray along an axis. Each crossing with the mesh counts +1
-//! outward and -1 inward. The ray starts at the point moved by an infinitesimal (e, e^2)
-//! perpendicular to the axis, so it meets no edge and no vertex, and one ray is enough. Signs come
-//! from floating point if rounding leaves no doubt, otherwise from integers.
-//!
-//! Source: simulation of simplicity, Edelsbrunner and Muecke 1990.
+//! The side of a point comes from the winding number ([`super::inside`]), for a point whose stored
+//! coordinates are not exact. Signs come from floating point if rounding leaves no doubt, otherwise
+//! from integers.
 
 use core::cmp::Ordering;
 use dashu_int::IBig;
@@ -21,6 +18,7 @@ use crate::body::polyhedron::lowest_bit;
 use crate::convex::exact::integer::{Big3, cross, dot, integer, sign, sub};
 use crate::convex::exact::place::{ExactVector, compare, quotient};
 use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::query::inside::ExactSigns;
 use crate::nonconvex::query::ray::{RayBody, RayTriangle};
 use crate::nonconvex::query::triangle::Triangle;
 
@@ -62,8 +60,11 @@ struct Probe<'a> {
     error: f64,
 }
 
-impl Probe<'_> {
-    /// Returns the sign of the height of the point above the plane of a triangle.
+impl ExactSigns for Probe<'_> {
+    fn rounded(&self) -> (Vector3<f64>, f64) {
+        (self.rounded, self.error)
+    }
+
     fn height(&self, corners: &Triangle) -> i32 {
         let [a, b, c] = corners;
         let (u, v, w) = (b - a, c - a, self.rounded - a);
@@ -91,9 +92,6 @@ impl Probe<'_> {
         ))
     }
 
-    /// Returns 1 if the point is left of the edge from `a` to `b`, and -1 if right.
-    ///
-    /// The sides are seen from the positive end of `axis`. Returns 0 if the edge hides the point.
     fn turn(&self, axis: usize, a: &Vector3<f64>, b: &Vector3<f64>) -> i32 {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let p = &self.rounded;
@@ -110,27 +108,10 @@ impl Probe<'_> {
         let level = (bu * av - au * bv) * &exact.over;
         order(compare(&through, exact.exponent, &level, exponent))
     }
-
-    /// Returns the sides of the three edges on which the point is.
-    fn turns(&self, axis: usize, [a, b, c]: &Triangle) -> [i32; 3] {
-        [(a, b), (b, c), (c, a)].each(|(x, y)| self.turn(axis, x, y))
-    }
-
-    /// Returns whether a triangle contains a point of its plane.
-    ///
-    /// A triangle without area contains none: its neighbours cover what it might cover.
-    fn is_on(&self, corners: &Triangle) -> bool {
-        let [a, b, c] = corners;
-        sign::projection(a, b, c).is_some_and(|axis| !are_mixed(&self.turns(axis, corners)))
-    }
 }
 
 fn order(order: core::cmp::Ordering) -> i32 {
     order as i32
-}
-
-fn are_mixed(turns: &[i32; 3]) -> bool {
-    turns.contains(&1) && turns.contains(&-1)
 }
 
 impl Mesh {
@@ -141,62 +122,12 @@ impl Mesh {
         let rounded = exact.rounded();
         let error = EXACT_PLACE * rounded.amax() + f64::MIN_POSITIVE;
         let probe = Probe { exact, rounded, error };
-        let p = &probe.rounded;
-        // Written so that a point too far for f64, which is not finite, is outside.
-        if (0..3).any(|k| !(p[k] >= self.low[k] - error && p[k] <= self.high[k] + error)) {
-            return PointSide::Outside;
-        }
-        let (up, down) = (self.high - p, p - self.low);
-        let (x, y) = (up.imin(), down.imin());
-        let (axis, way) = if up[x] < down[y] { (x, 1) } else { (y, -1) };
-        let mut end = *p;
-        let size = (self.high - self.low).amax();
-        end[axis] = if way > 0 {
-            self.high[axis] + size
-        } else {
-            self.low[axis] - size
-        };
-        let mut winding = 0;
-        let is_on = self.any_along(p, &end, error, |t| {
-            let corners = self.corners(t);
-            let turns = probe.turns(axis, &corners);
-            if are_mixed(&turns) {
-                return false;
-            }
-            let height = probe.height(&corners);
-            if height == 0 {
-                return probe.is_on(&corners);
-            }
-            let moved = moved(axis, &corners, turns);
-            if height * moved * way < 0 {
-                winding += moved * way;
-            }
-            false
-        });
-        match (is_on, self.is_solid() && winding != 0) {
-            (true, _) => PointSide::On,
-            (false, true) => PointSide::Inside,
-            (false, false) => PointSide::Outside,
+        match self.winding_about(&probe, |_| true) {
+            None => PointSide::On,
+            Some(winding) if self.is_solid() && winding != 0 => PointSide::Inside,
+            Some(_) => PointSide::Outside,
         }
     }
-}
-
-/// Returns the turn of a triangle around the point moved by (e, e^2) perpendicular to the axis.
-///
-/// Returns 0 if the triangle does not hide the moved point.
-fn moved(axis: usize, corners: &Triangle, turns: [i32; 3]) -> i32 {
-    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-    let turn = |k: usize| {
-        let (a, b) = (&corners[k], &corners[(k + 1) % 3]);
-        match turns[k] {
-            // The signs of the derivatives along u, then along v.
-            0 if a[v] != b[v] => sign::sign(a[v] - b[v]),
-            0 => sign::sign(b[u] - a[u]),
-            turn => turn,
-        }
-    };
-    let first = turn(0);
-    if turn(1) == first && turn(2) == first { first } else { 0 }
 }
 
 /// The ray that the caller gave, without rounding, in stored coordinates of a body.

@@ -1,90 +1,214 @@
 //! Point inside a closed mesh, by exact winding numbers, and triangles that a segment passes
 //! through, by exact predicates.
 //!
-//! 1. A segment leads from the point to a position outside the bounding box.
-//! 2. Each crossing of the segment with the mesh counts +1 outward and -1 inward. The sum is right
-//!    even if components overlap or contain each other. Parity and the normal of the nearest
-//!    triangle are wrong in these cases.
-//! 3. Every sign is an exact predicate. If a sign is zero, another segment is tried.
+//! 1. A ray along an axis leads from the point to the nearest side of the bounding box.
+//! 2. Each crossing of the ray with the mesh counts +1 outward and -1 inward. The sum is right even
+//!    if components overlap or contain each other. Parity and the normal of the nearest triangle
+//!    are wrong in these cases.
+//! 3. The ray starts at the point moved by an infinitesimal (e, e^2) perpendicular to the axis, so
+//!    it meets no edge and no vertex, and one ray is enough.
+//! 4. Every sign is exact ([`ExactSigns`]). A point on the surface is found on the way: the ray
+//!    starts in the box of the triangle that contains it.
 //!
 //! Sources: the winding number by signed crossings is classical; orientation predicates, Shewchuk
-//! 1997.
+//! 1997; simulation of simplicity, Edelsbrunner and Muecke 1990.
 
 use alloc::vec;
 use nalgebra::Vector3;
+use wide::f32x8;
 
-use crate::base::num::extremes::largest;
+use crate::base::num::each::Each;
 use crate::base::num::sign;
 use crate::base::tolerance::{FLUSH_EXPONENT, UNIT_SINGLE};
 use crate::body::polyhedron::{exponent_of, power_of_two};
 use crate::nonconvex::mesh::Mesh;
-use crate::nonconvex::query::triangle;
+use crate::nonconvex::query::box_gaps::EightBoxes;
+use crate::nonconvex::query::near::TreePoint;
+use crate::nonconvex::query::triangle::{self, Triangle};
 use crate::nonconvex::tree::{Below, OrientedBox, Tree};
 
-/// Number of segments tried for a winding number.
+/// Exact signs of a point in stored coordinates of a mesh.
+pub(crate) trait ExactSigns {
+    /// Returns the rounded point, and the largest error of a coordinate.
+    fn rounded(&self) -> (Vector3<f64>, f64);
+
+    /// Returns the sign of the height of the point above the plane of a triangle.
+    fn height(&self, corners: &Triangle) -> i32;
+
+    /// Returns 1 if the point is left of the edge from `a` to `b`, and -1 if right.
+    ///
+    /// The sides are seen from the positive end of `axis`. Returns 0 if the edge hides the point.
+    fn turn(&self, axis: usize, a: &Vector3<f64>, b: &Vector3<f64>) -> i32;
+
+    /// Returns the sides of the three edges on which the point is.
+    fn turns(&self, axis: usize, [a, b, c]: &Triangle) -> [i32; 3] {
+        [(a, b), (b, c), (c, a)].each(|(x, y)| self.turn(axis, x, y))
+    }
+
+    /// Returns whether a triangle contains a point of its plane.
+    ///
+    /// A triangle without area contains none: its neighbours cover what it might cover.
+    fn is_on(&self, corners: &Triangle) -> bool {
+        let [a, b, c] = corners;
+        sign::projection(a, b, c).is_some_and(|axis| !are_mixed(&self.turns(axis, corners)))
+    }
+}
+
+/// A point whose stored coordinates are exact ([`Mesh::flushed`]).
+impl ExactSigns for Vector3<f64> {
+    fn rounded(&self) -> (Vector3<f64>, f64) {
+        (*self, 0.0)
+    }
+
+    #[inline]
+    fn height(&self, [a, b, c]: &Triangle) -> i32 {
+        sign::sign(sign::side(a, b, c, self))
+    }
+
+    #[inline]
+    fn turn(&self, axis: usize, a: &Vector3<f64>, b: &Vector3<f64>) -> i32 {
+        sign::sign(sign::turn(axis, a, b, self))
+    }
+}
+
+fn are_mixed(turns: &[i32; 3]) -> bool {
+    turns.contains(&1) && turns.contains(&-1)
+}
+
+/// Returns the turn of a triangle around the point moved by (e, e^2) perpendicular to the axis.
 ///
-/// A zero sign is rare even at the first segment, because the ends of the segments are in general
-/// position to anything made of round numbers.
-const SEGMENTS: usize = 24;
+/// Returns 0 if the triangle does not hide the moved point.
+fn moved(axis: usize, corners: &Triangle, turns: [i32; 3]) -> i32 {
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let turn = |k: usize| {
+        let (a, b) = (&corners[k], &corners[(k + 1) % 3]);
+        match turns[k] {
+            // The signs of the derivatives along u, then along v.
+            0 if a[v] != b[v] => sign::sign(a[v] - b[v]),
+            0 => sign::sign(b[u] - a[u]),
+            turn => turn,
+        }
+    };
+    let first = turn(0);
+    if turn(1) == first && turn(2) == first { first } else { 0 }
+}
+
+/// A ray along an axis, in the coordinates of a tree.
+struct AxisRay<'a> {
+    from: TreePoint<'a>,
+    axis: usize,
+    /// 1 or -1.
+    way: f32,
+}
+
+impl AxisRay<'_> {
+    /// Returns which of eight boxes the ray may meet, as bits.
+    ///
+    /// The ray and a box are separated across the ray along an axis of the world, or along an axis
+    /// of the box turned by a right angle about the ray. A box contains exactly the combinations of
+    /// its axes as stored, so only roundings count: below `4 u |q| + 12 u R`, with the point q, the
+    /// radius R of the tree and u = UNIT_SINGLE ([`TreePoint::slack`] has 32 of both).
+    fn meets(&self, boxes: [&OrientedBox; 8]) -> u32 {
+        let (u, v) = ((self.axis + 1) % 3, (self.axis + 2) % 3);
+        let EightBoxes { axes, centre, half } = EightBoxes::new(boxes, 1.0);
+        let (slack, from) = (f32x8::splat(self.from.slack), self.from.single.map(f32x8::splat));
+        let reach = |x: f32x8, y: f32x8, z: f32x8| half[0] * x.abs() + half[1] * y.abs() + half[2] * z.abs() + slack;
+        let wide = |i: usize| reach(axes[0][i], axes[1][i], axes[2][i]);
+        let apart = |i: usize| centre[i] - from[i];
+        let (du, dv) = (apart(u), apart(v));
+        let ahead = apart(self.axis) * f32x8::splat(self.way) + wide(self.axis);
+        let mut open = du.abs().simd_le(wide(u)) & dv.abs().simd_le(wide(v)) & ahead.simd_ge(f32x8::splat(0.0));
+        for turned in &axes {
+            let height = |x: f32x8, y: f32x8| turned[v] * x - turned[u] * y;
+            let own = reach(
+                height(axes[0][u], axes[0][v]),
+                height(axes[1][u], axes[1][v]),
+                height(axes[2][u], axes[2][v]),
+            );
+            open &= height(du, dv).abs().simd_le(own + slack);
+        }
+        open.to_bitmask() & 0xff
+    }
+}
 
 impl Mesh {
-    /// Returns the winding number of a point in stored coordinates that is not on the surface.
+    /// Returns a point whose coordinates below 2^-200 of the size are zero, as those of the
+    /// vertices.
     ///
-    /// Returns `None` if every segment met an edge or a vertex.
+    /// Products of three smaller differences would leave the range of f64.
+    pub(crate) fn flushed(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        let flush = power_of_two(exponent_of(self.radius) - FLUSH_EXPONENT);
+        point.map(|x| if x.abs() < flush { 0.0 } else { x })
+    }
+
+    /// Returns the winding number of a point in stored coordinates.
+    ///
+    /// Returns `None` if the point is on the surface.
     pub(crate) fn winding(&self, point: &Vector3<f64>) -> Option<i32> {
         self.winding_of(point, |_| true)
     }
 
     /// Returns the winding number of the triangles for which `counts` returns true.
     ///
-    /// These triangles must form a closed surface that does not contain the point.
+    /// These triangles must form a closed surface. Returns `None` if it contains the point.
     pub(crate) fn winding_of(&self, point: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
-        let flush = power_of_two(exponent_of(self.radius) - FLUSH_EXPONENT);
-        let p = point.map(|x| if x.abs() < flush { 0.0 } else { x });
-        if (0..3).any(|k| !(p[k] >= self.low[k] && p[k] <= self.high[k])) {
+        self.winding_about(&self.flushed(point), counts)
+    }
+
+    /// Returns the winding number of some triangles about a point with exact signs.
+    ///
+    /// Returns `None` if the point is on one of them.
+    pub(crate) fn winding_about(&self, point: &impl ExactSigns, counts: impl Fn(u32) -> bool) -> Option<i32> {
+        let (p, error) = point.rounded();
+        // Written so that a point too far for f64, which is not finite, is outside.
+        if (0..3).any(|k| !(p[k] >= self.low[k] - error && p[k] <= self.high[k] + error)) {
             return Some(0);
         }
-        (0..SEGMENTS).find_map(|k| self.crossings(&p, &self.outside(&p, k), &counts))
-    }
-
-    /// Returns a position outside the bounding box, near the side that is nearest to `p`.
-    fn outside(&self, p: &Vector3<f64>, attempt: usize) -> Vector3<f64> {
         let (up, down) = (self.high - p, p - self.low);
         let (x, y) = (up.imin(), down.imin());
-        let (axis, way, room) = if up[x] < down[y] {
-            (x, 1.0, up[x])
-        } else {
-            (y, -1.0, down[y])
-        };
-        let size = largest(&(self.high - self.low));
-        // No round number divides these slopes, and they differ for each attempt.
-        let slant = 0.137 + 0.618_033_988 * attempt as f64;
-        let (s, t) = (
-            slant - libm::floor(slant) - 0.5,
-            0.5 - slant * 0.381_966 + libm::floor(slant * 0.381_966),
-        );
-        let along = room * 1.0625 + size * 0.015_625;
-        let mut step = Vector3::zeros();
-        step[axis] = way * along;
-        step[(axis + 1) % 3] = s * along;
-        step[(axis + 2) % 3] = t * along;
-        p + step
-    }
-
-    /// Returns the sum of the signed crossings of a segment with the mesh; `None` if a sign is
-    /// zero.
-    fn crossings(&self, from: &Vector3<f64>, to: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
-        let mut sum = 0;
-        let is_doubtful = self.any_along(from, to, 0.0, |t| {
-            let crossing = if counts(t) {
-                crossing(&self.corners(t), from, to)
-            } else {
-                Some(0)
+        let (axis, way) = if up[x] < down[y] { (x, 1) } else { (y, -1) };
+        let across = [(axis + 1) % 3, (axis + 2) % 3];
+        let mut winding = 0;
+        let mut is_on = |t: u32| {
+            let corners = self.corners(t);
+            let is_beside = |k: usize| {
+                let [a, b, c] = corners.each(|x| x[k]);
+                let (above, below) = (p[k] + error, p[k] - error);
+                a > above && b > above && c > above || a < below && b < below && c < below
             };
-            sum += crossing.unwrap_or(0);
-            crossing.is_none()
-        });
-        (!is_doubtful).then_some(sum)
+            if across.into_iter().any(is_beside) || !counts(t) {
+                return false;
+            }
+            let turns = point.turns(axis, &corners);
+            if are_mixed(&turns) {
+                return false;
+            }
+            let height = point.height(&corners);
+            if height == 0 {
+                return point.is_on(&corners);
+            }
+            let moved = moved(axis, &corners, turns);
+            if height * moved * way < 0 {
+                winding += moved * way;
+            }
+            false
+        };
+        let from = TreePoint::new(&self.tree, &p, error);
+        let way = way as f32;
+        let ray = AxisRay { from, axis, way };
+        let mut stack = vec![0];
+        while let Some(node) = stack.pop() {
+            if let Below::Leaf(first, count) = self.tree.below(node) {
+                if (first..first + count).any(&mut is_on) {
+                    return None;
+                }
+                continue;
+            }
+            let (nodes, count) = self.tree.eight_below(node);
+            let open = ray.meets(nodes.each(|n| &self.tree.boxes[n as usize]));
+            stack.extend((0..count).filter(|k| open >> k & 1 == 1).map(|k| nodes[k]));
+        }
+        Some(winding)
     }
 
     /// Returns whether the surface is proven farther than `error` from a point.
@@ -101,7 +225,7 @@ impl Mesh {
     /// meshes.
     ///
     /// Both are in stored units. Returns `None` if the surface, of a solid or of an open mesh, is
-    /// no farther than `doubt`, or if every segment to the outside met an edge.
+    /// no farther than `doubt`, or if the point is on it.
     pub(crate) fn held_by_rounding(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
         if !self.is_clear_of(point, doubt) {
             return None;
@@ -116,7 +240,7 @@ impl Mesh {
     /// meshes.
     ///
     /// Both are in stored units. Returns `None` if the surface of a solid is no farther than
-    /// `doubt`, or if every segment to the outside met an edge.
+    /// `doubt`, or if the point is on it.
     pub(crate) fn holds_point(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
         if !self.is_solid() {
             return Some(false);

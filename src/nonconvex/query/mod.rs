@@ -5,7 +5,8 @@ pub(crate) mod box_gaps;
 #[cfg(feature = "exact")]
 pub(crate) mod exact;
 pub(crate) mod frame;
-pub(super) mod inside;
+pub(crate) mod inside;
+pub(crate) mod near;
 pub(super) mod overlap;
 pub(crate) mod ray;
 pub(crate) mod search;

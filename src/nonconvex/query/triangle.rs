@@ -92,6 +92,12 @@ pub(crate) fn foot_of(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>)
     (best.square, best.on_q)
 }
 
+/// Returns the squared distance of a point from a triangle, the nearest point and its feature.
+pub(crate) fn nearest_point(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>, TriangleSpot) {
+    let best = closest_to(point, y);
+    (best.square, best.on_q, best.spots[1])
+}
+
 /// Returns the closest points of a point and a triangle.
 fn closest_to(point: &Vector3<f64>, y: &Triangle) -> Closest {
     let mut best = Closest {

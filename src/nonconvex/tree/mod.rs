@@ -13,7 +13,7 @@
 //! - `rebuild` measures whether a new tree is worth its cost, and creates a new upper part.
 
 mod fit;
-pub(in crate::nonconvex) mod morton;
+pub(crate) mod morton;
 mod rebuild;
 mod refit;
 mod split;
@@ -185,6 +185,27 @@ impl Tree {
             let first = link & ((1 << COUNT_SHIFT) - 1);
             Below::Leaf(first, (link >> COUNT_SHIFT & 15) + 1)
         }
+    }
+
+    /// Returns up to eight nodes below an inner node, which cover it, and their number.
+    ///
+    /// They are three levels down, or leaves. The first fills the other places.
+    #[inline(always)]
+    pub(crate) fn eight_below(&self, node: u32) -> ([u32; 8], usize) {
+        let (mut nodes, mut count) = ([node; 8], 1);
+        for _ in 0..3 {
+            let above = count;
+            for k in 0..above {
+                if let Below::Children(c) = self.below(nodes[k]) {
+                    nodes[k] = c;
+                    nodes[count] = c + 1;
+                    count += 1;
+                }
+            }
+        }
+        let first = nodes[0];
+        nodes[count..].fill(first);
+        (nodes, count)
     }
 
     #[inline(always)]

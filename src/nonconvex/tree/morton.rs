@@ -126,6 +126,13 @@ fn sort_once(points: &[[f64; 3]], order: &mut [u32]) -> Vec<u64> {
     keys
 }
 
+/// Returns at most 2^27 points in an order in which neighbours follow each other.
+pub(crate) fn order(points: &[[f64; 3]]) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    sort_once(points, &mut order);
+    order
+}
+
 /// Returns the order of the points, and their keys in the cube around all points.
 fn sorted(points: &[[f64; 3]]) -> (Vec<u32>, Vec<u64>) {
     let mut order: Vec<u32> = (0..points.len() as u32).collect();

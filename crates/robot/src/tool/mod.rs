@@ -5,6 +5,7 @@ mod clearance;
 mod ignorable;
 mod options;
 mod plan;
+mod points;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -25,7 +26,8 @@ Exit codes:
   5  no path found within the limits; a path may exist
   6  the start or the goal of `plan` is in contact or within the margin";
 
-/// Compute clearances, proven motions and paths of a robot from its URDF, MJCF or SDFormat
+/// Compute clearances, proven motions and paths of a robot from its URDF, MJCF or SDFormat, and
+/// distances of points
 #[derive(Parser)]
 #[command(name = "lin-canny-robot", version, about, after_help = ENDS)]
 struct Arguments {
@@ -43,6 +45,8 @@ enum Command {
     Plan(plan::PlanArguments),
     /// Find link pairs that always or never collide, and write them as SRDF
     Ignorable(ignorable::IgnorableOptions),
+    /// Compute the signed distances of points from a mesh
+    Points(points::PointOptions),
 }
 
 /// Result of a run, worst last.
@@ -69,6 +73,10 @@ enum ToolError {
     Rows { error: Box<FileError>, see: &'static str },
     #[error("{}: {reason}", file.display())]
     State { file: PathBuf, reason: String },
+    #[error(transparent)]
+    Format(#[from] lin_canny_formats::MeshFileError),
+    #[error("{}: {reason}", file.display())]
+    Input { file: PathBuf, reason: String },
     #[error("{}: too few rows: {count} (expected at least {least})", file.display())]
     TooFew { file: PathBuf, count: usize, least: usize },
 }
@@ -79,6 +87,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Certify(options) => certify::run(&options),
         Command::Plan(options) => plan::run(&options),
         Command::Ignorable(options) => ignorable::run(&options),
+        Command::Points(options) => points::run(&options),
     };
     match found {
         Ok(End::Free) => ExitCode::SUCCESS,

@@ -16,6 +16,7 @@ mod meshes;
 mod pairs;
 mod patches;
 mod plan;
+mod point_queries;
 mod points;
 mod rays;
 mod rrt;
@@ -28,10 +29,10 @@ use truth::boxes::Kind;
 /// Compare the speed of this crate with other libraries
 ///
 /// Each race measures one kind of query: closest points of polyhedra or curved shapes, contacts,
-/// broad phases, whole scenes, casts, meshes, segments of planners, Bézier surfaces, rays, hulls
-/// and clouds. The race `instructions` counts the instructions of queries. The race `gate` runs 30 cells of
-/// the others in two minutes, and names the cells that are more than 5 % slower than in
-/// `benches/record/gate.csv`.
+/// broad phases, whole scenes, casts, meshes, segments of planners, Bézier surfaces, rays, hulls,
+/// clouds and points. The race `instructions` counts the instructions of queries. The race `gate`
+/// runs 30 cells of the others in two minutes, and names the cells that are more than 5 % slower
+/// than in `benches/record/gate.csv`.
 #[derive(Parser)]
 struct Command {
     /// Race to run
@@ -61,6 +62,7 @@ enum Race {
     Rays,
     Hulls,
     Clouds,
+    Points,
     Instructions,
     Gate,
 }
@@ -97,6 +99,7 @@ fn race(
         Race::Hulls => (points::SCENES.into(), points::run),
         Race::Gate => return gate::run(*save),
         Race::Clouds => (clouds::SCENES.into(), clouds::run),
+        Race::Points => (point_queries::SCENES.into(), point_queries::run),
         Race::Instructions => {
             options.check(&instructions::SCENES)?;
             return options.save(&instructions::run(options)?);

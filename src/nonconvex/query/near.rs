@@ -1,0 +1,280 @@
+//! What of a body is near a point: the search down a tree, and the triangles of a mesh that may be
+//! closest.
+//!
+//! 1. A node is taken off the stack, and eight nodes below it are bounded at once
+//!    ([`TreePoint::squares`]). Those that may be nearer than the level return to the stack, the
+//!    nearest on top.
+//! 2. The triangles of a leaf are bounded four at once ([`bound_four`]). Each gets an interval of
+//!    its distance, of roundings alone.
+//! 3. The least upper bound is the level. All triangles whose lower bound is not above it are
+//!    returned: one of them is the closest, and every triangle that contains a closest point is
+//!    among them.
+//!
+//! Source: best-first search with oriented boxes, as for two trees (see
+//! [`nonconvex`](crate::nonconvex)).
+
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use nalgebra::Vector3;
+use wide::{f32x8, f64x4};
+
+use crate::base::num::each::Each;
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::scalar::{cross, dot, sqrt};
+use crate::base::tolerance::{POINT_BOX, POINT_BOX_SQUARE, POINT_HEIGHT, UNIT};
+use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::query::box_gaps::EightBoxes;
+use crate::nonconvex::query::triangle::Triangle;
+use crate::nonconvex::tree::{Below, Tree, up};
+
+/// Distance from the origin of a tree, in its unit, beyond which boxes are bounded in double
+/// precision. Rounding hides a thousandth of the tree from single precision there. Not measured.
+const FAR_BOX: f64 = 512.0;
+
+/// A point in the coordinates of a tree.
+pub(crate) struct TreePoint<'a> {
+    tree: &'a Tree,
+    place: Vector3<f64>,
+    pub(super) single: [f32; 3],
+    /// Error of a height over a box in single precision.
+    pub(super) slack: f32,
+    /// Error of the place in double precision.
+    shift: f64,
+    is_far: bool,
+}
+
+impl<'a> TreePoint<'a> {
+    /// Returns a point in stored coordinates of the body, each with this error.
+    pub(crate) fn new(tree: &'a Tree, point: &Vector3<f64>, error: f64) -> Self {
+        let place = (point - tree.centre) / tree.unit();
+        // The shift errs by a rounding of the coordinates, far from the origin of the body.
+        let shift = 4.0 * (error + UNIT * (point.amax() + tree.centre.amax())) / tree.unit();
+        let size = place.abs().sum() + f64::from(tree.reach);
+        Self {
+            tree,
+            place,
+            single: [place.x as f32, place.y as f32, place.z as f32],
+            slack: up(POINT_BOX * size + shift),
+            shift,
+            is_far: !(size < FAR_BOX),
+        }
+    }
+
+    /// Returns lower bounds of the squared distances of eight nodes, in units of the tree.
+    #[inline(always)]
+    fn squares(&self, nodes: [u32; 8]) -> [f64; 8] {
+        if self.is_far {
+            return nodes.each(|node| self.square_of_far(node));
+        }
+        let EightBoxes { axes, centre, half } = EightBoxes::new(nodes.each(|n| &self.tree.boxes[n as usize]), 1.0);
+        let (slack, zero) = (f32x8::splat(self.slack), f32x8::splat(0.0));
+        let from = self.single.each(f32x8::splat);
+        let apart = [from[0] - centre[0], from[1] - centre[1], from[2] - centre[2]];
+        let over = |k: usize| (dot(&axes[k], &apart).abs() - half[k] - slack).fast_max(zero);
+        let [x, y, z] = [over(0), over(1), over(2)];
+        let squares = (x * x + y * y + z * z) * f32x8::splat(1.0 - POINT_BOX_SQUARE as f32);
+        squares.to_array().each(f64::from)
+    }
+
+    /// Returns a lower bound of the squared distance of a node, by the height of its box along the
+    /// line of the centres.
+    #[cold]
+    fn square_of_far(&self, node: u32) -> f64 {
+        let b = &self.tree.boxes[node as usize];
+        let (apart, half) = (self.place - b.centre(), b.half());
+        let length = sqrt(apart.norm_squared());
+        let along = |k: usize| half[k] * b.axis(k).dot(&apart).abs();
+        let reach = (along(0) + along(1) + along(2)) / length;
+        let lower = (length - reach - 2.0 * POINT_HEIGHT * length - self.shift).at_least(0.0);
+        lower * lower
+    }
+
+    /// Calls `leaf` with the items of each leaf that may be nearer than a level.
+    ///
+    /// The level is the distance that the last call returned, at the start `level`, in stored units
+    /// of the body. Leaves farther than the level are skipped; so are all after a negative level.
+    #[inline(always)]
+    pub(crate) fn descend(&self, stack: &mut Vec<(f64, u32)>, level: f64, mut leaf: impl FnMut(Range<u32>) -> f64) {
+        let per_unit = 1.0 / self.tree.unit();
+        let most_at = |level: f64| {
+            let most = level * per_unit;
+            if most < 0.0 {
+                -1.0
+            } else {
+                most * most * (1.0 + 8.0 * UNIT)
+            }
+        };
+        let mut most = most_at(level);
+        stack.clear();
+        stack.push((0.0, 0));
+        while let Some((square, node)) = stack.pop() {
+            if square > most {
+                continue;
+            }
+            if let Below::Leaf(first, count) = self.tree.below(node) {
+                most = most_at(leaf(first..first + count));
+                continue;
+            }
+            let (nodes, count) = self.tree.eight_below(node);
+            let squares = self.squares(nodes);
+            let first = stack.len();
+            for k in (0..count).filter(|k| squares[*k] <= most) {
+                // Inserted in descending order.
+                let mut at = stack.len();
+                stack.push((squares[k], nodes[k]));
+                while at > first && stack[at - 1].0 < squares[k] {
+                    stack.swap(at, at - 1);
+                    at -= 1;
+                }
+            }
+        }
+    }
+}
+
+/// Bounds of the distances of four triangles from a point.
+struct FourBounds {
+    lower: [f64; 4],
+    upper: [f64; 4],
+}
+
+/// Returns bounds of the distances of four triangles from a point; see [`POINT_HEIGHT`].
+///
+/// Upper: the distance of a foot, which is a combination of the corners with clamped weights, so a
+/// point of the triangle. Lower: the least height of the corners along a direction. Any direction
+/// is a proof: that to the foot, or for a point near the plane the normal as rounded.
+#[inline(always)]
+fn bound_four(point: &Vector3<f64>, triangles: [Triangle; 4]) -> FourBounds {
+    let (zero, one) = (f64x4::splat(0.0), f64x4::splat(1.0));
+    let tiny = f64x4::splat(f64::MIN_POSITIVE);
+    let [a, b, c] = [0, 1, 2].each(|k| {
+        [0, 1, 2].each(|i| {
+            let [p, q, r, s] = triangles.each_ref().each(|t| t[k][i]);
+            f64x4::new([p, q, r, s]) - f64x4::splat(point[i])
+        })
+    });
+    let sub = |x: &[f64x4; 3], y: &[f64x4; 3]| [x[0] - y[0], x[1] - y[1], x[2] - y[2]];
+    let (ab, bc, ca) = (sub(&b, &a), sub(&c, &b), sub(&a, &c));
+    let on = |x: &[f64x4; 3], e: &[f64x4; 3]| {
+        let t = (-dot(x, e) / dot(e, e).fast_max(tiny)).fast_max(zero).fast_min(one);
+        let f = [x[0] + e[0] * t, x[1] + e[1] * t, x[2] + e[2] * t];
+        (dot(&f, &f), f)
+    };
+    let nearer = |(d, f): (f64x4, [f64x4; 3]), (e, g): (f64x4, [f64x4; 3])| {
+        let wins = e.simd_lt(d);
+        let pick = |k: usize| wins.select(g[k], f[k]);
+        (wins.select(e, d), [pick(0), pick(1), pick(2)])
+    };
+    let of_edges = nearer(nearer(on(&a, &ab), on(&b, &bc)), on(&c, &ca));
+    let n = cross(&ab, &bc);
+    let nn = dot(&n, &n);
+    // Twice the areas of the triangles with the foot, times the length of the normal.
+    let (wc, wa, wb) = (
+        dot(&n, &cross(&a, &b)),
+        dot(&n, &cross(&b, &c)),
+        dot(&n, &cross(&c, &a)),
+    );
+    let (sum, area) = (wa + wb + wc, nn.simd_gt(tiny));
+    let inside = wa.simd_ge(zero) & wb.simd_ge(zero) & wc.simd_ge(zero) & area & sum.simd_gt(tiny);
+    let sum = sum.fast_max(tiny);
+    let (wb, wc) = (wb / sum, wc / sum);
+    let flat = [0, 1, 2].each(|k: usize| a[k] + ab[k] * wb - ca[k] * wc);
+    let square = inside.select(dot(&flat, &flat), f64x4::splat(f64::INFINITY));
+    let (square, foot) = nearer(of_edges, (square, flat));
+    let reach = dot(&a, &a).fast_max(dot(&b, &b)).fast_max(dot(&c, &c)).sqrt();
+    let error = reach * f64x4::splat(POINT_HEIGHT);
+    let length = square.sqrt();
+    let heights = |d: &[f64x4; 3]| [dot(d, &a), dot(d, &b), dot(d, &c)];
+    let [x, y, z] = heights(&foot);
+    let by_foot = x.fast_min(y).fast_min(z) / length.fast_max(tiny);
+    let [x, y, z] = heights(&n);
+    let (low, high) = (x.fast_min(y).fast_min(z), x.fast_max(y).fast_max(z));
+    let by_plane = area.select(low.fast_max(-high) / nn.fast_max(tiny).sqrt(), zero);
+    let lower = (by_foot.fast_max(by_plane) - error).fast_max(zero);
+    FourBounds {
+        lower: lower.to_array(),
+        upper: (length + error).to_array(),
+    }
+}
+
+/// A triangle and bounds of its distance, in stored units.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NearTriangle {
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+    pub(crate) item: u32,
+}
+
+/// Room of searches from points, reused from search to search.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct NearRoom {
+    stack: Vec<(f64, u32)>,
+    /// The triangles that may be closest, after a search.
+    pub(crate) found: Vec<NearTriangle>,
+    /// The item with which the next search starts. Its distance is the first level.
+    pub(crate) start: Option<u32>,
+}
+
+impl Mesh {
+    /// Returns the closest triangle and bounds of the distance, and leaves all triangles that may
+    /// be closest in the room.
+    ///
+    /// All lengths are in stored units. The search ends early if a triangle is no farther than
+    /// `enough`; then the lower bound is zero.
+    pub(crate) fn nearest_triangle(&self, point: &Vector3<f64>, enough: f64, room: &mut NearRoom) -> NearTriangle {
+        let NearRoom { stack, found, start } = room;
+        found.clear();
+        let known = start.filter(|item| (*item as usize) < self.triangles.len());
+        let mut level = known.map_or(f64::INFINITY, |item| self.near_triangle(point, item).upper);
+        let mut limit = 32;
+        TreePoint::new(&self.tree, point, 0.0).descend(stack, level, |items| {
+            let bounds = self.bounds_of(point, &items);
+            let count = items.len();
+            level = bounds.upper[..count].iter().fold(level, |least, x| least.smaller(*x));
+            for (k, item) in items.enumerate() {
+                let (lower, upper) = (bounds.lower[k], bounds.upper[k]);
+                if lower <= level {
+                    found.push(NearTriangle { lower, upper, item });
+                }
+            }
+            if found.len() > limit {
+                found.retain(|t| t.lower <= level);
+                // Doubled, or a search with many ties would scan the list at each leaf.
+                limit = limit.max(2 * found.len());
+            }
+            if level <= enough { -1.0 } else { level }
+        });
+        found.retain(|t| t.lower <= level);
+        let nearest = |best: NearTriangle, t: &NearTriangle| {
+            let is_nearer = t.upper < best.upper || t.upper == best.upper && t.item < best.item;
+            if is_nearer { *t } else { best }
+        };
+        // A mesh has a triangle, and its bounds are finite.
+        let none = NearTriangle {
+            lower: 0.0,
+            upper: f64::INFINITY,
+            item: 0,
+        };
+        let best = found.iter().fold(none, nearest);
+        let least = found.iter().fold(level, |least, t| least.smaller(t.lower));
+        *start = Some(best.item);
+        NearTriangle {
+            lower: if level <= enough { 0.0 } else { least },
+            ..best
+        }
+    }
+
+    /// Returns bounds of the distance of one triangle.
+    pub(crate) fn near_triangle(&self, point: &Vector3<f64>, item: u32) -> NearTriangle {
+        let bounds = self.bounds_of(point, &(item..item + 1));
+        let (lower, upper) = (bounds.lower[0], bounds.upper[0]);
+        NearTriangle { lower, upper, item }
+    }
+
+    #[inline(always)]
+    fn bounds_of(&self, point: &Vector3<f64>, items: &Range<u32>) -> FourBounds {
+        let last = items.end - 1;
+        let four = [0, 1, 2, 3].each(|k| self.corners((items.start + k).min(last)));
+        bound_four(point, four)
+    }
+}

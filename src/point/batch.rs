@@ -1,0 +1,131 @@
+//! Many points: in an order in which neighbours follow each other, and on several threads.
+//!
+//! Each answer is a function of its point alone. So order and threads change no bit.
+
+use alloc::vec::Vec;
+
+use nalgebra::Point3;
+#[cfg(feature = "parallel")]
+use rayon::prelude::*;
+
+use super::{PointError, PointQuery, PointRoom, check};
+#[cfg(feature = "meshes")]
+use crate::nonconvex::{mesh::Mesh, tree::morton};
+use crate::pair::outcome::Distance;
+use crate::pair::point::PointOutcome;
+
+/// Number of points that are put in order at once. Not measured.
+const BLOCK: usize = 1 << 18;
+
+/// Number of points per triangle from which a batch tests whether the surface meets itself. Not
+/// measured.
+#[cfg(feature = "meshes")]
+const PREPARED: usize = 4;
+
+/// Number of points of one task. Not measured.
+#[cfg(feature = "parallel")]
+const RUN: usize = 512;
+
+impl PointQuery<'_> {
+    /// Returns the closest point and the signed distance of each point, in the order given.
+    ///
+    /// The results are those of [`closest_point`](Self::closest_point). For meshes, compounds and
+    /// clouds the points are visited in Morton order, so that neighbours follow each other. With
+    /// the feature `parallel` the call uses several threads; the bits do not depend on their
+    /// number.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::Point3;
+    /// use lin_canny::polyhedron::solids;
+    /// use lin_canny::{Mesh, PointQuery};
+    ///
+    /// let ball = Mesh::from_convex(&solids::icosahedron(1.0)?)?;
+    /// let line: Vec<_> = (0..100)
+    ///     .map(|k| Point3::new(0.03 * f64::from(k), 0.0, 0.0))
+    ///     .collect();
+    /// let query = PointQuery::new(&ball);
+    /// let found = query.closest_points(&line)?;
+    /// assert!(found.iter().all(|f| f.lower <= f.distance));
+    /// assert_eq!(query.contains_each(&line)?.iter().filter(|x| **x).count(), 29);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns an error with the index of the first point that is not finite or out of range.
+    pub fn closest_points(&self, points: &[Point3<f64>]) -> Result<Vec<PointOutcome>, PointError> {
+        self.each(points, |query, p, room| query.ask(p, room))
+    }
+
+    /// Returns the signed distance of each point with its bounds, in the order given.
+    ///
+    /// See [`closest_points`](Self::closest_points).
+    ///
+    /// # Errors
+    ///
+    /// Returns an error with the index of the first point that is not finite or out of range.
+    pub fn signed_distances(&self, points: &[Point3<f64>]) -> Result<Vec<Distance>, PointError> {
+        self.each(points, |query, p, room| Distance::from(&query.ask(p, room)))
+    }
+
+    /// Returns for each point whether the geometry contains it, in the order given.
+    ///
+    /// See [`contains`](Self::contains) and [`closest_points`](Self::closest_points).
+    ///
+    /// # Errors
+    ///
+    /// Returns an error with the index of the first point that is not finite or out of range.
+    pub fn contains_each(&self, points: &[Point3<f64>]) -> Result<Vec<bool>, PointError> {
+        self.each(points, |query, p, room| query.holds(p, room))
+    }
+
+    /// Answers each point, in the order given.
+    fn each<T: Send>(
+        &self,
+        points: &[Point3<f64>],
+        answer: impl Fn(&Self, &Point3<f64>, &mut PointRoom) -> T + Sync,
+    ) -> Result<Vec<T>, PointError> {
+        (0..).zip(points).try_for_each(|(index, p)| check(index, p))?;
+        let prepared = self.is_worth_preparing(points.len()).then(|| self.clone().prepared());
+        let query = prepared.as_ref().unwrap_or(self);
+        let mut all = Vec::with_capacity(points.len());
+        for block in points.chunks(BLOCK) {
+            let order = self.order(block);
+            let run = |part: &[u32]| -> Vec<(u32, T)> {
+                let mut room = PointRoom::default();
+                part.iter()
+                    .map(|&k| (k, answer(query, &block[k as usize], &mut room)))
+                    .collect()
+            };
+            #[cfg(feature = "parallel")]
+            let mut found: Vec<(u32, T)> = order.par_chunks(RUN).flat_map_iter(run).collect();
+            #[cfg(not(feature = "parallel"))]
+            let mut found = run(&order);
+            found.sort_unstable_by_key(|(k, _)| *k);
+            all.extend(found.into_iter().map(|(_, answer)| answer));
+        }
+        Ok(all)
+    }
+
+    /// Returns whether so many points are worth the work of [`prepared`](Self::prepared).
+    #[cfg(feature = "meshes")]
+    fn is_worth_preparing(&self, count: usize) -> bool {
+        let is_many = |mesh: &Mesh| mesh.is_solid() && count / PREPARED >= mesh.triangle_count();
+        self.surface.is_none() && self.geometry.mesh().is_some_and(is_many)
+    }
+
+    #[cfg(not(feature = "meshes"))]
+    fn is_worth_preparing(&self, _: usize) -> bool {
+        false
+    }
+
+    /// Returns an order of points in which neighbours follow each other.
+    fn order(&self, points: &[Point3<f64>]) -> Vec<u32> {
+        #[cfg(feature = "meshes")]
+        if !self.geometry.kind().is_convex() {
+            let places: Vec<[f64; 3]> = points.iter().map(|p| (*p).into()).collect();
+            return morton::order(&places);
+        }
+        (0..points.len() as u32).collect()
+    }
+}

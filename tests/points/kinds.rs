@@ -1,0 +1,337 @@
+use std::f64::consts::SQRT_2;
+
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::surface::{BezierPatch, BezierSurface};
+use lin_canny::{
+    Cloud, CloudElement, Compound, ContactState, ConvexPolyhedron, Geometry, HalfSpace, Mesh, Piece, PointOutcome,
+    PointQuery, Shape,
+};
+use truth::rng::Rng;
+
+/// Points anywhere, on a lattice, and on planes of symmetry.
+fn points(count: usize, size: f64, rng: &mut Rng) -> Vec<Point3<f64>> {
+    let one = |k: usize, rng: &mut Rng| -> Point3<f64> {
+        Point3::from(match k % 4 {
+            0 => [0; 3].map(|_| 0.25 * rng.int(-8, 8) as f64 * size),
+            1 => {
+                let mut p = [0; 3].map(|_| rng.range(-2.0, 2.0) * size);
+                p[rng.below(3)] = 0.0;
+                p
+            }
+            _ => [0; 3].map(|_| rng.range(-2.0, 2.0) * size),
+        })
+    };
+    (0..count).map(|k| one(k, rng)).collect()
+}
+
+/// Checks outcomes against a function for the true signed distance, which errs by `error`.
+fn judge(query: &PointQuery<'_>, size: f64, error: f64, truth: impl Fn(&Point3<f64>) -> f64, told: &str) {
+    let mut rng = Rng::new(3);
+    let all = points(200, size, &mut rng);
+    for (p, found) in all.iter().zip(super::ask(query, &all, told)) {
+        let told = format!("{told}, {p:?}: {found:?}");
+        let (true_value, slack) = (truth(p), error * (size + p.coords.norm()));
+        assert!(
+            found.lower <= true_value + slack && true_value - slack <= found.upper,
+            "{true_value}: {told}"
+        );
+        let wrong = match found.state {
+            ContactState::Separated => true_value < -slack,
+            ContactState::Overlapping => true_value > slack,
+            _ => true_value.abs() > slack + (found.upper - found.lower),
+        };
+        assert!(!wrong, "{true_value}: {told}");
+        // The closest point is on the surface, at the distance.
+        assert!(
+            ((found.point - p).norm() - found.distance.abs()).abs() <= 1e-9 * (size + p.coords.norm()),
+            "{told}"
+        );
+        let out = (p - found.point).dot(&found.normal) - found.distance;
+        assert!(out.abs() <= 1e-9 * (size + p.coords.norm()), "{told}");
+    }
+}
+
+fn of_box(p: &Point3<f64>, h: f64) -> f64 {
+    let over = p.coords.map(|x| x.abs() - h);
+    let outside = over.map(|x| x.max(0.0)).norm();
+    outside + over.max().min(0.0)
+}
+
+#[test]
+fn a_box_a_rounded_box_and_a_ball_have_the_distances_of_closed_forms() {
+    for size in [1.0, 1e-99, 1e60] {
+        let die = solids::cuboid(Vector3::repeat(size)).expect("a box");
+        judge(&PointQuery::new(&die), size, 1e-15, |p| of_box(p, size), "box");
+        let mesh = Mesh::from_convex(&die).expect("a mesh");
+        judge(
+            &PointQuery::new(&mesh),
+            size,
+            1e-15,
+            |p| of_box(p, size),
+            "mesh of a box",
+        );
+        let rounded = Shape::from(die).rounded(0.25 * size).expect("a shape");
+        judge(
+            &PointQuery::new(&rounded),
+            size,
+            1e-15,
+            |p| of_box(p, size) - 0.25 * size,
+            "rounded box",
+        );
+        let ball = Shape::ball(size).expect("a ball");
+        judge(&PointQuery::new(&ball), size, 1e-15, |p| p.coords.norm() - size, "ball");
+    }
+}
+
+#[test]
+fn a_cylinder_and_a_capsule_have_the_distances_of_closed_forms() {
+    let can = Shape::cylinder(1.0, 0.5).expect("a cylinder");
+    let flat = |p: &Point3<f64>| {
+        let (r, h) = (p.x.hypot(p.y) - 0.5, p.z.abs() - 1.0);
+        r.max(0.0).hypot(h.max(0.0)) + r.max(h).min(0.0)
+    };
+    judge(&PointQuery::new(&can), 1.0, 1e-14, flat, "cylinder");
+    let capsule = Shape::capsule(1.0, 0.5).expect("a capsule");
+    let round = |p: &Point3<f64>| Vector3::new(p.x, p.y, (p.z.abs() - 1.0).max(0.0)).norm() - 0.5;
+    judge(&PointQuery::new(&capsule), 1.0, 1e-14, round, "capsule");
+}
+
+#[test]
+fn a_point_next_to_a_polyhedron_is_on_its_side() {
+    let die = solids::cuboid(Vector3::repeat(1.0)).expect("a box");
+    let query = PointQuery::new(&die);
+    for (z, state) in [
+        (1.0, ContactState::Touching),
+        (1f64.next_up(), ContactState::Separated),
+        (1f64.next_down(), ContactState::Overlapping),
+    ] {
+        let found = query.closest_point(&Point3::new(0.3, 0.2, z)).expect("a point");
+        assert_eq!(found.state, state, "{found:?}");
+    }
+    // Bodies without volume have a surface alone.
+    let segment = ConvexPolyhedron::segment(Point3::origin(), Point3::new(1.0, 2.0, 3.0)).expect("a segment");
+    let query = PointQuery::new(&segment);
+    let state = |p: [f64; 3]| query.closest_point(&Point3::from(p)).expect("a point").state;
+    assert_eq!(state([0.5, 1.0, 1.5]), ContactState::Touching);
+    assert_eq!(state([0.5, 1.0, 1.5f64.next_up()]), ContactState::Separated);
+}
+
+#[test]
+fn a_half_space_has_the_exact_side() {
+    let space = HalfSpace::new(Vector3::new(1.0, 1.0, 0.0), 0.25).expect("a half-space");
+    let (n, offset) = (space.normal(), space.offset());
+    let query = PointQuery::new(&space);
+    judge(&query, 1.0, 1e-15, |p| n.dot(&p.coords) - offset, "half-space");
+    let floor = HalfSpace::new(Vector3::z(), 0.0).expect("a half-space");
+    let query = PointQuery::new(&floor);
+    for (z, state) in [
+        (0.0, ContactState::Touching),
+        (1e-300, ContactState::Separated),
+        (-1e-300, ContactState::Overlapping),
+    ] {
+        assert_eq!(
+            query.closest_point(&Point3::new(1.0, 2.0, z)).expect("a point").state,
+            state
+        );
+    }
+}
+
+#[test]
+fn a_surface_has_a_distance_and_no_inside() {
+    let at = |k: usize| Point3::new((k / 2) as f64, (k % 2) as f64, 0.0);
+    let corners: Vec<_> = (0..4).map(at).collect();
+    let patch = BezierPatch::polynomial([1, 1], &corners).expect("a patch");
+    let surface = BezierSurface::new(vec![patch]).expect("a surface");
+    let query = PointQuery::new(&surface);
+    let found = query.closest_point(&Point3::new(0.5, 0.5, -2.0)).expect("a point");
+    assert!(
+        found.lower <= 2.0 && 2.0 <= found.upper && found.upper - found.lower < 1e-8,
+        "{found:?}"
+    );
+    let found = query.closest_point(&Point3::new(2.0, 2.0, 0.0)).expect("a point");
+    assert!(
+        found.lower <= SQRT_2 && SQRT_2 <= found.upper && !found.is_contained(),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn unions_have_the_side_and_the_distance_of_their_members() {
+    let mut rng = Rng::new(11);
+    for size in [1.0, 1e-60, 1e40] {
+        let die = solids::cuboid(Vector3::repeat(size)).expect("a box");
+        let ball = Shape::ball(0.75 * size).expect("a ball");
+        let shifts: Vec<Vector3<f64>> = (0..40)
+            .map(|_| Vector3::from_fn(|_, _| rng.int(-4, 4) as f64 * size))
+            .collect();
+        let centres: Vec<_> = shifts.iter().map(|s| Point3::from(*s)).collect();
+        let of_boxes = |p: &Point3<f64>| {
+            shifts
+                .iter()
+                .map(|s| of_box(&(p - s), size))
+                .fold(f64::INFINITY, f64::min)
+        };
+        let of_balls = |p: &Point3<f64>| {
+            shifts
+                .iter()
+                .map(|s| (p.coords - s).norm() - 0.75 * size)
+                .fold(f64::INFINITY, f64::min)
+        };
+        let piece = |shape: Shape, shift: &Vector3<f64>| Piece {
+            pose: Isometry3::translation(shift.x, shift.y, shift.z),
+            ..Piece::new(shape)
+        };
+        let boxes: Vec<_> = shifts.iter().map(|s| piece(Shape::from(die.clone()), s)).collect();
+        let balls: Vec<_> = shifts.iter().map(|s| piece(ball.clone(), s)).collect();
+        let half = Vector3::repeat(size);
+        let cylinder = Shape::cylinder(size, size).expect("a cylinder");
+        let all: [(&str, Geometry, bool); 6] = [
+            ("boxes", Compound::new(boxes).expect("pieces").into(), true),
+            ("balls", Compound::new(balls).expect("pieces").into(), false),
+            (
+                "cloud of boxes",
+                Cloud::new(&centres, CloudElement::Box(half)).expect("a cloud").into(),
+                true,
+            ),
+            (
+                "cloud of balls",
+                Cloud::new(&centres, CloudElement::Ball(0.75 * size))
+                    .expect("a cloud")
+                    .into(),
+                false,
+            ),
+            (
+                "cloud of radii",
+                Cloud::new(&centres, CloudElement::Balls(vec![0.75 * size; 40]))
+                    .expect("a cloud")
+                    .into(),
+                false,
+            ),
+            (
+                "cloud of shapes",
+                Cloud::new(&centres, CloudElement::Shape(cylinder))
+                    .expect("a cloud")
+                    .into(),
+                true,
+            ),
+        ];
+        for (told, geometry, are_boxes) in &all {
+            let query = PointQuery::new(geometry);
+            let points = points(120, 2.0 * size, &mut rng);
+            let told = format!("{told} {size:e}");
+            for (p, found) in points.iter().zip(super::ask(&query, &points, &told)) {
+                let told = format!("{told}, {p:?}: {found:?}");
+                if told.starts_with("cloud of shapes") {
+                    continue;
+                }
+                let truth = if *are_boxes { of_boxes(p) } else { of_balls(p) };
+                let slack = 1e-14 * (size + p.coords.norm());
+                // The union of overlapping members is at least as deep as the deepest.
+                assert!(
+                    truth <= found.upper + slack && (truth < 0.0 || found.lower <= truth + slack),
+                    "{truth}: {told}"
+                );
+                assert!(truth >= 0.0 || found.lower <= truth + slack, "{truth}: {told}");
+                assert!(
+                    found.state != ContactState::Separated || truth >= -slack,
+                    "{truth}: {told}"
+                );
+                assert!(
+                    found.state != ContactState::Overlapping || truth <= slack,
+                    "{truth}: {told}"
+                );
+                assert!(
+                    found.state != ContactState::Undecided || truth.abs() <= slack,
+                    "{truth}: {told}"
+                );
+            }
+        }
+    }
+}
+
+/// Checks near subshapes against all of them, each measured by itself.
+fn judge_near(query: &PointQuery<'_>, count: usize, points: &[Point3<f64>], told: &str) {
+    for p in points {
+        let all = query.nearest_features(p, usize::MAX).expect("a point");
+        let told = format!("{told}, {p:?}");
+        assert_eq!(all.len(), count, "{told}");
+        let key = |f: &PointOutcome| (f.upper, f.location.subshape);
+        assert!(all.is_sorted_by(|a, b| key(a) < key(b)), "{told}");
+        for k in [0, 1, 3, 7] {
+            let few = query.nearest_features(p, k).expect("a point");
+            assert_eq!(few[..], all[..k.min(all.len())], "{told}, {k}");
+        }
+        let nearest = query.closest_point(p).expect("a point");
+        assert!(
+            nearest.lower.abs() <= all[0].upper.abs() || nearest.lower <= all[0].upper,
+            "{told}"
+        );
+        for d in [
+            -1.0,
+            0.0,
+            all[all.len() / 2].upper,
+            all[all.len() / 2].lower,
+            f64::NAN,
+            f64::INFINITY,
+        ] {
+            let near = query.within(p, d).expect("a point");
+            let expected: Vec<_> = all.iter().filter(|f| f.lower <= d).copied().collect();
+            assert_eq!(near, expected, "{told}, {d}");
+        }
+    }
+}
+
+#[test]
+fn near_subshapes_are_those_of_a_search_of_all() {
+    let mut rng = Rng::new(12);
+    let soup = truth::near_points::hard_mesh(6, &mut rng);
+    let at: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
+    let mesh = Mesh::new(&at, &soup.triangles).expect("a mesh");
+    let mut own = points(8, 1.0, &mut rng);
+    own.extend(&at[..4]);
+    judge_near(&PointQuery::new(&mesh), soup.triangles.len(), &own, "mesh");
+    let hull = ConvexPolyhedron::from_points(&at).expect("a hull");
+    judge_near(&PointQuery::new(&hull), hull.face_count(), &own, "hull");
+    let cloud = Cloud::new(&at, CloudElement::Ball(0.125)).expect("a cloud");
+    judge_near(&PointQuery::new(&cloud), at.len(), &own, "cloud");
+    let voxels = Cloud::new(&at[..50], CloudElement::Box(Vector3::repeat(0.25))).expect("a cloud");
+    judge_near(&PointQuery::new(&voxels), 50, &own, "voxels");
+    let piece = |p: &Point3<f64>| Piece {
+        pose: Isometry3::new(p.coords, p.coords),
+        ..Piece::new(solids::icosahedron(0.2).expect("a body"))
+    };
+    let compound = Compound::new(at[..30].iter().map(piece).collect()).expect("pieces");
+    judge_near(&PointQuery::new(&compound), 30, &own, "compound");
+    let can = Shape::cylinder(1.0, 0.5).expect("a shape");
+    judge_near(&PointQuery::new(&can), 1, &own, "cylinder");
+}
+
+#[test]
+fn a_grid_bounds_the_error_of_its_interpolation() {
+    let mut rng = Rng::new(4);
+    let soup = truth::near_points::hard_mesh(3, &mut rng);
+    let at: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
+    let mesh = Mesh::new(&at, &soup.triangles).expect("a mesh");
+    let query = PointQuery::new(&mesh);
+    let (low, high) = (Point3::new(-1.0, -0.9, -0.8), Point3::new(1.0, 1.1, 0.7));
+    let grid = query.signed_distance_grid(low, high, [9, 7, 5]).expect("a grid");
+    assert_eq!((grid.nodes, grid.values.len()), ([10, 8, 6], 480));
+    for _ in 0..2000 {
+        let p = Point3::new(rng.range(-1.0, 1.0), rng.range(-0.9, 1.1), rng.range(-0.8, 0.7));
+        let (value, error) = grid.value_at(&p).expect("a point of the grid");
+        let truth = query.signed_distance(&p).expect("a point").value;
+        assert!(
+            (value - truth).abs() <= error && error < 0.25,
+            "{p:?}: {value} +- {error}, {truth}"
+        );
+    }
+    assert!(grid.value_at(&Point3::new(2.0, 0.0, 0.0)).is_none() && grid.error([9, 0, 0]).is_none());
+    for bad in [
+        query.signed_distance_grid(low, high, [0, 1, 1]),
+        query.signed_distance_grid(high, low, [1; 3]),
+    ] {
+        assert!(bad.is_err(), "{bad:?}");
+    }
+    assert!(query.signed_distance_grid(low, high, [usize::MAX; 3]).is_err());
+}
