@@ -349,6 +349,15 @@ impl JointCurve {
             return refused("knot", pair[1]);
         }
         let mut times = knots[degree..=points].to_vec();
+        let (first, last) = (times[0], times[times.len() - 1]);
+        let inner = |knot: f64| knot > first && knot < last;
+        // A knot that repeats more often is a jump.
+        if let Some(run) = knots
+            .windows(degree + 1)
+            .find(|run| run[0] == run[degree] && inner(run[0]))
+        {
+            return refused("knot that repeats more often than the degree", run[0]);
+        }
         times.dedup();
         match times.len() {
             1 => refused("knot", times[0]),
@@ -509,6 +518,8 @@ impl JointCurve {
         let points = self.row(c, order);
         match *points {
             [only] => only,
+            // The end is the last control point, without rounding.
+            [.., last] if time == 1.0 => last,
             [from, to] => from + (to - from) * time,
             _ => {
                 let mut row: Row = [0.0; DEGREE_MAX + 1];

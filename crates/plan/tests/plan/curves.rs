@@ -203,7 +203,7 @@ fn robots() -> [(&'static str, (JointTree, World)); 4] {
     [
         ("chain of 6", chain(6)),
         ("chain of 14", chain(14)),
-        ("chain of 3", chain(3)),
+        ("chain of 9", chain(9)),
         ("carriage", carriage()),
     ]
 }
@@ -263,7 +263,7 @@ fn a_parabola_that_nearly_touches_is_decided() {
             let verdict = verdict(&mut checker, &[[-1.0, 1.6, 0.0], [0.0, low, 0.0], [1.0, 1.6, 0.0]]);
             match verdict {
                 Verdict::Free { .. } => assert!(gap > 0.0, "{gap:e}"),
-                Verdict::Blocked { t, safe, .. } => assert!(gap < 0.0 && t - safe < 1e-4, "{gap:e} {verdict:?}"),
+                Verdict::Blocked { t, safe, .. } => assert!(gap < 0.0 && t - safe < 1e-3, "{gap:e} {verdict:?}"),
                 _ => panic!("{gap:e}: {verdict:?}"),
             }
         }
@@ -408,7 +408,7 @@ fn curves_of_wrong_numbers_and_spaces_are_errors() {
     assert_eq!(refused(&[]), "path is empty (expected at least one configuration)");
     assert!(refused(&[&[0.0], &[0.0, 1.0]]).contains("2 numbers"));
     assert!(refused(&[&[0.0], &[f64::NAN]]).contains("control point"));
-    assert!(refused(&[&[0.0]; 18]).contains("degree"));
+    assert!(refused(&[&[0.0][..]; 18]).contains("degree"));
     let mut checker = slider();
     let short = JointCurve::bezier(&[[0.0, 1.0], [1.0, 1.0]]).expect("a curve");
     assert!(matches!(
