@@ -5,12 +5,12 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
 
-use crate::attached::CarriedMotion;
+use crate::attached::{Carried, CarriedMotion};
 use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::pairs::{PairKey, Pairs, Places, Stretch, SweptBox, cut, even_span, span_at};
-use crate::space::{BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
+use crate::space::{BodyBall, BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
 use crate::verdict::{CheckWork, LeavingPair, Verdict};
 use crate::world::{Named, World, WorldId, WorldPair};
 use lin_canny::impact::{Cast, CastOptions, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
@@ -24,6 +24,9 @@ const CONTACT: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// Factor by which the radius of a tube grows for swept boxes, more than sums round.
 const GROWN: f64 = 1.0 + 8.0 * f64::EPSILON;
+
+/// Least number of parts of a curve with a tube of joints, a power of two. Not measured.
+const TUBE_PARTS: u32 = 16;
 
 /// The proof that a pair stays apart on a segment: consecutive certificates from time 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +45,8 @@ pub struct Checker<C> {
     pub(crate) pairs: Pairs,
     /// What all pairs must keep in addition: inside a tube.
     pub(crate) tube: f64,
+    /// How much each coordinate may deviate: inside a tube of joints; empty outside.
+    pub(crate) joint_tube: Vec<f64>,
     pub(crate) start_contact_margin: Option<f64>,
     pub(crate) work: CheckWork,
     /// Scratch memory: pairs to check, and poses.
@@ -93,6 +98,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             world,
             pairs,
             tube: 0.0,
+            joint_tube: Vec::new(),
             start_contact_margin: None,
             work: CheckWork::default(),
             candidates: Vec::new(),
@@ -187,6 +193,31 @@ impl<C: ConfigurationSpace> Checker<C> {
             true => (kept + self.tube).next_up(),
             false => kept,
         }
+    }
+
+    /// Returns the distance that a pair must keep during an interval, inside a tube of joints as
+    /// well.
+    fn kept_along(&self, index: usize, segment: &C::Segment, interval: &Range<f64>) -> f64 {
+        let kept = self.kept(index);
+        if self.joint_tube.is_empty() {
+            return kept;
+        }
+        let ball = |part: WorldId| {
+            let mover = self.pairs.places.mover(part)?;
+            let (body, carried) = self.pairs.places.carrier(mover);
+            Some(body_ball(self.pairs.ball(part), body, carried))
+        };
+        let pair = self.pairs.all[index].pair;
+        let span = (interval.end - interval.start).next_up();
+        let spread = ball(pair.a).and_then(|a| segment.spread(a, ball(pair.b), interval.start, span, &self.joint_tube));
+        kept + spread.unwrap_or(f64::INFINITY)
+    }
+
+    /// Returns the number of parts in which pairs are cast: more in a tube of joints, whose width
+    /// depends on the configuration.
+    fn parts(&self, segment: &C::Segment) -> u32 {
+        let least = if self.joint_tube.is_empty() { 1 } else { TUBE_PARTS };
+        segment.parts().max(least)
     }
 
     /// Returns the configuration space.
@@ -397,8 +428,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// bodies; the earliest first.
     fn gather(&mut self, segment: &C::Segment, stretches: &mut Vec<Stretch>) -> Result<(), PlanError> {
         stretches.clear();
-        let longest = 1.0 / f64::from(segment.parts());
-        let more = if self.tube > 0.0 {
+        let longest = 1.0 / f64::from(self.parts(segment));
+        let radius = if self.tube > 0.0 {
             self.tube.next_up() * GROWN
         } else {
             0.0
@@ -419,6 +450,14 @@ impl<C: ConfigurationSpace> Checker<C> {
                 let (pose, model) = carried.map_or(of_body, |carried| carried.after(&of_body));
                 let until = time + even_span(ball, &model, span);
                 let swept = SweptBox::new(ball, &pose, &model, until - time);
+                let more = match self.joint_tube.is_empty() {
+                    true => radius,
+                    false => {
+                        let mover = body_ball(ball, body, carried);
+                        let spread = segment.spread(mover, None, time, until - time, &self.joint_tube);
+                        radius + spread.unwrap_or(f64::INFINITY)
+                    }
+                };
                 self.pairs.near_within(mover, &swept, more, (time, until), stretches)?;
                 *reached = until;
             }
@@ -451,7 +490,8 @@ impl<C: ConfigurationSpace> Checker<C> {
             let (k, end) = (stretch.pair, stretch.until.smaller(until));
             let interval = stretch.from..end;
             let start_contact = self.start_contact_margin.filter(|_| stretch.from == 0.0);
-            let found = self.cast(k, segment, interval, self.kept(k), start_contact, None)?;
+            let kept = self.kept_along(k, segment, &(stretch.from..stretch.until));
+            let found = self.cast(k, segment, interval, kept, start_contact, None)?;
             self.work.queries += u64::from(found.queries + found.proofs);
             let (safe, hit) = match found.impact {
                 Impact::Miss => {
@@ -463,7 +503,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 Impact::Hit { safe, hit, seen } => (safe, Some((hit, seen))),
                 Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => {
                     // The contact may be at the end of the interval, where the motion is at rest.
-                    let seen = self.contact_at(k, segment, end)?;
+                    let seen = self.contact_at(k, segment, end, kept)?;
                     (safe, seen.map(|seen| (end, seen)))
                 }
                 // A variant that is unknown here proves nothing.
@@ -541,8 +581,13 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the closest points of a pair at a time, if it is proven to be in contact or closer
     /// than it must keep.
-    fn contact_at(&mut self, index: usize, segment: &C::Segment, time: f64) -> Result<Option<Measurement>, PlanError> {
-        let kept = self.kept(index);
+    fn contact_at(
+        &mut self,
+        index: usize,
+        segment: &C::Segment,
+        time: f64,
+        kept: f64,
+    ) -> Result<Option<Measurement>, PlanError> {
         let (tracked, places) = self.pairs.tracked(index);
         let pair = tracked.pair;
         let [pose_a, pose_b] = [pair.a, pair.b].map(|part| pose_of(segment, places, part, time));
@@ -564,6 +609,16 @@ fn pose_of<M: SegmentMotion>(segment: &M, places: &Places, part: WorldId, time: 
     match (part, places.mover(part)) {
         (WorldId::Obstacle(k), _) => places.obstacle_poses[k],
         (_, mover) => moving(segment, places, mover.unwrap_or_default(), 0).pose(time),
+    }
+}
+
+/// Returns the ball around a mover as one of the body that is it or carries it.
+fn body_ball((centre, radius): (Point3<f64>, f64), body: usize, carried: Option<&Carried>) -> BodyBall {
+    BodyBall {
+        body,
+        centre: carried.map_or(centre, |carried| carried.pose * centre),
+        // The pose of an object rounds, see `ATTACHED`.
+        radius: radius * GROWN,
     }
 }
 

@@ -191,7 +191,7 @@ pub use opportunistic::{Plan, PlanOptions, PlanWork};
 pub use path::Path;
 pub use rigid::{PlanarSpace, RigidSpace, TranslationSpace};
 pub use roadmap::{Edge, EdgeKind, Freeway, Roadmap};
-pub use space::{BodyMotion, ConfigurationSpace, SegmentMotion};
+pub use space::{BodyBall, BodyMotion, ConfigurationSpace, SegmentMotion};
 pub use tree::{Drive, JointTree, TreeJoint};
 pub use tree_motion::TreeSegment;
 pub use verdict::{CheckWork, LeavingPair, Verdict};

@@ -210,6 +210,27 @@ pub trait SegmentMotion {
     fn parts(&self) -> u32 {
         1
     }
+
+    /// Returns an upper bound of how much nearer two bodies are within a tube than on this motion,
+    /// at all times of a span; `None` if the space has no tubes.
+    ///
+    /// In the tube each coordinate deviates by at most its entry of `tube`. A body is given with a
+    /// ball around it, in its frame. Without a second body, the bound is for a body at rest.
+    fn spread(&self, _a: BodyBall, _b: Option<BodyBall>, _time: f64, _span: f64, _tube: &[f64]) -> Option<f64> {
+        None
+    }
+}
+
+/// A body of a space, and a ball that contains what moves with it: centre in the body's frame, and
+/// radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyBall {
+    /// Index of the body.
+    pub body: usize,
+    /// Centre of the ball.
+    pub centre: Point3<f64>,
+    /// Radius of the ball.
+    pub radius: f64,
 }
 
 /// The motion of one body along a segment, relative to a stem.

@@ -42,7 +42,7 @@ use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use crate::arm::JointKind;
 use crate::curve::{JointCurve, PARTS};
 use crate::extremes::Extremes;
-use crate::space::SegmentMotion;
+use crate::space::{BodyBall, SegmentMotion};
 use crate::tolerance::{ARM_PLACE, ARM_TURN, ARM_VALUE, LENGTH};
 use crate::tree::{Drive, TreeJoint};
 use lin_canny::motion::{MotionModel, Remainder};
@@ -297,6 +297,76 @@ impl SegmentMotion for TreeSegment {
 
     fn parts(&self) -> u32 {
         self.parts
+    }
+
+    fn spread(&self, a: BodyBall, b: Option<BodyBall>, time: f64, span: f64, tube: &[f64]) -> Option<f64> {
+        let links = &self.bodies.links;
+        // Joints that move both bodies do not change their distance.
+        let shared = b.map_or(0, |b| {
+            self.tree.path(self.tree.stem(links[a.body], links[b.body])).len()
+        });
+        let bodies = core::iter::once(a).chain(b);
+        Some(bodies.map(|ball| self.deviation(ball, shared, time, span, tube)).sum())
+    }
+}
+
+/// A joint of a body's path at a time: a point of its axis, and the axis.
+struct PassedJoint<'a> {
+    index: usize,
+    joint: &'a TreeJoint,
+    at: Point3<f64>,
+    axis: Vector3<f64>,
+}
+
+impl TreeSegment {
+    /// Returns an upper bound of the distance of each point of a ball from its position, if
+    /// coordinates deviate by at most `tube`, at all times of a span. The first `shared` joints of
+    /// the path do not count.
+    ///
+    /// A joint that deviates by e moves a point at the distance x from its axis by at most e x, and
+    /// does not change how far outer joints move the point. The distance from the axis grows at
+    /// most at the speed of the point relative to the joint: rates of outer joints times the
+    /// lengths beyond them.
+    fn deviation(&self, ball: BodyBall, shared: usize, time: f64, span: f64, tube: &[f64]) -> f64 {
+        let link = self.bodies.links[ball.body];
+        let mut pose = *self.tree.base();
+        let mut passed = Vec::new();
+        for (index, joint) in self.tree.path(link) {
+            let at = |d: Drive| d.factor * self.curve.value(d.coordinate, 0, time) + d.offset;
+            pose = joint.after(&pose, joint.drive.map_or(0.0, at));
+            passed.push(PassedJoint {
+                index,
+                joint,
+                at: pose.translation.vector.into(),
+                axis: pose.rotation * joint.axis.into_inner(),
+            });
+        }
+        let centre = pose * ball.centre;
+        let mut whole = self.whole[link];
+        whole.reach_on(ball.centre.coords.abs().sum());
+        let error = 4.0 * whole.place;
+        let (mut beyond, mut speed, mut sum) = (length(&ball.centre.coords), 0.0, 0.0);
+        for PassedJoint { index, joint, at, axis } in passed.into_iter().skip(shared).rev() {
+            if let Some(drive) = joint.drive {
+                let factor = drive.factor.abs();
+                let off = factor * tube[drive.coordinate];
+                let rate = factor * self.curve.nested(drive.coordinate, time, span)[0][0];
+                match joint.kind {
+                    JointKind::Revolute => {
+                        let lever = axis.cross(&(centre - at)).norm() + error + speed * span;
+                        sum += off * (lever.smaller(beyond) + ball.radius);
+                        speed += rate * beyond;
+                    }
+                    JointKind::Prismatic => {
+                        sum += off;
+                        speed += rate;
+                        beyond += farthest(joint, &self.curve);
+                    }
+                }
+            }
+            beyond += self.tree.0.lengths[index];
+        }
+        sum * (1.0 + ARM_PLACE)
     }
 }
 
