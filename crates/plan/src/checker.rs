@@ -11,6 +11,7 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::pairs::{PairKey, Pairs, Places, Stretch, SweptBox, cut, even_span, span_at};
 use crate::space::{BodyBall, BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
+use crate::tolerance::ATTACHED;
 use crate::verdict::{CheckWork, LeavingPair, Verdict};
 use crate::world::{Named, World, WorldId, WorldPair};
 use lin_canny::impact::{Cast, CastOptions, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
@@ -411,7 +412,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.space.segment(from, to)
     }
 
-    fn judged(&mut self, segment: &C::Segment, any: bool) -> Result<Verdict, PlanError> {
+    pub(crate) fn judged(&mut self, segment: &C::Segment, any: bool) -> Result<Verdict, PlanError> {
         self.work.segments += 1;
         let mut stretches = core::mem::take(&mut self.stretches);
         let found = self
@@ -614,11 +615,14 @@ fn pose_of<M: SegmentMotion>(segment: &M, places: &Places, part: WorldId, time: 
 
 /// Returns the ball around a mover as one of the body that is it or carries it.
 fn body_ball((centre, radius): (Point3<f64>, f64), body: usize, carried: Option<&Carried>) -> BodyBall {
+    let Some(carried) = carried else {
+        return BodyBall { body, centre, radius };
+    };
+    let length = carried.pose.translation.vector.abs().sum() + centre.coords.abs().sum();
     BodyBall {
         body,
-        centre: carried.map_or(centre, |carried| carried.pose * centre),
-        // The pose of an object rounds, see `ATTACHED`.
-        radius: radius * GROWN,
+        centre: carried.pose * centre,
+        radius: radius + ATTACHED * length,
     }
 }
 

@@ -7,9 +7,10 @@ use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::random::Random;
-use crate::space::ConfigurationSpace;
+use crate::space::{BodyBall, ConfigurationSpace, SegmentMotion};
 use crate::verdict::Verdict;
 use lin_canny::EXTENT_MAX;
+use nalgebra::Point3;
 
 /// A path: configurations that are joined by segments.
 pub type Path = Vec<Vec<f64>>;
@@ -168,8 +169,14 @@ impl<C: ConfigurationSpace> Checker<C> {
         if let Some(&value) = tube.iter().find(|x| !(0.0..=EXTENT_MAX).contains(*x)) {
             return refused("entry of a tube", value);
         }
-        if expected < self.space.coordinates() {
-            return refused("number of coordinates of a tube", expected as f64);
+        let motion = self.space.curve(curve)?;
+        let ball = BodyBall {
+            body: 0,
+            centre: Point3::origin(),
+            radius: 0.0,
+        };
+        if self.space.bodies() > 0 && motion.spread(ball, None, 0.0, 1.0, tube).is_none() {
+            return refused("length of a tube in a space without joints", expected as f64);
         }
         self.joint_tube = if tube.iter().all(|x| *x == 0.0) {
             Vec::new()
@@ -177,7 +184,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             tube.into()
         };
         let start_contact = self.start_contact_margin.take();
-        let verdict = self.certify_curve(curve);
+        let verdict = self.judged(&motion, false);
         self.start_contact_margin = start_contact;
         self.joint_tube = Vec::new();
         verdict

@@ -7,34 +7,11 @@ use lin_canny_plan::{
     Checker, ConfigurationSpace, Drive, Joint, JointCurve, JointKind, JointTree, PlanError, PlanarSpace, RigidSpace,
     SerialArm, TreeJoint, Verdict, World,
 };
-use std::f64::consts::TAU;
+use truth::arm::chain::posts;
 use truth::rng::Rng;
 
-/// An arm of links of 0.2 m that bend in turn about two axes, among twelve posts.
 fn chain(joints: usize) -> (JointTree, World) {
-    let link = solids::cuboid(Vector3::new(0.1, 0.04, 0.03)).expect("a box");
-    let link = link
-        .transformed(&Isometry3::translation(0.11, 0.0, 0.0))
-        .expect("a box");
-    let mut world = World::new();
-    let mut chain = Vec::new();
-    for k in 0..joints {
-        let axis = [Vector3::z_axis(), Vector3::y_axis()][k % 2];
-        chain.push(TreeJoint {
-            parent: k,
-            kind: JointKind::Revolute,
-            origin: Isometry3::translation(if k == 0 { 0.0 } else { 0.22 }, 0.0, 0.0),
-            axis,
-            drive: Some(Drive::by(k)),
-        });
-        world.robot_body(format!("link {k}"), link.clone());
-    }
-    for k in 1..joints {
-        let [a, b] = [k - 1, k].map(|k| format!("link {k}"));
-        world.exclude(&a, &b).expect("names");
-    }
-    posts(&mut world, 1.1);
-    (tree(chain, joints, (1..=joints).collect()), world)
+    truth::arm::chain::chain(joints, [-1e3, 1e3]).expect("an arm")
 }
 
 /// Two arms on a carriage that slides and lifts, with a gripper whose fingers mirror each other.
@@ -85,17 +62,8 @@ fn carriage() -> (JointTree, World) {
             world.exclude(&a, &b).expect("names");
         }
     }
-    posts(&mut world, 0.9);
+    posts(&mut world, 0.9).expect("posts");
     (tree(joints, 7, links), world)
-}
-
-fn posts(world: &mut World, far: f64) {
-    for k in 0..12 {
-        let angle = TAU * f64::from(k) / 12.0;
-        let post = solids::cuboid(Vector3::new(0.03, 0.03, 0.6)).expect("a box");
-        let place = Vector3::new(far * angle.cos(), far * angle.sin(), 0.0);
-        world.obstacle(format!("post {k}"), post, Isometry3::new(place, Vector3::z() * angle));
-    }
 }
 
 fn tree(joints: Vec<TreeJoint>, coordinates: usize, links: Vec<usize>) -> JointTree {
@@ -644,5 +612,58 @@ fn curves_keep_the_contract_of_motions() {
             }
         }
         assert!(tight > 100, "{tight}");
+    }
+}
+
+/// No configuration within a tube that is called free meets anything: corners and random places of the tube, by predicates.
+#[test]
+fn tubes_of_joints_hold_at_their_corners() {
+    let mut rng = Rng::new(21);
+    for (name, (space, world)) in robots() {
+        let mut checker = Checker::new(space.clone(), world.clone()).expect("a world");
+        let mut judge = Checker::new(space, world).expect("a world");
+        let dims = checker.space().coordinates();
+        let (mut free, mut narrow) = (0, 0);
+        for k in 0..25 {
+            let from: Vec<f64> = (0..dims).map(|_| rng.range(-1.0, 1.0)).collect();
+            let to: Vec<f64> = from.iter().map(|x| x + rng.range(-0.5, 0.5)).collect();
+            let points = control_points(&mut rng, &from, &to, 1 + k % 7, 1.0);
+            let curve = JointCurve::bezier(&points).expect("a curve");
+            let tube: Vec<f64> = (0..dims).map(|_| rng.log_range(1e-4, 0.02)).collect();
+            let without = checker.certify_curve(&curve).expect("within limits").is_free();
+            let verdict = checker.certify_curve_tube(&curve, &tube).expect("within limits");
+            assert!(without || !verdict.is_free());
+            free += u32::from(verdict.is_free());
+            narrow += u32::from(without && !verdict.is_free());
+            for i in 0..=100 {
+                let t = verdict.safe() * f64::from(i) / 100.0;
+                if matches!(verdict, Verdict::Blocked { t: 0.0, .. } | Verdict::Undecided { t: 0.0 }) {
+                    break;
+                }
+                let off = |x: &f64, e: &f64, rng: &mut Rng| x + e * [-1.0, 1.0, rng.range(-1.0, 1.0)][rng.below(3)];
+                let q: Vec<f64> = curve
+                    .at(t)
+                    .iter()
+                    .zip(&tube)
+                    .map(|(x, e)| off(x, e, &mut rng))
+                    .collect();
+                assert!(
+                    judge.is_free_at(&q).expect("within limits"),
+                    "{name} {k} at {t}: {tube:?} {points:?}"
+                );
+            }
+            let none = checker
+                .certify_curve_tube(&curve, &vec![0.0; dims])
+                .expect("within limits");
+            assert_eq!(none.is_free(), without);
+        }
+        println!("{name}: {free} free, {narrow} too narrow");
+        assert!(free > 2, "{name}: {free}");
+    }
+    let (space, world) = chain(3);
+    let mut checker = Checker::new(space, world).expect("a world");
+    let curve = JointCurve::bezier(&[[0.0; 3], [0.1; 3]]).expect("a curve");
+    for tube in [&[0.1, 0.1][..], &[0.1, -0.1, 0.1], &[0.1, f64::NAN, 0.1]] {
+        assert!(checker.certify_curve_tube(&curve, tube).is_err(), "{tube:?}");
     }
 }

@@ -8,6 +8,7 @@ mod bending;
 mod cad;
 mod contact;
 mod curved;
+mod curves;
 mod impact;
 mod instructions;
 mod meshes;
@@ -44,6 +45,7 @@ struct Command {
 enum Race {
     Pairs,
     Curved,
+    Curves,
     Contact,
     Boxes,
     Scene,
@@ -67,6 +69,7 @@ fn race(Command { race, options, cell }: &Command) -> Result<(), String> {
     let (scenes, run): (Vec<&str>, fn(&Options) -> Rows) = match race {
         Race::Pairs => (pairs::SCENES.into(), pairs::run),
         Race::Curved => (curved::SCENES.into(), curved::run),
+        Race::Curves => (curves::SCENES.into(), curves::run),
         Race::Contact => (truth::contacts::SCENES.into(), contact::run),
         Race::Boxes => (boxes::RACED.map(Kind::name).into(), |o| boxes::run(o, &[])),
         Race::Scene => (scene::SCENES.map(|s| s.0).into(), |o| scene::run(o, &[])),
