@@ -32,6 +32,18 @@ const STEP: f64 = 0.005;
 /// Half the range of a joint.
 const LIMIT: f64 = 3.2;
 
+/// The joints of the arm, from a link and a coordinate on.
+fn arm_joints(base: usize, first: usize) -> impl Iterator<Item = TreeJoint> {
+    let joints = robot::JOINTS.into_iter().enumerate();
+    joints.map(move |(k, (height, axis, _))| TreeJoint {
+        parent: base + k,
+        kind: JointKind::Revolute,
+        origin: Isometry3::translation(0.0, 0.0, height),
+        axis,
+        drive: Some(Drive::by(first + k)),
+    })
+}
+
 /// Two six-axis arms side by side, as one robot of twelve joints, without other obstacles.
 fn two_arms() -> Result<(JointTree, World), Trouble> {
     let mut world = World::new();
@@ -39,15 +51,7 @@ fn two_arms() -> Result<(JointTree, World), Trouble> {
     for (side, x) in [("left", -0.35), ("right", 0.35)] {
         let base = joints.len() + 1;
         joints.push(TreeJoint::fixed(0, Isometry3::translation(x, 0.0, 0.0)));
-        for (k, (height, axis, _)) in robot::JOINTS.into_iter().enumerate() {
-            joints.push(TreeJoint {
-                parent: base + k,
-                kind: JointKind::Revolute,
-                origin: Isometry3::translation(0.0, 0.0, height),
-                axis,
-                drive: Some(Drive::by(joints.len() - 1 - usize::from(base > 1))),
-            });
-        }
+        joints.extend(arm_joints(base, 6 * (base / 7)));
         for (name, link, shape) in robot::pieces()? {
             world.robot_body(format!("{side} {name}"), shape);
             links.push(base + link);
@@ -72,28 +76,13 @@ fn arm_in_cell() -> Result<(JointTree, World), Trouble> {
         world.obstacle(name, shape, pose);
     }
     robot::exclude(&mut world, true)?;
-    let joints = robot::JOINTS
-        .into_iter()
-        .enumerate()
-        .map(|(k, (height, axis, _))| TreeJoint {
-            parent: k,
-            kind: JointKind::Revolute,
-            origin: Isometry3::translation(0.0, 0.0, height),
-            axis,
-            drive: Some(Drive::by(k)),
-        });
+    let joints = arm_joints(0, 0).collect();
     let radii = vec![0.15; 7];
-    let space = JointTree::new(
-        Isometry3::identity(),
-        joints.collect(),
-        vec![[-LIMIT, LIMIT]; 6],
-        links,
-        radii,
-    )?;
+    let space = JointTree::new(Isometry3::identity(), joints, vec![[-LIMIT, LIMIT]; 6], links, radii)?;
     Ok((space, world))
 }
 
-/// A curve with the time and the queries of its proof.
+/// A curve with its verdict.
 struct Proven {
     curve: JointCurve,
     verdict: Verdict,

@@ -27,8 +27,8 @@ use truth::boxes::Kind;
 /// Compare the speed of this crate with other libraries
 ///
 /// Each race measures one kind of query: closest points of polyhedra or curved shapes, contacts,
-/// broad phases, whole scenes, casts, meshes, segments of planners, Bézier surfaces, rays and
-/// hulls. The race `instructions` counts the instructions of queries.
+/// broad phases, whole scenes, casts, meshes, segments of planners, curves of joints, Bézier
+/// surfaces, rays and hulls. The race `instructions` counts the instructions of queries.
 #[derive(Parser)]
 struct Command {
     /// Race to run
