@@ -24,7 +24,11 @@ fn run_of(robot: &str, command: &str, arguments: &[&str]) -> (i32, String) {
 /// A file in the folder of this test run.
 fn scratch(name: &str, text: &str) -> String {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    std::fs::write(&file, text).expect("a file");
+    // Another test may read the same file: it is replaced as a whole.
+    let thread = format!("{:?}", std::thread::current().id());
+    let part = file.with_extension(thread.replace(['(', ')'], ""));
+    std::fs::write(&part, text).expect("a file");
+    std::fs::rename(&part, &file).expect("a file");
     file.to_string_lossy().into_owned()
 }
 
