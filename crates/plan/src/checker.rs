@@ -381,7 +381,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// let mut checker = Checker::new(block, world)?;
     ///
     /// // The lowest point of this parabola is half as high as its middle control point.
-    /// let over = |y: f64| JointCurve::bezier(&[[-1.0, 0.0], [0.0, y], [1.0, 0.0]]);
+    /// let over = |y: f64| JointCurve::bezier(&[[-2.0, 0.0], [0.0, y], [2.0, 0.0]]);
     /// assert!(checker.certify_curve(&over(1.7)?)?.is_free());
     /// assert!(!checker.certify_curve(&over(1.1)?)?.is_free());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
