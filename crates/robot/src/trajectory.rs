@@ -381,14 +381,14 @@ fn columns(
     if is_timed && !has(Column::Time) {
         return Err(whole(FileErrorKind::Missing(format!("column {TIME:?}"))));
     }
-    for order in 0..DERIVATIVES.len() {
+    for (order, suffix) in DERIVATIVES.into_iter().enumerate() {
         // All joints of the file have a derivative, and those below it, or none has.
         let is_used = |c: &Column| matches!(c, Column::Derivative(o, _) if *o >= order);
         let lacks = |k: &usize| has(Column::Value(*k)) && !has(Column::Derivative(order, *k));
         if columns.iter().any(is_used)
             && let Some(k) = (0..coordinates.len()).find(lacks)
         {
-            let name = format!("{}{}", coordinates[k].name, DERIVATIVES[order]);
+            let name = format!("{}{suffix}", coordinates[k].name);
             return Err(whole(FileErrorKind::Missing(format!("column {name:?}"))));
         }
     }
