@@ -110,7 +110,9 @@ pub(crate) fn of_planner() -> Vec<(&'static str, f64)> {
         let (count, _) = rest.split_once(" * UNIT;").expect("a count of roundings");
         (name, count.parse().expect("a number"))
     };
-    ["ARM_PLACE", "ARM_TURN", "ARM_VALUE", "LENGTH", "PLACED"].map(value).to_vec()
+    ["ARM_PLACE", "ARM_TURN", "ARM_VALUE", "LENGTH", "PLACED"]
+        .map(value)
+        .to_vec()
 }
 
 fn source(path: &str) -> PathBuf {
