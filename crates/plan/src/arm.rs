@@ -4,6 +4,7 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
+use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::space::ConfigurationSpace;
 use crate::tree::{Drive, JointTree, TreeJoint};
@@ -175,6 +176,9 @@ impl ConfigurationSpace for SerialArm {
 
     fn segment(&self, from: &[f64], to: &[f64]) -> Result<TreeSegment, PlanError> {
         self.tree.segment(from, to)
+    }
+    fn curve(&self, curve: &JointCurve) -> Result<TreeSegment, PlanError> {
+        self.tree.curve(curve)
     }
     fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
         self.tree.difference(from, to)

@@ -35,6 +35,11 @@ impl Carried {
         normalize_rotation(&(normalize_rotation(body) * self.pose))
     }
 
+    /// Returns pose and motion model of the object from those of the body.
+    pub(crate) fn after(&self, (pose, model): &(Isometry3<f64>, MotionModel)) -> (Isometry3<f64>, MotionModel) {
+        (self.placed(pose), self.model(pose, model))
+    }
+
     /// Returns the motion model of the object from pose and model of the body.
     fn model(&self, body: &Isometry3<f64>, model: &MotionModel) -> MotionModel {
         let own = (self.pose * self.middle) - model.pivot;
@@ -93,10 +98,7 @@ impl<M: SegmentMotion> Motion for CarriedMotion<'_, M> {
     }
 
     fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, MotionModel) {
-        let (pose, model) = self.motion.placed(time, span);
-        match self.carried {
-            Some(carried) => (carried.placed(&pose), carried.model(&pose, &model)),
-            None => (pose, model),
-        }
+        let body = self.motion.placed(time, span);
+        self.carried.map_or(body, |carried| carried.after(&body))
     }
 }

@@ -5,18 +5,19 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
 
-use crate::attached::CarriedMotion;
+use crate::attached::{Carried, CarriedMotion};
+use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::pairs::{PairKey, Pairs, Places, Stretch, SweptBox, even_span};
-use crate::space::{BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
+use crate::pairs::{PairKey, Pairs, Places, Stretch, SweptBox, cut, even_span, span_at};
+use crate::space::{BodyBall, BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
+use crate::tolerance::ATTACHED;
 use crate::verdict::{CheckWork, LeavingPair, Verdict};
 use crate::world::{Named, World, WorldId, WorldPair};
 use lin_canny::impact::{Cast, CastOptions, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
-use lin_canny::motion::Motion;
-use lin_canny::{EXTENT_MAX, Operand};
-
-use lin_canny::separation::Separation;
+use lin_canny::motion::{Motion, MotionModel};
+use lin_canny::separation::{Measurement, Separation};
+use lin_canny::{EXTENT_MAX, Operand, RelativePose};
 
 /// Width of the bracket of a contact, in units of the sum of both radii. Free segments that come
 /// closer than this need more queries. Not measured.
@@ -24,6 +25,9 @@ const CONTACT: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// Factor by which the radius of a tube grows for swept boxes, more than sums round.
 const GROWN: f64 = 1.0 + 8.0 * f64::EPSILON;
+
+/// Least number of parts of a curve with a tube of joints, a power of two. Not measured.
+const TUBE_PARTS: u32 = 16;
 
 /// The proof that a pair stays apart on a segment: consecutive certificates from time 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,11 +46,14 @@ pub struct Checker<C> {
     pub(crate) pairs: Pairs,
     /// What all pairs must keep in addition: inside a tube.
     pub(crate) tube: f64,
+    /// How much each coordinate may deviate: inside a tube of joints; empty outside.
+    pub(crate) joint_tube: Vec<f64>,
     pub(crate) start_contact_margin: Option<f64>,
     pub(crate) work: CheckWork,
     /// Scratch memory: pairs to check, and poses.
     pub(crate) candidates: Vec<usize>,
     stretches: Vec<Stretch>,
+    placed: Vec<(Isometry3<f64>, MotionModel)>,
     pub(crate) poses: Vec<Isometry3<f64>>,
     /// Pairs that were not free at single configurations, the latest first.
     pub(crate) hits: Vec<usize>,
@@ -92,10 +99,12 @@ impl<C: ConfigurationSpace> Checker<C> {
             world,
             pairs,
             tube: 0.0,
+            joint_tube: Vec::new(),
             start_contact_margin: None,
             work: CheckWork::default(),
             candidates: Vec::new(),
             stretches: Vec::new(),
+            placed: Vec::new(),
             poses: Vec::new(),
             hits: Vec::new(),
             order: Vec::new(),
@@ -185,6 +194,31 @@ impl<C: ConfigurationSpace> Checker<C> {
             true => (kept + self.tube).next_up(),
             false => kept,
         }
+    }
+
+    /// Returns the distance that a pair must keep during an interval, inside a tube of joints as
+    /// well.
+    fn kept_along(&self, index: usize, segment: &C::Segment, interval: &Range<f64>) -> f64 {
+        let kept = self.kept(index);
+        if self.joint_tube.is_empty() {
+            return kept;
+        }
+        let ball = |part: WorldId| {
+            let mover = self.pairs.places.mover(part)?;
+            let (body, carried) = self.pairs.places.carrier(mover);
+            Some(body_ball(self.pairs.ball(part), body, carried))
+        };
+        let pair = self.pairs.all[index].pair;
+        let span = (interval.end - interval.start).next_up();
+        let spread = ball(pair.a).and_then(|a| segment.spread(a, ball(pair.b), interval.start, span, &self.joint_tube));
+        kept + spread.unwrap_or(f64::INFINITY)
+    }
+
+    /// Returns the number of parts in which pairs are cast: more in a tube of joints, whose width
+    /// depends on the configuration.
+    fn parts(&self, segment: &C::Segment) -> u32 {
+        let least = if self.joint_tube.is_empty() { 1 } else { TUBE_PARTS };
+        segment.parts().max(least)
     }
 
     /// Returns the configuration space.
@@ -303,18 +337,72 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns an error if a configuration is invalid.
     pub fn prove(&mut self, from: &[f64], to: &[f64]) -> Result<Option<Vec<PairProof>>, PlanError> {
         let segment = self.segment(from, to)?;
+        self.proven(&segment)
+    }
+
+    fn proven(&mut self, segment: &C::Segment) -> Result<Option<Vec<PairProof>>, PlanError> {
+        let start_contact = self.start_contact_margin;
+        let parts = if start_contact.is_none() { segment.parts() } else { 1 };
         let mut proofs = Vec::new();
         for k in self.pairs.ordered() {
             let mut certificates = Vec::new();
-            let (kept, start_contact) = (self.kept(k), self.start_contact_margin);
-            let found = self.cast(k, &segment, 0.0..1.0, kept, start_contact, Some(&mut certificates))?;
-            if found.impact != Impact::Miss {
-                return Ok(None);
+            for part in parts_of_time(parts) {
+                let kept = self.kept(k);
+                let found = self.cast(k, segment, part, kept, start_contact, Some(&mut certificates))?;
+                if found.impact != Impact::Miss {
+                    return Ok(None);
+                }
             }
             let pair = self.pairs.all[k].pair;
             proofs.push(PairProof { pair, certificates });
         }
         Ok(Some(proofs))
+    }
+
+    /// Returns whether a curve is free, blocked at a time, or unknown: see
+    /// [`certify`](Self::certify).
+    ///
+    /// The verdict covers the whole curve, not samples of it. Times are those of the curve.
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// # use lin_canny::polyhedron::solids;
+    /// use lin_canny_plan::{Checker, Joint, JointCurve, SerialArm, World};
+    ///
+    /// // A block on two rails, x and y.
+    /// let origin = Isometry3::identity();
+    /// let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
+    /// let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
+    /// let block = SerialArm::new(origin, rails, vec![2], 0.1)?;
+    /// let mut world = World::new();
+    /// world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
+    /// let post = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
+    /// world.obstacle("post", post, Isometry3::identity());
+    /// let mut checker = Checker::new(block, world)?;
+    ///
+    /// // The lowest point of this parabola is half as high as its middle control point.
+    /// let over = |y: f64| JointCurve::bezier(&[[-2.0, 0.0], [0.0, y], [2.0, 0.0]]);
+    /// assert!(checker.certify_curve(&over(1.7)?)?.is_free());
+    /// assert!(!checker.certify_curve(&over(1.1)?)?.is_free());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error if the curve has a wrong number of coordinates, if a coordinate leaves its
+    /// bounds at any time ([`PlanError::CurveLimit`]), or if the space follows straight segments
+    /// only ([`PlanError::CurveDegree`]).
+    pub fn certify_curve(&mut self, curve: &JointCurve) -> Result<Verdict, PlanError> {
+        let motion = self.space.curve(curve)?;
+        self.judged(&motion, false)
+    }
+
+    /// Returns the proof that a curve is free: see [`prove`](Self::prove).
+    ///
+    /// # Errors
+    /// Returns an error as [`certify_curve`](Self::certify_curve) does.
+    pub fn prove_curve(&mut self, curve: &JointCurve) -> Result<Option<Vec<PairProof>>, PlanError> {
+        let motion = self.space.curve(curve)?;
+        self.proven(&motion)
     }
 
     /// Returns the motion along a segment, after a check of its ends.
@@ -324,7 +412,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.space.segment(from, to)
     }
 
-    fn judged(&mut self, segment: &C::Segment, any: bool) -> Result<Verdict, PlanError> {
+    pub(crate) fn judged(&mut self, segment: &C::Segment, any: bool) -> Result<Verdict, PlanError> {
         self.work.segments += 1;
         let mut stretches = core::mem::take(&mut self.stretches);
         let found = self
@@ -341,23 +429,40 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// bodies; the earliest first.
     fn gather(&mut self, segment: &C::Segment, stretches: &mut Vec<Stretch>) -> Result<(), PlanError> {
         stretches.clear();
-        for mover in 0..self.pairs.mover_balls.len() {
-            let Some(ball) = self.pairs.mover_balls[mover] else {
-                continue;
-            };
-            let mut from = 0.0;
-            while from < 1.0 {
-                let (pose, model) = moving(segment, &self.pairs.places, mover, 0).placed(from, 1.0 - from);
-                let until = f64::smaller(1.0, from + even_span(ball, &model, 1.0 - from));
-                let swept = SweptBox::new(ball, &pose, &model, until - from);
-                let more = if self.tube > 0.0 {
-                    self.tube.next_up() * GROWN
-                } else {
-                    0.0
+        let longest = 1.0 / f64::from(self.parts(segment));
+        let radius = if self.tube > 0.0 {
+            self.tube.next_up() * GROWN
+        } else {
+            0.0
+        };
+        // The time up to which each mover has boxes.
+        let balls = self.pairs.mover_balls.iter();
+        let mut reached: Vec<f64> = balls.map(|ball| if ball.is_some() { 0.0 } else { 1.0 }).collect();
+        let mut time = 0.0;
+        while time < 1.0 {
+            let span = span_at(time).smaller(longest);
+            segment.placed_all(self.pairs.places.bodies, time, span, &mut self.placed);
+            for (mover, reached) in reached.iter_mut().enumerate() {
+                let Some(ball) = self.pairs.mover_balls[mover].filter(|_| *reached == time) else {
+                    continue;
                 };
-                self.pairs.near_within(mover, &swept, more, (from, until), stretches)?;
-                from = until;
+                let (body, carried) = self.pairs.places.carrier(mover);
+                let of_body = self.placed[body];
+                let (pose, model) = carried.map_or(of_body, |carried| carried.after(&of_body));
+                let until = time + even_span(ball, &model, span);
+                let swept = SweptBox::new(ball, &pose, &model, until - time);
+                let more = match self.joint_tube.is_empty() {
+                    true => radius,
+                    false => {
+                        let mover = body_ball(ball, body, carried);
+                        let spread = segment.spread(mover, None, time, until - time, &self.joint_tube);
+                        radius + spread.unwrap_or(f64::INFINITY)
+                    }
+                };
+                self.pairs.near_within(mover, &swept, more, (time, until), stretches)?;
+                *reached = until;
             }
+            time = reached.iter().copied().fold(1.0, f64::smaller);
         }
         let pairs = &self.pairs;
         stretches.extend(pairs.own.values().map(|&pair| Stretch {
@@ -366,6 +471,9 @@ impl<C: ConfigurationSpace> Checker<C> {
             from: 0.0,
             until: 1.0,
         }));
+        if longest < 1.0 && self.start_contact_margin.is_none() {
+            cut(stretches, longest);
+        }
         stretches.sort_unstable_by(|x, y| x.from.total_cmp(&y.from).then(x.key.cmp(&y.key)));
         self.work.pairs += stretches.len() as u64;
         Ok(())
@@ -380,9 +488,11 @@ impl<C: ConfigurationSpace> Checker<C> {
             if stretch.from > until {
                 break;
             }
-            let (k, interval) = (stretch.pair, stretch.from..stretch.until.smaller(until));
+            let (k, end) = (stretch.pair, stretch.until.smaller(until));
+            let interval = stretch.from..end;
             let start_contact = self.start_contact_margin.filter(|_| stretch.from == 0.0);
-            let found = self.cast(k, segment, interval, self.kept(k), start_contact, None)?;
+            let kept = self.kept_along(k, segment, &(stretch.from..stretch.until));
+            let found = self.cast(k, segment, interval, kept, start_contact, None)?;
             self.work.queries += u64::from(found.queries + found.proofs);
             let (safe, hit) = match found.impact {
                 Impact::Miss => {
@@ -392,7 +502,11 @@ impl<C: ConfigurationSpace> Checker<C> {
                 }
                 Impact::AtStart { seen } => (stretch.from, Some((stretch.from, seen))),
                 Impact::Hit { safe, hit, seen } => (safe, Some((hit, seen))),
-                Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => (safe, None),
+                Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => {
+                    // The contact may be at the end of the interval, where the motion is at rest.
+                    let seen = self.contact_at(k, segment, end, kept)?;
+                    (safe, seen.map(|seen| (end, seen)))
+                }
                 // A variant that is unknown here proves nothing.
                 _ => (stretch.from, None),
             };
@@ -466,14 +580,56 @@ impl<C: ConfigurationSpace> Checker<C> {
         found.map_err(PlanError::from)
     }
 
+    /// Returns the closest points of a pair at a time, if it is proven to be in contact or closer
+    /// than it must keep.
+    fn contact_at(
+        &mut self,
+        index: usize,
+        segment: &C::Segment,
+        time: f64,
+        kept: f64,
+    ) -> Result<Option<Measurement>, PlanError> {
+        let (tracked, places) = self.pairs.tracked(index);
+        let pair = tracked.pair;
+        let [pose_a, pose_b] = [pair.a, pair.b].map(|part| pose_of(segment, places, part, time));
+        let relative = RelativePose::new(&pose_a, &pose_b)?;
+        let [a, b] = self.world.shapes(pair);
+        let mut pair = tracked.tracker.pair(a, b);
+        let seen = pair.measure(&relative);
+        Ok(pair.meets(&relative, kept, &seen).then_some(seen))
+    }
+
     fn in_world(&self, segment: &C::Segment, pair: WorldPair, time: f64, points: [Point3<f64>; 2]) -> [Point3<f64>; 2] {
         let places = &self.pairs.places;
-        let placed = |part: WorldId, point: Point3<f64>| match (part, places.mover(part)) {
-            (WorldId::Obstacle(k), _) => places.obstacle_poses[k] * point,
-            (_, mover) => moving(segment, places, mover.unwrap_or_default(), 0).pose(time) * point,
-        };
-        [placed(pair.a, points[0]), placed(pair.b, points[1])]
+        [(pair.a, points[0]), (pair.b, points[1])].map(|(part, point)| pose_of(segment, places, part, time) * point)
     }
+}
+
+/// Returns the pose of a body at a time.
+fn pose_of<M: SegmentMotion>(segment: &M, places: &Places, part: WorldId, time: f64) -> Isometry3<f64> {
+    match (part, places.mover(part)) {
+        (WorldId::Obstacle(k), _) => places.obstacle_poses[k],
+        (_, mover) => moving(segment, places, mover.unwrap_or_default(), 0).pose(time),
+    }
+}
+
+/// Returns the ball around a mover as one of the body that is it or carries it.
+fn body_ball((centre, radius): (Point3<f64>, f64), body: usize, carried: Option<&Carried>) -> BodyBall {
+    let Some(carried) = carried else {
+        return BodyBall { body, centre, radius };
+    };
+    let length = carried.pose.translation.vector.abs().sum() + centre.coords.abs().sum();
+    BodyBall {
+        body,
+        centre: carried.pose * centre,
+        radius: radius + ATTACHED * length,
+    }
+}
+
+/// Returns equal parts of the times 0 to 1.
+pub(crate) fn parts_of_time(count: u32) -> impl Iterator<Item = Range<f64>> {
+    let at = move |k: u32| f64::from(k) / f64::from(count);
+    (0..count).map(move |k| at(k)..at(k + 1))
 }
 
 /// Returns the motion of a body that moves with the robot, relative to a stem.

@@ -5,11 +5,12 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::checker::Checker;
+use crate::checker::{Checker, parts_of_time};
+use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::pairs::{PairKey, SweptBox};
-use crate::space::ConfigurationSpace;
+use crate::space::{ConfigurationSpace, SegmentMotion};
 use crate::tolerance::{PLACED, PLACED_BALL};
 use crate::world::{Named, WorldPair};
 use lin_canny::ContactState;
@@ -130,6 +131,12 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns an error if the configuration is invalid.
     pub fn nearest(&mut self, configuration: &[f64], slack: f64) -> Result<Vec<NearPair>, PlanError> {
         self.space.check(configuration)?;
+        self.nearest_within_rounding(configuration, slack)
+    }
+
+    /// Returns what [`nearest`](Self::nearest) returns, at a configuration that may exceed its
+    /// bounds by rounding.
+    fn nearest_within_rounding(&mut self, configuration: &[f64], slack: f64) -> Result<Vec<NearPair>, PlanError> {
         let mut poses = core::mem::take(&mut self.poses);
         self.space.place(configuration, &mut poses);
         self.pairs.places.carry(&mut poses);
@@ -200,7 +207,8 @@ impl<C: ConfigurationSpace> Checker<C> {
                 self.pairs.with_obstacles(&mut self.candidates);
                 break;
             }
-            let still = Steady::new(pose, Velocity::default())?.model(0.0, 1.0);
+            let still = Steady::new(pose, Velocity::default())?;
+            let still = Motion::model(&still, 0.0, 1.0);
             let about = SweptBox::new(ball, pose, &still, 0.0).grown(reach);
             self.pairs.near(mover, &about, &mut self.candidates)?;
         }
@@ -305,13 +313,34 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # Errors
     /// Returns an error if a configuration is invalid or `relative` is not between 0 and 1.
     pub fn clearance_along(&mut self, from: &[f64], to: &[f64], relative: f64) -> Result<SegmentClearance, PlanError> {
+        let segment = self.segment(from, to)?;
+        let (from, to) = (from.to_vec(), to.to_vec());
+        self.bounded(&segment, relative, |space, t| space.between(&from, &to, t))
+    }
+
+    /// Returns bounds of the least clearance along a curve: see
+    /// [`clearance_along`](Self::clearance_along).
+    ///
+    /// # Errors
+    /// Returns an error as [`certify_curve`](Self::certify_curve) does, or if `relative` is not
+    /// between 0 and 1.
+    pub fn clearance_along_curve(&mut self, curve: &JointCurve, relative: f64) -> Result<SegmentClearance, PlanError> {
+        let motion = self.space.curve(curve)?;
+        self.bounded(&motion, relative, |_, t| curve.at(t))
+    }
+
+    fn bounded(
+        &mut self,
+        segment: &C::Segment,
+        relative: f64,
+        at: impl Fn(&C, f64) -> Vec<f64>,
+    ) -> Result<SegmentClearance, PlanError> {
         if !(relative > 0.0 && relative < 1.0) {
             return Err(PlanError::Value {
                 what: "relative width of the clearance",
                 value: relative,
             });
         }
-        let segment = self.segment(from, to)?;
         let is_empty = self.pairs.len() == 0;
         let mut found = SegmentClearance {
             lower: if is_empty { f64::INFINITY } else { 0.0 },
@@ -321,7 +350,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         };
         for k in 0..=SAMPLES {
             let t = f64::from(k) / f64::from(SAMPLES);
-            if let Some(near) = self.clearance(&self.space.between(from, to, t))? {
+            let q = at(&self.space, t);
+            if let Some(near) = self.nearest_within_rounding(&q, 0.0)?.first() {
                 found.lower_to(near.upper, t, near.pair);
             }
         }
@@ -330,7 +360,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             return Ok(found);
         }
         for k in self.pairs.ordered() {
-            match self.lowered(k, &segment, keep, relative, &mut found)? {
+            match self.lowered(k, segment, keep, relative, &mut found)? {
                 Some(kept) => keep = kept,
                 None => return Ok(found),
             }
@@ -348,28 +378,37 @@ impl<C: ConfigurationSpace> Checker<C> {
         relative: f64,
         found: &mut SegmentClearance,
     ) -> Result<Option<f64>, PlanError> {
-        let mut time = 0.0;
-        for _ in 0..LOWERED {
-            let cast = self.cast(index, segment, time..1.0, keep, None, None)?;
-            self.work.queries += u64::from(cast.queries + cast.proofs);
-            let pair = self.pairs.all[index].pair;
-            match cast.impact {
-                Impact::Miss => return Ok(Some(keep)),
-                Impact::AtStart { seen } => found.lower_to(seen.upper, time, pair),
-                Impact::Hit { safe, seen, .. } => {
-                    time = safe;
-                    found.lower_to(seen.upper, time, pair);
+        for part in parts_of_time(segment.parts()) {
+            let mut time = part.start;
+            let mut is_kept = false;
+            for _ in 0..LOWERED {
+                let cast = self.cast(index, segment, time..part.end, keep, None, None)?;
+                self.work.queries += u64::from(cast.queries + cast.proofs);
+                let pair = self.pairs.all[index].pair;
+                match cast.impact {
+                    Impact::Miss => {
+                        is_kept = true;
+                        break;
+                    }
+                    Impact::AtStart { seen } => found.lower_to(seen.upper, time, pair),
+                    Impact::Hit { safe, seen, .. } => {
+                        time = safe;
+                        found.lower_to(seen.upper, time, pair);
+                    }
+                    Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => time = safe,
+                    // A variant that is unknown here proves nothing.
+                    _ => break,
                 }
-                Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => time = safe,
-                // A variant that is unknown here proves nothing.
-                _ => break,
+                keep = keep.smaller(found.upper) * (1.0 - relative);
+                if !(keep > 0.0) {
+                    break;
+                }
             }
-            keep = keep.smaller(found.upper) * (1.0 - relative);
-            if !(keep > 0.0) {
-                break;
+            if !is_kept {
+                return Ok(None);
             }
         }
-        Ok(None)
+        Ok(Some(keep))
     }
 }
 

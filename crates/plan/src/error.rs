@@ -28,6 +28,33 @@ pub enum PlanError {
         /// Value of the coordinate.
         value: f64,
     },
+    /// Returned if a curve leaves the bounds of a coordinate between its control points.
+    #[error("coordinate {coordinate} of the curve is out of bounds at time {time:?}: {value:?}")]
+    CurveLimit {
+        /// Index of the coordinate.
+        coordinate: usize,
+        /// A time of the curve, from 0 to 1.
+        time: f64,
+        /// Value of the coordinate at this time.
+        value: f64,
+    },
+    /// Returned if a space moves only along straight segments, because a coordinate belongs to a
+    /// rotation.
+    #[error("coordinate {coordinate} belongs to a rotation, so the curve has degree 1 at most (found {degree})")]
+    CurveDegree {
+        /// Index of the first such coordinate.
+        coordinate: usize,
+        /// Degree of the curve.
+        degree: usize,
+    },
+    /// Returned if a curve of a spline does not start where the curve before ends.
+    #[error("coordinate {coordinate} of curve {index} does not start where curve {} ends", index - 1)]
+    CurveJump {
+        /// Index of the curve.
+        index: usize,
+        /// Index of the coordinate.
+        coordinate: usize,
+    },
     /// Returned if the squared norm of a quaternion differs from 1 by more than 1e-12.
     #[error(
         "quaternion of the configuration is not a unit quaternion: squared norm {squared_norm} (expected 1 to 1e-12)"

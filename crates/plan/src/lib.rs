@@ -40,7 +40,9 @@
 //! | Is a segment free? | [`Checker::certify`], [`is_free`](Checker::is_free) | [`Verdict`]: free, blocked by a pair at a time, or unknown |
 //! | May a part leave the table on which it lies? | [`Checker::set_start_contact_margin`], then `certify` | [`Verdict::Free`] with the contacts that are left |
 //! | Is a path free? | [`Checker::certify_path`] | the first segment that is not free |
-//! | Is a spline free, or a motion with a tracking error? | [`Checker::certify_tube`] | [`Verdict`] for all motions within a distance of the segment |
+//! | Is a polynomial curve or a spline free? | [`Checker::certify_curve`], [`certify_spline`](Checker::certify_spline) | [`Verdict`] for a [`JointCurve`] |
+//! | And with a tracking error of each joint? | [`Checker::certify_curve_tube`] | [`Verdict`] for all motions within the error |
+//! | Are all motions near a segment free? | [`Checker::certify_tube`] | [`Verdict`] for all motions within a distance of the segment |
 //! | Why is a segment free? | [`Checker::prove`] | the certificates of every pair, in order of time |
 //! | How large is the clearance along a segment? | [`Checker::clearance_along`] | a proven lower bound, and a distance that is attained |
 //! | Is a configuration free? | [`Checker::is_free_at`] | `true` or `false`, without distances |
@@ -73,6 +75,9 @@
 //! 4. If a pair comes into contact, the cast returns a time up to which the pair is proven apart,
 //!    and a time at which it is proven to be in contact. Between both, the pair moves by about a
 //!    millionth of its size.
+//!
+//! A curve is checked in the same way: a straight segment of a tree of joints is a curve of degree
+//! 1. Bounds of a curve hold for a span, so casts of a curve are cut where joints turn far.
 //!
 //! The motion of two links is measured relative to the last link that carries both. Every proof
 //! includes the rounding of the motion, of the poses and of the distances. It holds for the motion
@@ -156,6 +161,7 @@ mod batch;
 mod changes;
 mod checker;
 mod clearance;
+mod curve;
 mod error;
 mod extremes;
 mod free;
@@ -182,6 +188,7 @@ pub use arm::{Joint, JointKind, SerialArm};
 pub use batch::NearPairs;
 pub use checker::{Checker, PairProof};
 pub use clearance::{NearPair, SegmentClearance};
+pub use curve::JointCurve;
 pub use error::PlanError;
 pub use freeway::FreewayEnd;
 pub use names::nearest_name;
@@ -189,7 +196,7 @@ pub use opportunistic::{Plan, PlanOptions, PlanWork};
 pub use path::Path;
 pub use rigid::{PlanarSpace, RigidSpace, TranslationSpace};
 pub use roadmap::{Edge, EdgeKind, Freeway, Roadmap};
-pub use space::{BodyMotion, ConfigurationSpace, SegmentMotion};
+pub use space::{BodyBall, BodyMotion, ConfigurationSpace, SegmentMotion};
 pub use tree::{Drive, JointTree, TreeJoint};
 pub use tree_motion::TreeSegment;
 pub use verdict::{CheckWork, LeavingPair, Verdict};

@@ -15,8 +15,7 @@ use lin_canny::motion::{MotionModel, Steady, Velocity};
 use lin_canny::polyhedron::BoxHint;
 use lin_canny::{Geometry, PairTracker};
 
-/// Least length of a swept box, as a fraction of the segment, so that there are at most 128 boxes.
-/// Not measured.
+/// Least length of a swept box, as a fraction of the segment. Not measured.
 const SWEPT: f64 = 1.0 / 64.0;
 
 /// A pair and its tracker.
@@ -46,6 +45,24 @@ pub(crate) struct Stretch {
     pub(crate) key: PairKey,
     pub(crate) from: f64,
     pub(crate) until: f64,
+}
+
+/// Cuts stretches at the multiples of a span.
+pub(crate) fn cut(stretches: &mut Vec<Stretch>, span: f64) {
+    for k in 0..stretches.len() {
+        let Stretch { from, until, .. } = stretches[k];
+        let mut at = from + span - from % span;
+        stretches[k].until = until.smaller(at);
+        while at < until {
+            let next = at + span;
+            stretches.push(Stretch {
+                from: at,
+                until: until.smaller(next),
+                ..stretches[k]
+            });
+            at = next;
+        }
+    }
 }
 
 /// All pairs that are measured, and the bodies.
@@ -89,7 +106,7 @@ pub(crate) struct Pairs {
 /// Where the bodies are.
 pub(crate) struct Places {
     /// Number of bodies of the space.
-    bodies: usize,
+    pub(crate) bodies: usize,
     /// The objects that are carried; those that were detached are at the first body.
     pub(crate) carried: Vec<Carried>,
     /// The motions of the obstacles, which are at rest, and their poses.
@@ -449,6 +466,16 @@ impl Pairs {
         }
         Ok(())
     }
+}
+
+/// Returns the longest span for swept boxes that starts at a time: times and spans are those of
+/// repeated halving, so that bodies share them.
+pub(crate) fn span_at(time: f64) -> f64 {
+    let mut span = 1.0;
+    while time % span != 0.0 {
+        span *= 0.5;
+    }
+    span
 }
 
 /// Returns a span of at most `most` in which the pivot of a body deviates from the parabola of its

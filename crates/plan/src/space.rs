@@ -5,6 +5,7 @@ use std::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::attached::CarriedMotion;
+use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use lin_canny::motion::{Motion, MotionModel, Steady};
@@ -53,6 +54,26 @@ pub trait ConfigurationSpace {
     /// # Errors
     /// Returns an error if a number is out of range.
     fn segment(&self, from: &[f64], to: &[f64]) -> Result<Self::Segment, PlanError>;
+
+    /// Returns the motion along a curve, after a check of the curve.
+    ///
+    /// By default, a curve of degree 1 is the segment between its ends, and others are refused.
+    ///
+    /// # Errors
+    /// Returns an error if the curve has a wrong number of coordinates, if a coordinate exceeds its
+    /// bounds at any time, or if the space does not move along curves of this degree.
+    fn curve(&self, curve: &JointCurve) -> Result<Self::Segment, PlanError> {
+        let (from, to) = (curve.start(), curve.end());
+        self.check(&from)?;
+        self.check(&to)?;
+        if curve.degree() > 1 {
+            return Err(PlanError::CurveDegree {
+                coordinate: self.bounds().len(),
+                degree: curve.degree(),
+            });
+        }
+        self.segment(&from, &to)
+    }
 
     /// Takes the middle of each body, in its frame: [`Checker::new`](crate::Checker::new) hands over
     /// the centres of balls around the bodies.
@@ -130,6 +151,9 @@ impl<C: ConfigurationSpace + ?Sized> ConfigurationSpace for &C {
     fn segment(&self, from: &[f64], to: &[f64]) -> Result<Self::Segment, PlanError> {
         (**self).segment(from, to)
     }
+    fn curve(&self, curve: &JointCurve) -> Result<Self::Segment, PlanError> {
+        (**self).curve(curve)
+    }
     fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
         (**self).difference(from, to)
     }
@@ -147,7 +171,7 @@ impl<C: ConfigurationSpace + ?Sized> ConfigurationSpace for &C {
     }
 }
 
-/// The motion of all bodies along a segment, over the times 0 to 1.
+/// The motion of all bodies along a segment or a curve, over the times 0 to 1.
 ///
 /// The motion of each body must satisfy the contract of [`Motion`].
 pub trait SegmentMotion {
@@ -171,6 +195,42 @@ pub trait SegmentMotion {
     fn placed(&self, _stem: usize, body: usize, time: f64, span: f64) -> (Isometry3<f64>, MotionModel) {
         (self.pose(body, time), self.model(body, time, span))
     }
+
+    /// Writes the pose of each of the first `bodies` bodies in the world, and its motion model from
+    /// this time on.
+    fn placed_all(&self, bodies: usize, time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
+        placed.clear();
+        placed.extend((0..bodies).map(|body| self.placed(0, body, time, span)));
+    }
+
+    /// Returns the number of equal parts of the time in each of which bounds are worth asking for,
+    /// a power of two up to 32.
+    ///
+    /// Bounds of a motion that bends hold for the whole span, so over a long span they are large.
+    fn parts(&self) -> u32 {
+        1
+    }
+
+    /// Returns an upper bound of how much nearer two bodies are within a tube than on this motion,
+    /// at all times of a span; `None` if the space has no tubes.
+    ///
+    /// In the tube each coordinate deviates by at most its entry of `tube`. A body is given with a
+    /// ball around it, in its frame. Without a second body, the bound is for a body at rest.
+    fn spread(&self, _a: BodyBall, _b: Option<BodyBall>, _time: f64, _span: f64, _tube: &[f64]) -> Option<f64> {
+        None
+    }
+}
+
+/// A body of a space, and a ball that contains what moves with it: centre in the body's frame, and
+/// radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyBall {
+    /// Index of the body.
+    pub body: usize,
+    /// Centre of the ball.
+    pub centre: Point3<f64>,
+    /// Radius of the ball.
+    pub radius: f64,
 }
 
 /// The motion of one body along a segment, relative to a stem.

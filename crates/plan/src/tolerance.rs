@@ -28,12 +28,39 @@ pub(crate) const PLACED_BALL: f64 = 3.0 * POSE_UNIT;
 /// rotates by twice as much.
 pub(crate) const ARM_TURN: f64 = 64.0 * UNIT;
 
-/// Error of the value of a joint along a segment, in units of the greater absolute value at its
-/// ends.
+/// Error of the value of a joint along a curve, for each degree of the curve, in units of the
+/// greatest absolute control point.
 ///
-/// The difference of the ends, its product with the time, and the sum err by UNIT of at most twice
-/// this value each.
+/// A round of de Casteljau's algorithm rounds the difference of two values, its product with the
+/// time, and the sum: 5 UNIT of the greatest value. Later rounds do not enlarge the error, because
+/// they are averages. There are as many rounds as the degree. The factor and the offset of a mimic
+/// joint err by UNIT each. A straight segment has degree 1.
 pub(crate) const ARM_VALUE: f64 = 8.0 * UNIT;
+
+/// Error of the control points of a part of a hodograph, for each degree of the curve, in units of
+/// the hodograph's greatest absolute control point.
+///
+/// De Casteljau's algorithm errs by 5 UNIT a round, and runs four times: from the start of the
+/// part, to its end, and for two halvings. The start, the end and their quotient err by 4 UNIT of
+/// the time. This moves a control point by twice as much, once for each degree. A control point of a
+/// hodograph is a rounded difference, times a number: 2 UNIT. Together this is 30 UNIT.
+pub(crate) const CURVE_PART: f64 = 40.0 * UNIT;
+
+/// Error of the control points of the second hodograph by the rounding of those of the first, for
+/// each degree, in units of the greatest control point of the first. For the third hodograph, for
+/// the square of the degree.
+///
+/// A control point of the first hodograph errs by 2 UNIT. Its differences, times the degree less
+/// one, err by 4 n UNIT, and their own rounding by 2 UNIT of at most 2 n: 8 n UNIT. The differences
+/// of these, times the degree less two, err by 16 n^2 UNIT, and their own rounding by 8 n^2 UNIT.
+pub(crate) const CURVE_DIFFERENCE: f64 = 24.0 * UNIT;
+
+/// Error of a converted control point, for each rounding, in units of the sum of the absolute
+/// values of its terms. The second unit is reserve.
+pub(crate) const CONVERTED: f64 = 2.0 * UNIT;
+
+/// Error of the length of a vector, relative to the length: three squares, two sums and a root.
+pub(crate) const LENGTH: f64 = 8.0 * UNIT;
 
 /// Error of the position of the origin of a link by one joint, in units of the length of the vector
 /// to the origin and, once more, of the sum of all lengths so far.

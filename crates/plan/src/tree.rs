@@ -1,14 +1,16 @@
 //! Trees of joints with branches, mimic joints and fixed joints.
 
+use std::sync::Arc;
 use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 
 use crate::arm::JointKind;
+use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::space::{ConfigurationSpace, check, check_bounds, within};
-use crate::tree_motion::{LinkTree, TreeSegment};
+use crate::tree_motion::{LinkTree, TreeBodies, TreeSegment};
 use lin_canny::motion::Velocity;
 use lin_canny::{EXTENT_MAX, POSE_UNIT};
 use lin_canny::{RelativePose, normalize_rotation};
@@ -161,10 +163,7 @@ pub struct JointTree {
     tree: LinkTree,
     limits: Vec<[f64; 2]>,
     scales: Vec<f64>,
-    /// The link of each body.
-    links: Vec<usize>,
-    /// The middle of each body, in the frame of its link.
-    middles: Vec<Point3<f64>>,
+    bodies: Arc<TreeBodies>,
     /// For each link, the first link that keeps its relative pose to it.
     rigid: Vec<usize>,
 }
@@ -207,8 +206,10 @@ impl JointTree {
             rigid: rigid(&joints),
             tree: LinkTree::new(&base, joints),
             limits,
-            middles: std::vec![Point3::origin(); links.len()],
-            links,
+            bodies: Arc::new(TreeBodies {
+                middles: std::vec![Point3::origin(); links.len()],
+                links,
+            }),
         })
     }
 
@@ -228,7 +229,7 @@ impl JointTree {
     /// Returns the link of each body.
     #[must_use]
     pub fn links(&self) -> &[usize] {
-        &self.links
+        &self.bodies.links
     }
 }
 
@@ -279,7 +280,7 @@ impl ConfigurationSpace for JointTree {
         self.limits.len()
     }
     fn bodies(&self) -> usize {
-        self.links.len()
+        self.bodies.links.len()
     }
     fn bounds(&self) -> &[[f64; 2]] {
         &self.limits
@@ -294,15 +295,22 @@ impl ConfigurationSpace for JointTree {
     fn place(&self, q: &[f64], poses: &mut Vec<Isometry3<f64>>) {
         let of_links = self.tree.poses(q);
         poses.clear();
-        poses.extend(self.links.iter().map(|&link| of_links[link]));
+        poses.extend(self.bodies.links.iter().map(|&link| of_links[link]));
     }
 
     fn segment(&self, from: &[f64], to: &[f64]) -> Result<TreeSegment, PlanError> {
-        Ok(TreeSegment::new(&self.tree, &self.links, &self.middles, from, to))
+        let curve = JointCurve::straight(from, to);
+        Ok(TreeSegment::new(&self.tree, &self.bodies, curve))
+    }
+
+    fn curve(&self, curve: &JointCurve) -> Result<TreeSegment, PlanError> {
+        curve.check(&self.limits)?;
+        Ok(TreeSegment::new(&self.tree, &self.bodies, curve.clone()))
     }
 
     fn set_middles(&mut self, middles: &[Point3<f64>]) {
-        for (middle, given) in self.middles.iter_mut().zip(middles) {
+        let bodies = Arc::make_mut(&mut self.bodies);
+        for (middle, given) in bodies.middles.iter_mut().zip(middles) {
             *middle = *given;
         }
     }
@@ -324,7 +332,7 @@ impl ConfigurationSpace for JointTree {
     fn gradient(&self, q: &[f64], body: usize, point: &Point3<f64>, direction: &Vector3<f64>, gradient: &mut [f64]) {
         gradient.fill(0.0);
         let mut pose = *self.tree.base();
-        for (_, joint) in self.tree.path(self.links[body]) {
+        for (_, joint) in self.tree.path(self.bodies.links[body]) {
             pose = joint.after(&pose, joint.value(q));
             let Some(drive) = joint.drive else { continue };
             let axis = pose.rotation * joint.axis.into_inner();
@@ -337,6 +345,6 @@ impl ConfigurationSpace for JointTree {
     }
 
     fn is_rigid(&self, a: usize, b: usize) -> bool {
-        self.rigid[self.links[a]] == self.rigid[self.links[b]]
+        self.rigid[self.bodies.links[a]] == self.rigid[self.bodies.links[b]]
     }
 }

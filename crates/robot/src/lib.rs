@@ -34,6 +34,7 @@
 //! | load all files of a robot and its cell in one call | [`RobotFiles`] |
 //! | put robots and obstacles into one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
 //! | read configurations from CSV | [`Trajectory`] |
+//! | read trajectories with times and velocities from CSV, or from the JSON or YAML of ROS | [`Trajectory::load_timed`], [`Trajectory::curves`] |
 //! | write a recording for the viewer | [`RobotRecorder`] |
 //!
 //! The checker of [`lin_canny_plan`] computes clearances with bounds, proves segments free over
@@ -181,6 +182,7 @@ mod geometry;
 mod groups;
 mod link_tree;
 mod mesh_file;
+mod message;
 mod mjcf;
 mod options;
 mod packages;
@@ -194,6 +196,7 @@ mod trajectory;
 mod turn;
 mod urdf;
 mod xml;
+mod yaml;
 
 pub use cell::{BodyName, Cell, Obstacle};
 pub use cell_body::AttachedBody;

@@ -1,14 +1,18 @@
-//! Trajectories: configurations in CSV files.
+//! Trajectories: configurations in CSV files, and points with times, velocities and accelerations.
 
 use std::io::Read as _;
 use std::path::Path;
 
 use crate::error::{FileError, FileErrorKind};
+use crate::message;
 use crate::robot::Coordinate;
 use crate::text::check_content;
-use lin_canny_plan::nearest_name as nearest;
+use crate::yaml;
+use lin_canny_plan::{JointCurve, PlanError, nearest_name as nearest};
 
-/// A sequence of configurations; each joint moves at constant speed from one to the next.
+/// A sequence of configurations.
+///
+/// Without velocities, each joint moves at constant speed from one to the next.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Trajectory {
@@ -16,12 +20,29 @@ pub struct Trajectory {
     pub rows: Vec<Vec<f64>>,
     /// The column `time`, if there is one.
     pub times: Option<Vec<f64>>,
-    /// Line of each row in the file.
+    /// The velocities of each row; empty where the file has none.
+    pub velocities: Vec<Vec<f64>>,
+    /// The accelerations of each row; empty where the file has none.
+    pub accelerations: Vec<Vec<f64>>,
+    /// Line of each row in a CSV file, or number of each point in a file of another format.
     pub lines: Vec<u32>,
 }
 
 /// Name of the column of times.
 const TIME: &str = "time";
+
+/// What the name of a column adds to that of a coordinate.
+const DERIVATIVES: [&str; 2] = [".velocity", ".acceleration"];
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Column {
+    Time,
+    /// Value of a coordinate.
+    Value(usize),
+    /// First (0) or second (1) derivative of a coordinate.
+    Derivative(usize, usize),
+}
 
 impl Trajectory {
     /// Returns the trajectory of a CSV file.
@@ -50,7 +71,87 @@ impl Trajectory {
         rest: &[Option<f64>],
     ) -> Result<Self, FileError> {
         let path = path.as_ref();
-        Self::read(&FileError::read(path)?, path, coordinates, rest)
+        Self::read(&FileError::read(path)?, path, coordinates, rest, false)
+    }
+
+    /// Returns a trajectory with times, and optionally velocities and accelerations.
+    ///
+    /// The extension of the file decides its format:
+    ///
+    /// * `csv`: the columns of [`load`](Self::load) with `time`. Joint `elbow` has the optional
+    ///   columns `elbow.velocity` and `elbow.acceleration`. All joints have velocities if one has,
+    ///   and likewise accelerations, which need velocities.
+    /// * `json`, `yaml` or `yml`: a message `JointTrajectory` of ROS 1 or 2, alone or as the
+    ///   `joint_trajectory` of another message. Names may be in any order. Of YAML, everything but
+    ///   anchors, tags and block scalars is read.
+    ///
+    /// A coordinate that the file does not name has its value of `rest`, as in
+    /// [`load_with_rest`](Self::load_with_rest), and stays there.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), or if there are no times. The error names the line of a CSV file,
+    /// or the number of the point, counted from 1.
+    pub fn load_timed(
+        path: impl AsRef<Path>,
+        coordinates: &[Coordinate],
+        rest: &[Option<f64>],
+    ) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        Self::parse_timed(&FileError::read(path)?, path, coordinates, rest)
+    }
+
+    /// Returns the trajectory of a text, as [`load_timed`](Self::load_timed) does. The extension of
+    /// `path` decides the format; errors name it.
+    ///
+    /// # Errors
+    /// As [`load_timed`](Self::load_timed).
+    pub fn parse_timed(
+        text: &str,
+        path: impl AsRef<Path>,
+        coordinates: &[Coordinate],
+        rest: &[Option<f64>],
+    ) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        let malformed = |line, text| FileError::new(path, line, "", FileErrorKind::Malformed(text));
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
+            Some("csv") => Self::read(text, path, coordinates, rest, true),
+            Some("json") => {
+                let value = serde_json::from_str(text).map_err(|e| malformed(Some(e.line() as u32), e.to_string()))?;
+                message::read(&value, path, coordinates, rest)
+            }
+            Some("yaml" | "yml") => {
+                let value = yaml::parse(text).map_err(|(line, reason)| malformed(Some(line), reason))?;
+                message::read(&value, path, coordinates, rest)
+            }
+            _ => Err(malformed(
+                None,
+                "extension of a trajectory is unknown (expected csv, json, yaml or yml)".into(),
+            )),
+        }
+    }
+
+    /// Returns the curve from each row to the next, as the joint trajectory controller of ROS 2
+    /// interpolates: of degree 1, of degree 3 if both rows have velocities, of degree 5 if both
+    /// have accelerations as well.
+    ///
+    /// # Errors
+    /// Returns an error if the times do not increase or a number is out of range.
+    pub fn curves(&self) -> Result<Vec<JointCurve>, PlanError> {
+        let each = self.rows.windows(2).enumerate().map(|(k, ends)| {
+            let ends = [&ends[0], &ends[1]];
+            let both = |of: &[Vec<f64>]| Some([of.get(k)?.clone(), of.get(k + 1)?.clone()]);
+            let given = |of: &[Vec<f64>]| both(of).filter(|of| of.iter().all(|row| !row.is_empty()));
+            let duration = self.times.as_ref().map_or(1.0, |times| times[k + 1] - times[k]);
+            match (given(&self.velocities), given(&self.accelerations)) {
+                (None, _) => JointCurve::bezier(&ends),
+                (Some([v, w]), None) => JointCurve::cubic(ends[0], ends[1], &v, &w, duration),
+                (Some(velocities), Some(accelerations)) => {
+                    JointCurve::quintic(ends.map(Clone::clone), velocities, accelerations, duration)
+                }
+            }
+        });
+        each.collect()
     }
 
     /// Returns values for [`load_with_rest`](Self::load_with_rest): those of a CSV file with one
@@ -77,10 +178,17 @@ impl Trajectory {
     /// # Errors
     /// As [`load`](Self::load).
     pub fn parse(text: &str, path: impl AsRef<Path>, coordinates: &[Coordinate]) -> Result<Self, FileError> {
-        Self::read(text, path.as_ref(), coordinates, &[])
+        Self::read(text, path.as_ref(), coordinates, &[], false)
     }
 
-    fn read(text: &str, path: &Path, coordinates: &[Coordinate], rest: &[Option<f64>]) -> Result<Self, FileError> {
+    /// Reads a CSV text; `is_timed` requires times, and accepts velocities and accelerations.
+    fn read(
+        text: &str,
+        path: &Path,
+        coordinates: &[Coordinate],
+        rest: &[Option<f64>],
+        is_timed: bool,
+    ) -> Result<Self, FileError> {
         check_content(text).map_err(|reason| FileError::new(path, Some(1), "", reason))?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut lines = Lines::new(text);
@@ -93,8 +201,11 @@ impl Trajectory {
         let malformed = |e: csv::Error| FileError::new(path, None, "", FileErrorKind::Malformed(e.to_string()));
         let header = reader.headers().map_err(malformed)?;
         let (line, count) = (lines.of(header.position()), header.len());
-        let columns = columns(header, coordinates, rest)
+        let columns = columns(header, coordinates, rest, is_timed)
             .map_err(|(column, reason)| FileError::new(path, Some(line), column, reason))?;
+        let names: Vec<String> = header.iter().map(String::from).collect();
+        let is_derivative = |order: usize| move |c: &Column| matches!(c, Column::Derivative(o, _) if *o == order);
+        let has = [0, 1].map(|order| columns.iter().any(is_derivative(order)));
         let mut trajectory = Self::default();
         let mut times = Vec::new();
         for record in reader.records() {
@@ -107,33 +218,33 @@ impl Trajectory {
             let wrong = |column: &str, reason| FileError::new(path, Some(line), format!("column {column:?}"), reason);
             let mut row: Vec<f64> = rest.iter().map(|value| value.unwrap_or_default()).collect();
             row.resize(coordinates.len(), 0.0);
-            for (text, column) in record.iter().zip(&columns) {
-                let name = column.map_or(TIME, |k| &coordinates[k].name);
+            let mut derivatives = has.map(|has| vec![0.0; if has { row.len() } else { 0 }]);
+            for ((text, name), column) in record.iter().zip(&names).zip(&columns) {
                 let value = number(text, name).map_err(|reason| wrong(name, reason))?;
-                let Some(k) = *column else {
-                    if times.last().is_some_and(|before| !(value > *before)) {
-                        let reason = FileErrorKind::Malformed(format!(
-                            "time {value} is not greater than the time of the previous row"
-                        ));
-                        return Err(wrong(name, reason));
+                match *column {
+                    Column::Time => {
+                        check_time(times.last(), value).map_err(|reason| wrong(name, reason))?;
+                        times.push(value);
                     }
-                    times.push(value);
-                    continue;
-                };
-                let [low, high] = coordinates[k].limits;
-                if !(low..=high).contains(&value) {
-                    let field = format!("{name} (limits {low} and {high})");
-                    return Err(wrong(name, FileErrorKind::Range { field, value }));
+                    Column::Value(k) => {
+                        check_limits(&coordinates[k], value).map_err(|reason| wrong(name, reason))?;
+                        row[k] = value;
+                    }
+                    Column::Derivative(order, k) => derivatives[order][k] = value,
                 }
-                row[k] = value;
             }
             trajectory.rows.push(row);
+            if is_timed {
+                let [velocities, accelerations] = derivatives;
+                trajectory.velocities.push(velocities);
+                trajectory.accelerations.push(accelerations);
+            }
             trajectory.lines.push(line);
         }
         if trajectory.rows.is_empty() {
             return Err(FileError::new(path, None, "", FileErrorKind::Missing("a row".into())));
         }
-        trajectory.times = columns.contains(&None).then_some(times);
+        trajectory.times = columns.contains(&Column::Time).then_some(times);
         Ok(trajectory)
     }
 }
@@ -182,39 +293,106 @@ fn number(text: &str, name: &str) -> Result<f64, FileErrorKind> {
     })
 }
 
-/// Returns the coordinate of each column; `None` for the column of times.
+/// Returns an error unless a time is later than the one before.
+pub(crate) fn check_time(before: Option<&f64>, time: f64) -> Result<(), FileErrorKind> {
+    match before {
+        Some(before) if !(time > *before) => Err(FileErrorKind::Malformed(format!(
+            "time {time} is not greater than the time of the previous row"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Returns an error if a value is outside the limits of its coordinate.
+pub(crate) fn check_limits(coordinate: &Coordinate, value: f64) -> Result<(), FileErrorKind> {
+    let [low, high] = coordinate.limits;
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    let field = format!("{} (limits {low} and {high})", coordinate.name);
+    Err(FileErrorKind::Range { field, value })
+}
+
+/// Returns the coordinate of a name.
+pub(crate) fn coordinate(name: &str, coordinates: &[Coordinate]) -> Result<usize, FileErrorKind> {
+    let found = coordinates.iter().position(|c| c.name == name);
+    found.ok_or_else(|| FileErrorKind::Unknown {
+        kind: "coordinate",
+        name: name.to_owned(),
+        near: nearest(name, coordinates.iter().map(|c| c.name.as_str())),
+    })
+}
+
+/// Returns an error if a coordinate has neither a name in the file nor a value of `rest`. `what`
+/// makes a name into what is missing.
+pub(crate) fn check_complete(
+    coordinates: &[Coordinate],
+    rest: &[Option<f64>],
+    is_named: impl Fn(usize) -> bool,
+    what: impl Fn(&str) -> String,
+) -> Result<(), FileErrorKind> {
+    let has_value = |k: &usize| is_named(*k) || matches!(rest.get(*k), Some(Some(_)));
+    let missing: Vec<usize> = (0..coordinates.len()).filter(|k| !has_value(k)).collect();
+    let Some(first) = missing.first().map(|&k| what(&coordinates[k].name)) else {
+        return Ok(());
+    };
+    Err(FileErrorKind::Missing(match missing.len() {
+        1 => first,
+        count => format!("{first} (first of {count})"),
+    }))
+}
+
+/// Returns what each column holds.
 fn columns(
     header: &csv::StringRecord,
     coordinates: &[Coordinate],
     rest: &[Option<f64>],
-) -> Result<Vec<Option<usize>>, (String, FileErrorKind)> {
+    is_timed: bool,
+) -> Result<Vec<Column>, (String, FileErrorKind)> {
     let mut columns = Vec::new();
     for name in header {
-        let column = coordinates.iter().position(|c| c.name == name);
         let title = || format!("column {name:?}");
-        if column.is_none() && name != TIME {
-            let reason = FileErrorKind::Unknown {
-                kind: "coordinate",
-                name: name.to_owned(),
-                near: nearest(name, coordinates.iter().map(|c| c.name.as_str())),
-            };
-            return Err((title(), reason));
-        }
+        let derivative = DERIVATIVES.iter().enumerate().find_map(|(order, suffix)| {
+            let k = coordinate(name.strip_suffix(suffix)?, coordinates).ok()?;
+            is_timed.then_some(Column::Derivative(order, k))
+        });
+        let column = match (derivative, name == TIME) {
+            (Some(derivative), _) => derivative,
+            (None, is_time) => match (coordinate(name, coordinates), is_time) {
+                (Ok(k), _) => Column::Value(k),
+                (Err(_), true) => Column::Time,
+                (Err(reason), false) => return Err((title(), reason)),
+            },
+        };
         if columns.contains(&column) {
             return Err((title(), FileErrorKind::Repeated));
         }
         columns.push(column);
     }
-    let has_value = |k: &usize| columns.contains(&Some(*k)) || matches!(rest.get(*k), Some(Some(_)));
-    let missing: Vec<usize> = (0..coordinates.len()).filter(|k| !has_value(k)).collect();
-    let Some(first) = missing.first().map(|&k| &coordinates[k].name) else {
-        return Ok(columns);
-    };
-    let what = match missing.len() {
-        1 => format!("column {first:?}"),
-        count => format!("column {first:?} (first of {count})"),
-    };
-    Err((String::new(), FileErrorKind::Missing(what)))
+    let has = |column| columns.contains(&column);
+    let whole = |reason| (String::new(), reason);
+    check_complete(
+        coordinates,
+        rest,
+        |k| has(Column::Value(k)),
+        |name| format!("column {name:?}"),
+    )
+    .map_err(whole)?;
+    if is_timed && !has(Column::Time) {
+        return Err(whole(FileErrorKind::Missing(format!("column {TIME:?}"))));
+    }
+    for (order, suffix) in DERIVATIVES.into_iter().enumerate() {
+        // All joints of the file have a derivative, and those below it, or none has.
+        let is_used = |c: &Column| matches!(c, Column::Derivative(o, _) if *o >= order);
+        let lacks = |k: &usize| has(Column::Value(*k)) && !has(Column::Derivative(order, *k));
+        if columns.iter().any(is_used)
+            && let Some(k) = (0..coordinates.len()).find(lacks)
+        {
+            let name = format!("{}{suffix}", coordinates[k].name);
+            return Err(whole(FileErrorKind::Missing(format!("column {name:?}"))));
+        }
+    }
+    Ok(columns)
 }
 
 /// Returns configurations as the text of a CSV file.

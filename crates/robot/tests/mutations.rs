@@ -121,9 +121,32 @@ fn changed_cells_srdfs_and_trajectories_never_panic() {
         <virtual_joint name=\"v\" type=\"planar\" parent_frame=\"w\" child_link=\"base\"/></robot>";
     let srdf = srdf.replace("</robot>", groups);
     let mut random = ChaCha8Rng::seed_from_u64(2);
-    let mut read = [0; 3];
+    let names: Vec<String> = robot.coordinates().iter().map(|c| format!("\"{}\"", c.name)).collect();
+    let zeros = vec!["0.01"; names.len()].join(", ");
+    let point = |t: u32| format!("{{\"positions\": [{zeros}], \"velocities\": [{zeros}], \"time_from_start\": {t}}}");
+    let message = format!(
+        "{{\"joint_names\": [{}], \"points\": [{}, {}]}}",
+        names.join(", "),
+        point(0),
+        point(1)
+    );
+    let block = format!(
+        "joint_names:\n- {}\npoints:\n- {}\n- {}\n",
+        names.join("\n- "),
+        point(0),
+        point(1)
+    );
+    let mut read = [0; 5];
     for _ in 0..3000 {
         let path = examples().join("changed");
+        for (k, (text, extension)) in [(&message, "json"), (&block, "yaml")].into_iter().enumerate() {
+            let (text, path) = (mutated(text, &mut random), path.with_extension(extension));
+            if let Ok(trajectory) = Trajectory::parse_timed(&text, &path, robot.coordinates(), &[]) {
+                read[3 + k] += 1;
+                // An error of the numbers is no panic.
+                let _ = trajectory.curves();
+            }
+        }
         let changed = mutated(&cell, &mut random);
         read[0] += usize::from(Cell::parse(&changed, &path, &Packages::default(), &LoadOptions::default()).is_ok());
         read[1] += usize::from(Srdf::parse(&mutated(&srdf, &mut random), &path, &robot).is_ok());

@@ -24,7 +24,11 @@ fn run_of(robot: &str, command: &str, arguments: &[&str]) -> (i32, String) {
 /// A file in the folder of this test run.
 fn scratch(name: &str, text: &str) -> String {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    std::fs::write(&file, text).expect("a file");
+    // Another test may read the same file: it is replaced as a whole.
+    let thread = format!("{:?}", std::thread::current().id());
+    let part = file.with_extension(thread.replace(['(', ')'], ""));
+    std::fs::write(&part, text).expect("a file");
+    std::fs::rename(&part, &file).expect("a file");
     file.to_string_lossy().into_owned()
 }
 
@@ -932,4 +936,56 @@ fn points_have_signed_distances_from_a_mesh() {
     let bad = scratch("bad.xyz", "0 0 0\nnan 0 0\n");
     let (code, text) = run_of(&mesh, "points", &["--points", &bad]);
     assert!(code == 3 && text.contains("bad.xyz"), "{code}: {text}");
+}
+
+#[test]
+fn trajectories_are_certified() {
+    // A straight trajectory has the verdicts of its rows.
+    let rows = ["--joints", "carry.csv", "--margin", "0.051"];
+    let points = ["--trajectory", "carry.csv", "--margin", "0.051"];
+    let (one, other) = (run("certify", &with(&rows)), run("certify", &with(&points)));
+    assert_eq!(one, other);
+    let (code, text) = run("certify", &with(&["--trajectory", "carry.csv", "--margin", "0.01"]));
+    assert!(code == 0 && text.contains("3 of 3 segments proven free"), "{text}");
+
+    // From rest to rest, and over the middle point at speed: the arm dips below the fence.
+    let head = "time,turn,turn.velocity,lift,lift.velocity";
+    let others = scratch("others.csv", "elbow,roll,bend,twist,left\n1.2,0,0.8,0,0.01\n");
+    let file = |name: &str, rows: &str| scratch(name, &format!("{head}\n{rows}"));
+    let above = file("above.csv", "0,0.6,0,0.3,0\n2,-0.6,0,0.3,0\n");
+    let out = scratch("curve.csv", "");
+    let arguments = ["--trajectory", &above, "--rest", &others, "--csv", &out];
+    let (code, text) = run("certify", &with(&arguments));
+    assert!(code == 0 && text.contains("1 of 1 segments proven free"), "{text}");
+    let table = std::fs::read_to_string(&out).expect("the table");
+    assert_eq!(table, "from_line,to_line,verdict,safe,t,time,a,b\n2,3,free,1,,,,\n");
+    // Half a second at one and a half metres a second, down and up.
+    let dip = file("dip.csv", "0,0.6,0,0.3,1.5\n2,-0.6,0,0.3,-1.5\n");
+    let (code, text) = run("certify", &with(&["--trajectory", &dip, "--rest", &others]));
+    assert!(code == 1 || text.contains("exceeds its limits"), "{code} {text}");
+
+    // A curve that leaves the limits between its points names joint, limits and time.
+    let far = file("far.csv", "0,0.6,0,0.3,0\n2,-0.6,100,0.3,0\n");
+    let (code, text) = run("certify", &with(&["--trajectory", &far, "--rest", &others]));
+    assert!(
+        code == 3 && text.contains("turn exceeds its limits") && text.contains("lines 2 to 3"),
+        "{text}"
+    );
+
+    // Tubes.
+    let tube = |joint: &str| {
+        let (code, text) = run(
+            "certify",
+            &with(&["--trajectory", &above, "--rest", &others, "--tube", joint]),
+        );
+        println!("{joint}: {text}");
+        code
+    };
+    assert_eq!(
+        ["turn=0", "turn=0.001", "lift=0.6", "turm=1", "turn=-1"].map(tube),
+        [0, 0, 1, 3, 2]
+    );
+    let both = ["--trajectory", "carry.csv", "--joints", "carry.csv"];
+    assert_eq!(run("certify", &with(&both)).0, 2);
+    assert_eq!(run("certify", &with(&[])).0, 2);
 }

@@ -113,3 +113,191 @@ fn errors_of_the_header_have_its_line() {
         }
     }
 }
+
+const TIMED: &str = "time,t,s,s.velocity,t.velocity\n0,0.5,0,1,0\n2,1,1,0,-1\n2.5,0,1,0,0\n";
+
+const JSON: &str = r#"{"header": {}, "joint_names": ["t", "s"], "points": [
+ {"positions": [0.5, 0], "velocities": [0, 1], "time_from_start": {"sec": 0, "nanosec": 0}},
+ {"positions": [1, 1], "velocities": [-1, 0], "accelerations": [], "time_from_start": {"sec": 2, "nanosec": 0}},
+ {"positions": [0, 1], "velocities": [0, 0], "effort": [], "time_from_start": 2.5}]}"#;
+
+const YAML: &str = "---
+# As `ros2 topic echo` writes it.
+joint_trajectory:
+  header:
+    stamp: {sec: 0, nanosec: 0}
+    frame_id: ''
+  joint_names:
+  - 't'
+  - s  # a comment
+  points:
+    - positions: [0.5, 0]
+      velocities:
+      - 0.0
+      - 1.0
+      accelerations: []
+      time_from_start:
+        sec: 0
+        nanosec: 0
+    - positions: [1,
+        1]
+      velocities: [-1, 0]
+      time_from_start: {secs: 2, nsecs: 0}
+    -
+      positions: [0, 1]
+      velocities: [0, 0]
+      time_from_start: {sec: 2, nanosec: 500000000}
+---
+";
+
+fn timed(text: &str, file: &str) -> Result<Trajectory, FileError> {
+    Trajectory::parse_timed(text, file, robot().coordinates(), &[])
+}
+
+#[test]
+fn timed_trajectories_are_equal_in_every_format() {
+    let of_csv = timed(TIMED, "q.csv").expect("a trajectory");
+    assert_eq!(of_csv.rows, [[0.0, 0.5], [1.0, 1.0], [1.0, 0.0]]);
+    assert_eq!(of_csv.velocities, [[1.0, 0.0], [0.0, -1.0], [0.0, 0.0]]);
+    assert_eq!(of_csv.times.as_deref(), Some(&[0.0, 2.0, 2.5][..]));
+    for (text, file) in [(JSON, "q.json"), (YAML, "q.yaml"), (YAML, "q.YML")] {
+        let mut other = timed(text, file).expect("a trajectory");
+        assert_eq!(other.lines, [1, 2, 3]);
+        other.lines = of_csv.lines.clone();
+        assert_eq!(other, of_csv, "{file}");
+    }
+    // Cubic pieces, through the points at their velocities.
+    let curves = of_csv.curves().expect("curves");
+    assert_eq!(curves.len(), 2);
+    for (k, curve) in curves.iter().enumerate() {
+        assert_eq!(curve.degree(), 3);
+        assert_eq!(curve.control_point(0), of_csv.rows[k]);
+        assert_eq!(curve.control_point(3), of_csv.rows[k + 1]);
+        let duration = [2.0, 0.5][k];
+        for (time, row) in [(0.0, k), (1.0, k + 1)] {
+            for (found, expected) in curve.velocity(time).iter().zip(&of_csv.velocities[row]) {
+                assert!((found - expected * duration).abs() < 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_degree_is_that_of_the_controller() {
+    let degree =
+        |text: &str, file: &str| timed(text, file).expect("a trajectory").curves().expect("curves")[0].degree();
+    assert_eq!(degree("time,s,t\n0,0,0\n1,1,1\n", "q.csv"), 1);
+    let quintic = "time,s,t,s.velocity,t.velocity,s.acceleration,t.acceleration\n0,0,0,0,0,1,1\n1,1,1,0,0,0,0\n";
+    assert_eq!(degree(quintic, "q.csv"), 5);
+    // A point without velocities: the pieces at its sides are linear.
+    let mixed = r#"{"joint_names": ["s", "t"], "points": [
+        {"positions": [0, 0], "velocities": [1, 1], "time_from_start": 0},
+        {"positions": [1, 1], "time_from_start": 1}]}"#;
+    assert_eq!(degree(mixed, "q.json"), 1);
+    // A joint at rest that the file does not name.
+    let rest = [Some(0.25), None];
+    let found = Trajectory::parse_timed(
+        "time,t,t.velocity\n0,0,1\n1,1,1\n",
+        "q.csv",
+        robot().coordinates(),
+        &rest,
+    );
+    let found = found.expect("a trajectory");
+    assert_eq!(
+        (&found.rows[1], &found.velocities[1]),
+        (&vec![0.25, 1.0], &vec![0.0, 1.0])
+    );
+}
+
+#[test]
+fn timed_trajectories_that_are_wrong_name_the_place() {
+    let point = r#"{"positions": [0, 0], "time_from_start": 1}"#;
+    let names = r#""joint_names": ["s", "t"]"#;
+    let cases = [
+        ("s,t\n0,0\n", "q.csv", "q.csv:1: column \"time\" is missing"),
+        (
+            "time,s,t,s.velocity\n0,0,0,0\n",
+            "q.csv",
+            "column \"t.velocity\" is missing",
+        ),
+        (
+            "time,s,t,s.acceleration,t.acceleration\n0,0,0,0,0\n",
+            "q.csv",
+            "column \"s.velocity\" is missing",
+        ),
+        (
+            "time,s,t,u.velocity\n0,0,0,0\n",
+            "q.csv",
+            "coordinate \"u.velocity\" does not exist",
+        ),
+        (
+            "time,s,t\n0,0,0\n0,1,1\n",
+            "q.csv",
+            "q.csv:3: column \"time\": time 0 is not greater",
+        ),
+        (
+            "time,s,t,s.velocity,t.velocity\n0,0,0,inf,0\n",
+            "q.csv",
+            "column \"s.velocity\": invalid s.velocity",
+        ),
+        ("time,s,t\n", "q.csv", "a row is missing"),
+        ("time,s,t\n", "q.txt", "extension of a trajectory is unknown"),
+        ("{", "q.json", "q.json:1: EOF"),
+        ("[]", "q.json", "joint_names is missing"),
+        (&format!("{{{names}, \"points\": []}}"), "q.json", "a point is missing"),
+        (&format!("{{{names}}}"), "q.json", "points is missing"),
+        (
+            &format!("{{\"joint_names\": [\"s\", \"x\"], \"points\": [{point}]}}"),
+            "q.json",
+            "joint \"x\": coordinate \"x\" does not exist",
+        ),
+        (
+            &format!("{{\"joint_names\": [\"s\"], \"points\": [{point}]}}"),
+            "q.json",
+            "joint \"t\" is missing",
+        ),
+        (
+            &format!("{{\"joint_names\": [\"s\", \"s\"], \"points\": [{point}]}}"),
+            "q.json",
+            "joint \"s\": name is already in use",
+        ),
+        (
+            &format!("{{{names}, \"points\": [{point}, {point}]}}"),
+            "q.json",
+            "point 2: time 1 is not greater",
+        ),
+        (
+            &format!("{{{names}, \"points\": [{{\"positions\": [0]}}]}}"),
+            "q.json",
+            "point 1: time_from_start is missing",
+        ),
+        (
+            &format!("{{{names}, \"points\": [{{\"positions\": [0], \"time_from_start\": 0}}]}}"),
+            "q.json",
+            "point 1: wrong number of positions: 1 (expected 2)",
+        ),
+        (
+            &format!("{{{names}, \"points\": [{{\"positions\": [0, 1e99], \"time_from_start\": 0}}]}}"),
+            "q.json",
+            "point 1: t (limits",
+        ),
+        (
+            &format!("{{{names}, \"points\": [{{\"positions\": [0, 1], \"jerk\": [], \"time_from_start\": 0}}]}}"),
+            "q.json",
+            "unknown field: \"jerk\"",
+        ),
+        ("joint_names: &a [s]\n", "q.yaml", "q.yaml:1: anchors"),
+        ("joint_names:\n- s\n   - t\n- [\n", "q.yaml", "q.yaml:3"),
+        ("joint_names: [s, t\n", "q.yaml", "bracket is not closed"),
+        ("a: 1\n---\nb: 1\n", "q.yaml", "q.yaml:3: several documents"),
+        ("", "q.yaml", "no value"),
+    ];
+    for (text, file, expected) in cases {
+        let error = timed(text, file).expect_err("an error").to_string();
+        assert!(error.contains(expected), "{text:?}: {error}");
+    }
+    // Deep nesting ends.
+    for text in ["[".repeat(100_000), "- ".repeat(100_000), "{a: ".repeat(10_000)] {
+        assert!(timed(&text, "q.yaml").is_err());
+    }
+}

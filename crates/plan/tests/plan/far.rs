@@ -2,46 +2,17 @@
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Checker, ConfigurationSpace, Joint, SerialArm, Verdict, World};
-use std::f64::consts::TAU;
+use lin_canny_plan::{Checker, ConfigurationSpace, Joint, JointTree, SerialArm, Verdict, World};
+use truth::arm::chain::chain;
 use truth::rng::Rng;
 
-fn checker(joints: usize) -> Checker<SerialArm> {
+fn checker(joints: usize) -> Checker<JointTree> {
     let (arm, world) = arm_among_posts(joints);
     Checker::new(arm, world).expect("a world")
 }
 
-/// An arm of links of 0.2 m that bend in turn about two axes, among twelve posts.
-fn arm_among_posts(joints: usize) -> (SerialArm, World) {
-    let mut world = World::new();
-    let link = solids::cuboid(Vector3::new(0.1, 0.04, 0.03)).expect("a box");
-    let link = link
-        .transformed(&Isometry3::translation(0.11, 0.0, 0.0))
-        .expect("a box");
-    let mut chain = Vec::new();
-    for k in 0..joints {
-        let axis = if k % 2 == 0 {
-            Vector3::z_axis()
-        } else {
-            Vector3::y_axis()
-        };
-        let origin = Isometry3::translation(if k == 0 { 0.0 } else { 0.22 }, 0.0, 0.0);
-        chain.push(Joint::revolute(origin, axis, [-3.2, 3.2]));
-        world.robot_body(format!("link {k}"), link.clone());
-    }
-    for k in 0..12 {
-        let angle = TAU * f64::from(k) / 12.0;
-        let post = solids::cuboid(Vector3::new(0.03, 0.03, 0.6)).expect("a box");
-        let place = Vector3::new(1.1 * angle.cos(), 1.1 * angle.sin(), 0.0);
-        world.obstacle(format!("post {k}"), post, Isometry3::new(place, Vector3::z() * angle));
-    }
-    for k in 1..joints {
-        world
-            .exclude(&format!("link {}", k - 1), &format!("link {k}"))
-            .expect("names");
-    }
-    let arm = SerialArm::new(Isometry3::identity(), chain, (1..=joints).collect(), 0.3).expect("an arm");
-    (arm, world)
+fn arm_among_posts(joints: usize) -> (JointTree, World) {
+    chain(joints, [-3.2, 3.2]).expect("an arm")
 }
 
 /// Queries of the free ones among random segments of joints that turn up to `most`, on average. Each segment is judged by

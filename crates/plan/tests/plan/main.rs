@@ -4,6 +4,7 @@
 mod arm;
 mod certify;
 mod changes;
+mod curves;
 mod far;
 mod forget;
 mod free;

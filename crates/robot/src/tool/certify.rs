@@ -1,11 +1,13 @@
-//! The command `certify`: proves each segment between rows free, or reports time and pair.
+//! The command `certify`: proves the motion from each row to the next free, or reports time and
+//! pair.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use lin_canny_robot::plan::Verdict;
+use lin_canny_robot::plan::{PlanError, Verdict, nearest_name};
+use lin_canny_robot::{Coordinate, Trajectory};
 
-use super::options::{RobotOptions, RowOptions};
+use super::options::{ReadRows, RestOptions, RobotOptions, not_negative};
 use super::text::{Table, fraction_below, names, place, time_at};
 use super::{End, ToolError, progress, write};
 
@@ -13,8 +15,21 @@ use super::{End, ToolError, progress, write};
 pub(super) struct CertifyOptions {
     #[command(flatten)]
     robot: RobotOptions,
+    /// Configurations: one column per joint, in any order, and optionally `time`; each joint moves at
+    /// constant speed from row to row
+    #[arg(long, value_name = "Q.csv", required_unless_present = "trajectory")]
+    joints: Option<PathBuf>,
+    /// Points with times, and optionally velocities and accelerations (columns `JOINT.velocity` and
+    /// `JOINT.acceleration`): CSV, or a ROS JointTrajectory as JSON or YAML. The motion is linear, cubic
+    /// or quintic, as the joint trajectory controller of ROS 2 interpolates
+    #[arg(long, value_name = "FILE", conflicts_with = "joints")]
+    trajectory: Option<PathBuf>,
     #[command(flatten)]
-    rows: RowOptions,
+    rest: RestOptions,
+    /// Let a joint deviate by this much, in radians or metres: everything in the tube is proven free;
+    /// may be repeated
+    #[arg(long, value_name = "JOINT=X", value_parser = deviation, conflicts_with = "start_contact")]
+    tube: Vec<(String, f64)>,
     /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     margin: Option<f64>,
@@ -29,19 +44,72 @@ pub(super) struct CertifyOptions {
 
 const COLUMNS: [&str; 8] = ["from_line", "to_line", "verdict", "safe", "t", "time", "a", "b"];
 
+fn deviation(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.rsplit_once('=').ok_or("expected JOINT=X")?;
+    Ok((name.into(), not_negative(value)?))
+}
+
+/// Returns the deviation of each coordinate; `None` if no joint deviates.
+fn tube(given: &[(String, f64)], coordinates: &[Coordinate], file: &Path) -> Result<Option<Vec<f64>>, ToolError> {
+    let mut tube = vec![0.0; coordinates.len()];
+    for (name, value) in given {
+        let Some(k) = coordinates.iter().position(|c| c.name == *name) else {
+            let near = nearest_name(name, coordinates.iter().map(|c| c.name.as_str()));
+            let near = near.map_or(String::new(), |near| format!(" (nearest: {near:?})"));
+            let reason = format!("--tube: joint {name:?} does not exist{near}");
+            let file = file.to_owned();
+            return Err(ToolError::State { file, reason });
+        };
+        tube[k] = *value;
+    }
+    Ok((!given.is_empty()).then_some(tube))
+}
+
 pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     let (robot, setup) = options.robot.load()?;
-    let path = options.rows.load(&options.robot, &robot, &setup, 2)?;
+    let files = (&options.robot, &robot, &setup);
+    let (file, read): (_, ReadRows) = match (&options.trajectory, &options.joints) {
+        (Some(file), _) => (file, |file, of, rest| Trajectory::load_timed(file, of, rest)),
+        (None, Some(file)) => (file, |file, of, rest| Trajectory::load_with_rest(file, of, rest)),
+        (None, None) => return Ok(End::Unknown),
+    };
+    let path = options.rest.load(file, files, 2, read)?;
+    let tube = tube(&options.tube, setup.coordinates(), file)?;
+    // A file that is not CSV has no lines.
+    let unit = match path.velocities.is_empty() || file.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
+        true => "lines",
+        false => "points",
+    };
     let mut checker = setup.checker()?;
     checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
     checker.set_start_contact_margin(options.start_contact)?;
     let mut table = Table::new(COLUMNS);
     let bar = progress("segments", path.rows.len() as u64 - 1);
     let (mut end, mut free) = (End::Free, 0);
-    for (k, ends) in path.rows.windows(2).enumerate() {
-        let verdict = checker.certify(&ends[0], &ends[1])?;
-        bar.inc(1);
+    for (k, curve) in path.curves()?.iter().enumerate() {
         let (from, to) = (path.lines[k], path.lines[k + 1]);
+        let verdict = match &tube {
+            Some(tube) => checker.certify_curve_tube(curve, tube),
+            None => checker.certify_curve(curve),
+        };
+        let verdict = verdict.map_err(|error| match error {
+            PlanError::CurveLimit {
+                coordinate,
+                time,
+                value,
+            } => {
+                let Coordinate { name, limits, .. } = &setup.coordinates()[coordinate];
+                let [low, high] = limits;
+                let at = place(time, time_at(&path, k, time));
+                let reason = format!(
+                    "{unit} {from} to {to}: {name} exceeds its limits {low} and {high} {at}: {value}; see --limit-slack"
+                );
+                let file = file.clone();
+                ToolError::State { file, reason }
+            }
+            error => error.into(),
+        })?;
+        bar.inc(1);
         let mut cells = vec![from.to_string(), to.to_string()];
         match verdict {
             Verdict::Free { start_contacts, .. } => {
@@ -52,26 +120,28 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
                         Some(t) => format!("leave their contact {}", place(t, time_at(&path, k, t))),
                         None => "keep their contact".into(),
                     };
-                    bar.suspend(|| println!("lines {from} to {to}: {a} - {b} {until}"));
+                    bar.suspend(|| println!("{unit} {from} to {to}: {a} - {b} {until}"));
                 }
                 cells.extend(["free", "1", "", "", "", ""].map(String::from));
             }
             Verdict::Blocked { safe, t, pair, .. } => {
                 let [a, b] = names(&checker, pair);
                 let (time, at) = (time_at(&path, k, t), place(t, time_at(&path, k, t)));
-                let meet = match checker.margin() {
-                    0.0 => "meet".to_owned(),
-                    margin => format!("come within {margin} m"),
+                let meet = match (checker.margin(), &tube) {
+                    (0.0, None) => "meet".to_owned(),
+                    (0.0, Some(_)) => "may meet in the tube".to_owned(),
+                    (margin, None) => format!("come within {margin} m"),
+                    (margin, Some(_)) => format!("may come within {margin} m in the tube"),
                 };
                 let apart = fraction_below(safe);
-                bar.suspend(|| println!("lines {from} to {to}: {a} - {b} {meet} {at}, free to {apart}"));
+                bar.suspend(|| println!("{unit} {from} to {to}: {a} - {b} {meet} {at}, free to {apart}"));
                 let time = time.map_or(String::new(), |time| time.to_string());
                 cells.extend(["blocked".into(), safe.to_string(), t.to_string(), time, a, b]);
                 end = end.max(End::Blocked);
             }
             _ => {
                 let (safe, apart) = (verdict.safe(), fraction_below(verdict.safe()));
-                bar.suspend(|| println!("lines {from} to {to}: undecided from {apart} of the segment on"));
+                bar.suspend(|| println!("{unit} {from} to {to}: undecided from {apart} of the segment on"));
                 cells.extend(["undecided".into(), safe.to_string()]);
                 cells.extend(["", "", "", ""].map(String::from));
                 end = end.max(End::Unknown);

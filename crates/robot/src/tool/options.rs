@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use lin_canny::Geometry;
 use lin_canny_robot::{
-    FileErrorKind, LoadOptions, MeshUse, Packages, Robot, RobotFiles, Setup, Skipped, Srdf, Trajectory,
+    Coordinate, FileError, FileErrorKind, LoadOptions, MeshUse, Packages, Robot, RobotFiles, Setup, Skipped, Srdf,
+    Trajectory,
 };
 
 use super::ToolError;
@@ -96,6 +97,13 @@ pub(super) struct RowOptions {
     /// Configurations: one column per joint, in any order, and optionally `time`
     #[arg(long, value_name = "Q.csv")]
     joints: PathBuf,
+    #[command(flatten)]
+    rest: RestOptions,
+}
+
+/// The values of joints that a file does not name.
+#[derive(Args)]
+pub(super) struct RestOptions {
     /// Values of the joints without a column in Q.csv: a CSV file with column names and one row
     #[arg(long, value_name = "FILE")]
     rest: Option<PathBuf>,
@@ -119,6 +127,25 @@ impl RowOptions {
         setup: &Setup,
         least: usize,
     ) -> Result<Trajectory, ToolError> {
+        self.rest
+            .load(&self.joints, (files, robot, setup), least, |file, of, rest| {
+                Trajectory::load_with_rest(file, of, rest)
+            })
+    }
+}
+
+/// Reads a file: its path, the coordinates, and the values of those that it does not name.
+pub(super) type ReadRows = fn(&Path, &[Coordinate], &[Option<f64>]) -> Result<Trajectory, FileError>;
+
+impl RestOptions {
+    /// Returns at least this number of rows of a file.
+    pub(super) fn load(
+        &self,
+        file: &Path,
+        (files, robot, setup): (&RobotOptions, &Robot, &Setup),
+        least: usize,
+        read: ReadRows,
+    ) -> Result<Trajectory, ToolError> {
         let coordinates = setup.coordinates();
         let mut values = self.values_of_states(files, robot, setup)?;
         let rest = self.rest.as_ref().map(|file| Trajectory::load_rest(file, coordinates));
@@ -126,18 +153,20 @@ impl RowOptions {
             for (value, rest) in values.iter_mut().zip(rest) {
                 *value = rest.or(*value);
             }
-            Trajectory::load_with_rest(&self.joints, coordinates, &values)
+            read(file, coordinates, &values)
         });
         let rows = rows.map_err(|error| {
             let see = match &error.reason {
-                FileErrorKind::Missing(what) if what.starts_with("column") => "--rest and --state",
+                FileErrorKind::Missing(what) if what.starts_with("column") || what.starts_with("joint") => {
+                    "--rest and --state"
+                }
                 FileErrorKind::Range { .. } => "--limit-slack and --turns",
                 _ => return ToolError::File(error),
             };
             let error = Box::new(error);
             ToolError::Rows { error, see }
         })?;
-        let (file, count) = (self.joints.clone(), rows.rows.len());
+        let (file, count) = (file.to_owned(), rows.rows.len());
         if count < least {
             return Err(ToolError::TooFew { file, count, least });
         }
@@ -207,7 +236,7 @@ fn name_pair(text: &str) -> Result<[String; 2], String> {
     Ok([a.into(), b.into()])
 }
 
-fn not_negative(text: &str) -> Result<f64, String> {
+pub(super) fn not_negative(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().map_err(|e| e.to_string())?;
     let value = Some(value).filter(|x| (0.0..f64::INFINITY).contains(x));
     value.ok_or("expected a finite number, at least 0".into())

@@ -25,6 +25,7 @@ pub(super) fn bounds() -> Vec<Bound> {
         whole("PLACED", "plan::clearance::balls", placed()),
         whole("ARM_TURN", "plan::tree::TreeJoint::after", arm_turn()),
         whole("ARM_PLACE", "plan::tree::TreeJoint::after", arm_place()),
+        whole("LENGTH", "plan::tree_motion::length", of_length()),
         whole("SHAPE_POINT", "patch::shape_tracker", shape_point()),
         whole("CARRIED", "patch::front::NetEntry", carried()).case("a pose"),
         whole("PARALLEL_AXES", "smooth::parallel::prove", parallel()).sum(

@@ -36,7 +36,8 @@ fn cuts() -> RBig {
     c.map(Majorant::relative).into_iter().max().expect("four coefficients")
 }
 
-/// A value between two, at a time up to one, over the greater of the two.
+/// A value between two, at a time up to one, over the greater of the two: a round of de Casteljau's algorithm, which
+/// averages the errors of the rounds before.
 fn between() -> RBig {
     let (a, b) = (exactly('a'), exactly('b'));
     (a + (b - a) * exactly('t')).error().at(|_| RBig::ONE)

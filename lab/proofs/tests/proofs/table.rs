@@ -82,9 +82,12 @@ const LIMITS: &[&str] = &[
 /// Bounds of roundings that are derived where they stand, and not yet transcribed.
 const BY_HAND: &[&str] = &[
     "ATTACHED",
+    "CONVERTED",
     "CORE_CELL",
     "CORE_ERROR",
     "CORE_REACH",
+    "CURVE_DIFFERENCE",
+    "CURVE_PART",
     "EXACT_PLACE",
     "POINT_BOX",
     "POINT_BOX_SQUARE",
@@ -111,7 +114,9 @@ pub(crate) fn of_planner() -> Vec<(&'static str, f64)> {
         let (count, _) = rest.split_once(" * UNIT;").expect("a count of roundings");
         (name, count.parse().expect("a number"))
     };
-    ["ARM_PLACE", "ARM_TURN", "ARM_VALUE", "PLACED"].map(value).to_vec()
+    ["ARM_PLACE", "ARM_TURN", "ARM_VALUE", "LENGTH", "PLACED"]
+        .map(value)
+        .to_vec()
 }
 
 fn source(path: &str) -> PathBuf {

@@ -2,6 +2,7 @@
 //! dimensions.
 
 pub mod cell;
+pub mod chain;
 pub mod draw;
 pub mod motion;
 pub mod robot;

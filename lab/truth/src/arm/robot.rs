@@ -9,7 +9,7 @@ use lin_canny_plan::{Joint, PlanError, SerialArm, World};
 use super::Trouble;
 
 /// For each joint: height above the previous link, axis, and the limit on both sides.
-const JOINTS: [(f64, Unit<Vector3<f64>>, f64); 6] = {
+pub const JOINTS: [(f64, Unit<Vector3<f64>>, f64); 6] = {
     const Y: Unit<Vector3<f64>> = Unit::new_unchecked(Vector3::new(0.0, 1.0, 0.0));
     const Z: Unit<Vector3<f64>> = Unit::new_unchecked(Vector3::new(0.0, 0.0, 1.0));
     [
@@ -22,7 +22,8 @@ const JOINTS: [(f64, Unit<Vector3<f64>>, f64); 6] = {
     ]
 };
 
-const NAMES: [&str; 7] = [
+/// The names of the bodies.
+pub const NAMES: [&str; 7] = [
     "base",
     "shoulder",
     "upper arm",

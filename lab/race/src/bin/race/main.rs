@@ -9,6 +9,7 @@ mod cad;
 mod clouds;
 mod contact;
 mod curved;
+mod curves;
 mod gate;
 mod impact;
 mod instructions;
@@ -29,10 +30,10 @@ use truth::boxes::Kind;
 /// Compare the speed of this crate with other libraries
 ///
 /// Each race measures one kind of query: closest points of polyhedra or curved shapes, contacts,
-/// broad phases, whole scenes, casts, meshes, segments of planners, Bézier surfaces, rays, hulls,
-/// clouds and points. The race `instructions` counts the instructions of queries. The race `gate`
-/// runs 30 cells of the others in two minutes, and names the cells that are more than 5 % slower
-/// than in `benches/record/gate.csv`.
+/// broad phases, whole scenes, casts, meshes, segments of planners, curves of joints, Bézier
+/// surfaces, rays, hulls, clouds and points. The race `instructions` counts the instructions of
+/// queries. The race `gate` runs 30 cells of the others in two minutes, and names the cells that are
+/// more than 5 % slower than in `benches/record/gate.csv`.
 #[derive(Parser)]
 struct Command {
     /// Race to run
@@ -52,6 +53,7 @@ struct Command {
 enum Race {
     Pairs,
     Curved,
+    Curves,
     Contact,
     Boxes,
     Scene,
@@ -88,6 +90,7 @@ fn race(
     let (scenes, run): (Vec<&str>, fn(&Options) -> Rows) = match race {
         Race::Pairs => (pairs::SCENES.into(), pairs::run),
         Race::Curved => (curved::SCENES.into(), curved::run),
+        Race::Curves => (curves::SCENES.into(), curves::run),
         Race::Contact => (truth::contacts::SCENES.into(), contact::run),
         Race::Boxes => (boxes::RACED.map(Kind::name).into(), |o| boxes::run(o, &[])),
         Race::Scene => (scene::SCENES.map(|s| s.0).into(), |o| scene::run(o, &[])),

@@ -1,0 +1,669 @@
+//! Curves: what is called free is free at every sampled time, what is called blocked is in contact at the time named. The
+//! judge evaluates the curve by the sum of Bernstein polynomials, and decides configurations by predicates.
+
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny_plan::{
+    Checker, ConfigurationSpace, Drive, Joint, JointCurve, JointKind, JointTree, PlanError, PlanarSpace, RigidSpace,
+    SerialArm, TreeJoint, Verdict, World,
+};
+use truth::arm::chain::posts;
+use truth::rng::Rng;
+
+fn chain(joints: usize) -> (JointTree, World) {
+    truth::arm::chain::chain(joints, [-1e3, 1e3]).expect("an arm")
+}
+
+/// Two arms on a carriage that slides and lifts, with a gripper whose fingers mirror each other.
+fn carriage() -> (JointTree, World) {
+    let mut joints = Vec::new();
+    let mut add = |parent, kind, at: [f64; 3], axis, coordinate, factor| {
+        joints.push(TreeJoint {
+            parent,
+            kind,
+            origin: Isometry3::translation(at[0], at[1], at[2]),
+            axis,
+            drive: Some(Drive {
+                coordinate,
+                factor,
+                offset: 0.0,
+            }),
+        });
+        joints.len()
+    };
+    let (x, y, z) = (Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis());
+    let slide = add(0, JointKind::Prismatic, [0.0; 3], x, 0, 1.0);
+    let lift = add(slide, JointKind::Prismatic, [0.0, 0.0, 0.2], z, 1, 1.0);
+    let mut links = vec![slide];
+    for (side, k) in [(1.0, 2), (-1.0, 4)] {
+        let upper = add(lift, JointKind::Revolute, [0.0, 0.15 * side, 0.1], z, k, 1.0);
+        let fore = add(upper, JointKind::Revolute, [0.3, 0.0, 0.0], y, k + 1, 1.0);
+        links.extend([upper, fore]);
+        // Fingers follow one coordinate, one of them the wrong way round.
+        for mirror in [1.0, -1.0] {
+            let at = [0.3, 0.03 * mirror, 0.0];
+            links.push(add(fore, JointKind::Prismatic, at, y, 6, 0.05 * mirror));
+        }
+    }
+    let mut world = World::new();
+    let cuboid = |x: f64, y: f64, z: f64, at: f64| {
+        let half = solids::cuboid(Vector3::new(x, y, z)).expect("a box");
+        half.transformed(&Isometry3::translation(at, 0.0, 0.0)).expect("a box")
+    };
+    world.robot_body("slide", cuboid(0.1, 0.1, 0.05, 0.0));
+    for side in ["left", "right"] {
+        world.robot_body(format!("{side} upper"), cuboid(0.13, 0.03, 0.03, 0.15));
+        world.robot_body(format!("{side} fore"), cuboid(0.13, 0.03, 0.03, 0.15));
+        for finger in ["a", "b"] {
+            world.robot_body(format!("{side} {finger}"), cuboid(0.05, 0.01, 0.02, 0.05));
+        }
+        for [a, b] in [["upper", "fore"], ["fore", "a"], ["fore", "b"], ["a", "b"]] {
+            let [a, b] = [a, b].map(|name| format!("{side} {name}"));
+            world.exclude(&a, &b).expect("names");
+        }
+    }
+    posts(&mut world, 0.9).expect("posts");
+    (tree(joints, 7, links), world)
+}
+
+fn tree(joints: Vec<TreeJoint>, coordinates: usize, links: Vec<usize>) -> JointTree {
+    let radii = vec![0.3; joints.len() + 1];
+    let limits = vec![[-1e3, 1e3]; coordinates];
+    JointTree::new(Isometry3::identity(), joints, limits, links, radii).expect("a tree")
+}
+
+/// Evaluates a curve by the sum of its Bernstein polynomials.
+fn bernstein(points: &[Vec<f64>], t: f64) -> Vec<f64> {
+    let n = points.len() - 1;
+    let mut sum = vec![0.0; points[0].len()];
+    let mut choose = 1.0;
+    for (j, point) in points.iter().enumerate() {
+        let weight = choose * t.powi(j as i32) * (1.0 - t).powi((n - j) as i32);
+        sum.iter_mut().zip(point).for_each(|(s, x)| *s += weight * x);
+        choose *= (n - j) as f64 / (j + 1) as f64;
+    }
+    sum
+}
+
+/// Control points of a random curve between two configurations: inner ones off the straight segment by up to `wild` of
+/// the way of each coordinate.
+fn control_points(rng: &mut Rng, from: &[f64], to: &[f64], degree: usize, wild: f64) -> Vec<Vec<f64>> {
+    let point = |j: usize, rng: &mut Rng| {
+        let x = j as f64 / degree as f64;
+        let is_end = j == 0 || j == degree;
+        let each = from.iter().zip(to).map(|(a, b)| {
+            let off = if is_end { 0.0 } else { wild * (b - a).abs() };
+            if j == degree {
+                *b
+            } else {
+                a + (b - a) * x + off * rng.range(-1.0, 1.0)
+            }
+        });
+        each.collect()
+    };
+    (0..=degree).map(|j| point(j, rng)).collect()
+}
+
+#[derive(Debug, Default)]
+struct Counts {
+    free: u32,
+    blocked: u32,
+    undecided: u32,
+    queries: u64,
+    widest: f64,
+}
+
+/// Certifies random curves of degree 1 to 7, and judges each at `places` times up to where it is called free.
+fn judged((space, world): (JointTree, World), count: usize, places: u32, seed: u64) -> Counts {
+    let mut checker = Checker::new(space.clone(), world.clone()).expect("a world");
+    let mut judge = Checker::new(space, world).expect("a world");
+    let dims = checker.space().coordinates();
+    let (mut rng, mut counts) = (Rng::new(seed), Counts::default());
+    for k in 0..count {
+        let from = loop {
+            let q: Vec<f64> = (0..dims).map(|_| rng.range(-1.5, 1.5)).collect();
+            if judge.is_free_at(&q).expect("within limits") {
+                break q;
+            }
+        };
+        let way = [0.2, 0.7, 2.0][k % 3];
+        let to: Vec<f64> = from.iter().map(|x| x + rng.range(-way, way)).collect();
+        let degree = 1 + k % 7;
+        let mut points = control_points(&mut rng, &from, &to, degree, [0.2, 1.0, 3.0][(k / 7) % 3]);
+        if k % 11 == 0 && degree > 3 {
+            // A cusp.
+            points[2] = points[1].clone();
+            points[3] = points[1].clone();
+        }
+        let curve = JointCurve::bezier(&points).expect("a curve");
+        let verdict = checker.certify_curve(&curve).expect("within limits");
+        let mut is_free = |t: f64| judge.is_free_at(&curve.at(t)).expect("within limits");
+        match verdict {
+            Verdict::Free { .. } => counts.free += 1,
+            Verdict::Blocked { t, safe, .. } => {
+                counts.blocked += 1;
+                counts.widest = counts.widest.max(t - safe);
+                assert!(!is_free(t), "{verdict:?} of curve {k}: {points:?}");
+            }
+            _ => {
+                println!("undecided: curve {k}, {verdict:?}");
+                counts.undecided += 1;
+            }
+        }
+        for i in 0..=places {
+            let t = verdict.safe() * f64::from(i) / f64::from(places);
+            assert!(is_free(t), "{verdict:?} of curve {k} meets at {t}: {points:?}");
+        }
+        // The judge's own evaluation.
+        let t = rng.uniform();
+        let (one, other) = (curve.at(t), bernstein(&points, t));
+        assert!(
+            one.iter()
+                .zip(&other)
+                .all(|(x, y)| (x - y).abs() < 1e-13 * (1.0 + 10.0 * way))
+        );
+    }
+    counts.queries = checker.work().queries;
+    counts
+}
+
+fn robots() -> [(&'static str, (JointTree, World)); 4] {
+    [
+        ("chain of 6", chain(6)),
+        ("chain of 14", chain(14)),
+        ("chain of 9", chain(9)),
+        ("carriage", carriage()),
+    ]
+}
+
+#[test]
+fn random_curves_are_as_the_verdict_says() {
+    for (name, robot) in robots() {
+        let counts = judged(robot, 25, 100, 1);
+        println!("{name}: {counts:?}");
+        assert!(
+            counts.free > 2 && counts.blocked > 2 && counts.undecided == 0,
+            "{counts:?}"
+        );
+    }
+}
+
+#[test]
+#[ignore = "ten thousand curves at ten thousand places each"]
+fn ten_thousand_curves_are_as_the_verdict_says() {
+    for (seed, (name, robot)) in (2..).zip(robots()) {
+        println!("{name}: {:?}", judged(robot, 2500, 10_000, seed));
+    }
+}
+
+/// A box of half 0.1 that slides along x and y and turns about z, above a box of half 0.5.
+fn slider() -> Checker<SerialArm> {
+    let origin = Isometry3::identity();
+    let limits = [-10.0, 10.0];
+    let joints = vec![
+        Joint::prismatic(origin, Vector3::x_axis(), limits),
+        Joint::prismatic(origin, Vector3::y_axis(), limits),
+        Joint::revolute(origin, Vector3::z_axis(), limits),
+    ];
+    let space = SerialArm::new(origin, joints, vec![3], 0.2).expect("an arm");
+    let mut world = World::new();
+    world.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    world.obstacle("box", solids::cuboid(Vector3::repeat(0.5)).expect("a box"), origin);
+    Checker::new(space, world).expect("a world")
+}
+
+fn verdict(checker: &mut Checker<SerialArm>, points: &[[f64; 3]]) -> Verdict {
+    let curve = JointCurve::bezier(points).expect("a curve");
+    checker.certify_curve(&curve).expect("within limits")
+}
+
+fn is_blocked_at_end(verdict: &Verdict) -> bool {
+    matches!(verdict, Verdict::Blocked { t: 1.0, safe, .. } if *safe > 0.99)
+}
+
+#[test]
+fn a_parabola_that_nearly_touches_is_decided() {
+    let mut checker = slider();
+    for k in 1..=12 {
+        for sign in [1.0, -1.0] {
+            let gap = sign * 10f64.powi(-k);
+            let low = 2.0 * (0.6 + gap) - 1.6;
+            let verdict = verdict(&mut checker, &[[-1.0, 1.6, 0.0], [0.0, low, 0.0], [1.0, 1.6, 0.0]]);
+            match verdict {
+                Verdict::Free { .. } => assert!(gap > 0.0, "{gap:e}"),
+                Verdict::Blocked { t, safe, .. } => assert!(gap < 0.0 && t - safe < 1e-3, "{gap:e} {verdict:?}"),
+                _ => panic!("{gap:e}: {verdict:?}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn a_contact_that_is_reached_at_rest_is_found() {
+    let mut checker = slider();
+    let ways: [&[f64]; 4] = [
+        &[1.6, 0.6],
+        &[1.6, 0.6, 0.6],
+        &[1.6, 0.6, 0.6, 0.6],
+        &[1.6, 1.6, 1.6, 0.6, 0.6, 0.6],
+    ];
+    for way in ways {
+        let points: Vec<_> = way.iter().map(|y| [0.0, *y, 0.0]).collect();
+        let found = verdict(&mut checker, &points);
+        assert!(is_blocked_at_end(&found), "{way:?}: {found:?}");
+        for d in [1e-3, 1e-7, 1e-12] {
+            for sign in [1.0, -1.0] {
+                let mut other = points.clone();
+                other
+                    .iter_mut()
+                    .for_each(|p| p[1] += if p[1] < 1.0 { sign * d } else { 0.0 });
+                let found = verdict(&mut checker, &other);
+                assert_eq!(found.is_free(), sign > 0.0, "{way:?} {d:e}: {found:?}");
+                assert!(!matches!(found, Verdict::Undecided { .. }), "{way:?} {d:e}: {found:?}");
+            }
+        }
+    }
+    // A segment that ends in contact, too.
+    let found = checker
+        .certify(&[0.0, 1.6, 0.0], &[0.0, 0.6, 0.0])
+        .expect("within limits");
+    assert!(is_blocked_at_end(&found), "{found:?}");
+}
+
+#[test]
+fn cusps_and_curves_that_return_are_decided() {
+    let mut checker = slider();
+    let back_and_forth = [[-1.0, 0.7, 0.0], [1.0, 0.7, 0.0], [-1.0, 0.7, 0.0], [1.0, 0.7, 0.0]];
+    assert!(verdict(&mut checker, &back_and_forth).is_free());
+    // The tip of the cusp is at 0.85.
+    let cusp = [[-1.0, 1.6, 0.0], [1.0, 0.6, 0.0], [-1.0, 0.6, 0.0], [1.0, 1.6, 0.0]];
+    assert!(verdict(&mut checker, &cusp).is_free());
+    for d in [1e-3, 1e-6, 1e-9, -1e-9, -1e-6] {
+        // The lowest value is a quarter of 1.6 and three quarters of y.
+        let y = (0.6 + d - 0.4) / 0.75;
+        let found = verdict(
+            &mut checker,
+            &[[0.0, 1.6, 0.0], [0.0, y, 0.0], [0.0, y, 0.0], [0.0, 1.6, 0.0]],
+        );
+        assert_eq!(found.is_free(), d > 0.0, "{d:e}: {found:?}");
+        assert!(!matches!(found, Verdict::Undecided { .. }), "{d:e}: {found:?}");
+    }
+    // Exactly tangent within the curve: contact lasts an instant that may be no `f64`.
+    let tangent = [[-1.0, 1.6, 0.0], [0.0, -0.4, 0.0], [1.0, 1.6, 0.0]];
+    assert!(!verdict(&mut checker, &tangent).is_free());
+}
+
+#[test]
+fn curves_without_length_are_configurations() {
+    let mut checker = slider();
+    for count in 1..=6 {
+        let at = |y: f64, turn: f64| vec![[0.0, y, turn]; count];
+        assert!(verdict(&mut checker, &at(0.7, 0.3)).is_free());
+        for (y, turn) in [(0.6, 0.0), (0.5, 0.3)] {
+            let found = verdict(&mut checker, &at(y, turn));
+            assert!(matches!(found, Verdict::Blocked { t: 0.0, .. }), "{y}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_straight_segment_has_the_same_verdict_at_every_degree() {
+    let mut checker = slider();
+    let ends = [[-2.0, 0.3, -1.0], [1.5, 0.1, 2.0]];
+    let Verdict::Blocked { safe, t, pair, .. } = checker.certify(&ends[0], &ends[1]).expect("within limits") else {
+        panic!("the block meets the box")
+    };
+    let mut curve = JointCurve::bezier(&ends).expect("a curve");
+    for _ in 1..=7 {
+        let found = checker.certify_curve(&curve).expect("within limits");
+        let Verdict::Blocked {
+            safe: s, t: u, pair: p, ..
+        } = found
+        else {
+            panic!("{found:?}")
+        };
+        assert!(
+            p == pair && (s - safe).abs() < 1e-9 && (u - t).abs() < 1e-9,
+            "{found:?}"
+        );
+        curve = curve.elevated().expect("a curve");
+    }
+    // Degree 1 is the segment, bit for bit.
+    let curve = JointCurve::bezier(&ends).expect("a curve");
+    checker.forget();
+    let one = checker.certify_curve(&curve).expect("within limits");
+    checker.forget();
+    assert_eq!(one, checker.certify(&ends[0], &ends[1]).expect("within limits"));
+}
+
+#[test]
+fn limits_hold_between_control_points() {
+    let joints = vec![Joint::prismatic(Isometry3::identity(), Vector3::x_axis(), [-10.0, 1.0])];
+    let space = SerialArm::new(Isometry3::identity(), joints, vec![1], 0.2).expect("an arm");
+    let mut world = World::new();
+    world.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    let mut checker = Checker::new(space, world).expect("a world");
+    let mut check = |points: &[f64]| {
+        let points: Vec<[f64; 1]> = points.iter().map(|x| [*x]).collect();
+        checker.certify_curve(&JointCurve::bezier(&points).expect("a curve"))
+    };
+    // A control point outside, the curve inside or on the limit.
+    assert!(check(&[0.0, 1.9, 0.0]).is_ok_and(|v| v.is_free()));
+    assert!(check(&[0.0, 2.0, 0.0]).is_ok_and(|v| v.is_free()));
+    for (points, expected) in [
+        (&[0.0, 2.002, 0.0][..], 0.5),
+        (&[0.0, 2.0 + 2e-13, 0.0], 0.5),
+        (&[0.0, 0.0, 2.3, 0.0], 2.0 / 3.0),
+    ] {
+        let Err(PlanError::CurveLimit {
+            coordinate: 0,
+            time,
+            value,
+        }) = check(points)
+        else {
+            panic!("{points:?}")
+        };
+        assert!(
+            (time - expected).abs() < 0.1 && value > 1.0,
+            "{points:?}: {time} {value}"
+        );
+    }
+}
+
+#[test]
+fn curves_of_wrong_numbers_and_spaces_are_errors() {
+    let refused = |points: &[&[f64]]| JointCurve::bezier(points).expect_err("an error").to_string();
+    assert_eq!(refused(&[]), "path is empty (expected at least one configuration)");
+    assert!(refused(&[&[0.0], &[0.0, 1.0]]).contains("2 numbers"));
+    assert!(refused(&[&[0.0], &[f64::NAN]]).contains("control point"));
+    assert!(refused(&[&[0.0][..]; 18]).contains("degree"));
+    let mut checker = slider();
+    let short = JointCurve::bezier(&[[0.0, 1.0], [1.0, 1.0]]).expect("a curve");
+    assert!(matches!(
+        checker.certify_curve(&short),
+        Err(PlanError::Length { expected: 3, found: 2 })
+    ));
+
+    let mut world = World::new();
+    world.robot_body("part", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.5, 1).expect("a space");
+    let mut rigid = Checker::new(space, world.clone()).expect("a world");
+    let at = |x: f64| [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    let straight = JointCurve::bezier(&[at(0.0), at(1.0)]).expect("a curve");
+    assert!(rigid.certify_curve(&straight).is_ok_and(|v| v.is_free()));
+    let bent = JointCurve::bezier(&[at(0.0), at(1.0), at(0.0)]).expect("a curve");
+    assert_eq!(
+        rigid.certify_curve(&bent),
+        Err(PlanError::CurveDegree {
+            coordinate: 3,
+            degree: 2
+        })
+    );
+    let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
+    let mut planar = Checker::new(space, world).expect("a world");
+    let bent = JointCurve::bezier(&[[0.0; 3]; 3]).expect("a curve");
+    assert_eq!(
+        planar.certify_curve(&bent),
+        Err(PlanError::CurveDegree {
+            coordinate: 2,
+            degree: 2
+        })
+    );
+}
+
+#[test]
+fn conversions_are_the_curves_that_were_given() {
+    let mut rng = Rng::new(3);
+    for _ in 0..200 {
+        let [p, q, v, w, a, b]: [[f64; 2]; 6] = std::array::from_fn(|_| [rng.range(-2.0, 2.0), rng.range(-2.0, 2.0)]);
+        let duration = rng.log_range(0.1, 10.0);
+        let near = |x: &[f64], y: &[f64], scale: f64| {
+            assert!(
+                x.iter()
+                    .zip(y)
+                    .all(|(x, y)| (x - y * scale).abs() < 1e-11 * (1.0 + scale)),
+                "{x:?} {y:?}"
+            );
+        };
+        let cubic = JointCurve::cubic(p, q, v, w, duration).expect("a curve");
+        let quintic = JointCurve::quintic([p, q], [v, w], [a, b], duration).expect("a curve");
+        for curve in [&cubic, &quintic] {
+            near(&curve.at(0.0), &p, 1.0);
+            near(&curve.at(1.0), &q, 1.0);
+            near(&curve.velocity(0.0), &v, duration);
+            near(&curve.velocity(1.0), &w, duration);
+        }
+        near(&quintic.acceleration(0.0), &a, duration * duration);
+        near(&quintic.acceleration(1.0), &b, duration * duration);
+
+        let power = JointCurve::power(&[p, q, v, w, a, b]).expect("a curve");
+        let t = rng.uniform();
+        let sum: Vec<f64> = (0..2)
+            .map(|c| [p, q, v, w, a, b].iter().rev().fold(0.0, |sum, x| sum * t + x[c]))
+            .collect();
+        near(&power.at(t), &sum, 1.0);
+        near(&power.elevated().expect("a curve").at(t), &sum, 1.0);
+    }
+}
+
+/// The recursion of Cox and de Boor.
+fn basis(knots: &[f64], k: usize, degree: usize, u: f64) -> f64 {
+    if degree == 0 {
+        return f64::from(u8::from(knots[k] <= u && u < knots[k + 1]));
+    }
+    let part = |from: f64, until: f64, at: f64| if until > from { at / (until - from) } else { 0.0 };
+    part(knots[k], knots[k + degree], u - knots[k]) * basis(knots, k, degree - 1, u)
+        + part(knots[k + 1], knots[k + degree + 1], knots[k + degree + 1] - u) * basis(knots, k + 1, degree - 1, u)
+}
+
+#[test]
+fn splines_are_the_sums_of_their_basis() {
+    let mut rng = Rng::new(4);
+    for round in 0..60 {
+        let degree = 1 + round % 5;
+        let count = degree + 1 + rng.below(6);
+        let points: Vec<[f64; 2]> = (0..count)
+            .map(|_| [rng.range(-1.0, 1.0), rng.range(-1.0, 1.0)])
+            .collect();
+        let mut knots: Vec<f64> = (0..count + degree + 1)
+            .map(|_| f64::from(rng.below(6) as u32))
+            .collect();
+        knots.sort_by(f64::total_cmp);
+        let is_uniform = round % 4 == 0;
+        if is_uniform {
+            knots = (0..count + degree + 1).map(|k| k as f64).collect();
+        }
+        let Ok(times) = JointCurve::b_spline_times(count, degree, &knots) else {
+            continue;
+        };
+        let curves = JointCurve::b_spline(&points, degree, &knots).expect("a spline");
+        if is_uniform {
+            assert_eq!(curves, JointCurve::uniform_b_spline(&points, degree).expect("a spline"));
+        }
+        assert_eq!(curves.len() + 1, times.len());
+        for (curve, ends) in curves.iter().zip(times.windows(2)) {
+            for i in 0..8 {
+                let t = f64::from(i) / 8.0;
+                let u = ends[0] + (ends[1] - ends[0]) * t;
+                let at = curve.at(t);
+                for c in 0..2 {
+                    let sum: f64 = points
+                        .iter()
+                        .enumerate()
+                        .map(|(k, p)| p[c] * basis(&knots, k, degree, u))
+                        .sum();
+                    assert!((sum - at[c]).abs() < 1e-12, "{knots:?} at {u}: {sum} {at:?}");
+                }
+            }
+        }
+        for pair in curves.windows(2) {
+            assert_eq!(pair[0].control_point(degree), pair[1].control_point(0));
+        }
+    }
+}
+
+#[test]
+fn proofs_and_clearances_of_curves_agree_with_verdicts() {
+    let (space, world) = chain(6);
+    let mut checker = Checker::new(space, world).expect("a world");
+    let (mut rng, mut free) = (Rng::new(7), 0);
+    for k in 0..30 {
+        let from: Vec<f64> = (0..6).map(|_| rng.range(-1.0, 1.0)).collect();
+        let to: Vec<f64> = from.iter().map(|x| x + rng.range(-0.5, 0.5)).collect();
+        let points = control_points(&mut rng, &from, &to, 2 + k % 4, 1.0);
+        let curve = JointCurve::bezier(&points).expect("a curve");
+        let is_free = checker.certify_curve(&curve).expect("within limits").is_free();
+        let proof = checker.prove_curve(&curve).expect("within limits");
+        assert_eq!(proof.is_some(), is_free);
+        let clearance = checker.clearance_along_curve(&curve, 1e-2).expect("within limits");
+        assert_eq!(clearance.lower > 0.0, is_free, "{clearance:?}");
+        if !is_free {
+            continue;
+        }
+        free += 1;
+        for pair in proof.expect("a proof") {
+            let mut reached = 0.0;
+            for certificate in &pair.certificates {
+                assert_eq!(certificate.from, reached);
+                reached = certificate.until;
+            }
+            assert_eq!(reached, 1.0);
+        }
+        let least = (0..=200).map(|i| {
+            let near = checker
+                .clearance(&curve.at(f64::from(i) / 200.0))
+                .expect("within limits");
+            near.expect("a pair").distance
+        });
+        let least = least.fold(f64::INFINITY, f64::min);
+        assert!(
+            clearance.lower <= least && least <= clearance.upper * (1.0 + 1e-2) + 1e-3,
+            "{clearance:?} {least}"
+        );
+    }
+    assert!(free > 5, "{free}");
+}
+
+#[test]
+fn curves_have_the_same_bits_on_every_thread_and_after_forget() {
+    let ask = |checker: &mut Checker<JointTree>| -> Vec<String> {
+        let mut rng = Rng::new(9);
+        let each = (0..12).map(|k| {
+            let from: Vec<f64> = (0..7).map(|_| rng.range(-1.0, 1.0)).collect();
+            let to: Vec<f64> = from.iter().map(|x| x + rng.range(-1.0, 1.0)).collect();
+            let points = control_points(&mut rng, &from, &to, 1 + k % 7, 1.0);
+            let curve = JointCurve::bezier(&points).expect("a curve");
+            checker.forget();
+            let verdict = checker.certify_curve(&curve);
+            checker.forget();
+            format!("{verdict:?} {:?}", checker.clearance_along_curve(&curve, 0.01))
+        });
+        each.collect()
+    };
+    let new = || {
+        let (space, world) = carriage();
+        Checker::new(space, world).expect("a world")
+    };
+    let mut checker = new();
+    let expected = ask(&mut checker);
+    assert_eq!(ask(&mut checker), expected);
+    let threads: Vec<_> = (0..3).map(|_| std::thread::spawn(move || ask(&mut new()))).collect();
+    for thread in threads {
+        assert_eq!(thread.join().expect("no panic"), expected);
+    }
+}
+
+/// Points of bodies stay as near to their models along curves as the bounds say.
+#[test]
+fn curves_keep_the_contract_of_motions() {
+    use lin_canny_plan::SegmentMotion;
+    let mut rng = Rng::new(12);
+    for (space, _) in [chain(6), carriage()] {
+        let dims = space.coordinates();
+        let mut tight = 0;
+        for round in 0..150 {
+            let degree = 1 + round % 7;
+            let from: Vec<f64> = (0..dims).map(|_| rng.range(-2.0, 2.0)).collect();
+            let to: Vec<f64> = (0..dims).map(|_| rng.range(-2.0, 2.0)).collect();
+            let points = control_points(&mut rng, &from, &to, degree, [0.0, 0.3, 2.0][round % 3]);
+            let curve = JointCurve::bezier(&points).expect("a curve");
+            let motion = space.curve(&curve).expect("within limits");
+            for _ in 0..8 {
+                let body = rng.below(space.bodies());
+                let time = if rng.chance(0.25) { 0.0 } else { rng.uniform() };
+                let span = (1.0 - time) * rng.log_range(1e-4, 1.0);
+                let stem = motion.stem(body, rng.below(space.bodies()));
+                let (start, model) = motion.placed(stem, body, time, span);
+                for _ in 0..8 {
+                    let s = span * rng.uniform();
+                    let now = motion.placed(stem, body, time + s, 0.0).0;
+                    let arm = Vector3::from(rng.unit()) * rng.range(0.0, 2.0);
+                    let pivot = start * model.pivot + model.linear * s + model.acceleration * (0.5 * s * s);
+                    let turn = lin_canny::nalgebra::UnitQuaternion::from_scaled_axis(model.angular * s);
+                    let at = pivot + turn * (start.rotation * arm);
+                    let off = (now * Point3::from(model.pivot.coords + arm) - at).norm();
+                    let bound = model.shift.at(s) + arm.norm() * model.turn.at(s);
+                    assert!(
+                        off <= bound,
+                        "{off:e} {bound:e} at {time} + {s}, degree {degree}, stem {stem}"
+                    );
+                    tight += u32::from(off > 0.2 * bound);
+                }
+            }
+        }
+        assert!(tight > 100, "{tight}");
+    }
+}
+
+/// No configuration within a tube that is called free meets anything: corners and random places of the tube, by predicates.
+#[test]
+fn tubes_of_joints_hold_at_their_corners() {
+    let mut rng = Rng::new(21);
+    for (name, (space, world)) in robots() {
+        let mut checker = Checker::new(space.clone(), world.clone()).expect("a world");
+        let mut judge = Checker::new(space, world).expect("a world");
+        let dims = checker.space().coordinates();
+        let (mut free, mut narrow) = (0, 0);
+        for k in 0..25 {
+            let from: Vec<f64> = (0..dims).map(|_| rng.range(-1.0, 1.0)).collect();
+            let to: Vec<f64> = from.iter().map(|x| x + rng.range(-0.5, 0.5)).collect();
+            let points = control_points(&mut rng, &from, &to, 1 + k % 7, 1.0);
+            let curve = JointCurve::bezier(&points).expect("a curve");
+            let tube: Vec<f64> = (0..dims).map(|_| rng.log_range(1e-4, 0.02)).collect();
+            let without = checker.certify_curve(&curve).expect("within limits").is_free();
+            let verdict = checker.certify_curve_tube(&curve, &tube).expect("within limits");
+            assert!(without || !verdict.is_free());
+            free += u32::from(verdict.is_free());
+            narrow += u32::from(without && !verdict.is_free());
+            for i in 0..=100 {
+                let t = verdict.safe() * f64::from(i) / 100.0;
+                if matches!(verdict, Verdict::Blocked { t: 0.0, .. } | Verdict::Undecided { t: 0.0 }) {
+                    break;
+                }
+                let off = |x: &f64, e: &f64, rng: &mut Rng| x + e * [-1.0, 1.0, rng.range(-1.0, 1.0)][rng.below(3)];
+                let q: Vec<f64> = curve
+                    .at(t)
+                    .iter()
+                    .zip(&tube)
+                    .map(|(x, e)| off(x, e, &mut rng))
+                    .collect();
+                assert!(
+                    judge.is_free_at(&q).expect("within limits"),
+                    "{name} {k} at {t}: {tube:?} {points:?}"
+                );
+            }
+            let none = checker
+                .certify_curve_tube(&curve, &vec![0.0; dims])
+                .expect("within limits");
+            assert_eq!(none.is_free(), without);
+        }
+        println!("{name}: {free} free, {narrow} too narrow");
+        assert!(free > 2, "{name}: {free}");
+    }
+    let (space, world) = chain(3);
+    let mut checker = Checker::new(space, world).expect("a world");
+    let curve = JointCurve::bezier(&[[0.0; 3], [0.1; 3]]).expect("a curve");
+    for tube in [&[0.1, 0.1][..], &[0.1, -0.1, 0.1], &[0.1, f64::NAN, 0.1]] {
+        assert!(checker.certify_curve_tube(&curve, tube).is_err(), "{tube:?}");
+    }
+}

@@ -1,0 +1,203 @@
+//! Races proofs of curves: random Bezier curves of several degrees of robots with six to fourteen
+//! joints.
+//!
+//! `ours` certifies the curve, `straight` the straight segment with the same ends, and `bisect`
+//! tests configurations of the curve: halving after halving, down to the step of MoveIt's default,
+//! 0.5 % of the extent of the space. The predicates of `bisect` are those of the checker. A curve is
+//! wrong if `bisect` reports it free and the checker proves it blocked.
+
+use std::hint::black_box;
+
+use cpu_time::ThreadTime;
+use lin_canny::nalgebra::Isometry3;
+use lin_canny_plan::{Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, TreeJoint, Verdict, World};
+use race::common::{Options, Rows, median};
+use truth::arm::chain::chain;
+use truth::arm::{Trouble, cell, robot};
+use truth::rng::Rng;
+
+pub(crate) const SCENES: [&str; 1] = ["certify"];
+
+const DEGREES: [usize; 4] = [1, 3, 5, 7];
+
+/// Largest way of a joint in radians.
+const WAY: f64 = 0.5;
+
+/// Largest deviation of an inner control point from the straight segment, as a part of the way.
+const WILD: f64 = 0.3;
+
+/// Part of the extent of the space that `bisect` steps.
+const STEP: f64 = 0.005;
+
+/// Half the range of a joint.
+const LIMIT: f64 = 3.2;
+
+/// The joints of the arm, from a link and a coordinate on.
+fn arm_joints(base: usize, first: usize) -> impl Iterator<Item = TreeJoint> {
+    let joints = robot::JOINTS.into_iter().enumerate();
+    joints.map(move |(k, (height, axis, _))| TreeJoint {
+        parent: base + k,
+        kind: JointKind::Revolute,
+        origin: Isometry3::translation(0.0, 0.0, height),
+        axis,
+        drive: Some(Drive::by(first + k)),
+    })
+}
+
+/// Two six-axis arms side by side, as one robot of twelve joints, without other obstacles.
+fn two_arms() -> Result<(JointTree, World), Trouble> {
+    let mut world = World::new();
+    let (mut joints, mut links) = (Vec::new(), Vec::new());
+    for (side, x) in [("left", -0.35), ("right", 0.35)] {
+        let base = joints.len() + 1;
+        joints.push(TreeJoint::fixed(0, Isometry3::translation(x, 0.0, 0.0)));
+        joints.extend(arm_joints(base, 6 * (base / 7)));
+        for (name, link, shape) in robot::pieces()? {
+            world.robot_body(format!("{side} {name}"), shape);
+            links.push(base + link);
+        }
+        for (k, name) in robot::NAMES.iter().enumerate() {
+            for other in robot::NAMES.iter().skip(k + 1).take(2) {
+                world.exclude(&format!("{side} {name}"), &format!("{side} {other}"))?;
+            }
+        }
+    }
+    let radii = vec![0.15; joints.len() + 1];
+    let space = JointTree::new(Isometry3::identity(), joints, vec![[-LIMIT, LIMIT]; 12], links, radii)?;
+    Ok((space, world))
+}
+
+/// The arm of the example `arm` in its cell.
+fn arm_in_cell() -> Result<(JointTree, World), Trouble> {
+    let mut world = World::new();
+    let links = robot::pieces()?.iter().map(|piece| piece.1).collect();
+    robot::arm(&mut world)?;
+    for (name, shape, pose) in cell::things(&[])? {
+        world.obstacle(name, shape, pose);
+    }
+    robot::exclude(&mut world, true)?;
+    let joints = arm_joints(0, 0).collect();
+    let radii = vec![0.15; 7];
+    let space = JointTree::new(Isometry3::identity(), joints, vec![[-LIMIT, LIMIT]; 6], links, radii)?;
+    Ok((space, world))
+}
+
+/// A curve with its verdict.
+struct Proven {
+    curve: JointCurve,
+    verdict: Verdict,
+}
+
+fn random_curve(rng: &mut Rng, from: &[f64], degree: usize) -> JointCurve {
+    let way: Vec<f64> = from.iter().map(|_| rng.range(-WAY, WAY)).collect();
+    let mut points = Vec::new();
+    for j in 0..=degree {
+        let x = j as f64 / degree as f64;
+        let wild = if j == 0 || j == degree { 0.0 } else { WILD };
+        let each = from.iter().zip(&way);
+        let point: Vec<f64> = each.map(|(a, w)| a + w * (x + wild * rng.range(-1.0, 1.0))).collect();
+        points.push(point);
+    }
+    JointCurve::bezier(&points).expect("a curve")
+}
+
+/// Returns whether all configurations of a curve at equal steps are free, the middle first.
+fn bisect(checker: &mut Checker<JointTree>, curve: &JointCurve) -> bool {
+    let points: Vec<Vec<f64>> = (0..=curve.degree()).map(|j| curve.control_point(j)).collect();
+    let step = |ends: &[Vec<f64>]| -> f64 { ends[0].iter().zip(&ends[1]).map(|(a, b)| (b - a).abs()).sum() };
+    let length: f64 = points.windows(2).map(step).sum();
+    let extent = 2.0 * LIMIT * curve.coordinates() as f64;
+    let mut count = 1u32;
+    let mut is_free = |t: f64| checker.is_free_at(&curve.at(t)).expect("within limits");
+    if !is_free(0.0) || !is_free(1.0) {
+        return false;
+    }
+    while f64::from(count) * STEP * extent < length {
+        count *= 2;
+        if !(0..count / 2).all(|k| is_free(f64::from(2 * k + 1) / f64::from(count))) {
+            return false;
+        }
+    }
+    true
+}
+
+/// Returns the median of the least of some times of each item, in nanoseconds.
+fn times<T>(items: &[T], passes: usize, mut work: impl FnMut(&T)) -> f64 {
+    let mut least = vec![f64::INFINITY; items.len()];
+    for _ in 0..passes {
+        for (item, least) in items.iter().zip(&mut least) {
+            let began = ThreadTime::now();
+            work(black_box(item));
+            *least = least.min(began.elapsed().as_nanos() as f64);
+        }
+    }
+    if least.is_empty() { 0.0 } else { median(&mut least) }
+}
+
+pub(crate) fn run(o: &Options) -> Rows {
+    let mut rows = Rows::default();
+    let robots = [
+        ("six-axes", arm_in_cell()),
+        ("chain-6", chain(6, [-LIMIT, LIMIT])),
+        ("chain-14", chain(14, [-LIMIT, LIMIT])),
+        ("two-arms", two_arms()),
+    ];
+    println!("median us of free curves, queries of one on average; curves that `bisect` wrongly reports free");
+    println!("  robot      degree  free  ours  queries  straight  queries  bisect  wrong");
+    for (name, robot) in robots {
+        let (space, world) = robot.expect("the built-in robots");
+        let mut checker = Checker::new(space, world).expect("a world");
+        for degree in DEGREES {
+            certify(o, name, degree, &mut checker, &mut rows);
+        }
+    }
+    rows
+}
+
+fn certify(o: &Options, name: &str, degree: usize, checker: &mut Checker<JointTree>, rows: &mut Rows) {
+    let (count, passes) = if o.quick { (60, 2) } else { (1000, 3) };
+    let dims = checker.space().coordinates();
+    let mut rng = Rng::new(1);
+    let mut all = Vec::new();
+    while all.len() < count {
+        let from: Vec<f64> = (0..dims).map(|_| rng.range(-1.5, 1.5)).collect();
+        if checker.is_free_at(&from).expect("within limits") {
+            let curve = random_curve(&mut rng, &from, degree);
+            let verdict = checker.certify_curve(&curve).expect("within limits");
+            all.push(Proven { curve, verdict });
+        }
+    }
+    let wrong = all.iter().filter(|one| !one.verdict.is_free());
+    let wrong = wrong.filter(|one| bisect(checker, &one.curve)).count();
+    all.retain(|one| one.verdict.is_free());
+    let ends = |one: &Proven| [0, degree].map(|j| one.curve.control_point(j));
+    let segments: Vec<[Vec<f64>; 2]> = all.iter().map(ends).collect();
+    let mut queries = |work: &mut dyn FnMut(&mut Checker<JointTree>)| {
+        let before = checker.work().queries;
+        work(checker);
+        (checker.work().queries - before) as f64 / all.len().max(1) as f64
+    };
+    let of_curves = queries(&mut |checker| {
+        for one in &all {
+            let _ = black_box(checker.certify_curve(&one.curve));
+        }
+    });
+    let of_segments = queries(&mut |checker| {
+        for [from, to] in &segments {
+            let _ = black_box(checker.certify(from, to));
+        }
+    });
+    let ours = times(&all, passes, |one| _ = black_box(checker.certify_curve(&one.curve)));
+    let straight = times(&segments, passes, |[from, to]| _ = black_box(checker.certify(from, to)));
+    let bisected = times(&all, passes, |one| _ = black_box(bisect(checker, &one.curve)));
+    println!(
+        "  {name:<10}{degree:>7}{:>6}{:>6.0}{of_curves:>9.2}{:>10.0}{of_segments:>9.2}{:>8.0}{wrong:>7}",
+        all.len(),
+        ours / 1e3,
+        straight / 1e3,
+        bisected / 1e3,
+    );
+    for (engine, ns) in [("ours", ours), ("straight", straight), ("bisect", bisected)] {
+        rows.push((SCENES[0], name, degree), engine, ns, 0);
+    }
+}
