@@ -175,7 +175,7 @@ fn elements_inside_of_a_mesh_overlap_it() {
         let gap = if is_inside { 0.0 } else { 2.0 - 0.1 };
         let mut tracker = PairTracker::new();
         assert_eq!(
-            tracker.within(&cloud, &sphere, &pose.swapped(), (gap - 0.2).max(0.0)),
+            tracker.within(&cloud, &sphere, &pose.swapped(), f64::max(gap - 0.2, 0.0)),
             is_inside
         );
         assert!(tracker.within(&cloud, &sphere, &pose.swapped(), gap + 0.2));
