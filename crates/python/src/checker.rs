@@ -8,17 +8,18 @@ mod world;
 pub(crate) use answers::{NearPair, Verdict};
 pub(crate) use world::BodyId;
 
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use lin_canny::Progress;
-use lin_canny_robot::Setup;
 use lin_canny_robot::plan::{Checker as Loaded, ConfigurationSpace, JointTree, Path, PlanOptions, World};
+use lin_canny_robot::{Cell, Setup};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 
 use crate::array::{Argument, contiguous, shape_text};
-use crate::errors::{plan_error, refused};
+use crate::errors::{file_error, plan_error, refused};
 use crate::robot::Robot;
 use answers::Pair;
 use setup::{Obstacle, RobotArgument};
@@ -53,14 +54,17 @@ const BREATH: Duration = Duration::from_millis(50);
 /// pose : pose, optional
 ///     Of the root link of a single robot.
 /// cell : str or PathLike, optional
-///     A JSON or SDFormat file of obstacles.
+///     A file of obstacles, JSON or SDFormat, or one that `save` wrote.
+/// keep_invalid : bool
+///     Whether points without a return (NaN or infinite) in the point files of the cell are a
+///     FileError. If not, they are dropped, and `skipped` counts them.
 /// obstacles : sequence of tuples (name, Geometry, pose), optional
 /// exclude : sequence of tuples of two names, optional
 ///     Links and obstacles whose pairs are not checked.
 /// exclude_adjacent : bool
 ///     Whether pairs of adjacent links are not checked.
-/// margin : float
-///     The distance that all pairs must keep, a length.
+/// margin : float, optional
+///     The distance that all pairs must keep, a length. By default that of the cell, or else 0.
 /// start_contact_margin : float, optional
 ///     See the attribute.
 #[pyclass(module = "lin_canny")]
@@ -75,8 +79,8 @@ pub(crate) struct Checker {
 impl Checker {
     #[new]
     #[pyo3(signature = (
-        robot, *, pose=None, cell=None, obstacles=None, exclude=None, exclude_adjacent=true, margin=0.0,
-        start_contact_margin=None
+        robot, *, pose=None, cell=None, keep_invalid=false, obstacles=None, exclude=None, exclude_adjacent=true,
+        margin=None, start_contact_margin=None
     ))]
     #[allow(clippy::too_many_arguments)] // the signature in Python
     fn new<'py>(
@@ -84,26 +88,30 @@ impl Checker {
         robot: RobotArgument<'py>,
         pose: Option<Bound<'py, PyAny>>,
         cell: Option<Bound<'py, PyAny>>,
+        keep_invalid: bool,
         obstacles: Option<Vec<Obstacle<'py>>>,
         exclude: Option<Vec<(String, String)>>,
         exclude_adjacent: bool,
-        margin: f64,
+        margin: Option<f64>,
         start_contact_margin: Option<f64>,
     ) -> PyResult<Self> {
         let options = PyDict::new(py);
         options.set_item("pose", &pose)?;
         options.set_item("cell", &cell)?;
+        options.set_item("keep_invalid", keep_invalid)?;
         options.set_item("exclude_adjacent", exclude_adjacent)?;
         let robot_object = robot.object().clone();
         let mut setup = setup::of_robots(&robot, pose, exclude_adjacent)?;
-        setup::add_cell(&mut setup, &robot, cell)?;
+        setup::add_cell(&mut setup, &robot, cell, keep_invalid)?;
         setup::add_obstacles(&mut setup, obstacles.unwrap_or_default())?;
         for (a, b) in exclude.unwrap_or_default() {
             setup.exclude(&a, &b);
         }
         let arguments = (PyTuple::new(py, [robot_object])?.unbind(), options.unbind());
         let mut checker = Self::of_setup(setup, arguments)?;
-        checker.set_margin(margin)?;
+        if let Some(margin) = margin {
+            checker.set_margin(margin)?;
+        }
         checker.set_start_contact_margin(start_contact_margin)?;
         Ok(checker)
     }
@@ -122,6 +130,17 @@ impl Checker {
         let (world, margin): (World, Option<f64>) = postcard::from_bytes(state).map_err(plan_error)?;
         self.checker = Loaded::new(self.checker.space().clone(), world).map_err(plan_error)?;
         self.set_start_contact_margin(margin)
+    }
+
+    /// Writes the world to a JSON file that the parameter `cell` reads.
+    ///
+    /// The file holds obstacles, attached objects, paddings, margins and excluded pairs. A checker
+    /// of the same robots at the same poses with `cell=path` gives the same answers, bit for bit.
+    /// Bodies keep their order; those that were removed have no id in it. The file does not hold
+    /// `start_contact_margin`. Raises FileError if the file cannot be written.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let cell = Cell::from_world(self.checker.world());
+        py.detach(|| cell.save(path)).map_err(file_error)
     }
 
     /// The names of the coordinates of a configuration.

@@ -118,6 +118,52 @@ def test_random_changes_equal_a_new_checker(checker):
     assert len(done) == 9, done
 
 
+def test_a_saved_world_equals_the_checker(robot, tmp_path):
+    """In random worlds, with bodies that share a name, paddings, margins and excluded pairs."""
+    rng = np.random.default_rng(8)
+    mesh = lc.Geometry.mesh([[0, 0, 0], [0.3, 0, 0], [0, 0.3, 0], [0, 0, 0.3]], [[0, 1, 2], [0, 1, 3], [1, 2, 3], [0, 2, 3]])
+    solids = [lc.Geometry.box(0.1, 0.2, 0.3), lc.Geometry.ball(0.1), lc.Geometry.cylinder(half_height=0.2, radius=0.1)]
+    shapes = [*solids, mesh, cloud(rng), lc.Geometry.half_space([0, 0.6, 0.8], -1)]
+    q = rng.uniform(LOW, HIGH, (4, 3))
+    for case in range(12):
+        turned = rng.normal(size=4)
+        place = (tuple(rng.uniform(-1, 1, 3)), tuple(turned / np.linalg.norm(turned)))
+        # The file has the last word on adjacent links, which are excluded or not.
+        checker = lc.Checker(robot, pose=place, margin=rng.uniform(0, 0.02), exclude_adjacent=case % 2 == 0)
+        for k, shape in enumerate(shapes):
+            checker.add_obstacle(f"thing {k // 2}", shape, (tuple(rng.uniform(-1, 2, 3)), place[1]))
+        checker.remove_obstacle(checker.ids[-2])
+        checker.attach("flange", "part", solids[case % 3], (tuple(rng.uniform(0, 0.2, 3)), HERE), touch_links=["left"])
+        checker.pad("part", rng.uniform(0, 0.05))
+        checker.pad(checker.ids[-1], rng.uniform(0, 0.05))
+        checker.exclude("wrist", checker.ids[-2])
+        checker.set_pair_margin("arm", "thing 0", rng.uniform(0, 0.05))
+        path = tmp_path / f"{case}.json"
+        checker.save(path)
+        again = lc.Checker(robot, pose=place, cell=path)
+        assert again.margin == checker.margin and answers(again, q) == answers(checker, q)
+        assert np.array_equal(again.clearances(q), checker.clearances(q))
+        again.save(str(tmp_path / "again.json"))
+        assert (tmp_path / "again.json").read_bytes() == path.read_bytes()
+        assert answers(pickle.loads(pickle.dumps(again)), q) == answers(checker, q)
+    assert lc.Checker(robot, cell=path, margin=0.5).margin == 0.5
+    with pytest.raises(lc.FileError, match="none"):
+        checker.save(tmp_path / "none" / "cell.json")
+
+
+def test_points_without_a_return_are_dropped_or_refused(robot, tmp_path):
+    (tmp_path / "scan.xyz").write_text("1 0 0\nnan nan nan\n0 1 1\n")
+    cell = tmp_path / "cell.json"
+    cell.write_text('{"bodies": [{"name": "scan", "cloud": {"file": "scan.xyz", "radius": 0.1}}]}')
+    checker = lc.Checker(robot, cell=cell)
+    assert "scan" in checker.bodies and any("scan.xyz" in text and "1 " in text for text in checker.skipped)
+    with pytest.raises(lc.FileError, match="scan.xyz.*2"):
+        lc.Checker(robot, cell=cell, keep_invalid=True)
+    (tmp_path / "scan.xyz").write_text("1 0 0\n0 1 1\n")
+    again = pickle.loads(pickle.dumps(lc.Checker(robot, cell=cell, keep_invalid=True)))
+    assert again.skipped == [] and again.bodies == checker.bodies
+
+
 def test_obstacles_come_and_go(checker):
     q = [0.5, 0.0, 0.0]
 
@@ -251,10 +297,17 @@ def test_a_batch_of_closest_pairs_is_the_loop_bit_for_bit(checker):
     assert calls == [(1024, 2400), (2048, 2400), (2400, 2400)]
     assert checker.nearest_batch(np.zeros((0, 3)), 2).shape == (0, 2)
     assert checker.nearest_batch(q, 0).shape == (300, 0)
-    far = np.tile(q, (8, 1))
-    far[1500, 1] = 4
-    with pytest.raises(lc.PlanError, match="configuration 1500: coordinate 1 .* 4"):
-        checker.nearest_batch(far, 1, threads=1)
+
+
+@pytest.mark.parametrize(("batch", "arguments"), [("nearest_batch", [1, 0.0]), ("clearances", []), ("are_free", [])])
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize("row", [3, 1500, 2047, 2300])
+def test_the_configuration_that_is_refused_is_named(checker, batch, arguments, threads, row):
+    """In every part of a batch, and in the share of every thread of a part."""
+    q = np.tile(np.random.default_rng(6).uniform(LOW, HIGH, (50, 3)), (48, 1))
+    q[row, 1] = 4
+    with pytest.raises(lc.PlanError, match=f"^configuration {row}: coordinate 1 .* 4"):
+        getattr(checker, batch)(q, *arguments, threads=threads)
 
 
 def test_batches_see_the_changed_world(checker):

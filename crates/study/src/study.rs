@@ -12,8 +12,9 @@ use crate::error::StudyError;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct StudyOptions {
-    /// Minimum distance of all pairs for `is_free` and `certify`, in the robot's unit of length.
-    pub margin: f64,
+    /// Minimum distance of all pairs for `is_free` and `certify`, in the robot's unit of length;
+    /// `None` takes that of the cell, or else 0.
+    pub margin: Option<f64>,
     /// Distance within which `certify` accepts a contact at the start of a segment
     /// ([`Checker::set_start_contact_margin`]); `None` accepts no contact.
     pub start_contact_margin: Option<f64>,
@@ -25,7 +26,7 @@ impl StudyOptions {
     /// Returns the options with another minimum distance.
     #[must_use]
     pub const fn margin(mut self, margin: f64) -> Self {
-        self.margin = margin;
+        self.margin = Some(margin);
         self
     }
 
@@ -141,17 +142,22 @@ impl Study {
 
     fn checker(&self) -> Result<Checker<JointTree>, PlanError> {
         let mut checker = self.setup.checker()?;
-        checker.set_margin(self.options.margin)?;
+        checker.set_margin(self.options.margin.unwrap_or(checker.margin()))?;
         checker.set_start_contact_margin(self.options.start_contact_margin)?;
         Ok(checker)
     }
 }
 
 /// Version of fingerprints and of their inputs.
-const FORMAT: &str = "lin-canny-study 2";
+const FORMAT: &str = "lin-canny-study 3";
 
 fn fingerprint(setup: &Setup, checker: &Checker<JointTree>, options: StudyOptions) -> Result<String, StudyError> {
     let mut hasher = blake3::Hasher::new();
+    // The margin is in the world.
+    let options = StudyOptions {
+        margin: None,
+        ..options
+    };
     // `Debug` writes every digit of a number.
     let space = format!("{FORMAT} {options:?} {:?} {:?}", setup.coordinates(), checker.space());
     // No text contains this byte.

@@ -84,11 +84,17 @@ pub(super) fn of_robots(
     Ok(setup)
 }
 
-/// Adds the obstacles of a JSON or SDFormat file.
-pub(super) fn add_cell(setup: &mut Setup, robots: &RobotArgument<'_>, cell: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+/// Adds the cell of a JSON or SDFormat file.
+pub(super) fn add_cell(
+    setup: &mut Setup,
+    robots: &RobotArgument<'_>,
+    cell: Option<Bound<'_, PyAny>>,
+    keep_invalid: bool,
+) -> PyResult<()> {
     let Some(cell) = cell else { return Ok(()) };
-    let (packages, meshes) = robots.first()?.get().mesh_sources()?;
-    let cell = Cell::load(cell.extract::<PathBuf>()?, &packages, &meshes).map_err(file_error)?;
+    let (packages, options) = robots.first()?.get().mesh_sources()?;
+    let options = options.keep_invalid(keep_invalid);
+    let cell = Cell::load(cell.extract::<PathBuf>()?, &packages, &options).map_err(file_error)?;
     setup.cell(&cell);
     Ok(())
 }

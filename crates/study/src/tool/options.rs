@@ -42,6 +42,9 @@ pub(super) struct StudyArguments {
     /// link, and `touch_links`; may be repeated
     #[arg(long, value_name = "LINK=FILE.json", value_parser = attachment)]
     attach: Vec<(String, PathBuf)>,
+    /// Reject files of clouds with points without a return instead of dropping such points
+    #[arg(long)]
+    keep_invalid: bool,
     /// Add a padding to a link, an obstacle or an attached object, in the unit of the robot: its pairs
     /// keep so much more than the margin; may be repeated
     #[arg(long, value_name = "NAME=LENGTH", value_parser = padding)]
@@ -49,9 +52,10 @@ pub(super) struct StudyArguments {
     /// Exclude all pairs of two links, or of a link and an obstacle; may be repeated
     #[arg(long, alias = "allow", value_name = "A,B", value_parser = name_pair)]
     exclude: Vec<[String; 2]>,
-    /// Minimum distance for `is_free` and `certify`, in the unit of the robot
-    #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
-    margin: f64,
+    /// Minimum distance for `is_free` and `certify`, in the unit of the robot [default: that of the
+    /// cell, or 0]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    margin: Option<f64>,
     /// Accept pairs that are in contact at the start of a segment of `certify`, within this distance:
     /// they must not come closer until they have left it
     #[arg(long, value_name = "LENGTH")]
@@ -90,16 +94,16 @@ impl StudyArguments {
             srdf: self.srdf.clone(),
             cell: self.cell.clone(),
             packages: Packages::new(&self.packages).with_environment(),
-            options: LoadOptions::default().meshes(usage),
+            options: LoadOptions::default().meshes(usage).keep_invalid(self.keep_invalid),
             check_adjacent: self.check_adjacent,
             attached: self.attach.clone(),
             paddings: self.pad.clone(),
             excluded: self.exclude.clone(),
         };
-        let options = StudyOptions::default()
-            .margin(self.margin)
+        let mut options = StudyOptions::default()
             .start_contact_margin(self.start_contact)
             .lenient(self.lenient);
+        options.margin = self.margin;
         let study = Study::load(&files, options)?;
         for skipped in study.setup().skipped() {
             eprintln!("warning: {skipped}");

@@ -73,11 +73,15 @@ fn parts(folder: &Path) -> Vec<Vec<u8>> {
     vec![part(0), part(1)]
 }
 
+/// Rows of each of two files: enough that a study takes seconds of CPU time.
+const ROWS: u32 = if cfg!(debug_assertions) { 2_000 } else { 120_000 };
+
 #[test]
 fn a_cluster_answers_bit_for_bit_and_survives_a_kill() {
     let folder = scratch("cluster");
     let at = |name: &str| folder.join(name).to_string_lossy().into_owned();
-    let sample = ["--rows", "240000", "--rows-per-file", "120000", "--out", &at("q")];
+    let (all, half) = ((2 * ROWS).to_string(), ROWS.to_string());
+    let sample = ["--rows", &all, "--rows-per-file", &half, "--out", &at("q")];
     assert_eq!(said(tool("sample").args(sample)).0, 0);
     // One thread of one process: the same parts.
     let alone = [
@@ -88,7 +92,7 @@ fn a_cluster_answers_bit_for_bit_and_survives_a_kill() {
         "--partitions",
         "1",
         "--rows-per-part",
-        "120000",
+        &half,
     ];
     let (code, text) = said(tool("run").args(alone));
     assert_eq!(code, 0, "{text}");

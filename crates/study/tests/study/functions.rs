@@ -6,11 +6,11 @@ use datafusion::arrow::array::{ArrayRef, Int64Array, RecordBatch, StructArray};
 use datafusion::arrow::buffer::NullBuffer;
 use datafusion::arrow::datatypes::{DataType, Field};
 use lin_canny_plan::Verdict;
-use lin_canny_study::robot::RobotFiles;
+use lin_canny_study::robot::{Cell, RobotFiles};
 use lin_canny_study::sampled::Source;
 use lin_canny_study::{Study, StudyError, StudyOptions, engine, flat};
 
-use crate::{block_on, study, values};
+use crate::{block_on, files, study, values};
 
 const JOINTS: &str = "turn, lift, elbow, roll, bend, twist";
 
@@ -116,6 +116,35 @@ fn an_attached_object_a_padding_and_an_excluded_pair_are_those_of_the_checker() 
     files.paddings.push(("hnad".into(), 0.05));
     let error = Study::load(&files, StudyOptions::default()).err().expect("an error");
     assert!(error.to_string().contains("hnad"), "{error}");
+}
+
+#[test]
+fn a_saved_world_is_the_same_study() {
+    let mut checker = files().load().expect("the example").1.checker().expect("a checker");
+    checker.set_margin(0.02).expect("a margin");
+    checker.pad("gripper", 0.01).expect("a padding");
+    checker.exclude("base", "gripper").expect("a pair");
+    let file = crate::scratch("saved").join("cell.json");
+    Cell::from_world(checker.world()).save(&file).expect("a file");
+    let mut saved = files();
+    saved.cell = Some(file);
+    let of = |options| Study::load(&saved, options).expect("the saved cell");
+    let found = of(StudyOptions::default());
+    let again = found
+        .with_checker(|c| (c.margin(), c.world().clone()))
+        .expect("a checker");
+    assert_eq!(again.0, 0.02);
+    let text = |world| Cell::from_world(world).to_json().expect("a text");
+    assert_eq!(text(&again.1), text(checker.world()));
+    // The same margin in other words is the same study, another margin is another.
+    assert_eq!(
+        found.fingerprint(),
+        of(StudyOptions::default().margin(0.02)).fingerprint()
+    );
+    assert_ne!(
+        found.fingerprint(),
+        of(StudyOptions::default().margin(0.0)).fingerprint()
+    );
 }
 
 #[test]

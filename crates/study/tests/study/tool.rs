@@ -108,6 +108,22 @@ fn options_of_the_scene_change_the_study() {
 }
 
 #[test]
+fn points_without_a_return_are_dropped_or_rejected() {
+    let folder = scratch("invalid");
+    let at = |name: &str| folder.join(name).to_string_lossy().into_owned();
+    assert_eq!(said(tool("sample").args(["--rows", "50", "--out", &at("q")])).0, 0);
+    std::fs::write(at("scan.xyz"), "0.1 0 0\nnan nan nan\n0 0.1 0\n").expect("a file");
+    let part = r#"{"name": "scan", "cloud": {"file": "scan.xyz", "radius": 0.01}, "xyz": [0, 0, 0.3]}"#;
+    std::fs::write(at("part.json"), part).expect("a file");
+    let attach = format!("gripper={}", at("part.json"));
+    let run = ["--in", &at("q"), "--out", &at("out"), "--attach", &attach];
+    let (code, text) = said(tool("run").args(run));
+    assert!(code == 0 && text.contains("1 points without a return"), "{code} {text}");
+    let (code, text) = said(tool("run").args(run).arg("--keep-invalid"));
+    assert!(code == 3 && text.contains("scan.xyz"), "{code} {text}");
+}
+
+#[test]
 fn a_roadmap_has_nodes_and_edges() {
     let folder = scratch("roadmap");
     let out = folder.join("map").to_string_lossy().into_owned();
