@@ -131,8 +131,8 @@
 //!   link with two parent joints.
 //! * All pairs of links of a model are checked, although `self_collide` is false by default.
 //!   `collide_bitmask` and `category_bitmask` exclude pairs of bodies: see [`Robot::excluded`].
-//! * A `plane` of a [`Cell`], or of a link that no joint moves, is a half-space; in a setup it is an
-//!   obstacle. A plane that moves is a box of the size [`LoadOptions::plane_extent`] below the
+//! * A `plane` of a [`Cell`], or of a link that no joint moves, is a half-space; in a setup it is
+//!   an obstacle. A plane that moves is a box of the size [`LoadOptions::plane_extent`] below the
 //!   plane. A `polyline` is an exact prism. `heightmap`, `image`, a geometry of several polylines,
 //!   and a `submesh` of a COLLADA file are errors.
 //! * `actor`, `road`, `population`, `state` and an `initial_position` other than zero are left out,
