@@ -275,9 +275,11 @@ impl Setup {
     /// Adds the obstacles and attached objects of a cell, excludes its pairs, and sets its margins.
     ///
     /// If the cell [excludes exactly](Cell::excludes_exactly) its pairs, pairs that were excluded
-    /// before this call are not excluded any more.
+    /// before this call are not excluded any more. An obstacle that equals a half-space of a robot
+    /// of this setup is not added again.
     pub fn cell(&mut self, cell: &Cell) {
-        for obstacle in &cell.obstacles {
+        let added = cell.obstacles.iter().filter(|obstacle| !self.has_half_space(obstacle));
+        for obstacle in added.collect::<Vec<_>>() {
             self.obstacle(&obstacle.name, obstacle.geometry.clone(), obstacle.pose);
         }
         for (link, object) in &cell.attached {

@@ -88,8 +88,9 @@
 //!   robot change nothing: all those pairs are checked.
 //! * A mesh is used as its hull, as in MuJoCo, or as [`LoadOptions::meshes`] says. Meshes are STL,
 //!   OBJ and MSH files, or in the file. A geom that MuJoCo would fit to a mesh is an error.
-//! * A plane is a box of the size [`LoadOptions::plane_extent`] below the plane. A height field is the solid
-//!   below its heights, which must be in the file.
+//! * A plane of a body that no joint moves is a half-space; in a setup it is an obstacle with the
+//!   name of the link. A plane that moves is a box of the size [`LoadOptions::plane_extent`] below
+//!   the plane. A height field is the solid below its heights, which must be in the file.
 //! * An equality of two joints is a mimic joint, and one without a second joint holds the joint.
 //!   Other equalities are listed in [`Robot::skipped`].
 //! * `include`, `default`, `frame` and `replicate` are read. `attach`, `composite`, `flexcomp`,
@@ -131,9 +132,10 @@
 //!   link with two parent joints.
 //! * All pairs of links of a model are checked, although `self_collide` is false by default.
 //!   `collide_bitmask` and `category_bitmask` exclude pairs of bodies: see [`Robot::excluded`].
-//! * A `plane` of a robot is a box of the size [`LoadOptions::plane_extent`] below the plane; that
-//!   of a [`Cell`] is a half-space. A `polyline` is an exact prism. `heightmap`, `image`, a geometry of several polylines, and a `submesh` of a
-//!   COLLADA file are errors.
+//! * A `plane` of a [`Cell`], or of a link that no joint moves, is a half-space; in a setup it is
+//!   an obstacle. A plane that moves is a box of the size [`LoadOptions::plane_extent`] below the
+//!   plane. A `polyline` is an exact prism. `heightmap`, `image`, a geometry of several polylines,
+//!   and a `submesh` of a COLLADA file are errors.
 //! * `actor`, `road`, `population`, `state` and an `initial_position` other than zero are left out,
 //!   and listed in [`Robot::skipped`]. So are joints of static models.
 //! * Elements without geometry or kinematics are passed over unread, such as `visual`, `inertial`,

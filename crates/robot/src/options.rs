@@ -43,17 +43,17 @@ pub struct LoadOptions {
     /// Least and greatest position of planar and floating joints, which URDF does not limit, in the
     /// unit of the file.
     pub floating_limits: [f64; 2],
-    /// Half the side of the box that stands for an infinite plane of a robot in MJCF or SDFormat; the
-    /// box is as deep. In the unit of the file.
+    /// Half the side of the box that stands for a plane of a link that a joint moves, in MJCF or
+    /// SDFormat; the box is as deep. In the unit of the file.
     ///
-    /// A body of a robot is bounded. In a cell such a plane is a half-space.
+    /// A body that moves is bounded. A plane of any other link, or of a cell, is a half-space.
     pub plane_extent: f64,
 }
 
 impl Default for LoadOptions {
     /// Hulls that are not measured; missing meshes are errors; points without a return are dropped;
     /// two full turns and ten metres in
-    /// both directions; planes that extend a thousand metres.
+    /// both directions; planes that move extend a thousand metres.
     fn default() -> Self {
         let turns = 4.0 * std::f64::consts::PI;
         Self {
@@ -127,7 +127,7 @@ impl LoadOptions {
         self
     }
 
-    /// Returns the options with another extent of the boxes that stand for infinite planes.
+    /// Returns the options with another extent of the boxes that stand for planes that move.
     #[must_use]
     pub fn plane_extent(mut self, extent: f64) -> Self {
         self.plane_extent = extent;

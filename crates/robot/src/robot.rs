@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
-use lin_canny::{Geometry, HullFit};
+use lin_canny::{Geometry, GeometryKind, HullFit};
 use lin_canny_plan::Drive;
 
 use crate::error::{FileError, FileErrorKind, Skipped};
+use crate::geometry::Solid;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::xml::Xml;
@@ -173,13 +174,40 @@ impl Robot {
         packages: &Packages,
         options: &LoadOptions,
     ) -> Result<Self, FileError> {
-        let xml = Xml::parse(path.as_ref(), text)?;
-        match xml.root().tag_name().name() {
+        let path = path.as_ref();
+        let xml = Xml::parse(path, text)?;
+        let infinite = options.clone().plane_extent(f64::INFINITY);
+        let mut robot = match xml.root().tag_name().name() {
             "robot" => urdf::read(&xml, packages, options),
-            "mujoco" => mjcf::read(&xml, options),
-            "sdf" => sdformat::read(&xml, packages, options),
+            "mujoco" => mjcf::read(&xml, &infinite),
+            "sdf" => sdformat::read(&xml, packages, &infinite),
             _ => Err(xml.unknown_root("robot, mujoco or sdf")),
+        }?;
+        robot.bound_planes(options.plane_extent, path)?;
+        Ok(robot)
+    }
+
+    /// Replaces the half-spaces of links that a joint moves by boxes: a body that moves is bounded.
+    fn bound_planes(&mut self, extent: f64, path: &Path) -> Result<(), FileError> {
+        let mut is_at_rest = vec![true; self.links.len()];
+        for (k, joint) in self.joints.iter().enumerate() {
+            is_at_rest[k + 1] = is_at_rest[joint.parent] && joint.kind == MotionKind::Fixed;
         }
+        let moving = self
+            .links
+            .iter_mut()
+            .zip(is_at_rest)
+            .filter(|(_, is_at_rest)| !is_at_rest);
+        for (link, _) in moving {
+            for body in &mut link.bodies {
+                if body.geometry.kind() == GeometryKind::HalfSpace {
+                    let bounded = Solid::HalfSpace { extent }.geometry();
+                    let element = || format!("link {:?}", link.name);
+                    body.geometry = bounded.map_err(|reason| FileError::new(path, None, element(), reason))?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Returns the name.

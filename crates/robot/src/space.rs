@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
-use lin_canny_plan::{Checker, Drive, JointKind, JointTree, PlanError, TreeJoint, World, WorldId};
+use lin_canny::{Geometry, GeometryKind};
+use lin_canny_plan::{Checker, Drive, JointKind, JointTree, PlanError, TreeJoint, World, WorldId, WorldPair};
 
-use crate::cell::{BodyName, Cell};
+use crate::cell::{BodyName, Cell, Obstacle};
 use crate::cell_body::AttachedBody;
 use crate::error::Skipped;
 use crate::excludable::LinkPairCount;
@@ -45,18 +45,22 @@ pub struct Setup {
     coordinates: Vec<Coordinate>,
     /// For each link of the tree, the distance from its origin to the farthest point of its bodies.
     radii: Vec<f64>,
+    /// For each link of the tree, its pose in the world if no joint moves it.
+    at_rest: Vec<Option<Isometry3<f64>>>,
     bodies: Vec<SetupBody>,
     adjacent: Vec<[String; 2]>,
     /// Excluded pairs of names, with the reason.
     excluded: BTreeMap<[String; 2], String>,
-    /// Pairs of bodies that files exclude, the smaller index first.
-    excluded_bodies: BTreeSet<[usize; 2]>,
+    /// Pairs of bodies that files exclude.
+    excluded_bodies: BTreeSet<WorldPair>,
     /// Links without bodies, because an SRDF may name them, and skipped obstacles.
     pub(crate) frames: BTreeSet<String>,
     /// Names of links whose frame is not that of their first body, with a body or the link of the
     /// tree.
     link_frames: Vec<(String, LinkFrame)>,
     obstacles: Vec<(String, Geometry, Isometry3<f64>)>,
+    /// The obstacles that are half-spaces of links of robots.
+    half_spaces: BTreeSet<usize>,
     /// The link and the object.
     attached: Vec<(String, AttachedBody)>,
     /// Excluded pairs of which at least one is a single body of several with its name.
@@ -89,6 +93,7 @@ impl Setup {
     pub fn new() -> Self {
         Self {
             radii: vec![0.0],
+            at_rest: vec![Some(Isometry3::identity())],
             ..Self::default()
         }
     }
@@ -97,6 +102,9 @@ impl Setup {
     ///
     /// The prefix distinguishes robots; for a single robot it may be empty. Pairs that the file of
     /// the robot excludes are not checked: see [`Robot::excluded`].
+    ///
+    /// A half-space of a link that no joint moves, such as the floor of an MJCF file, becomes an
+    /// obstacle with the name of the link. Its pairs with other links at rest are excluded.
     pub fn robot(&mut self, prefix: &str, robot: &Robot, pose: Isometry3<f64>) {
         self.skipped.extend(robot.skipped.iter().cloned());
         let first = self.coordinates.len();
@@ -117,21 +125,33 @@ impl Setup {
             }
             links.push(link);
         }
-        let before = self.bodies.len();
-        self.excluded_bodies
-            .extend(robot.excluded.iter().map(|pair| pair.map(|k| k + before)));
+        let mut ids = Vec::new();
         for (link, &at) in robot.links.iter().zip(&links) {
             if link.bodies.is_empty() {
                 self.frames.insert(named(&link.name));
             }
+            let mut bodies = Vec::new();
+            for body in &link.bodies {
+                match self.at_rest[at].filter(|_| body.geometry.kind() == GeometryKind::HalfSpace) {
+                    Some(pose) => {
+                        ids.push(WorldId::Obstacle(self.obstacles.len()));
+                        self.half_spaces.insert(self.obstacles.len());
+                        self.obstacle(named(&link.name), body.geometry.clone(), pose * body.origin);
+                    }
+                    None => {
+                        ids.push(WorldId::Robot(self.bodies.len() + bodies.len()));
+                        bodies.push(body);
+                    }
+                }
+            }
             let first = self.bodies.len();
-            let at_origin = link.bodies.iter().position(|b| b.origin == Isometry3::identity());
+            let at_origin = bodies.iter().position(|b| b.origin == Isometry3::identity());
             match at_origin {
                 Some(0) => {}
                 Some(k) => self.link_frames.push((named(&link.name), LinkFrame::Body(first + k))),
                 None => self.link_frames.push((named(&link.name), LinkFrame::Link(at))),
             }
-            for body in &link.bodies {
+            for body in bodies {
                 let is_at_origin = body.origin == Isometry3::identity();
                 let link_of_body = if is_at_origin {
                     at
@@ -149,12 +169,17 @@ impl Setup {
                 });
             }
         }
+        let excluded = robot.excluded.iter();
+        self.excluded_bodies
+            .extend(excluded.filter_map(|[a, b]| WorldPair::new(ids[*a], ids[*b])));
         let pairs = robot.adjacent.iter();
         self.adjacent
             .extend(pairs.map(|pair| pair.map(|k| named(&robot.links[k].name))));
     }
 
     fn add(&mut self, joint: TreeJoint) -> usize {
+        let parent = self.at_rest[joint.parent].filter(|_| joint.drive.is_none());
+        self.at_rest.push(parent.map(|pose| pose * joint.origin));
         self.joints.push(joint);
         self.radii.push(0.0);
         self.joints.len()
@@ -308,6 +333,22 @@ impl Setup {
         names.any(|n| n == name)
     }
 
+    /// Returns whether an obstacle is a half-space of a robot, which is already in the setup.
+    pub(crate) fn has_half_space(&self, obstacle: &Obstacle) -> bool {
+        let Geometry::HalfSpace(space) = &obstacle.geometry else {
+            return false;
+        };
+        let mut own = self.half_spaces.iter().map(|&k| &self.obstacles[k]);
+        own.any(|(name, geometry, pose)| match geometry {
+            Geometry::HalfSpace(other) => {
+                *name == obstacle.name
+                    && *pose == obstacle.pose
+                    && (other.normal(), other.offset()) == (space.normal(), space.offset())
+            }
+            _ => false,
+        })
+    }
+
     pub(crate) fn bodies(&self) -> &[SetupBody] {
         &self.bodies
     }
@@ -361,10 +402,13 @@ impl Setup {
         for (name, geometry, pose) in &self.obstacles {
             world.obstacle(name, geometry.clone(), *pose);
         }
-        world.exclude_if(|pair| match (pair.a, pair.b) {
-            (WorldId::Robot(a), WorldId::Robot(b)) => self.excluded_bodies.contains(&[a, b]),
+        let is_at_rest = |pair: WorldPair| match (pair.a, pair.b) {
+            (WorldId::Robot(a), WorldId::Obstacle(b)) => {
+                self.half_spaces.contains(&b) && self.at_rest[self.bodies[a].link].is_some()
+            }
             _ => false,
-        });
+        };
+        world.exclude_if(|pair| self.excluded_bodies.contains(&pair) || is_at_rest(pair));
         for (link, object) in &self.attached {
             let touch: Vec<&str> = object.touch_links.iter().map(String::as_str).collect();
             world.attach(link, &object.name, object.geometry.clone(), object.pose, &touch)?;

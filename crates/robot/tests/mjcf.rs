@@ -122,6 +122,17 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
         }
         assert!(of_link.is_empty(), "{name}: {of_link:?}");
         let space = setup.space().expect("a space");
+        let checker = setup.checker().expect("a checker");
+        // A plane is an obstacle.
+        let obstacles: Vec<Isometry3<f64>> = checker.world().obstacles().map(|o| *o.2).collect();
+        let (mut of_robot, mut of_obstacles) = (0.., 0..);
+        let ids: Vec<WorldId> = (order.iter())
+            .map(|&geom| match geoms[geom]["type"].as_i64() {
+                Some(0) => of_obstacles.next().map(WorldId::Obstacle).expect("an obstacle"),
+                _ => of_robot.next().map(WorldId::Robot).expect("a body"),
+            })
+            .collect();
+        assert_eq!(of_obstacles.next(), Some(obstacles.len()), "{name}");
         let shapes: Vec<_> = robot.links().iter().flat_map(|link| &link.bodies).collect();
         let mut turns: Vec<Vec<Isometry3<f64>>> = vec![Vec::new(); order.len()];
         for configuration in model["configurations"].as_array().expect("configurations") {
@@ -138,7 +149,11 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
                 continue;
             }
             for (k, &geom) in order.iter().enumerate() {
-                let found = space.link_pose(&q, space.links()[k]).expect("a pose");
+                let found = match ids[k] {
+                    WorldId::Robot(body) => space.link_pose(&q, space.links()[body]).expect("a pose"),
+                    WorldId::Obstacle(obstacle) => obstacles[obstacle],
+                    WorldId::Attached(_) => unreachable!("nothing is attached"),
+                };
                 let geom = &geoms[geom];
                 let body = geom["body"].as_u64().expect("an index") as usize;
                 let world = pose(&numbers(&configuration["poses"][body]));
@@ -197,15 +212,7 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
             .map(numbers)
             .map(|pair| (pair[0] as usize, pair[1] as usize))
             .collect();
-        let checker = setup.checker().expect("a checker");
-        let excluded: BTreeSet<(usize, usize)> = checker
-            .world()
-            .excluded()
-            .filter_map(|pair| match pair {
-                [WorldId::Robot(a), WorldId::Robot(b)] => Some((a, b)),
-                _ => None,
-            })
-            .collect();
+        let excluded: BTreeSet<[WorldId; 2]> = checker.world().excluded().collect();
         for a in 0..order.len() {
             for b in a + 1..order.len() {
                 let (x, y) = (order[a].min(order[b]), order[a].max(order[b]));
@@ -215,7 +222,7 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
                     (p.translation.vector - q.translation.vector).norm() + p.rotation.angle_to(&q.rotation) < 1e-6
                 });
                 {
-                    let here = !excluded.contains(&(a, b)) && !is_rigid;
+                    let here = !excluded.contains(&[ids[a].min(ids[b]), ids[a].max(ids[b])]) && !is_rigid;
                     assert_eq!(here, checked.contains(&(x, y)), "{name}: {} {}", geoms[x], geoms[y]);
                     pairs += 1;
                 }

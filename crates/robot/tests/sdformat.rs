@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use lin_canny_plan::ConfigurationSpace;
+use lin_canny_plan::{ConfigurationSpace, WorldId};
 use lin_canny_robot::{Cell, FileError, FileErrorKind, LoadOptions, MotionKind, Packages, Robot, Setup};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -1203,21 +1203,6 @@ fn shapes_have_the_sizes_of_the_specification() {
             [1.0, 2.0, 3.0],
         ),
         (
-            "<plane><normal>0 0 1</normal><size>x</size></plane>",
-            [-1000.0, -1000.0, -1000.0],
-            [1000.0, 1000.0, 0.0],
-        ),
-        (
-            "<plane><normal>0 0 -2</normal></plane>",
-            [-1000.0, -1000.0, 0.0],
-            [1000.0; 3],
-        ),
-        (
-            "<plane><normal>3 0 0</normal></plane>",
-            [-1000.0, -1000.0, -1000.0],
-            [0.0, 1000.0, 1000.0],
-        ),
-        (
             "<polyline><point>0 0</point><point>2 0</point><point>2 1</point><point>0 1</point><height>3</height></polyline>",
             [0.0; 3],
             [2.0, 1.0, 3.0],
@@ -1251,6 +1236,65 @@ fn a_plane_of_a_cell_is_a_half_space() {
         let found = lin_canny::PairTracker::new().closest(&obstacle.geometry, &ball, &pose);
         assert!((found.distance - 2.5).abs() < 1e-6, "{}", found.distance);
     }
+}
+
+/// A plane of a link at rest is an obstacle without end. One that moves is a box.
+#[test]
+fn a_plane_of_a_robot_is_a_half_space_unless_it_moves() {
+    let plane = "<collision name=\"c\"><pose>0 0 1 0 0 0</pose><geometry><plane><normal>0 0 -2</normal></plane></geometry></collision>";
+    let ceiling = format!("<link name=\"a\">{plane}<collision name=\"d\">{BOX}</collision></link>");
+    let arm = link("b", "") + &joint("lift", "prismatic", "a", "b", "<axis><xyz>0 0 1</xyz></axis>");
+    // The box of the link `a` passes through the plane, and both are at rest.
+    let text = model("1.9", &format!("<pose>0 0 9 0 0 0</pose>{ceiling}{arm}"));
+    let robot = parse(&text).unwrap_or_else(|e| panic!("{e}"));
+    let kind = |robot: &Robot, k: usize| robot.links()[1].bodies[k].geometry.kind();
+    assert_eq!(kind(&robot, 0), lin_canny::GeometryKind::HalfSpace);
+    let setup = || {
+        let mut setup = Setup::new();
+        setup.robot("r/", &robot, Isometry3::translation(1e6, -1e6, 0.5));
+        setup
+    };
+    let mut first = setup();
+    first.obstacle(
+        "post",
+        lin_canny::Shape::ball(0.5).expect("a ball"),
+        Isometry3::translation(1e6, 0.0, 0.0),
+    );
+    let mut checker = first.checker().expect("a checker");
+    let (name, _, pose) = checker.world().obstacles().next().expect("an obstacle");
+    assert_eq!((name, pose.translation.vector), ("r/a", Vector3::new(1e6, -1e6, 10.5)));
+    // The ceiling is at a height of 1 above the link, whose box b has a half side of 0.5.
+    let near = checker.nearest(&[0.25], f64::INFINITY).expect("pairs");
+    let to_plane = near
+        .iter()
+        .find(|near| near.pair.b == WorldId::Obstacle(0))
+        .expect("the pair");
+    assert_eq!(checker.name(to_plane.pair.a), "r/b");
+    assert!((to_plane.distance - 0.25).abs() < 1e-8, "{}", to_plane.distance);
+    let rest = near.iter().filter(|near| near.pair.b == WorldId::Obstacle(0)).count();
+    assert_eq!(rest, 1, "the box of the link a is at rest as well");
+
+    // Saved with the world, the plane is not added a second time.
+    let text = Cell::from_world(checker.world()).to_json().expect("a cell");
+    let mut again = setup();
+    again.cell(&cell(&text).expect("a cell"));
+    let mut again = again.checker().expect("a checker");
+    assert_eq!(again.world().obstacles().len(), 2);
+    assert_eq!(again.nearest(&[0.25], f64::INFINITY).expect("pairs"), near);
+
+    let floating = parse(&world(&format!("<model name=\"m\">{ceiling}</model>"))).unwrap_or_else(|e| panic!("{e}"));
+    assert_ne!(kind(&floating, 0), lin_canny::GeometryKind::HalfSpace);
+    let (min, max) = floating.links()[1].bodies[0]
+        .geometry
+        .aabb_at(&Isometry3::identity(), &mut lin_canny::BoxHint::default());
+    assert!(
+        (max - min - Vector3::new(2000.0, 2000.0, 1000.0)).amax() < 0.1,
+        "{min} {max}"
+    );
+    let options = LoadOptions::default().plane_extent(-1.0);
+    let text = world(&format!("<model name=\"m\">{ceiling}</model>"));
+    let error = Robot::parse(&text, "r.sdf", &Packages::default(), &options).expect_err("a negative extent");
+    assert!(error.to_string().contains("extent of planes"), "{error}");
 }
 
 /// A prism covers its polygon and nothing else: whichever way around, and with the first point again.

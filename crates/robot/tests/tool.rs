@@ -885,6 +885,61 @@ fn attached_objects_are_measured_and_wrong_names_are_named() {
     }
 }
 
+/// The options of a run are saved in a cell: with the cell alone, the table of distances is the same.
+#[test]
+fn the_world_of_the_options_is_saved_as_a_cell() {
+    let part = scratch(
+        "saved_part.json",
+        r#"{"name": "part", "sphere": {"radius": 0.02}, "xyz": [0, 0, 0.1], "touch_links": ["gripper"]}"#,
+    );
+    let attach = format!("gripper={part}");
+    let options = ["--attach", &attach, "--pad", "part=0.01", "--exclude", "part,table"];
+    let saved = scratch("saved_world.json", "");
+    let (code, text) = run(
+        "cell",
+        &with(&[&options[..], &["--margin", "0.04", "--out", &saved]].concat()),
+    );
+    assert!(
+        code == 0 && text.contains("attached objects: 1, paddings: 1"),
+        "{code} {text}"
+    );
+    let measured = |arguments: &[&str], out: &str| {
+        let out = scratch(out, "");
+        let (code, text) = run(
+            "clearance",
+            &[arguments, &["--joints", "carry.csv", "--pairs", "--csv", &out]].concat(),
+        );
+        assert!(code <= 1, "{code} {text}");
+        (text, std::fs::read_to_string(&out).expect("the table"))
+    };
+    let by_options = measured(&with(&options), "by_options.csv");
+    let head = by_options.1.lines().next().expect("a head");
+    assert!(head.contains("part") && !head.contains("part - table"), "{head}");
+    // The SRDF is in the cell.
+    assert_eq!(measured(&["--cell", &saved], "by_cell.csv"), by_options);
+    // The margin and the padding are in the cell: the same verdicts as of the options.
+    let certified = |arguments: &[&str]| run("certify", &[arguments, &["--joints", "carry.csv"]].concat());
+    let by_options = certified(&with(&[&options[..], &["--margin", "0.04"]].concat()));
+    assert_eq!(certified(&["--cell", &saved]), by_options);
+    // Saved again, and on stdout, the cell is the same.
+    let text = std::fs::read_to_string(&saved).expect("the cell");
+    let (code, again) = run("cell", &["--cell", &saved]);
+    assert!(code == 0 && again.starts_with(&text), "{again}");
+    for (arguments, expected, said) in [
+        (
+            ["--out", "no_such_folder/world.json"],
+            3,
+            "no_such_folder/world.json: cannot be written",
+        ),
+        (["--pad", "prat=0.01"], 3, "prat"),
+        (["--margin", "x"], 2, "invalid float"),
+        (["--margin", "nan"], 3, "margin"),
+    ] {
+        let (code, text) = run("cell", &with(&arguments));
+        assert!(code == expected && text.contains(said), "{arguments:?}: {code} {text}");
+    }
+}
+
 /// A box rests on a table: without the option its lift is blocked at the start, and its press always.
 #[test]
 fn a_part_is_lifted_from_the_table() {

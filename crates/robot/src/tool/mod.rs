@@ -1,5 +1,6 @@
 //! The command line tool: its commands and exit codes.
 
+mod cell;
 mod certify;
 mod clearance;
 mod ignorable;
@@ -18,7 +19,7 @@ use lin_canny_robot::plan::PlanError;
 
 const ENDS: &str = "\
 Exit codes:
-  0  every row is clear, every segment is proven free, or a path was found
+  0  every row is clear, every segment is proven free, a path was found, or a file was written
   1  a row is in contact, or a segment is blocked
   2  wrong arguments
   3  a file is invalid or cannot be written
@@ -43,6 +44,8 @@ enum Command {
     Certify(certify::CertifyOptions),
     /// Search for a path from the first to the last row, with every segment proven free
     Plan(plan::PlanArguments),
+    /// Write the cell with attached objects, paddings, margin and excluded pairs as one cell file
+    Cell(cell::CellOptions),
     /// Find link pairs that always or never collide, and write them as SRDF
     Ignorable(ignorable::IgnorableOptions),
     /// Compute the signed distances of points from a mesh
@@ -86,6 +89,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Clearance(options) => clearance::run(&options),
         Command::Certify(options) => certify::run(&options),
         Command::Plan(options) => plan::run(&options),
+        Command::Cell(options) => cell::run(&options),
         Command::Ignorable(options) => ignorable::run(&options),
         Command::Points(options) => points::run(&options),
     };

@@ -1,0 +1,41 @@
+//! The command `cell`: writes the world of robot, cell and options as one cell file.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use lin_canny_robot::Cell;
+
+use super::options::RobotOptions;
+use super::{End, ToolError};
+
+#[derive(Args)]
+pub(super) struct CellOptions {
+    #[command(flatten)]
+    robot: RobotOptions,
+    /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    margin: Option<f64>,
+    /// Output file with the cell as JSON [default: stdout]
+    #[arg(long, value_name = "OUT.json")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn run(options: &CellOptions) -> Result<End, ToolError> {
+    let (_, setup) = options.robot.load()?;
+    let mut checker = setup.checker()?;
+    checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
+    let world = checker.world();
+    let cell = Cell::from_world(world);
+    match &options.out {
+        Some(file) => cell.save(file)?,
+        None => print!("{}", cell.to_json()?),
+    }
+    eprintln!(
+        "obstacles: {}, attached objects: {}, paddings: {}, excluded pairs of bodies: {}",
+        cell.obstacles.len(),
+        cell.attached.len(),
+        cell.paddings.len(),
+        world.excluded().len(),
+    );
+    Ok(End::Free)
+}
