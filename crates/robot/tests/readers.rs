@@ -113,6 +113,21 @@ fn hungry() -> Vec<Vec<u8>> {
             "tj1,j2,j3/x,j3/y,j3/z,j3/roll,j3/pitch,j3/yaw\n{}",
             "0,0,0,0,0,0,0,0\n".repeat(2_000)
         ),
+        format!("itime\n{}", (0..8_000).map(|k| format!("{k}\n")).collect::<String>()),
+        format!(
+            "j{{\"joint_names\":[],\"points\":[{}]}}",
+            ["{\"positions\":[],\"time_from_start\":0}"; 4_000].join(",")
+        ),
+        format!("j{}", "[".repeat(20_000)),
+        format!("j[{}0]", "0,".repeat(20_000)),
+        format!("y{}", "[".repeat(20_000)),
+        format!("y{}", "- ".repeat(20_000)),
+        format!("y[{}0]", "0,".repeat(20_000)),
+        format!("y{}", "-\n".repeat(20_000)),
+        format!(
+            "y{}",
+            (0..400).map(|k| format!("{}a:\n", " ".repeat(k))).collect::<String>()
+        ),
     ];
     let texts = texts.into_iter().map(String::into_bytes);
     let texts = texts.chain(hungry_meshes()).chain(hungry_points());

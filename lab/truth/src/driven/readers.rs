@@ -153,8 +153,9 @@ pub fn points(data: &[u8]) {
     assert!(file.skipped.iter().all(|skipped| !skipped.what.is_empty()));
 }
 
-/// Reads a file of a robot: URDF, MJCF, SDFormat as robot or cell, SRDF, the JSON of a cell, or the
-/// CSV of a trajectory. A text that names something in the root folder is not read.
+/// Reads a file of a robot: URDF, MJCF, SDFormat as robot or cell, SRDF, the JSON of a cell, the CSV
+/// of a trajectory, or the CSV, JSON or YAML of a timed one. A text that names something in the root
+/// folder is not read.
 ///
 /// # Panics
 /// Panics if what was read forms no finite configuration space, if what is written is not read
@@ -175,6 +176,9 @@ pub fn robots(data: &[u8]) {
         b's' => srdf(text),
         b'c' | b'f' => cell(text),
         b't' => trajectory(text),
+        b'i' => timed(text, "csv"),
+        b'j' => timed(text, "json"),
+        b'y' => timed(text, "yaml"),
         _ => {}
     }
 }
@@ -240,6 +244,36 @@ fn trajectory(text: &str) {
     let again = csv_text(coordinates, &trajectory.rows);
     let again = Trajectory::parse(&again, FILE, coordinates).expect("what was written is read");
     assert_eq!(again.rows, trajectory.rows);
+}
+
+/// A coordinate that the file does not name rests at 0.
+fn timed(text: &str, extension: &str) {
+    let coordinates = ROBOT.coordinates();
+    let (path, rest) = (format!("{FILE}.{extension}"), vec![Some(0.0); coordinates.len()]);
+    let Some(trajectory) = parsed(text, || Trajectory::parse_timed(text, &path, coordinates, &rest)) else {
+        return;
+    };
+    let rows = &trajectory.rows;
+    let times = trajectory.times.as_ref().expect("times");
+    assert!(!rows.is_empty() && times.len() == rows.len() && trajectory.lines.len() == rows.len());
+    assert!(times.iter().all(|t| t.is_finite()) && times.windows(2).all(|t| t[0] < t[1]));
+    let is_within = |row: &Vec<f64>| {
+        let mut each = row.iter().zip(coordinates);
+        row.len() == coordinates.len() && each.all(|(x, c)| (c.limits[0]..=c.limits[1]).contains(x))
+    };
+    assert!(rows.iter().all(is_within));
+    let is_row = |row: &Vec<f64>| row.is_empty() || row.len() == coordinates.len() && row.iter().all(|x| x.is_finite());
+    for derivatives in [&trajectory.velocities, &trajectory.accelerations] {
+        assert!(derivatives.len() == rows.len() && derivatives.iter().all(is_row));
+    }
+    // Numbers may be out of range, which is an error.
+    let Ok(curves) = trajectory.curves() else { return };
+    assert_eq!(curves.len() + 1, rows.len());
+    for (curve, ends) in curves.iter().zip(rows.windows(2)) {
+        assert_eq!([0, curve.degree()].map(|j| curve.control_point(j)), ends);
+        let at = [curve.at(0.5), curve.velocity(0.5), curve.acceleration(0.5)];
+        assert!(at.iter().flatten().all(|x| x.is_finite()));
+    }
 }
 
 /// Returns what a reader of a text returns; `None` for an error, which says why.

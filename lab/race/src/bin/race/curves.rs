@@ -4,7 +4,7 @@
 //! `ours` certifies the curve, `straight` the straight segment with the same ends, and `bisect`
 //! tests configurations of the curve: halving after halving, down to the step of MoveIt's default,
 //! 0.5 % of the extent of the space. The predicates of `bisect` are those of the checker. A curve is
-//! wrong if `bisect` reports it free and the checker proves it blocked.
+//! wrong if `bisect` reports it free and the checker finds it blocked or undecided.
 
 use std::hint::black_box;
 
