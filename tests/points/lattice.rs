@@ -53,7 +53,7 @@ fn judge(count: usize, seed: u64) {
                     "{}",
                     told()
                 );
-                // Close to vertices and edges the direction to the foot, and so the lower bound, is less certain.
+                // Near vertices and edges the lower bound is less close.
                 let (size, width) = (soup.radius() + upper, upper - lower);
                 assert!(width <= 1e-7 * size, "{width:e}: {}", told());
                 wide += usize::from(width > 2e-14 * size);
