@@ -77,7 +77,7 @@ pub enum PointError {
 /// | polyhedron | exact | `1e-13 L` |
 /// | rounded polyhedron | exact outside (feature `exact`), else by the bounds | `1e-13 L` |
 /// | curved shape | by the bounds: undecided within rounding | `1e-13 L`; inside `2^-19 L` |
-/// | mesh | exact | `2e-14 L` |
+/// | mesh | exact | `2e-14 L`; near edges and vertices see below |
 /// | half-space | exact | `1e-14` of the distance |
 /// | compound, cloud | as of the pieces | outside as of the pieces; inside see below |
 /// | Bézier surface | outside or undecided: it has no inside | as of [`PairTracker`] |
@@ -87,6 +87,7 @@ pub enum PointError {
 /// - **Meshes.** A closed mesh contains the points with a winding number that is not zero, and its
 ///   surface. An [open mesh](crate::MeshKind::Open) contains only its surface. The distance is that
 ///   of the triangles, also of those inside other components.
+///   Where the closest point is near an edge or a vertex, the lower bound may be less by `1e-7 L`.
 /// - **Compounds and clouds** are unions. Inside, the distance is that of the deepest piece, an
 ///   upper bound; the lower bound is that of the box of the union.
 ///

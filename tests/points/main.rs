@@ -2,6 +2,7 @@
 //! trackers return the same bits.
 
 mod kinds;
+mod lattice;
 mod meshes;
 
 use lin_canny::nalgebra::Point3;

@@ -23,6 +23,7 @@
 //! | [`soups`], [`turned`], [`brute`] | nonconvex meshes, CAD-like meshes, and their naive oracle |
 //! | [`exact`] | the naive oracle: exact contact state and distance of two small bodies |
 //! | [`near_points`] | the exact side and distance of points and meshes, and hard points |
+//! | [`lattice_points`] | the exact side of points on a lattice, in microseconds |
 //! | [`paths`] | the naive oracle of vertices on straight paths, and deliberately hard queries |
 //! | [`curved`] | the judge of curved pairs: the duality gap in double-double |
 //! | [`brute_hull`] | exact faces of a few points |
@@ -53,6 +54,7 @@ pub mod exact;
 pub mod exact_meshes;
 pub mod faults;
 pub mod forms;
+pub mod lattice_points;
 pub mod motion;
 pub mod near_points;
 pub mod nets;
