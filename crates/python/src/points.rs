@@ -47,7 +47,9 @@ impl Batch for Points<'_> {
         let points = &self.points[first..first + rows.len()];
         if self.is_side_alone {
             let held = self.query.contains_each(points).map_err(geometry_error)?;
-            rows.iter_mut().zip(held).for_each(|(to, is_in)| to[7] = f64::from(u8::from(is_in)));
+            rows.iter_mut()
+                .zip(held)
+                .for_each(|(to, is_in)| to[7] = f64::from(u8::from(is_in)));
         } else {
             let found = self.query.closest_points(points).map_err(geometry_error)?;
             rows.iter_mut().zip(&found).for_each(|(to, found)| *to = row(found));
@@ -70,7 +72,9 @@ fn rows(
     let is_bad = |p: &Point3<f64>| !p.iter().all(|x| x.abs() < 1e116);
     if let Some(index) = given.iter().position(is_bad) {
         let value: [f64; 3] = given[index].into();
-        return Err(refused(format!("points: point {index} is not finite or farther than 1e116: {value:?}")));
+        return Err(refused(format!(
+            "points: point {index} is not finite or farther than 1e116: {value:?}"
+        )));
     }
     let mut query = PointQuery::new(body);
     let is_worth_it = matches!(body, Body::Mesh(mesh) if given.len() / 4 >= mesh.triangle_count());
