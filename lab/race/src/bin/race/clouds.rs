@@ -133,7 +133,7 @@ fn tree(points: &[[f32; 3]]) -> ImmutableKdTree<f32, 3> {
 
 impl Points {
     /// Returns the pose of a body from a point.
-    fn from_point(&self, k: usize, at: &Isometry3<f64>) -> RelativePose {
+    fn pose_at_point(&self, k: usize, at: &Isometry3<f64>) -> RelativePose {
         let [x, y, z] = self.points[k].map(f64::from);
         RelativePose::new(&Isometry3::translation(x, y, z), at).expect("rigid")
     }
@@ -159,7 +159,7 @@ impl Points {
             .execute();
         let mut measure = |k: usize| {
             tracker
-                .distance(&self.origin, &over.core, &self.from_point(k, at))
+                .distance(&self.origin, &over.core, &self.pose_at_point(k, at))
                 .value
         };
         let mut least = measure(nearest.item as usize);
@@ -185,7 +185,7 @@ impl Points {
             return nearest.distance <= (most * most) as f32;
         }
         self.around(at, most + over.reach)
-            .any(|k| tracker.within(&self.origin, &over.core, &self.from_point(k, at), most))
+            .any(|k| tracker.within(&self.origin, &over.core, &self.pose_at_point(k, at), most))
     }
 
     /// Returns bounds of the distance of a body, over all points.
@@ -202,7 +202,7 @@ impl Points {
             if from_middle(p) > least + 2.0 * over.reach {
                 continue;
             }
-            let found = tracker.distance(&self.origin, &over.core, &self.from_point(k, at));
+            let found = tracker.distance(&self.origin, &over.core, &self.pose_at_point(k, at));
             bounds = (bounds.0.min(found.lower), bounds.1.min(found.upper));
         }
         (bounds.0 - radii - 1e-14, bounds.1 - radii + 1e-14)

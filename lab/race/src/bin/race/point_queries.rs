@@ -25,7 +25,7 @@ const PASSES: usize = 5;
 
 fn solids(options: &Options) -> Vec<(&'static str, Soup)> {
     let rock = |n: usize| ("rock", soups::rock((n / 20).ilog2() / 2, 3));
-    let mut list: Vec<_> = options.sizes([1280, 81_920, 1_310_720]).map(rock).into_iter().collect();
+    let mut list: Vec<_> = options.sizes([1280, 81_920, 1_310_720]).map(rock).collect();
     list.extend(options.sizes([1000, 100_000]).map(|n| {
         let m = (n as f64 / 4.0).sqrt() as usize;
         ("torus", soups::torus(2 * m, m, 0.35))
@@ -76,13 +76,17 @@ pub(crate) fn run(options: &Options) -> Rows {
         for scene in SCENES.into_iter().filter(|scene| options.wants(scene)) {
             let points = points(scene, &soup);
             let ask = |p: &Point3<f64>| query.closest_point(p).expect("a point");
-            let alone = timed(passes, || points.iter().for_each(|p| drop(black_box(ask(p)))));
+            let alone = timed(passes, || {
+                points.iter().for_each(|p| {
+                    let _ = black_box(ask(p));
+                })
+            });
             let batch = timed(passes, || drop(black_box(query.closest_points(&points))));
             let tracked = timed(passes, || {
                 let mut tracker = PointTracker::new();
-                points
-                    .iter()
-                    .for_each(|p| drop(black_box(tracker.closest_point(&query, p))));
+                points.iter().for_each(|p| {
+                    let _ = black_box(tracker.closest_point(&query, p));
+                });
             });
             let n = mesh.triangle_count();
             println!("{scene:5} {name:6} {n:8} {alone:8.0} {batch:10.0} {tracked:12.0}");
