@@ -20,6 +20,7 @@ pub(super) const ALL: &[Climb] = &[
     climb("PLATEAU", "", 6, plateau),
     climb("DISC", "", 6, disc),
     climb("ROUND_UP", "", 3, norm),
+    climb("LENGTH", "", 3, norm),
     climb("BOX_DISTANCE_DOWN", "", 6, distance),
     climb("WAY", "", 15, way),
     climb("INNER", "", 9, inner_ball),
