@@ -1,0 +1,72 @@
+//! Proofs of curves: a quintic from rest to rest that meets a fence, and a trajectory of ROS above it.
+//!
+//! `cargo run --release -p lin-canny-robot --example curve`
+
+use std::error::Error;
+
+use lin_canny::nalgebra::Isometry3;
+use lin_canny_robot::plan::{JointCurve, Verdict};
+use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup, Trajectory};
+
+/// A message `JointTrajectory`: up beside the fence, over it, and down on the other side.
+const TRAJECTORY: &str = "
+joint_names: [turn, lift, elbow, roll, bend, twist]
+points:
+- positions: [0.6, 0.9, 1.2, 0, 0.8, 0]
+  velocities: [0, 0, 0, 0, 0, 0]
+  time_from_start: {sec: 0, nanosec: 0}
+- positions: [0.6, 0.3, 1.2, 0, 0.8, 0.5]
+  velocities: [0, 0, 0, 0, 0, 0]
+  time_from_start: {sec: 1, nanosec: 0}
+- positions: [-0.6, 0.3, 1.2, 0, 0.8, 0.5]
+  velocities: [0, 0, 0, 0, 0, 0]
+  time_from_start: {sec: 2, nanosec: 0}
+- positions: [-0.6, 0.9, 1.2, 0, 0.8, 0]
+  velocities: [0, 0, 0, 0, 0, 0]
+  time_from_start: {sec: 3, nanosec: 500000000}
+";
+
+fn main() -> Result<(), Box<dyn Error>> {
+    truth::command::no_options(
+        "Prove curves of an arm: a quintic that meets a fence, and a trajectory of ROS above it",
+    );
+    let (packages, options) = (Packages::default(), LoadOptions::default());
+    let arm = Robot::parse(include_str!("arm.urdf"), "arm.urdf", &packages, &options)?;
+    let cell = Cell::parse(include_str!("cell.json"), "cell.json", &packages, &options)?;
+    let mut setup = Setup::new();
+    setup.robot("", &arm, Isometry3::identity());
+    setup.exclude_adjacent();
+    setup.cell(&cell);
+    let mut checker = setup.checker()?;
+
+    let trajectory = Trajectory::parse_timed(TRAJECTORY, "carry.yaml", arm.coordinates(), &[])?;
+    let (Some(from), Some(to)) = (trajectory.rows.first(), trajectory.rows.last()) else {
+        return Err("the trajectory has no points".into());
+    };
+    let rest = [&[0.0; 6][..]; 2];
+    let quintic = JointCurve::quintic([&from[..], &to[..]], rest, rest, 2.0)?;
+    match checker.certify_curve(&quintic)? {
+        Verdict::Blocked { safe, t, pair, .. } => {
+            let (safe, t, pair) = (2.0 * safe, 2.0 * t, checker.show(&pair));
+            println!("from rest to rest in 2 s: free up to {safe:.6} s, {pair} meet at {t:.6} s");
+        }
+        other => println!("from rest to rest in 2 s: {other:?}"),
+    }
+
+    let curves = trajectory.curves()?;
+    let (piece, verdict) = checker.certify_spline(&curves)?;
+    println!("trajectory of {} cubics: free = {}", curves.len(), verdict.is_free());
+    if !verdict.is_free() {
+        println!("  piece {piece}: {verdict:?}");
+    }
+
+    // A controller whose joints are off by so much at any time.
+    for radius in [0.001, 0.01, 0.1] {
+        let mut is_free = true;
+        for curve in &curves {
+            is_free &= checker.certify_curve_tube(curve, &[radius; 6])?.is_free();
+        }
+        println!("tracking error of {radius} rad: free = {is_free}");
+    }
+    Ok(())
+}
