@@ -79,8 +79,8 @@ pub enum PointError {
 /// | curved shape | by the bounds: undecided within rounding | `1e-13 L`; inside `2^-19 L` |
 /// | mesh | exact | `2e-14 L`; near edges and vertices see below |
 /// | half-space | exact | `1e-14` of the distance |
-/// | compound, cloud | as of the pieces | outside as of the pieces; inside see below |
-/// | Bézier surface | outside or undecided: it has no inside | as of [`PairTracker`] |
+/// | compound, cloud | that of its pieces | outside that of its pieces; inside see below |
+/// | Bézier surface | outside or undecided: it has no inside | that of [`PairTracker::closest`] |
 ///
 /// L is the size of the geometry plus the distance of the point. Exceptions:
 ///

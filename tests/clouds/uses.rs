@@ -67,7 +67,7 @@ fn contacts_are_on_the_elements() {
     assert!((lowest + 0.005).abs() < 1e-9, "{lowest}");
 }
 
-/// Only the elements near the other body are asked, in every frame of a motion.
+/// Contacts come from the elements near the other body alone, in every frame of a motion.
 #[test]
 fn contacts_are_those_of_all_elements() {
     let mut rng = Rng::new(17);

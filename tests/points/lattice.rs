@@ -76,7 +76,7 @@ fn ten_thousand_points_of_a_lattice_have_the_sides_of_exact_signs() {
 }
 
 #[test]
-#[ignore = "minutes: a million points"]
+#[ignore = "a million points: cargo test --all-features --test points a_million -- --ignored --nocapture"]
 fn a_million_points_of_a_lattice_have_the_sides_of_exact_signs() {
     judge(11_905, 72);
 }

@@ -223,14 +223,14 @@ fn motions_over_a_cloud_are_free_where_they_are_proven_so() {
 }
 
 #[test]
-#[ignore = "10,000 configurations of Panda over 20,000 points: minutes; needs LIN_CANNY_PANDA and ROS_PACKAGE_PATH"]
+#[ignore = "10,000 configurations of Panda over 20,000 points: minutes; set LIN_CANNY_PANDA and ROS_PACKAGE_PATH, then -p lin-canny-robot --test cloud -- --ignored"]
 fn configurations_of_panda_are_those_of_all_points_10_000() {
     let free = judge_configurations(&panda(), 20_000, 10_000);
     println!("{free} of 10,000 configurations are free");
 }
 
 #[test]
-#[ignore = "1,000 motions of Panda over 20,000 points: minutes; needs LIN_CANNY_PANDA and ROS_PACKAGE_PATH"]
+#[ignore = "1,000 motions of Panda over 20,000 points: minutes; set LIN_CANNY_PANDA and ROS_PACKAGE_PATH, then -p lin-canny-robot --test cloud -- --ignored"]
 fn motions_of_panda_are_free_where_they_are_proven_so_1_000() {
     let [blocked, open] = judge_motions(&panda(), 20_000, 0.5, [1000, 10_000]);
     println!("1,000 free motions at 10,000 places each; {blocked} blocked, {open} undecided");

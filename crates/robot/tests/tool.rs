@@ -917,7 +917,7 @@ fn the_world_of_the_options_is_saved_as_a_cell() {
     assert!(head.contains("part") && !head.contains("part - table"), "{head}");
     // The SRDF is in the cell.
     assert_eq!(measured(&["--cell", &saved], "by_cell.csv"), by_options);
-    // The margin and the padding are in the cell: the same verdicts as of the options.
+    // The margin and the padding are in the cell: the verdicts equal those with the options.
     let certified = |arguments: &[&str]| run("certify", &[arguments, &["--joints", "carry.csv"]].concat());
     let by_options = certified(&with(&[&options[..], &["--margin", "0.04"]].concat()));
     assert_eq!(certified(&["--cell", &saved]), by_options);

@@ -189,7 +189,7 @@ fn random_curves_are_as_the_verdict_says() {
 }
 
 #[test]
-#[ignore = "ten thousand curves at ten thousand places each"]
+#[ignore = "10,000 curves at 10,000 places: cargo test --release -p lin-canny-plan --test plan curves::ten_thousand -- --ignored --nocapture"]
 fn ten_thousand_curves_are_as_the_verdict_says() {
     for (seed, (name, robot)) in (2..).zip(robots()) {
         println!("{name}: {:?}", judged(robot, 2500, 10_000, seed));

@@ -35,7 +35,7 @@ pub(crate) const SCENES: [&str; 4] = ["build", "tracked-0.5", "cold", "within"];
 /// Frames of a full circle.
 const FRAMES: usize = 720;
 
-/// Every how many frames the judge is asked.
+/// Number of frames from one judged frame to the next.
 const JUDGED: usize = 12;
 
 /// Radius of the balls at the points, and of the other body.
