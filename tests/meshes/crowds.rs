@@ -94,7 +94,8 @@ fn bodies_in_one_place_take_few_pairs() {
     }
     measured.sort_unstable();
     let (median, worst) = (measured[measured.len() / 2], measured[measured.len() - 1]);
-    assert!(worst.0 < 700 && worst.0 < 30 * median.0, "{median:?} {worst:?}");
+    // Absolute, because a median that falls would make a ratio to it stricter.
+    assert!(median.0 <= 28 && worst.0 < 700, "{median:?} {worst:?}");
 }
 
 #[test]
