@@ -8,6 +8,8 @@
 //! of points.
 //!
 //! - `build`: the tree of all points.
+//! - `replace`: a six-axis arm in its cell gets a new cloud of the camera. Converts the points,
+//!   builds their tree, replaces the obstacle, and asks for the clearance.
 //! - `tracked-0.5`: closest points, with the state of the last frame; for the k-d tree, the
 //!   distance without state.
 //! - `cold`: closest points without any state.
@@ -24,13 +26,15 @@ use std::hint::black_box;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{Cloud, CloudElement, ConvexPolyhedron, Geometry, PairTracker, RelativePose, Shape, Tracker};
+use lin_canny_plan::Checker;
 use race::common::{Options, Rows};
 use race::progress::Progress;
 use truth::rng::Rng;
 
+use crate::curves::arm_in_cell;
 use crate::meshes::time;
 
-pub(crate) const SCENES: [&str; 4] = ["build", "tracked-0.5", "cold", "within"];
+pub(crate) const SCENES: [&str; 5] = ["build", "replace", "tracked-0.5", "cold", "within"];
 
 /// Frames of a full circle.
 const FRAMES: usize = 720;
@@ -244,6 +248,10 @@ pub(crate) fn run(options: &Options) -> Rows {
             });
             note(&mut rows, "build", "camera", n, &[("ours", ours), ("kiddo", kiddo)]);
         }
+        if options.wants("replace") {
+            let ours = replace(&points);
+            note(&mut rows, "replace", "camera", n, &[("ours", ours)]);
+        }
         let all = Points {
             cloud: cloud(&points).into(),
             tree: tree(&points),
@@ -263,6 +271,19 @@ pub(crate) fn run(options: &Options) -> Rows {
         }
     }
     rows
+}
+
+/// Returns the nanoseconds of a new cloud in the cell of an arm, up to the clearance.
+fn replace(points: &[[f32; 3]]) -> f64 {
+    let (space, world) = arm_in_cell().expect("the arm");
+    let mut checker = Checker::new(space, world).expect("a world");
+    let aside = Isometry3::translation(2.0, 0.0, 0.0);
+    checker.add_obstacle("scan", cloud(points), aside).expect("an obstacle");
+    let q = [0.3, 0.2, 0.4, 0.1, 0.2, 0.0];
+    time(10, |_| {
+        checker.replace_obstacle("scan", cloud(points)).expect("the obstacle");
+        black_box(checker.clearance(&q).expect("a configuration"));
+    })
 }
 
 /// Races the closest points of the hull.

@@ -68,7 +68,7 @@ fn two_arms() -> Result<(JointTree, World), Trouble> {
 }
 
 /// The arm of the example `arm` in its cell.
-fn arm_in_cell() -> Result<(JointTree, World), Trouble> {
+pub(crate) fn arm_in_cell() -> Result<(JointTree, World), Trouble> {
     let mut world = World::new();
     let links = robot::pieces()?.iter().map(|piece| piece.1).collect();
     robot::arm(&mut world)?;
