@@ -48,6 +48,7 @@
 //! | Is a configuration free? | [`Checker::is_free_at`] | `true` or `false`, without distances |
 //! | How large is the clearance at a configuration? | [`Checker::clearance`], [`nearest`](Checker::nearest) | signed distance, witness points, gradient |
 //! | And at many configurations? | [`Checker::nearest_batch`] | the same as arrays; see the chapter [`gradients`] |
+//! | Can two bodies meet at any configuration of a range? | [`Checker::prove_pair`], [`prove_range`](Checker::prove_range) | [`RangeVerdict`]: never, always, both, or open |
 //! | Which pairs are in contact? | [`Checker::in_contact`] | pairs |
 //!
 //! # A world that changes

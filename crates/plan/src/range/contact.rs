@@ -33,12 +33,18 @@ impl Search<'_> {
             // A point of the axis does not move.
             screw.origin + screw.axis * screw.axis.dot(&(deep - screw.origin))
         }));
-        points.iter().any(|x| self.stays_inside(&queries, &b, x))
+        if points.iter().any(|x| self.stays_inside(&queries, &b, x)) {
+            return true;
+        }
+        if self.kept == 0.0 && !depths_of(&queries, &b, &deep).iter().all(|depth| *depth > rounding) {
+            self.answer.flat += 1;
+        }
+        false
     }
 
     /// Returns whether a point fixed to one of the links stays inside both bodies.
     fn stays_inside(&mut self, queries: &[PointQuery<'_>; 2], b: &Isometry3<f64>, x: &Vector3<f64>) -> bool {
-        let depths = depths(queries, b, x).map(|found| found.map_or(0.0, |found| -found.upper));
+        let depths = depths_of(queries, b, x);
         let rounding = self.room.posed.rounding;
         let room = &mut self.room;
         (0..room.posed.rotations.len()).any(|frame| {
@@ -70,6 +76,11 @@ impl Search<'_> {
         }
         best.1
     }
+}
+
+/// Returns lower bounds of how deep a point of A's frame is inside both bodies.
+fn depths_of(queries: &[PointQuery<'_>; 2], b: &Isometry3<f64>, x: &Vector3<f64>) -> [f64; 2] {
+    depths(queries, b, x).map(|found| found.map_or(0.0, |found| -found.upper))
 }
 
 /// Returns the signed distances of a point of A's frame from both bodies.

@@ -26,6 +26,10 @@ const CELLS_FIRST: u64 = 32;
 const STARTS: usize = 6;
 const DESCENT: u64 = 3000;
 
+/// Cells with a contact without depth after which a search without a free configuration ends: no
+/// cell about such a contact is ever proven blocked. Not measured.
+const FLAT: u32 = 64;
+
 /// First and last step of a search for the least distance, and its growth from step to step, in
 /// units of the range of a coordinate, or of 1 if that is less.
 const STEPS: [f64; 3] = [0.25, 1e-9, 0.4];
@@ -61,6 +65,8 @@ pub(super) struct Room {
     pub(super) posed: PosedChain,
     pub(super) half: Vec<f64>,
     centre: Vec<f64>,
+    /// The half-widths of a single configuration.
+    none: Vec<f64>,
     levers: Vec<f64>,
     pub(super) part_levers: Vec<f64>,
     pub(super) bounds: Scratch,
@@ -106,6 +112,7 @@ impl RangeAnswer {
             least_free: f64::INFINITY,
             has_blocked: false,
             has_samples: false,
+            flat: 0,
         }
     }
 }
@@ -138,7 +145,7 @@ impl Search<'_> {
             self.push(cell);
         }
         let most = self.answer.cells.saturating_add(self.options.cells);
-        while !self.is_both() && self.answer.cells < most {
+        while !self.is_both() && self.answer.cells < most && self.answer.flat < FLAT {
             let is_due = self.options.width.is_some() || self.answer.cells >= CELLS_FIRST;
             if is_due && !self.answer.has_samples && !self.room.queue.is_empty() {
                 self.answer.has_samples = true;
@@ -226,7 +233,7 @@ impl Search<'_> {
     /// Decides the only configuration.
     fn at_a_point(&mut self) -> Result<(), PlanError> {
         let centre: Vec<f64> = self.chain.ranges.iter().map(|ends| ends[0]).collect();
-        let (found, _) = self.measure(&centre)?;
+        let found = self.measure(&centre)?;
         let is_within = self.is_within(&centre)?;
         self.answer.open.clear();
         self.answer.cells = 1;
@@ -253,13 +260,13 @@ impl Search<'_> {
         Ok(RelativePose::new(&a, &b)?)
     }
 
-    /// Returns the distance at placed poses, and the pose.
-    fn measure(&mut self, values: &[f64]) -> Result<(Outcome, RelativePose), PlanError> {
+    /// Returns the distance at placed poses.
+    fn measure(&mut self, values: &[f64]) -> Result<Outcome, PlanError> {
         self.answer.queries += 1;
         let pose = self.pose(values)?;
         self.tracker.reset();
         let [a, b] = self.shapes;
-        Ok((self.tracker.closest(a, b, &pose).outcome, pose))
+        Ok(self.tracker.closest(a, b, &pose).outcome)
     }
 
     /// Returns whether the pair is closer than it must be, by the predicate of single configurations.
@@ -298,6 +305,8 @@ impl Search<'_> {
     /// Measures random configurations, and lowers the distance from the nearest of them.
     fn sample(&mut self) -> Result<(), PlanError> {
         let mut random = Random::new(self.options.seed);
+        self.room.none.resize(self.chain.ranges.len(), 0.0);
+        self.tracker.reset();
         let mut all: Vec<(f64, Vec<f64>)> = Vec::new();
         for _ in 0..self.options.samples {
             let each = self.chain.ranges.iter();
@@ -320,9 +329,15 @@ impl Search<'_> {
         Ok(())
     }
 
+    /// Returns the distance at a configuration. The tracker stays warm: samples are never interrupted.
     fn sampled(&mut self, values: &[f64]) -> Result<f64, PlanError> {
-        let (found, _) = self.measure(values)?;
-        self.note(values, &found, 0.0)?;
+        self.answer.queries += 1;
+        let none = &self.room.none;
+        self.chain.pose_at(values, &none[..values.len()], &mut self.room.posed);
+        let pose = RelativePose::from_isometry(&self.room.posed.b)?;
+        let [a, b] = self.shapes;
+        let found = self.tracker.closest(a, b, &pose).outcome;
+        self.note(values, &found, self.room.posed.rounding)?;
         Ok(found.distance)
     }
 

@@ -145,6 +145,8 @@ pub struct RangeAnswer {
     pub(super) has_blocked: bool,
     /// Whether configurations were sampled.
     pub(super) has_samples: bool,
+    /// Number of cells with a contact without depth.
+    pub(super) flat: u32,
 }
 
 impl RangeAnswer {

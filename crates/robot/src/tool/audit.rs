@@ -120,11 +120,12 @@ fn state(file: &Path, reason: &str) -> ToolError {
 fn line(one: &LinkAudit) -> String {
     let [a, b] = &one.names;
     let told = match one.verdict {
-        AuditVerdict::Never => format!(", at least {}", distance(one.lower, one.lower)),
+        AuditVerdict::Never => format!(", {}", distance(one.lower, one.upper)),
         AuditVerdict::Open => format!(", {:.1e} left, at least {}", one.open, distance(one.lower, one.lower)),
         _ => String::new(),
     };
-    format!("{:<7}{a} - {b} ({} joints{told})", one.verdict.to_string(), one.joints)
+    let joints = if one.joints == 1 { "joint" } else { "joints" };
+    format!("{:<7}{a} - {b} ({} {joints}{told})", one.verdict.to_string(), one.joints)
 }
 
 /// Returns the rows as CSV, lengths in metres.
