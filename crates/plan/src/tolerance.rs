@@ -88,7 +88,8 @@ pub(crate) const ATTACHED: f64 = 4.0 * POSE_UNIT;
 /// moves a point x by at most `2 |z - z'| |x - o| + 2 |o - o'|` elsewhere, because `R' = Q R Q^-1`
 /// for a rotation Q that takes z to z', and `|Q R - R Q| <= 2 |Q - 1|`. Together this is at most
 /// `2 s (2 ARM_TURN + ARM_PLACE) L` for each joint. Rotations about other joints keep it. The pose
-/// of the second body at the centre counts as one joint more.
+/// of the second body at the centre counts as one joint more. An error of the value of a joint
+/// ([`ARM_VALUE`]) counts as an error of the angle of all frames.
 pub(crate) const RANGE_FRAME: f64 = 512.0 * UNIT;
 
 /// Error of the terms of a bound over a range of joints, for each joint between the bodies and two

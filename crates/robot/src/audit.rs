@@ -77,7 +77,14 @@ pub fn audit(
     earlier: &[RangeAnswer],
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Vec<LinkAudit>, PlanError> {
-    let [low, high] = [0, 1].map(|k| checker.space().bounds().iter().map(|ends| ends[k]).collect::<Vec<f64>>());
+    let [low, high] = [0, 1].map(|k| {
+        checker
+            .space()
+            .bounds()
+            .iter()
+            .map(|ends| ends[k])
+            .collect::<Vec<f64>>()
+    });
     let known: BTreeMap<WorldPair, &RangeAnswer> = earlier.iter().map(|answer| (answer.pair, answer)).collect();
     let mut found: Vec<LinkAudit> = Vec::new();
     let mut is_stopped = false;

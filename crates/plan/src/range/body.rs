@@ -212,7 +212,9 @@ fn few(mut points: Vec<Point3<f64>>) -> Vec<Point3<f64>> {
     let key = |p: &Point3<f64>| [p.x, p.y, p.z];
     points.sort_by(|p, q| {
         let (p, q) = (key(p), key(q));
-        p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1])).then(p[2].total_cmp(&q[2]))
+        p[0].total_cmp(&q[0])
+            .then(p[1].total_cmp(&q[1]))
+            .then(p[2].total_cmp(&q[2]))
     });
     points.dedup();
     if points.len() <= MOST_POINTS {
@@ -265,7 +267,8 @@ fn small_ball(points: &[Point3<f64>]) -> (Point3<f64>, f64) {
     let mut centre = first + sum / points.len() as f64;
     let farthest = |centre: &Point3<f64>| {
         let each = points.iter().map(|p| (p - centre).norm());
-        each.enumerate().fold((0, 0.0), |most, (k, d)| if d > most.1 { (k, d) } else { most })
+        each.enumerate()
+            .fold((0, 0.0), |most, (k, d)| if d > most.1 { (k, d) } else { most })
     };
     let mut best = (centre, farthest(&centre));
     let mut now = best.1;
@@ -278,4 +281,3 @@ fn small_ball(points: &[Point3<f64>]) -> (Point3<f64>, f64) {
     }
     (best.0, best.1.1 * (1.0 + 16.0 * f64::EPSILON))
 }
-

@@ -120,7 +120,11 @@ impl Scratch {
                     acting(chain, frame, side, &mut self.acting);
                     reaches(centre, *radius, &self.acting, side, &mut self.reaches);
                     for (screw, reach) in self.acting.iter().zip(&self.reaches) {
-                        let way = if screw.is_turn { reach * chord(screw.half) } else { screw.half };
+                        let way = if screw.is_turn {
+                            reach * chord(screw.half)
+                        } else {
+                            screw.half
+                        };
                         of_coordinates[screw.place] += way;
                     }
                 }

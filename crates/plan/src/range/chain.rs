@@ -20,6 +20,8 @@ pub(super) struct ChainEnd {
     pub(super) path: Option<JointPath>,
     /// Pose of the body in the frame of the last joint, or in the world.
     pub(super) pose: Isometry3<f64>,
+    /// Deviation of the squared norm of the rotation of `pose` from 1, before it was normalised.
+    pub(super) deviation: f64,
     /// Distance of the farthest point of the body from its origin.
     pub(super) reach: f64,
 }
@@ -107,7 +109,10 @@ impl Builder<'_> {
         }
         let origin = core::mem::replace(&mut self.before, Isometry3::identity());
         self.joints.push(ChainJoint {
-            joint: TreeJoint { origin, ..joint.clone() },
+            joint: TreeJoint {
+                origin,
+                ..joint.clone()
+            },
             drive: Drive {
                 coordinate: drive.coordinate,
                 factor: sign * drive.factor,
@@ -157,7 +162,7 @@ impl Chain {
         }
         builder.fixed(&b.pose);
         // What the poses of the bodies in the world err by.
-        let mut world = [0.0; 2];
+        let mut world = 0.0;
         for (end, joints) in [(a, &of_a), (b, &of_b)] {
             let base = end.path.as_ref().map_or(0.0, |path| size(&path.base));
             let mut length = base + size(&end.pose) + end.reach;
@@ -170,10 +175,11 @@ impl Chain {
                     JointKind::Prismatic => length += most,
                 }
             }
-            world[0] += length;
-            world[1] += ((joints.len() + 2) as f64 * (ARM_TURN + ARM_PLACE) + ARM_VALUE * turns) * length;
+            // A rotation that is not normalised moves a point by twice its deviation.
+            world += 3.0 * end.deviation * length;
+            world += ((joints.len() + 2) as f64 * (ARM_TURN + ARM_PLACE) + ARM_VALUE * turns) * length;
         }
-        builder.finish([a.reach, b.reach], world[1])
+        builder.finish([a.reach, b.reach], world)
     }
 
     /// Returns the number of joints.

@@ -61,7 +61,9 @@ impl Search<'_> {
         let (mut x, mut step) = (start, FIRST_STEP * least);
         let mut best = (f64::INFINITY, start);
         for _ in 0..SINKING {
-            let [Some(in_a), Some(in_b)] = depths(queries, b, &x) else { break };
+            let [Some(in_a), Some(in_b)] = depths(queries, b, &x) else {
+                break;
+            };
             let (height, outward) = if in_a.distance > in_b.distance {
                 (in_a.distance, in_a.normal.into_inner())
             } else {

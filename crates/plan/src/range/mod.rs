@@ -249,12 +249,16 @@ impl<C: ConfigurationSpace> Checker<C> {
             (_, mover) => {
                 let (body, carried) = places.carrier(mover.unwrap_or_default());
                 let path = self.space.joint_path(body).ok_or(PlanError::WithoutJoints(id))?;
-                (Some(path), carried.map_or(Isometry3::identity(), |carried| carried.pose))
+                (
+                    Some(path),
+                    carried.map_or(Isometry3::identity(), |carried| carried.pose),
+                )
             }
         };
         Ok(ChainEnd {
             path,
             pose: normalize_rotation(&pose),
+            deviation: (pose.rotation.norm_squared() - 1.0).abs(),
             reach,
         })
     }

@@ -123,7 +123,10 @@ fn middle(low: f64, high: f64) -> f64 {
 
 impl Search<'_> {
     /// Looks at cells until the pair is decided, the budget is spent or the caller stops.
-    pub(super) fn run(mut self, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<RangeAnswer, PlanError> {
+    pub(super) fn run(
+        mut self,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<RangeAnswer, PlanError> {
         let is_new = self.answer.cells == 0 && self.answer.open.is_empty();
         if is_new {
             self.answer.coordinates.clone_from(&self.chain.coordinates);
@@ -239,7 +242,11 @@ impl Search<'_> {
         self.answer.cells = 1;
         self.answer.upper = found.upper.larger(0.0);
         self.answer.lower = if is_within { 0.0 } else { found.lower.larger(self.kept) };
-        self.answer.verdict = if is_within { RangeVerdict::Always } else { RangeVerdict::Never };
+        self.answer.verdict = if is_within {
+            RangeVerdict::Always
+        } else {
+            RangeVerdict::Never
+        };
         let of = usize::from(is_within);
         self.answer.witnesses[of] = Some(self.configuration(&centre));
         Ok(())
@@ -247,7 +254,12 @@ impl Search<'_> {
 
     /// Returns the configuration with these values of the coordinates that move the pair.
     fn configuration(&self, values: &[f64]) -> Vec<f64> {
-        let mut q: Vec<f64> = self.answer.range.iter().map(|[low, high]| middle(*low, *high)).collect();
+        let mut q: Vec<f64> = self
+            .answer
+            .range
+            .iter()
+            .map(|[low, high]| middle(*low, *high))
+            .collect();
         for (&coordinate, &value) in self.chain.coordinates.iter().zip(values) {
             q[coordinate] = value;
         }
@@ -289,7 +301,11 @@ impl Search<'_> {
     /// Keeps a distance if it is the least, and its configuration as a witness.
     fn note(&mut self, values: &[f64], found: &Outcome, rounding: f64) -> Result<(), PlanError> {
         let is_apart = found.state == ContactState::Separated;
-        let upper = if is_apart { found.upper.larger(0.0) + rounding } else { 0.0 };
+        let upper = if is_apart {
+            found.upper.larger(0.0) + rounding
+        } else {
+            0.0
+        };
         if upper < self.answer.upper {
             self.answer.upper = upper;
             self.answer.at = self.configuration(values);
@@ -466,14 +482,18 @@ impl Search<'_> {
             return Ok(false);
         }
         let [a, b] = self.balls();
-        let Room { posed, bounds, levers, .. } = &mut self.room;
+        let Room {
+            posed, bounds, levers, ..
+        } = &mut self.room;
         let moved = bounds.moved(posed, 0..=self.chain.len(), [(a.0, 0.0), (b.0, 0.0)], levers);
         let bound = (b.0 - a.0).norm() - a.1 - b.1 - moved - posed.rounding;
         self.is_free(cell, bound)
     }
 
     fn by_parent(&mut self, cell: &mut RangeCell) -> Result<bool, PlanError> {
-        let Some((frame, normal)) = cell.plane else { return Ok(false) };
+        let Some((frame, normal)) = cell.plane else {
+            return Ok(false);
+        };
         let normal = self.room.posed.rotations[frame] * normal;
         let bound = self.gap(frame, &normal, true).0;
         self.is_free(cell, bound)
@@ -482,7 +502,9 @@ impl Search<'_> {
     /// Returns the bound of a plane of the outer bodies, and what a higher order may reach.
     fn gap(&mut self, frame: usize, normal: &Vector3<f64>, is_second: bool) -> (f64, f64) {
         let parts = [0, 1].map(|k| &self.bodies[k].parts[0]);
-        let Room { posed, bounds, half, .. } = &mut self.room;
+        let Room {
+            posed, bounds, half, ..
+        } = &mut self.room;
         let found = bounds.gap(posed, parts, frame, normal, half, is_second);
         let gap = found.gap - posed.rounding;
         (gap, gap + found.remainder)
@@ -534,7 +556,9 @@ impl Search<'_> {
     /// Returns how far points of the bodies move towards each other; sets the levers.
     pub(super) fn moved(&mut self) -> f64 {
         let (balls, frames) = (self.balls(), self.frames());
-        let Room { posed, bounds, levers, .. } = &mut self.room;
+        let Room {
+            posed, bounds, levers, ..
+        } = &mut self.room;
         bounds.moved(posed, frames, balls, levers)
     }
 
@@ -547,7 +571,9 @@ impl Search<'_> {
         let levers = &self.room.levers;
         let order = |x: &usize, y: &usize| {
             let by_lever = levers[*x].total_cmp(&levers[*y]);
-            by_lever.then(self.room.half[*x].total_cmp(&self.room.half[*y])).then(y.cmp(x))
+            by_lever
+                .then(self.room.half[*x].total_cmp(&self.room.half[*y]))
+                .then(y.cmp(x))
         };
         let Some(k) = (0..count).filter(can_halve).max_by(order) else {
             self.room.stuck.push(cell);

@@ -33,7 +33,11 @@ fn body(rng: &mut Rng, size: f64, seed: u64) -> Geometry {
         0 => Shape::ball(half.x).expect("a ball").into(),
         1 => Shape::capsule(half.x, half.y).expect("a capsule").into(),
         2 => Shape::cylinder(half.x, half.y).expect("a cylinder").into(),
-        3 => Shape::cuboid(half).expect("a box").rounded(0.1 * half.x).expect("a shape").into(),
+        3 => Shape::cuboid(half)
+            .expect("a box")
+            .rounded(0.1 * half.x)
+            .expect("a shape")
+            .into(),
         4 => solids::cuboid(half).expect("a box").into(),
         _ => solids::random_hull(20, half, seed).expect("a hull").into(),
     }
@@ -47,7 +51,11 @@ fn robot(rng: &mut Rng, size: f64, seed: u64) -> (JointTree, World) {
     let coordinates = count.min(1 + rng.range(0.0, count as f64) as usize);
     let joint = |index: usize, rng: &mut Rng| TreeJoint {
         parent: if index == fork { 0 } else { index },
-        kind: if rng.range(0.0, 1.0) < 0.7 { JointKind::Revolute } else { JointKind::Prismatic },
+        kind: if rng.range(0.0, 1.0) < 0.7 {
+            JointKind::Revolute
+        } else {
+            JointKind::Prismatic
+        },
         origin: pose(rng, 0.6 * size),
         axis: unit(rng),
         drive: Some(Drive {
@@ -131,11 +139,20 @@ fn at(rng: &mut Rng, [low, high]: [&[f64]; 2]) -> Vec<f64> {
 }
 
 /// Checks an answer by samples and by a search for the least distance from the nearest of them.
-fn judge<C: ConfigurationSpace>(oracle: &mut Oracle<'_, C>, answer: &RangeAnswer, kept: f64, samples: u32, rng: &mut Rng) {
+fn judge<C: ConfigurationSpace>(
+    oracle: &mut Oracle<'_, C>,
+    answer: &RangeAnswer,
+    kept: f64,
+    samples: u32,
+    rng: &mut Rng,
+) {
     let [low, high]: [Vec<f64>; 2] = [0, 1].map(|k| answer.range.iter().map(|ends| ends[k]).collect());
     match &answer.verdict {
         RangeVerdict::Both { free, touching } => {
-            assert!(!oracle.is_within(free, kept) && oracle.is_within(touching, kept), "{answer:?}");
+            assert!(
+                !oracle.is_within(free, kept) && oracle.is_within(touching, kept),
+                "{answer:?}"
+            );
         }
         RangeVerdict::Always => {
             for _ in 0..samples {
@@ -146,7 +163,10 @@ fn judge<C: ConfigurationSpace>(oracle: &mut Oracle<'_, C>, answer: &RangeAnswer
         RangeVerdict::Never => {
             assert!(answer.lower > kept || low == high, "{answer:?}");
             let attained = oracle.upper(&answer.at);
-            assert!(attained <= answer.upper * (1.0 + 1e-12) || answer.upper == f64::INFINITY, "{answer:?}");
+            assert!(
+                attained <= answer.upper * (1.0 + 1e-12) || answer.upper == f64::INFINITY,
+                "{answer:?}"
+            );
             least(oracle, answer, [&low, &high], samples, rng);
         }
         RangeVerdict::Open { .. } => least(oracle, answer, [&low, &high], samples / 10, rng),
@@ -209,7 +229,10 @@ fn random_boxes(robots: u64, samples: u32, seed: u64) -> [u32; 4] {
             let answer = checker.prove_pair(A, B, &low, &high, &options).expect("a range");
             judge(&mut oracle, &answer, kept, samples, &mut rng);
             if turn == 0 && answer.is_never() {
-                assert!(answer.lower >= 0.899 * answer.upper || answer.lower >= kept, "{answer:?}");
+                assert!(
+                    answer.lower >= 0.899 * answer.upper || answer.lower >= kept,
+                    "{answer:?}"
+                );
             }
             let of = match answer.verdict {
                 RangeVerdict::Never => 0,
@@ -265,8 +288,14 @@ fn a_range_of_no_width_is_a_configuration() {
         let mut checker = Checker::new(tree.clone(), world).expect("a robot");
         let q: Vec<f64> = tree.bounds().iter().map(|[low, high]| rng.range(*low, *high)).collect();
         let is_free = checker.is_free_at(&q).expect("a configuration");
-        let answer = checker.prove_pair(A, B, &q, &q, &RangeOptions::default()).expect("a range");
-        let verdict = if is_free { RangeVerdict::Never } else { RangeVerdict::Always };
+        let answer = checker
+            .prove_pair(A, B, &q, &q, &RangeOptions::default())
+            .expect("a range");
+        let verdict = if is_free {
+            RangeVerdict::Never
+        } else {
+            RangeVerdict::Always
+        };
         assert_eq!((answer.verdict, answer.cells), (verdict, 1));
         tally[usize::from(is_free)] += 1;
     }
@@ -278,7 +307,9 @@ fn boxes_that_touch_at_one_end_of_a_slide_do_both() {
     for (from, name) in [(2.0, "touch"), (2.0 + 1e-9, "never")] {
         let mut checker = moved(vec![slide(Vector3::x_axis(), [2.0, 5.0])], cube(1.0), cube(1.0));
         let options = RangeOptions::default();
-        let answer = checker.prove_pair(A, OTHER, &[from], &[5.0], &options).expect("a range");
+        let answer = checker
+            .prove_pair(A, OTHER, &[from], &[5.0], &options)
+            .expect("a range");
         match answer.verdict {
             RangeVerdict::Both { touching, .. } => assert_eq!((name, touching), ("touch", vec![2.0])),
             RangeVerdict::Never => assert!(name == "never" && answer.lower <= 1e-9),
@@ -290,14 +321,18 @@ fn boxes_that_touch_at_one_end_of_a_slide_do_both() {
 #[test]
 fn boxes_that_touch_at_one_inner_configuration_are_never_free() {
     // An edge passes over a face of the other box, and touches it at one angle.
-    let edge = cube(1.0).transformed(&Isometry3::rotation(Vector3::z() * (0.25 * PI))).expect("a box");
+    let edge = cube(1.0)
+        .transformed(&Isometry3::rotation(Vector3::z() * (0.25 * PI)))
+        .expect("a box");
     let far = Isometry3::translation(2.0, 0.0, 0.0);
     let edge = edge.transformed(&far).expect("a box");
     let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-1.0, 1.0]);
     let mut checker = moved(vec![turn], edge, cube(1.0));
     checker.set_margin(0.3).expect("a margin");
     let options = RangeOptions::default().cells(300);
-    let answer = checker.prove_pair(A, OTHER, &[-0.1], &[0.1], &options).expect("a range");
+    let answer = checker
+        .prove_pair(A, OTHER, &[-0.1], &[0.1], &options)
+        .expect("a range");
     assert!(!answer.is_never() || answer.lower > 0.3, "{answer:?}");
 }
 
@@ -306,19 +341,31 @@ fn full_turns_and_more_are_one_turn() {
     // A rod that turns beside a post.
     let rod = |from: f64| {
         let rod = solids::cuboid(Vector3::new(0.4, 0.05, 0.05)).expect("a box");
-        rod.transformed(&Isometry3::translation(0.5 + from, 0.0, 0.0)).expect("a rod")
+        rod.transformed(&Isometry3::translation(0.5 + from, 0.0, 0.0))
+            .expect("a rod")
     };
-    let post = |x: f64| cube(0.1).transformed(&Isometry3::translation(x, 0.0, 0.0)).expect("a post");
+    let post = |x: f64| {
+        cube(0.1)
+            .transformed(&Isometry3::translation(x, 0.0, 0.0))
+            .expect("a post")
+    };
     for turns in [1.0, 1.0 - 1e-15, 2.0, 100.0, 1e6] {
         let limit = turns * PI;
         let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-limit, limit]);
         let options = RangeOptions::default();
         let mut never = moved(vec![turn.clone()], rod(0.0), post(1.2));
-        let answer = never.prove_pair(A, OTHER, &[-limit], &[limit], &options).expect("a range");
+        let answer = never
+            .prove_pair(A, OTHER, &[-limit], &[limit], &options)
+            .expect("a range");
         assert!(answer.is_never() && answer.cells < 40, "{turns}: {answer:?}");
         let mut both = moved(vec![turn], rod(0.0), post(0.95));
-        let answer = both.prove_pair(A, OTHER, &[-limit], &[limit], &options).expect("a range");
-        assert!(matches!(answer.verdict, RangeVerdict::Both { .. }), "{turns}: {answer:?}");
+        let answer = both
+            .prove_pair(A, OTHER, &[-limit], &[limit], &options)
+            .expect("a range");
+        assert!(
+            matches!(answer.verdict, RangeVerdict::Both { .. }),
+            "{turns}: {answer:?}"
+        );
     }
 }
 
@@ -326,9 +373,14 @@ fn full_turns_and_more_are_one_turn() {
 fn links_that_overlap_about_their_joint_always_meet() {
     let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-TAU, TAU]);
     let rod = solids::cuboid(Vector3::new(0.5, 0.1, 0.1)).expect("a box");
-    for shape in [Geometry::from(rod.clone()), Shape::from(rod).rounded(0.01).expect("a shape").into()] {
+    for shape in [
+        Geometry::from(rod.clone()),
+        Shape::from(rod).rounded(0.01).expect("a shape").into(),
+    ] {
         let mut checker = moved(vec![turn.clone(), turn.clone()], shape, cube(0.2));
-        let answer = checker.prove_pair(A, OTHER, &[-TAU; 2], &[TAU; 2], &RangeOptions::default()).expect("a range");
+        let answer = checker
+            .prove_pair(A, OTHER, &[-TAU; 2], &[TAU; 2], &RangeOptions::default())
+            .expect("a range");
         assert_eq!((answer.verdict, answer.cells), (RangeVerdict::Always, 1));
     }
 }
@@ -340,12 +392,24 @@ fn bodies_of_one_link_are_one_cell() {
     for (x, verdict) in [(1.0, RangeVerdict::Always), (2.5, RangeVerdict::Never)] {
         let mut world = World::new();
         world.robot_body("a", cube(1.0));
-        world.robot_body("b", cube(1.0).transformed(&Isometry3::translation(x, 0.0, 0.0)).expect("a box"));
+        world.robot_body(
+            "b",
+            cube(1.0)
+                .transformed(&Isometry3::translation(x, 0.0, 0.0))
+                .expect("a box"),
+        );
         let mut checker = Checker::new(arm.clone(), world).expect("a world");
-        let answer = checker.prove_pair(B, A, &[-1.0], &[1.0], &RangeOptions::default()).expect("a range");
+        let answer = checker
+            .prove_pair(B, A, &[-1.0], &[1.0], &RangeOptions::default())
+            .expect("a range");
         assert_eq!((answer.verdict, answer.coordinates, answer.cells), (verdict, vec![], 1));
         // Pairs that keep their pose are not measured.
-        assert_eq!(checker.prove_range(&[-1.0], &[1.0], &RangeOptions::default()).expect("a range"), []);
+        assert_eq!(
+            checker
+                .prove_range(&[-1.0], &[1.0], &RangeOptions::default())
+                .expect("a range"),
+            []
+        );
     }
 }
 
@@ -358,10 +422,15 @@ fn a_block_in_the_plane_keeps_off_a_post() {
     let mut checker = Checker::new(space, world).expect("a world");
     let width = ClearanceWidth::Length(1e-3);
     let options = RangeOptions::default().width(width);
-    let answer = checker.prove_pair(A, OTHER, &[3.0, -1.0, -4.0], &[5.0, 1.0, 4.0], &options).expect("a range");
+    let answer = checker
+        .prove_pair(A, OTHER, &[3.0, -1.0, -4.0], &[5.0, 1.0, 4.0], &options)
+        .expect("a range");
     // A corner of the block points at the post.
     let truth = 2.0 - 2f64.sqrt();
-    assert!(answer.is_never() && answer.lower <= truth && truth <= answer.upper + 1e-12, "{answer:?}");
+    assert!(
+        answer.is_never() && answer.lower <= truth && truth <= answer.upper + 1e-12,
+        "{answer:?}"
+    );
     assert!(answer.upper - answer.lower <= 1e-3, "{answer:?}");
     let error = checker.prove_pair(A, OTHER, &[3.0, 0.0, 0.0], &[3.0, 0.0, 1e4], &options);
     assert_eq!(error, Err(PlanError::Coordinate { index: 2, value: 1e4 }));
@@ -378,7 +447,14 @@ fn fingers_that_mimic_each_other_keep_their_distance() {
         drive: Some(Drive::by(0)),
     };
     let joints = vec![finger(0.0), finger(2.1)];
-    let tree = JointTree::new(Isometry3::identity(), joints, vec![[0.0, 100.0]], vec![1, 2], vec![1.0; 3]).expect("a tree");
+    let tree = JointTree::new(
+        Isometry3::identity(),
+        joints,
+        vec![[0.0, 100.0]],
+        vec![1, 2],
+        vec![1.0; 3],
+    )
+    .expect("a tree");
     let mut world = World::new();
     world.robot_body("a", cube(1.0));
     world.robot_body("b", cube(1.0));
@@ -399,11 +475,18 @@ fn a_floor_stays_below_an_arm() {
     };
     let options = RangeOptions::default().width(ClearanceWidth::Share(0.01));
     let mut above = moved(joints(), rod(0.5), floor);
-    let answer = above.prove_pair(A, OTHER, &[-PI; 2], &[PI; 2], &options).expect("a range");
+    let answer = above
+        .prove_pair(A, OTHER, &[-PI; 2], &[PI; 2], &options)
+        .expect("a range");
     let truth = 1.5 - 1.01f64.sqrt();
-    assert!(answer.is_never() && answer.lower <= truth && answer.lower > 0.98 * truth, "{answer:?}");
+    assert!(
+        answer.is_never() && answer.lower <= truth && answer.lower > 0.98 * truth,
+        "{answer:?}"
+    );
     let mut meets = moved(joints(), rod(1.2), floor);
-    let answer = meets.prove_pair(A, OTHER, &[-PI; 2], &[PI; 2], &options).expect("a range");
+    let answer = meets
+        .prove_pair(A, OTHER, &[-PI; 2], &[PI; 2], &options)
+        .expect("a range");
     assert!(matches!(answer.verdict, RangeVerdict::Both { .. }), "{answer:?}");
 }
 
@@ -424,7 +507,9 @@ fn channel() -> Compound {
 
 #[test]
 fn a_block_in_a_channel_never_meets_its_walls() {
-    let inner = cube(0.2).transformed(&Isometry3::translation(0.0, 0.0, 0.4)).expect("a block");
+    let inner = cube(0.2)
+        .transformed(&Isometry3::translation(0.0, 0.0, 0.4))
+        .expect("a block");
     let channel = channel();
     let mesh = channel.to_mesh().expect("a mesh");
     let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-0.3, 0.3]);
@@ -437,7 +522,9 @@ fn a_block_in_a_channel_never_meets_its_walls() {
         let truth = 0.5 - 0.2 * (0.3f64.cos() + 0.3f64.sin());
         assert!(answer.is_never() && answer.lower <= truth, "{answer:?}");
         // Deep in the material, and free of it.
-        let answer = checker.prove_pair(A, OTHER, &[-1.0, 0.0], &[1.0, 0.0], &options).expect("a range");
+        let answer = checker
+            .prove_pair(A, OTHER, &[-1.0, 0.0], &[1.0, 0.0], &options)
+            .expect("a range");
         assert!(answer.is_never(), "{answer:?}");
     }
 }
@@ -448,9 +535,13 @@ fn a_mesh_inside_a_mesh_always_meets_it() {
     let large = lin_canny::Mesh::from_convex(&cube(1.0)).expect("a mesh");
     let mut checker = moved(vec![slide(Vector3::x_axis(), [-3.0, 3.0])], small, large);
     let options = RangeOptions::default();
-    let inside = checker.prove_pair(A, OTHER, &[-0.5], &[0.5], &options).expect("a range");
+    let inside = checker
+        .prove_pair(A, OTHER, &[-0.5], &[0.5], &options)
+        .expect("a range");
     assert_eq!(inside.verdict, RangeVerdict::Always);
-    let both = checker.prove_pair(A, OTHER, &[-0.5], &[2.0], &options).expect("a range");
+    let both = checker
+        .prove_pair(A, OTHER, &[-0.5], &[2.0], &options)
+        .expect("a range");
     assert!(matches!(both.verdict, RangeVerdict::Both { .. }), "{both:?}");
     let outside = checker.prove_pair(A, OTHER, &[1.2], &[3.0], &options).expect("a range");
     assert!(outside.is_never(), "{outside:?}");
@@ -458,26 +549,39 @@ fn a_mesh_inside_a_mesh_always_meets_it() {
 
 #[test]
 fn bodies_without_an_inside_are_answered() {
-    let segment = ConvexPolyhedron::segment(Point3::new(-1.0, 0.0, 0.0), Point3::new(1.0, 0.0, 0.0)).expect("a segment");
+    let segment =
+        ConvexPolyhedron::segment(Point3::new(-1.0, 0.0, 0.0), Point3::new(1.0, 0.0, 0.0)).expect("a segment");
     let point = ConvexPolyhedron::point(Point3::new(0.0, 0.0, 1.0)).expect("a point");
     let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-PI, PI]);
     let slide = slide(Vector3::z_axis(), [-0.5, 2.0]);
     let mut checker = moved(vec![turn, slide], segment, point);
     let options = RangeOptions::default().cells(2_000);
-    let never = checker.prove_pair(A, OTHER, &[-PI, -0.5], &[PI, 0.9], &options).expect("a range");
+    let never = checker
+        .prove_pair(A, OTHER, &[-PI, -0.5], &[PI, 0.9], &options)
+        .expect("a range");
     assert!(never.is_never() && never.lower <= 0.1, "{never:?}");
-    let both = checker.prove_pair(A, OTHER, &[-PI, -0.5], &[PI, 1.0], &options).expect("a range");
+    let both = checker
+        .prove_pair(A, OTHER, &[-PI, -0.5], &[PI, 1.0], &options)
+        .expect("a range");
     assert!(matches!(both.verdict, RangeVerdict::Both { .. }), "{both:?}");
 }
 
 #[test]
 fn an_attached_part_is_part_of_the_robot() {
     let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-PI, PI]);
-    let mut checker = moved(vec![turn], cube(0.1), cube(0.1).transformed(&Isometry3::translation(2.0, 0.0, 0.0)).expect("a post"));
+    let mut checker = moved(
+        vec![turn],
+        cube(0.1),
+        cube(0.1)
+            .transformed(&Isometry3::translation(2.0, 0.0, 0.0))
+            .expect("a post"),
+    );
     let at = Isometry3::translation(1.0, 0.0, 0.0);
     let part = checker.attach("body", "part", cube(0.2), at, &[]).expect("a part");
     let options = RangeOptions::default();
-    let near = checker.prove_pair(part, OTHER, &[-PI], &[PI], &options).expect("a range");
+    let near = checker
+        .prove_pair(part, OTHER, &[-PI], &[PI], &options)
+        .expect("a range");
     assert!(near.is_never() && near.lower <= 0.7, "{near:?}");
     let answers = checker.prove_range(&[-PI], &[PI], &options).expect("a range");
     assert_eq!(answers.len(), 2);
@@ -496,8 +600,12 @@ fn a_search_that_is_stopped_goes_on_with_its_cells() {
             RangeOptions::default(),
             RangeOptions::default().width(ClearanceWidth::Share(0.2)),
         ] {
-            let whole = checker.prove_pair(A, B, &low, &high, &options.cells(600)).expect("a range");
-            let mut parts = checker.prove_pair(A, B, &low, &high, &options.cells(100)).expect("a range");
+            let whole = checker
+                .prove_pair(A, B, &low, &high, &options.cells(600))
+                .expect("a range");
+            let mut parts = checker
+                .prove_pair(A, B, &low, &high, &options.cells(100))
+                .expect("a range");
             for _ in 0..5 {
                 if matches!(parts.verdict, RangeVerdict::Open { .. }) {
                     resumed += 1;
@@ -522,7 +630,9 @@ fn a_caller_stops_a_search() {
         lin_canny::Progress::stop_if(progress.done >= 3)
     };
     let options = RangeOptions::default().samples(5, 1);
-    let answers = checker.prove_range_with_progress(&low, &high, &options, &mut stop).expect("a range");
+    let answers = checker
+        .prove_range_with_progress(&low, &high, &options, &mut stop)
+        .expect("a range");
     assert!(seen <= 3 && answers.iter().any(|a| matches!(a.verdict, RangeVerdict::Open { .. })));
 }
 
@@ -574,16 +684,34 @@ fn wrong_ranges_are_refused() {
     let mut checker = moved(vec![slide(Vector3::x_axis(), [-1.0, 1.0]); 2], cube(1.0), cube(1.0));
     let options = RangeOptions::default();
     let mut ask = |low: [f64; 2], high: [f64; 2]| checker.prove_pair(A, OTHER, &low, &high, &options).map(|_| ());
-    let range = PlanError::Range { index: 1, low: 0.5, high: 0.0 };
+    let range = PlanError::Range {
+        index: 1,
+        low: 0.5,
+        high: 0.0,
+    };
     assert_eq!(ask([0.0, 0.5], [0.0, 0.0]), Err(range.clone()));
-    assert_eq!(range.to_string(), "coordinate 1 of the range is empty: 0.5 to 0.0 (expected low <= high)");
-    assert_eq!(ask([0.0, 0.5], [0.0, 1.5]), Err(PlanError::Coordinate { index: 1, value: 1.5 }));
+    assert_eq!(
+        range.to_string(),
+        "coordinate 1 of the range is empty: 0.5 to 0.0 (expected low <= high)"
+    );
+    assert_eq!(
+        ask([0.0, 0.5], [0.0, 1.5]),
+        Err(PlanError::Coordinate { index: 1, value: 1.5 })
+    );
     assert!(ask([f64::NAN, 0.5], [0.0, 1.0]).is_err_and(|e| e.to_string().contains("coordinate 0")));
-    assert_eq!(checker.prove_range(&[0.0], &[1.0], &options), Err(PlanError::Length { expected: 2, found: 1 }));
+    assert_eq!(
+        checker.prove_range(&[0.0], &[1.0], &options),
+        Err(PlanError::Length { expected: 2, found: 1 })
+    );
     let unknown = checker.prove_pair(A, WorldId::Obstacle(3), &[0.0; 2], &[1.0; 2], &options);
     assert_eq!(unknown, Err(PlanError::NoBody(WorldId::Obstacle(3))));
-    assert_eq!(checker.prove_pair(A, A, &[0.0; 2], &[1.0; 2], &options), Err(PlanError::NoBody(A)));
-    let answer = checker.prove_pair(A, OTHER, &[0.0; 2], &[1.0; 2], &options).expect("a range");
+    assert_eq!(
+        checker.prove_pair(A, A, &[0.0; 2], &[1.0; 2], &options),
+        Err(PlanError::NoBody(A))
+    );
+    let answer = checker
+        .prove_pair(A, OTHER, &[0.0; 2], &[1.0; 2], &options)
+        .expect("a range");
     let mut other = moved(vec![slide(Vector3::x_axis(), [-1.0, 1.0])], cube(1.0), cube(1.0));
     let go = &mut |_| ControlFlow::Continue(());
     assert!(other.resume_range(&answer, &options, go).is_err());
@@ -593,7 +721,10 @@ fn wrong_ranges_are_refused() {
     world.obstacle("other", cube(1.0), Isometry3::identity());
     let mut rigid = Checker::new(space, world).expect("a world");
     let q = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-    assert_eq!(rigid.prove_pair(A, OTHER, &q, &q, &options), Err(PlanError::WithoutJoints(A)));
+    assert_eq!(
+        rigid.prove_pair(A, OTHER, &q, &q, &options),
+        Err(PlanError::WithoutJoints(A))
+    );
 }
 
 #[test]
@@ -602,14 +733,21 @@ fn a_swinging_rod_keeps_its_distance_to_the_width_asked_for() {
     let rod = solids::cuboid(Vector3::new(0.5, 1e-3, 1e-3)).expect("a box");
     let rod = rod.transformed(&Isometry3::translation(0.5, 0.0, 0.0)).expect("a rod");
     let wall = solids::cuboid(Vector3::new(0.1, 2.0, 2.0)).expect("a box");
-    let wall = wall.transformed(&Isometry3::translation(1.2, 0.0, 0.0)).expect("a wall");
+    let wall = wall
+        .transformed(&Isometry3::translation(1.2, 0.0, 0.0))
+        .expect("a wall");
     let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-FRAC_PI_2, FRAC_PI_2]);
     let truth = 1.1 - 1f64.hypot(1e-3);
     for width in [1e-2, 1e-4, 1e-6, 1e-8] {
         let mut checker = moved(vec![turn.clone()], rod.clone(), wall.clone());
         let options = RangeOptions::default().width(ClearanceWidth::Length(width));
-        let answer = checker.prove_pair(A, OTHER, &[-1.5], &[1.5], &options).expect("a range");
-        assert!(answer.is_never() && answer.lower <= truth && truth <= answer.upper, "{answer:?}");
+        let answer = checker
+            .prove_pair(A, OTHER, &[-1.5], &[1.5], &options)
+            .expect("a range");
+        assert!(
+            answer.is_never() && answer.lower <= truth && truth <= answer.upper,
+            "{answer:?}"
+        );
         assert!(answer.upper - answer.lower <= width && answer.cells < 100, "{answer:?}");
     }
 }

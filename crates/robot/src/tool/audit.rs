@@ -73,8 +73,14 @@ pub(super) fn run(options: &AuditOptions) -> Result<End, ToolError> {
         if let Some(claim) = reason(&one.names).filter(|claim| one.refutes(claim)) {
             end = end.max(End::Blocked);
             let values = one.contact().unwrap_or_default().iter();
-            let each = coordinates.iter().zip(values).map(|(c, value)| format!("{}={value}", c.name));
-            println!("  excluded as {claim}, but meets at {}", each.collect::<Vec<_>>().join(" "));
+            let each = coordinates
+                .iter()
+                .zip(values)
+                .map(|(c, value)| format!("{}={value}", c.name));
+            println!(
+                "  excluded as {claim}, but meets at {}",
+                each.collect::<Vec<_>>().join(" ")
+            );
         }
     }
     let count = |verdict| found.iter().filter(|one| one.verdict == verdict).count();
@@ -125,7 +131,11 @@ fn line(one: &LinkAudit) -> String {
         _ => String::new(),
     };
     let joints = if one.joints == 1 { "joint" } else { "joints" };
-    format!("{:<7}{a} - {b} ({} {joints}{told})", one.verdict.to_string(), one.joints)
+    format!(
+        "{:<7}{a} - {b} ({} {joints}{told})",
+        one.verdict.to_string(),
+        one.joints
+    )
 }
 
 /// Returns the rows as CSV, lengths in metres.
