@@ -32,7 +32,7 @@ const FLAT: u32 = 64;
 
 /// First and last step of a search for the least distance, and its growth from step to step, in
 /// units of the range of a coordinate, or of 1 if that is less.
-const STEPS: [f64; 3] = [0.25, 1e-9, 0.4];
+const STEPS: [f64; 3] = [0.25, 1.0 / (1u32 << 30) as f64, 0.4];
 
 /// A cell and what orders it: the deepest first for a verdict, the least bound first for a
 /// clearance; of equal ones the latest.
