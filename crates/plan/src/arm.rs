@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 use crate::curve::JointCurve;
 use crate::error::PlanError;
-use crate::space::ConfigurationSpace;
+use crate::space::{ConfigurationSpace, JointPath};
 use crate::tree::{Drive, JointTree, TreeJoint};
 use crate::tree_motion::TreeSegment;
 
@@ -194,5 +194,8 @@ impl ConfigurationSpace for SerialArm {
     }
     fn is_rigid(&self, a: usize, b: usize) -> bool {
         self.tree.is_rigid(a, b)
+    }
+    fn joint_path(&self, body: usize) -> Option<JointPath> {
+        self.tree.joint_path(body)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::string::String;
 
-use crate::world::WorldId;
+use crate::world::{WorldId, WorldPair};
 use lin_canny::PoseError;
 use lin_canny::broad::{AabbError, BroadPhaseError};
 use lin_canny::impact::ImpactError;
@@ -28,6 +28,22 @@ pub enum PlanError {
         /// Value of the coordinate.
         value: f64,
     },
+    /// Returned if the lower end of a range is above its upper end.
+    #[error("coordinate {index} of the range is empty: {low:?} to {high:?} (expected low <= high)")]
+    Range {
+        /// Index of the coordinate.
+        index: usize,
+        /// Lower end.
+        low: f64,
+        /// Upper end.
+        high: f64,
+    },
+    /// Returned if a range is asked about a body that its space does not move by joints.
+    #[error("{0} is not moved by joints, so nothing is proven over ranges (expected a space with `joint_path`)")]
+    WithoutJoints(WorldId),
+    /// Returned if an answer is resumed that belongs to other bodies or joints.
+    #[error("the answer about {0} does not belong to this checker or range")]
+    OtherRange(WorldPair),
     /// Returned if a curve leaves the bounds of a coordinate between its control points.
     #[error("coordinate {coordinate} of the curve is out of bounds at time {time:?}: {value:?}")]
     CurveLimit {

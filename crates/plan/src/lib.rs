@@ -48,6 +48,7 @@
 //! | Is a configuration free? | [`Checker::is_free_at`] | `true` or `false`, without distances |
 //! | How large is the clearance at a configuration? | [`Checker::clearance`], [`nearest`](Checker::nearest) | signed distance, witness points, gradient |
 //! | And at many configurations? | [`Checker::nearest_batch`] | the same as arrays; see the chapter [`gradients`] |
+//! | Can two bodies meet at any configuration of a range? | [`Checker::prove_pair`], [`prove_range`](Checker::prove_range) | [`RangeVerdict`]: never, always, both, or open |
 //! | Which pairs are in contact? | [`Checker::in_contact`] | pairs |
 //!
 //! # A world that changes
@@ -174,6 +175,7 @@ mod path;
 #[cfg(feature = "serde")]
 mod persist;
 mod random;
+mod range;
 mod rigid;
 mod roadmap;
 mod search;
@@ -194,9 +196,10 @@ pub use freeway::FreewayEnd;
 pub use names::nearest_name;
 pub use opportunistic::{Plan, PlanOptions, PlanWork};
 pub use path::Path;
+pub use range::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};
 pub use rigid::{PlanarSpace, RigidSpace, TranslationSpace};
 pub use roadmap::{Edge, EdgeKind, Freeway, Roadmap};
-pub use space::{BodyBall, BodyMotion, ConfigurationSpace, SegmentMotion};
+pub use space::{BodyBall, BodyMotion, ConfigurationSpace, JointPath, SegmentMotion};
 pub use tree::{Drive, JointTree, TreeJoint};
 pub use tree_motion::TreeSegment;
 pub use verdict::{CheckWork, LeavingPair, Verdict};

@@ -3,10 +3,12 @@
 use core::f64::consts::{PI, TAU};
 use std::vec::Vec;
 
-use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
 
+use crate::arm::JointKind;
 use crate::error::PlanError;
-use crate::space::{ConfigurationSpace, SegmentMotion, check, check_bounds, within};
+use crate::space::{ConfigurationSpace, JointPath, SegmentMotion, check, check_bounds, within};
+use crate::tree::{Drive, TreeJoint};
 use lin_canny::motion::{Motion, MotionModel, Steady, Velocity};
 use lin_canny::{EXTENT_MAX, POSE_UNIT};
 
@@ -151,6 +153,32 @@ impl ConfigurationSpace for PlanarSpace {
     fn is_rigid(&self, _: usize, _: usize) -> bool {
         true
     }
+    fn joint_path(&self, _: usize) -> Option<JointPath> {
+        let slides = [Vector3::x_axis(), Vector3::y_axis()];
+        let mut joints: Vec<TreeJoint> = slides.iter().enumerate().map(|(k, axis)| slide(k, *axis)).collect();
+        joints.push(TreeJoint {
+            kind: JointKind::Revolute,
+            ..slide(2, Vector3::z_axis())
+        });
+        Some(numbered(joints))
+    }
+}
+
+/// Returns a joint at the origin that slides along an axis by a coordinate.
+fn slide(coordinate: usize, axis: Unit<Vector3<f64>>) -> TreeJoint {
+    TreeJoint {
+        axis,
+        drive: Some(Drive::by(coordinate)),
+        ..TreeJoint::fixed(0, Isometry3::identity())
+    }
+}
+
+/// Returns the path of joints from the origin of the world.
+fn numbered(joints: Vec<TreeJoint>) -> JointPath {
+    JointPath {
+        base: Isometry3::identity(),
+        joints: joints.into_iter().enumerate().collect(),
+    }
 }
 
 /// A rigid body that does not rotate: a configuration is x, y and z of its origin.
@@ -228,6 +256,13 @@ impl ConfigurationSpace for TranslationSpace {
     }
     fn is_rigid(&self, _: usize, _: usize) -> bool {
         true
+    }
+    fn joint_path(&self, _: usize) -> Option<JointPath> {
+        let axes = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()];
+        let mut joints: Vec<TreeJoint> = axes.iter().enumerate().map(|(k, axis)| slide(k, *axis)).collect();
+        let rotation = Isometry3::from_parts(Translation3::identity(), self.rotation);
+        joints.push(TreeJoint::fixed(0, rotation));
+        Some(numbered(joints))
     }
 }
 

@@ -8,6 +8,7 @@ use crate::attached::CarriedMotion;
 use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
+use crate::tree::TreeJoint;
 use lin_canny::motion::{Motion, MotionModel, Steady};
 
 /// A configuration space: a configuration is a list of numbers that sets the poses of all bodies.
@@ -109,6 +110,14 @@ pub trait ConfigurationSpace {
         a == b
     }
 
+    /// Returns the joints that move a body, from the world to the body; `None` if the space does not
+    /// move its bodies by joints.
+    ///
+    /// [`Checker::prove_pair`](crate::Checker::prove_pair) needs them. By default there are none.
+    fn joint_path(&self, _body: usize) -> Option<JointPath> {
+        None
+    }
+
     /// Returns the configuration at the fraction `t` of the segment.
     fn between(&self, from: &[f64], to: &[f64], t: f64) -> Vec<f64> {
         let mut step = self.difference(from, to);
@@ -169,6 +178,20 @@ impl<C: ConfigurationSpace + ?Sized> ConfigurationSpace for &C {
     fn is_rigid(&self, a: usize, b: usize) -> bool {
         (**self).is_rigid(a, b)
     }
+    fn joint_path(&self, body: usize) -> Option<JointPath> {
+        (**self).joint_path(body)
+    }
+}
+
+/// The joints between the world and a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointPath {
+    /// Pose in the world of the frame in which the first joint is given.
+    pub base: Isometry3<f64>,
+    /// The joints from the base to the body, each with its number in the space. Each is given in the
+    /// frame of the joint before; its [`parent`](TreeJoint::parent) is not used. A number stands for
+    /// the same joint on the paths of all bodies.
+    pub joints: Vec<(usize, TreeJoint)>,
 }
 
 /// The motion of all bodies along a segment or a curve, over the times 0 to 1.

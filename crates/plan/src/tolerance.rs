@@ -78,3 +78,28 @@ pub(crate) const ARM_PLACE: f64 = 64.0 * UNIT;
 /// differs by twice as much. Two norms and two products round by less than 100 UNIT. The rest is
 /// reserve.
 pub(crate) const ATTACHED: f64 = 4.0 * POSE_UNIT;
+
+/// Error of a bound over a range of joints by the poses of the frames, for each joint between the
+/// bodies and one more, and each product of poses, in units of the greatest length of the chain.
+///
+/// After `s` products a frame errs by `s ARM_TURN` in its angle, and its origin by
+/// `s (ARM_TURN + ARM_PLACE)` of the length L of the chain. The bound is exact for a mechanism with
+/// the computed axes. If the axis z through o is replaced by z' through o', a rotation about it
+/// moves a point x by at most `2 |z - z'| |x - o| + 2 |o - o'|` elsewhere, because `R' = Q R Q^-1`
+/// for a rotation Q that takes z to z', and `|Q R - R Q| <= 2 |Q - 1|`. Together this is at most
+/// `2 s (2 ARM_TURN + ARM_PLACE) L` for each joint. Rotations about other joints keep it. The pose
+/// of the second body at the centre counts as one joint more. An error of the value of a joint
+/// ([`ARM_VALUE`]) counts as an error of the angle of all frames.
+pub(crate) const RANGE_FRAME: f64 = 512.0 * UNIT;
+
+/// Error of the terms of a bound over a range of joints, for each joint between the bodies and two
+/// more, in units of `L (1 + S)^3`: L is the greatest length of the chain, and S the sum of the
+/// half-widths of its joints, that of a slide over L.
+///
+/// Normals, axes and their origins are rotated into the frame of a body: 66 UNIT each. A first
+/// derivative is `(n x z) . (x - o)`, of absolute terms `2 L`: with both products this is 300 UNIT.
+/// A second derivative has one product more: 400 UNIT. Weighted by half-widths, all derivatives of
+/// one order have the error of one, times S or S^2. The sum of m + m^2 / 2 terms and of the
+/// remainders errs by UNIT of `L (1 + S)^3` for each term. Two bodies double this: 2 (400 + m + m^2
+/// / 2) UNIT, which is below 512 (m + 2) UNIT for up to 500 joints.
+pub(crate) const RANGE_TERM: f64 = 512.0 * UNIT;

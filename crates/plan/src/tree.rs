@@ -9,7 +9,7 @@ use crate::arm::JointKind;
 use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::space::{ConfigurationSpace, check, check_bounds, within};
+use crate::space::{ConfigurationSpace, JointPath, check, check_bounds, within};
 use crate::tree_motion::{LinkTree, TreeBodies, TreeSegment};
 use lin_canny::motion::Velocity;
 use lin_canny::{EXTENT_MAX, POSE_UNIT};
@@ -346,5 +346,13 @@ impl ConfigurationSpace for JointTree {
 
     fn is_rigid(&self, a: usize, b: usize) -> bool {
         self.rigid[self.bodies.links[a]] == self.rigid[self.bodies.links[b]]
+    }
+
+    fn joint_path(&self, body: usize) -> Option<JointPath> {
+        let path = self.tree.path(self.bodies.links[body]);
+        Some(JointPath {
+            base: *self.tree.base(),
+            joints: path.map(|(index, joint)| (index, joint.clone())).collect(),
+        })
     }
 }

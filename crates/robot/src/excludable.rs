@@ -19,7 +19,7 @@ pub enum ExcludeReason {
     Adjacent,
     /// The links overlapped at every configuration.
     Always,
-    /// The links overlapped at no configuration. This is not a proof.
+    /// The links overlapped at no configuration. This is not a proof: see [`audit`](crate::audit()).
     Never,
 }
 

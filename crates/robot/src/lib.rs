@@ -173,6 +173,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 #![forbid(unsafe_code)]
 
+mod audit;
 mod cell;
 mod cell_body;
 mod cell_save;
@@ -200,6 +201,7 @@ mod urdf;
 mod xml;
 mod yaml;
 
+pub use audit::{AuditVerdict, LinkAudit, audit};
 pub use cell::{BodyName, Cell, Obstacle};
 pub use cell_body::AttachedBody;
 pub use error::{FileError, FileErrorKind, Skipped};

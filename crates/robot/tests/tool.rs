@@ -1044,3 +1044,47 @@ fn trajectories_are_certified() {
     assert_eq!(run("certify", &with(&both)).0, 2);
     assert_eq!(run("certify", &with(&[])).0, 2);
 }
+
+#[test]
+fn an_audit_proves_pairs_and_refutes_an_srdf() {
+    let [table, out, answers] = ["audit.csv", "audit.srdf", "audit.json"].map(|name| scratch(name, ""));
+    std::fs::remove_file(&answers).expect("a file");
+    let claimed = r#"<robot name="gripper arm">
+        <disable_collisions link1="base" link2="upper arm" reason="Never"/>
+        <disable_collisions link1="base" link2="gripper" reason="Never"/>
+        </robot>"#;
+    let srdf = scratch("claimed.srdf", claimed);
+    let mut arguments = vec!["--srdf", &srdf, "--csv", &table, "--out", &out, "--resume", &answers];
+    arguments.extend(["--cells", "100", "--width", "0.5"]);
+    let (code, text) = run("audit", &arguments);
+    assert_eq!(code, 1, "{text}");
+    assert!(text.contains("excluded as Never, but meets at turn="), "{text}");
+    let rows = std::fs::read_to_string(&table).expect("the table");
+    assert!(
+        rows.starts_with("a,b,joints,verdict,lower,upper,open,cells,ms\n"),
+        "{rows}"
+    );
+    let row = |start: &str| {
+        rows.lines()
+            .find(|row| row.starts_with(start))
+            .expect("a row")
+            .to_owned()
+    };
+    assert!(row("base,upper arm,2,never,0.").contains(",0.0,"), "{rows}");
+    row("base,gripper,6,both,0.0,0.0,0.0,");
+    let srdf = std::fs::read_to_string(&out).expect("the SRDF");
+    assert!(
+        srdf.contains(r#"link1="base" link2="upper arm" reason="Proven""#),
+        "{srdf}"
+    );
+    assert!(!srdf.contains(r#"link1="base" link2="gripper""#), "{srdf}");
+    // A second run takes the answers over, and goes on with open pairs.
+    let (code, again) = run("audit", &arguments);
+    assert_eq!(code, 1, "{again}");
+    assert_eq!(text.lines().count(), again.lines().count());
+    let broken = scratch("broken.json", "[1]");
+    let (code, text) = run("audit", &["--resume", &broken]);
+    assert!(code == 3 && text.contains("broken.json"), "{text}");
+    let (code, text) = run("audit", &["--seconds", "0"]);
+    assert!(code == 4 && text.contains("open"), "{text}");
+}

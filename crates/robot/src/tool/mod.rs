@@ -1,5 +1,6 @@
 //! The command line tool: its commands and exit codes.
 
+mod audit;
 mod cell;
 mod certify;
 mod clearance;
@@ -19,11 +20,12 @@ use lin_canny_robot::plan::PlanError;
 
 const ENDS: &str = "\
 Exit codes:
-  0  every row is clear, every segment is proven free, a path was found, or a file was written
-  1  a row is in contact, or a segment is blocked
+  0  every row is clear, every segment is proven free, a path was found, a file was written, or
+     `audit` decided every pair
+  1  a row is in contact, a segment is blocked, or a pair excluded as `Never` can meet
   2  wrong arguments
   3  a file is invalid or cannot be written
-  4  undecided: a pair is within rounding error of contact
+  4  undecided: a pair is within rounding error of contact, or `audit` left a pair open
   5  no path found within the limits; a path may exist
   6  the start or the goal of `plan` is in contact or within the margin";
 
@@ -44,6 +46,8 @@ enum Command {
     Certify(certify::CertifyOptions),
     /// Search for a path from the first to the last row, with every segment proven free
     Plan(plan::PlanArguments),
+    /// Prove which links can never meet each other or an obstacle, over the whole joint limits
+    Audit(audit::AuditOptions),
     /// Write the cell with attached objects, paddings, margin and excluded pairs as one cell file
     Cell(cell::CellOptions),
     /// Find link pairs that always or never collide, and write them as SRDF
@@ -89,6 +93,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Clearance(options) => clearance::run(&options),
         Command::Certify(options) => certify::run(&options),
         Command::Plan(options) => plan::run(&options),
+        Command::Audit(options) => audit::run(&options),
         Command::Cell(options) => cell::run(&options),
         Command::Ignorable(options) => ignorable::run(&options),
         Command::Points(options) => points::run(&options),

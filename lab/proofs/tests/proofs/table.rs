@@ -93,6 +93,8 @@ const BY_HAND: &[&str] = &[
     "POINT_BOX_SQUARE",
     "POINT_ELEMENT",
     "POINT_HEIGHT",
+    "RANGE_FRAME",
+    "RANGE_TERM",
     "RAY_PLANE",
     "RAY_SIDE",
     "SIDE_FINE",

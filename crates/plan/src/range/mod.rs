@@ -1,0 +1,265 @@
+//! Proofs over ranges of joints: whether two bodies can ever meet.
+//!
+//! # Method
+//!
+//! 1. Only the joints between two bodies move them against each other. They form one chain from A
+//!    to B; the joints on A's side count in reverse.
+//! 2. The range is a box of coordinates, divided into cells. A cell is free if a plane fixed to any
+//!    link between the bodies separates them over the whole cell. The bound is a Taylor polynomial
+//!    of first or second degree about the centre of the cell, with its remainder.
+//! 3. Balls are tried first, then the plane of the parent cell, then the plane of the closest points
+//!    at the centre, in the frame of each link, at last the distance at the centre less the greatest
+//!    displacement.
+//! 4. A cell is blocked if a point fixed to a link stays inside both bodies. Points on the axes of
+//!    joints do not move, so links that overlap about their joint are often one cell.
+//! 5. Other cells are halved along the coordinate that moves the bodies most.
+//! 6. Where the hulls of bodies that are not convex meet, pairs of nodes of trees take their place,
+//!    in that cell alone.
+//!
+//! The number of cells grows with the logarithm of the width to which a clearance is proven, because
+//! both the distance near its minimum and the loss of a second-order bound are quadratic. It grows
+//! by about six for each joint.
+//!
+//! # Soundness
+//!
+//! A plane may be anything: a bad one costs time, not truth. The bounds hold for the motion over the
+//! real numbers and for the poses of [`ConfigurationSpace::place`]; rounding is counted by
+//! `RANGE_FRAME` and `RANGE_TERM`. Witnesses are decided by the predicate of
+//! [`Checker::is_free_at`].
+//!
+//! Sources: Brockett 1984 (product of exponentials); Schwarzer, Saha and Latombe 2005 (bounds of
+//! displacements); Lin 1993 (closest features). Departures: planes of any link, second order.
+
+mod body;
+mod bound;
+mod chain;
+mod contact;
+mod parts;
+mod search;
+mod verdict;
+
+use core::ops::ControlFlow;
+use std::collections::BTreeMap;
+use std::vec::Vec;
+
+use nalgebra::Isometry3;
+
+use crate::checker::Checker;
+use crate::error::PlanError;
+use crate::space::ConfigurationSpace;
+use crate::world::{WorldId, WorldPair};
+use body::RangeBody;
+use chain::{Chain, ChainEnd};
+use lin_canny::{PairTracker, Progress, normalize_rotation};
+use search::Search;
+
+pub use verdict::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};
+
+/// The bodies that a call has prepared.
+type Bodies = BTreeMap<WorldId, RangeBody>;
+
+impl<C: ConfigurationSpace> Checker<C> {
+    /// Returns whether two bodies can meet at any configuration of a range, with proof.
+    ///
+    /// `low` and `high` hold the least and the greatest value of each coordinate. Coordinates that
+    /// do not move the bodies against each other do not matter. Excluded pairs are answered too.
+    /// See [`RangeVerdict`] for the four verdicts, and [`resume_range`](Self::resume_range) for an
+    /// answer that is open.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::polyhedron::solids;
+    /// use lin_canny_plan::{Checker, Joint, RangeOptions, RangeVerdict, SerialArm, World};
+    ///
+    /// // Two links in the plane, each one long, and a post.
+    /// let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
+    /// let turn = |x: f64| Joint::revolute(at(x), Vector3::z_axis(), [-3.0, 3.0]);
+    /// let base = Isometry3::identity();
+    /// let arm = SerialArm::new(base, vec![turn(0.0), turn(1.0)], vec![2], 1.0)?;
+    /// let rod = solids::cuboid(Vector3::new(0.4, 0.05, 0.05))?.transformed(&at(0.5))?;
+    /// let mut world = World::new();
+    /// let rod = world.robot_body("fore arm", rod);
+    /// let post = solids::cuboid(Vector3::new(0.1, 0.1, 1.0))?;
+    /// let post = world.obstacle("post", post, at(1.5));
+    ///
+    /// let mut checker = Checker::new(arm, world)?;
+    /// let options = RangeOptions::default();
+    /// let all = checker.prove_pair(rod, post, &[-3.0; 2], &[3.0; 2], &options)?;
+    /// assert!(matches!(all.verdict, RangeVerdict::Both { .. }));
+    /// let aside = checker.prove_pair(rod, post, &[1.0, -1.0], &[2.0, 1.0], &options)?;
+    /// assert!(aside.is_never() && aside.lower > 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error if a coordinate is out of bounds or `low` is above `high`, which names the
+    /// coordinate; if a body does not exist, or both are obstacles; or if the space does not move
+    /// a body by joints ([`ConfigurationSpace::joint_path`]).
+    pub fn prove_pair(
+        &mut self,
+        a: WorldId,
+        b: WorldId,
+        low: &[f64],
+        high: &[f64],
+        options: &RangeOptions,
+    ) -> Result<RangeAnswer, PlanError> {
+        self.prove_pair_with_progress(a, b, low, high, options, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Returns the answer as [`prove_pair`](Self::prove_pair) does, with a progress callback.
+    ///
+    /// The callback receives the number of cells, after each. If it stops the search, the answer is
+    /// open and can be resumed.
+    ///
+    /// # Errors
+    /// As [`prove_pair`](Self::prove_pair).
+    pub fn prove_pair_with_progress(
+        &mut self,
+        a: WorldId,
+        b: WorldId,
+        low: &[f64],
+        high: &[f64],
+        options: &RangeOptions,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<RangeAnswer, PlanError> {
+        self.check_range(low, high)?;
+        let pair = WorldPair::new(a, b).ok_or(PlanError::NoBody(b))?;
+        let range = low.iter().zip(high).map(|(low, high)| [*low, *high]).collect();
+        let answer = RangeAnswer::new(pair, range);
+        self.proved(&mut Bodies::new(), answer, options, progress)
+    }
+
+    /// Returns the answers about all pairs that are measured, in ascending order: see
+    /// [`prove_pair`](Self::prove_pair).
+    ///
+    /// # Errors
+    /// As [`prove_pair`](Self::prove_pair).
+    pub fn prove_range(
+        &mut self,
+        low: &[f64],
+        high: &[f64],
+        options: &RangeOptions,
+    ) -> Result<Vec<RangeAnswer>, PlanError> {
+        self.prove_range_with_progress(low, high, options, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Returns the answers as [`prove_range`](Self::prove_range) does, with a progress callback.
+    ///
+    /// The callback receives the number of cells of the pair at hand. If it stops the search, this
+    /// pair and all later ones are open.
+    ///
+    /// # Errors
+    /// As [`prove_pair`](Self::prove_pair).
+    pub fn prove_range_with_progress(
+        &mut self,
+        low: &[f64],
+        high: &[f64],
+        options: &RangeOptions,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Vec<RangeAnswer>, PlanError> {
+        self.check_range(low, high)?;
+        let range: Vec<[f64; 2]> = low.iter().zip(high).map(|(low, high)| [*low, *high]).collect();
+        let mut pairs: Vec<WorldPair> = self.pairs.ordered().iter().map(|k| self.pairs.all[*k].pair).collect();
+        pairs.sort_unstable();
+        let (mut bodies, mut is_stopped) = (Bodies::new(), false);
+        let mut answers = Vec::with_capacity(pairs.len());
+        for pair in pairs {
+            let answer = RangeAnswer::new(pair, range.clone());
+            let mut watch = |now| {
+                is_stopped |= progress(now).is_break();
+                Progress::stop_if(is_stopped)
+            };
+            answers.push(self.proved(&mut bodies, answer, options, &mut watch)?);
+        }
+        Ok(answers)
+    }
+
+    /// Goes on with an answer that is open, for as many cells as the options allow.
+    ///
+    /// Two calls give the same answer as one call with the sum of both budgets. The world must be
+    /// the one of the answer.
+    ///
+    /// # Errors
+    /// As [`prove_pair`](Self::prove_pair), and if the answer has other coordinates than this
+    /// checker has for the pair.
+    pub fn resume_range(
+        &mut self,
+        answer: &RangeAnswer,
+        options: &RangeOptions,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<RangeAnswer, PlanError> {
+        let [low, high] = [0, 1].map(|k| answer.range.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
+        self.check_range(&low, &high)?;
+        self.proved(&mut Bodies::new(), answer.clone(), options, progress)
+    }
+
+    fn check_range(&self, low: &[f64], high: &[f64]) -> Result<(), PlanError> {
+        self.space.check(low)?;
+        self.space.check(high)?;
+        let each = low.iter().zip(high).enumerate();
+        match each.into_iter().find(|(_, (low, high))| low > high) {
+            Some((index, (&low, &high))) => Err(PlanError::Range { index, low, high }),
+            None => Ok(()),
+        }
+    }
+
+    fn proved(
+        &mut self,
+        bodies: &mut Bodies,
+        answer: RangeAnswer,
+        options: &RangeOptions,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<RangeAnswer, PlanError> {
+        let pair = answer.pair;
+        for id in [pair.a, pair.b] {
+            self.world.select(id)?;
+        }
+        let [low, high] = [0, 1].map(|k| answer.range.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
+        let shapes = self.world.shapes(pair);
+        for (id, shape) in [pair.a, pair.b].into_iter().zip(shapes) {
+            bodies.entry(id).or_insert_with(|| RangeBody::new(shape));
+        }
+        let [a, b] = [pair.a, pair.b].map(|id| self.chain_end(id, bodies[&id].reach()));
+        let chain = Chain::new(&a?, &b?, &low, &high);
+        let kept = self.world.kept_distance(pair);
+        let (space, places) = (&self.space, &self.pairs.places);
+        let place = |q: &[f64], poses: &mut Vec<Isometry3<f64>>| {
+            space.place(q, poses);
+            places.carry(poses);
+            [pair.a, pair.b].map(|id| *places.pose(id, poses))
+        };
+        let search = Search {
+            shapes,
+            bodies: [&bodies[&pair.a], &bodies[&pair.b]],
+            chain: &chain,
+            place: &place,
+            kept,
+            options,
+            tracker: PairTracker::new(),
+            answer,
+            room: Default::default(),
+        };
+        search.run(progress)
+    }
+
+    fn chain_end(&self, id: WorldId, reach: f64) -> Result<ChainEnd, PlanError> {
+        let places = &self.pairs.places;
+        let (path, pose) = match (id, places.mover(id)) {
+            (WorldId::Obstacle(k), _) => (None, places.obstacle_poses[k]),
+            (_, mover) => {
+                let (body, carried) = places.carrier(mover.unwrap_or_default());
+                let path = self.space.joint_path(body).ok_or(PlanError::WithoutJoints(id))?;
+                (
+                    Some(path),
+                    carried.map_or(Isometry3::identity(), |carried| carried.pose),
+                )
+            }
+        };
+        Ok(ChainEnd {
+            path,
+            pose: normalize_rotation(&pose),
+            deviation: (pose.rotation.norm_squared() - 1.0).abs(),
+            reach,
+        })
+    }
+}

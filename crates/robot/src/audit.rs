@@ -1,0 +1,228 @@
+//! Proves for each two links, and each link and obstacle, whether they can ever meet.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use lin_canny::Progress;
+use lin_canny_plan::{
+    Checker, ConfigurationSpace, JointTree, PlanError, RangeAnswer, RangeOptions, RangeVerdict, WorldId, WorldPair,
+};
+
+use crate::srdf::{ExcludedPair, Srdf};
+
+/// Whether two links can ever meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum AuditVerdict {
+    /// No body of one link meets a body of the other at any configuration.
+    Never,
+    /// Two bodies meet at every configuration.
+    Always,
+    /// Two bodies meet at one configuration and are free at another.
+    Both,
+    /// The budget ended before a verdict.
+    Open,
+}
+
+impl std::fmt::Display for AuditVerdict {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(match self {
+            Self::Never => "never",
+            Self::Always => "always",
+            Self::Both => "both",
+            Self::Open => "open",
+        })
+    }
+}
+
+/// The answer about two links, or a link and an obstacle.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct LinkAudit {
+    /// Names of both.
+    pub names: [String; 2],
+    /// The answer about each two bodies.
+    pub answers: Vec<RangeAnswer>,
+    /// The verdict.
+    pub verdict: AuditVerdict,
+    /// Number of coordinates that move one against the other.
+    pub joints: usize,
+    /// Proven lower bound of the distance at every configuration, in metres; 0 if they may meet.
+    pub lower: f64,
+    /// Least distance that was found, in metres; 0 in contact.
+    pub upper: f64,
+    /// The configuration at which `upper` was found.
+    pub at: Vec<f64>,
+    /// Share of the volume of the ranges that is left.
+    pub open: f64,
+    /// Number of cells that were looked at.
+    pub cells: u64,
+    /// Time of this run.
+    pub time: Duration,
+}
+
+/// Proves for each two links, and each link and obstacle, whether they can ever meet.
+///
+/// All pairs are answered, excluded ones too, without those that keep their relative pose. The
+/// ranges are the limits of the coordinates. Answers of an earlier run that are open go on; others
+/// are taken over. `progress` is called after each cell and may end the run: pairs without a verdict
+/// are then open.
+///
+/// # Errors
+/// Returns an error if an earlier answer belongs to another robot or cell.
+pub fn audit(
+    checker: &mut Checker<JointTree>,
+    options: &RangeOptions,
+    earlier: &[RangeAnswer],
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Vec<LinkAudit>, PlanError> {
+    let [low, high] = [0, 1].map(|k| {
+        checker
+            .space()
+            .bounds()
+            .iter()
+            .map(|ends| ends[k])
+            .collect::<Vec<f64>>()
+    });
+    let known: BTreeMap<WorldPair, &RangeAnswer> = earlier.iter().map(|answer| (answer.pair, answer)).collect();
+    let mut found: Vec<LinkAudit> = Vec::new();
+    let mut is_stopped = false;
+    for (pair, names) in pairs(checker) {
+        let began = Instant::now();
+        let mut watch = |now| {
+            is_stopped = is_stopped || progress(now).is_break();
+            Progress::stop_if(is_stopped)
+        };
+        let has_other_range = |answer: &&RangeAnswer| {
+            let ends = low.iter().zip(&high).map(|(low, high)| [*low, *high]);
+            !ends.eq(answer.range.iter().copied())
+        };
+        if known.get(&pair).is_some_and(has_other_range) {
+            return Err(PlanError::OtherRange(pair));
+        }
+        let answer = match known.get(&pair) {
+            Some(answer) if !matches!(answer.verdict, RangeVerdict::Open { .. }) => (*answer).clone(),
+            Some(answer) => checker.resume_range(answer, options, &mut watch)?,
+            None => checker.prove_pair_with_progress(pair.a, pair.b, &low, &high, options, &mut watch)?,
+        };
+        if answer.coordinates.is_empty() {
+            continue;
+        }
+        let time = began.elapsed();
+        match found.iter_mut().find(|one| one.names == names) {
+            Some(one) => one.add(answer, time),
+            None => {
+                let mut one = LinkAudit::new(names);
+                one.add(answer, time);
+                found.push(one);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Returns all pairs of bodies with their names.
+fn pairs(checker: &Checker<JointTree>) -> Vec<(WorldPair, [String; 2])> {
+    let bodies: Vec<(WorldId, &str)> = checker.world().bodies().collect();
+    let mut pairs = Vec::new();
+    for (k, a) in bodies.iter().enumerate() {
+        for b in &bodies[k + 1..] {
+            let is_rigid = match (a.0, b.0) {
+                (WorldId::Robot(x), WorldId::Robot(y)) => checker.space().is_rigid(x, y),
+                _ => false,
+            };
+            if let Some(pair) = WorldPair::new(a.0, b.0).filter(|_| !is_rigid) {
+                pairs.push((pair, [a.1.to_owned(), b.1.to_owned()]));
+            }
+        }
+    }
+    pairs
+}
+
+impl LinkAudit {
+    fn new(names: [String; 2]) -> Self {
+        Self {
+            names,
+            answers: Vec::new(),
+            verdict: AuditVerdict::Never,
+            joints: 0,
+            lower: f64::INFINITY,
+            upper: f64::INFINITY,
+            at: Vec::new(),
+            open: 0.0,
+            cells: 0,
+            time: Duration::ZERO,
+        }
+    }
+
+    fn add(&mut self, answer: RangeAnswer, time: Duration) {
+        if self.answers.is_empty() || answer.upper < self.upper {
+            self.upper = answer.upper;
+            self.at.clone_from(&answer.at);
+        }
+        self.lower = self.lower.min(answer.lower);
+        self.open = self.open.max(answer.open_share());
+        self.cells += answer.cells;
+        self.time += time;
+        self.answers.push(answer);
+        let coordinates = self.answers.iter().flat_map(|answer| answer.coordinates.iter());
+        self.joints = coordinates.collect::<BTreeSet<_>>().len();
+        let has = |is: fn(&RangeVerdict) -> bool| self.answers.iter().any(|answer| is(&answer.verdict));
+        self.verdict = if has(|v| matches!(v, RangeVerdict::Always)) {
+            AuditVerdict::Always
+        } else if has(|v| matches!(v, RangeVerdict::Both { .. })) {
+            AuditVerdict::Both
+        } else if has(|v| !matches!(v, RangeVerdict::Never)) {
+            AuditVerdict::Open
+        } else {
+            AuditVerdict::Never
+        };
+    }
+
+    /// Returns a configuration at which the pair is in contact, if one was found.
+    #[must_use]
+    pub fn contact(&self) -> Option<&[f64]> {
+        let mut touching = self.answers.iter().filter_map(|answer| answer.witnesses[1].as_deref());
+        touching.next()
+    }
+}
+
+impl Srdf {
+    /// Returns the pairs that an audit allows to exclude.
+    ///
+    /// The reason of a pair that never meets is `Proven`, of one that always meets `Always`. Other
+    /// pairs keep the reason that `reason` gives them, unless it is `Never` or `Proven` and the pair
+    /// can meet.
+    #[must_use]
+    pub fn from_audit(audit: &[LinkAudit], reason: &dyn Fn(&[String; 2]) -> Option<String>) -> Self {
+        let excluded = audit.iter().filter_map(|one| {
+            let old = reason(&one.names);
+            let reason = match one.verdict {
+                AuditVerdict::Never => "Proven".to_owned(),
+                AuditVerdict::Always if old.as_deref() != Some("Adjacent") => "Always".to_owned(),
+                AuditVerdict::Both => old.filter(|reason| !is_claim(reason))?,
+                _ => old?,
+            };
+            let links = one.names.clone();
+            Some(ExcludedPair { links, reason })
+        });
+        Self {
+            excluded: excluded.collect(),
+            ..Self::default()
+        }
+    }
+}
+
+/// Returns whether a reason says that a pair never meets.
+pub(crate) fn is_claim(reason: &str) -> bool {
+    reason == "Never" || reason == "Proven"
+}
+
+impl LinkAudit {
+    /// Returns whether the pair can meet although a reason says that it never does.
+    #[must_use]
+    pub fn refutes(&self, reason: &str) -> bool {
+        is_claim(reason) && self.contact().is_some()
+    }
+}
