@@ -8,6 +8,7 @@ use crate::attached::CarriedMotion;
 use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
+use crate::timed_poses::PosePart;
 use lin_canny::motion::{Motion, MotionModel, Steady};
 
 /// A configuration space: a configuration is a list of numbers that sets the poses of all bodies.
@@ -265,6 +266,7 @@ impl<M: SegmentMotion + ?Sized> Motion for BodyMotion<'_, M> {
 pub(crate) enum PartMotion<'a, M> {
     Robot(CarriedMotion<'a, M>),
     Obstacle(&'a Steady),
+    Moving(&'a PosePart),
 }
 
 impl<M: SegmentMotion> Motion for PartMotion<'_, M> {
@@ -272,6 +274,7 @@ impl<M: SegmentMotion> Motion for PartMotion<'_, M> {
         match self {
             Self::Robot(motion) => motion.pose(time),
             Self::Obstacle(motion) => motion.pose(time),
+            Self::Moving(motion) => motion.pose(time),
         }
     }
 
@@ -279,6 +282,7 @@ impl<M: SegmentMotion> Motion for PartMotion<'_, M> {
         match self {
             Self::Robot(motion) => motion.model(time, span),
             Self::Obstacle(motion) => motion.model(time, span),
+            Self::Moving(motion) => motion.model(time, span),
         }
     }
 
@@ -286,6 +290,7 @@ impl<M: SegmentMotion> Motion for PartMotion<'_, M> {
         match self {
             Self::Robot(motion) => motion.placed(time, span),
             Self::Obstacle(motion) => motion.placed(time, span),
+            Self::Moving(motion) => motion.placed(time, span),
         }
     }
 }

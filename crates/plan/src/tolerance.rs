@@ -78,3 +78,25 @@ pub(crate) const ARM_PLACE: f64 = 64.0 * UNIT;
 /// differs by twice as much. Two norms and two products round by less than 100 UNIT. The rest is
 /// reserve.
 pub(crate) const ATTACHED: f64 = 4.0 * POSE_UNIT;
+
+/// Error of the angle of a body between two timed poses.
+///
+/// As vectors of quaternions, two norms err by 3 UNIT each and their product by 8, which rotates by
+/// twice as much: 28 UNIT. The angle, at most half a turn, errs by 4 UNIT of its value.
+pub(crate) const SLERP_TURN: f64 = 64.0 * UNIT;
+
+/// Error of the position of a body between two timed poses, in units of the 1-norms of both
+/// positions: their difference, and the sum with the first.
+pub(crate) const SLERP_PLACE: f64 = 4.0 * UNIT;
+
+/// Error of a fraction of the motion between two timed poses at a time of a curve, in units of the
+/// fraction at the start of the curve, of the change of the fraction along the curve, and of one.
+///
+/// A quotient of two differences errs by 3 UNIT, the change by one more, and their sum by one: 5
+/// UNIT, at the start of a bound and at its end. The velocity errs by 4 UNIT, and the time of a row
+/// on the curve by 4. Together this is 18 UNIT.
+pub(crate) const CLOCK: f64 = 32.0 * UNIT;
+
+/// Cosine of half the angle between two rotations below which both directions of the rotation from
+/// one to the other are equally near. Not a matter of soundness: it chooses the motion.
+pub(crate) const HALF_TURN: f64 = 16.0 * UNIT;
