@@ -176,6 +176,7 @@
 mod cell;
 mod cell_body;
 mod cell_save;
+mod csv_rows;
 mod drake;
 mod error;
 mod excludable;
@@ -188,6 +189,7 @@ mod message;
 mod mjcf;
 mod options;
 mod packages;
+mod pose_file;
 mod recorder;
 mod robot;
 mod sdformat;

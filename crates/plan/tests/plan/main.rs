@@ -10,5 +10,6 @@ mod forget;
 mod free;
 mod judge;
 mod leave;
+mod moving;
 mod planner;
 mod spaces;
