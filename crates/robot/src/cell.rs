@@ -219,7 +219,7 @@ impl Cell {
         check_content(text).map_err(|reason| FileError::new(path, Some(1), "", reason))?;
         let cell: CellText = parse_json(text, path)?;
         let mut found = Self::default();
-        for (k, body) in cell.bodies.into_iter().enumerate() {
+        for (k, mut body) in cell.bodies.into_iter().enumerate() {
             let element = format!("bodies[{k}] {:?}", body.name);
             let wrong = |reason| FileError::new(path, None, element.clone(), reason);
             if body.touch_links.is_some() {
@@ -227,7 +227,7 @@ impl Cell {
                 return Err(wrong(FileErrorKind::Unsupported(what.into())));
             }
             let name = body.name.clone();
-            let poses = body.timed_poses(&element, path, packages)?;
+            let poses = body.take_poses(&element, path, packages)?;
             if let Some(body) = found.body(body, element, path, packages, options)? {
                 found.obstacles.push(Obstacle {
                     name,

@@ -68,6 +68,10 @@ impl AttachedBody {
         options: &LoadOptions,
     ) -> Result<Self, FileError> {
         let wrong = |reason| FileError::new(path, None, element.clone(), reason);
+        if body.poses.is_some() {
+            let what = "poses of an attached object (expected in an obstacle of a cell)";
+            return Err(wrong(FileErrorKind::Unsupported(what.into())));
+        }
         let pose = body.pose().map_err(wrong)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut notes = Vec::new();
@@ -266,24 +270,26 @@ impl BodyText {
         }
     }
 
-    /// Returns the timed poses of a body that moves.
-    pub(crate) fn timed_poses(
-        &self,
+    /// Takes the timed poses of a body that moves.
+    pub(crate) fn take_poses(
+        &mut self,
         element: &str,
         path: &Path,
         packages: &Packages,
     ) -> Result<Option<TimedPoses>, FileError> {
         let wrong = |reason| FileError::new(path, None, element, reason);
-        let Some(poses) = &self.poses else { return Ok(None) };
+        let Some(poses) = self.poses.take() else {
+            return Ok(None);
+        };
         if self.xyz.is_some() || self.rpy.is_some() || self.xyzw.is_some() {
             let reason = "both poses and xyz, rpy or xyzw are given (expected one)";
             return Err(wrong(FileErrorKind::Malformed(reason.into())));
         }
         match poses {
-            PosesText::Rows(rows) => pose_file::of_rows(rows).map_err(wrong).map(Some),
+            PosesText::Rows(rows) => pose_file::of_rows(&rows).map_err(wrong).map(Some),
             PosesText::File(name) => {
                 let folder = path.parent().unwrap_or(Path::new(""));
-                pose_file::load(&packages.find(name, folder).map_err(wrong)?).map(Some)
+                pose_file::load(&packages.find(&name, folder).map_err(wrong)?).map(Some)
             }
         }
     }
