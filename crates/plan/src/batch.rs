@@ -146,6 +146,9 @@ impl<C: ConfigurationSpace + Sync> Checker<C> {
         slack: f64,
     ) -> Result<NearPairs, PlanError> {
         let mut checker = Checker::new(&self.space, self.world.clone())?;
+        if let Some(time) = self.time {
+            checker.set_time(time)?;
+        }
         let (length, components) = (self.space.coordinates(), self.space.degrees_of_freedom());
         let mut all = NearPairs::with_rows(configurations.len() / length, columns, components);
         for (row, q) in configurations.chunks(length).enumerate() {

@@ -10,8 +10,9 @@ use nalgebra::Isometry3;
 
 use crate::checker::Checker;
 use crate::error::PlanError;
-use crate::pairs::resting;
+use crate::pairs::{resting, swept};
 use crate::space::ConfigurationSpace;
+use crate::timed_poses::TimedPoses;
 use crate::world::{Select, WorldId, WorldPair};
 use lin_canny::Geometry;
 
@@ -54,7 +55,41 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(id)
     }
 
-    /// Moves obstacles to a pose in the world, and returns them.
+    /// Adds an obstacle that moves, and returns its id, which is never used again: see
+    /// [`World::moving_obstacle`](crate::World::moving_obstacle).
+    ///
+    /// # Errors
+    /// Returns an error if the box of the obstacle is not finite, or if it has no pose at the time
+    /// of [`set_time`](Self::set_time). Then nothing changes.
+    pub fn add_moving_obstacle(
+        &mut self,
+        name: impl ToString,
+        geometry: impl Into<Geometry>,
+        poses: TimedPoses,
+    ) -> Result<WorldId, PlanError> {
+        let geometry = geometry.into();
+        resting(&geometry, &poses.poses()[0])?;
+        swept(&geometry, &poses)?;
+        if let Some(time) = self.time
+            && poses.at(time).is_none()
+        {
+            let [from, until] = poses.ends();
+            let name = name.to_string();
+            return Err(PlanError::PoseTime {
+                name,
+                time,
+                from,
+                until,
+            });
+        }
+        let id = self.world.moving_obstacle(name, geometry, poses);
+        self.obstacles_changed(&[id])?;
+        self.set_pairs(id);
+        Ok(id)
+    }
+
+    /// Moves obstacles to a pose in the world, and returns them. An obstacle that moved is at rest
+    /// from then on.
     ///
     /// # Errors
     /// As [`World::move_obstacle`](crate::World::move_obstacle), and if the box of an obstacle is
@@ -89,6 +124,9 @@ impl<C: ConfigurationSpace> Checker<C> {
         for id in self.world.select(bodies)? {
             if let Some(pose) = self.world.obstacle_pose(id) {
                 resting(&geometry, pose)?;
+            }
+            if let Some(poses) = self.world.obstacle_motion(id) {
+                swept(&geometry, poses)?;
             }
         }
         let found = self.world.replace_obstacle(bodies, geometry)?;
@@ -200,12 +238,16 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(left)
     }
 
-    /// Returns the pose of a body in the world at a configuration.
+    /// Returns the pose of a body in the world at a configuration, of a moving obstacle at the time
+    /// of [`set_time`](Self::set_time).
     ///
     /// # Errors
     /// Returns an error if the configuration is invalid or the body does not exist.
     pub fn pose(&self, id: WorldId, configuration: &[f64]) -> Result<Isometry3<f64>, PlanError> {
         self.world.select(id)?;
+        if self.world.obstacle_motion(id).is_some() {
+            self.check_time()?;
+        }
         Ok(*self.pairs.places.pose(id, &self.moving_poses(configuration)?))
     }
 
@@ -339,6 +381,9 @@ impl<C: ConfigurationSpace> Checker<C> {
         }
         self.pairs.step_boxes();
         self.bodies_changed();
+        if let Some(time) = self.time {
+            self.place_moving(time)?;
+        }
         Ok(())
     }
 

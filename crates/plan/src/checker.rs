@@ -9,7 +9,7 @@ use crate::attached::{Carried, CarriedMotion};
 use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::pairs::{PairKey, Pairs, Places, Stretch, SweptBox, cut, even_span, span_at};
+use crate::pairs::{PairKey, Pairs, Places, Stretch, SweptBox, cut, cut_at_knots, even_span, span_at};
 use crate::space::{BodyBall, BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
 use crate::tolerance::ATTACHED;
 use crate::verdict::{CheckWork, LeavingPair, Verdict};
@@ -49,6 +49,8 @@ pub struct Checker<C> {
     /// How much each coordinate may deviate: inside a tube of joints; empty outside.
     pub(crate) joint_tube: Vec<f64>,
     pub(crate) start_contact_margin: Option<f64>,
+    /// The time at which configurations are queried.
+    pub(crate) time: Option<f64>,
     pub(crate) work: CheckWork,
     /// Scratch memory: pairs to check, and poses.
     pub(crate) candidates: Vec<usize>,
@@ -101,6 +103,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             tube: 0.0,
             joint_tube: Vec::new(),
             start_contact_margin: None,
+            time: None,
             work: CheckWork::default(),
             candidates: Vec::new(),
             stretches: Vec::new(),
@@ -139,7 +142,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// A pair that is within this distance at the start of a segment, or overlaps by no more, is
     /// accepted if it is proven not to come closer than at the start, minus `2^-30` of the pair
     /// size, until it has left the margin. From then on it must keep its distance like any other
-    /// pair. Sliding along a face is accepted too. [`Verdict::Free`] lists such pairs.
+    /// pair. Sliding along a face is accepted too. [`Verdict::Free`] lists such pairs. A contact with
+    /// a moving obstacle is never accepted.
     ///
     /// The option acts on segments ([`certify`](Self::certify), [`is_free`](Self::is_free),
     /// [`prove`](Self::prove), [`certify_path`](Self::certify_path)), not on configurations
@@ -219,6 +223,98 @@ impl<C: ConfigurationSpace> Checker<C> {
     fn parts(&self, segment: &C::Segment) -> u32 {
         let least = if self.joint_tube.is_empty() { 1 } else { TUBE_PARTS };
         segment.parts().max(least)
+    }
+
+    /// Returns the intervals in which a pair is cast: equal parts of the times 0 to 1, cut where the
+    /// motion of a moving obstacle changes.
+    pub(crate) fn intervals(&self, index: usize, parts: u32) -> Vec<Range<f64>> {
+        let obstacle = self.pairs.all[index].pair.b;
+        let mut all = Vec::new();
+        for Range { start, end } in parts_of_time(parts) {
+            let mut from = start;
+            for at in self.pairs.places.knots(obstacle, start, end) {
+                all.push(from..at);
+                from = at;
+            }
+            all.push(from..end);
+        }
+        all
+    }
+
+    /// Returns whether a pair is one with a moving obstacle.
+    fn is_moving(&self, index: usize) -> bool {
+        self.world.obstacle_motion(self.pairs.all[index].pair.b).is_some()
+    }
+
+    /// Sets the time on the clock at which configurations are queried: moving obstacles are at their
+    /// poses at this time. Curves have times of their own.
+    ///
+    /// # Errors
+    /// Returns an error if the time is not finite, or if a moving obstacle has no pose at this time
+    /// ([`PlanError::PoseTime`]). Then nothing changes.
+    pub fn set_time(&mut self, time: f64) -> Result<(), PlanError> {
+        if !(time.abs() <= EXTENT_MAX) {
+            let what = "time";
+            return Err(PlanError::Value { what, value: time });
+        }
+        self.place_moving(time)?;
+        self.time = Some(time);
+        Ok(())
+    }
+
+    /// Returns the time at which configurations are queried.
+    #[must_use]
+    pub fn time(&self) -> Option<f64> {
+        self.time
+    }
+
+    /// Returns an error if an obstacle moves, and there is no time to query configurations.
+    pub(crate) fn check_time(&self) -> Result<(), PlanError> {
+        match self.time {
+            Some(_) => Ok(()),
+            None => self.world.check_at_rest(),
+        }
+    }
+
+    /// Puts all moving obstacles at their poses at a time.
+    pub(crate) fn place_moving(&mut self, time: f64) -> Result<(), PlanError> {
+        let each = self.world.motions.keys().map(|&id| self.pose_at(id, time));
+        let placed: Vec<(WorldId, Isometry3<f64>)> = each.collect::<Result<_, _>>()?;
+        for (id, pose) in placed {
+            if let WorldId::Obstacle(k) = id {
+                self.pairs.places.obstacle_poses[k] = pose;
+            }
+        }
+        Ok(())
+    }
+
+    fn pose_at(&self, id: WorldId, time: f64) -> Result<(WorldId, Isometry3<f64>), PlanError> {
+        let poses = self.world.obstacle_motion(id);
+        let pose = poses.and_then(|poses| poses.at(time));
+        pose.map(|pose| (id, pose)).ok_or_else(|| self.no_pose(id, time))
+    }
+
+    pub(crate) fn no_pose(&self, id: WorldId, time: f64) -> PlanError {
+        let [from, until] = self.world.obstacle_motion(id).map_or([0.0; 2], |poses| poses.ends());
+        PlanError::PoseTime {
+            name: self.world.name(id).into(),
+            time,
+            from,
+            until,
+        }
+    }
+
+    /// Sets the motions of the obstacles along a curve that runs between these times on the clock.
+    fn set_parts(&mut self, times: [f64; 2]) -> Result<(), PlanError> {
+        for (&id, poses) in &self.world.motions {
+            let WorldId::Obstacle(k) = id else { continue };
+            let Some(parts) = poses.parts(times) else {
+                let is_covered = poses.at(times[0]).is_some();
+                return Err(self.no_pose(id, times[usize::from(is_covered)]));
+            };
+            self.pairs.places.parts[k] = parts;
+        }
+        Ok(())
     }
 
     /// Returns the configuration space.
@@ -341,12 +437,12 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     fn proven(&mut self, segment: &C::Segment) -> Result<Option<Vec<PairProof>>, PlanError> {
-        let start_contact = self.start_contact_margin;
-        let parts = if start_contact.is_none() { segment.parts() } else { 1 };
         let mut proofs = Vec::new();
         for k in self.pairs.ordered() {
             let mut certificates = Vec::new();
-            for part in parts_of_time(parts) {
+            let start_contact = self.start_contact_margin.filter(|_| !self.is_moving(k));
+            let parts = if start_contact.is_none() { segment.parts() } else { 1 };
+            for part in self.intervals(k, parts) {
                 let kept = self.kept(k);
                 let found = self.cast(k, segment, part, kept, start_contact, Some(&mut certificates))?;
                 if found.impact != Impact::Miss {
@@ -392,7 +488,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// bounds at any time ([`PlanError::CurveLimit`]), or if the space follows straight segments
     /// only ([`PlanError::CurveDegree`]).
     pub fn certify_curve(&mut self, curve: &JointCurve) -> Result<Verdict, PlanError> {
-        let motion = self.space.curve(curve)?;
+        let motion = self.curve(curve)?;
         self.judged(&motion, false)
     }
 
@@ -401,12 +497,24 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # Errors
     /// Returns an error as [`certify_curve`](Self::certify_curve) does.
     pub fn prove_curve(&mut self, curve: &JointCurve) -> Result<Option<Vec<PairProof>>, PlanError> {
-        let motion = self.space.curve(curve)?;
+        let motion = self.curve(curve)?;
         self.proven(&motion)
+    }
+
+    /// Returns the motion along a curve, after a check of the curve, and sets the motions of the
+    /// obstacles along it.
+    pub(crate) fn curve(&mut self, curve: &JointCurve) -> Result<C::Segment, PlanError> {
+        let motion = self.space.curve(curve)?;
+        match curve.times() {
+            Some(times) => self.set_parts(times)?,
+            None => self.world.check_at_rest()?,
+        }
+        Ok(motion)
     }
 
     /// Returns the motion along a segment, after a check of its ends.
     pub(crate) fn segment(&self, from: &[f64], to: &[f64]) -> Result<C::Segment, PlanError> {
+        self.world.check_at_rest()?;
         self.space.check(from)?;
         self.space.check(to)?;
         self.space.segment(from, to)
@@ -474,6 +582,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         if longest < 1.0 && self.start_contact_margin.is_none() {
             cut(stretches, longest);
         }
+        cut_at_knots(stretches, &self.pairs);
         stretches.sort_unstable_by(|x, y| x.from.total_cmp(&y.from).then(x.key.cmp(&y.key)));
         self.work.pairs += stretches.len() as u64;
         Ok(())
@@ -490,7 +599,8 @@ impl<C: ConfigurationSpace> Checker<C> {
             }
             let (k, end) = (stretch.pair, stretch.until.smaller(until));
             let interval = stretch.from..end;
-            let start_contact = self.start_contact_margin.filter(|_| stretch.from == 0.0);
+            let is_start = stretch.from == 0.0 && !self.is_moving(k);
+            let start_contact = self.start_contact_margin.filter(|_| is_start);
             let kept = self.kept_along(k, segment, &(stretch.from..stretch.until));
             let found = self.cast(k, segment, interval, kept, start_contact, None)?;
             self.work.queries += u64::from(found.queries + found.proofs);
@@ -554,7 +664,10 @@ impl<C: ConfigurationSpace> Checker<C> {
             _ => 0,
         };
         let partner = match (other, tracked.pair.b) {
-            (None, WorldId::Obstacle(k)) => PartMotion::Obstacle(&places.resting[k]),
+            (None, WorldId::Obstacle(k)) => match places.part(k, interval.start) {
+                Some(part) => PartMotion::Moving(part),
+                None => PartMotion::Obstacle(&places.resting[k]),
+            },
             _ => PartMotion::Robot(moving(segment, places, other.unwrap_or_default(), stem)),
         };
         let motion = moving(segment, places, body, stem);
@@ -608,7 +721,10 @@ impl<C: ConfigurationSpace> Checker<C> {
 /// Returns the pose of a body at a time.
 fn pose_of<M: SegmentMotion>(segment: &M, places: &Places, part: WorldId, time: f64) -> Isometry3<f64> {
     match (part, places.mover(part)) {
-        (WorldId::Obstacle(k), _) => places.obstacle_poses[k],
+        (WorldId::Obstacle(k), _) => match places.part(k, time) {
+            Some(part) => part.pose(time),
+            None => places.obstacle_poses[k],
+        },
         (_, mover) => moving(segment, places, mover.unwrap_or_default(), 0).pose(time),
     }
 }
@@ -627,7 +743,7 @@ fn body_ball((centre, radius): (Point3<f64>, f64), body: usize, carried: Option<
 }
 
 /// Returns equal parts of the times 0 to 1.
-pub(crate) fn parts_of_time(count: u32) -> impl Iterator<Item = Range<f64>> {
+fn parts_of_time(count: u32) -> impl Iterator<Item = Range<f64>> {
     let at = move |k: u32| f64::from(k) / f64::from(count);
     (0..count).map(move |k| at(k)..at(k + 1))
 }

@@ -5,7 +5,7 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::checker::{Checker, parts_of_time};
+use crate::checker::Checker;
 use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
@@ -131,6 +131,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns an error if the configuration is invalid.
     pub fn nearest(&mut self, configuration: &[f64], slack: f64) -> Result<Vec<NearPair>, PlanError> {
         self.space.check(configuration)?;
+        self.check_time()?;
         self.nearest_within_rounding(configuration, slack)
     }
 
@@ -325,8 +326,12 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns an error as [`certify_curve`](Self::certify_curve) does, or if `relative` is not
     /// between 0 and 1.
     pub fn clearance_along_curve(&mut self, curve: &JointCurve, relative: f64) -> Result<SegmentClearance, PlanError> {
-        let motion = self.space.curve(curve)?;
-        self.bounded(&motion, relative, |_, t| curve.at(t))
+        let motion = self.curve(curve)?;
+        let found = self.bounded(&motion, relative, |_, t| curve.at(t));
+        if let Some(time) = self.time {
+            self.place_moving(time)?;
+        }
+        found
     }
 
     fn bounded(
@@ -351,6 +356,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         for k in 0..=SAMPLES {
             let t = f64::from(k) / f64::from(SAMPLES);
             let q = at(&self.space, t);
+            self.pairs.places.place_along(t);
             if let Some(near) = self.nearest_within_rounding(&q, 0.0)?.first() {
                 found.lower_to(near.upper, t, near.pair);
             }
@@ -378,7 +384,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         relative: f64,
         found: &mut SegmentClearance,
     ) -> Result<Option<f64>, PlanError> {
-        for part in parts_of_time(segment.parts()) {
+        for part in self.intervals(index, segment.parts()) {
             let mut time = part.start;
             let mut is_kept = false;
             for _ in 0..LOWERED {

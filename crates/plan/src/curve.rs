@@ -60,6 +60,8 @@ pub struct JointCurve {
     /// For each coordinate the control points, and those of the first three hodographs.
     points: Vec<f64>,
     bounds: Vec<RowBounds>,
+    /// Times on the clock of the start and the end.
+    times: Option<[f64; 2]>,
 }
 
 /// Bounds of one coordinate over the whole curve.
@@ -167,6 +169,28 @@ impl JointCurve {
             degree,
             points,
             bounds,
+            times: None,
+        }
+    }
+
+    /// Returns the curve with times on a clock of its start and its end.
+    ///
+    /// They matter only among moving obstacles ([`World::moving_obstacle`](crate::World::moving_obstacle)).
+    /// The times 0 to 1 of the curve, and of verdicts about it, stay.
+    ///
+    /// # Errors
+    /// Returns an error if a time is not finite, or if the end is not after the start.
+    pub fn with_times(self, times: [f64; 2]) -> Result<Self, PlanError> {
+        let what = "time of a curve";
+        if let Some(&value) = times.iter().find(|t| !(t.abs() <= EXTENT_MAX)) {
+            return Err(PlanError::Value { what, value });
+        }
+        match times[1] > times[0] {
+            true => Ok(Self {
+                times: Some(times),
+                ..self
+            }),
+            false => Err(PlanError::Value { what, value: times[1] }),
         }
     }
 
@@ -399,6 +423,7 @@ impl JointCurve {
         for (new, old) in curve.bounds.iter_mut().zip(&self.bounds) {
             new.error += old.error;
         }
+        curve.times = self.times;
         Ok(curve)
     }
 }
@@ -465,6 +490,12 @@ impl JointCurve {
     #[must_use]
     pub fn control_point(&self, index: usize) -> Vec<f64> {
         (0..self.coordinates).map(|c| self.row(c, 0)[index]).collect()
+    }
+
+    /// Returns the times on a clock of start and end: see [`with_times`](Self::with_times).
+    #[must_use]
+    pub fn times(&self) -> Option<[f64; 2]> {
+        self.times
     }
 
     /// Returns the configuration at a time from 0 to 1.

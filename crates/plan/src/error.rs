@@ -71,6 +71,39 @@ pub enum PlanError {
         /// Index of the coordinate.
         coordinate: usize,
     },
+    /// Returned if the world has a moving obstacle, and a motion or a configuration has no time.
+    #[error("obstacle {0:?} moves (expected a curve with times, or `Checker::set_time` for a configuration)")]
+    NoTime(String),
+    /// Returned if a moving obstacle has no pose at a time of the query.
+    #[error("obstacle {name:?} has no pose at time {time:?} (its poses cover {from:?} to {until:?})")]
+    PoseTime {
+        /// Name of the obstacle.
+        name: String,
+        /// The time.
+        time: f64,
+        /// The first time of the poses.
+        from: f64,
+        /// The last time of the poses.
+        until: f64,
+    },
+    /// Returned by timed poses: the error of one of them.
+    #[error("timed pose {row}: {error}")]
+    TimedPose {
+        /// Index of the pose.
+        row: usize,
+        /// Its error.
+        error: std::boxed::Box<PlanError>,
+    },
+    /// Returned if a curve of a spline does not start at the time at which the curve before ends.
+    #[error("curve {index} starts at time {start:?} (expected {end:?}, where curve {} ends)", index - 1)]
+    CurveTime {
+        /// Index of the curve.
+        index: usize,
+        /// The time at which it starts.
+        start: f64,
+        /// The time at which the curve before ends.
+        end: f64,
+    },
     /// Returned if the squared norm of a quaternion differs from 1 by more than 1e-12.
     #[error(
         "quaternion of the configuration is not a unit quaternion: squared norm {squared_norm} (expected 1 to 1e-12)"

@@ -27,6 +27,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns an error if the configuration is invalid.
     pub fn is_free_at(&mut self, configuration: &[f64]) -> Result<bool, PlanError> {
         self.space.check(configuration)?;
+        self.check_time()?;
         self.work.configurations += 1;
         let mut poses = core::mem::take(&mut self.poses);
         self.space.place(configuration, &mut poses);
@@ -106,6 +107,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns an error if the configuration is invalid.
     pub fn in_contact(&mut self, configuration: &[f64]) -> Result<Vec<WorldPair>, PlanError> {
         self.space.check(configuration)?;
+        self.check_time()?;
         self.work.configurations += 1;
         let mut poses = core::mem::take(&mut self.poses);
         self.space.place(configuration, &mut poses);

@@ -180,6 +180,7 @@ mod rigid;
 mod roadmap;
 mod search;
 mod space;
+mod timed_poses;
 mod tolerance;
 mod tree;
 mod tree_motion;
@@ -200,6 +201,7 @@ pub use range::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdi
 pub use rigid::{PlanarSpace, RigidSpace, TranslationSpace};
 pub use roadmap::{Edge, EdgeKind, Freeway, Roadmap};
 pub use space::{BodyBall, BodyMotion, ConfigurationSpace, JointPath, SegmentMotion};
+pub use timed_poses::TimedPoses;
 pub use tree::{Drive, JointTree, TreeJoint};
 pub use tree_motion::TreeSegment;
 pub use verdict::{CheckWork, LeavingPair, Verdict};

@@ -8,10 +8,11 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use crate::attached::Carried;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
+use crate::timed_poses::{PosePart, TimedPoses};
 use crate::tolerance::PLACED;
 use crate::world::{World, WorldId, WorldPair};
 use lin_canny::broad::{Aabb, BodyId, BodyOptions, SweepAndPrune};
-use lin_canny::motion::{MotionModel, Steady, Velocity};
+use lin_canny::motion::{Motion, MotionModel, Steady, Velocity};
 use lin_canny::polyhedron::BoxHint;
 use lin_canny::{Geometry, PairTracker};
 
@@ -65,6 +66,24 @@ pub(crate) fn cut(stretches: &mut Vec<Stretch>, span: f64) {
     }
 }
 
+/// Cuts stretches of moving obstacles where their motion changes.
+pub(crate) fn cut_at_knots(stretches: &mut Vec<Stretch>, pairs: &Pairs) {
+    for k in 0..stretches.len() {
+        let Stretch { pair, from, until, .. } = stretches[k];
+        let obstacle = pairs.all[pair].pair.b;
+        let mut last = k;
+        for at in pairs.places.knots(obstacle, from, until) {
+            stretches[last].until = at;
+            last = stretches.len();
+            stretches.push(Stretch {
+                from: at,
+                until,
+                ..stretches[k]
+            });
+        }
+    }
+}
+
 /// All pairs that are measured, and the bodies.
 ///
 /// Bodies that move with the robot, the *movers*, are numbered: first the bodies of the space, then
@@ -112,6 +131,9 @@ pub(crate) struct Places {
     /// The motions of the obstacles, which are at rest, and their poses.
     pub(crate) resting: Vec<Steady>,
     pub(crate) obstacle_poses: Vec<Isometry3<f64>>,
+    /// The motion of each obstacle along the present curve, in order of time; empty for those at
+    /// rest.
+    pub(crate) parts: Vec<Vec<PosePart>>,
 }
 
 impl Places {
@@ -122,6 +144,33 @@ impl Places {
             WorldId::Attached(k) => Some(self.bodies + k),
             WorldId::Obstacle(_) => None,
         }
+    }
+
+    /// Returns the motion of an obstacle along the present curve, from a time on; `None` if the
+    /// obstacle is at rest.
+    pub(crate) fn part(&self, obstacle: usize, time: f64) -> Option<&PosePart> {
+        let parts = &self.parts[obstacle];
+        let after = parts.partition_point(|part| part.from <= time);
+        parts.get(after.saturating_sub(1))
+    }
+
+    /// Puts obstacles that move at their poses at a time of the present curve.
+    pub(crate) fn place_along(&mut self, time: f64) {
+        for k in 0..self.parts.len() {
+            if let Some(part) = self.part(k, time) {
+                self.obstacle_poses[k] = part.pose(time);
+            }
+        }
+    }
+
+    /// Returns the times within an interval at which the motion of an obstacle changes.
+    pub(crate) fn knots(&self, id: WorldId, from: f64, until: f64) -> impl Iterator<Item = f64> {
+        let parts = match id {
+            WorldId::Obstacle(k) => &self.parts[k][..],
+            _ => &[],
+        };
+        let within = move |at: &f64| *at > from && *at < until;
+        parts.iter().map(|part| part.from).filter(within)
     }
 
     /// Returns the body of the space that a mover is, or that carries it, and how.
@@ -152,6 +201,13 @@ impl Places {
 }
 
 const NONE: u32 = u32::MAX;
+
+/// Returns the box of an obstacle that moves, at all times.
+pub(crate) fn swept(shape: &Geometry, poses: &TimedPoses) -> Result<Aabb, PlanError> {
+    let aabb = poses.swept(shape.bounding_ball());
+    aabb.validate_unbounded()?;
+    Ok(aabb)
+}
 
 /// Returns motion and box of a body at rest.
 pub(crate) fn resting(shape: &Geometry, pose: &Isometry3<f64>) -> Result<(Steady, Aabb), PlanError> {
@@ -185,6 +241,7 @@ impl Pairs {
                 carried: Vec::new(),
                 resting: Vec::new(),
                 obstacle_poses: Vec::new(),
+                parts: Vec::new(),
             },
             mover_balls,
             obstacle_balls: Vec::new(),
@@ -241,17 +298,22 @@ impl Pairs {
                 .resting
                 .push(Steady::new(&Isometry3::identity(), Velocity::default())?);
             self.places.obstacle_poses.push(Isometry3::identity());
+            self.places.parts.push(Vec::new());
             self.obstacle_boxes.push(Aabb::new(Point3::origin(), Point3::origin()));
             self.obstacle_balls.push((Point3::origin(), 0.0));
             self.rows.push(std::vec![NONE; self.mover_balls.len()]);
         }
+        self.places.parts[index].clear();
         let Some((_, shape, pose)) = &world.obstacles[index] else {
             if let Some(id) = self.box_ids[index].take() {
                 self.boxes.remove(id)?;
             }
             return Ok(());
         };
-        let (steady, aabb) = resting(shape, pose)?;
+        let (steady, mut aabb) = resting(shape, pose)?;
+        if let Some(poses) = world.motions.get(&WorldId::Obstacle(index)) {
+            aabb = swept(shape, poses)?;
+        }
         let is_bounded = [&aabb, &self.obstacle_boxes[index]].map(|b| b.validate().is_ok());
         match self.box_ids[index] {
             Some(id) if is_bounded == [true; 2] => self.boxes.set_box(id, &aabb)?,

@@ -98,8 +98,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     ///
     /// # Errors
-    /// Returns an error if there is no curve, if a curve does not start where the one before ends
-    /// ([`PlanError::CurveJump`]), or as [`certify_curve`](Self::certify_curve) does.
+    /// Returns an error if there is no curve, if a curve does not start where and when the one before
+    /// ends ([`PlanError::CurveJump`], [`PlanError::CurveTime`]), or as [`certify_curve`](Self::certify_curve) does.
     pub fn certify_spline(&mut self, curves: &[JointCurve]) -> Result<(usize, Verdict), PlanError> {
         if curves.is_empty() {
             return Err(PlanError::Empty);
@@ -109,6 +109,12 @@ impl<C: ConfigurationSpace> Checker<C> {
             if let Some(coordinate) = end.iter().zip(&start).position(|(x, y)| x != y) {
                 let index = k + 1;
                 return Err(PlanError::CurveJump { index, coordinate });
+            }
+            if let (Some([_, end]), Some([start, _])) = (pair[0].times(), pair[1].times())
+                && start != end
+            {
+                let index = k + 1;
+                return Err(PlanError::CurveTime { index, start, end });
             }
         }
         let mut contacts = Vec::new();
@@ -169,7 +175,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         if let Some(&value) = tube.iter().find(|x| !(0.0..=EXTENT_MAX).contains(*x)) {
             return refused("entry of a tube", value);
         }
-        let motion = self.space.curve(curve)?;
+        let motion = self.curve(curve)?;
         let ball = BodyBall {
             body: 0,
             centre: Point3::origin(),

@@ -6,6 +6,7 @@ use std::vec::Vec;
 use nalgebra::Isometry3;
 
 use crate::error::PlanError;
+use crate::timed_poses::TimedPoses;
 use crate::world::{AttachedObject, Frame, World, WorldId, WorldPair};
 use lin_canny::Geometry;
 
@@ -17,6 +18,8 @@ pub(crate) struct StoredWorld {
     frames: Vec<(String, Frame)>,
     attached: Vec<Option<AttachedObject>>,
     obstacles: Vec<Option<(String, Geometry, Isometry3<f64>)>>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    motions: Vec<(WorldId, TimedPoses)>,
     excluded: Vec<WorldPair>,
     margin: f64,
     paddings: Vec<(WorldId, f64)>,
@@ -30,6 +33,7 @@ impl From<World> for StoredWorld {
             frames: world.frames,
             attached: world.attached,
             obstacles: world.obstacles,
+            motions: world.motions.into_iter().collect(),
             excluded: world.excluded.into_iter().collect(),
             margin: world.margin,
             paddings: world.paddings.into_iter().collect(),
@@ -47,6 +51,7 @@ impl TryFrom<StoredWorld> for World {
             frames: stored.frames,
             attached: stored.attached,
             obstacles: stored.obstacles,
+            motions: stored.motions.into_iter().collect(),
             excluded: stored.excluded.into_iter().collect(),
             margin: stored.margin,
             paddings: stored.paddings.into_iter().collect(),

@@ -8,6 +8,7 @@ use crate::attached::CarriedMotion;
 use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
+use crate::timed_poses::PosePart;
 use crate::tree::TreeJoint;
 use lin_canny::motion::{Motion, MotionModel, Steady};
 
@@ -288,6 +289,7 @@ impl<M: SegmentMotion + ?Sized> Motion for BodyMotion<'_, M> {
 pub(crate) enum PartMotion<'a, M> {
     Robot(CarriedMotion<'a, M>),
     Obstacle(&'a Steady),
+    Moving(&'a PosePart),
 }
 
 impl<M: SegmentMotion> Motion for PartMotion<'_, M> {
@@ -295,6 +297,7 @@ impl<M: SegmentMotion> Motion for PartMotion<'_, M> {
         match self {
             Self::Robot(motion) => motion.pose(time),
             Self::Obstacle(motion) => motion.pose(time),
+            Self::Moving(motion) => motion.pose(time),
         }
     }
 
@@ -302,6 +305,7 @@ impl<M: SegmentMotion> Motion for PartMotion<'_, M> {
         match self {
             Self::Robot(motion) => motion.model(time, span),
             Self::Obstacle(motion) => motion.model(time, span),
+            Self::Moving(motion) => motion.model(time, span),
         }
     }
 
@@ -309,6 +313,7 @@ impl<M: SegmentMotion> Motion for PartMotion<'_, M> {
         match self {
             Self::Robot(motion) => motion.placed(time, span),
             Self::Obstacle(motion) => motion.placed(time, span),
+            Self::Moving(motion) => motion.placed(time, span),
         }
     }
 }

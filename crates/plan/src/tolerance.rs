@@ -103,3 +103,25 @@ pub(crate) const RANGE_FRAME: f64 = 512.0 * UNIT;
 /// remainders errs by UNIT of `L (1 + S)^3` for each term. Two bodies double this: 2 (400 + m + m^2
 /// / 2) UNIT, which is below 512 (m + 2) UNIT for up to 500 joints.
 pub(crate) const RANGE_TERM: f64 = 512.0 * UNIT;
+
+/// Error of the angle of a body between two timed poses.
+///
+/// As vectors of quaternions, two norms err by 3 UNIT each and their product by 8, which rotates by
+/// twice as much: 28 UNIT. The angle, at most half a turn, errs by 4 UNIT of its value.
+pub(crate) const SLERP_TURN: f64 = 64.0 * UNIT;
+
+/// Error of the position of a body between two timed poses, in units of the 1-norms of both
+/// positions: their difference, and the sum with the first.
+pub(crate) const SLERP_PLACE: f64 = 4.0 * UNIT;
+
+/// Error of a fraction of the motion between two timed poses at a time of a curve, in units of the
+/// fraction at the start of the curve, of the change of the fraction along the curve, and of one.
+///
+/// A quotient of two differences errs by 3 UNIT, the change by one more, and their sum by one: 5
+/// UNIT, at the start of a bound and at its end. The velocity errs by 4 UNIT, and the time of a row
+/// on the curve by 4. Together this is 18 UNIT.
+pub(crate) const CLOCK: f64 = 32.0 * UNIT;
+
+/// Cosine of half the angle between two rotations below which both directions of the rotation from
+/// one to the other are equally near. Not a matter of soundness: it chooses the motion.
+pub(crate) const HALF_TURN: f64 = 16.0 * UNIT;

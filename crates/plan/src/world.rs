@@ -10,6 +10,7 @@ use nalgebra::Isometry3;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::names::nearest_name;
+use crate::timed_poses::TimedPoses;
 use lin_canny::{EXTENT_MAX, Geometry, GeometryKind, RelativePose, normalize_rotation};
 
 /// The bodies of a robot, objects attached to it, and obstacles, of any kind of geometry.
@@ -34,6 +35,8 @@ pub struct World {
     pub(crate) attached: Vec<Option<AttachedObject>>,
     /// `None` for an obstacle that was removed.
     pub(crate) obstacles: Vec<Option<(String, Geometry, Isometry3<f64>)>>,
+    /// The poses of the obstacles that move; their poses in `obstacles` are the first.
+    pub(crate) motions: BTreeMap<WorldId, TimedPoses>,
     pub(crate) excluded: BTreeSet<WorldPair>,
     pub(crate) margin: f64,
     pub(crate) paddings: BTreeMap<WorldId, f64>,
@@ -208,7 +211,60 @@ impl World {
         WorldId::Obstacle(self.obstacles.len() - 1)
     }
 
-    /// Moves obstacles to a pose in the world, and returns them.
+    /// Adds an obstacle that moves: it has these poses in the world at times on a clock.
+    ///
+    /// A motion among moving obstacles is a curve with times ([`JointCurve::with_times`](crate::JointCurve::with_times)),
+    /// and configurations are queried at the time of [`Checker::set_time`](crate::Checker::set_time). All
+    /// other motions and configurations are errors ([`PlanError::NoTime`]), as are times at which the
+    /// obstacle has no pose ([`PlanError::PoseTime`]).
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, UnitQuaternion};
+    /// use lin_canny::Shape;
+    /// use lin_canny_plan::{Checker, JointCurve, TimedPoses, TranslationSpace, World};
+    ///
+    /// // A drone flies 4 m along x in the seconds 0 to 2. A train crosses its path.
+    /// let at = |y: f64| Isometry3::translation(2.0, y, 0.0);
+    /// let crossing = TimedPoses::new(&[0.0, 4.0], &[at(-4.0), at(4.0)])?;
+    /// let mut world = World::new();
+    /// world.robot_body("drone", Shape::ball(0.2)?);
+    /// world.moving_obstacle("train", Shape::ball(0.5)?, crossing);
+    /// let space = TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1)?;
+    /// let mut checker = Checker::new(space, world)?;
+    ///
+    /// let flight = JointCurve::bezier(&[[0.0; 3], [4.0, 0.0, 0.0]])?;
+    /// let verdict = checker.certify_curve(&flight.clone().with_times([0.0, 2.0])?)?;
+    /// assert!(verdict.is_free(), "it is past before the train arrives");
+    /// let verdict = checker.certify_curve(&flight.clone().with_times([1.0, 3.0])?)?;
+    /// assert!(checker.show(&verdict).to_string().starts_with("blocked by drone and train"));
+    /// assert!(checker.certify_curve(&flight).is_err(), "the curve has no times");
+    ///
+    /// checker.set_time(2.0)?;
+    /// assert_eq!(checker.clearance(&[0.0; 3])?.unwrap().distance, 1.3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn moving_obstacle(&mut self, name: impl ToString, shape: impl Into<Geometry>, poses: TimedPoses) -> WorldId {
+        let id = self.obstacle(name, shape, poses.poses()[0]);
+        self.motions.insert(id, poses);
+        id
+    }
+
+    /// Returns the poses of an obstacle that moves; `None` for any other body.
+    #[must_use]
+    pub fn obstacle_motion(&self, id: WorldId) -> Option<&TimedPoses> {
+        self.motions.get(&id)
+    }
+
+    /// Returns the error of a query without a time, if an obstacle moves.
+    pub(crate) fn check_at_rest(&self) -> Result<(), PlanError> {
+        match self.motions.keys().next() {
+            Some(id) => Err(PlanError::NoTime(self.name(*id).to_string())),
+            None => Ok(()),
+        }
+    }
+
+    /// Moves obstacles to a pose in the world, and returns them. An obstacle that moved is at rest
+    /// from then on.
     ///
     /// # Errors
     /// Returns an error if the pose is invalid or out of range, or if a body does not exist or is
@@ -224,6 +280,7 @@ impl World {
             if let Some(obstacle) = self.obstacle_mut(*id) {
                 obstacle.2 = pose;
             }
+            self.motions.remove(id);
         }
         Ok(found)
     }
@@ -359,6 +416,7 @@ impl World {
     /// Removes what is known about the pairs of a body.
     fn forget_body(&mut self, id: WorldId) {
         self.paddings.remove(&id);
+        self.motions.remove(&id);
         let robot = (0..self.robot.len()).map(WorldId::Robot);
         let attached = (0..self.attached.len()).map(WorldId::Attached);
         let mut partners: Vec<WorldId> = robot.chain(attached).collect();
@@ -462,7 +520,8 @@ impl World {
         }
     }
 
-    /// Returns the pose of an obstacle in the world; `None` if it does not exist.
+    /// Returns the pose of an obstacle in the world, the first if it moves; `None` if it does not
+    /// exist.
     #[must_use]
     pub fn obstacle_pose(&self, id: WorldId) -> Option<&Isometry3<f64>> {
         match id {
@@ -493,7 +552,8 @@ impl World {
         attached.filter_map(|(k, object)| Some((WorldId::Attached(k), object.as_ref()?)))
     }
 
-    /// Returns name, geometry and pose of the obstacles, without those that were removed.
+    /// Returns name, geometry and pose of the obstacles, without those that were removed. An
+    /// obstacle that moves has its first pose: see [`obstacle_motion`](Self::obstacle_motion).
     ///
     /// If none was removed, the k-th obstacle has the id `WorldId::Obstacle(k)`.
     pub fn obstacles(&self) -> impl ExactSizeIterator<Item = (&str, &Geometry, &Isometry3<f64>)> {
@@ -592,6 +652,12 @@ impl World {
             }
         }
         self.paddings.keys().try_for_each(|id| has(*id))?;
+        for id in self.motions.keys() {
+            has(*id)?;
+            if self.obstacle_pose(*id).is_none() {
+                return Err(PlanError::NoBody(*id));
+            }
+        }
         check_length("margin", self.margin)?;
         self.margins
             .values()

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::Isometry3;
+use lin_canny_plan::TimedPoses;
 
 use crate::cell_body::{AttachedBody, BodyText, parse_json};
 use crate::error::{FileError, FileErrorKind, Skipped};
@@ -22,8 +23,10 @@ pub struct Obstacle {
     pub name: String,
     /// Geometry, in the frame of the obstacle.
     pub geometry: Geometry,
-    /// Pose in the world.
+    /// Pose in the world, the first of an obstacle that moves.
     pub pose: Isometry3<f64>,
+    /// Poses at times on a clock, if the obstacle moves.
+    pub poses: Option<TimedPoses>,
 }
 
 /// The bodies that a name in a cell stands for: all bodies with this name, or one of them.
@@ -103,6 +106,12 @@ impl From<NameText> for BodyName {
 /// | `half_space` | `normal`, `offset` (0 by default): the points x with `normal . x <= offset` |
 /// | `geometry` | any geometry in the form in which `lin-canny` serialises it |
 /// | `heights` | `file` (rows of numbers, or an npy array of two axes) or `values`; `spacing` `[x, y]`: value `[i][j]` is at `(j x, i y)`; `base`: the body is solid down to this height, else an open surface |
+///
+/// An obstacle that moves has `poses` in place of a pose: `{"file": "poses.csv"}`, a file with the
+/// columns `time`, `x`, `y`, `z`, `qx`, `qy`, `qz` and `qw` in any order, or `{"rows": [...]}` with these
+/// eight numbers in each row. Positions are linear in between, and rotations are by slerp: see
+/// [`TimedPoses`]. Times are those of the trajectory, which must have no time before the first row
+/// or after the last.
 ///
 /// A body has exactly one shape. Its pose in the world is `xyz`, and either `rpy` in radians or the
 /// quaternion `xyzw`, which is normalised unless its squared norm is 1 to 1e-12. A path is relative to the folder of the JSON file, or starts with `package://`
@@ -210,7 +219,7 @@ impl Cell {
         check_content(text).map_err(|reason| FileError::new(path, Some(1), "", reason))?;
         let cell: CellText = parse_json(text, path)?;
         let mut found = Self::default();
-        for (k, body) in cell.bodies.into_iter().enumerate() {
+        for (k, mut body) in cell.bodies.into_iter().enumerate() {
             let element = format!("bodies[{k}] {:?}", body.name);
             let wrong = |reason| FileError::new(path, None, element.clone(), reason);
             if body.touch_links.is_some() {
@@ -218,11 +227,13 @@ impl Cell {
                 return Err(wrong(FileErrorKind::Unsupported(what.into())));
             }
             let name = body.name.clone();
+            let poses = body.take_poses(&element, path, packages)?;
             if let Some(body) = found.body(body, element, path, packages, options)? {
                 found.obstacles.push(Obstacle {
                     name,
                     geometry: body.geometry,
-                    pose: body.pose,
+                    pose: poses.as_ref().map_or(body.pose, |poses| poses.poses()[0]),
+                    poses,
                 });
             }
         }
@@ -280,7 +291,11 @@ impl Setup {
     pub fn cell(&mut self, cell: &Cell) {
         let added = cell.obstacles.iter().filter(|obstacle| !self.has_half_space(obstacle));
         for obstacle in added.collect::<Vec<_>>() {
-            self.obstacle(&obstacle.name, obstacle.geometry.clone(), obstacle.pose);
+            let (name, geometry) = (&obstacle.name, obstacle.geometry.clone());
+            match &obstacle.poses {
+                Some(poses) => self.moving_obstacle(name, geometry, poses.clone()),
+                None => self.obstacle(name, geometry, obstacle.pose),
+            }
         }
         for (link, object) in &cell.attached {
             self.attach(link, object.clone());

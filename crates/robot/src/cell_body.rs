@@ -5,12 +5,14 @@ use std::path::Path;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Mesh, RelativePose, normalize_rotation};
 use lin_canny_formats::{Grid, Invalid, PointFile, Points};
+use lin_canny_plan::TimedPoses;
 
 use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::geometry::{self, MeshUse, Solid};
 use crate::mesh_file::MeshPlacing;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
+use crate::pose_file::{self, PoseRow};
 use crate::text::check_content;
 use crate::turn::{from_xyzw, roll_pitch_yaw};
 
@@ -66,6 +68,10 @@ impl AttachedBody {
         options: &LoadOptions,
     ) -> Result<Self, FileError> {
         let wrong = |reason| FileError::new(path, None, element.clone(), reason);
+        if body.poses.is_some() {
+            let what = "poses of an attached object (expected in an obstacle of a cell)";
+            return Err(wrong(FileErrorKind::Unsupported(what.into())));
+        }
         let pose = body.pose().map_err(wrong)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut notes = Vec::new();
@@ -109,10 +115,10 @@ pub(crate) struct BodyText {
     half_space: Option<HalfSpaceText>,
     heights: Option<HeightsText>,
     geometry: Option<Geometry>,
-    #[serde(default)]
-    xyz: [f64; 3],
+    xyz: Option<[f64; 3]>,
     rpy: Option<[f64; 3]>,
     xyzw: Option<[f64; 4]>,
+    pub(crate) poses: Option<PosesText>,
     pub(crate) touch_links: Option<Vec<String>>,
 }
 
@@ -176,6 +182,14 @@ struct VoxelsText {
 enum SizeText {
     Cube(f64),
     Box([f64; 3]),
+}
+
+/// Timed poses: a CSV file, or rows of time, position and quaternion.
+#[derive(serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum PosesText {
+    File(String),
+    Rows(Vec<PoseRow>),
 }
 
 #[derive(serde::Deserialize, serde::Serialize)]
@@ -256,9 +270,34 @@ impl BodyText {
         }
     }
 
+    /// Takes the timed poses of a body that moves.
+    pub(crate) fn take_poses(
+        &mut self,
+        element: &str,
+        path: &Path,
+        packages: &Packages,
+    ) -> Result<Option<TimedPoses>, FileError> {
+        let wrong = |reason| FileError::new(path, None, element, reason);
+        let Some(poses) = self.poses.take() else {
+            return Ok(None);
+        };
+        if self.xyz.is_some() || self.rpy.is_some() || self.xyzw.is_some() {
+            let reason = "both poses and xyz, rpy or xyzw are given (expected one)";
+            return Err(wrong(FileErrorKind::Malformed(reason.into())));
+        }
+        match poses {
+            PosesText::Rows(rows) => pose_file::of_rows(&rows).map_err(wrong).map(Some),
+            PosesText::File(name) => {
+                let folder = path.parent().unwrap_or(Path::new(""));
+                pose_file::load(&packages.find(&name, folder).map_err(wrong)?).map(Some)
+            }
+        }
+    }
+
     /// Returns the pose. A quaternion that a checker takes as it is keeps its bits.
     pub(crate) fn pose(&self) -> Result<Isometry3<f64>, FileErrorKind> {
-        let placed = |turn| Isometry3::from_parts(Translation3::from(Vector3::from(self.xyz)), turn);
+        let placed =
+            |turn| Isometry3::from_parts(Translation3::from(Vector3::from(self.xyz.unwrap_or_default())), turn);
         let turn = match (self.rpy, self.xyzw) {
             (Some(_), Some(_)) => {
                 return Err(FileErrorKind::Malformed(

@@ -7,13 +7,14 @@ use std::path::Path;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::shape::Core;
 use lin_canny::{Geometry, RelativePose};
-use lin_canny_plan::{World, WorldId};
+use lin_canny_plan::{TimedPoses, World, WorldId};
 use serde::Serialize;
 
 use crate::cell::{BodyName, Cell, Obstacle};
-use crate::cell_body::{AttachedBody, BlockText, EllipsoidText, HalfSpaceText, RoundText, SphereText};
+use crate::cell_body::{AttachedBody, BlockText, EllipsoidText, HalfSpaceText, PosesText, RoundText, SphereText};
 use crate::error::{FileError, FileErrorKind};
 use crate::geometry::Solid;
+use crate::pose_file;
 
 /// A body of a cell, as it is written.
 #[derive(Serialize)]
@@ -21,10 +22,18 @@ struct BodyLine<'a> {
     name: &'a str,
     #[serde(flatten)]
     shape: ShapeText<'a>,
-    xyz: [f64; 3],
-    xyzw: [f64; 4],
+    #[serde(flatten)]
+    pose: PoseText,
     #[serde(skip_serializing_if = "<[String]>::is_empty")]
     touch_links: &'a [String],
+}
+
+/// The pose of a body, or the poses of one that moves.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum PoseText {
+    Still { xyz: [f64; 3], xyzw: [f64; 4] },
+    Moving { poses: PosesText },
 }
 
 /// A shape with its name in a cell, or else the geometry in full.
@@ -104,10 +113,15 @@ impl Cell {
     #[must_use]
     pub fn from_world(world: &World) -> Self {
         let names = Names::new(world);
-        let obstacles = world.obstacles().map(|(name, geometry, pose)| Obstacle {
+        let ids = world
+            .bodies()
+            .map(|(id, _)| id)
+            .filter(|id| world.obstacle_pose(*id).is_some());
+        let obstacles = world.obstacles().zip(ids).map(|((name, geometry, pose), id)| Obstacle {
             name: name.into(),
             geometry: geometry.clone(),
             pose: *pose,
+            poses: world.obstacle_motion(id).cloned(),
         });
         let attached = world.attached().map(|(_, object)| {
             let body = AttachedBody {
@@ -178,22 +192,29 @@ impl Cell {
         if let Some((name, length)) = lengths.into_iter().find(|(_, length)| !length.is_finite()) {
             return Err(wrong(&name.to_string(), format!("margin is not finite: {length}")));
         }
-        let body = |name, geometry, pose: &Isometry3<f64>, touch_links| {
+        let body = |name, geometry, pose: &Isometry3<f64>, poses: Option<&TimedPoses>, touch_links| {
             RelativePose::from_isometry(pose).map_err(|error| wrong(name, error.to_string()))?;
             Ok(BodyLine {
                 name,
                 shape: shape(geometry),
-                xyz: pose.translation.vector.into(),
-                xyzw: pose.rotation.coords.into(),
+                pose: match poses {
+                    Some(poses) => PoseText::Moving {
+                        poses: PosesText::Rows(pose_file::rows(poses)),
+                    },
+                    None => PoseText::Still {
+                        xyz: pose.translation.vector.into(),
+                        xyzw: pose.rotation.coords.into(),
+                    },
+                },
                 touch_links,
             })
         };
         let bodies = self
             .obstacles
             .iter()
-            .map(|o| body(&o.name, &o.geometry, &o.pose, &[][..]));
+            .map(|o| body(&o.name, &o.geometry, &o.pose, o.poses.as_ref(), &[][..]));
         let attached = self.attached.iter().map(|(link, o)| {
-            let body = body(&o.name, &o.geometry, &o.pose, &o.touch_links)?;
+            let body = body(&o.name, &o.geometry, &o.pose, None, &o.touch_links)?;
             Ok(AttachedLine { link, body })
         });
         let paddings = self

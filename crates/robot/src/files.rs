@@ -1,12 +1,13 @@
-//! Loads a robot and its cell from all their files.
+//! Loads robots and their cell from all their files.
 
-use std::path::PathBuf;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Isometry3;
 
 use crate::cell::Cell;
 use crate::cell_body::AttachedBody;
-use crate::error::FileError;
+use crate::error::{FileError, FileErrorKind};
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::robot::Robot;
@@ -35,6 +36,8 @@ pub struct RobotFiles {
     pub robot: PathBuf,
     /// Link pairs to ignore, as SRDF.
     pub srdf: Option<PathBuf>,
+    /// Further robots in the same cell.
+    pub others: Vec<OtherRobot>,
     /// The obstacles, as JSON or SDFormat: see [`Cell`].
     pub cell: Option<PathBuf>,
     /// Folders of `package://` paths.
@@ -51,6 +54,54 @@ pub struct RobotFiles {
     pub excluded: Vec<[String; 2]>,
 }
 
+/// A further robot in the cell of [`RobotFiles`].
+///
+/// Its joints and links have the prefix before their names, and so do the columns of a trajectory.
+#[derive(Clone, Debug)]
+pub struct OtherRobot {
+    /// What the names of joints and links start with.
+    pub prefix: String,
+    /// The robot, as URDF, MJCF or SDFormat.
+    pub robot: PathBuf,
+    /// Link pairs to ignore, as SRDF without the prefix.
+    pub srdf: Option<PathBuf>,
+    /// Pose of the root link in the world.
+    pub pose: Isometry3<f64>,
+}
+
+impl OtherRobot {
+    /// Returns a robot at the origin of the world, without an SRDF.
+    #[must_use]
+    pub fn new(prefix: impl Into<String>, robot: impl Into<PathBuf>) -> Self {
+        Self {
+            prefix: prefix.into(),
+            robot: robot.into(),
+            srdf: None,
+            pose: Isometry3::identity(),
+        }
+    }
+}
+
+/// Names of links and of coordinates that are in use.
+#[derive(Default)]
+struct UsedNames(BTreeSet<(&'static str, String)>);
+
+impl UsedNames {
+    /// Adds the names of a robot.
+    fn add(&mut self, prefix: &str, robot: &Robot, file: &Path) -> Result<(), FileError> {
+        let links = robot.links().iter().map(|link| ("link", &link.name));
+        let all = links.chain(robot.coordinates().iter().map(|c| ("joint", &c.name)));
+        for (kind, name) in all {
+            let name = format!("{prefix}{name}");
+            if !self.0.insert((kind, name.clone())) {
+                let element = format!("{kind} {name:?}");
+                return Err(FileError::new(file, None, element, FileErrorKind::Repeated));
+            }
+        }
+        Ok(())
+    }
+}
+
 impl RobotFiles {
     /// Returns the files of a robot without a cell.
     ///
@@ -65,14 +116,15 @@ impl RobotFiles {
         }
     }
 
-    /// Returns the robot, and the setup of robot and cell for a checker.
+    /// Returns the first robot, and the setup of all robots and the cell for a checker.
     ///
-    /// Names of attached objects, paddings and excluded pairs are checked by
-    /// [`Setup::checker`].
+    /// The coordinates of the setup are those of the first robot, then those of each further robot
+    /// with its prefix. All pairs of links of two robots are checked. Names of attached objects,
+    /// paddings and excluded pairs are checked by [`Setup::checker`].
     ///
     /// # Errors
-    /// Returns an error if a file is invalid, or if the robot has no link of a name in
-    /// `options.link_meshes`.
+    /// Returns an error if a file is invalid, if the robot has no link of a name in
+    /// `options.link_meshes`, or if two robots have a link or joint of the same name.
     pub fn load(&self) -> Result<(Robot, Setup), FileError> {
         let robot = Robot::load_with(&self.robot, &self.packages, &self.options)?;
         for name in self.options.link_meshes.keys() {
@@ -83,11 +135,27 @@ impl RobotFiles {
         }
         let mut setup = Setup::new();
         setup.robot("", &robot, Isometry3::identity());
+        let mut used = UsedNames::default();
+        let mut others = Vec::new();
+        for other in &self.others {
+            if others.is_empty() {
+                used.add("", &robot, &self.robot)?;
+            }
+            let further = Robot::load_with(&other.robot, &self.packages, &self.options)?;
+            used.add(&other.prefix, &further, &other.robot)?;
+            setup.robot(&other.prefix, &further, other.pose);
+            others.push(further);
+        }
         if !self.check_adjacent {
             setup.exclude_adjacent();
         }
         if let Some(file) = &self.srdf {
             setup.exclude_srdf("", &Srdf::load(file, &robot)?);
+        }
+        for (other, further) in self.others.iter().zip(&others) {
+            if let Some(file) = &other.srdf {
+                setup.exclude_srdf(&other.prefix, &Srdf::load(file, further)?);
+            }
         }
         if let Some(file) = &self.cell {
             setup.cell(&Cell::load(file, &self.packages, &self.options)?);

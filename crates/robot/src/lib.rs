@@ -31,7 +31,8 @@
 //! | use the groups and named states of an SRDF | [`Srdf::groups`], [`Srdf::state`] |
 //! | load obstacles from JSON or SDFormat | [`Cell`] |
 //! | save the world of a checker, and load it again | [`Cell::from_world`], [`Cell::save`] |
-//! | load all files of a robot and its cell in one call | [`RobotFiles`] |
+//! | load all files of robots and their cell in one call | [`RobotFiles`], [`OtherRobot`] |
+//! | obstacles that move on the clock of a trajectory | [`Cell`] with `poses`, [`Setup::moving_obstacle`] |
 //! | put robots and obstacles into one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
 //! | read configurations from CSV | [`Trajectory`] |
 //! | read trajectories with times and velocities from CSV, or from the JSON or YAML of ROS | [`Trajectory::load_timed`], [`Trajectory::curves`] |
@@ -177,6 +178,7 @@ mod audit;
 mod cell;
 mod cell_body;
 mod cell_save;
+mod csv_rows;
 mod drake;
 mod error;
 mod excludable;
@@ -189,6 +191,7 @@ mod message;
 mod mjcf;
 mod options;
 mod packages;
+mod pose_file;
 mod recorder;
 mod robot;
 mod sdformat;
@@ -206,7 +209,7 @@ pub use cell::{BodyName, Cell, Obstacle};
 pub use cell_body::AttachedBody;
 pub use error::{FileError, FileErrorKind, Skipped};
 pub use excludable::{ExcludeReason, LinkPairCount, find_excludable};
-pub use files::RobotFiles;
+pub use files::{OtherRobot, RobotFiles};
 pub use geometry::MeshUse;
 pub use groups::{GroupState, JointGroup, VirtualJoint};
 pub use lin_canny;

@@ -47,7 +47,8 @@ struct Shown {
 }
 
 impl RobotRecorder {
-    /// Starts a recording of the bodies of a checker, with the robot at the configuration `q`.
+    /// Starts a recording of the bodies of a checker, with the robot at the configuration `q`, and
+    /// moving obstacles at the time of [`Checker::set_time`].
     ///
     /// # Errors
     /// Returns an error if the file cannot be written, or if recordings do not support a shape.
@@ -118,7 +119,7 @@ impl RobotRecorder {
         for (id, name) in world.bodies() {
             let Some(geometry) = world.geometry(id) else { continue };
             // Poses of a configuration that is invalid are those of no configuration.
-            let pose = match world.obstacle_pose(id) {
+            let pose = match world.obstacle_pose(id).filter(|_| world.obstacle_motion(id).is_none()) {
                 Some(pose) => *pose,
                 None => checker.pose(id, q).unwrap_or_default(),
             };

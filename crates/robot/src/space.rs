@@ -4,7 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::{Geometry, GeometryKind};
-use lin_canny_plan::{Checker, Drive, JointKind, JointTree, PlanError, TreeJoint, World, WorldId, WorldPair};
+use lin_canny_plan::{
+    Checker, Drive, JointKind, JointTree, PlanError, TimedPoses, TreeJoint, World, WorldId, WorldPair,
+};
 
 use crate::cell::{BodyName, Cell, Obstacle};
 use crate::cell_body::AttachedBody;
@@ -59,6 +61,8 @@ pub struct Setup {
     /// tree.
     link_frames: Vec<(String, LinkFrame)>,
     obstacles: Vec<(String, Geometry, Isometry3<f64>)>,
+    /// The poses of obstacles that move, by their indices.
+    motions: BTreeMap<usize, TimedPoses>,
     /// The obstacles that are half-spaces of links of robots.
     half_spaces: BTreeSet<usize>,
     /// The link and the object.
@@ -188,6 +192,13 @@ impl Setup {
     /// Adds an obstacle at a pose in the world.
     pub fn obstacle(&mut self, name: impl Into<String>, geometry: impl Into<Geometry>, pose: Isometry3<f64>) {
         self.obstacles.push((name.into(), geometry.into(), pose));
+    }
+
+    /// Adds an obstacle that moves: see [`World::moving_obstacle`].
+    pub fn moving_obstacle(&mut self, name: impl Into<String>, geometry: impl Into<Geometry>, poses: TimedPoses) {
+        let first = poses.poses()[0];
+        self.motions.insert(self.obstacles.len(), poses);
+        self.obstacle(name, geometry, first);
     }
 
     /// Attaches an object to a link: see [`Checker::attach`].
@@ -335,7 +346,7 @@ impl Setup {
 
     /// Returns whether an obstacle is a half-space of a robot, which is already in the setup.
     pub(crate) fn has_half_space(&self, obstacle: &Obstacle) -> bool {
-        let Geometry::HalfSpace(space) = &obstacle.geometry else {
+        let (Geometry::HalfSpace(space), None) = (&obstacle.geometry, &obstacle.poses) else {
             return false;
         };
         let mut own = self.half_spaces.iter().map(|&k| &self.obstacles[k]);
@@ -399,8 +410,11 @@ impl Setup {
                 LinkFrame::Link(_) => world.bare_frame(name),
             }
         }
-        for (name, geometry, pose) in &self.obstacles {
-            world.obstacle(name, geometry.clone(), *pose);
+        for (k, (name, geometry, pose)) in self.obstacles.iter().enumerate() {
+            match self.motions.get(&k) {
+                Some(poses) => world.moving_obstacle(name, geometry.clone(), poses.clone()),
+                None => world.obstacle(name, geometry.clone(), *pose),
+            };
         }
         let is_at_rest = |pair: WorldPair| match (pair.a, pair.b) {
             (WorldId::Robot(a), WorldId::Obstacle(b)) => {

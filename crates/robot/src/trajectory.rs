@@ -1,12 +1,11 @@
 //! Trajectories: configurations in CSV files, and points with times, velocities and accelerations.
 
-use std::io::Read as _;
 use std::path::Path;
 
+use crate::csv_rows::Records;
 use crate::error::{FileError, FileErrorKind};
 use crate::message;
 use crate::robot::Coordinate;
-use crate::text::check_content;
 use crate::yaml;
 use lin_canny_plan::{JointCurve, PlanError, nearest_name as nearest};
 
@@ -133,7 +132,8 @@ impl Trajectory {
 
     /// Returns the curve from each row to the next, as the joint trajectory controller of ROS 2
     /// interpolates: of degree 1, of degree 3 if both rows have velocities, of degree 5 if both
-    /// have accelerations as well.
+    /// have accelerations as well. Curves have the times of their rows
+    /// ([`JointCurve::times`]), if there are times.
     ///
     /// # Errors
     /// Returns an error if the times do not increase or a number is out of range.
@@ -142,14 +142,16 @@ impl Trajectory {
             let ends = [&ends[0], &ends[1]];
             let both = |of: &[Vec<f64>]| Some([of.get(k)?.clone(), of.get(k + 1)?.clone()]);
             let given = |of: &[Vec<f64>]| both(of).filter(|of| of.iter().all(|row| !row.is_empty()));
-            let duration = self.times.as_ref().map_or(1.0, |times| times[k + 1] - times[k]);
-            match (given(&self.velocities), given(&self.accelerations)) {
+            let times = self.times.as_ref().map(|times| [times[k], times[k + 1]]);
+            let duration = times.map_or(1.0, |[from, until]| until - from);
+            let curve = match (given(&self.velocities), given(&self.accelerations)) {
                 (None, _) => JointCurve::bezier(&ends),
                 (Some([v, w]), None) => JointCurve::cubic(ends[0], ends[1], &v, &w, duration),
                 (Some(velocities), Some(accelerations)) => {
                     JointCurve::quintic(ends.map(Clone::clone), velocities, accelerations, duration)
                 }
-            }
+            }?;
+            times.map_or(Ok(curve.clone()), |times| curve.with_times(times))
         });
         each.collect()
     }
@@ -189,37 +191,19 @@ impl Trajectory {
         rest: &[Option<f64>],
         is_timed: bool,
     ) -> Result<Self, FileError> {
-        check_content(text).map_err(|reason| FileError::new(path, Some(1), "", reason))?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut lines = Lines::new(text);
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .comment(Some(b'#'))
-            .flexible(true)
-            // A comment in the last line without an end would be a record.
-            .from_reader(text.as_bytes().chain(&b"\n"[..]));
-        let malformed = |e: csv::Error| FileError::new(path, None, "", FileErrorKind::Malformed(e.to_string()));
-        let header = reader.headers().map_err(malformed)?;
-        let (line, count) = (lines.of(header.position()), header.len());
-        let columns = columns(header, coordinates, rest, is_timed)
-            .map_err(|(column, reason)| FileError::new(path, Some(line), column, reason))?;
-        let names: Vec<String> = header.iter().map(String::from).collect();
+        let mut records = Records::new(text, path)?;
+        let columns = columns(&records.names, coordinates, rest, is_timed)
+            .map_err(|(column, reason)| FileError::new(path, Some(records.line), column, reason))?;
         let is_derivative = |order: usize| move |c: &Column| matches!(c, Column::Derivative(o, _) if *o == order);
         let has = [0, 1].map(|order| columns.iter().any(is_derivative(order)));
         let mut trajectory = Self::default();
         let mut times = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(malformed)?;
-            let line = lines.of(record.position());
-            if record.len() != count {
-                let reason = format!("wrong number of fields: {} (expected {count})", record.len());
-                return Err(FileError::new(path, Some(line), "", FileErrorKind::Malformed(reason)));
-            }
+        while let Some((line, record)) = records.next_row()? {
             let wrong = |column: &str, reason| FileError::new(path, Some(line), format!("column {column:?}"), reason);
             let mut row: Vec<f64> = rest.iter().map(|value| value.unwrap_or_default()).collect();
             row.resize(coordinates.len(), 0.0);
             let mut derivatives = has.map(|has| vec![0.0; if has { row.len() } else { 0 }]);
-            for ((text, name), column) in record.iter().zip(&names).zip(&columns) {
+            for ((text, name), column) in record.iter().zip(&records.names).zip(&columns) {
                 let value = number(text, name).map_err(|reason| wrong(name, reason))?;
                 match *column {
                     Column::Time => {
@@ -249,42 +233,8 @@ impl Trajectory {
     }
 }
 
-/// Counts the lines of a text up to its records, which come in order.
-///
-/// The positions of the reader are before the line feed of a CR LF and before blank lines and
-/// comments.
-struct Lines<'a> {
-    text: &'a str,
-    at: usize,
-    line: u32,
-}
-
-impl<'a> Lines<'a> {
-    fn new(text: &'a str) -> Self {
-        Self { text, at: 0, line: 1 }
-    }
-
-    /// Returns the line of the first letter of a record.
-    fn of(&mut self, position: Option<&csv::Position>) -> u32 {
-        let bytes = self.text.as_bytes();
-        let start = position.map_or(self.at, |p| p.byte() as usize);
-        let mut is_comment = false;
-        while let Some(&byte) = bytes.get(self.at) {
-            let is_end = matches!(byte, b'\r' | b'\n');
-            if self.at >= start {
-                is_comment = byte == b'#' || (is_comment && !is_end);
-                if !is_end && !is_comment {
-                    break;
-                }
-            }
-            self.at += 1;
-            self.line += u32::from(is_end && !(byte == b'\r' && bytes.get(self.at) == Some(&b'\n')));
-        }
-        self.line
-    }
-}
-
-fn number(text: &str, name: &str) -> Result<f64, FileErrorKind> {
+/// Returns the finite number of a field.
+pub(crate) fn number(text: &str, name: &str) -> Result<f64, FileErrorKind> {
     let value = text.parse::<f64>().ok().filter(|x| x.is_finite());
     value.ok_or_else(|| FileErrorKind::Number {
         field: name.into(),
@@ -344,7 +294,7 @@ pub(crate) fn check_complete(
 
 /// Returns what each column holds.
 fn columns(
-    header: &csv::StringRecord,
+    header: &[String],
     coordinates: &[Coordinate],
     rest: &[Option<f64>],
     is_timed: bool,

@@ -1088,3 +1088,150 @@ fn an_audit_proves_pairs_and_refutes_an_srdf() {
     let (code, text) = run("audit", &["--seconds", "0"]);
     assert!(code == 4 && text.contains("open"), "{text}");
 }
+
+const CROSSING: [&str; 4] = ["--srdf", "gripper.srdf", "--cell", "crossing.json"];
+
+#[test]
+fn obstacles_move_on_the_clock_of_the_trajectory() {
+    let with = |more: &[&'static str]| -> Vec<&'static str> { CROSSING.iter().chain(more).copied().collect() };
+    let (code, text) = run("certify", &with(&["--trajectory", "carry.csv"]));
+    assert!(code == 0 && text.contains("3 of 3 segments proven free"), "{text}");
+    // Rows with times are the same motion.
+    assert_eq!(run("certify", &with(&["--joints", "carry.csv"])), (code, text));
+    // Two seconds later the crate is there.
+    let rows = std::fs::read_to_string(examples().join("carry.csv")).expect("the rows");
+    let later = |by: f64, name: &str| {
+        let shifted = rows.lines().map(|line| match line.split_once(',') {
+            Some((time, rest)) if time.parse::<f64>().is_ok() => {
+                format!("{},{rest}", time.parse::<f64>().expect("a time") + by)
+            }
+            _ => line.to_owned(),
+        });
+        scratch(name, &shifted.collect::<Vec<_>>().join("\n"))
+    };
+    let with_file = |option: &'static str, file: &str| -> Vec<String> {
+        let all = CROSSING.iter().chain(&[option]).map(|s| (*s).to_owned());
+        all.chain([file.to_owned()]).collect()
+    };
+    let run_file = |command: &str, option: &'static str, file: &str, more: &[&str]| {
+        let arguments = with_file(option, file);
+        let arguments: Vec<&str> = arguments
+            .iter()
+            .map(String::as_str)
+            .chain(more.iter().copied())
+            .collect();
+        run(command, &arguments)
+    };
+    let late = later(2.5, "late.csv");
+    let (code, text) = run_file("certify", "--trajectory", &late, &[]);
+    assert!(code == 1 && text.contains("- crate meet at"), "{text}");
+    // A trajectory that lasts longer than the poses.
+    let long = later(4.0, "long.csv");
+    let (code, text) = run_file("certify", "--trajectory", &long, &[]);
+    let expected = "lines 5 to 6: obstacle \"crate\" has no pose at time 7.0 (its poses cover 0.0 to 6.0)";
+    assert!(code == 3 && text.contains(expected), "{text}");
+    let (code, text) = run_file("clearance", "--joints", &long, &[]);
+    assert!(
+        code == 3 && text.contains("line 6: obstacle \"crate\" has no pose at time 7.0"),
+        "{text}"
+    );
+    // Clearances are those at the times of the rows, and along the motion.
+    let (code, text) = run("clearance", &with(&["--joints", "carry.csv"]));
+    assert!(code == 0 && text.contains("4 rows, 0 in contact"), "{text}");
+    let (code, text) = run_file("clearance", "--joints", &late, &["--along", "--against", "cell"]);
+    assert!(code == 1 && text.contains("- crate"), "{text}");
+    // Without times.
+    let still: Vec<String> = rows
+        .lines()
+        .filter_map(|line| line.split_once(',').filter(|(time, _)| !time.starts_with('#')))
+        .map(|(_, rest)| rest.to_owned())
+        .collect();
+    let still = scratch("still.csv", &still.join("\n"));
+    for command in ["certify", "clearance"] {
+        let (code, text) = run_file(command, "--joints", &still, &[]);
+        let expected = "obstacle \"crate\" moves (expected a column \"time\")";
+        assert!(code == 3 && text.contains(expected), "{command}: {text}");
+    }
+    let (code, text) = run("plan", &with(&["--joints", "carry.csv"]));
+    let expected = "obstacle \"crate\" moves (expected obstacles at rest in the search for a path)";
+    assert!(code == 3 && text.contains(expected), "{text}");
+    // The cell is saved with its poses.
+    let out = scratch("saved.json", "");
+    let (code, text) = run("cell", &with(&["--pad", "crate=0.01", "--out", &*out.clone().leak()]));
+    assert_eq!(code, 0, "{text}");
+    let saved = ["--cell", &out, "--trajectory", "carry.csv"];
+    let padded = with(&["--pad", "crate=0.01", "--trajectory", "carry.csv"]);
+    assert_eq!(run("certify", &saved), run("certify", &padded));
+}
+
+#[test]
+fn two_robots_have_one_clock() {
+    let names = ["turn", "lift", "elbow", "roll", "bend", "twist", "left"];
+    let head: Vec<String> = ["", "b_"]
+        .iter()
+        .flat_map(|prefix| names.iter().map(move |name| format!("{prefix}{name}")))
+        .collect();
+    let reach = "0.9,1.3,0,0.8,0,0.01";
+    let rows = |turns: &[[f64; 3]]| {
+        let each = turns
+            .iter()
+            .map(|[time, a, b]| format!("{time},{a},{reach},{b},{reach}\n"));
+        format!("time,{}\n{}", head.join(","), each.collect::<String>())
+    };
+    let robots = [
+        "--srdf",
+        "gripper.srdf",
+        "--robot",
+        "b_=gripper.urdf",
+        "--robot-srdf",
+        "b_=gripper.srdf",
+    ];
+    let certify = |name: &str, pose: &str, text: &str| {
+        let file = scratch(name, text);
+        let mut arguments = robots.to_vec();
+        arguments.extend(["--robot-pose", pose, "--trajectory", &file]);
+        run("certify", &arguments)
+    };
+    // They face each other, and swing to opposite sides or to the same.
+    let facing = "b_=0.9,0,0,0,0,3.141592653589793";
+    let (code, text) = certify("apart.csv", facing, &rows(&[[0.0, 1.2, 1.2], [2.0, 1.5, 1.5]]));
+    assert!(code == 0, "{text}");
+    let (code, text) = certify("meet.csv", facing, &rows(&[[0.0, 1.2, -1.2], [2.0, 0.0, 0.0]]));
+    assert!(
+        code == 1 && text.contains(" - b_") && text.contains("meet at"),
+        "{text}"
+    );
+    let (code, text) = certify("far.csv", "b_=9,0,0", &rows(&[[0.0, 1.2, -1.2], [2.0, 0.0, 0.0]]));
+    assert!(code == 0, "{text}");
+    // Errors.
+    let some = rows(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
+    let (code, text) = certify("some.csv", "c_=1,0,0", &some);
+    assert!(
+        code == 3 && text.contains("--robot-pose: no robot has the prefix \"c_\""),
+        "{text}"
+    );
+    for pose in ["b_", "b_=1,0", "b_=1,0,0,0", "b_=1,0,x", "b_=1,0,inf"] {
+        let (code, text) = certify("some.csv", pose, &some);
+        assert_eq!(code, 2, "{pose}: {text}");
+    }
+    let short = some.replacen(",b_left", "", 1);
+    let (code, text) = certify("short.csv", facing, &short);
+    assert!(
+        code == 3 && text.contains("short.csv:1: column \"b_left\" is missing"),
+        "{text}"
+    );
+    let twice = [
+        "--robot",
+        "b_=gripper.urdf",
+        "--robot",
+        "b_=gripper.urdf",
+        "--trajectory",
+        "carry.csv",
+    ];
+    let (code, text) = run("certify", &twice);
+    assert!(code == 3 && text.contains("name is already in use"), "{text}");
+    assert_eq!(
+        run("certify", &["--robot", "=gripper.urdf", "--trajectory", "carry.csv"]).0,
+        2
+    );
+}

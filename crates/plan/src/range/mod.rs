@@ -194,6 +194,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     fn check_range(&self, low: &[f64], high: &[f64]) -> Result<(), PlanError> {
+        self.check_time()?;
         self.space.check(low)?;
         self.space.check(high)?;
         let each = low.iter().zip(high).enumerate();

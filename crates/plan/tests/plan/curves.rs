@@ -667,3 +667,83 @@ fn tubes_of_joints_hold_at_their_corners() {
         assert!(checker.certify_curve_tube(&curve, tube).is_err(), "{tube:?}");
     }
 }
+
+/// Two hinges and a slide among boxes, in this unit of length.
+fn crane(unit: f64) -> Checker<SerialArm> {
+    let at = |x: f64, y: f64, z: f64| Isometry3::translation(x * unit, y * unit, z * unit);
+    let joints = vec![
+        Joint::revolute(at(0.0, 0.0, 0.0), Vector3::z_axis(), [-4.0, 4.0]),
+        Joint::prismatic(at(1.0, 0.0, 0.0), Vector3::x_axis(), [-unit, 2.0 * unit]),
+        Joint::revolute(at(0.2, 0.0, 0.0), Vector3::y_axis(), [-4.0, 4.0]),
+    ];
+    let space = SerialArm::new(at(0.0, 0.0, 0.1), joints, vec![1, 2, 3], 3.0 * unit).expect("an arm");
+    let cuboid = |x: f64, y: f64, z: f64| solids::cuboid(Vector3::new(x, y, z) * unit).expect("a box");
+    let mut world = World::new();
+    world.robot_body("boom", cuboid(0.3, 0.1, 0.1));
+    world.robot_body("slide", cuboid(0.2, 0.1, 0.1));
+    world.robot_body("hook", cuboid(0.1, 0.1, 0.3).transformed(&at(0.0, 0.0, -0.3)).expect("a box"));
+    world.exclude("slide", "hook").expect("names");
+    world.exclude("boom", "slide").expect("names");
+    world.obstacle("post", cuboid(0.2, 0.2, 1.0), at(1.5, 1.5, 0.0));
+    world.obstacle("floor", cuboid(9.0, 9.0, 0.1), at(0.0, 0.0, -1.0));
+    Checker::new(space, world).expect("a world")
+}
+
+/// Curves, tubes and clearances in scenes of all sizes: equal to the bit, unless the size crosses a limit of storage.
+#[test]
+fn scenes_of_all_sizes_have_equal_verdicts() {
+    let asked = |exponent: i32| -> Vec<(Verdict, bool, [f64; 2])> {
+        let unit = 2f64.powi(exponent);
+        let mut checker = crane(unit);
+        let mut rng = Rng::new(41);
+        let each = (0..21).map(|k| {
+            let from = [rng.range(-1.0, 1.0), rng.range(-0.5, 0.5), rng.range(-0.5, 0.5)];
+            let to = from.map(|x| x + rng.range(-1.0, 1.0));
+            let mut points = control_points(&mut rng, &from, &to, 1 + k % 7, 1.0);
+            points.iter_mut().for_each(|p| p[1] *= unit);
+            let curve = JointCurve::bezier(&points).expect("a curve");
+            checker.forget();
+            let verdict = checker.certify_curve(&curve).expect("within limits");
+            checker.forget();
+            let tube = checker.certify_curve_tube(&curve, &[0.01, 0.01 * unit, 0.01]);
+            checker.forget();
+            let clearance = checker.clearance_along_curve(&curve, 1e-2).expect("within limits");
+            let is_wide = tube.expect("within limits").is_free();
+            (verdict, is_wide, [clearance.lower / unit, clearance.upper / unit])
+        });
+        each.collect()
+    };
+    let expected = asked(0);
+    let free = expected.iter().filter(|(verdict, ..)| verdict.is_free()).count();
+    assert!((5..17).contains(&free), "{free}");
+    let is_near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (a.abs() + b.abs());
+    for exponent in [-330, -200, -100, -40, 40, 100, 200, 325] {
+        for (found, expected) in asked(exponent).iter().zip(&expected) {
+            let is_equal = match (&found.0, &expected.0) {
+                (Verdict::Free { .. }, Verdict::Free { .. }) => true,
+                (
+                    Verdict::Blocked { safe, t, pair, .. },
+                    Verdict::Blocked {
+                        safe: s,
+                        t: u,
+                        pair: p,
+                        ..
+                    },
+                ) if exponent.abs() <= 40 => (safe, t, pair) == (s, u, p),
+                (
+                    Verdict::Blocked { safe, t, pair, .. },
+                    Verdict::Blocked {
+                        safe: s,
+                        t: u,
+                        pair: p,
+                        ..
+                    },
+                ) => pair == p && is_near(*safe, *s) && is_near(*t, *u),
+                _ => false,
+            };
+            assert!(is_equal && found.1 == expected.1, "{exponent}: {found:?} {expected:?}");
+            let [low, high] = [0, 1].map(|k| is_near(found.2[k], expected.2[k]));
+            assert!(low && high, "{exponent}: {found:?} {expected:?}");
+        }
+    }
+}

@@ -10,6 +10,7 @@ mod forget;
 mod free;
 mod judge;
 mod leave;
+mod moving;
 mod planner;
 mod ranges;
 mod spaces;

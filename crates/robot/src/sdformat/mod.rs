@@ -73,6 +73,7 @@ pub(crate) fn obstacles(
                 name: link.name.clone(),
                 geometry: body.body.geometry.clone(),
                 pose: checked(&(poses.global[frame] * body.body.origin), &link.place)?,
+                poses: None,
             });
         }
     }

@@ -9,7 +9,7 @@ use lin_canny_robot::{Coordinate, Trajectory};
 
 use super::options::{ReadRows, RestOptions, RobotOptions, not_negative};
 use super::text::{Table, fraction_below, names, place, time_at};
-use super::{End, ToolError, progress, write};
+use super::{End, ToolError, check_at_rest, progress, write};
 
 #[derive(Args)]
 pub(super) struct CertifyOptions {
@@ -83,6 +83,9 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     let mut checker = setup.checker()?;
     checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
     checker.set_start_contact_margin(options.start_contact)?;
+    if path.times.is_none() {
+        check_at_rest(checker.world(), file, "a column \"time\"")?;
+    }
     let mut table = Table::new(COLUMNS);
     let bar = progress("segments", path.rows.len() as u64 - 1);
     let (mut end, mut free) = (End::Free, 0);
@@ -104,6 +107,11 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
                 let reason = format!(
                     "{unit} {from} to {to}: {name} exceeds its limits {low} and {high} {at}: {value}; see --limit-slack"
                 );
+                let file = file.clone();
+                ToolError::State { file, reason }
+            }
+            error @ PlanError::PoseTime { .. } => {
+                let reason = format!("{unit} {from} to {to}: {error}");
                 let file = file.clone();
                 ToolError::State { file, reason }
             }

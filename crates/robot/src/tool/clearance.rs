@@ -4,12 +4,14 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use lin_canny_robot::plan::{Checker, JointTree, NearPair, SegmentClearance, Verdict, WorldId, WorldPair};
+use lin_canny_robot::plan::{
+    Checker, JointCurve, JointTree, NearPair, PlanError, SegmentClearance, Verdict, WorldId, WorldPair,
+};
 use lin_canny_robot::{RobotRecorder, Setup, Trajectory};
 
 use super::options::{RobotOptions, RowOptions};
 use super::text::{Table, distance, names, place, time_at};
-use super::{End, ToolError, progress, write};
+use super::{End, ToolError, check_at_rest, progress, write};
 
 /// The pairs that are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -54,8 +56,11 @@ pub(super) fn run(options: &ClearanceOptions) -> Result<End, ToolError> {
         .rows
         .load(&options.robot, &robot, &setup, if options.along { 2 } else { 1 })?;
     let mut checker = checker(&setup, options.against)?;
+    if rows.times.is_none() {
+        check_at_rest(checker.world(), options.rows.file(), "a column \"time\"")?;
+    }
     let (table, end) = if options.along {
-        measure_segments(&mut checker, &rows)?
+        measure_segments(options, &mut checker, &rows)?
     } else {
         measure_rows(options, &mut checker, &rows)?
     };
@@ -87,6 +92,7 @@ fn measure_rows(
     rows: &Trajectory,
 ) -> Result<(Table, End), ToolError> {
     let first = &rows.rows[0];
+    set_time(options, checker, rows, 0)?;
     let (titles, columns) = if options.pairs {
         pair_columns(checker, first)?
     } else {
@@ -103,6 +109,7 @@ fn measure_rows(
     for (k, q) in rows.rows.iter().enumerate() {
         let line = rows.lines[k];
         bar.inc(1);
+        set_time(options, checker, rows, k)?;
         let found = checker.nearest(q, slack)?;
         let Some(near) = found.first() else { continue };
         if let Some(recorder) = &mut recorder {
@@ -141,6 +148,21 @@ fn measure_rows(
     Ok((table, if contacts > 0 { End::Blocked } else { End::Free }))
 }
 
+/// Puts moving obstacles where they are at the time of a row.
+fn set_time(
+    options: &ClearanceOptions,
+    checker: &mut Checker<JointTree>,
+    rows: &Trajectory,
+    k: usize,
+) -> Result<(), ToolError> {
+    let Some(times) = &rows.times else { return Ok(()) };
+    let line = rows.lines[k];
+    checker.set_time(times[k]).map_err(|error| ToolError::State {
+        file: options.rows.file().to_owned(),
+        reason: format!("line {line}: {error}"),
+    })
+}
+
 /// Returns the titles of the columns of all pairs of names, and the column of each pair of bodies.
 fn pair_columns(
     checker: &mut Checker<JointTree>,
@@ -173,13 +195,26 @@ const SEGMENT_COLUMNS: [&str; 9] = [
     "b",
 ];
 
-fn measure_segments(checker: &mut Checker<JointTree>, rows: &Trajectory) -> Result<(Table, End), ToolError> {
+fn measure_segments(
+    options: &ClearanceOptions,
+    checker: &mut Checker<JointTree>,
+    rows: &Trajectory,
+) -> Result<(Table, End), ToolError> {
     let mut table = Table::new(SEGMENT_COLUMNS);
     let count = rows.rows.len() - 1;
     let bar = progress("segments", count as u64);
     let (mut worst, mut contacts, mut least) = (End::Free, 0, None::<(usize, SegmentClearance)>);
-    for (k, ends) in rows.rows.windows(2).enumerate() {
-        let (end, found) = clearance_along(checker, &ends[0], &ends[1])?;
+    for (k, curve) in rows.curves()?.iter().enumerate() {
+        let found = clearance_along(checker, curve);
+        let (end, found) = found.map_err(|error| match error {
+            error @ PlanError::PoseTime { .. } => {
+                let (from, to) = (rows.lines[k], rows.lines[k + 1]);
+                let file = options.rows.file().to_owned();
+                let reason = format!("lines {from} to {to}: {error}");
+                ToolError::State { file, reason }
+            }
+            error => error.into(),
+        })?;
         bar.inc(1);
         let Some(pair) = found.pair else { continue };
         let ([a, b], time) = (names(checker, pair), time_at(rows, k, found.t));
@@ -220,16 +255,12 @@ const WIDTHS: [f64; 3] = [1e-3, 1e-2, 1e-1];
 
 /// Returns the least clearance along a segment, or its first contact. The lower bound is minus
 /// infinity if the clearance is not proven.
-fn clearance_along(
-    checker: &mut Checker<JointTree>,
-    from: &[f64],
-    to: &[f64],
-) -> Result<(End, SegmentClearance), ToolError> {
-    let mut found = checker.clearance_along(from, to, WIDTHS[0])?;
+fn clearance_along(checker: &mut Checker<JointTree>, curve: &JointCurve) -> Result<(End, SegmentClearance), PlanError> {
+    let mut found = checker.clearance_along_curve(curve, WIDTHS[0])?;
     if found.lower > 0.0 {
         return Ok((End::Free, found));
     }
-    let end = match checker.certify(from, to)? {
+    let end = match checker.certify_curve(curve)? {
         Verdict::Free { .. } => End::Free,
         Verdict::Blocked { t, pair, .. } => {
             (found.upper, found.t, found.pair) = (0.0, t, Some(pair));
@@ -242,7 +273,7 @@ fn clearance_along(
         return Ok((end, found));
     }
     for width in &WIDTHS[1..] {
-        found = checker.clearance_along(from, to, *width)?;
+        found = checker.clearance_along_curve(curve, *width)?;
         if found.lower > 0.0 {
             break;
         }

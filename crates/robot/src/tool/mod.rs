@@ -16,7 +16,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use lin_canny_robot::FileError;
-use lin_canny_robot::plan::PlanError;
+use lin_canny_robot::plan::{PlanError, World, WorldId};
 
 const ENDS: &str = "\
 Exit codes:
@@ -111,6 +111,18 @@ pub(crate) fn main() -> ExitCode {
                 3
             })
         }
+    }
+}
+
+/// Returns an error if an obstacle moves, because `expected` is missing.
+fn check_at_rest(world: &World, file: &Path, expected: &str) -> Result<(), ToolError> {
+    let moves = |id: &WorldId| world.obstacle_motion(*id).is_some();
+    match world.bodies().map(|(id, _)| id).find(moves) {
+        None => Ok(()),
+        Some(id) => Err(ToolError::State {
+            file: file.to_owned(),
+            reason: format!("obstacle {:?} moves (expected {expected})", world.name(id)),
+        }),
     }
 }
 

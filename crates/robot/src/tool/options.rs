@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use lin_canny::Geometry;
+use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use lin_canny_robot::{
-    Coordinate, FileError, FileErrorKind, LoadOptions, MeshUse, Packages, Robot, RobotFiles, Setup, Skipped, Srdf,
-    Trajectory,
+    Coordinate, FileError, FileErrorKind, LoadOptions, MeshUse, OtherRobot, Packages, Robot, RobotFiles, Setup,
+    Skipped, Srdf, Trajectory,
 };
 
 use super::ToolError;
@@ -42,6 +43,16 @@ pub(super) struct RobotOptions {
     /// Link pairs to exclude, as SRDF
     #[arg(long, value_name = "FILE")]
     srdf: Option<PathBuf>,
+    /// Further robot in the same cell, with a prefix of all its names, such as `left_=ur5.urdf`: Q.csv
+    /// and the trajectory have columns such as `left_elbow`; may be repeated
+    #[arg(long = "robot", value_name = "PREFIX=FILE", value_parser = prefixed_file)]
+    others: Vec<(String, PathBuf)>,
+    /// Pose of a further robot in the world, in metres and radians; may be repeated
+    #[arg(long, value_name = "PREFIX=X,Y,Z[,ROLL,PITCH,YAW]", value_parser = prefixed_pose, requires = "others")]
+    robot_pose: Vec<(String, Isometry3<f64>)>,
+    /// Link pairs of a further robot to exclude, as SRDF without the prefix; may be repeated
+    #[arg(long, value_name = "PREFIX=FILE", value_parser = prefixed_file, requires = "others")]
+    robot_srdf: Vec<(String, PathBuf)>,
     /// Obstacles as JSON or SDFormat (ignored by `ignorable`)
     #[arg(long, value_name = "CELL.json")]
     cell: Option<PathBuf>,
@@ -229,6 +240,35 @@ fn attachment(text: &str) -> Result<(String, PathBuf), String> {
     Ok((link.into(), file.into()))
 }
 
+fn prefixed_file(text: &str) -> Result<(String, PathBuf), String> {
+    let (prefix, file) = text.split_once('=').ok_or("expected PREFIX=FILE")?;
+    match prefix {
+        "" => Err("the prefix is empty".into()),
+        _ => Ok((prefix.into(), file.into())),
+    }
+}
+
+fn prefixed_pose(text: &str) -> Result<(String, Isometry3<f64>), String> {
+    let (prefix, pose) = text.split_once('=').ok_or("expected PREFIX=X,Y,Z[,ROLL,PITCH,YAW]")?;
+    let numbers = pose
+        .split(',')
+        .map(|x| x.trim().parse::<f64>().map_err(|e| format!("{x:?}: {e}")));
+    let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
+    let [x, y, z, ref rpy @ ..] = numbers[..] else {
+        return Err(format!("{} numbers (expected 3 or 6)", numbers.len()));
+    };
+    let [roll, pitch, yaw] = match *rpy {
+        [] => [0.0; 3],
+        [roll, pitch, yaw] => [roll, pitch, yaw],
+        _ => return Err(format!("{} numbers (expected 3 or 6)", numbers.len())),
+    };
+    if let Some(number) = numbers.iter().find(|x| !x.is_finite()) {
+        return Err(format!("number is not finite: {number}"));
+    }
+    let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+    Ok((prefix.into(), Isometry3::from_parts(Translation3::new(x, y, z), turn)))
+}
+
 fn name_pair(text: &str) -> Result<[String; 2], String> {
     let (a, b) = text
         .split_once(',')
@@ -243,6 +283,30 @@ pub(super) fn not_negative(text: &str) -> Result<f64, String> {
 }
 
 impl RobotOptions {
+    /// Returns the further robots.
+    fn others(&self) -> Result<Vec<OtherRobot>, ToolError> {
+        let mut others = Vec::new();
+        for (prefix, file) in &self.others {
+            others.push(OtherRobot::new(prefix, file));
+        }
+        let find = |prefix: &str, option: &str, others: &[OtherRobot]| {
+            others.iter().position(|other| other.prefix == prefix).ok_or_else(|| {
+                let reason = format!("{option}: no robot has the prefix {prefix:?}");
+                let file = self.robot.clone();
+                ToolError::State { file, reason }
+            })
+        };
+        for (prefix, pose) in &self.robot_pose {
+            let k = find(prefix, "--robot-pose", &others)?;
+            others[k].pose = *pose;
+        }
+        for (prefix, file) in &self.robot_srdf {
+            let k = find(prefix, "--robot-srdf", &others)?;
+            others[k].srdf = Some(file.clone());
+        }
+        Ok(others)
+    }
+
     /// Returns the robot, and the setup of robot and cell for a checker.
     pub(super) fn load(&self) -> Result<(Robot, Setup), ToolError> {
         let link_meshes = self.link.iter().map(|(link, kind)| (link.clone(), (*kind).into()));
@@ -258,6 +322,7 @@ impl RobotOptions {
         let files = RobotFiles {
             robot: self.robot.clone(),
             srdf: self.srdf.clone(),
+            others: self.others()?,
             cell: self.cell.clone(),
             packages: Packages::new(&self.packages).with_environment(),
             options,

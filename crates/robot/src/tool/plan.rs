@@ -10,7 +10,7 @@ use lin_canny_robot::{RobotRecorder, Trajectory, csv_text};
 
 use super::options::{RobotOptions, RowOptions};
 use super::text::{distance, names};
-use super::{End, ToolError, write};
+use super::{End, ToolError, check_at_rest, write};
 
 #[derive(Args)]
 pub(super) struct PlanArguments {
@@ -48,6 +48,11 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
     let rows = options.rows.load(&options.robot, &robot, &setup, 2)?;
     let (start, goal) = (&rows.rows[0], &rows.rows[rows.rows.len() - 1]);
     let mut checker = setup.checker()?;
+    check_at_rest(
+        checker.world(),
+        options.rows.file(),
+        "obstacles at rest in the search for a path",
+    )?;
     checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
     let began = Instant::now();
     let search = PlanOptions::default()

@@ -99,6 +99,7 @@ impl StudyArguments {
             attached: self.attach.clone(),
             paddings: self.pad.clone(),
             excluded: self.exclude.clone(),
+            others: Vec::new(),
         };
         let mut options = StudyOptions::default()
             .start_contact_margin(self.start_contact)
