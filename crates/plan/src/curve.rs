@@ -600,30 +600,52 @@ impl JointCurve {
     fn outside(&self, c: usize, [low, high]: [f64; 2]) -> Option<(f64, f64)> {
         let bounds = &self.bounds[c];
         let slack = 2.0 * self.value_error() * bounds.most[0] + bounds.error;
-        let (low, high) = (low - slack, high + slack);
+        self.beyond(c, 0, [low - slack, high + slack])
+    }
+
+    /// Returns whether a derivative of a coordinate, of order 1 or 2, is proven to be at most `limit`
+    /// in absolute value at all times.
+    ///
+    /// A halving errs by 5 UNIT for each degree, and there are at most 53. A control point of the
+    /// curve that was given is off by the error; a difference of two, times the degree, by `2 n`
+    /// times as much.
+    pub(crate) fn keeps(&self, c: usize, order: usize, limit: f64) -> bool {
+        let (of, n) = (&self.bounds[c], self.degree as f64);
+        let powers = [0.0, 1.0, 2.0 * n][order];
+        let given = 2.0 * n * powers * of.error;
+        let rounded = 8.0 * CURVE_PART * n * of.most[order] + CURVE_DIFFERENCE * powers * of.most[1];
+        let most = limit - given - rounded;
+        most >= 0.0 && self.beyond(c, order, [-most, most]).is_none()
+    }
+
+    /// Returns a time and a value at which a coordinate, or a derivative of it, is seen outside an
+    /// interval.
+    fn beyond(&self, c: usize, order: usize, [low, high]: [f64; 2]) -> Option<(f64, f64)> {
+        let given = self.row(c, order);
         let is_inside = |x: &f64| *x >= low && *x <= high;
-        if is_inside(&bounds.hull[0]) && is_inside(&bounds.hull[1]) {
+        if given.iter().all(is_inside) {
             return None;
         }
+        let count = given.len();
         let mut row: Row = [0.0; DEGREE_MAX + 1];
-        row[..=self.degree].copy_from_slice(self.row(c, 0));
+        row[..count].copy_from_slice(given);
         // The parts to be searched, the earliest last.
         let mut parts = std::vec![(row, 0.0, 1.0, 0)];
         while let Some((mut row, from, until, halved)) = parts.pop() {
-            let points = &mut row[..=self.degree];
+            let points = &mut row[..count];
             if halved == HALVINGS || points.iter().all(is_inside) {
                 continue;
             }
             let middle = 0.5 * (from + until);
             for time in [from, middle, until] {
-                let value = self.value(c, 0, time);
+                let value = self.value(c, order, time);
                 if !is_inside(&value) {
                     return Some((time, value));
                 }
             }
             let mut second = row;
-            later(&mut second[..=self.degree], 0.5);
-            earlier(&mut row[..=self.degree], 0.5);
+            later(&mut second[..count], 0.5);
+            earlier(&mut row[..count], 0.5);
             parts.push((second, middle, until, halved + 1));
             parts.push((row, from, middle, halved + 1));
         }

@@ -11,4 +11,5 @@ mod free;
 mod judge;
 mod leave;
 mod planner;
+mod smooth;
 mod spaces;

@@ -7,6 +7,7 @@ mod ignorable;
 mod options;
 mod plan;
 mod points;
+mod smooth;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -44,6 +45,8 @@ enum Command {
     Certify(certify::CertifyOptions),
     /// Search for a path from the first to the last row, with every segment proven free
     Plan(plan::PlanArguments),
+    /// Turn a path of straight segments into a smooth trajectory within limits, proven free
+    Smooth(smooth::SmoothArguments),
     /// Write the cell with attached objects, paddings, margin and excluded pairs as one cell file
     Cell(cell::CellOptions),
     /// Find link pairs that always or never collide, and write them as SRDF
@@ -89,6 +92,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Clearance(options) => clearance::run(&options),
         Command::Certify(options) => certify::run(&options),
         Command::Plan(options) => plan::run(&options),
+        Command::Smooth(options) => smooth::run(&options),
         Command::Cell(options) => cell::run(&options),
         Command::Ignorable(options) => ignorable::run(&options),
         Command::Points(options) => points::run(&options),
