@@ -14,7 +14,7 @@ use std::vec::Vec;
 
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::tolerance::{ARM_VALUE, CONVERTED, CURVE_DIFFERENCE, CURVE_PART};
+use crate::tolerance::{ARM_VALUE, CONVERTED, CURVE_DIFFERENCE, CURVE_PART, STRAIGHT, STRAIGHT_ERROR};
 use lin_canny::EXTENT_MAX;
 
 /// Maximum degree of a curve.
@@ -572,6 +572,38 @@ impl JointCurve {
             }
         }
         all
+    }
+
+    /// Returns the straight segment between the ends, if the curve stays on it up to rounding and does
+    /// not pass the ends. The distance from it is part of the result, so a proof that the segment is
+    /// free holds for the curve, although the times along both differ.
+    ///
+    /// The value at a time is an average of the control points. Each is a point of the segment and a
+    /// distance, so the value is their averages.
+    pub(crate) fn straightened(&self) -> Option<Self> {
+        if self.degree == 1 {
+            return None;
+        }
+        let n = self.degree;
+        let step = |c: usize| self.row(c, 0)[n] - self.row(c, 0)[0];
+        let longest = |a: usize, b: usize| if step(b).abs() > step(a).abs() { b } else { a };
+        let along = (0..self.coordinates).reduce(longest)?;
+        let (from, way) = (self.row(along, 0)[0], step(along));
+        let part = |j: usize| match way == 0.0 {
+            true => 0.0,
+            false => ((self.row(along, 0)[j] - from) / way).clamped(0.0, 1.0),
+        };
+        let mut straight = Self::straight(&self.start(), &self.end());
+        for (c, bounds) in straight.bounds.iter_mut().enumerate() {
+            let row = self.row(c, 0);
+            let off = (1..n).map(|j| (row[j] - (row[0] + step(c) * part(j))).abs());
+            let of = &self.bounds[c];
+            bounds.error = of.error + off.fold(0.0, f64::larger) + STRAIGHT_ERROR * of.most[0];
+            if !(bounds.error <= STRAIGHT * of.most[0]) {
+                return None;
+            }
+        }
+        Some(straight)
     }
 
     /// Checks that a curve has as many coordinates as limits, and keeps them at all times.

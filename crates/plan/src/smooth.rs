@@ -40,6 +40,9 @@ const HALVINGS: u32 = 64;
 /// Factor by which limits shrink, more than products round.
 const LESS: f64 = 1.0 - 8.0 * f64::EPSILON;
 
+/// Greatest limit; its inverse is the least.
+const LIMIT_MAX: f64 = EXTENT_MAX * EXTENT_MAX;
+
 /// Limits and shape of a smooth motion: see [`Checker::smooth`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -94,13 +97,13 @@ impl SmoothOptions {
     fn check(&self, coordinates: usize) -> Result<(), PlanError> {
         for (what, limits, most) in [
             ("velocity", &self.velocity, f64::INFINITY),
-            ("acceleration", &self.acceleration, EXTENT_MAX),
+            ("acceleration", &self.acceleration, LIMIT_MAX),
         ] {
             let (expected, found) = (coordinates, limits.len());
             if found != expected {
                 return Err(PlanError::Length { expected, found });
             }
-            let is_limit = |x: &f64| *x >= 1.0 / EXTENT_MAX && *x <= most;
+            let is_limit = |x: &f64| *x >= 1.0 / LIMIT_MAX && *x <= most;
             if let Some(coordinate) = limits.iter().position(|x| !is_limit(x)) {
                 let value = limits[coordinate];
                 return Err(PlanError::Limit {
@@ -345,8 +348,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     fn is_curve_free(&mut self, curve: &JointCurve) -> Result<bool, PlanError> {
-        let motion = self.space.curve(curve)?;
-        Ok(self.judged(&motion, true)?.is_free())
+        Ok(self.judged_curve(curve, true)?.is_free())
     }
 
     /// Returns the motion with these corners, and the corners whose blends are not proven free.

@@ -1095,7 +1095,7 @@ fn smooth_trajectories_are_certified_when_they_are_read_back() {
         );
     };
     fault(&[], 2, &["--acceleration"]);
-    fault(&["--acceleration", "-1"], 2, &["at least 0"]);
+    fault(&["--acceleration=-1"], 2, &["at least 0"]);
     fault(
         &["--acceleration", "turn=1"],
         3,
