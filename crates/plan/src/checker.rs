@@ -14,6 +14,7 @@ use crate::space::{BodyBall, BodyMotion, ConfigurationSpace, PartMotion, Segment
 use crate::tolerance::ATTACHED;
 use crate::verdict::{CheckWork, LeavingPair, Verdict};
 use crate::world::{Named, World, WorldId, WorldPair};
+use lin_canny::broad::Aabb;
 use lin_canny::impact::{Cast, CastOptions, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
 use lin_canny::motion::{Motion, MotionModel};
 use lin_canny::separation::{Measurement, Separation};
@@ -488,8 +489,24 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// bounds at any time ([`PlanError::CurveLimit`]), or if the space follows straight segments
     /// only ([`PlanError::CurveDegree`]).
     pub fn certify_curve(&mut self, curve: &JointCurve) -> Result<Verdict, PlanError> {
+        self.judged_curve(curve, false)
+    }
+
+    /// Judges a curve; if it stays on a straight segment, the segment first, whose proof takes fewer
+    /// queries.
+    pub(crate) fn judged_curve(&mut self, curve: &JointCurve, any: bool) -> Result<Verdict, PlanError> {
         let motion = self.curve(curve)?;
-        self.judged(&motion, false)
+        // Contacts that are left have their times on the curve, and obstacles that move theirs.
+        let is_timeless = self.start_contact_margin.is_none() && self.world.motions.is_empty();
+        let straight = curve.straightened().filter(|_| is_timeless);
+        if let Some(straight) = straight {
+            let verdict = self.judged(&self.space.curve(&straight)?, true)?;
+            if verdict.is_free() {
+                return Ok(verdict);
+            }
+            self.work.segments -= 1;
+        }
+        self.judged(&motion, any)
     }
 
     /// Returns the proof that a curve is free: see [`prove`](Self::prove).
@@ -533,8 +550,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         found
     }
 
-    /// Collects the pairs whose swept boxes overlap, with their times, and all pairs of two robot
-    /// bodies; the earliest first.
+    /// Collects the pairs whose swept boxes overlap, with their times; the earliest first. The boxes of
+    /// two bodies that move with the robot are those of the whole motion.
     fn gather(&mut self, segment: &C::Segment, stretches: &mut Vec<Stretch>) -> Result<(), PlanError> {
         stretches.clear();
         let longest = 1.0 / f64::from(self.parts(segment));
@@ -546,6 +563,10 @@ impl<C: ConfigurationSpace> Checker<C> {
         // The time up to which each mover has boxes.
         let balls = self.pairs.mover_balls.iter();
         let mut reached: Vec<f64> = balls.map(|ball| if ball.is_some() { 0.0 } else { 1.0 }).collect();
+        // Boxes of the whole motion, grown by half of what pairs of movers must keep.
+        let kept = self.pairs.own.values().map(|&pair| self.pairs.all[pair].kept);
+        let kept = 0.5 * (kept.fold(0.0, f64::larger) + self.start_contact_margin.unwrap_or_default());
+        let mut whole: Vec<Option<Aabb>> = std::vec![None; reached.len()];
         let mut time = 0.0;
         while time < 1.0 {
             let span = span_at(time).smaller(longest);
@@ -568,12 +589,16 @@ impl<C: ConfigurationSpace> Checker<C> {
                     }
                 };
                 self.pairs.near_within(mover, &swept, more, (time, until), stretches)?;
+                let grown = swept.grown(more + kept);
+                whole[mover] = Some(whole[mover].map_or(grown, |whole| whole.united(&grown)));
                 *reached = until;
             }
             time = reached.iter().copied().fold(1.0, f64::smaller);
         }
         let pairs = &self.pairs;
-        stretches.extend(pairs.own.values().map(|&pair| Stretch {
+        let is_near = |a: usize, b: usize| whole[a].zip(whole[b]).is_none_or(|(a, b)| a.overlaps(&b));
+        let near = pairs.own.iter().filter(|((a, b), _)| is_near(*a, *b));
+        stretches.extend(near.map(|(_, &pair)| Stretch {
             pair,
             key: pairs.all[pair].key,
             from: 0.0,

@@ -14,7 +14,7 @@ use std::vec::Vec;
 
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::tolerance::{ARM_VALUE, CONVERTED, CURVE_DIFFERENCE, CURVE_PART};
+use crate::tolerance::{ARM_VALUE, CONVERTED, CURVE_DIFFERENCE, CURVE_PART, STRAIGHT, STRAIGHT_ERROR};
 use lin_canny::EXTENT_MAX;
 
 /// Maximum degree of a curve.
@@ -605,6 +605,38 @@ impl JointCurve {
         all
     }
 
+    /// Returns the straight segment between the ends, if the curve stays on it up to rounding and does
+    /// not pass the ends. The distance from it is part of the result, so a proof that the segment is
+    /// free holds for the curve, although the times along both differ.
+    ///
+    /// The value at a time is an average of the control points. Each is a point of the segment and a
+    /// distance, so the value is their averages.
+    pub(crate) fn straightened(&self) -> Option<Self> {
+        if self.degree == 1 {
+            return None;
+        }
+        let n = self.degree;
+        let step = |c: usize| self.row(c, 0)[n] - self.row(c, 0)[0];
+        let longest = |a: usize, b: usize| if step(b).abs() > step(a).abs() { b } else { a };
+        let along = (0..self.coordinates).reduce(longest)?;
+        let (from, way) = (self.row(along, 0)[0], step(along));
+        let part = |j: usize| match way == 0.0 {
+            true => 0.0,
+            false => ((self.row(along, 0)[j] - from) / way).clamped(0.0, 1.0),
+        };
+        let mut straight = Self::straight(&self.start(), &self.end());
+        for (c, bounds) in straight.bounds.iter_mut().enumerate() {
+            let row = self.row(c, 0);
+            let off = (1..n).map(|j| (row[j] - (row[0] + step(c) * part(j))).abs());
+            let of = &self.bounds[c];
+            bounds.error = of.error + off.fold(0.0, f64::larger) + STRAIGHT_ERROR * of.most[0];
+            if !(bounds.error <= STRAIGHT * of.most[0]) {
+                return None;
+            }
+        }
+        Some(straight)
+    }
+
     /// Checks that a curve has as many coordinates as limits, and keeps them at all times.
     ///
     /// A value that exceeds a limit by the rounding of the curve alone is accepted.
@@ -631,30 +663,52 @@ impl JointCurve {
     fn outside(&self, c: usize, [low, high]: [f64; 2]) -> Option<(f64, f64)> {
         let bounds = &self.bounds[c];
         let slack = 2.0 * self.value_error() * bounds.most[0] + bounds.error;
-        let (low, high) = (low - slack, high + slack);
+        self.beyond(c, 0, [low - slack, high + slack])
+    }
+
+    /// Returns whether a derivative of a coordinate, of order 1 or 2, is proven to be at most `limit`
+    /// in absolute value at all times.
+    ///
+    /// A halving errs by 5 UNIT for each degree, and there are at most 53. A control point of the
+    /// curve that was given is off by the error; a difference of two, times the degree, by `2 n`
+    /// times as much.
+    pub(crate) fn keeps(&self, c: usize, order: usize, limit: f64) -> bool {
+        let (of, n) = (&self.bounds[c], self.degree as f64);
+        let powers = [0.0, 1.0, 2.0 * n][order];
+        let given = 2.0 * n * powers * of.error;
+        let rounded = 8.0 * CURVE_PART * n * of.most[order] + CURVE_DIFFERENCE * powers * of.most[1];
+        let most = limit - given - rounded;
+        most >= 0.0 && self.beyond(c, order, [-most, most]).is_none()
+    }
+
+    /// Returns a time and a value at which a coordinate, or a derivative of it, is seen outside an
+    /// interval.
+    fn beyond(&self, c: usize, order: usize, [low, high]: [f64; 2]) -> Option<(f64, f64)> {
+        let given = self.row(c, order);
         let is_inside = |x: &f64| *x >= low && *x <= high;
-        if is_inside(&bounds.hull[0]) && is_inside(&bounds.hull[1]) {
+        if given.iter().all(is_inside) {
             return None;
         }
+        let count = given.len();
         let mut row: Row = [0.0; DEGREE_MAX + 1];
-        row[..=self.degree].copy_from_slice(self.row(c, 0));
+        row[..count].copy_from_slice(given);
         // The parts to be searched, the earliest last.
         let mut parts = std::vec![(row, 0.0, 1.0, 0)];
         while let Some((mut row, from, until, halved)) = parts.pop() {
-            let points = &mut row[..=self.degree];
+            let points = &mut row[..count];
             if halved == HALVINGS || points.iter().all(is_inside) {
                 continue;
             }
             let middle = 0.5 * (from + until);
             for time in [from, middle, until] {
-                let value = self.value(c, 0, time);
+                let value = self.value(c, order, time);
                 if !is_inside(&value) {
                     return Some((time, value));
                 }
             }
             let mut second = row;
-            later(&mut second[..=self.degree], 0.5);
-            earlier(&mut row[..=self.degree], 0.5);
+            later(&mut second[..count], 0.5);
+            earlier(&mut row[..count], 0.5);
             parts.push((second, middle, until, halved + 1));
             parts.push((row, from, middle, halved + 1));
         }

@@ -104,6 +104,23 @@ pub enum PlanError {
         /// The time at which the curve before ends.
         end: f64,
     },
+    /// Returned if a limit of velocity or acceleration is not a positive number in range, or cannot
+    /// be kept.
+    #[error("{what} limit of coordinate {coordinate} is out of range: {value:?} (expected a positive number)")]
+    Limit {
+        /// `velocity` or `acceleration`.
+        what: &'static str,
+        /// Index of the coordinate.
+        coordinate: usize,
+        /// The limit.
+        value: f64,
+    },
+    /// Returned if a segment of a path is not proven free, or by less than rounding.
+    #[error("segment {segment} of the path is not proven free")]
+    Unproven {
+        /// Index of the segment.
+        segment: usize,
+    },
     /// Returned if the squared norm of a quaternion differs from 1 by more than 1e-12.
     #[error(
         "quaternion of the configuration is not a unit quaternion: squared norm {squared_norm} (expected 1 to 1e-12)"

@@ -42,6 +42,7 @@
 //! | Is a path free? | [`Checker::certify_path`] | the first segment that is not free |
 //! | Is a polynomial curve or a spline free? | [`Checker::certify_curve`], [`certify_spline`](Checker::certify_spline) | [`Verdict`] for a [`JointCurve`] |
 //! | And with a tracking error of each joint? | [`Checker::certify_curve_tube`] | [`Verdict`] for all motions within the error |
+//! | How does a robot execute a path smoothly, within its limits? | [`Checker::smooth`] | rows of times, positions and velocities, and curves proven free |
 //! | Are all motions near a segment free? | [`Checker::certify_tube`] | [`Verdict`] for all motions within a distance of the segment |
 //! | Why is a segment free? | [`Checker::prove`] | the certificates of every pair, in order of time |
 //! | How large is the clearance along a segment? | [`Checker::clearance_along`] | a proven lower bound, and a distance that is attained |
@@ -179,7 +180,9 @@ mod range;
 mod rigid;
 mod roadmap;
 mod search;
+mod smooth;
 mod space;
+mod speeds;
 mod timed_poses;
 mod tolerance;
 mod tree;
@@ -198,8 +201,9 @@ pub use names::nearest_name;
 pub use opportunistic::{Plan, PlanOptions, PlanWork};
 pub use path::Path;
 pub use range::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};
-pub use rigid::{PlanarSpace, RigidSpace, TranslationSpace};
+pub use rigid::{PlanarSpace, RigidSegment, RigidSpace, TranslationSpace};
 pub use roadmap::{Edge, EdgeKind, Freeway, Roadmap};
+pub use smooth::{SmoothOptions, SmoothPath};
 pub use space::{BodyBall, BodyMotion, ConfigurationSpace, JointPath, SegmentMotion};
 pub use timed_poses::TimedPoses;
 pub use tree::{Drive, JointTree, TreeJoint};

@@ -168,7 +168,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// length or an entry that is negative or not finite, or if the space has no tubes.
     pub fn certify_curve_tube(&mut self, curve: &JointCurve, tube: &[f64]) -> Result<Verdict, PlanError> {
         let refused = |what, value| Err(PlanError::Value { what, value });
-        let (expected, found) = (self.space.bounds().len(), tube.len());
+        let (expected, found) = (self.space.coordinates(), tube.len());
         if found != expected {
             return Err(PlanError::Length { expected, found });
         }

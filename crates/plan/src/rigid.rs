@@ -1,14 +1,17 @@
 //! Configuration spaces of one rigid body: in the plane, translations, in space.
 
 use core::f64::consts::{PI, TAU};
+use std::sync::Arc;
 use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
 
 use crate::arm::JointKind;
+use crate::curve::JointCurve;
 use crate::error::PlanError;
-use crate::space::{ConfigurationSpace, JointPath, SegmentMotion, check, check_bounds, within};
+use crate::space::{BodyBall, ConfigurationSpace, JointPath, SegmentMotion, check, check_bounds, within};
 use crate::tree::{Drive, TreeJoint};
+use crate::tree_motion::{LinkTree, TreeBodies, TreeSegment};
 use lin_canny::motion::{Motion, MotionModel, Steady, Velocity};
 use lin_canny::{EXTENT_MAX, POSE_UNIT};
 
@@ -27,6 +30,90 @@ impl SegmentMotion for Steady {
     }
 }
 
+/// The motion of a rigid body whose coordinates are independent, along a segment or a curve.
+#[derive(Clone, Debug)]
+pub struct RigidSegment(Way);
+
+#[derive(Clone, Debug)]
+enum Way {
+    /// A segment.
+    Straight(Steady),
+    /// A curve: each coordinate is a joint, one after another.
+    Curve(TreeSegment),
+}
+
+impl RigidSegment {
+    /// Returns the motion along a curve of slides along x, y and so on, and of a turn about z if
+    /// there is one more coordinate than slides. All bodies move as one.
+    fn along(base: Isometry3<f64>, slides: usize, middles: &[Point3<f64>], curve: &JointCurve) -> Self {
+        let axes = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()];
+        let joint = |k: usize| TreeJoint {
+            parent: k,
+            kind: if k < slides {
+                JointKind::Prismatic
+            } else {
+                JointKind::Revolute
+            },
+            origin: Isometry3::identity(),
+            axis: if k < slides { axes[k] } else { Vector3::z_axis() },
+            drive: Some(Drive::by(k)),
+        };
+        // The base turns the bodies, not the slides.
+        let mut joints: Vec<TreeJoint> = (0..curve.coordinates()).map(joint).collect();
+        joints.push(TreeJoint::fixed(joints.len(), base));
+        let bodies = TreeBodies {
+            links: std::vec![joints.len(); middles.len()],
+            middles: middles.into(),
+        };
+        let tree = LinkTree::new(&Isometry3::identity(), joints);
+        Self(Way::Curve(TreeSegment::new(&tree, &Arc::new(bodies), curve.clone())))
+    }
+}
+
+impl SegmentMotion for RigidSegment {
+    fn pose(&self, body: usize, time: f64) -> Isometry3<f64> {
+        match &self.0 {
+            Way::Straight(motion) => SegmentMotion::pose(motion, body, time),
+            Way::Curve(motion) => motion.pose(body, time),
+        }
+    }
+
+    fn model(&self, body: usize, time: f64, span: f64) -> MotionModel {
+        match &self.0 {
+            Way::Straight(motion) => SegmentMotion::model(motion, body, time, span),
+            Way::Curve(motion) => motion.model(body, time, span),
+        }
+    }
+
+    fn placed(&self, stem: usize, body: usize, time: f64, span: f64) -> (Isometry3<f64>, MotionModel) {
+        match &self.0 {
+            Way::Straight(motion) => SegmentMotion::placed(motion, stem, body, time, span),
+            Way::Curve(motion) => motion.placed(stem, body, time, span),
+        }
+    }
+
+    fn placed_all(&self, bodies: usize, time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
+        match &self.0 {
+            Way::Straight(motion) => motion.placed_all(bodies, time, span, placed),
+            Way::Curve(motion) => motion.placed_all(bodies, time, span, placed),
+        }
+    }
+
+    fn parts(&self) -> u32 {
+        match &self.0 {
+            Way::Straight(_) => 1,
+            Way::Curve(motion) => motion.parts(),
+        }
+    }
+
+    fn spread(&self, a: BodyBall, b: Option<BodyBall>, time: f64, span: f64, tube: &[f64]) -> Option<f64> {
+        match &self.0 {
+            Way::Straight(_) => None,
+            Way::Curve(motion) => motion.spread(a, b, time, span, tube),
+        }
+    }
+}
+
 /// Returns an error unless a radius is positive and finite.
 fn check_radius(value: f64) -> Result<(), PlanError> {
     if value > 0.0 && value <= EXTENT_MAX {
@@ -41,13 +128,14 @@ fn check_radius(value: f64) -> Result<(), PlanError> {
 ///
 /// Along a segment the origin of the body moves along a straight line, and the body rotates by the
 /// smaller angle at a constant rate. The absolute angle is at most 1024. Angles that differ by a
-/// full turn are the same configuration.
+/// full turn are the same configuration. Along a curve the angle is a number like x and y: a curve
+/// from 3 to -3 makes nearly a full turn.
 #[doc(alias = "SE2")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanarSpace {
     bounds: [[f64; 2]; 2],
     scales: [f64; 3],
-    bodies: usize,
+    middles: Vec<Point3<f64>>,
 }
 
 impl PlanarSpace {
@@ -65,7 +153,7 @@ impl PlanarSpace {
         Ok(Self {
             bounds,
             scales: [1.0, 1.0, radius],
-            bodies,
+            middles: std::vec![Point3::origin(); bodies],
         })
     }
 
@@ -92,7 +180,7 @@ fn shorter(from: f64, to: f64) -> f64 {
 }
 
 impl ConfigurationSpace for PlanarSpace {
-    type Segment = Steady;
+    type Segment = RigidSegment;
 
     fn coordinates(&self) -> usize {
         3
@@ -101,7 +189,7 @@ impl ConfigurationSpace for PlanarSpace {
         3
     }
     fn bodies(&self) -> usize {
-        self.bodies
+        self.middles.len()
     }
     fn bounds(&self) -> &[[f64; 2]] {
         &self.bounds
@@ -121,13 +209,25 @@ impl ConfigurationSpace for PlanarSpace {
 
     fn place(&self, q: &[f64], poses: &mut Vec<Isometry3<f64>>) {
         poses.clear();
-        poses.resize(self.bodies, Self::pose(q));
+        poses.resize(self.middles.len(), Self::pose(q));
     }
 
-    fn segment(&self, from: &[f64], to: &[f64]) -> Result<Steady, PlanError> {
+    fn set_middles(&mut self, middles: &[Point3<f64>]) {
+        self.middles
+            .iter_mut()
+            .zip(middles)
+            .for_each(|(own, given)| *own = *given);
+    }
+
+    fn curve(&self, curve: &JointCurve) -> Result<RigidSegment, PlanError> {
+        curve.check(&[self.bounds[0], self.bounds[1], [-ANGLE_MAX, ANGLE_MAX]])?;
+        Ok(RigidSegment::along(Isometry3::identity(), 2, &self.middles, curve))
+    }
+
+    fn segment(&self, from: &[f64], to: &[f64]) -> Result<RigidSegment, PlanError> {
         let linear = Vector3::new(to[0] - from[0], to[1] - from[1], 0.0);
         let velocity = Velocity::new(linear, Vector3::z() * shorter(from[2], to[2]));
-        Ok(Steady::new(&Self::pose(from), velocity)?)
+        Ok(RigidSegment(Way::Straight(Steady::new(&Self::pose(from), velocity)?)))
     }
 
     fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
@@ -186,7 +286,7 @@ fn numbered(joints: Vec<TreeJoint>) -> JointPath {
 pub struct TranslationSpace {
     bounds: [[f64; 2]; 3],
     rotation: UnitQuaternion<f64>,
-    bodies: usize,
+    middles: Vec<Point3<f64>>,
 }
 
 impl TranslationSpace {
@@ -201,7 +301,7 @@ impl TranslationSpace {
         Ok(Self {
             bounds,
             rotation,
-            bodies,
+            middles: std::vec![Point3::origin(); bodies],
         })
     }
 
@@ -211,7 +311,7 @@ impl TranslationSpace {
 }
 
 impl ConfigurationSpace for TranslationSpace {
-    type Segment = Steady;
+    type Segment = RigidSegment;
 
     fn coordinates(&self) -> usize {
         3
@@ -220,7 +320,7 @@ impl ConfigurationSpace for TranslationSpace {
         3
     }
     fn bodies(&self) -> usize {
-        self.bodies
+        self.middles.len()
     }
     fn bounds(&self) -> &[[f64; 2]] {
         &self.bounds
@@ -233,11 +333,22 @@ impl ConfigurationSpace for TranslationSpace {
     }
     fn place(&self, q: &[f64], poses: &mut Vec<Isometry3<f64>>) {
         poses.clear();
-        poses.resize(self.bodies, self.pose(q));
+        poses.resize(self.middles.len(), self.pose(q));
     }
-    fn segment(&self, from: &[f64], to: &[f64]) -> Result<Steady, PlanError> {
+    fn set_middles(&mut self, middles: &[Point3<f64>]) {
+        self.middles
+            .iter_mut()
+            .zip(middles)
+            .for_each(|(own, given)| *own = *given);
+    }
+    fn curve(&self, curve: &JointCurve) -> Result<RigidSegment, PlanError> {
+        curve.check(&self.bounds)?;
+        Ok(RigidSegment::along(self.pose(&[0.0; 3]), 3, &self.middles, curve))
+    }
+    fn segment(&self, from: &[f64], to: &[f64]) -> Result<RigidSegment, PlanError> {
         let linear = Vector3::new(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
-        Ok(Steady::new(&self.pose(from), Velocity::new(linear, Vector3::zeros()))?)
+        let velocity = Velocity::new(linear, Vector3::zeros());
+        Ok(RigidSegment(Way::Straight(Steady::new(&self.pose(from), velocity)?)))
     }
     fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
         from.iter().zip(to).map(|(a, b)| b - a).collect()

@@ -59,6 +59,16 @@ pub(crate) const CURVE_DIFFERENCE: f64 = 24.0 * UNIT;
 /// values of its terms. The second unit is reserve.
 pub(crate) const CONVERTED: f64 = 2.0 * UNIT;
 
+/// Greatest distance of a curve from the straight segment between its ends, in units of the greatest
+/// absolute control point, at which the proof of the segment is tried first. A cubic or quintic
+/// curve along a segment is off by its conversion, 16 UNIT of a sum that is up to five times as
+/// large, and by 24 UNIT of the products and sums here. The rest is reserve.
+pub(crate) const STRAIGHT: f64 = 256.0 * UNIT;
+
+/// Error of a distance from a straight segment, in units of the greatest absolute control point: a
+/// product and two sums, each of at most twice as much, and the quotient, which errs by 3 UNIT.
+pub(crate) const STRAIGHT_ERROR: f64 = 16.0 * UNIT;
+
 /// Error of the length of a vector, relative to the length: three squares, two sums and a root.
 pub(crate) const LENGTH: f64 = 8.0 * UNIT;
 

@@ -58,7 +58,7 @@
 //!   joint are checked.
 //! * Below `robot`, the elements `link` and `joint` are read; below `link`, `collision` with its
 //!   `origin` and `geometry`; below `joint`, `parent`, `child`, `origin`, `axis`, `limit` (without
-//!   effort and velocity) and `mimic`.
+//!   effort) and `mimic`. The velocity of a limit is in [`Coordinate::velocity`].
 //! * Elements without geometry or kinematics are passed over unread: `visual`, `inertial`,
 //!   `dynamics`, `calibration`, `safety_controller`, `transmission`, `gazebo`, `material`,
 //!   `sensor`, `ros2_control`, some of other tools, and all of a foreign namespace. A fault in them

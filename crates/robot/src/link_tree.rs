@@ -25,6 +25,8 @@ pub(crate) struct FileJoint {
     pub(crate) axis: Unit<Vector3<f64>>,
     /// Least and greatest value; infinite where the file states none.
     pub(crate) limits: [f64; 2],
+    /// Greatest absolute velocity, if the file states one.
+    pub(crate) velocity: Option<f64>,
     /// The value at which the child is at the origin, where the file draws it.
     pub(crate) reference: f64,
     pub(crate) follows: Option<Follows>,
@@ -182,7 +184,8 @@ impl File<'_> {
             });
             if joint.kind.parts().is_empty() {
                 let (name, limits) = (joint.name.clone(), self.range(joint));
-                coordinates.push(Coordinate { name, limits });
+                let velocity = joint.velocity;
+                coordinates.push(Coordinate { name, limits, velocity });
             }
             coordinates.extend(joint.kind.parts().iter().map(|part| Coordinate {
                 name: format!("{}/{part}", joint.name),
@@ -191,6 +194,7 @@ impl File<'_> {
                 } else {
                     self.options.continuous_limits
                 },
+                velocity: None,
             }));
         }
         let by_name = self.joints.iter().enumerate().map(|(k, j)| (j.name.as_str(), k));
@@ -199,7 +203,14 @@ impl File<'_> {
             // A fixed joint never moves, even if it has a mimic element: tools that fix joints
             // leave the element.
             if self.joints[k].follows.is_some() && self.joints[k].kind != MotionKind::Fixed {
-                drives[k] = Some(self.mimicked(k, &drives, &by_name)?);
+                let drive = self.mimicked(k, &drives, &by_name)?;
+                drives[k] = Some(drive);
+                let of = &mut coordinates[drive.coordinate].velocity;
+                let own = self.joints[k].velocity.filter(|_| drive.factor != 0.0);
+                *of = match (*of, own.map(|own| own / drive.factor.abs())) {
+                    (Some(of), Some(own)) => Some(if own < of { own } else { of }),
+                    (of, own) => of.or(own),
+                };
             }
         }
         Ok((coordinates, drives))

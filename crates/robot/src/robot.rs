@@ -111,6 +111,9 @@ pub struct Coordinate {
     pub name: String,
     /// Least and greatest value.
     pub limits: [f64; 2],
+    /// Greatest absolute velocity by second, of the joint and of those that mimic it, if the URDF
+    /// states one.
+    pub velocity: Option<f64>,
 }
 
 /// A robot that is read from a URDF, MJCF or SDFormat file.

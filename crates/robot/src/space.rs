@@ -115,7 +115,7 @@ impl Setup {
         let named = |name: &str| format!("{prefix}{name}");
         self.coordinates.extend(robot.coordinates.iter().map(|c| Coordinate {
             name: named(&c.name),
-            limits: c.limits,
+            ..c.clone()
         }));
         let mut links = vec![self.add(TreeJoint::fixed(0, pose))];
         for joint in &robot.joints {

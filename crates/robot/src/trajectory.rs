@@ -7,7 +7,7 @@ use crate::error::{FileError, FileErrorKind};
 use crate::message;
 use crate::robot::Coordinate;
 use crate::yaml;
-use lin_canny_plan::{JointCurve, PlanError, nearest_name as nearest};
+use lin_canny_plan::{JointCurve, PlanError, SmoothPath, nearest_name as nearest};
 
 /// A sequence of configurations.
 ///
@@ -156,6 +156,31 @@ impl Trajectory {
         each.collect()
     }
 
+    /// Returns the trajectory as the text of a CSV file, which [`load_timed`](Self::load_timed) reads
+    /// with the same bits.
+    ///
+    /// `coordinates` are those of the rows. Velocities and accelerations are written if all rows have
+    /// them.
+    #[must_use]
+    pub fn csv_text(&self, coordinates: &[Coordinate]) -> String {
+        let count = self.rows.len();
+        let given = |rows: &[Vec<f64>]| rows.len() == count && rows.iter().all(|row| row.len() == coordinates.len());
+        let mut names: Vec<String> = self.times.iter().map(|_| TIME.into()).collect();
+        names.extend(coordinates.iter().map(|c| c.name.clone()));
+        let mut parts = vec![&self.rows];
+        for (rows, suffix) in [&self.velocities, &self.accelerations].into_iter().zip(DERIVATIVES) {
+            if given(rows) {
+                names.extend(coordinates.iter().map(|c| format!("{}{suffix}", c.name)));
+                parts.push(rows);
+            }
+        }
+        let row = |k: usize| {
+            let time = self.times.iter().map(move |times| times[k]);
+            time.chain(parts.iter().flat_map(move |rows| rows[k].iter().copied()))
+        };
+        table(&names, (0..count).map(row))
+    }
+
     /// Returns values for [`load_with_rest`](Self::load_with_rest): those of a CSV file with one
     /// row, and `None` for each coordinate without a column.
     ///
@@ -230,6 +255,25 @@ impl Trajectory {
         }
         trajectory.times = columns.contains(&Column::Time).then_some(times);
         Ok(trajectory)
+    }
+}
+
+impl From<SmoothPath> for Trajectory {
+    /// Returns the rows of a smooth motion, which are numbered as the lines of
+    /// [`csv_text`](Trajectory::csv_text). Its [`curves`](Trajectory::curves) are those of the
+    /// motion, bit for bit.
+    fn from(smooth: SmoothPath) -> Self {
+        let count = smooth.positions.len();
+        Self {
+            lines: (2..).take(count).collect(),
+            times: Some(smooth.times),
+            velocities: smooth.velocities,
+            accelerations: match smooth.accelerations.is_empty() {
+                true => vec![Vec::new(); count],
+                false => smooth.accelerations,
+            },
+            rows: smooth.positions,
+        }
     }
 }
 
@@ -348,11 +392,17 @@ fn columns(
 /// Returns configurations as the text of a CSV file.
 #[must_use]
 pub fn csv_text(coordinates: &[Coordinate], rows: &[Vec<f64>]) -> String {
+    let names: Vec<String> = coordinates.iter().map(|c| c.name.clone()).collect();
+    table(&names, rows.iter().map(|row| row.iter().copied()))
+}
+
+/// Returns the text of a CSV file. Each number is written with as many digits as its bits need.
+fn table(names: &[String], rows: impl Iterator<Item = impl Iterator<Item = f64>>) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     // Writing to memory does not fail.
-    let _ = writer.write_record(coordinates.iter().map(|c| &c.name));
+    let _ = writer.write_record(names);
     for row in rows {
-        let _ = writer.write_record(row.iter().map(|x| format!("{x:?}")));
+        let _ = writer.write_record(row.map(|x| format!("{x:?}")));
     }
     writer
         .into_inner()

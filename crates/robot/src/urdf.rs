@@ -146,6 +146,7 @@ impl<'a> Reader<'a> {
             axis: self.axis(xml.at_most_one(&parts, "axis")?, kind)?,
             // A mimic joint without limits has the limits of the joint that it follows.
             limits: limits.filter(|_| is_limited).unwrap_or(open),
+            velocity: limit.map(|limit| self.velocity(&limit)).transpose()?.flatten(),
             reference: 0.0,
             follows,
         })
@@ -193,6 +194,15 @@ impl<'a> Reader<'a> {
             return Err(self.xml.error(node, FileErrorKind::Limits { lower, upper }));
         }
         Ok([lower, upper])
+    }
+
+    /// Returns the greatest absolute velocity that an element `limit` allows, if there is one.
+    fn velocity(&self, node: &Node<'a, 'a>) -> Result<Option<f64>, FileError> {
+        let is_open = attribute(node, "velocity").is_some_and(|text| text.trim().parse() == Ok(f64::INFINITY));
+        match is_open {
+            true => Ok(None),
+            false => Ok(self.xml.numbers(node, "velocity")?.map(|[x]| x)),
+        }
     }
 
     fn axis(&self, node: Option<Node<'a, 'a>>, kind: MotionKind) -> Result<Unit<Vector3<f64>>, FileError> {

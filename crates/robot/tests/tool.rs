@@ -1233,5 +1233,77 @@ fn two_robots_have_one_clock() {
     assert_eq!(
         run("certify", &["--robot", "=gripper.urdf", "--trajectory", "carry.csv"]).0,
         2
+}
+
+#[test]
+fn smooth_trajectories_are_certified_when_they_are_read_back() {
+    let path = scratch(
+        "corners.csv",
+        &format!("{HEAD}0.6,0.9,1.2,0,0.8,0,0.01\n0.6,0.3,1.2,0,0.8,0.5,0.01\n-0.6,0.3,1.2,0,0.8,0.5,0.01\n"),
+    );
+    let out = scratch("smooth.csv", "");
+    let smooth = |more: &[&str]| run("smooth", &with(&[&["--joints", &path, "--csv", &out], more].concat()));
+    let certify = |more: &[&str]| run("certify", &with(&[&["--trajectory", &out], more].concat()));
+    for (more, columns, stops) in [
+        (&["--acceleration", "4"][..], 15, 0),
+        (
+            &[
+                "--acceleration",
+                "4",
+                "--acceleration",
+                "left=0.5",
+                "--velocity",
+                "turn=1",
+            ],
+            15,
+            0,
+        ),
+        (&["--acceleration", "4", "--continuous-acceleration"], 22, 0),
+        (&["--acceleration", "4", "--deviation", "0"], 15, 1),
+    ] {
+        let (code, text) = smooth(more);
+        assert!(
+            code == 0 && text.contains(&format!("stops at {stops} of 1 inner rows")),
+            "{text}"
+        );
+        let table = std::fs::read_to_string(&out).expect("the table");
+        let header = table.lines().next().expect("a header");
+        assert!(
+            header.starts_with("time,turn,lift") && header.contains(",turn.velocity,"),
+            "{header}"
+        );
+        assert_eq!(header.split(',').count(), columns);
+        let (code, text) = certify(&[]);
+        assert!(code == 0, "{text}");
+    }
+    // Faults name the joint and the limit.
+    let fault = |more: &[&str], expected: i32, words: &[&str]| {
+        let (code, text) = smooth(more);
+        assert!(
+            code == expected && words.iter().all(|word| text.contains(word)),
+            "{code} {text}"
+        );
+    };
+    fault(&[], 2, &["--acceleration"]);
+    fault(&["--acceleration=-1"], 2, &["at least 0"]);
+    fault(
+        &["--acceleration", "turn=1"],
+        3,
+        &["joint \"lift\" has no acceleration limit"],
+    );
+    fault(
+        &["--acceleration", "1", "--velocity", "elbow=0"],
+        3,
+        &["velocity limit of joint \"elbow\"", "0 (expected"],
+    );
+    fault(
+        &["--acceleration", "1", "--velocity", "elbw=1"],
+        3,
+        &["joint \"elbw\" does not exist", "nearest: \"elbow\""],
+    );
+    fault(
+        &["--acceleration", "1", "--margin", "9"],
+        1,
+        &["lines 2 to 3: not proven free"],
     );
 }

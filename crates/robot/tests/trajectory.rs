@@ -1,6 +1,9 @@
-//! Trajectories: the lines of rows and errors, with every line end, blank lines, comments and quotes.
+//! Trajectories: the lines of rows and errors, with every line end, blank lines, comments and quotes; and smooth motions,
+//! written and read.
 
-use lin_canny_robot::{FileError, LoadOptions, Packages, Robot, Trajectory};
+use lin_canny::nalgebra::Isometry3;
+use lin_canny_robot::plan::SmoothOptions;
+use lin_canny_robot::{Cell, FileError, LoadOptions, Packages, Robot, Setup, Trajectory};
 
 fn robot() -> Robot {
     let joint = |name: &str, parent: &str| {
@@ -300,4 +303,88 @@ fn timed_trajectories_that_are_wrong_name_the_place() {
     for text in ["[".repeat(100_000), "- ".repeat(100_000), "{a: ".repeat(10_000)] {
         assert!(timed(&text, "q.yaml").is_err());
     }
+}
+
+#[test]
+fn smooth_motions_are_read_back_bit_for_bit_and_proven() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let packages = Packages::default();
+    let robot = Robot::load(folder.join("arm.urdf"), &packages).expect("a robot");
+    assert!(robot.coordinates().iter().all(|c| c.velocity == Some(2.0)));
+    let mut setup = Setup::new();
+    setup.robot("", &robot, Isometry3::identity());
+    setup.exclude_adjacent();
+    setup.cell(&Cell::load(folder.join("cell.json"), &packages, &LoadOptions::default()).expect("a cell"));
+    let mut checker = setup.checker().expect("a checker");
+    let mut rng = truth::rng::Rng::new(3);
+    let mut stops = 0;
+    for round in 0..20 {
+        let mut path: Vec<Vec<f64>> = vec![vec![0.6, 0.3, 1.2, 0.0, 0.8, 0.5]];
+        while path.len() < 5 {
+            let last = &path[path.len() - 1];
+            let way = rng.log_range(1e-4, 1.5);
+            let next: Vec<f64> = last
+                .iter()
+                .map(|x| (x + rng.range(-way, way)).clamp(-1.8, 1.8))
+                .collect();
+            if checker.is_free(last, &next).expect("within limits") {
+                path.push(next);
+            }
+        }
+        let velocity: Vec<f64> = setup.coordinates().iter().filter_map(|c| c.velocity).collect();
+        let options =
+            SmoothOptions::new(velocity, [rng.log_range(0.1, 30.0); 6]).continuous_acceleration(round % 2 == 0);
+        let smooth = checker.smooth(&path, &options).expect("a free path");
+        stops += smooth.stops.len();
+        let curves = smooth.curves.clone();
+        let written = Trajectory::from(smooth);
+        assert_eq!(written.curves().expect("curves"), curves);
+        let text = written.csv_text(setup.coordinates());
+        let read = Trajectory::parse_timed(&text, "q.csv", setup.coordinates(), &[]).expect("a trajectory");
+        assert_eq!(read.curves().expect("curves"), curves);
+        assert_eq!(read, written);
+        for curve in read.curves().expect("curves") {
+            assert!(checker.certify_curve(&curve).expect("within limits").is_free());
+        }
+    }
+    assert!(stops < 20, "{stops}");
+    // Without times and velocities, the text is that of the rows.
+    let rows = vec![vec![0.1; 6], vec![-0.0, 1e-300, 1e300, 0.3, 1.0 / 3.0, 2.0]];
+    let mut plain = Trajectory::default();
+    plain.rows.clone_from(&rows);
+    assert_eq!(
+        plain.csv_text(setup.coordinates()),
+        lin_canny_robot::csv_text(setup.coordinates(), &rows)
+    );
+}
+
+#[test]
+fn joints_that_mimic_limit_the_velocity_of_their_leader() {
+    let joint = |name: &str, more: &str| {
+        let ends = format!("<parent link=\"a\"/><child link=\"{name}\"/>");
+        format!("<link name=\"{name}\"/><joint name=\"{name}\" type=\"continuous\">{ends}{more}</joint>")
+    };
+    let robot = |first: &str, factor: &str, second: &str| {
+        let limit = |text: &str| match text {
+            "" => String::new(),
+            text => format!("<limit effort=\"1\" velocity=\"{text}\"/>"),
+        };
+        let follows = format!("<mimic joint=\"s\" multiplier=\"{factor}\"/>{}", limit(second));
+        let joints = joint("s", &limit(first)) + &joint("t", &follows);
+        let text = format!("<robot name=\"r\"><link name=\"a\"/>{joints}</robot>");
+        Robot::parse(&text, "r.urdf", &Packages::default(), &LoadOptions::default())
+    };
+    let velocity = |first: &str, factor: &str, second: &str| {
+        let robot = robot(first, factor, second).expect("a robot");
+        assert_eq!(robot.coordinates().len(), 1);
+        robot.coordinates()[0].velocity
+    };
+    assert_eq!(velocity("2", "1", "3"), Some(2.0));
+    assert_eq!(velocity("2", "-4", "3"), Some(0.75));
+    assert_eq!(velocity("2", "0", "3"), Some(2.0));
+    assert_eq!(velocity("", "0.5", "3"), Some(6.0));
+    assert_eq!(velocity("inf", "1", ""), None);
+    assert_eq!(velocity("0", "1", ""), Some(0.0));
+    let error = robot("fast", "1", "").expect_err("no number").to_string();
+    assert!(error.contains("velocity") && error.contains("\"fast\""), "{error}");
 }

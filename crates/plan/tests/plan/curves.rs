@@ -1,11 +1,11 @@
 //! Curves: what is called free is free at every sampled time, what is called blocked is in contact at the time named. The
 //! judge evaluates the curve by the sum of Bernstein polynomials, and decides configurations by predicates.
 
-use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
     Checker, ConfigurationSpace, Drive, Joint, JointCurve, JointKind, JointTree, PlanError, PlanarSpace, RigidSpace,
-    SerialArm, TreeJoint, Verdict, World,
+    SerialArm, TranslationSpace, TreeJoint, Verdict, World,
 };
 use truth::arm::chain::posts;
 use truth::rng::Rng;
@@ -399,15 +399,106 @@ fn curves_of_wrong_numbers_and_spaces_are_errors() {
             degree: 2
         })
     );
+}
+
+/// The rooms of rigid bodies: a plank that slides and turns in the plane, and one that slides in space.
+fn plank() -> World {
+    let mut world = World::new();
+    let plank = solids::cuboid(Vector3::new(0.3, 0.05, 0.1)).expect("a box");
+    let end = Isometry3::translation(0.2, 0.1, 0.0);
+    world.robot_body("plank", plank.clone());
+    world.robot_body("end", plank.transformed(&end).expect("a box"));
+    posts(&mut world, 0.9).expect("posts");
+    world
+}
+
+/// Judges curves of a space whose coordinates are independent, as [`judged`] does.
+fn judged_in<C: ConfigurationSpace + Clone>(space: C, degrees: usize, seed: u64) -> [u32; 2] {
+    let mut checker = Checker::new(space.clone(), plank()).expect("a world");
+    let mut judge = Checker::new(space, plank()).expect("a world");
+    let (mut rng, mut counts) = (Rng::new(seed), [0; 2]);
+    for k in 0..200 {
+        let from = loop {
+            let q: Vec<f64> = (0..3).map(|_| rng.range(-1.2, 1.2)).collect();
+            if judge.is_free_at(&q).expect("within limits") {
+                break q;
+            }
+        };
+        let way = [0.3, 1.0, 2.0][k % 3];
+        let to: Vec<f64> = from.iter().map(|x| x + rng.range(-way, way)).collect();
+        let points = control_points(&mut rng, &from, &to, 1 + k % degrees, [0.2, 1.0][k % 2]);
+        let curve = JointCurve::bezier(&points).expect("a curve");
+        let verdict = checker.certify_curve(&curve).expect("within limits");
+        let mut is_free = |t: f64| judge.is_free_at(&curve.at(t)).expect("within limits");
+        match verdict {
+            Verdict::Free { .. } => counts[0] += 1,
+            Verdict::Blocked { t, .. } => {
+                counts[1] += 1;
+                assert!(!is_free(t), "{verdict:?} of curve {k}: {points:?}");
+            }
+            _ => panic!("curve {k}: {verdict:?}"),
+        }
+        for i in 0..=100 {
+            let t = verdict.safe() * f64::from(i) / 100.0;
+            assert!(is_free(t), "{verdict:?} of curve {k} meets at {t}: {points:?}");
+        }
+        if verdict.is_free() {
+            // The tube of one coordinate: shifted curves are free.
+            let e = 0.02;
+            let tube: Vec<f64> = (0..3).map(|c| if c == k % 3 { e } else { 0.0 }).collect();
+            let is_tube = checker
+                .certify_curve_tube(&curve, &tube)
+                .expect("within limits")
+                .is_free();
+            for i in 0..=20 {
+                for off in [-e, e] {
+                    let mut q = curve.at(f64::from(i) / 20.0);
+                    q[k % 3] += off;
+                    assert!(!is_tube || judge.is_free_at(&q).expect("within limits"), "curve {k}");
+                }
+            }
+        }
+    }
+    counts
+}
+
+#[test]
+fn curves_of_planar_bodies_are_as_the_verdict_says() {
+    let space = PlanarSpace::new([[-9.0, 9.0]; 2], 0.5, 2).expect("a space");
+    let [free, blocked] = judged_in(space, 7, 5);
+    assert!(free > 20 && blocked > 20, "{free} {blocked}");
+}
+
+#[test]
+fn curves_of_bodies_that_slide_are_as_the_verdict_says() {
+    let turn = UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1);
+    let space = TranslationSpace::new([[-9.0, 9.0]; 3], turn, 2).expect("a space");
+    let [free, blocked] = judged_in(space, 7, 6);
+    assert!(free > 20 && blocked > 20, "{free} {blocked}");
+}
+
+#[test]
+fn angles_of_planar_curves_do_not_jump() {
+    let mut world = World::new();
+    let arm = solids::cuboid(Vector3::new(0.5, 0.05, 0.05)).expect("a box");
+    let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
+    world.robot_body("arm", arm.transformed(&at(0.6)).expect("a box"));
+    world.obstacle("post", solids::cuboid(Vector3::repeat(0.1)).expect("a box"), at(1.0));
     let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
-    let mut planar = Checker::new(space, world).expect("a world");
-    let bent = JointCurve::bezier(&[[0.0; 3]; 3]).expect("a curve");
-    assert_eq!(
-        planar.certify_curve(&bent),
-        Err(PlanError::CurveDegree {
-            coordinate: 2,
-            degree: 2
-        })
+    let mut checker = Checker::new(space, world).expect("a world");
+    let ends = [[0.0, 0.0, 3.0], [0.0, 0.0, -3.0]];
+    assert!(checker.certify(&ends[0], &ends[1]).expect("within limits").is_free());
+    let curve = JointCurve::bezier(&ends).expect("a curve");
+    assert!(matches!(checker.certify_curve(&curve), Ok(Verdict::Blocked { .. })));
+    let short = JointCurve::bezier(&[[0.0, 0.0, 3.0], [0.0, 0.0, 3.28]]).expect("a curve");
+    assert!(checker.certify_curve(&short).is_ok_and(|v| v.is_free()));
+    let far = JointCurve::bezier(&[[0.0; 3], [0.0, 0.0, 2e3], [0.0; 3]]).expect("a curve");
+    assert!(checker.certify_curve(&far).is_ok_and(|v| !v.is_free()));
+    let out = JointCurve::bezier(&[[0.0; 3], [0.0, 4.1, 0.0], [0.0; 3]]).expect("a curve");
+    let error = checker.certify_curve(&out);
+    assert!(
+        matches!(error, Err(PlanError::CurveLimit { coordinate: 1, .. })),
+        "{error:?}"
     );
 }
 

@@ -13,4 +13,5 @@ mod leave;
 mod moving;
 mod planner;
 mod ranges;
+mod smooth;
 mod spaces;

@@ -402,6 +402,7 @@ impl<'e> Model<'e> {
                 origin: if is_free { Isometry3::identity() } else { origin * at },
                 axis: joint.axis,
                 limits: joint.limits,
+                velocity: None,
                 reference: joint.reference,
                 follows: None,
             };
@@ -422,6 +423,7 @@ impl<'e> Model<'e> {
             origin,
             axis: Vector3::z_axis(),
             limits: [f64::NEG_INFINITY, f64::INFINITY],
+            velocity: None,
             reference: 0.0,
             follows: None,
         };

@@ -258,6 +258,7 @@ impl<'a> Builder<'a> {
             origin: self.origin(parent, child),
             axis: turn * axis,
             limits: joint.limits,
+            velocity: None,
             reference: 0.0,
             follows: follows.transpose()?,
         })
@@ -309,6 +310,7 @@ impl<'a> Builder<'a> {
             },
             axis: Vector3::z_axis(),
             limits: [f64::NEG_INFINITY, f64::INFINITY],
+            velocity: None,
             reference: 0.0,
             follows: None,
         }

@@ -8,6 +8,7 @@ mod ignorable;
 mod options;
 mod plan;
 mod points;
+mod smooth;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -48,6 +49,8 @@ enum Command {
     Plan(plan::PlanArguments),
     /// Prove which links can never meet each other or an obstacle, over the whole joint limits
     Audit(audit::AuditOptions),
+    /// Turn a path of straight segments into a smooth trajectory within limits, proven free
+    Smooth(smooth::SmoothArguments),
     /// Write the cell with attached objects, paddings, margin and excluded pairs as one cell file
     Cell(cell::CellOptions),
     /// Find link pairs that always or never collide, and write them as SRDF
@@ -94,6 +97,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Certify(options) => certify::run(&options),
         Command::Plan(options) => plan::run(&options),
         Command::Audit(options) => audit::run(&options),
+        Command::Smooth(options) => smooth::run(&options),
         Command::Cell(options) => cell::run(&options),
         Command::Ignorable(options) => ignorable::run(&options),
         Command::Points(options) => points::run(&options),
