@@ -1233,6 +1233,7 @@ fn two_robots_have_one_clock() {
     assert_eq!(
         run("certify", &["--robot", "=gripper.urdf", "--trajectory", "carry.csv"]).0,
         2
+    );
 }
 
 #[test]
