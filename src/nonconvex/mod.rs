@@ -15,6 +15,7 @@
 //! - `penetration`: bounds of the depth.
 //! - `point`: a point and a mesh.
 //! - `near_parts`: a point and the members of a body.
+//! - `near_faces`: a point and the faces of a convex polyhedron.
 //! - `simple_surface`: proves that a mesh does not meet itself.
 //! - `decomposition`: pieces that replace a mesh.
 //! - `separation`: pairs over time.
@@ -48,6 +49,7 @@ pub mod continuous;
 pub(crate) mod decomposition;
 pub(crate) mod front;
 pub mod mesh;
+pub(crate) mod near_faces;
 pub(crate) mod near_parts;
 pub(crate) mod parts;
 pub(crate) mod penetration;

@@ -13,7 +13,7 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{FAR_POINT, POINT_ELEMENT, UNIT};
-use crate::body::polyhedron::{ConvexPolyhedron, FaceId, Feature, VertexId};
+use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use crate::body::shape::{Core, Shape};
 use crate::convex::shape_tracker::ShapeTracker;
 use crate::nonconvex::parts::Parted;
@@ -57,7 +57,7 @@ fn search(body: &impl NearItems, point: &Point3<f64>, level: f64, mut keep: impl
 }
 
 /// Returns the order of outcomes: by upper bound, then by subshape.
-fn order(a: &PointOutcome, b: &PointOutcome) -> core::cmp::Ordering {
+pub(super) fn order(a: &PointOutcome, b: &PointOutcome) -> core::cmp::Ordering {
     let by_index = || a.location.subshape.cmp(&b.location.subshape);
     a.upper.total_cmp(&b.upper).then_with(by_index)
 }
@@ -262,24 +262,4 @@ pub(crate) fn outcome_of_box(
     };
     outcome.set_side(side);
     outcome
-}
-
-/// Returns the outcomes of the faces of a polyhedron and a point, in rising order of their upper
-/// bounds; `None` for a body without volume.
-pub(crate) fn outcomes_of_faces(body: &ConvexPolyhedron, point: &Point3<f64>) -> Option<Vec<PointOutcome>> {
-    let mesh = crate::nonconvex::mesh::Mesh::from_convex(body).ok()?;
-    let faces = body.faces().flat_map(|face| {
-        let triangles = body.face_vertices(face).count().saturating_sub(2);
-        core::iter::repeat_n(face, triangles)
-    });
-    let face_of: Vec<FaceId> = faces.collect();
-    let mut all = nearest(&mesh, point, usize::MAX);
-    for found in &mut all {
-        let face = *face_of.get(found.location.subshape as usize)?;
-        found.location = WitnessLocation::new(face.index() as u32, Feature::Face(face));
-    }
-    all.sort_by(order);
-    let mut is_seen = alloc::vec![false; body.face_count()];
-    all.retain(|found| !core::mem::replace(&mut is_seen[found.location.subshape as usize], true));
-    Some(all)
 }

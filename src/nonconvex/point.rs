@@ -22,10 +22,11 @@ use crate::base::tolerance::{FAR_POINT, POINT_HEIGHT, ROUND_UP};
 use crate::nonconvex::mesh::{Mesh, tracker};
 use crate::nonconvex::near_parts::NearItems;
 use crate::nonconvex::query::inside::ExactSigns;
-use crate::nonconvex::query::near::{NearRoom, NearTriangle};
-use crate::nonconvex::query::triangle;
+use crate::nonconvex::query::near::{self, NearRoom, NearTriangle};
+use crate::nonconvex::query::triangle::{self, Triangle, TriangleSpot};
 use crate::nonconvex::simple_surface::SimpleSurface;
 use crate::pair::draft::unit;
+use crate::pair::location::WitnessLocation;
 use crate::pair::outcome::ContactState;
 use crate::pair::point::PointOutcome;
 
@@ -41,114 +42,76 @@ impl Mesh {
         surface: Option<&SimpleSurface>,
         room: &mut MeshRoom,
     ) -> PointOutcome {
-        let (p, is_far) = self.stored_point(point);
-        let near = self.nearest_triangle(&p, -1.0, &mut room.near);
-        let known = room.known.filter(|known| known.holds_at(self, &p));
+        let stored = self.stored_point(point);
+        let p = &stored.place;
+        let near = self.nearest_triangle(p, -1.0, &mut room.near);
+        let near = self.refined(p, near, &room.near.found);
+        let known = room.known.filter(|known| known.holds_at(self, p));
         let state = match known {
-            _ if is_far => ContactState::Separated,
+            _ if stored.is_far => ContactState::Separated,
             Some(known) => known.state,
-            None => self.side_of_near(&p, surface, &room.near),
+            None => self.side_of_near(p, surface, &room.near),
         };
         room.known = Some(KnownSide {
             mesh: self.fingerprint,
-            at: p,
+            at: *p,
             free: near.lower,
             state,
         });
-        self.outcome_at(point, &near, (&p, is_far), state)
+        self.outcome_at(&stored, &near, state)
+    }
+
+    /// Returns the work of a query: leaves that the search visits, and triangles that the ray of the
+    /// winding number tests.
+    #[cfg(feature = "__internals")]
+    pub(crate) fn work_of_point(&self, point: &Point3<f64>) -> [usize; 2] {
+        let stored = self.stored_point(point);
+        let mut room = NearRoom::default();
+        self.nearest_triangle(&stored.place, -1.0, &mut room);
+        let crossings = core::cell::Cell::new(0);
+        self.winding_about(&stored.place, |_| {
+            crossings.set(crossings.get() + 1);
+            true
+        });
+        [room.leaves, crossings.get()]
+    }
+
+    /// Returns the closest triangle with bounds as close as rounding permits; see [`near::refined`].
+    fn refined(&self, p: &Vector3<f64>, best: NearTriangle, found: &[NearTriangle]) -> NearTriangle {
+        let size = self.tree.unit() * f64::from(self.tree.reach);
+        near::refined(p, size, best, found, |t| self.corners(t))
     }
 
     /// Returns the outcome with the closest point on a triangle.
-    ///
-    /// `p` is the point in stored coordinates, with whether it was moved.
-    fn outcome_at(
-        &self,
-        point: &Point3<f64>,
-        near: &NearTriangle,
-        (p, is_far): (&Vector3<f64>, bool),
-        state: ContactState,
-    ) -> PointOutcome {
-        let corners = self.corners(near.item);
-        let (square, foot, spot) = triangle::nearest_point(p, &corners);
-        let (mut lower, mut upper) = (near.lower, near.upper);
-        let mut distance = sqrt(square).clamped(lower, upper);
-        let mut to_point = p - foot;
-        if is_far {
-            to_point = point.coords / self.unit() - foot;
-            let size = to_point.amax();
-            distance = size * sqrt((to_point / size).norm_squared());
-            (lower, upper) = (distance * (1.0 - POINT_HEIGHT), distance * (1.0 + POINT_HEIGHT));
-        }
-        if state == ContactState::Touching {
-            (lower, distance, upper) = (0.0, 0.0, 0.0);
-        }
-        let way = if state == ContactState::Overlapping { -1.0 } else { 1.0 };
-        let own = triangle::normal(&corners);
-        let is_clear = distance > CLEAR_DIRECTION * (upper - lower) && lower > 0.0;
-        let normal = if is_clear { to_point * way } else { own };
-        let scaled = |x: f64| x * self.unit();
-        // Beyond the range of normal numbers the product is rounded.
-        let outward = |x: f64, next: fn(f64) -> f64| {
-            if self.exponent == 0 || x == 0.0 {
-                x
-            } else {
-                next(scaled(x))
-            }
-        };
-        let (lower, upper) = (
-            outward(lower, f64::next_down).at_least(0.0),
-            outward(upper, f64::next_up),
-        );
-        let distance = scaled(distance);
-        let (distance, lower, upper) = match state {
-            ContactState::Overlapping => (-distance, -upper, -lower),
-            _ => (distance, lower, upper),
-        };
-        PointOutcome {
-            state,
-            distance,
-            lower,
-            upper,
-            point: self.given(&foot),
-            normal: unit(&normal),
-            location: tracker::spot(self, near.item, spot),
-        }
-    }
-
-    /// Returns whether a triangle, with bounds of its distance, contains a point.
-    fn is_on(&self, p: &Vector3<f64>, t: &NearTriangle) -> bool {
-        let corners = self.corners(t.item);
-        t.lower == 0.0 && p.height(&corners) == 0 && p.is_on(&corners)
+    fn outcome_at(&self, stored: &StoredPoint, near: &NearTriangle, state: ContactState) -> PointOutcome {
+        let located = |feature| tracker::spot(self, near.item, feature);
+        stored.outcome(near, &self.corners(near.item), state, located)
     }
 
     /// Returns whether the solid contains a point in the caller's coordinates, or the surface of an
     /// open mesh does.
     pub(crate) fn contains_point(&self, point: &Point3<f64>) -> bool {
-        let (p, is_far) = self.stored_point(point);
+        let stored = self.stored_point(point);
         // Without a winding number the point is on the surface.
-        !is_far
+        !stored.is_far
             && self
-                .winding_about(&p, |_| true)
+                .winding_about(&stored.place, |_| true)
                 .is_none_or(|w| self.is_solid() && w != 0)
     }
 
-    /// Returns a point in stored coordinates, and whether it was moved towards the mesh.
-    ///
-    /// A point beyond 2^60 sizes is moved along its line to the mesh. The closest point stays the
-    /// same up to rounding.
-    pub(crate) fn stored_point(&self, point: &Point3<f64>) -> (Vector3<f64>, bool) {
-        let p = point.coords / self.unit();
-        let apart = p - self.tree.centre;
-        let (size, far) = (apart.amax(), FAR_POINT * self.tree.unit() * f64::from(self.tree.reach));
-        if size > far {
-            return (self.tree.centre + apart * (far / size), true);
+    /// Returns a point in stored coordinates.
+    fn stored_point(&self, point: &Point3<f64>) -> StoredPoint {
+        let size = self.tree.unit() * f64::from(self.tree.reach);
+        let mut stored = StoredPoint::new(point, self.unit(), &self.tree.centre, size);
+        if !stored.is_far {
+            stored.place = self.flushed(&stored.place);
         }
-        (self.flushed(&p), false)
+        stored
     }
 
     /// Returns the side of a point whose closest triangles are in the room.
     fn side_of_near(&self, p: &Vector3<f64>, surface: Option<&SimpleSurface>, room: &NearRoom) -> ContactState {
-        if room.found.iter().any(|t| self.is_on(p, t)) {
+        if room.found.iter().any(|t| t.contains(p, &self.corners(t.item))) {
             return ContactState::Touching;
         }
         let is_out = |k: usize| p[k] < self.low[k] || p[k] > self.high[k];
@@ -168,15 +131,125 @@ impl Mesh {
 impl NearItems for Mesh {
     /// Returns the outcome of a triangle alone, which has no inside.
     fn outcome_of_item(&self, item: u32, point: &Point3<f64>) -> PointOutcome {
-        let (p, is_far) = self.stored_point(point);
-        let near = self.near_triangle(&p, item);
-        let is_on = !is_far && self.is_on(&p, &near);
-        let state = if is_on {
+        let stored = self.stored_point(point);
+        let near = self.near_triangle(&stored.place, item);
+        let near = self.refined(&stored.place, near, &[near]);
+        let state = stored.state_beside([near].iter(), |t| self.corners(t));
+        self.outcome_at(&stored, &near, state)
+    }
+}
+
+impl NearTriangle {
+    /// Returns whether the triangle contains a point.
+    fn contains(&self, p: &Vector3<f64>, corners: &Triangle) -> bool {
+        self.lower == 0.0 && p.height(corners) == 0 && p.is_on(corners)
+    }
+}
+
+/// A point in stored coordinates of a body.
+pub(super) struct StoredPoint {
+    /// In the caller's coordinates.
+    given: Point3<f64>,
+    pub(super) place: Vector3<f64>,
+    /// Whether the place was moved towards the body.
+    is_far: bool,
+    /// One stored unit in the caller's unit, a power of two.
+    unit: f64,
+}
+
+impl StoredPoint {
+    /// Returns a point, with the body's centre and radius in stored coordinates.
+    ///
+    /// A point beyond 2^60 sizes is moved along its line to the body. The closest point stays the
+    /// same up to rounding.
+    pub(super) fn new(given: &Point3<f64>, unit: f64, centre: &Vector3<f64>, size: f64) -> Self {
+        let place = given.coords / unit;
+        let apart = place - centre;
+        let (length, far) = (apart.amax(), FAR_POINT * size);
+        let is_far = length > far;
+        Self {
+            given: *given,
+            place: if is_far { centre + apart * (far / length) } else { place },
+            is_far,
+            unit,
+        }
+    }
+
+    /// Replaces coordinates below a bound by zero.
+    pub(super) fn flush(&mut self, below: f64) {
+        if !self.is_far {
+            self.place.apply(|x| {
+                if x.abs() < below {
+                    *x = 0.0;
+                }
+            });
+        }
+    }
+
+    /// Returns whether a surface of triangles, of which some may be closest, contains the point.
+    pub(super) fn state_beside<'a>(
+        &self,
+        mut found: impl Iterator<Item = &'a NearTriangle>,
+        corners: impl Fn(u32) -> Triangle,
+    ) -> ContactState {
+        if !self.is_far && found.any(|t| t.contains(&self.place, &corners(t.item))) {
             ContactState::Touching
         } else {
             ContactState::Separated
+        }
+    }
+
+    /// Returns the outcome with the closest point on a triangle.
+    pub(super) fn outcome(
+        &self,
+        near: &NearTriangle,
+        corners: &Triangle,
+        state: ContactState,
+        located: impl FnOnce(TriangleSpot) -> WitnessLocation,
+    ) -> PointOutcome {
+        let (square, foot, spot) = triangle::nearest_point(&self.place, corners);
+        let (mut lower, mut upper) = (near.lower, near.upper);
+        let mut distance = sqrt(square).clamped(lower, upper);
+        let mut to_point = self.place - foot;
+        if self.is_far {
+            to_point = self.given.coords / self.unit - foot;
+            let size = to_point.amax();
+            distance = size * sqrt((to_point / size).norm_squared());
+            (lower, upper) = (distance * (1.0 - POINT_HEIGHT), distance * (1.0 + POINT_HEIGHT));
+        }
+        if state == ContactState::Touching {
+            (lower, distance, upper) = (0.0, 0.0, 0.0);
+        }
+        let way = if state == ContactState::Overlapping { -1.0 } else { 1.0 };
+        let own = triangle::normal(corners);
+        let is_clear = distance > CLEAR_DIRECTION * (upper - lower) && lower > 0.0;
+        let normal = if is_clear { to_point * way } else { own };
+        // Beyond the range of normal numbers the product is rounded.
+        let outward = |x: f64, next: fn(f64) -> f64| {
+            if self.unit == 1.0 || x == 0.0 {
+                x
+            } else {
+                next(x * self.unit)
+            }
         };
-        self.outcome_at(point, &near, (&p, is_far), state)
+        let (lower, upper) = (
+            outward(lower, f64::next_down).at_least(0.0),
+            outward(upper, f64::next_up),
+        );
+        let distance = distance * self.unit;
+        let (distance, lower, upper) = match state {
+            ContactState::Overlapping => (-distance, -upper, -lower),
+            _ => (distance, lower, upper),
+        };
+        PointOutcome {
+            state,
+            distance,
+            lower,
+            upper,
+            point: Point3::from(foot * self.unit),
+            normal: unit(&normal),
+            location: located(spot),
+        }
     }
 }
 

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Meshes, compounds and clouds search their trees (`nonconvex/point.rs`,
-//! `nonconvex/near_parts.rs`). The other kinds are pairs with a point, which is exact: its pose is
+//! `nonconvex/near_parts.rs`), and faces are tried one by one (`nonconvex/near_faces.rs`). The other kinds are pairs with a point, which is exact: its pose is
 //! a translation.
 
 mod batch;
@@ -25,11 +25,11 @@ use crate::base::tolerance::PLACE_MAX;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
 #[cfg(feature = "meshes")]
-use crate::nonconvex::near_parts;
-#[cfg(feature = "meshes")]
 use crate::nonconvex::point::MeshRoom;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::simple_surface::SimpleSurface;
+#[cfg(feature = "meshes")]
+use crate::nonconvex::{near_faces, near_parts};
 use crate::pair::outcome::{ContactState, Distance};
 use crate::pair::point::PointOutcome;
 use crate::pair_tracker::PairTracker;
@@ -77,7 +77,7 @@ pub enum PointError {
 /// | polyhedron | exact | `1e-13 L` |
 /// | rounded polyhedron | exact outside (feature `exact`), else by the bounds | `1e-13 L` |
 /// | curved shape | by the bounds: undecided within rounding | `1e-13 L`; inside `2^-19 L` |
-/// | mesh | exact | `2e-14 L`; near edges and vertices see below |
+/// | mesh | exact | `2e-14 L` |
 /// | half-space | exact | `1e-14` of the distance |
 /// | compound, cloud | that of its pieces | outside that of its pieces; inside see below |
 /// | Bézier surface | outside or undecided: it has no inside | that of [`PairTracker::closest`] |
@@ -87,7 +87,6 @@ pub enum PointError {
 /// - **Meshes.** A closed mesh contains the points with a winding number that is not zero, and its
 ///   surface. An [open mesh](crate::MeshKind::Open) contains only its surface. The distance is that
 ///   of the triangles, also of those inside other components.
-///   Where the closest point is near an edge or a vertex, the lower bound may be less by `1e-7 L`.
 /// - **Compounds and clouds** are unions. Inside, the distance is that of the deepest piece, an
 ///   upper bound; the lower bound is that of the box of the union.
 ///
@@ -270,8 +269,18 @@ impl<'g> PointQuery<'g> {
     #[cfg(feature = "meshes")]
     fn few_features(&self, point: &Point3<f64>) -> Vec<PointOutcome> {
         let body = self.geometry.polyhedron();
-        let faces = body.and_then(|body| near_parts::outcomes_of_faces(body, point));
+        let faces = body.and_then(|body| near_faces::outcomes_of_faces(body, point));
         faces.unwrap_or_else(|| alloc::vec![self.ask(point, &mut PointRoom::default())])
+    }
+
+    /// Returns the work of a query of a mesh, counted: leaves of the tree that the search visits,
+    /// and triangles that the ray of the winding number tests.
+    #[cfg(all(feature = "__internals", feature = "meshes"))]
+    #[doc(hidden)]
+    #[must_use]
+    pub fn work(&self, point: &Point3<f64>) -> Option<[usize; 2]> {
+        check(0, point).ok()?;
+        Some(self.geometry.mesh()?.work_of_point(point))
     }
 
     fn ask(&self, point: &Point3<f64>, room: &mut PointRoom) -> PointOutcome {

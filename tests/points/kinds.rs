@@ -7,7 +7,10 @@ use lin_canny::{
     Cloud, CloudElement, Compound, ContactState, ConvexPolyhedron, Geometry, HalfSpace, Mesh, Piece, PointOutcome,
     PointQuery, Shape,
 };
+use truth::driven::exact_place::Place;
+use truth::near_points::{POINT_KINDS, hard_point, is_between, is_between_of, place};
 use truth::rng::Rng;
+use truth::soups::Soup;
 
 /// Points anywhere, on a lattice, and on planes of symmetry.
 fn points(count: usize, size: f64, rng: &mut Rng) -> Vec<Point3<f64>> {
@@ -58,6 +61,11 @@ fn of_box(p: &Point3<f64>, h: f64) -> f64 {
     outside + over.max().min(0.0)
 }
 
+fn of_cylinder(p: &Vector3<f64>, half: f64, radius: f64) -> f64 {
+    let (r, h) = (p.x.hypot(p.y) - radius, p.z.abs() - half);
+    r.max(0.0).hypot(h.max(0.0)) + r.max(h).min(0.0)
+}
+
 #[test]
 fn a_box_a_rounded_box_and_a_ball_have_the_distances_of_closed_forms() {
     for size in [1.0, 1e-99, 1e60] {
@@ -87,11 +95,13 @@ fn a_box_a_rounded_box_and_a_ball_have_the_distances_of_closed_forms() {
 #[test]
 fn a_cylinder_and_a_capsule_have_the_distances_of_closed_forms() {
     let can = Shape::cylinder(1.0, 0.5).expect("a cylinder");
-    let flat = |p: &Point3<f64>| {
-        let (r, h) = (p.x.hypot(p.y) - 0.5, p.z.abs() - 1.0);
-        r.max(0.0).hypot(h.max(0.0)) + r.max(h).min(0.0)
-    };
-    judge(&PointQuery::new(&can), 1.0, 1e-14, flat, "cylinder");
+    judge(
+        &PointQuery::new(&can),
+        1.0,
+        1e-14,
+        |p| of_cylinder(&p.coords, 1.0, 0.5),
+        "cylinder",
+    );
     let capsule = Shape::capsule(1.0, 0.5).expect("a capsule");
     let round = |p: &Point3<f64>| Vector3::new(p.x, p.y, (p.z.abs() - 1.0).max(0.0)).norm() - 0.5;
     judge(&PointQuery::new(&capsule), 1.0, 1e-14, round, "capsule");
@@ -172,6 +182,10 @@ fn unions_have_the_side_and_the_distance_of_their_members() {
                 .map(|s| of_box(&(p - s), size))
                 .fold(f64::INFINITY, f64::min)
         };
+        let of_cylinders = |p: &Point3<f64>| {
+            let each = shifts.iter().map(|s| of_cylinder(&(p.coords - s), size, size));
+            each.fold(f64::INFINITY, f64::min)
+        };
         let of_balls = |p: &Point3<f64>| {
             shifts
                 .iter()
@@ -222,10 +236,11 @@ fn unions_have_the_side_and_the_distance_of_their_members() {
             let told = format!("{told} {size:e}");
             for (p, found) in points.iter().zip(super::ask(&query, &points, &told)) {
                 let told = format!("{told}, {p:?}: {found:?}");
-                if told.starts_with("cloud of shapes") {
-                    continue;
-                }
-                let truth = if *are_boxes { of_boxes(p) } else { of_balls(p) };
+                let truth = match (*are_boxes, told.starts_with("cloud of shapes")) {
+                    (_, true) => of_cylinders(p),
+                    (true, _) => of_boxes(p),
+                    _ => of_balls(p),
+                };
                 let slack = 1e-14 * (size + p.coords.norm());
                 // The union of overlapping members is at least as deep as the deepest.
                 assert!(
@@ -334,4 +349,130 @@ fn a_grid_bounds_the_error_of_its_interpolation() {
         assert!(bad.is_err(), "{bad:?}");
     }
     assert!(query.signed_distance_grid(low, high, [usize::MAX; 3]).is_err());
+}
+
+/// A polyhedron as triangles.
+fn soup_of(body: &ConvexPolyhedron) -> Soup {
+    Soup {
+        points: body.vertex_points().map(Into::into).collect(),
+        triangles: body.triangles().map(|t| t.map(|v| v.index() as u32)).collect(),
+    }
+}
+
+#[test]
+fn polyhedra_of_all_sizes_have_the_sides_and_distances_of_exact_arithmetic() {
+    let mut rng = Rng::new(13);
+    for scale in [1.0, 2e-100, 3e-60, 2f64.powi(100), 4e99] {
+        for n in [6, 12, 40] {
+            let at: Vec<_> = (0..n).map(|_| Point3::from(rng.in_ball()) * scale).collect();
+            let body = ConvexPolyhedron::from_points(&at).expect("a hull");
+            let (soup, query) = (soup_of(&body), PointQuery::new(&body));
+            let points: Vec<_> = (0..2 * POINT_KINDS)
+                .map(|k| hard_point(&soup, k % POINT_KINDS, &mut rng))
+                .collect();
+            let given: Vec<_> = points.iter().map(|p| Point3::from(*p)).collect();
+            let told = format!("{n} points times {scale:e}");
+            for (p, found) in points.iter().zip(super::ask(&query, &given, &told)) {
+                let told = format!("{told}, {p:?}: {found:?}");
+                let flush = soup.radius() * 2f64.powi(-202);
+                let p = p.map(|x| if x.abs() < flush { 0.0 } else { x });
+                let state = match place(&soup, p, &mut rng) {
+                    Place::Outside => ContactState::Separated,
+                    Place::On => ContactState::Touching,
+                    Place::Inside => ContactState::Overlapping,
+                };
+                assert_eq!(found.state, state, "{told}");
+                let (x, y) = (found.lower.abs(), found.upper.abs());
+                let lower = if found.lower <= 0.0 && found.upper >= 0.0 {
+                    0.0
+                } else {
+                    x.min(y)
+                };
+                assert!(is_between(&soup, p, lower, x.max(y)), "{told}");
+            }
+        }
+    }
+}
+
+#[test]
+fn near_triangles_and_faces_have_the_distances_of_exact_arithmetic() {
+    let mut rng = Rng::new(14);
+    for scale in [1.0, 1e-99, 1e70] {
+        for kind in [0, 5, 6, 8, 13] {
+            let soup = truth::near_points::hard_mesh(kind, &mut rng).map(|p| p.map(|x| x * scale));
+            let at: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
+            let mesh = Mesh::new(&at, &soup.triangles).expect("a mesh");
+            let hull = ConvexPolyhedron::from_points(&at).expect("a hull");
+            for k in 0..POINT_KINDS {
+                // Coordinates below 2^-200 of the size count as zero.
+                let flush = soup.radius() * 2f64.powi(-202);
+                let p = hard_point(&soup, k, &mut rng).map(|x| if x.abs() < flush { 0.0 } else { x });
+                let told = format!("mesh {kind} times {scale:e}, {p:?}");
+                let all = PointQuery::new(&mesh).nearest_features(&Point3::from(p), usize::MAX);
+                let all = all.expect("a point");
+                assert_eq!(all.len(), soup.triangles.len(), "{told}");
+                for found in all.iter().step_by(7) {
+                    let corners = soup.corners(found.location.subshape as usize);
+                    let told = format!("{told}: {found:?}");
+                    assert!(is_between_of(&corners, p, found.lower, found.upper), "{told}");
+                    let size = soup.radius() + found.upper;
+                    assert!(found.upper - found.lower <= 2e-14 * size, "{told}");
+                }
+                let faces = PointQuery::new(&hull).nearest_features(&Point3::from(p), usize::MAX);
+                for found in faces.expect("a point").iter().step_by(5) {
+                    let mut rim = Vec::new();
+                    let face = hull.faces().nth(found.location.subshape as usize).expect("a face");
+                    rim.extend(
+                        hull.face_vertices(face)
+                            .filter_map(|v| hull.vertex(v))
+                            .map(<[f64; 3]>::from),
+                    );
+                    let triangles = (1..rim.len() as u32 - 1).map(|k| [0, k, k + 1]).collect();
+                    let own = Soup { points: rim, triangles };
+                    assert!(is_between(&own, p, found.lower, found.upper), "{told}: {found:?}");
+                    let size = soup.radius() + found.upper;
+                    assert!(found.upper - found.lower <= 2e-14 * size, "{told}: {found:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn equally_near_subshapes_are_in_the_order_of_their_indices() {
+    let at = |k: u32| Point3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2)) * 2.0;
+    let corners: Vec<_> = (0..8).map(at).collect();
+    let middle = Point3::new(1.0, 1.0, 1.0);
+    let cloud = Cloud::new(&corners, CloudElement::Ball(0.5)).expect("a cloud");
+    let voxels = Cloud::new(&corners, CloudElement::Box(Vector3::repeat(0.5))).expect("a cloud");
+    let piece = |p: &Point3<f64>| Piece {
+        pose: Isometry3::translation(p.x, p.y, p.z),
+        ..Piece::new(Shape::ball(0.5).expect("a ball"))
+    };
+    let balls = Compound::new(corners.iter().map(piece).collect()).expect("pieces");
+    let die = solids::cuboid(Vector3::repeat(1.0)).expect("a box");
+    let mesh = Mesh::from_convex(&die).expect("a mesh");
+    let all: [(&str, PointQuery<'_>, Point3<f64>, usize); 5] = [
+        ("cloud", PointQuery::new(&cloud), middle, 8),
+        ("voxels", PointQuery::new(&voxels), middle, 8),
+        ("compound", PointQuery::new(&balls), middle, 8),
+        ("polyhedron", PointQuery::new(&die), Point3::origin(), 6),
+        ("mesh", PointQuery::new(&mesh), Point3::origin(), 12),
+    ];
+    for (told, query, p, count) in all {
+        for k in [1, 3, count] {
+            let near = query.nearest_features(&p, k).expect("a point");
+            let order: Vec<u32> = near.iter().map(|f| f.location.subshape).collect();
+            assert!(near.iter().all(|f| f.upper == near[0].upper), "{told}: {near:?}");
+            assert_eq!(order, (0..k as u32).collect::<Vec<_>>(), "{told}");
+        }
+        let d = query.nearest_features(&p, 1).expect("a point")[0].upper;
+        let within: Vec<u32> = query
+            .within(&p, d)
+            .expect("a point")
+            .iter()
+            .map(|f| f.location.subshape)
+            .collect();
+        assert_eq!(within, (0..count as u32).collect::<Vec<_>>(), "{told}");
+    }
 }

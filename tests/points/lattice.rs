@@ -14,7 +14,7 @@ const RATIONAL: usize = 499;
 /// Checks the sides of points on a lattice, `count` for each mesh and scale, against exact signs.
 fn judge(count: usize, seed: u64) {
     let mut rng = Rng::new(seed);
-    let (mut tally, mut asked, mut wide) = ([0; 3], 0, 0);
+    let (mut tally, mut asked, mut widest) = ([0; 3], 0, 0.0f64);
     for (pass, exponent) in EXPONENTS.into_iter().enumerate() {
         for mesh_kind in 0..MESH_KINDS {
             let mut soup = hard_mesh(mesh_kind, &mut rng);
@@ -53,10 +53,9 @@ fn judge(count: usize, seed: u64) {
                     "{}",
                     told()
                 );
-                // Near vertices and edges the lower bound is less close.
                 let (size, width) = (soup.radius() + upper, upper - lower);
-                assert!(width <= 1e-7 * size, "{width:e}: {}", told());
-                wide += usize::from(width > 2e-14 * size);
+                assert!(width <= 2e-14 * size, "{width:e}: {}", told());
+                widest = widest.max(width / size);
                 if asked % RATIONAL == 0 {
                     let p = given[k].into();
                     assert_eq!(place(&soup, p, &mut rng), truth, "the judges differ: {}", told());
@@ -65,8 +64,7 @@ fn judge(count: usize, seed: u64) {
             }
         }
     }
-    println!("outside, on, inside: {tally:?}, wide bounds: {wide}");
-    assert!(wide < asked / 10, "{wide} of {asked} bounds are wide");
+    println!("outside, on, inside: {tally:?}, widest bounds: {widest:e}");
     assert!(tally.iter().all(|n| *n > asked / 20), "{tally:?}");
 }
 

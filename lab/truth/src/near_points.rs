@@ -70,10 +70,20 @@ fn is_on(t: [Point; 3], p: Point) -> bool {
         .all(|(x, y)| sign(&times(&across(&minus(y, x), &minus(&p, x)), &n)) >= 0)
 }
 
+/// Returns the location of a point by the rule of open meshes: on the surface or outside.
+pub fn place_beside(soup: &Soup, p: Point) -> Place {
+    let mut all = (0..soup.triangles.len()).map(|t| soup.corners(t));
+    if all.any(|t| is_on(t, p)) {
+        Place::On
+    } else {
+        Place::Outside
+    }
+}
+
 /// Returns the location of a point by the winding number of the mesh.
 pub fn place(soup: &Soup, p: Point, rng: &mut Rng) -> Place {
     let all = || (0..soup.triangles.len()).map(|t| soup.corners(t));
-    if all().any(|t| is_on(t, p)) {
+    if place_beside(soup, p) == Place::On {
         return Place::On;
     }
     let reach = 4.0 * (soup.radius() + norm(p));
@@ -98,6 +108,13 @@ pub fn place(soup: &Soup, p: Point, rng: &mut Rng) -> Place {
             return if winding == 0 { Place::Outside } else { Place::Inside };
         }
     }
+}
+
+/// Returns whether the distance of a point from one triangle is between two numbers.
+pub fn is_between_of(corners: &[Point; 3], p: Point, lower: f64, upper: f64) -> bool {
+    let square = square(&[p; 3], corners, &Pose::IDENTITY);
+    let [lower, upper] = [lower, upper].map(|x| &exact(x) * &exact(x));
+    lower <= square && square <= upper
 }
 
 /// Returns whether the distance of a point from the triangles is between two numbers.

@@ -3,8 +3,10 @@
 use crate::pose::{add, cross, norm, scale, sub, unit};
 use crate::rng::Rng;
 use crate::{Point, Pose};
+use lin_canny_formats::MeshFile;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
+use std::path::Path;
 
 /// Points and triangles, counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,6 +18,12 @@ pub struct Soup {
 }
 
 impl Soup {
+    /// Returns the triangles of a mesh file; `None` if it cannot be read.
+    pub fn read(path: &Path) -> Option<Self> {
+        let (points, triangles) = MeshFile::load(path).ok()?.whole();
+        Some(Self { points, triangles })
+    }
+
     /// Returns the vertices of a triangle.
     pub fn corners(&self, t: usize) -> [Point; 3] {
         self.triangles[t].map(|v| self.points[v as usize])

@@ -42,7 +42,7 @@ impl ConvexPolyhedron {
     ///
     /// All points of a body without volume are on its surface.
     pub(crate) fn side_of(&self, point: &Point3<f64>) -> i32 {
-        let flush = flush_below(sqrt(((self.high - self.low) * 0.5).norm_squared()));
+        let flush = self.flush();
         // Within the box of a shifted body the shift is exact (Sterbenz), as for the vertices. A
         // point that is not shifted exactly is at least half the shift away, and so outside the
         // body.
@@ -75,6 +75,11 @@ impl ConvexPolyhedron {
                 side
             }
         }
+    }
+
+    /// Returns the bound in stored units below which coordinates count as zero.
+    pub(crate) fn flush(&self) -> f64 {
+        flush_below(sqrt(((self.high - self.low) * 0.5).norm_squared()))
     }
 
     /// Returns whether an exactly flat polygon contains a point.

@@ -9,6 +9,7 @@ pub(crate) mod inside;
 pub(crate) mod near;
 pub(super) mod overlap;
 pub(crate) mod ray;
+mod refined;
 pub(crate) mod search;
 pub(super) mod state;
 pub(crate) mod triangle;

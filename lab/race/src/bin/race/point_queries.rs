@@ -4,7 +4,8 @@
 //! Points are in twice the box of the mesh in random order (`far`), a hundredth of the radius from
 //! the surface at most, in random order (`near`), or on a path with steps of a thousandth (`path`).
 //! `ours` asks one by one, `ours-batch` in one call (its order included), `ours-tracked` with a
-//! tracker. `crates/python/bench/points.py` measures other libraries.
+//! tracker. Also prints for each mesh the time of the build, that of the proof that it does not meet
+//! itself, and its memory. `crates/python/bench/points.py` measures other libraries.
 
 use std::hint::black_box;
 
@@ -26,7 +27,7 @@ const PASSES: usize = 5;
 fn solids(options: &Options) -> Vec<(&'static str, Soup)> {
     let rock = |n: usize| ("rock", soups::rock((n / 20).ilog2() / 2, 3));
     let mut list: Vec<_> = options.sizes([1280, 81_920, 1_310_720]).map(rock).collect();
-    list.extend(options.sizes([1000, 100_000]).map(|n| {
+    list.extend(options.sizes([1000, 100_000, 1_000_000]).map(|n| {
         let m = (n as f64 / 4.0).sqrt() as usize;
         ("torus", soups::torus(2 * m, m, 0.35))
     }));
@@ -62,6 +63,13 @@ fn timed(passes: usize, mut pass: impl FnMut()) -> f64 {
     (0..=passes).map(|_| once()).fold(f64::INFINITY, f64::min)
 }
 
+/// Returns seconds of CPU time of a call, and its result.
+fn seconds<T>(call: impl FnOnce() -> T) -> (f64, T) {
+    let began = ProcessTime::now();
+    let result = call();
+    (began.elapsed().as_secs_f64(), result)
+}
+
 /// Races all solids with the points of each scene.
 pub(crate) fn run(options: &Options) -> Rows {
     let mut rows = Rows::default();
@@ -71,8 +79,13 @@ pub(crate) fn run(options: &Options) -> Rows {
         "scene", "shape", "n", "ours", "ours-batch", "ours-tracked"
     );
     for (name, soup) in solids(options) {
-        let mesh: Mesh = mesh(&soup);
-        let query = PointQuery::new(&mesh).prepared();
+        let (built, mesh): (f64, Mesh) = seconds(|| mesh(&soup));
+        let (proven, query) = seconds(|| PointQuery::new(&mesh).prepared());
+        let (n, bytes) = (mesh.triangle_count(), mesh.memory_usage());
+        println!(
+            "{name}, {n} triangles: built in {built:.2} s, proven in {proven:.2} s, {:.1} bytes a triangle",
+            bytes as f64 / n as f64
+        );
         for scene in SCENES.into_iter().filter(|scene| options.wants(scene)) {
             let points = points(scene, &soup);
             let ask = |p: &Point3<f64>| query.closest_point(p).expect("a point");
@@ -88,7 +101,6 @@ pub(crate) fn run(options: &Options) -> Rows {
                     let _ = black_box(tracker.closest_point(&query, p));
                 });
             });
-            let n = mesh.triangle_count();
             println!("{scene:5} {name:6} {n:8} {alone:8.0} {batch:10.0} {tracked:12.0}");
             for (engine, ns) in [("ours", alone), ("ours-batch", batch), ("ours-tracked", tracked)] {
                 rows.push((scene, name, n), engine, ns, 1);
