@@ -30,7 +30,7 @@ pub(crate) trait Batch: Sync {
     /// What a block keeps from query to query.
     type State: Send;
     /// The answer of a query.
-    type Row: Send + Copy;
+    type Row: Send;
     /// Number of queries between two readings of the clock.
     const LOOK: usize = LOOK;
 
@@ -63,6 +63,14 @@ impl<'py> Run<'py> {
         })
     }
 
+    /// Tells how much of a call is done.
+    pub(crate) fn report(&self, done: usize, total: usize) -> PyResult<()> {
+        if let Some(report) = &self.progress {
+            report.call1((done, total))?;
+        }
+        Ok(())
+    }
+
     /// Answers all queries of a batch.
     pub(crate) fn rows<B: Batch>(&self, py: Python<'_>, batch: &B, rows: &mut [B::Row]) -> PyResult<()> {
         let total = rows.len();
@@ -76,13 +84,37 @@ impl<'py> Run<'py> {
             let until = Instant::now() + BREATH;
             let is_finished = py.detach(|| queue.breath(&mut jobs, until))?;
             py.check_signals()?;
-            if let Some(report) = &self.progress {
-                report.call1((queue.done.load(Ordering::Relaxed), total))?;
-            }
+            self.report(queue.done.load(Ordering::Relaxed), total)?;
             if is_finished {
                 return Ok(());
             }
         }
+    }
+
+    /// Takes steps one after another, until one returns false.
+    pub(crate) fn steps(
+        &self,
+        py: Python<'_>,
+        total: usize,
+        mut step: impl FnMut(usize) -> PyResult<bool> + Send,
+    ) -> PyResult<()> {
+        let (mut done, mut goes_on) = (0, true);
+        while goes_on && done < total {
+            let until = Instant::now() + BREATH;
+            py.detach(|| -> PyResult<()> {
+                while goes_on && done < total {
+                    goes_on = step(done)?;
+                    done += 1;
+                    if Instant::now() >= until {
+                        break;
+                    }
+                }
+                Ok(())
+            })?;
+            py.check_signals()?;
+            self.report(done, total)?;
+        }
+        Ok(())
     }
 
     /// Answers parts of a batch one after another, each by a function that uses all threads.
@@ -99,9 +131,7 @@ impl<'py> Run<'py> {
             let end = part.end;
             all.push(py.detach(|| answer(part))?);
             py.check_signals()?;
-            if let Some(report) = &self.progress {
-                report.call1((end, total))?;
-            }
+            self.report(end, total)?;
         }
         Ok(all)
     }

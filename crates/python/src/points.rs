@@ -1,4 +1,12 @@
-//! Points and one geometry: signed distances, sides and closest points.
+//! Points and one geometry: signed distances, sides, closest points, near subshapes, grids.
+
+mod grid;
+mod near;
+mod tracker;
+
+pub(crate) use grid::signed_distance_grid;
+pub(crate) use near::{nearest_features, within};
+pub(crate) use tracker::{ClosestPoint, PointTracker};
 
 use lin_canny::nalgebra::Point3;
 use lin_canny::{Geometry as Body, PointOutcome, PointQuery};
@@ -13,6 +21,10 @@ use crate::geometry::Geometry;
 const POINTS: Argument = Argument {
     name: "points",
     error: refused,
+};
+const POINT: Argument = Argument {
+    name: "point",
+    ..POINTS
 };
 
 /// The outcome of a point as numbers: signed distance, its bounds, the closest point, the subshape,
@@ -58,6 +70,15 @@ impl Batch for Points<'_> {
     }
 }
 
+/// Returns the queries of a geometry, prepared if so many points are worth it.
+fn query_of<'g>(py: Python<'_>, body: &'g Body, count: usize) -> PointQuery<'g> {
+    let query = PointQuery::new(body);
+    match body {
+        Body::Mesh(mesh) if count / 4 >= mesh.triangle_count() => py.detach(|| query.prepared()),
+        _ => query,
+    }
+}
+
 fn rows(
     py: Python<'_>,
     geometry: &Bound<'_, Geometry>,
@@ -76,13 +97,11 @@ fn rows(
             "points: point {index} is not finite or farther than 1e116: {value:?}"
         )));
     }
-    let mut query = PointQuery::new(body);
-    let is_worth_it = matches!(body, Body::Mesh(mesh) if given.len() / 4 >= mesh.triangle_count());
-    if is_worth_it && !is_side_alone {
-        query = py.detach(|| query.prepared());
-    }
     let batch = Points {
-        query,
+        query: match is_side_alone {
+            true => PointQuery::new(body),
+            false => query_of(py, body, given.len()),
+        },
         points: &given,
         is_side_alone,
     };
