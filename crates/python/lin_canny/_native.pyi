@@ -68,11 +68,14 @@ __all__ = [
     "Trajectory",
     "UndecidedError",
     "Verdict",
+    "closest_batch",
     "closest_points",
+    "contacts_batch",
     "contains",
     "distances",
     "load_mesh",
     "nearest_features",
+    "penetration_batch",
     "read_points",
     "signed_distance",
     "signed_distance_grid",
@@ -306,6 +309,22 @@ class RayCaster:
     def __reduce__(self) -> tuple[Any, tuple[()]]: ...
 
 def distances(
+    a: Geometry, b: Geometry, poses: _Poses, *, threads: int = 1, progress: _Progress = None
+) -> _Records: ...
+def closest_batch(
+    a: Geometry, b: Geometry, poses: _Poses, *, threads: int = 1, progress: _Progress = None
+) -> _Records: ...
+def contacts_batch(
+    a: Geometry,
+    b: Geometry,
+    poses: _Poses,
+    *,
+    prediction: float = 0.0,
+    max_points: int = 4,
+    threads: int = 1,
+    progress: _Progress = None,
+) -> tuple[_Records, NDArray[np.int64]]: ...
+def penetration_batch(
     a: Geometry, b: Geometry, poses: _Poses, *, threads: int = 1, progress: _Progress = None
 ) -> _Records: ...
 
@@ -687,6 +706,26 @@ class Checker:
     def certify_path(self, path: ArrayLike) -> Verdict: ...
     def clearance_along(
         self, start: ArrayLike, goal: ArrayLike, *, relative: float = 1e-3
+    ) -> tuple[float, float, float, tuple[str, str] | None]: ...
+    def certify_curve(self, curve: _Curve, *, tube: ArrayLike | None = None) -> Verdict: ...
+    def certify_spline(
+        self, curves: Sequence[_Curve] | ArrayLike, *, tube: ArrayLike | None = None, progress: _Progress = None
+    ) -> Verdict: ...
+    def certify_trajectory(
+        self, trajectory: Trajectory, *, tube: ArrayLike | None = None, progress: _Progress = None
+    ) -> Verdict: ...
+    def certify_batch(
+        self,
+        curves: Sequence[_Curve] | ArrayLike,
+        *,
+        tube: ArrayLike | None = None,
+        threads: int = 1,
+        progress: _Progress = None,
+    ) -> _Records: ...
+    def prove(self, start: ArrayLike, goal: ArrayLike) -> _Records | None: ...
+    def prove_curve(self, curve: _Curve) -> _Records | None: ...
+    def clearance_along_curve(
+        self, curve: _Curve, *, relative: float = 1e-3
     ) -> tuple[float, float, float, tuple[str, str] | None]: ...
     def plan(
         self,

@@ -112,9 +112,14 @@ pub(crate) fn table(obj: &Bound<'_, PyAny>, argument: Argument) -> PyResult<Vec<
     let values = array.as_slice()?;
     if let Some(k) = values.iter().position(|x| !x.is_finite()) {
         let [row, column] = [k / width, k % width];
-        return Err(error(format!("{name}: entry [{row}, {column}] is not finite: {}", values[k])));
+        return Err(error(format!(
+            "{name}: entry [{row}, {column}] is not finite: {}",
+            values[k]
+        )));
     }
-    Ok((0..count).map(|k| values[k * width..(k + 1) * width].to_vec()).collect())
+    Ok((0..count)
+        .map(|k| values[k * width..(k + 1) * width].to_vec())
+        .collect())
 }
 
 /// Returns rows of equal length as an array of shape (N, M).
@@ -163,7 +168,9 @@ pub(crate) fn words<'py, const N: usize>(
     for word in words {
         // A string of numpy has four bytes for each letter, and ends with zeros.
         let mut row = [0; N];
-        row.iter_mut().zip(word.as_ref().bytes()).for_each(|(to, byte)| *to = byte.into());
+        row.iter_mut()
+            .zip(word.as_ref().bytes())
+            .for_each(|(to, byte)| *to = byte.into());
         letters.push(row);
     }
     let count = letters.len();

@@ -1,7 +1,8 @@
 //! Batches: blocks of queries over threads, outside of the lock of the interpreter.
 //!
 //! Every block of [`BLOCK`] queries begins with a fresh state, so that the answers do not depend on
-//! the number of threads, bit for bit.
+//! the number of threads, bit for bit. Where each answer is a function of its query alone, blocks may
+//! have other sizes.
 
 use std::iter::Enumerate;
 use std::ops::Range;
@@ -33,6 +34,11 @@ pub(crate) trait Batch: Sync {
     type Row: Send;
     /// Number of queries between two readings of the clock.
     const LOOK: usize = LOOK;
+
+    /// Number of queries that share a state, of so many on so many threads.
+    fn block(&self, _count: usize, _threads: usize) -> usize {
+        BLOCK
+    }
 
     fn start(&self) -> PyResult<Self::State>;
     fn answer(&self, state: &mut Self::State, first: usize, rows: &mut [Self::Row]) -> PyResult<()>;
@@ -74,9 +80,11 @@ impl<'py> Run<'py> {
     /// Answers all queries of a batch.
     pub(crate) fn rows<B: Batch>(&self, py: Python<'_>, batch: &B, rows: &mut [B::Row]) -> PyResult<()> {
         let total = rows.len();
+        let block = batch.block(total, self.threads).max(1);
         let queue = Queue {
             batch,
-            blocks: Mutex::new(rows.chunks_mut(BLOCK).enumerate()),
+            block,
+            blocks: Mutex::new(rows.chunks_mut(block).enumerate()),
             done: AtomicUsize::new(0),
         };
         let mut jobs: Vec<Option<Job<B>>> = (0..self.threads).map(|_| None).collect();
@@ -147,6 +155,7 @@ struct Job<'a, B: Batch> {
 /// The blocks that no thread has taken.
 struct Queue<'a, 'b, B: Batch> {
     batch: &'b B,
+    block: usize,
     blocks: Mutex<Enumerate<ChunksMut<'a, B::Row>>>,
     done: AtomicUsize,
 }
@@ -198,7 +207,7 @@ impl<'a, B: Batch> Queue<'a, '_, B> {
             .map(|(k, rows)| {
                 Ok(Job {
                     state: self.batch.start()?,
-                    first: k * BLOCK,
+                    first: k * self.block,
                     rows,
                 })
             })

@@ -156,7 +156,12 @@ impl JointCurve {
         duration: f64,
     ) -> PyResult<Self> {
         let (ends, velocities) = (two(ends, ENDS)?, two(velocities, VELOCITIES)?);
-        made(Curve::quintic(ends, velocities, two(accelerations, ACCELERATIONS)?, duration))
+        made(Curve::quintic(
+            ends,
+            velocities,
+            two(accelerations, ACCELERATIONS)?,
+            duration,
+        ))
     }
 
     /// Returns the curves of a B-spline, one for each knot interval that is not empty.

@@ -27,6 +27,10 @@ const POINT: Argument = Argument {
     ..POINTS
 };
 
+/// Largest number of points that are put in order at once, so that neighbours follow each other.
+/// At 10 microseconds per point, it ends within a third of a second.
+const MOST: usize = 1 << 15;
+
 /// The outcome of a point as numbers: signed distance, its bounds, the closest point, the subshape,
 /// and whether the geometry contains the point.
 type Row = [f64; 8];
@@ -48,8 +52,11 @@ struct Points<'a> {
 impl Batch for Points<'_> {
     type State = ();
     type Row = Row;
-    // The library orders the points of a call, so that neighbours follow each other.
-    const LOOK: usize = BLOCK;
+    const LOOK: usize = MOST;
+
+    fn block(&self, count: usize, threads: usize) -> usize {
+        count.div_ceil(threads).clamp(BLOCK, MOST)
+    }
 
     fn start(&self) -> PyResult<()> {
         Ok(())

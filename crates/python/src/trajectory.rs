@@ -369,7 +369,11 @@ impl Trajectory {
             let k = self.times.partition_point(|t| t <= time).saturating_sub(1);
             let k = k.min(curves.len() - 1);
             let [from, until] = self.span(k);
-            let part = if until > from { (time - from) / (until - from) } else { 0.0 };
+            let part = if until > from {
+                (time - from) / (until - from)
+            } else {
+                0.0
+            };
             curves[k].at(part)
         };
         let rows: Vec<_> = times.iter().map(row).collect();

@@ -157,8 +157,8 @@ def test_splines(checker):
 def test_tubes(checker):
     ends = np.array([[0.5, 0], [0.5, TOUCH - 0.1]])
     assert checker.certify_curve(ends, tube=0).is_free
-    assert checker.certify_curve(ends, tube=[0.3, 0.05]).is_free
-    assert checker.certify_curve(ends, tube=0.05).is_free
+    assert checker.certify_curve(ends, tube=[0.01, 0.05]).is_free
+    assert checker.certify_curve(ends, tube=0.03).is_free
     assert not checker.certify_curve(ends, tube=[0, 0.11]).is_free
     assert not checker.certify_spline([ends], tube=0.11).is_free
     # Nothing inside a tube that is proven meets anything.

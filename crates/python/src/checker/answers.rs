@@ -261,7 +261,9 @@ impl Verdict {
         match (&self.verdict, &self.pair) {
             (Judged::Blocked { safe, t, .. }, Some((a, b))) => {
                 let time = self.blocked_time();
-                let time = time.map_or(String::new(), |time| format!(" of segment {}, time {time:.9}", self.segment));
+                let time = time.map_or(String::new(), |time| {
+                    format!(" of segment {}, time {time:.9}", self.segment)
+                });
                 format!("<Verdict blocked: {a:?} and {b:?} between {safe:.9} and {t:.9}{time}>")
             }
             _ => format!("<Verdict {}>", self.state()),

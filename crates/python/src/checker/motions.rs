@@ -54,12 +54,19 @@ impl Checker {
 
     /// Returns an error about a motion, with the name of the joint that exceeds its limits.
     fn motion_fault(&self, what: &str, error: &PlanError, at: impl Fn(f64) -> String) -> PyErr {
-        let PlanError::CurveLimit { coordinate, time, value } = *error else {
+        let PlanError::CurveLimit {
+            coordinate,
+            time,
+            value,
+        } = *error
+        else {
             return plan_error(format!("{what}: {error}"));
         };
         let Coordinate { name, limits, .. } = &self.coordinate_list()[coordinate];
         let ([low, high], at) = (limits, at(time));
-        plan_error(format!("{what}: {name} exceeds its limits {low} and {high} at {at}: {value}"))
+        plan_error(format!(
+            "{what}: {name} exceeds its limits {low} and {high} at {at}: {value}"
+        ))
     }
 
     fn curve_fault(&self, error: &PlanError) -> PyErr {
@@ -106,8 +113,15 @@ impl Checker {
                 return Ok(false);
             }
             // Contacts at the start of all curves are kept.
-            if let (Judged::Free { start_contacts, .. }, Some((_, Judged::Free { start_contacts: before, .. }))) =
-                (&mut found, &mut all)
+            if let (
+                Judged::Free { start_contacts, .. },
+                Some((
+                    _,
+                    Judged::Free {
+                        start_contacts: before, ..
+                    },
+                )),
+            ) = (&mut found, &mut all)
             {
                 before.append(start_contacts);
                 *start_contacts = core::mem::take(before);
@@ -121,7 +135,11 @@ impl Checker {
     /// Returns the certificates of all pairs as a structured array.
     fn certificates<'py>(&self, py: Python<'py>, proofs: &[PairProof]) -> PyResult<Bound<'py, PyAny>> {
         let numbers = Numbers::new(&self.checker);
-        let each = || proofs.iter().flat_map(|of| of.certificates.iter().map(move |c| (of.pair, c)));
+        let each = || {
+            proofs
+                .iter()
+                .flat_map(|of| of.certificates.iter().map(move |c| (of.pair, c)))
+        };
         let bodies = |second: bool| {
             let ids = each().map(|(pair, _)| numbers.of(if second { pair.b } else { pair.a }));
             PyArray1::from_vec(py, ids.collect()).into_any()
@@ -279,11 +297,7 @@ impl Checker {
     ///     of shape (3,), in the world: a plane with the normal `normal` at `start`, which rotates
     ///     by the rotation vector `spin * (t - start)`, is between both bodies. Both are zero if
     ///     balls around the bodies, or another bound, prove it.
-    fn prove_curve<'py>(
-        &mut self,
-        py: Python<'py>,
-        curve: &Bound<'py, PyAny>,
-    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn prove_curve<'py>(&mut self, py: Python<'py>, curve: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let curve = curve_of(curve)?;
         let found = py.detach(|| self.checker.prove_curve(&curve));
         let found = found.map_err(|e| self.curve_fault(&e))?;

@@ -110,9 +110,10 @@ pub(crate) fn signed_distance_grid<'py>(
     let size = high - low;
     let cells = match cells {
         Cells::Each(cells) => cells,
+        Cells::Longest(0) => [0; 3],
         Cells::Longest(count) => {
             let side = size.max() / count as f64;
-            [0, 1, 2].map(|k| ((size[k] / side).round() as usize).clamp(1, count.max(1)))
+            [0, 1, 2].map(|k| ((size[k] / side).round() as usize).clamp(1, count))
         }
     };
     let each = cells.iter().map(|n| n.saturating_add(1));

@@ -27,7 +27,12 @@ impl Pair<'_> {
     }
 
     /// Answers some poses one after another.
-    fn each<T>(&self, first: usize, rows: &mut [T], mut answer: impl FnMut(&RelativePose) -> PyResult<T>) -> PyResult<()> {
+    fn each<T>(
+        &self,
+        first: usize,
+        rows: &mut [T],
+        mut answer: impl FnMut(&RelativePose) -> PyResult<T>,
+    ) -> PyResult<()> {
         for (k, to) in (first..).zip(rows) {
             *to = answer(&self.pose(k)?)?;
         }
