@@ -673,11 +673,15 @@ fn tubes_of_joints_hold_at_their_corners() {
 fn curves_are_stored_with_their_errors() {
     let mut rng = Rng::new(77);
     for degree in 1..=7 {
-        let points: Vec<Vec<f64>> = (0..=degree).map(|_| rng.point(2.0).coords.iter().copied().collect()).collect();
+        let points: Vec<Vec<f64>> = (0..=degree)
+            .map(|_| rng.point(2.0).coords.iter().copied().collect())
+            .collect();
         let curves = [
             JointCurve::bezier(&points).expect("a curve"),
             JointCurve::power(&points).expect("a curve"),
-            JointCurve::uniform_b_spline(&points, degree).expect("a spline").remove(0),
+            JointCurve::uniform_b_spline(&points, degree)
+                .expect("a spline")
+                .remove(0),
         ];
         for curve in curves {
             let text = serde_json::to_string(&curve).expect("a curve");
