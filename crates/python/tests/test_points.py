@@ -107,7 +107,7 @@ def test_a_grid_bounds_its_error(geometry):
     interpolate = pytest.importorskip("scipy.interpolate", reason="scipy is not installed")
     values, errors, axes = lc.signed_distance_grid(geometry, 12)
     assert values.shape == tuple(map(len, axes)) and errors.shape == tuple(n - 1 for n in values.shape)
-    assert max(errors.shape) == 12
+    assert max(errors.shape) == 12 and isinstance(axes, tuple)
     low, high = [axis[0] for axis in axes], [axis[-1] for axis in axes]
     nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     assert np.array_equal(values.ravel(), lc.signed_distance(geometry, nodes))

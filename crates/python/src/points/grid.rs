@@ -51,10 +51,12 @@ fn box_of(body: &Body) -> [Point3<f64>; 2] {
 }
 
 /// The values of the nodes, the errors of the cells, and the coordinates of the nodes.
-type Grid<'py> = (
-    Bound<'py, PyArray3<f64>>,
-    Bound<'py, PyArray3<f64>>,
-    [Bound<'py, PyArray1<f64>>; 3],
+type Grid<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray3<f64>>, Axes<'py>);
+
+type Axes<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
 );
 
 /// Returns the signed distances at the nodes of a grid, with a proven error of each cell.
@@ -140,12 +142,12 @@ pub(crate) fn signed_distance_grid<'py>(
         (0..cells[1]).flat_map(row)
     });
     let errors = PyArray1::from_iter(py, errors).reshape(cells)?;
-    let axes = [0, 1, 2].map(|axis| {
+    let [x, y, z] = [0, 1, 2].map(|axis| {
         let node = |k: usize| grid.origin[axis] + grid.step[axis] * k as f64;
         PyArray1::from_iter(py, (0..grid.nodes[axis]).map(node))
     });
     let nodes = grid.nodes;
-    Ok((PyArray1::from_vec(py, grid.values).reshape(nodes)?, errors, axes))
+    Ok((PyArray1::from_vec(py, grid.values).reshape(nodes)?, errors, (x, y, z)))
 }
 
 /// The nodes of a layer.
