@@ -35,9 +35,9 @@ impl DistanceGrid {
     /// Returns the grid of signed distances that a function returns, layer by layer.
     ///
     /// For callers that show progress, stop early or use threads. `distances` receives the nodes
-    /// `[i, .., ..]`, for one `i` after the other, and returns their signed distances in this order.
-    /// A distance that is missing counts as unknown: it is NaN, with an infinite error. Corners and
-    /// cells are those of [`PointQuery::signed_distance_grid`].
+    /// `[i, .., ..]`, for one `i` after the other, and returns their signed distances in this
+    /// order. A distance that is missing counts as unknown: it is NaN, with an infinite error.
+    /// Corners and cells are those of [`PointQuery::signed_distance_grid`].
     ///
     /// ```
     /// use lin_canny::nalgebra::Point3;

@@ -674,7 +674,7 @@ fn curves_are_stored_with_their_errors() {
     let mut rng = Rng::new(77);
     for degree in 1..=7 {
         let points: Vec<Vec<f64>> = (0..=degree)
-            .map(|_| rng.point(2.0).coords.iter().copied().collect())
+            .map(|_| (0..3).map(|_| rng.range(-2.0, 2.0)).collect())
             .collect();
         let curves = [
             JointCurve::bezier(&points).expect("a curve"),
