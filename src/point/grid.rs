@@ -15,7 +15,7 @@ const NODES: usize = 1 << 31;
 
 /// Signed distances at the nodes of a grid of boxes, and the errors of its cells.
 ///
-/// Made by [`PointQuery::signed_distance_grid`].
+/// Made by [`PointQuery::signed_distance_grid`] or [`from_layers`](Self::from_layers).
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct DistanceGrid {
@@ -32,6 +32,81 @@ pub struct DistanceGrid {
 }
 
 impl DistanceGrid {
+    /// Returns the grid of signed distances that a function returns, layer by layer.
+    ///
+    /// For callers that show progress, stop early or use threads. `distances` receives the nodes
+    /// `[i, .., ..]`, for one `i` after the other, and returns their signed distances in this
+    /// order. A distance that is missing counts as unknown: it is NaN, with an infinite error.
+    /// Corners and cells are those of [`PointQuery::signed_distance_grid`].
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::Point3;
+    /// use lin_canny::{DistanceGrid, PointError, PointQuery, Shape};
+    ///
+    /// let ball = Shape::ball(1.0)?;
+    /// let query = PointQuery::new(&ball);
+    /// let [low, high] = [-2.0, 2.0].map(|x| Point3::new(x, x, x));
+    /// let mut done = 0;
+    /// let grid = DistanceGrid::from_layers(low, high, [8; 3], |nodes| {
+    ///     done += nodes.len(); // here a bar is drawn
+    ///     query.signed_distances(nodes)
+    /// })?;
+    /// assert_eq!(done, grid.values.len());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns the error of the function, or that of
+    /// [`PointQuery::signed_distance_grid`].
+    pub fn from_layers<E: From<PointError>>(
+        low: Point3<f64>,
+        high: Point3<f64>,
+        cells: [usize; 3],
+        mut distances: impl FnMut(&[Point3<f64>]) -> Result<Vec<Distance>, E>,
+    ) -> Result<Self, E> {
+        check(0, &low)?;
+        check(1, &high)?;
+        let count = cells
+            .iter()
+            .try_fold(1usize, |all, n| all.checked_mul(n.checked_add(1)?));
+        let size = high - low;
+        let is_bad = |k: usize| cells[k] == 0 || !(size[k] / cells[k] as f64 > 0.0);
+        let axis = (0..3)
+            .find(|k| is_bad(*k))
+            .or(if count.is_none_or(|n| n > NODES) { Some(0) } else { None });
+        if let Some(axis) = axis {
+            let (cells, side) = (cells[axis], size[axis]);
+            return Err(PointError::Grid { axis, cells, side }.into());
+        }
+        let step = Vector3::from_fn(|k, _| size[k] / cells[k] as f64);
+        let nodes = [cells[0] + 1, cells[1] + 1, cells[2] + 1];
+        let mut grid = Self {
+            origin: low,
+            step,
+            nodes,
+            values: Vec::with_capacity(nodes.iter().product()),
+            widths: Vec::with_capacity(nodes.iter().product()),
+        };
+        for i in 0..nodes[0] {
+            let at = |j: usize, k: usize| low + step.component_mul(&Vector3::new(i as f64, j as f64, k as f64));
+            let layer: Vec<_> = (0..nodes[1])
+                .flat_map(|j| (0..nodes[2]).map(move |k| at(j, k)))
+                .collect();
+            for found in distances(&layer)?.into_iter().take(layer.len()) {
+                let Distance {
+                    value, lower, upper, ..
+                } = found;
+                grid.values.push(value);
+                let width = (upper - value).larger(value - lower);
+                grid.widths.push((width as f32).next_up().at_least(0.0));
+            }
+            grid.values.resize((i + 1) * layer.len(), f64::NAN);
+            grid.widths.resize((i + 1) * layer.len(), f32::INFINITY);
+        }
+        Ok(grid)
+    }
+
     /// Returns a bound of the error of the interpolated signed distance in a cell.
     ///
     /// It bounds the difference to the true signed distance everywhere in the cell. A signed
@@ -131,43 +206,6 @@ impl PointQuery<'_> {
         high: Point3<f64>,
         cells: [usize; 3],
     ) -> Result<DistanceGrid, PointError> {
-        check(0, &low)?;
-        check(1, &high)?;
-        let count = cells
-            .iter()
-            .try_fold(1usize, |all, n| all.checked_mul(n.checked_add(1)?));
-        let size = high - low;
-        let is_bad = |k: usize| cells[k] == 0 || !(size[k] / cells[k] as f64 > 0.0);
-        let axis = (0..3)
-            .find(|k| is_bad(*k))
-            .or(if count.is_none_or(|n| n > NODES) { Some(0) } else { None });
-        if let Some(axis) = axis {
-            let (cells, side) = (cells[axis], size[axis]);
-            return Err(PointError::Grid { axis, cells, side });
-        }
-        let step = Vector3::from_fn(|k, _| size[k] / cells[k] as f64);
-        let nodes = [cells[0] + 1, cells[1] + 1, cells[2] + 1];
-        let mut grid = DistanceGrid {
-            origin: low,
-            step,
-            nodes,
-            values: Vec::with_capacity(nodes.iter().product()),
-            widths: Vec::with_capacity(nodes.iter().product()),
-        };
-        for i in 0..nodes[0] {
-            let at = |j: usize, k: usize| low + step.component_mul(&Vector3::new(i as f64, j as f64, k as f64));
-            let layer: Vec<_> = (0..nodes[1])
-                .flat_map(|j| (0..nodes[2]).map(move |k| at(j, k)))
-                .collect();
-            for Distance {
-                value, lower, upper, ..
-            } in self.signed_distances(&layer)?
-            {
-                grid.values.push(value);
-                let width = (upper - value).larger(value - lower);
-                grid.widths.push((width as f32).next_up().at_least(0.0));
-            }
-        }
-        Ok(grid)
+        DistanceGrid::from_layers(low, high, cells, |layer| self.signed_distances(layer))
     }
 }

@@ -4,8 +4,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
-    Cloud, CloudElement, Compound, ContactState, ConvexPolyhedron, Geometry, HalfSpace, Mesh, Piece, PointOutcome,
-    PointQuery, Shape,
+    Cloud, CloudElement, Compound, ContactState, ConvexPolyhedron, DistanceGrid, Geometry, HalfSpace, Mesh, Piece,
+    PointOutcome, PointQuery, Shape,
 };
 use truth::driven::exact_place::Place;
 use truth::near_points::{POINT_KINDS, hard_point, is_between, is_between_of, place};
@@ -342,6 +342,19 @@ fn a_grid_bounds_the_error_of_its_interpolation() {
         );
     }
     assert!(grid.value_at(&Point3::new(2.0, 0.0, 0.0)).is_none() && grid.error([9, 0, 0]).is_none());
+    let mut layers = 0;
+    let same = DistanceGrid::from_layers(low, high, [9, 7, 5], |nodes| {
+        layers += 1;
+        query.signed_distances(nodes)
+    });
+    let same = same.expect("a grid");
+    assert_eq!((layers, &same.values), (10, &grid.values));
+    assert_eq!(same.error([8, 6, 4]), grid.error([8, 6, 4]));
+    let partial = DistanceGrid::from_layers(low, high, [9, 7, 5], |nodes| query.signed_distances(&nodes[1..]));
+    let partial = partial.expect("a grid");
+    assert!(partial.values[47].is_nan() && partial.values[48] == grid.values[49]);
+    assert_eq!(partial.error([0, 6, 4]), Some(f64::INFINITY));
+    assert!(partial.error([0, 0, 0]).is_some_and(f64::is_finite));
     for bad in [
         query.signed_distance_grid(low, high, [0, 1, 1]),
         query.signed_distance_grid(high, low, [1; 3]),

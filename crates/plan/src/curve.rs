@@ -54,6 +54,11 @@ type Row = [f64; DEGREE_MAX + 1];
 /// # Ok::<(), lin_canny_plan::PlanError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(into = "crate::persist::StoredCurve", try_from = "crate::persist::StoredCurve")
+)]
 pub struct JointCurve {
     coordinates: usize,
     degree: usize,
@@ -205,6 +210,25 @@ impl JointCurve {
                 return Err(PlanError::Value { what, value });
             }
             bounds.error = CONVERTED * terms * size;
+        }
+        Ok(curve)
+    }
+
+    /// Returns the curve of these control points, each coordinate of which deviates from the curve
+    /// that was given by at most its error.
+    #[cfg(feature = "serde")]
+    pub(crate) fn with_errors(points: &[Vec<f64>], errors: &[f64]) -> Result<Self, PlanError> {
+        let mut curve = Self::bezier(points)?;
+        let (expected, found) = (curve.coordinates, errors.len());
+        if found != expected {
+            return Err(PlanError::Length { expected, found });
+        }
+        for (bounds, &error) in curve.bounds.iter_mut().zip(errors) {
+            if !(0.0..=EXTENT_MAX).contains(&error) {
+                let (what, value) = ("error of a curve", error);
+                return Err(PlanError::Value { what, value });
+            }
+            bounds.error = error;
         }
         Ok(curve)
     }

@@ -1,10 +1,11 @@
-//! The serialised form of a world (feature `serde`): tables as lists, checked when they are read.
+//! The serialised forms of worlds and curves (feature `serde`): lists, checked when they are read.
 
 use std::string::String;
 use std::vec::Vec;
 
 use nalgebra::Isometry3;
 
+use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::timed_poses::TimedPoses;
 use crate::world::{AttachedObject, Frame, World, WorldId, WorldPair};
@@ -59,5 +60,30 @@ impl TryFrom<StoredWorld> for World {
         };
         world.validate()?;
         Ok(world)
+    }
+}
+
+/// A curve as it is stored: its control points, and the error of each coordinate.
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename = "JointCurve")]
+pub(crate) struct StoredCurve {
+    points: Vec<Vec<f64>>,
+    errors: Vec<f64>,
+}
+
+impl From<JointCurve> for StoredCurve {
+    fn from(curve: JointCurve) -> Self {
+        Self {
+            points: (0..=curve.degree()).map(|k| curve.control_point(k)).collect(),
+            errors: (0..curve.coordinates()).map(|c| curve.bounds(c).error).collect(),
+        }
+    }
+}
+
+impl TryFrom<StoredCurve> for JointCurve {
+    type Error = PlanError;
+
+    fn try_from(stored: StoredCurve) -> Result<Self, PlanError> {
+        Self::with_errors(&stored.points, &stored.errors)
     }
 }

@@ -1,23 +1,27 @@
 """Signed distances of points and a closed mesh: this package, trimesh, Open3D, libigl and embree, with wrong signs.
 
     pip install trimesh scipy rtree embreex libigl open3d
-    python bench/points.py --csv points.csv
+    python bench/points.py --csv points.csv             # about half an hour
+    python bench/points.py --quick --csv points.csv     # at most six minutes
 
-A torus of some thousand triangles has its vertices on a lattice of 2^-16, and points are on one of
-2^-24. So integers of 64 bits give the exact winding number. Scenes: `near`, a hundredth of the size
-from the surface at most; `far`, in twice the box; `path`, steps of a thousandth of the size; `hard`,
-on the lattice within one step of vertices, edges and faces. Points on the surface have no sign and
-are left out of the count.
+A torus of 1,000, 100,000 and 1,000,000 triangles has its vertices on a lattice of 2^-16, and points
+are on one of 2^-24. So integers of 64 bits give the exact winding number. Scenes: `near`, a hundredth
+of the size from the surface at most; `far`, in twice the box; `path`, steps of a thousandth of the
+size; `hard`, on the lattice within one step of vertices, edges and faces. Points on the surface have
+no sign and are left out of the count.
 
 Columns: scene, shape, number of triangles, engine, nanoseconds of CPU time of all threads per point
 (least of the rounds, after the engine's own preparation), points, and wrong signs. A distance of
-zero off the surface is a wrong sign. `embree` finds the sign alone. Open3D takes 32-bit numbers, to
-which the points and the mesh are rounded. Engines that are not installed are left out, and trimesh
-gets the first thousand points of a scene.
+zero off the surface is a wrong sign. libigl makes its tree in every call, which is counted. `embree` and `ours contains` find the sign alone. Open3D takes
+32-bit numbers, to which the points and the mesh are rounded.
+
+Each engine works in a process of its own, which ends after `--limit` seconds for each mesh; slow
+engines get fewer points, the first of the scene. What is left out is told, with the reason.
 """
 
 import argparse
 import csv
+import multiprocessing
 import sys
 import time
 
@@ -25,7 +29,9 @@ import numpy as np
 
 clock = time.process_time
 COARSE, FINE = 2.0**-16, 2.0**-24
-SLOW = {"trimesh": 1000, "embree": 1000}
+SCENES = ("near", "far", "path", "hard")
+TRIED = 32
+"""Points of the first calls; each next one has four times as many, until the time of a pass is used up."""
 
 
 def torus(count):
@@ -64,14 +70,45 @@ def points_of(scene, rng, vertices, triangles, count):
     return np.rint(found / FINE).astype(np.int64)
 
 
-def truth(vertices, triangles, points):
-    """Return -1 inside, 1 outside and 0 on the surface, by exact crossings of rays along x."""
+class Columns:
+    """The boxes of triangles in y and z, by the cells of a grid."""
+
+    def __init__(self, low, high):
+        self.origin = low.min(axis=0)
+        self.side = int((high.max(axis=0) - self.origin).max()) // max(1, int(np.sqrt(len(low)) / 2)) + 1
+        first, last = self.cell(low), self.cell(high)
+        self.count = last.max(axis=0) + 1
+        keys, items = [], []
+        for i in range(int((last - first)[:, 0].max()) + 1):
+            for j in range(int((last - first)[:, 1].max()) + 1):
+                held = np.flatnonzero(np.all(first + [i, j] <= last, axis=1))
+                keys.append((first[held, 0] + i) * self.count[1] + first[held, 1] + j)
+                items.append(held)
+        keys, items = np.concatenate(keys), np.concatenate(items)
+        order = np.argsort(keys, kind="stable")
+        self.items = items[order]
+        self.start = np.searchsorted(keys[order], np.arange(self.count.prod() + 1))
+
+    def cell(self, p):
+        return (p - self.origin) // self.side
+
+    def at(self, p):
+        """Return the triangles whose boxes may hold a point, in ascending order."""
+        cell = self.cell(p)
+        if np.any(cell < 0) or np.any(cell >= self.count):
+            return self.items[:0]
+        key = cell[0] * self.count[1] + cell[1]
+        return np.sort(self.items[self.start[key] : self.start[key + 1]])
+
+
+def truth(vertices, triangles):
+    """Return a function of points: -1 inside, 1 outside, 0 on the surface, by exact crossings of rays along x."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
-    limit = 3 * int(np.abs(normals).max()) * int(np.abs(points).max() + 256 * np.abs(vertices).max())
-    assert limit < 2**63, "a product does not fit 64 bits"
+    most = 256 * int(np.abs(vertices).max())
     low = 256 * np.minimum(np.minimum(a, b), c)[:, 1:]
     high = 256 * np.maximum(np.maximum(a, b), c)[:, 1:]
+    columns = Columns(low, high)
 
     def turns(p, at):
         out = []
@@ -94,17 +131,23 @@ def truth(vertices, triangles, points):
                 return True
         return False
 
-    signs = np.empty(len(points), np.int64)
-    for index, p in enumerate(points):
-        at = np.flatnonzero((low[:, 0] <= p[1]) & (p[1] <= high[:, 0]) & (low[:, 1] <= p[2]) & (p[2] <= high[:, 1]))
-        height = np.einsum("ij,ij->i", normals[at], p - 256 * a[at])
-        if is_on(p, at[height == 0]):
-            signs[index] = 0
-            continue
-        way = np.sign(normals[at, 0])
-        crossed = (np.sign(height) == -way) & np.all(turns(p, at) == way, axis=0)
-        signs[index] = 1 if (way * crossed).sum() == 0 else -1
-    return signs
+    def signs_of(points):
+        limit = 3 * int(np.abs(normals).max()) * (int(np.abs(points).max()) + most)
+        assert limit < 2**63, "a product does not fit 64 bits"
+        signs = np.empty(len(points), np.int64)
+        for index, p in enumerate(points):
+            at = columns.at(p[1:])
+            at = at[np.all((low[at] <= p[1:]) & (p[1:] <= high[at]), axis=1)]
+            height = np.einsum("ij,ij->i", normals[at], p - 256 * a[at])
+            if is_on(p, at[height == 0]):
+                signs[index] = 0
+                continue
+            way = np.sign(normals[at, 0])
+            crossed = (np.sign(height) == -way) & np.all(turns(p, at) == way, axis=0)
+            signs[index] = 1 if (way * crossed).sum() == 0 else -1
+        return signs
+
+    return signs_of
 
 
 def ours(vertices, triangles):
@@ -148,8 +191,16 @@ def of_libigl(kind):
     return build
 
 
+def sides(vertices, triangles):
+    import lin_canny as lc
+
+    geometry = lc.Geometry.mesh(vertices, triangles)
+    return lambda points: np.where(lc.contains(geometry, points), -1.0, 1.0)
+
+
 ENGINES = {
     "ours-batch": ours,
+    "ours contains": sides,
     "trimesh": of_trimesh,
     "embree": of_embree,
     "open3d": of_open3d,
@@ -158,36 +209,96 @@ ENGINES = {
 }
 
 
+def work(pipe, name, vertices, triangles, scenes, rounds, budget):
+    """Answer all scenes by one engine; send scene, nanoseconds per point, points and signs of each."""
+    try:
+        call = ENGINES[name](vertices, triangles)
+        for scene, points in scenes.items():
+            call(points[:TRIED])  # an engine may prepare in its first call
+            count, pass_time = TRIED, 0.0
+            while count < len(points) and 4 * pass_time <= budget / rounds:
+                start = clock()
+                call(points[:count])
+                pass_time = clock() - start
+                if 4 * pass_time <= budget / rounds:
+                    count = min(4 * count, len(points))
+            points, best = points[:count], np.inf
+            for _ in range(rounds):
+                start = clock()
+                found = call(points)
+                best = min(best, clock() - start)
+            pipe.send((scene, 1e9 * best / count, np.sign(found)))
+    except Exception as error:  # an engine that fails is left out, whatever its error
+        pipe.send(f"{type(error).__name__}: {error}")
+    pipe.send(None)
+
+
+def answers(name, mesh, scenes, options, limit):
+    """Return the rows of an engine: scene, nanoseconds and signs; say why rows are missing."""
+    here, there = multiprocessing.Pipe(duplex=False)
+    budget = options.limit / (3 * len(scenes))
+    process = multiprocessing.Process(target=work, args=(there, name, *mesh, scenes, options.rounds, budget))
+    process.start()
+    there.close()
+    end, rows, why = time.monotonic() + limit, [], f"not done after {limit:.0f} s"
+    while here.poll(max(0.0, end - time.monotonic())):
+        try:
+            told = here.recv()
+        except EOFError:
+            why = "its process ended"
+            break
+        if told is None:
+            break
+        if isinstance(told, str):
+            why = told
+        else:
+            rows.append(told)
+    process.kill()
+    process.join()
+    left = [scene for scene in scenes if scene not in [row[0] for row in rows]]
+    if left:
+        print(f"{name}, {len(mesh[1])} triangles: {', '.join(left)} left out: {why}", file=sys.stderr)
+    return rows
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--sizes", type=int, nargs="+", default=[1000, 100_000], help="numbers of triangles")
-    parser.add_argument("--points", type=int, default=20_000, help="points per scene")
-    parser.add_argument("--rounds", type=int, default=3, help="passes of every engine")
+    parser.add_argument("--quick", action="store_true", help="4,000 points, 2 rounds, 24 s an engine and mesh, 330 s in all")
+    parser.add_argument("--sizes", type=int, nargs="+", default=[1000, 100_000, 1_000_000], help="numbers of triangles")
+    parser.add_argument("--points", type=int, help="points per scene")
+    parser.add_argument("--rounds", type=int, help="passes of every engine")
+    parser.add_argument("--limit", type=float, help="seconds of an engine on one mesh")
+    parser.add_argument("--total", type=float, help="seconds in all, after which engines are left out")
+    parser.add_argument("--engines", nargs="+", choices=list(ENGINES), default=list(ENGINES))
     parser.add_argument("--csv", help="output file (default: the standard output)")
     options = parser.parse_args()
-    out = csv.writer(open(options.csv, "w") if options.csv else sys.stdout, lineterminator="\n")
+    defaults = (4000, 2, 24.0, 330.0) if options.quick else (20_000, 3, 100.0, 3600.0)
+    for name, value in zip(("points", "rounds", "limit", "total"), defaults):
+        if getattr(options, name) is None:
+            setattr(options, name, value)
+    multiprocessing.set_start_method("spawn")
+    end = time.monotonic() + options.total
+    file = open(options.csv, "w") if options.csv else sys.stdout
+    out = csv.writer(file, lineterminator="\n")
     out.writerow(["scene", "shape", "n", "engine", "ns", "points", "wrong"])
     for size in options.sizes:
+        if time.monotonic() > end:
+            print(f"{size} triangles are left out: not done after {options.total:g} s", file=sys.stderr)
+            continue
         steps, triangles = torus(size)
-        calls = {}
-        for name, build in ENGINES.items():
-            try:
-                calls[name] = build(steps * COARSE, triangles)
-            except ImportError as error:
-                print(f"{name} is left out: {error}", file=sys.stderr)
-        for scene in ("near", "far", "path", "hard"):
-            asked = points_of(scene, np.random.default_rng(7), steps, triangles, options.points)
-            signs = truth(steps, triangles, asked)
-            for name, call in calls.items():
-                count = min(len(asked), SLOW.get(name, len(asked)))
-                points, best = asked[:count] * FINE, np.inf
-                for _ in range(options.rounds):
-                    start = clock()
-                    found = call(points)
-                    best = min(best, clock() - start)
-                sure = signs[:count] != 0
-                wrong = int((np.sign(found) != signs[:count])[sure].sum())
-                out.writerow([scene, "torus", len(triangles), name, f"{1e9 * best / count:.1f}", count, wrong])
+        rng = np.random.default_rng(7)
+        asked = {scene: points_of(scene, rng, steps, triangles, options.points) for scene in SCENES}
+        signs_of = truth(steps, triangles)
+        signs = {scene: signs_of(points) for scene, points in asked.items()}
+        scenes = {scene: points * FINE for scene, points in asked.items()}
+        mesh = (steps * COARSE, triangles)
+        for name in options.engines:
+            limit = min(options.limit, max(0.0, end - time.monotonic()))
+            for scene, ns, found in answers(name, mesh, scenes, options, limit):
+                true = signs[scene][: len(found)]
+                wrong = int((found != true)[true != 0].sum())
+                out.writerow([scene, "torus", len(triangles), name, f"{ns:.1f}", len(found), wrong])
+                file.flush()
 
 
 if __name__ == "__main__":

@@ -41,10 +41,12 @@ __all__ = [
     "Cast",
     "Checker",
     "Closest",
+    "ClosestPoint",
     "Cloud",
     "FileError",
     "Geometry",
     "GeometryError",
+    "JointCurve",
     "LinCannyError",
     "MeshFile",
     "MotionError",
@@ -54,6 +56,7 @@ __all__ = [
     "Penetration",
     "PlanError",
     "PointFile",
+    "PointTracker",
     "PoseError",
     "RayCast",
     "RayCaster",
@@ -62,14 +65,21 @@ __all__ = [
     "SceneError",
     "ScenePair",
     "StartContact",
+    "Trajectory",
     "UndecidedError",
     "Verdict",
+    "closest_batch",
     "closest_points",
+    "contacts_batch",
     "contains",
     "distances",
     "load_mesh",
+    "nearest_features",
+    "penetration_batch",
     "read_points",
     "signed_distance",
+    "signed_distance_grid",
+    "within",
 ]
 
 class LinCannyError(ValueError): ...
@@ -301,6 +311,22 @@ class RayCaster:
 def distances(
     a: Geometry, b: Geometry, poses: _Poses, *, threads: int = 1, progress: _Progress = None
 ) -> _Records: ...
+def closest_batch(
+    a: Geometry, b: Geometry, poses: _Poses, *, threads: int = 1, progress: _Progress = None
+) -> _Records: ...
+def contacts_batch(
+    a: Geometry,
+    b: Geometry,
+    poses: _Poses,
+    *,
+    prediction: float = 0.0,
+    max_points: int = 4,
+    threads: int = 1,
+    progress: _Progress = None,
+) -> tuple[_Records, NDArray[np.int64]]: ...
+def penetration_batch(
+    a: Geometry, b: Geometry, poses: _Poses, *, threads: int = 1, progress: _Progress = None
+) -> _Records: ...
 
 @overload
 def signed_distance(
@@ -326,6 +352,46 @@ def contains(
 def closest_points(
     geometry: Geometry, points: ArrayLike, *, threads: int = 1, progress: _Progress = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]: ...
+def nearest_features(geometry: Geometry, point: ArrayLike, k: int) -> _Records: ...
+def within(geometry: Geometry, point: ArrayLike, d: float) -> _Records: ...
+def signed_distance_grid(
+    geometry: Geometry,
+    cells: int | Sequence[int],
+    *,
+    low: ArrayLike | None = None,
+    high: ArrayLike | None = None,
+    threads: int = 1,
+    progress: _Progress = None,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[_Vector, _Vector, _Vector]]: ...
+
+@final
+class ClosestPoint:
+    @property
+    def distance(self) -> float: ...
+    @property
+    def lower(self) -> float: ...
+    @property
+    def upper(self) -> float: ...
+    @property
+    def state(self) -> _State: ...
+    @property
+    def point(self) -> _Vector: ...
+    @property
+    def normal(self) -> _Vector: ...
+    @property
+    def part(self) -> int: ...
+    @property
+    def feature(self) -> str: ...
+    @staticmethod
+    def _from_bytes(bytes: bytes) -> ClosestPoint: ...
+    def __reduce__(self) -> tuple[Any, tuple[bytes]]: ...
+
+@final
+class PointTracker:
+    def __new__(cls) -> PointTracker: ...
+    def closest_point(self, geometry: Geometry, point: ArrayLike) -> ClosestPoint: ...
+    def __reduce__(self) -> tuple[Any, tuple[()]]: ...
+
 def load_mesh(path: _Path) -> MeshFile: ...
 
 @final
@@ -497,9 +563,77 @@ class Verdict:
     @property
     def blocked_at(self) -> float | None: ...
     @property
+    def safe_time(self) -> float | None: ...
+    @property
+    def blocked_time(self) -> float | None: ...
+    @property
     def pair(self) -> tuple[str, str] | None: ...
     @property
     def points(self) -> tuple[_Vector, _Vector] | None: ...
+
+@final
+class JointCurve:
+    @staticmethod
+    def bezier(points: ArrayLike) -> JointCurve: ...
+    @staticmethod
+    def power(coefficients: ArrayLike) -> JointCurve: ...
+    @staticmethod
+    def cubic(ends: ArrayLike, velocities: ArrayLike, duration: float = 1.0) -> JointCurve: ...
+    @staticmethod
+    def quintic(
+        ends: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, duration: float = 1.0
+    ) -> JointCurve: ...
+    @staticmethod
+    def b_spline(points: ArrayLike, degree: int, knots: ArrayLike | None = None) -> list[JointCurve]: ...
+    @staticmethod
+    def b_spline_times(points: int, degree: int, knots: ArrayLike) -> _Vector: ...
+    @property
+    def degree(self) -> int: ...
+    @property
+    def dof(self) -> int: ...
+    @property
+    def control_points(self) -> NDArray[np.float64]: ...
+    def at(self, time: ArrayLike) -> NDArray[np.float64]: ...
+    def velocity(self, time: ArrayLike) -> NDArray[np.float64]: ...
+    def acceleration(self, time: ArrayLike) -> NDArray[np.float64]: ...
+    def elevated(self) -> JointCurve: ...
+    @staticmethod
+    def _from_bytes(bytes: bytes) -> JointCurve: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __reduce__(self) -> tuple[Any, tuple[bytes]]: ...
+
+@final
+class Trajectory:
+    def __new__(
+        cls,
+        times: ArrayLike,
+        positions: ArrayLike,
+        velocities: ArrayLike | None = None,
+        accelerations: ArrayLike | None = None,
+        *,
+        names: Sequence[str] | None = None,
+    ) -> Trajectory: ...
+    @staticmethod
+    def load(path: _Path, robot: Robot | Checker, *, rest: dict[str, float] | None = None) -> Trajectory: ...
+    @property
+    def names(self) -> list[str] | None: ...
+    @property
+    def times(self) -> _Vector: ...
+    @property
+    def positions(self) -> NDArray[np.float64]: ...
+    @property
+    def velocities(self) -> NDArray[np.float64] | None: ...
+    @property
+    def accelerations(self) -> NDArray[np.float64] | None: ...
+    def curves(self, robot: Robot | Checker | None = None) -> list[JointCurve]: ...
+    def at(self, times: ArrayLike) -> NDArray[np.float64]: ...
+    def __len__(self) -> int: ...
+    @staticmethod
+    def _from_bytes(bytes: bytes) -> Trajectory: ...
+    def __reduce__(self) -> tuple[Any, tuple[bytes]]: ...
+
+_Curve: TypeAlias = JointCurve | ArrayLike
+"""A curve, or the control points of a Bézier curve, shape (degree + 1, dof)."""
 
 @final
 class Checker:
@@ -572,6 +706,26 @@ class Checker:
     def certify_path(self, path: ArrayLike) -> Verdict: ...
     def clearance_along(
         self, start: ArrayLike, goal: ArrayLike, *, relative: float = 1e-3
+    ) -> tuple[float, float, float, tuple[str, str] | None]: ...
+    def certify_curve(self, curve: _Curve, *, tube: ArrayLike | None = None) -> Verdict: ...
+    def certify_spline(
+        self, curves: Sequence[_Curve] | ArrayLike, *, tube: ArrayLike | None = None, progress: _Progress = None
+    ) -> Verdict: ...
+    def certify_trajectory(
+        self, trajectory: Trajectory, *, tube: ArrayLike | None = None, progress: _Progress = None
+    ) -> Verdict: ...
+    def certify_batch(
+        self,
+        curves: Sequence[_Curve] | ArrayLike,
+        *,
+        tube: ArrayLike | None = None,
+        threads: int = 1,
+        progress: _Progress = None,
+    ) -> _Records: ...
+    def prove(self, start: ArrayLike, goal: ArrayLike) -> _Records | None: ...
+    def prove_curve(self, curve: _Curve) -> _Records | None: ...
+    def clearance_along_curve(
+        self, curve: _Curve, *, relative: float = 1e-3
     ) -> tuple[float, float, float, tuple[str, str] | None]: ...
     def plan(
         self,

@@ -93,6 +93,40 @@ pub(crate) fn points(obj: &Bound<'_, PyAny>, argument: Argument) -> PyResult<Vec
         .collect())
 }
 
+/// Returns whether an argument is a single number, which `contiguous` makes an array of shape (1,).
+pub(crate) fn is_number(obj: &Bound<'_, PyAny>) -> PyResult<bool> {
+    let dimensions = obj.py().import("numpy")?.call_method1("ndim", (obj,))?;
+    Ok(dimensions.extract::<usize>()? == 0)
+}
+
+/// Returns the rows of an array of shape (N, M), all of finite numbers.
+pub(crate) fn table(obj: &Bound<'_, PyAny>, argument: Argument) -> PyResult<Vec<Vec<f64>>> {
+    let Argument { name, error } = argument;
+    let array = contiguous::<f64>(obj, argument)?;
+    let &[count, width] = array.shape() else {
+        return Err(error(format!(
+            "{name}: shape is {} (expected two dimensions)",
+            shape_text(array.shape())
+        )));
+    };
+    let values = array.as_slice()?;
+    if let Some(k) = values.iter().position(|x| !x.is_finite()) {
+        let [row, column] = [k / width, k % width];
+        return Err(error(format!(
+            "{name}: entry [{row}, {column}] is not finite: {}",
+            values[k]
+        )));
+    }
+    Ok((0..count)
+        .map(|k| values[k * width..(k + 1) * width].to_vec())
+        .collect())
+}
+
+/// Returns rows of equal length as an array of shape (N, M).
+pub(crate) fn of_table<'py>(py: Python<'py>, rows: &[Vec<f64>], width: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    PyArray1::from_vec(py, rows.concat()).reshape([rows.len(), width])
+}
+
 /// Returns three numbers.
 pub(crate) fn vector(obj: &Bound<'_, PyAny>, argument: Argument) -> PyResult<Vector3<f64>> {
     let array = contiguous::<f64>(obj, argument)?;
@@ -123,6 +157,26 @@ pub(crate) fn numbers(obj: &Bound<'_, PyAny>, argument: Argument) -> PyResult<Ve
 pub(crate) fn of_triples<'py, T: Element>(py: Python<'py>, rows: Vec<[T; 3]>) -> PyResult<Bound<'py, PyArray2<T>>> {
     let count = rows.len();
     PyArray1::from_vec(py, rows.into_flattened()).reshape([count, 3])
+}
+
+/// Returns words of at most N letters of ASCII as an array of strings.
+pub(crate) fn words<'py, const N: usize>(
+    py: Python<'py>,
+    words: impl Iterator<Item = impl AsRef<str>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let mut letters: Vec<[u32; N]> = Vec::new();
+    for word in words {
+        // A string of numpy has four bytes for each letter, and ends with zeros.
+        let mut row = [0; N];
+        row.iter_mut()
+            .zip(word.as_ref().bytes())
+            .for_each(|(to, byte)| *to = byte.into());
+        letters.push(row);
+    }
+    let count = letters.len();
+    let letters = PyArray1::from_vec(py, letters.into_flattened());
+    let words = letters.call_method1("view", (format!("U{N}"),))?;
+    words.call_method1("reshape", (count,))
 }
 
 /// Returns three numbers as an array.

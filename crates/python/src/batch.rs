@@ -1,7 +1,8 @@
 //! Batches: blocks of queries over threads, outside of the lock of the interpreter.
 //!
 //! Every block of [`BLOCK`] queries begins with a fresh state, so that the answers do not depend on
-//! the number of threads, bit for bit.
+//! the number of threads, bit for bit. Where each answer is a function of its query alone, blocks may
+//! have other sizes.
 
 use std::iter::Enumerate;
 use std::ops::Range;
@@ -30,9 +31,14 @@ pub(crate) trait Batch: Sync {
     /// What a block keeps from query to query.
     type State: Send;
     /// The answer of a query.
-    type Row: Send + Copy;
+    type Row: Send;
     /// Number of queries between two readings of the clock.
     const LOOK: usize = LOOK;
+
+    /// Number of queries that share a state, of so many on so many threads.
+    fn block(&self, _count: usize, _threads: usize) -> usize {
+        BLOCK
+    }
 
     fn start(&self) -> PyResult<Self::State>;
     fn answer(&self, state: &mut Self::State, first: usize, rows: &mut [Self::Row]) -> PyResult<()>;
@@ -63,12 +69,22 @@ impl<'py> Run<'py> {
         })
     }
 
+    /// Tells how much of a call is done.
+    pub(crate) fn report(&self, done: usize, total: usize) -> PyResult<()> {
+        if let Some(report) = &self.progress {
+            report.call1((done, total))?;
+        }
+        Ok(())
+    }
+
     /// Answers all queries of a batch.
     pub(crate) fn rows<B: Batch>(&self, py: Python<'_>, batch: &B, rows: &mut [B::Row]) -> PyResult<()> {
         let total = rows.len();
+        let block = batch.block(total, self.threads).max(1);
         let queue = Queue {
             batch,
-            blocks: Mutex::new(rows.chunks_mut(BLOCK).enumerate()),
+            block,
+            blocks: Mutex::new(rows.chunks_mut(block).enumerate()),
             done: AtomicUsize::new(0),
         };
         let mut jobs: Vec<Option<Job<B>>> = (0..self.threads).map(|_| None).collect();
@@ -76,13 +92,37 @@ impl<'py> Run<'py> {
             let until = Instant::now() + BREATH;
             let is_finished = py.detach(|| queue.breath(&mut jobs, until))?;
             py.check_signals()?;
-            if let Some(report) = &self.progress {
-                report.call1((queue.done.load(Ordering::Relaxed), total))?;
-            }
+            self.report(queue.done.load(Ordering::Relaxed), total)?;
             if is_finished {
                 return Ok(());
             }
         }
+    }
+
+    /// Takes steps one after another, until one returns false.
+    pub(crate) fn steps(
+        &self,
+        py: Python<'_>,
+        total: usize,
+        mut step: impl FnMut(usize) -> PyResult<bool> + Send,
+    ) -> PyResult<()> {
+        let (mut done, mut goes_on) = (0, true);
+        while goes_on && done < total {
+            let until = Instant::now() + BREATH;
+            py.detach(|| -> PyResult<()> {
+                while goes_on && done < total {
+                    goes_on = step(done)?;
+                    done += 1;
+                    if Instant::now() >= until {
+                        break;
+                    }
+                }
+                Ok(())
+            })?;
+            py.check_signals()?;
+            self.report(done, total)?;
+        }
+        Ok(())
     }
 
     /// Answers parts of a batch one after another, each by a function that uses all threads.
@@ -99,9 +139,7 @@ impl<'py> Run<'py> {
             let end = part.end;
             all.push(py.detach(|| answer(part))?);
             py.check_signals()?;
-            if let Some(report) = &self.progress {
-                report.call1((end, total))?;
-            }
+            self.report(end, total)?;
         }
         Ok(all)
     }
@@ -117,6 +155,7 @@ struct Job<'a, B: Batch> {
 /// The blocks that no thread has taken.
 struct Queue<'a, 'b, B: Batch> {
     batch: &'b B,
+    block: usize,
     blocks: Mutex<Enumerate<ChunksMut<'a, B::Row>>>,
     done: AtomicUsize,
 }
@@ -168,7 +207,7 @@ impl<'a, B: Batch> Queue<'a, '_, B> {
             .map(|(k, rows)| {
                 Ok(Job {
                     state: self.batch.start()?,
-                    first: k * BLOCK,
+                    first: k * self.block,
                     rows,
                 })
             })

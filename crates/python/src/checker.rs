@@ -2,6 +2,8 @@
 
 mod answers;
 mod batches;
+mod motion_batch;
+mod motions;
 mod setup;
 mod world;
 
@@ -190,8 +192,8 @@ impl Checker {
     ///
     /// A pair that is within this distance at the start, or overlaps by no more, is accepted if it
     /// is proven not to come closer until it has left the margin. `Verdict.start_contacts` lists
-    /// such pairs. It acts on segments: `certify`, `certify_path`, and `is_free` of two
-    /// configurations.
+    /// such pairs. It acts on motions without a tube: `certify`, `certify_path`, `certify_curve`,
+    /// `certify_spline`, `certify_trajectory`, and `is_free` of two configurations.
     #[getter]
     fn start_contact_margin(&self) -> Option<f64> {
         self.checker.start_contact_margin()
@@ -343,6 +345,15 @@ impl Checker {
             checker,
             arguments,
         })
+    }
+
+    /// Returns a new checker of the same world.
+    fn copy(&self) -> PyResult<Loaded<JointTree>> {
+        let (space, world) = (self.checker.space().clone(), self.checker.world().clone());
+        let mut checker = Loaded::new(space, world).map_err(plan_error)?;
+        let margin = self.checker.start_contact_margin();
+        checker.set_start_contact_margin(margin).map_err(plan_error)?;
+        Ok(checker)
     }
 
     /// Returns the checker of a robot without obstacles.

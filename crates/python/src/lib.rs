@@ -4,6 +4,7 @@
 mod array;
 mod batch;
 mod checker;
+mod curve;
 mod errors;
 mod geometry;
 mod mesh_file;
@@ -14,6 +15,7 @@ mod ray;
 mod robot;
 mod scene;
 mod tracker;
+mod trajectory;
 
 use pyo3::prelude::*;
 
@@ -35,14 +37,24 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<checker::BodyId>()?;
     module.add_class::<checker::NearPair>()?;
     module.add_class::<checker::Verdict>()?;
+    module.add_class::<curve::JointCurve>()?;
+    module.add_class::<trajectory::Trajectory>()?;
     module.add_class::<mesh_file::MeshFile>()?;
     module.add_class::<point_file::PointFile>()?;
     module.add_function(wrap_pyfunction!(mesh_file::load_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(point_file::read_points, module)?)?;
     module.add_function(wrap_pyfunction!(tracker::distances, module)?)?;
+    module.add_function(wrap_pyfunction!(tracker::closest_batch, module)?)?;
+    module.add_function(wrap_pyfunction!(tracker::contacts_batch, module)?)?;
+    module.add_function(wrap_pyfunction!(tracker::penetration_batch, module)?)?;
     module.add_function(wrap_pyfunction!(points::signed_distance, module)?)?;
     module.add_function(wrap_pyfunction!(points::contains, module)?)?;
     module.add_function(wrap_pyfunction!(points::closest_points, module)?)?;
+    module.add_class::<points::PointTracker>()?;
+    module.add_class::<points::ClosestPoint>()?;
+    module.add_function(wrap_pyfunction!(points::nearest_features, module)?)?;
+    module.add_function(wrap_pyfunction!(points::within, module)?)?;
+    module.add_function(wrap_pyfunction!(points::signed_distance_grid, module)?)?;
     #[cfg(feature = "bench")]
     module.add_function(wrap_pyfunction!(tracker::rust_loop, module)?)?;
     errors::add(module)

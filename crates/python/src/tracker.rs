@@ -4,6 +4,7 @@ mod at_poses;
 mod cast;
 mod closest;
 mod contacts;
+mod pose_batch;
 
 pub(crate) use at_poses::distances;
 #[cfg(feature = "bench")]
@@ -11,6 +12,7 @@ pub(crate) use at_poses::rust_loop;
 pub(crate) use cast::{Cast, StartContact};
 pub(crate) use closest::{Closest, state_name};
 pub(crate) use contacts::Penetration;
+pub(crate) use pose_batch::{closest_batch, contacts_batch, penetration_batch};
 
 use lin_canny::{Decision, PairTracker as Tracker, QueryOptions};
 use pyo3::prelude::*;

@@ -55,6 +55,82 @@ def test_bits_do_not_depend_on_threads(other):
     assert np.array_equal(one[2048:], lc.distances(BOX, other, at[2048:]))
 
 
+MESH = lc.Geometry.mesh(BOX.vertices, BOX.triangles)
+
+
+def by_loop(query, at):
+    """Return the answers of single calls, with a new tracker every 1024 poses."""
+    for k, pose in enumerate(at):
+        if k % 1024 == 0:
+            tracker = lc.PairTracker()
+        yield query(tracker, pose)
+
+
+@pytest.mark.parametrize("other", [BOX, lc.Geometry.capsule(half_length=1, radius=0.4), MESH])
+def test_closest_points_are_those_of_the_loop(other):
+    at = poses(2500, 1, 1.0)
+    found = lc.closest_batch(MESH if other is MESH else BOX, other, at)
+    first = MESH if other is MESH else BOX
+    assert found.tobytes() == lc.closest_batch(first, other, at, threads=3).tobytes()
+    loop = by_loop(lambda tracker, pose: tracker.closest(first, other, None, pose), at)
+    for row, one in zip(found, loop, strict=True):
+        for name in ("distance", "lower", "upper", "state", "features"):
+            assert row[name] == getattr(one, name)
+        for name in ("parts", "point_a", "point_b", "normal"):
+            assert np.array_equal(row[name], getattr(one, name))
+    assert {"separated", "overlapping"} <= set(found["state"])
+    assert found[["distance", "lower", "upper"]].tolist() == lc.distances(first, other, at).tolist()
+
+
+@pytest.mark.parametrize("other", [BOX, MESH])
+def test_contacts_and_depths_are_those_of_the_loop(other):
+    at = poses(1500, 2, 0.7)
+    contacts, first = lc.contacts_batch(BOX, other, at, prediction=0.2, max_points=3)
+    again = lc.contacts_batch(BOX, other, at, prediction=0.2, max_points=3, threads=2)
+    assert contacts.tobytes() == again[0].tobytes() and np.array_equal(first, again[1])
+    assert first.shape == (1501,) and first[0] == 0 and first[-1] == len(contacts) > 1500
+    loop = by_loop(lambda t, pose: t.contacts(BOX, other, None, pose, prediction=0.2, max_points=3), at)
+    for start, end, one in zip(first[:-1], first[1:], loop, strict=True):
+        assert contacts[start:end].tobytes() == one.tobytes() and contacts.dtype == one.dtype
+    depths = lc.penetration_batch(BOX, other, at)
+    assert depths.tobytes() == lc.penetration_batch(BOX, other, at, threads=2).tobytes()
+    loop = by_loop(lambda tracker, pose: tracker.penetration(BOX, other, None, pose), at)
+    for row, one in zip(depths, loop, strict=True):
+        assert (row["lower"], row["upper"]) == (one.lower, one.upper)
+        assert np.array_equal(row["shift"], one.shift)
+
+
+def test_faults_of_batches_of_poses():
+    at = poses(3000)
+    at[2345, 3:] = 0
+    for call in (lc.closest_batch, lc.contacts_batch, lc.penetration_batch):
+        for threads in (1, 2):
+            with pytest.raises(lc.PoseError, match="pose 2345: quaternion"):
+                call(BOX, BOX, at, threads=threads)
+        assert len(call(BOX, BOX, at[:0])) in (0, 2)
+    with pytest.raises(lc.LinCannyError, match="max_points is 9"):
+        lc.contacts_batch(BOX, BOX, at, max_points=9)
+    triangle = lc.Geometry.mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    assert np.isnan(lc.penetration_batch(BOX, triangle, at[:2])["shift"]).all()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals of POSIX")
+@pytest.mark.parametrize("call", [lc.closest_batch, lc.contacts_batch, lc.penetration_batch])
+def test_ctrl_c_ends_a_batch_of_poses(call):
+    calls = []
+    timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
+    at = poses(1_000_000, 3, 0.5)
+
+    def report(done, total):
+        if not calls:
+            timer.start()
+        calls.append((done, total))
+
+    with pytest.raises(KeyboardInterrupt):
+        call(MESH, MESH, at, progress=report)
+    assert calls[-1][0] < calls[-1][1] == len(at)
+
+
 def test_forms_of_poses():
     at = poses(100)
     expected = lc.distances(BOX, BOX, at)

@@ -44,6 +44,30 @@ def test_study_of_an_arm(tmp_path):
 
 
 @needs_arm
+def test_a_timed_trajectory(tmp_path):
+    files = ["gripper.urdf", "carry.csv", "--srdf", "gripper.srdf", "--cell", "cell.json", "--out", tmp_path / "x.png"]
+    for options in ([], ["--rest"], ["--cell-only"]):
+        told = run("trajectory.py", *files, *options, folder=ARM)
+        assert "4 points, times 0 to 3>: free" in told
+        assert float(re.search("tracking error of ([^ ]*) rad", told)[1]) > 0.01
+        assert "no picture: matplotlib" in told or (tmp_path / "x.png").is_file()
+
+
+def test_a_slice_of_signed_distances(tmp_path):
+    told = run("slice.py", "--count", 60, "--threads", 2, folder=tmp_path)
+    assert "3600 points, 9." in told
+    assert "no picture: matplotlib" in told or (tmp_path / "slice.png").is_file()
+
+
+def test_a_picture_is_left_out_without_matplotlib(tmp_path):
+    (tmp_path / "matplotlib.py").write_text("raise ImportError('no matplotlib here')")
+    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); sys.argv = ['slice.py', '--count', '9']; import runpy; "
+    code += f"runpy.run_path({str(EXAMPLES / 'slice.py')!r}, run_name='__main__')"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, check=False)
+    assert done.returncode == 0 and "no picture: matplotlib is not installed" in done.stdout, done.stderr
+
+
+@needs_arm
 def test_the_same_study_on_ray(tmp_path):
     pytest.importorskip("matplotlib", reason="matplotlib is not installed")
     pytest.importorskip("ray.data", reason="ray[data] is not installed")

@@ -838,3 +838,35 @@ fn scenes_of_all_sizes_have_equal_verdicts() {
         }
     }
 }
+
+#[cfg(feature = "serde")]
+#[test]
+fn curves_are_stored_with_their_errors() {
+    let mut rng = Rng::new(77);
+    for degree in 1..=7 {
+        let points: Vec<Vec<f64>> = (0..=degree)
+            .map(|_| (0..3).map(|_| rng.range(-2.0, 2.0)).collect())
+            .collect();
+        let curves = [
+            JointCurve::bezier(&points).expect("a curve"),
+            JointCurve::power(&points).expect("a curve"),
+            JointCurve::uniform_b_spline(&points, degree)
+                .expect("a spline")
+                .remove(0),
+        ];
+        for curve in curves {
+            let text = serde_json::to_string(&curve).expect("a curve");
+            let read: JointCurve = serde_json::from_str(&text).expect("a curve");
+            // The error of a conversion is a part of the curve.
+            assert_eq!(read, curve);
+        }
+    }
+    for bad in [
+        r#"{"points":[],"errors":[]}"#,
+        r#"{"points":[[0.0],[1.0]],"errors":[]}"#,
+        r#"{"points":[[0.0],[1.0]],"errors":[-1.0]}"#,
+        r#"{"points":[[0.0],[1.0,2.0]],"errors":[0.0]}"#,
+    ] {
+        assert!(serde_json::from_str::<JointCurve>(bad).is_err(), "{bad}");
+    }
+}

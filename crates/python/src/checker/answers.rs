@@ -16,6 +16,15 @@ pub(super) fn names(checker: &Checker<JointTree>, pair: WorldPair) -> Pair {
     (checker.name(pair.a).to_owned(), checker.name(pair.b).to_owned())
 }
 
+/// Returns the word for the state of a verdict.
+pub(super) fn state_of(verdict: &Judged) -> &'static str {
+    match verdict {
+        Judged::Free { .. } => "free",
+        Judged::Blocked { .. } => "blocked",
+        _ => "undecided",
+    }
+}
+
 /// Two bodies near each other at a configuration, with bounds of their signed distance.
 #[pyclass(frozen, module = "lin_canny")]
 pub(crate) struct NearPair {
@@ -120,6 +129,8 @@ pub(crate) struct Verdict {
     verdict: Judged,
     pair: Option<Pair>,
     start_contacts: Vec<StartContact>,
+    /// Of a trajectory, the times of `safe` and `blocked_at`.
+    times: Option<[f64; 2]>,
     text: String,
 }
 
@@ -142,8 +153,21 @@ impl Verdict {
             verdict,
             pair,
             start_contacts,
+            times: None,
             text,
         }
+    }
+
+    /// Returns the verdict on a trajectory, with the time of a fraction of its segment.
+    pub(super) fn with_times(mut self, time_at: impl Fn(f64) -> f64) -> Self {
+        let safe = time_at(self.verdict.safe());
+        let blocked = self.blocked_at().map_or(f64::NAN, &time_at);
+        self.times = Some([safe, blocked]);
+        if !self.is_free() {
+            let at = if blocked.is_nan() { safe } else { blocked };
+            self.text = format!("segment {}, time {at:?}: {}", self.segment, self.text);
+        }
+        self
     }
 }
 
@@ -153,11 +177,7 @@ impl Verdict {
     /// or "undecided" (rounding hides it).
     #[getter]
     fn state(&self) -> &'static str {
-        match self.verdict {
-            Judged::Free { .. } => "free",
-            Judged::Blocked { .. } => "blocked",
-            _ => "undecided",
-        }
+        state_of(&self.verdict)
     }
 
     /// The contacts at the start that were accepted: see `Checker.start_contact_margin`.
@@ -174,7 +194,8 @@ impl Verdict {
         self.verdict.is_free()
     }
 
-    /// The number of the segment of the path; 0 for a free path and for a single segment.
+    /// The number of the segment of the path, spline or trajectory; 0 if all of it is free, and for a
+    /// single segment or curve.
     #[getter]
     fn segment(&self) -> usize {
         self.segment
@@ -193,6 +214,24 @@ impl Verdict {
             Judged::Blocked { t, .. } => Some(t),
             _ => None,
         }
+    }
+
+    /// The time of the trajectory up to which all pairs are proven to keep the margin; None unless
+    /// the verdict is on a trajectory.
+    ///
+    /// It is `safe` as a time, rounded; of a free trajectory its last time.
+    #[getter]
+    fn safe_time(&self) -> Option<f64> {
+        self.times.map(|[safe, _]| safe)
+    }
+
+    /// The time of the trajectory at which a pair is proven not to keep the margin; None unless
+    /// blocked and on a trajectory.
+    ///
+    /// It is `blocked_at` as a time, rounded.
+    #[getter]
+    fn blocked_time(&self) -> Option<f64> {
+        self.times.map(|[_, blocked]| blocked).filter(|time| !time.is_nan())
     }
 
     /// The names of the pair that blocks; None unless blocked.
@@ -221,7 +260,11 @@ impl Verdict {
     fn __repr__(&self) -> String {
         match (&self.verdict, &self.pair) {
             (Judged::Blocked { safe, t, .. }, Some((a, b))) => {
-                format!("<Verdict blocked: {a:?} and {b:?} between {safe:.9} and {t:.9}>")
+                let time = self.blocked_time();
+                let time = time.map_or(String::new(), |time| {
+                    format!(" of segment {}, time {time:.9}", self.segment)
+                });
+                format!("<Verdict blocked: {a:?} and {b:?} between {safe:.9} and {t:.9}{time}>")
             }
             _ => format!("<Verdict {}>", self.state()),
         }

@@ -26,15 +26,15 @@ struct Configurations<'a> {
 }
 
 /// The bodies of a world in the order of `Checker.bodies`.
-struct Numbers(Vec<WorldId>);
+pub(super) struct Numbers(Vec<WorldId>);
 
 impl Numbers {
-    fn new(checker: &Loaded<JointTree>) -> Self {
+    pub(super) fn new(checker: &Loaded<JointTree>) -> Self {
         Self(checker.world().bodies().map(|(id, _)| id).collect())
     }
 
     /// Returns the index of a body; bodies are in ascending order.
-    fn of(&self, id: WorldId) -> i32 {
+    pub(super) fn of(&self, id: WorldId) -> i32 {
         self.0.binary_search(&id).map_or(-1, |k| k as i32)
     }
 }

@@ -5,16 +5,37 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::PairTracker;
-use crate::array::{structured, triple};
+use crate::array::{Field, structured, triple};
 use crate::errors::{pair_error, refused};
 use crate::geometry::Geometry;
 use crate::pose::{Pose, relative};
 
 /// Numbers of a contact: two points, normal, separation, group, two patches.
-const COLUMNS: usize = 13;
+pub(super) type Row = [f64; 13];
+
+/// The fields of a contact.
+pub(super) const FIELDS: [Field; 7] = [
+    ("point_a", "f8", 3),
+    ("point_b", "f8", 3),
+    ("normal", "f8", 3),
+    ("separation", "f8", 1),
+    ("group", "i4", 1),
+    ("patch_a", "i4", 1),
+    ("patch_b", "i4", 1),
+];
+
+/// Returns the options of contacts, or what is wrong with them.
+pub(super) fn manifold_options(prediction: f64, max_points: usize) -> PyResult<ManifoldOptions> {
+    if !(prediction >= 0.0) || !(1..=8).contains(&max_points) {
+        return Err(refused(format!(
+            "prediction is {prediction} (expected at least 0), max_points is {max_points} (expected 1 to 8)"
+        )));
+    }
+    Ok(ManifoldOptions::with_prediction(prediction).max_points(max_points))
+}
 
 /// Returns the row of a contact, in the world.
-fn row(contact: &PatchContact, group: usize, pose: &RelativePose) -> [f64; COLUMNS] {
+pub(super) fn row(contact: &PatchContact, group: usize, pose: &RelativePose) -> Row {
     let (pose_a, pose_b) = pose.poses();
     let a = pose_a * contact.point.point_on_a;
     let b = pose_b * contact.point.point_on_b;
@@ -96,26 +117,12 @@ impl PairTracker {
         prediction: f64,
         max_points: usize,
     ) -> PyResult<Bound<'py, PyAny>> {
-        if !(prediction >= 0.0) || !(1..=8).contains(&max_points) {
-            return Err(refused(format!(
-                "prediction is {prediction} (expected at least 0), max_points is {max_points} (expected 1 to 8)"
-            )));
-        }
+        let options = manifold_options(prediction, max_points)?;
         let pose = relative(pose_a, pose_b)?;
-        let options = ManifoldOptions::with_prediction(prediction).max_points(max_points);
         let groups = self.tracker.contacts(&a.get().0, &b.get().0, &pose, &options);
         let groups = groups.map_err(pair_error)?.iter().enumerate();
         let rows = groups.flat_map(|(k, group)| group.contacts.iter().map(move |c| row(c, k, &pose)));
-        let [point_a, point_b, normal] = ["point_a", "point_b", "normal"].map(|name| (name, "f8", 3));
-        let numbers = [
-            ("separation", "f8", 1),
-            ("group", "i4", 1),
-            ("patch_a", "i4", 1),
-            ("patch_b", "i4", 1),
-        ];
-        let [separation, group, patch_a, patch_b] = numbers;
-        let fields = [point_a, point_b, normal, separation, group, patch_a, patch_b];
-        structured(py, rows.collect(), &fields)
+        structured(py, rows.collect(), &FIELDS)
     }
 
     /// Returns bounds of the penetration depth of two solids.

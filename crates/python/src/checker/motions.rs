@@ -1,0 +1,323 @@
+//! Curves, splines and trajectories.
+
+use lin_canny::separation::Proof;
+use lin_canny_robot::Coordinate;
+use lin_canny_robot::plan::{JointCurve as Curve, PairProof, PlanError, Verdict as Judged};
+use numpy::{PyArray1, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+
+use super::answers::{self, Pair, Verdict};
+use super::batches::Numbers;
+use super::{Checker, configuration};
+use crate::array::{Argument, contiguous, filled, is_number, of_triples, shape_text};
+use crate::batch::Run;
+use crate::curve::{curve_of, curves_of};
+use crate::errors::plan_error;
+use crate::trajectory::Trajectory;
+
+const TUBE: Argument = Argument {
+    name: "tube",
+    error: |why| plan_error(why),
+};
+
+impl Checker {
+    pub(crate) fn coordinate_list(&self) -> &[Coordinate] {
+        self.setup.coordinates()
+    }
+
+    /// Returns how much each coordinate may deviate: one number for all, or one for each.
+    pub(super) fn tube(&self, tube: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Vec<f64>>> {
+        let Some(tube) = tube else { return Ok(None) };
+        let dof = self.dof();
+        let array = contiguous::<f64>(tube, TUBE)?;
+        let values = array.as_slice()?;
+        let values = match is_number(tube)? {
+            true => vec![values[0]; dof],
+            false => values.to_vec(),
+        };
+        let shape = array.shape();
+        if shape.len() != 1 || values.len() != dof {
+            return Err(plan_error(format!(
+                "tube: shape is {} (expected a number or ({dof},))",
+                shape_text(shape)
+            )));
+        }
+        if let Some(k) = values.iter().position(|x| !(*x >= 0.0 && x.is_finite())) {
+            let name = &self.coordinate_list()[k].name;
+            return Err(plan_error(format!(
+                "tube: entry of {name} is {} (expected at least 0)",
+                values[k]
+            )));
+        }
+        Ok(Some(values))
+    }
+
+    /// Returns an error about a motion, with the name of the joint that exceeds its limits.
+    fn motion_fault(&self, what: &str, error: &PlanError, at: impl Fn(f64) -> String) -> PyErr {
+        let PlanError::CurveLimit {
+            coordinate,
+            time,
+            value,
+        } = *error
+        else {
+            return plan_error(format!("{what}: {error}"));
+        };
+        let Coordinate { name, limits, .. } = &self.coordinate_list()[coordinate];
+        let ([low, high], at) = (limits, at(time));
+        plan_error(format!(
+            "{what}: {name} exceeds its limits {low} and {high} at {at}: {value}"
+        ))
+    }
+
+    fn curve_fault(&self, error: &PlanError) -> PyErr {
+        self.motion_fault("curve", error, |t| format!("t = {t}"))
+    }
+
+    /// Returns an error about a curve of many.
+    pub(super) fn numbered_fault(&self, k: usize, error: &PlanError) -> PyErr {
+        self.motion_fault(&format!("curve {k}"), error, |t| format!("t = {t}"))
+    }
+
+    fn judge(&mut self, curve: &Curve, tube: Option<&[f64]>) -> Result<Judged, PlanError> {
+        match tube {
+            Some(tube) => self.checker.certify_curve_tube(curve, tube),
+            None => self.checker.certify_curve(curve),
+        }
+    }
+
+    /// Returns the first verdict that is not free, with the number of its curve. Ctrl-C ends the
+    /// call. `fault` makes the error of a curve.
+    fn judge_all(
+        &mut self,
+        py: Python<'_>,
+        curves: &[Curve],
+        tube: Option<&[f64]>,
+        progress: Option<&Bound<'_, PyAny>>,
+        fault: impl Fn(&Self, usize, &PlanError) -> PyErr + Sync + Send,
+    ) -> PyResult<(usize, Judged)> {
+        let joined = |k: usize| {
+            let (before, curve) = (&curves[k - 1], &curves[k]);
+            let (end, start) = (before.control_point(before.degree()), curve.control_point(0));
+            match end.iter().zip(&start).position(|(x, y)| x != y) {
+                Some(coordinate) => Err(PlanError::CurveJump { index: k, coordinate }),
+                None => Ok(()),
+            }
+        };
+        (1..curves.len()).try_for_each(joined).map_err(plan_error)?;
+        let mut all = None;
+        let run = Run::new(py, curves.len(), 1, progress)?;
+        run.steps(py, curves.len(), |k| {
+            let mut found = self.judge(&curves[k], tube).map_err(|e| fault(self, k, &e))?;
+            if !found.is_free() {
+                all = Some((k, found));
+                return Ok(false);
+            }
+            // Contacts at the start of all curves are kept.
+            if let (
+                Judged::Free { start_contacts, .. },
+                Some((
+                    _,
+                    Judged::Free {
+                        start_contacts: before, ..
+                    },
+                )),
+            ) = (&mut found, &mut all)
+            {
+                before.append(start_contacts);
+                *start_contacts = core::mem::take(before);
+            }
+            all = Some((0, found));
+            Ok(true)
+        })?;
+        all.ok_or_else(|| plan_error("spline has no curve (expected at least one)"))
+    }
+
+    /// Returns the certificates of all pairs as a structured array.
+    fn certificates<'py>(&self, py: Python<'py>, proofs: &[PairProof]) -> PyResult<Bound<'py, PyAny>> {
+        let numbers = Numbers::new(&self.checker);
+        let each = || {
+            proofs
+                .iter()
+                .flat_map(|of| of.certificates.iter().map(move |c| (of.pair, c)))
+        };
+        let bodies = |second: bool| {
+            let ids = each().map(|(pair, _)| numbers.of(if second { pair.b } else { pair.a }));
+            PyArray1::from_vec(py, ids.collect()).into_any()
+        };
+        let number = |of: fn(&lin_canny::impact::Certificate) -> f64| {
+            PyArray1::from_vec(py, each().map(|(_, c)| of(c)).collect()).into_any()
+        };
+        let planes = each().map(|(_, c)| match c.proof {
+            Proof::Plane { normal, spin } => (normal.into(), spin.into()),
+            _ => ([0.0; 3], [0.0; 3]),
+        });
+        let (normals, spins): (Vec<[f64; 3]>, Vec<[f64; 3]>) = planes.unzip();
+        let columns = vec![
+            (("a", "i4", None), bodies(false)),
+            (("b", "i4", None), bodies(true)),
+            (("start", "f8", None), number(|c| c.from)),
+            (("end", "f8", None), number(|c| c.until)),
+            (("distance", "f8", None), number(|c| c.distance)),
+            (("normal", "f8", Some(3)), of_triples(py, normals.clone())?.into_any()),
+            (("spin", "f8", Some(3)), of_triples(py, spins)?.into_any()),
+        ];
+        filled(py, normals.len(), columns)
+    }
+}
+
+#[pymethods]
+impl Checker {
+    /// Returns the verdict on a curve, over its whole length.
+    ///
+    /// The verdict is free, blocked by a pair at a time, or undecided.
+    ///
+    /// Parameters
+    /// ----------
+    /// curve : JointCurve or array_like, shape (degree + 1, dof)
+    ///     A curve, or the control points of a Bézier curve.
+    /// tube : float or array_like, shape (dof,), optional
+    ///     How much each coordinate may deviate from the curve at every time, such as the tracking
+    ///     error of a controller. Everything inside the tube is then proven. "blocked" means that a
+    ///     pair comes closer on the curve than its margin plus a bound of what the tube moves;
+    ///     a free motion may still exist. `start_contact_margin` does not act.
+    ///
+    /// Raises
+    /// ------
+    /// PlanError
+    ///     If a coordinate leaves its limits between its control points (names the joint and the
+    ///     time), or if a coordinate of a rotation has a degree above 1.
+    #[pyo3(signature = (curve, *, tube=None))]
+    fn certify_curve(
+        &mut self,
+        py: Python<'_>,
+        curve: &Bound<'_, PyAny>,
+        tube: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Verdict> {
+        let (curve, tube) = (curve_of(curve)?, self.tube(tube)?);
+        let found = py.detach(|| self.judge(&curve, tube.as_deref()));
+        let found = found.map_err(|e| self.curve_fault(&e))?;
+        Ok(Verdict::new(0, found, &self.checker))
+    }
+
+    /// Returns the verdict on a spline: curves, each of which starts where the one before ends.
+    ///
+    /// It is free, or the verdict on the first curve that is not free; `segment` is its index.
+    /// Ctrl-C ends the call.
+    ///
+    /// Parameters
+    /// ----------
+    /// curves : sequence of JointCurve, or array_like of shape (N, degree + 1, dof)
+    /// tube : float or array_like, optional
+    ///     See `certify_curve`.
+    /// progress : callable or bool, optional
+    ///     A callable that receives the number of certified curves and of all, or True for a tqdm
+    ///     bar.
+    #[pyo3(signature = (curves, *, tube=None, progress=None))]
+    fn certify_spline(
+        &mut self,
+        py: Python<'_>,
+        curves: &Bound<'_, PyAny>,
+        tube: Option<&Bound<'_, PyAny>>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Verdict> {
+        let (curves, tube) = (curves_of(curves)?, self.tube(tube)?);
+        let (segment, verdict) = self.judge_all(py, &curves, tube.as_deref(), progress, Self::numbered_fault)?;
+        Ok(Verdict::new(segment, verdict, &self.checker))
+    }
+
+    /// Returns the verdict on a trajectory, over all its times.
+    ///
+    /// It is free, or the verdict on the motion after the first point, `segment`, after which it is
+    /// not free; `safe_time` and `blocked_time` are times of the trajectory. The columns may be in
+    /// any order if the trajectory has names. Ctrl-C ends the call.
+    ///
+    /// Parameters
+    /// ----------
+    /// trajectory : Trajectory
+    /// tube : float or array_like, optional
+    ///     See `certify_curve`.
+    /// progress : callable or bool, optional
+    ///     As for `certify_spline`.
+    ///
+    /// Raises
+    /// ------
+    /// PlanError
+    ///     If a joint is unknown or missing, or leaves its limits (names the joint and the time).
+    #[pyo3(signature = (trajectory, *, tube=None, progress=None))]
+    fn certify_trajectory(
+        &mut self,
+        py: Python<'_>,
+        trajectory: &Bound<'_, Trajectory>,
+        tube: Option<&Bound<'_, PyAny>>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Verdict> {
+        let (trajectory, tube) = (trajectory.get(), self.tube(tube)?);
+        let curves = trajectory.curves_in_order(self.coordinate_list())?;
+        let last = curves.len() - 1;
+        let fault = |checker: &Self, k: usize, error: &PlanError| {
+            let what = format!("trajectory, points {k} to {}", k + 1);
+            checker.motion_fault(&what, error, |t| format!("time {}", trajectory.time_at(k, t)))
+        };
+        let (segment, verdict) = self.judge_all(py, &curves, tube.as_deref(), progress, fault)?;
+        // A free verdict is about the end of the last segment.
+        let timed = if verdict.is_free() { last } else { segment };
+        let verdict = Verdict::new(segment, verdict, &self.checker);
+        Ok(verdict.with_times(|t| trajectory.time_at(timed, t)))
+    }
+
+    /// Returns the proof that the straight segment between two configurations is free.
+    ///
+    /// Returns None if the segment is not proven free; see `prove_curve`.
+    fn prove<'py>(
+        &mut self,
+        py: Python<'py>,
+        start: &Bound<'py, PyAny>,
+        goal: &Bound<'py, PyAny>,
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let ends = [configuration(start)?, configuration(goal)?];
+        let found = py.detach(|| self.checker.prove(&ends[0], &ends[1]));
+        let found = found.map_err(plan_error)?;
+        found.map(|proofs| self.certificates(py, &proofs)).transpose()
+    }
+
+    /// Returns the proof that a curve is free: the certificates of all pairs, in order of time.
+    ///
+    /// Returns None if the curve is not proven free. Times are those of the curve, 0 to 1. The
+    /// certificates of a pair cover all of them.
+    ///
+    /// Parameters
+    /// ----------
+    /// curve : JointCurve or array_like, shape (degree + 1, dof)
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray or None
+    ///     A structured array with the fields `a` and `b`, indices of `bodies`; `start` and `end`, the
+    ///     times between which the pair is proven more than `distance` apart; `normal` and `spin`
+    ///     of shape (3,), in the world: a plane with the normal `normal` at `start`, which rotates
+    ///     by the rotation vector `spin * (t - start)`, is between both bodies. Both are zero if
+    ///     balls around the bodies, or another bound, prove it.
+    fn prove_curve<'py>(&mut self, py: Python<'py>, curve: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let curve = curve_of(curve)?;
+        let found = py.detach(|| self.checker.prove_curve(&curve));
+        let found = found.map_err(|e| self.curve_fault(&e))?;
+        found.map(|proofs| self.certificates(py, &proofs)).transpose()
+    }
+
+    /// Returns the least clearance along a curve: see `clearance_along`.
+    ///
+    /// curve: a JointCurve, or control points of shape (degree + 1, dof).
+    #[pyo3(signature = (curve, *, relative=1e-3))]
+    fn clearance_along_curve(
+        &mut self,
+        py: Python<'_>,
+        curve: &Bound<'_, PyAny>,
+        relative: f64,
+    ) -> PyResult<(f64, f64, f64, Option<Pair>)> {
+        let curve = curve_of(curve)?;
+        let found = py.detach(|| self.checker.clearance_along_curve(&curve, relative));
+        let found = found.map_err(|e| self.curve_fault(&e))?;
+        let pair = found.pair.map(|pair| answers::names(&self.checker, pair));
+        Ok((found.lower, found.upper, found.t, pair))
+    }
+}
