@@ -63,12 +63,15 @@ impl TryFrom<StoredWorld> for World {
     }
 }
 
-/// A curve as it is stored: its control points, and the error of each coordinate.
+/// A curve as it is stored: its control points, the error of each coordinate, and its times on a
+/// clock.
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(rename = "JointCurve")]
 pub(crate) struct StoredCurve {
     points: Vec<Vec<f64>>,
     errors: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    times: Option<[f64; 2]>,
 }
 
 impl From<JointCurve> for StoredCurve {
@@ -76,6 +79,7 @@ impl From<JointCurve> for StoredCurve {
         Self {
             points: (0..=curve.degree()).map(|k| curve.control_point(k)).collect(),
             errors: (0..curve.coordinates()).map(|c| curve.bounds(c).error).collect(),
+            times: curve.times(),
         }
     }
 }
@@ -84,6 +88,10 @@ impl TryFrom<StoredCurve> for JointCurve {
     type Error = PlanError;
 
     fn try_from(stored: StoredCurve) -> Result<Self, PlanError> {
-        Self::with_errors(&stored.points, &stored.errors)
+        let curve = Self::with_errors(&stored.points, &stored.errors)?;
+        match stored.times {
+            Some(times) => curve.with_times(times),
+            None => Ok(curve),
+        }
     }
 }

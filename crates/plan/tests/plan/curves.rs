@@ -859,6 +859,9 @@ fn curves_are_stored_with_their_errors() {
             let read: JointCurve = serde_json::from_str(&text).expect("a curve");
             // The error of a conversion is a part of the curve.
             assert_eq!(read, curve);
+            let timed = curve.with_times([-1.5, 2.0]).expect("times");
+            let text = serde_json::to_string(&timed).expect("a curve");
+            assert_eq!(serde_json::from_str::<JointCurve>(&text).expect("a curve"), timed);
         }
     }
     for bad in [
