@@ -681,7 +681,10 @@ fn crane(unit: f64) -> Checker<SerialArm> {
     let mut world = World::new();
     world.robot_body("boom", cuboid(0.3, 0.1, 0.1));
     world.robot_body("slide", cuboid(0.2, 0.1, 0.1));
-    world.robot_body("hook", cuboid(0.1, 0.1, 0.3).transformed(&at(0.0, 0.0, -0.3)).expect("a box"));
+    world.robot_body(
+        "hook",
+        cuboid(0.1, 0.1, 0.3).transformed(&at(0.0, 0.0, -0.3)).expect("a box"),
+    );
     world.exclude("slide", "hook").expect("names");
     world.exclude("boom", "slide").expect("names");
     world.obstacle("post", cuboid(0.2, 0.2, 1.0), at(1.5, 1.5, 0.0));
@@ -724,19 +727,13 @@ fn scenes_of_all_sizes_have_equal_verdicts() {
                 (
                     Verdict::Blocked { safe, t, pair, .. },
                     Verdict::Blocked {
-                        safe: s,
-                        t: u,
-                        pair: p,
-                        ..
+                        safe: s, t: u, pair: p, ..
                     },
                 ) if exponent.abs() <= 40 => (safe, t, pair) == (s, u, p),
                 (
                     Verdict::Blocked { safe, t, pair, .. },
                     Verdict::Blocked {
-                        safe: s,
-                        t: u,
-                        pair: p,
-                        ..
+                        safe: s, t: u, pair: p, ..
                     },
                 ) => pair == p && is_near(*safe, *s) && is_near(*t, *u),
                 _ => false,
