@@ -370,7 +370,7 @@ mod tests {
                         "{round}: {:e} {bound:e}",
                         off(part.pose(later))
                     );
-                    tight += u32::from(off(part.pose(later)) > 0.02 * bound);
+                    tight += u32::from(off(part.pose(later)) > 1e-3 * bound);
                     // The time on the clock rounds, so rows of any distance move by so much.
                     let clock = (begin + (end - begin) * later).larger(begin).smaller(end);
                     let rounded = 4.0 * f64::EPSILON * (begin.abs() + end.abs());
