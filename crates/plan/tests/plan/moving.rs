@@ -32,7 +32,7 @@ fn poses(times: &[f64], poses: &[Isometry3<f64>]) -> TimedPoses {
 /// A box of half `size` that slides along x and y and turns about z.
 fn slider(size: f64, obstacles: &[(Geometry, TimedPoses)]) -> Checker<SerialArm> {
     let origin = Isometry3::identity();
-    let rail = |axis| Joint::prismatic(origin, axis, [-1e3 * size, 1e3 * size]);
+    let rail = |axis| Joint::prismatic(origin, axis, [-1e2 * size, 1e2 * size]);
     let joints = vec![
         rail(Vector3::x_axis()),
         rail(Vector3::y_axis()),
@@ -175,7 +175,6 @@ fn an_obstacle_that_keeps_pace_is_free_unless_it_touches() {
         let along = JointCurve::bezier(&[[0.0], [PI]]).expect("a curve");
         let along = along.with_times([0.0, 2.0]).expect("times");
         let found = checker.certify_curve(&along).expect("within limits");
-        println!("turning together at {gap:e}: {} queries", checker.work().queries);
         assert_eq!(found.is_free(), gap > 0.0, "{gap:e}: {found:?}");
     }
 }
