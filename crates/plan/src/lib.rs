@@ -43,6 +43,7 @@
 //! | Is a polynomial curve or a spline free? | [`Checker::certify_curve`], [`certify_spline`](Checker::certify_spline) | [`Verdict`] for a [`JointCurve`] |
 //! | And with a tracking error of each joint? | [`Checker::certify_curve_tube`] | [`Verdict`] for all motions within the error |
 //! | How does a robot execute a path smoothly, within its limits? | [`Checker::smooth`] | rows of times, positions and velocities, and curves proven free |
+//! | And among obstacles that move? | [`World::moving_obstacle`], [`JointCurve::with_times`], then `certify_curve` | [`Verdict`] on one clock |
 //! | Are all motions near a segment free? | [`Checker::certify_tube`] | [`Verdict`] for all motions within a distance of the segment |
 //! | Why is a segment free? | [`Checker::prove`] | the certificates of every pair, in order of time |
 //! | How large is the clearance along a segment? | [`Checker::clearance_along`] | a proven lower bound, and a distance that is attained |
@@ -57,6 +58,7 @@
 //! | change | function |
 //! |---|---|
 //! | obstacles | [`Checker::add_obstacle`], [`move_obstacle`](Checker::move_obstacle), [`replace_obstacle`](Checker::replace_obstacle), [`remove_obstacle`](Checker::remove_obstacle) |
+//! | obstacles that move, and the time of configurations | [`Checker::add_moving_obstacle`], [`set_time`](Checker::set_time) |
 //! | objects that a link carries | [`Checker::attach`], [`detach`](Checker::detach), [`detach_at`](Checker::detach_at) |
 //! | what pairs must keep | [`Checker::set_margin`], [`pad`](Checker::pad), [`set_pair_margin`](Checker::set_pair_margin) |
 //! | pairs that may touch | [`Checker::exclude`], [`include`](Checker::include), [`World::excluded`] |
@@ -79,7 +81,8 @@
 //!    millionth of its size.
 //!
 //! A curve is checked in the same way: a straight segment of a tree of joints is a curve of degree
-//! 1. Bounds of a curve hold for a span, so casts of a curve are cut where joints turn far.
+//! 1. Bounds of a curve hold for a span, so casts of a curve are cut where joints turn far. Casts with
+//!    a moving obstacle are cut at its rows.
 //!
 //! The motion of two links is measured relative to the last link that carries both. Every proof
 //! includes the rounding of the motion, of the poses and of the distances. It holds for the motion
@@ -129,7 +132,8 @@
 //!
 //! # When not to use it
 //!
-//! * The spaces are geometric. For dynamics, moving obstacles or closed chains use another planner.
+//! * The spaces are geometric. For dynamics or closed chains use another planner. Curves are proven
+//!   among moving obstacles, but the search of a path has no clock.
 //! * Six free axes in tight clutter take seconds. An arm through a window of 0.5 m height takes at
 //!   most 0.5 s over 20 seeds, through 0.35 m at most 4.1 s. A plank 0.2 thick through a hole of
 //!   0.3 takes at most 0.7 s (`crates/plan/tests`, ignored tests).

@@ -308,3 +308,90 @@ impl Motion for PosePart {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Translation3, UnitQuaternion};
+    use truth::rng::Rng;
+
+    /// Points stay as near to their models as the bounds say: those of the part, and those of the
+    /// poses at the time on the clock, also where a part ends and the next begins.
+    #[test]
+    fn parts_keep_the_contract_of_motions() {
+        let mut rng = Rng::new(1);
+        let mut tight = 0;
+        for round in 0..300 {
+            let count = 2 + rng.below(5);
+            let offset = [0.0, -3.0, 1.7e9, 1e-9][round % 4];
+            let mut times = std::vec![offset];
+            for _ in 1..count {
+                times.push(times[times.len() - 1] + rng.log_range(1e-6, 10.0));
+            }
+            let poses: Vec<Isometry3<f64>> = (0..count)
+                .map(|_| {
+                    let turn = UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * rng.range(0.0, 3.2));
+                    Isometry3::from_parts(Translation3::from(Vector3::from(rng.unit()) * 3.0), turn)
+                })
+                .collect();
+            let timed = TimedPoses::new(&times, &poses).expect("timed poses");
+            let [first, last] = timed.ends();
+            let mut ends = [rng.range(first, last), rng.range(first, last)];
+            if round % 3 == 0 {
+                ends = [first, last];
+            }
+            let [begin, end] = [ends[0].smaller(ends[1]), ends[0].larger(ends[1])];
+            if begin == end {
+                continue;
+            }
+            let parts = timed.parts([begin, end]).expect("poses at all times");
+            assert!(parts[0].from == 0.0 && parts[parts.len() - 1].until == 1.0);
+            for (k, part) in parts.iter().enumerate() {
+                assert!(k == 0 || parts[k - 1].until == part.from && part.from > parts[k - 1].from);
+                for _ in 0..20 {
+                    let within = |x: f64| part.from + (part.until - part.from) * x;
+                    let time = if rng.chance(0.3) {
+                        part.from
+                    } else {
+                        within(rng.uniform())
+                    };
+                    let span = part.until - time;
+                    let s = if rng.chance(0.3) { span } else { span * rng.uniform() };
+                    let model = part.model(time, span);
+                    let start = part.pose(time);
+                    let arm = Vector3::from(rng.unit()) * rng.range(0.0, 2.0);
+                    let turn = UnitQuaternion::from_scaled_axis(model.angular * s);
+                    let at = start.translation.vector + model.linear * s + turn * (start.rotation * arm);
+                    let bound = model.shift.at(s) + arm.norm() * model.turn.at(s);
+                    let later = (time + s).smaller(part.until);
+                    let off = |pose: Isometry3<f64>| (pose * Point3::from(arm) - Point3::from(at)).norm();
+                    assert!(
+                        off(part.pose(later)) <= bound,
+                        "{round}: {:e} {bound:e}",
+                        off(part.pose(later))
+                    );
+                    tight += u32::from(off(part.pose(later)) > 1e-3 * bound);
+                    // The time on the clock rounds, so rows of any distance move by so much.
+                    let clock = (begin + (end - begin) * later).larger(begin).smaller(end);
+                    let rounded = 4.0 * f64::EPSILON * (begin.abs() + end.abs());
+                    let speed = model.linear.norm() + 2.0 * model.angular.norm();
+                    let slack = rounded / (end - begin) * speed;
+                    let now = timed.at(clock).expect("a pose");
+                    let is_inner = later > within(1e-3) && later < within(1.0 - 1e-3);
+                    assert!(
+                        !is_inner || off(now) <= bound + slack,
+                        "{round}: {:e} {bound:e} {slack:e}",
+                        off(now)
+                    );
+                }
+                if k > 0 {
+                    let [before, after] = [parts[k - 1].pose(part.from), part.pose(part.from)];
+                    let far = (before.translation.vector - after.translation.vector).norm();
+                    let bound = part.error[0] + parts[k - 1].error[0] + 1e-15;
+                    assert!(far <= bound, "{round}: {far:e} {bound:e}");
+                }
+            }
+        }
+        assert!(tight > 100, "{tight}");
+    }
+}

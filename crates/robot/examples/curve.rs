@@ -1,11 +1,14 @@
-//! Proofs of curves: a quintic from rest to rest that meets a fence, and a trajectory of ROS above it.
+//! Proofs of curves: a quintic from rest to rest that meets a fence, and a trajectory of ROS above it, also while a crate
+//! moves through the cell.
 //!
 //! `cargo run --release -p lin-canny-robot --example curve`
 
 use std::error::Error;
+use std::f64::consts::FRAC_PI_2;
 
-use lin_canny::nalgebra::Isometry3;
-use lin_canny_robot::plan::{JointCurve, Verdict};
+use lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny_robot::plan::{JointCurve, TimedPoses, Verdict};
 use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup, Trajectory};
 
 /// A message `JointTrajectory`: up beside the fence, over it, and down on the other side.
@@ -28,7 +31,7 @@ points:
 
 fn main() -> Result<(), Box<dyn Error>> {
     truth::command::no_options(
-        "Prove curves of an arm: a quintic that meets a fence, and a trajectory of ROS above it",
+        "Prove curves of an arm: a quintic that meets a fence, and a trajectory of ROS above it, among a moving crate",
     );
     let (packages, options) = (Packages::default(), LoadOptions::default());
     let arm = Robot::parse(include_str!("arm.urdf"), "arm.urdf", &packages, &options)?;
@@ -67,6 +70,25 @@ fn main() -> Result<(), Box<dyn Error>> {
             is_free &= checker.certify_curve_tube(curve, &[radius; 6])?.is_free();
         }
         println!("tracking error of {radius} rad: free = {is_free}");
+    }
+
+    // A crate is lowered behind the fence in 2 s, turned by a right angle, and waits. The trajectory may start later.
+    let at = |z: f64, turn: f64| Isometry3::new(Vector3::new(0.62, -0.35, z), Vector3::z() * turn);
+    let lowered = [at(1.5, 0.0), at(0.45, FRAC_PI_2), at(0.45, FRAC_PI_2)];
+    let poses = TimedPoses::new(&[0.0, 2.0, 9.0], &lowered)?;
+    checker.add_moving_obstacle("crate", solids::cuboid(Vector3::repeat(0.1))?, poses)?;
+    for delay in [0.0, 1.0, 2.0] {
+        let mut found = "free for all times".to_owned();
+        for curve in &curves {
+            let times = curve.times().ok_or("the points have times")?.map(|time| time + delay);
+            let curve = curve.clone().with_times(times)?;
+            if let Verdict::Blocked { t, pair, .. } = checker.certify_curve(&curve)? {
+                let time = times[0] + t * (times[1] - times[0]);
+                found = format!("{} meet at {time:.6} s", checker.show(&pair));
+                break;
+            }
+        }
+        println!("started at {delay} s: {found}");
     }
     Ok(())
 }

@@ -14,7 +14,9 @@ fn examples() -> PathBuf {
 }
 
 fn scratch(name: &str, text: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("moving");
+    // Each test has a folder.
+    let test = std::thread::current().name().unwrap_or("test").to_owned();
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("moving").join(test);
     std::fs::create_dir_all(&folder).expect("a folder");
     let file = folder.join(name);
     std::fs::write(&file, text).expect("a file");
@@ -110,10 +112,7 @@ fn errors_of_poses_name_file_line_and_column() {
     }
     let row = "[0, 0, 0, 0, 0, 0, 0, 1]";
     for (poses, expected) in [
-        (
-            r#""poses": {"file": "none.csv"}"#.into(),
-            "bodies[0] \"cart\": file none.csv",
-        ),
+        (r#""poses": {"file": "none.csv"}"#.into(), "none.csv is missing"),
         (
             format!(r#""xyz": [0, 0, 0], "poses": {{"rows": [{row}, {row}]}}"#),
             "bodies[0] \"cart\": both poses and xyz, rpy or xyzw are given (expected one)",
@@ -151,7 +150,7 @@ fn cells_with_poses_are_saved_bit_for_bit() {
     let mut rng = Rng::new(3);
     let rows: Vec<String> = (0..6)
         .map(|k| {
-            let place = Vector3::from(rng.unit()) * rng.log_range(0.3, 1.5);
+            let place = Vector3::from(rng.unit()) * rng.range(0.4, 1.0);
             let [w, x, y, z]: [f64; 4] = std::array::from_fn(|_| rng.range(-1.0, 1.0));
             let row = [f64::from(k) * 0.7 + 0.1, place.x, place.y, place.z, x, y, z, w];
             row.map(|x| format!("{x:?}")).join(",")
@@ -161,7 +160,7 @@ fn cells_with_poses_are_saved_bit_for_bit() {
     scratch("poses.csv", &text);
     let first = cell(
         r#"{"bodies": [
-            {"name": "cart", "box": {"size": [0.2, 0.3, 0.1]}, "poses": {"file": "poses.csv"}},
+            {"name": "cart", "box": {"size": [0.5, 0.6, 0.4]}, "poses": {"file": "poses.csv"}},
             {"name": "table", "box": {"size": [1, 1, 0.1]}, "xyz": [0, 0, -1]},
             {"name": "cart", "sphere": {"radius": 0.05}, "poses": {"file": "poses.csv"}}]}"#,
     )
@@ -263,15 +262,12 @@ fn two_robots_exchange_places() {
     };
     assert_eq!(checker.show(&pair).to_string(), "base and b_base");
     assert!(safe <= 0.45 && t >= 0.45 && t - safe < 1e-5, "{safe} {t}");
-    // One of them is faster: they meet elsewhere, or not at all.
-    let fast = "time,x,y,b_x,b_y\n0,-2,0,2,0\n1,-2,0,-1,0\n";
+    // One of them waits: they meet where it is, or not at all.
+    let fast = "time,x,y,b_x,b_y\n0,-2,0,2,0\n1,-2,0,-1.9,0\n";
     let (_, Verdict::Blocked { t, .. }) = certify(&mut checker, fast) else {
         panic!("they meet")
     };
-    assert!(
-        (t - 2.6 / 3.0 * 1.0 - 1.0 / 3.0).abs() < 1e-5 || (0.5..1.3).contains(&t),
-        "{t}"
-    );
+    assert!((t - 3.6 / 3.9).abs() < 1e-5, "{t}");
     let aside = "time,x,y,b_x,b_y\n0,-2,0,2,0\n1,-2,0,-1.5999,0\n";
     assert!(certify(&mut checker, aside).1.is_free());
     // On two rails 0.5 apart the trolleys pass, the boxes on top only if they are drawn in.
@@ -349,14 +345,14 @@ struct Counts {
 fn judged(count: usize, places: u32, seed: u64) -> Counts {
     let mut files = RobotFiles::new(examples().join("arm.urdf"));
     files.others = vec![OtherRobot {
-        pose: Isometry3::new(Vector3::new(1.0, 0.0, 0.0), Vector3::z() * 3.0),
+        pose: Isometry3::new(Vector3::new(0.6, 0.0, 0.0), Vector3::z() * 3.0),
         ..OtherRobot::new("b_", examples().join("arm.urdf"))
     }];
     let (_, mut setup) = files.load().expect("two arms");
-    let rows = "time,x,y,z,qx,qy,qz,qw\n0,0.5,-1,0.4,0,0,0,1\n2,0.5,0.2,0.6,0,0,1,0\n3,0.5,1,0.9,0,0.6,0.8,0\n";
+    let rows = "time,x,y,z,qx,qy,qz,qw\n0,0.3,-0.8,0.6,0,0,0,1\n2,0.3,0.1,0.8,0,0,1,0\n3,0.3,0.8,0.9,0,0.6,0.8,0\n";
     scratch(&format!("between{seed}.csv"), rows);
     let poses = format!(r#""poses": {{"file": "between{seed}.csv"}}"#);
-    let text = format!(r#"{{"bodies": [{{"name": "cart", "box": {{"size": [0.2, 0.1, 0.3]}}, {poses}}}]}}"#);
+    let text = format!(r#"{{"bodies": [{{"name": "cart", "box": {{"size": [0.3, 0.2, 0.3]}}, {poses}}}]}}"#);
     let path = scratch(&format!("between{seed}.json"), &text);
     setup.cell(&Cell::load(path, &Packages::default(), &LoadOptions::default()).expect("a cell"));
     let (mut checker, mut judge) = (setup.checker().expect("a checker"), setup.checker().expect("a checker"));

@@ -1109,17 +1109,10 @@ fn obstacles_move_on_the_clock_of_the_trajectory() {
         });
         scratch(name, &shifted.collect::<Vec<_>>().join("\n"))
     };
-    let with_file = |option: &'static str, file: &str| -> Vec<String> {
-        let all = CROSSING.iter().chain(&[option]).map(|s| (*s).to_owned());
-        all.chain([file.to_owned()]).collect()
-    };
     let run_file = |command: &str, option: &'static str, file: &str, more: &[&str]| {
-        let arguments = with_file(option, file);
-        let arguments: Vec<&str> = arguments
-            .iter()
-            .map(String::as_str)
-            .chain(more.iter().copied())
-            .collect();
+        let mut arguments = CROSSING.to_vec();
+        arguments.extend([option, file]);
+        arguments.extend(more);
         run(command, &arguments)
     };
     let late = later(2.5, "late.csv");
@@ -1157,7 +1150,7 @@ fn obstacles_move_on_the_clock_of_the_trajectory() {
     assert!(code == 3 && text.contains(expected), "{text}");
     // The cell is saved with its poses.
     let out = scratch("saved.json", "");
-    let (code, text) = run("cell", &with(&["--pad", "crate=0.01", "--out", &*out.clone().leak()]));
+    let (code, text) = run_file("cell", "--out", &out, &["--pad", "crate=0.01"]);
     assert_eq!(code, 0, "{text}");
     let saved = ["--cell", &out, "--trajectory", "carry.csv"];
     let padded = with(&["--pad", "crate=0.01", "--trajectory", "carry.csv"]);

@@ -21,6 +21,7 @@ const STEERS: &[&str] = &[
     "ALMOST_FLAT",
     "ASIDE",
     "DIRECTION",
+    "HALF_TURN",
     "LEAST_MEAN",
     "LEAST_START",
     "LEAST_WIDTH",
@@ -82,6 +83,7 @@ const LIMITS: &[&str] = &[
 /// Bounds of roundings that are derived where they stand, and not yet transcribed.
 const BY_HAND: &[&str] = &[
     "ATTACHED",
+    "CLOCK",
     "CONVERTED",
     "CORE_CELL",
     "CORE_ERROR",
@@ -98,6 +100,8 @@ const BY_HAND: &[&str] = &[
     "RAY_PLANE",
     "RAY_SIDE",
     "SIDE_FINE",
+    "SLERP_PLACE",
+    "SLERP_TURN",
     "TRANSLATED",
     "TURN_ERROR",
 ];
