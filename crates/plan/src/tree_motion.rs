@@ -455,9 +455,10 @@ impl WholeBounds {
         let of = curve.bounds(drive.coordinate);
         let factor = drive.factor.abs();
         let error = curve.value_error() * (factor * of.most[0] + drive.offset.abs()) + factor * of.error;
-        self.turn += error;
         let most = farthest(joint, curve);
-        if joint.kind == JointKind::Prismatic {
+        if joint.kind == JointKind::Revolute {
+            self.turn += error;
+        } else {
             // The rounding of the value exceeds the part in `ARM_PLACE` by this much.
             self.place += (error - ARM_VALUE * most).at_least(0.0);
             self.reach_on(joint.axis.abs().sum() * most);
