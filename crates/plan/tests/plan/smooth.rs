@@ -356,14 +356,7 @@ fn corridor(scale: f64, gap: f64) -> impl FnOnce(&mut World) {
 fn blends_shrink_in_narrow_passages() {
     let way = path(&[[-1.0, 0.0], [0.0, 0.0], [0.0, 1.0]]);
     let mut last = 0.0;
-    for (gap, is_stop) in [
-        (0.3, false),
-        (1e-2, false),
-        (1e-3, false),
-        (1e-5, true),
-        (1e-9, true),
-        (1e-11, true),
-    ] {
+    for (gap, is_stop) in [(0.3, false), (1e-2, false), (1e-3, false), (1e-5, true), (1e-9, true)] {
         let mut checker = slider(1.0, 9.0, corridor(1.0, gap));
         for is_c2 in [false, true] {
             let options = options().continuous_acceleration(is_c2);
@@ -375,6 +368,14 @@ fn blends_shrink_in_narrow_passages() {
                 assert!(smooth.duration() >= last, "{gap:e}");
                 last = smooth.duration();
             }
+        }
+    }
+    // A gap that is near the rounding of curves is proven, or the segment is named.
+    for gap in [1e-11, 1e-12, 1e-13, 1e-15] {
+        let mut checker = slider(1.0, 9.0, corridor(1.0, gap));
+        match checker.smooth(&way, &options()) {
+            Ok(smooth) => assert_eq!(smooth.stops, [1]),
+            Err(error) => assert!(matches!(error, PlanError::Unproven { .. }), "{error:?}"),
         }
     }
     // No halving at all: the blend is free, or the motion stops.
@@ -393,11 +394,11 @@ fn blends_shrink_in_narrow_passages() {
 fn sizes_scale_the_motion() {
     let way = [[-1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [0.0, 0.2]];
     let mut counts = Vec::new();
-    for power in [-98, -50, 0, 50, 98] {
+    for power in [-98, -50, 0, 20, 50, 98] {
         let scale = 10f64.powi(power);
         let mut checker = slider(scale, 9.0, corridor(scale, 0.05));
         let way: Path = way.iter().map(|q| q.iter().map(|x| x * scale).collect()).collect();
-        for (is_c2, time) in [(false, 1.0), (true, 1e6), (true, 1e-6)] {
+        for (is_c2, time) in [(false, 1.0), (true, 1e30), (true, 1e-30)] {
             let limits = |order: i32| [1.0, 2.0].map(|x: f64| x * scale / if order == 1 { time } else { time * time });
             let options = SmoothOptions::new(limits(1), limits(2)).continuous_acceleration(is_c2);
             let smooth = checker.smooth(&way, &options).expect("a motion");
@@ -541,7 +542,7 @@ fn faults_are_named() {
         fault(&way, short),
         PlanError::Length { expected: 2, found: 1 }
     ));
-    for value in [0.0, -1.0, f64::NAN, 1e-200] {
+    for value in [0.0, -1.0, f64::NAN, 1e-210] {
         for (what, coordinate) in [("velocity", 1), ("acceleration", 0)] {
             let mut options = options();
             let of = if what == "velocity" {
