@@ -87,8 +87,9 @@ pub enum PointError {
 /// - **Meshes.** A closed mesh contains the points with a winding number that is not zero, and its
 ///   surface. An [open mesh](crate::MeshKind::Open) contains only its surface. The distance is that
 ///   of the triangles, also of those inside other components.
-/// - **Compounds and clouds** are unions. Inside, the distance is that of the deepest piece, an
-///   upper bound; the lower bound is that of the box of the union.
+/// - **Compounds and clouds** are unions. Inside, the upper bound of the signed distance is that of
+///   the deepest piece, which is also the value returned. The union may be deeper, so the lower
+///   bound is that of the box of the union. Both are proven, and they may be far apart.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Point3, Vector3};
@@ -159,8 +160,7 @@ impl<'g> PointQuery<'g> {
 
     /// Returns the closest point of the surface and the signed distance with its bounds.
     ///
-    /// If several points are equally close, the result is one of them. Of equally close triangles
-    /// it is on the one that is first in the mesh's tree.
+    /// If several points are equally close, the result is one of them.
     ///
     /// # Errors
     ///
