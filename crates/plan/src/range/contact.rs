@@ -22,6 +22,9 @@ impl Search<'_> {
         if found.upper + moved + rounding <= self.kept {
             return true;
         }
+        if found.lower > 0.0 {
+            return false;
+        }
         let shapes = self.shapes;
         let queries = shapes.map(PointQuery::new);
         let b = self.room.posed.b;

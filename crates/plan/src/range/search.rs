@@ -430,7 +430,7 @@ impl Search<'_> {
         let centre = core::mem::take(&mut self.room.centre);
         self.note(&centre, &found, rounding)?;
         self.room.centre = centre;
-        if found.lower > 0.0 {
+        if found.lower > self.kept {
             if self.by_distance(&mut cell, &found)? || self.by_parts(&mut cell, &found)? {
                 return Ok(());
             }

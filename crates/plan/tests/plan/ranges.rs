@@ -206,7 +206,13 @@ fn least<C: ConfigurationSpace>(
         }
         step *= if is_lower { 1.0 } else { 0.5 };
     }
-    assert!(best.0 >= answer.lower, "{} at {:?}: {answer:?}", best.0, best.1);
+    // The depth of an overlap counts as no distance.
+    assert!(
+        best.0.max(0.0) >= answer.lower,
+        "{} at {:?}: {answer:?}",
+        best.0,
+        best.1
+    );
 }
 
 /// Checks random boxes of random robots; returns how many of each verdict.
@@ -410,6 +416,25 @@ fn bodies_of_one_link_are_one_cell() {
                 .expect("a range"),
             []
         );
+    }
+}
+
+#[test]
+fn a_pair_that_stays_closer_than_its_margin_always_meets() {
+    let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-PI, PI]);
+    let mut checker = moved(
+        vec![turn],
+        Shape::ball(0.5).expect("a ball"),
+        cube(0.5)
+            .transformed(&Isometry3::translation(1.1, 0.0, 0.0))
+            .expect("a box"),
+    );
+    for (margin, verdict) in [(0.05, RangeVerdict::Never), (0.15, RangeVerdict::Always)] {
+        checker.set_margin(margin).expect("a margin");
+        let answer = checker
+            .prove_pair(A, OTHER, &[-PI], &[PI], &RangeOptions::default())
+            .expect("a range");
+        assert_eq!(answer.verdict, verdict, "{answer:?}");
     }
 }
 
