@@ -41,7 +41,7 @@ impl DistanceGrid {
     ///
     /// ```
     /// use lin_canny::nalgebra::Point3;
-    /// use lin_canny::{DistanceGrid, PointError, PointQuery, Shape};
+    /// use lin_canny::{DistanceGrid, PointQuery, Shape};
     ///
     /// let ball = Shape::ball(1.0)?;
     /// let query = PointQuery::new(&ball);

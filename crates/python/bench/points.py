@@ -15,8 +15,8 @@ Columns: scene, shape, number of triangles, engine, nanoseconds of CPU time of a
 zero off the surface is a wrong sign. libigl makes its tree in every call, which is counted. `embree` and `ours contains` find the sign alone. Open3D takes
 32-bit numbers, to which the points and the mesh are rounded.
 
-Each engine works in a process of its own, which ends after `--limit` seconds for each mesh; slow
-engines get fewer points, the first of the scene. What is left out is told, with the reason.
+Each engine works in a separate process, which ends after `--limit` seconds for each mesh; slow
+engines get fewer points, the first of the scene. The script prints what it leaves out, and why.
 """
 
 import argparse
@@ -228,7 +228,7 @@ def work(pipe, name, vertices, triangles, scenes, rounds, budget):
                 found = call(points)
                 best = min(best, clock() - start)
             pipe.send((scene, 1e9 * best / count, np.sign(found)))
-    except Exception as error:  # an engine that fails is left out, whatever its error
+    except Exception as error:  # an engine that fails is left out
         pipe.send(f"{type(error).__name__}: {error}")
     pipe.send(None)
 

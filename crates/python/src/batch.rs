@@ -69,7 +69,7 @@ impl<'py> Run<'py> {
         })
     }
 
-    /// Tells how much of a call is done.
+    /// Reports how much of a call is done.
     pub(crate) fn report(&self, done: usize, total: usize) -> PyResult<()> {
         if let Some(report) = &self.progress {
             report.call1((done, total))?;
