@@ -1,6 +1,7 @@
 //! Promise: the side of a point is right, its distance lies within the bounds, and batches and
 //! trackers return the same bits.
 
+mod grid;
 mod kinds;
 mod lattice;
 mod meshes;
