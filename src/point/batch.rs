@@ -86,15 +86,23 @@ impl PointQuery<'_> {
         answer: impl Fn(&Self, &Point3<f64>, &mut PointRoom) -> T + Sync,
     ) -> Result<Vec<T>, PointError> {
         (0..).zip(points).try_for_each(|(index, p)| check(index, p))?;
-        let prepared = self.is_worth_preparing(points.len()).then(|| self.clone().prepared());
-        let query = prepared.as_ref().unwrap_or(self);
+        let prepared = self.prepared_for(points.len());
+        Ok(prepared.as_ref().unwrap_or(self).answers(points, answer))
+    }
+
+    /// Answers each point that is in range, in the order given.
+    pub(super) fn answers<T: Send>(
+        &self,
+        points: &[Point3<f64>],
+        answer: impl Fn(&Self, &Point3<f64>, &mut PointRoom) -> T + Sync,
+    ) -> Vec<T> {
         let mut all = Vec::with_capacity(points.len());
         for block in points.chunks(BLOCK) {
             let order = self.order(block);
             let run = |part: &[u32]| -> Vec<(u32, T)> {
                 let mut room = PointRoom::default();
                 part.iter()
-                    .map(|&k| (k, answer(query, &block[k as usize], &mut room)))
+                    .map(|&k| (k, answer(self, &block[k as usize], &mut room)))
                     .collect()
             };
             #[cfg(feature = "parallel")]
@@ -104,7 +112,12 @@ impl PointQuery<'_> {
             found.sort_unstable_by_key(|(k, _)| *k);
             all.extend(found.into_iter().map(|(_, answer)| answer));
         }
-        Ok(all)
+        all
+    }
+
+    /// Returns the prepared queries if so many points are worth it.
+    pub(super) fn prepared_for(&self, count: usize) -> Option<Self> {
+        self.is_worth_preparing(count).then(|| self.clone().prepared())
     }
 
     /// Returns whether so many points are worth the work of [`prepared`](Self::prepared).

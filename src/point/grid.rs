@@ -1,10 +1,12 @@
 //! Signed distances at the nodes of a grid, with a proven error of the interpolation.
 
 use alloc::vec::Vec;
+use core::ops::ControlFlow;
 
 use nalgebra::{Point3, Vector3};
 
-use super::{PointError, PointQuery, check};
+use super::{PointError, PointQuery, PointRoom, check};
+use crate::base::callbacks::{Progress, Watch};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::POINT_HEIGHT;
@@ -12,6 +14,9 @@ use crate::pair::outcome::Distance;
 
 /// Largest number of nodes of a grid.
 const NODES: usize = 1 << 31;
+
+/// Number of nodes between two reports of progress. Not measured.
+const BLOCK: usize = 1 << 13;
 
 /// Signed distances at the nodes of a grid of boxes, and the errors of its cells.
 ///
@@ -27,7 +32,8 @@ pub struct DistanceGrid {
     pub nodes: [usize; 3],
     /// The signed distance at the node `[i, j, k]`, at the index `(i nodes[1] + j) nodes[2] + k`.
     pub values: Vec<f64>,
-    /// Largest distance of the value from a bound, at the same index.
+    /// Largest distance of the value from a bound, in units of the longest side of a cell, rounded
+    /// up, at the same index.
     widths: Vec<f32>,
 }
 
@@ -88,18 +94,18 @@ impl DistanceGrid {
             values: Vec::with_capacity(nodes.iter().product()),
             widths: Vec::with_capacity(nodes.iter().product()),
         };
+        let side = step.amax();
+        // Rounding may put the last node beyond `high`.
+        check(1, &(low + step.component_mul(&Vector3::from_fn(|k, _| cells[k] as f64))))?;
         for i in 0..nodes[0] {
             let at = |j: usize, k: usize| low + step.component_mul(&Vector3::new(i as f64, j as f64, k as f64));
             let layer: Vec<_> = (0..nodes[1])
                 .flat_map(|j| (0..nodes[2]).map(move |k| at(j, k)))
                 .collect();
             for found in distances(&layer)?.into_iter().take(layer.len()) {
-                let Distance {
-                    value, lower, upper, ..
-                } = found;
-                grid.values.push(value);
-                let width = (upper - value).larger(value - lower);
-                grid.widths.push((width as f32).next_up().at_least(0.0));
+                grid.values.push(found.value);
+                let width = (found.upper - found.value).larger(found.value - found.lower);
+                grid.widths.push(((width / side) as f32).next_up().at_least(0.0));
             }
             grid.values.resize((i + 1) * layer.len(), f64::NAN);
             grid.widths.resize((i + 1) * layer.len(), f32::INFINITY);
@@ -116,14 +122,17 @@ impl DistanceGrid {
     #[must_use]
     pub fn error(&self, cell: [usize; 3]) -> Option<f64> {
         let corners = self.corners(cell)?;
-        let half = 0.5 * sqrt(self.step.norm_squared());
+        // The square of a side may underflow.
+        let side = self.step.amax();
+        let half = 0.5 * side * sqrt((self.step / side).norm_squared());
         let width = corners
             .iter()
             .fold(0.0f64, |most, at| most.larger(f64::from(self.widths[*at])));
+        let width = side * width;
         let size = corners
             .iter()
             .fold(half, |most, at| most.larger(self.values[*at].abs()));
-        let far = self.origin.coords.amax() + self.step.amax() * self.nodes.iter().fold(0, |m, n| m.max(*n)) as f64;
+        let far = self.origin.coords.amax() + side * self.nodes.iter().fold(0, |m, n| m.max(*n)) as f64;
         Some(half + width + POINT_HEIGHT * (size + far))
     }
 
@@ -206,6 +215,66 @@ impl PointQuery<'_> {
         high: Point3<f64>,
         cells: [usize; 3],
     ) -> Result<DistanceGrid, PointError> {
-        DistanceGrid::from_layers(low, high, cells, |layer| self.signed_distances(layer))
+        self.grid(low, high, cells, &mut Watch::none())
+    }
+
+    /// Returns the grid of [`signed_distance_grid`](Self::signed_distance_grid) and reports
+    /// progress, in nodes. Use it for grids of a million nodes.
+    ///
+    /// ```
+    /// use core::ops::ControlFlow;
+    /// use lin_canny::nalgebra::Point3;
+    /// use lin_canny::{PointError, PointQuery, Shape};
+    ///
+    /// let ball = Shape::ball(1.0)?;
+    /// let [low, high] = [-2.0, 2.0].map(|x| Point3::new(x, x, x));
+    /// let mut stop = |_| ControlFlow::Break(());
+    /// let stopped = PointQuery::new(&ball)
+    ///     .signed_distance_grid_with_progress(low, high, [16; 3], &mut stop);
+    /// assert!(matches!(stopped, Err(PointError::Stopped)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`signed_distance_grid`](Self::signed_distance_grid), and
+    /// [`PointError::Stopped`] if the callback stops the call.
+    pub fn signed_distance_grid_with_progress(
+        &self,
+        low: Point3<f64>,
+        high: Point3<f64>,
+        cells: [usize; 3],
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<DistanceGrid, PointError> {
+        self.grid(low, high, cells, &mut Watch::new(progress))
+    }
+
+    fn grid(
+        &self,
+        low: Point3<f64>,
+        high: Point3<f64>,
+        cells: [usize; 3],
+        watch: &mut Watch<'_>,
+    ) -> Result<DistanceGrid, PointError> {
+        let nodes = cells.iter().map(|n| n.saturating_add(1));
+        let count = nodes.fold(1, usize::saturating_mul);
+        watch.stage("grid", Some(count))?;
+        let prepared = self.prepared_for(count);
+        let query = prepared.as_ref().unwrap_or(self);
+        let answer = |query: &Self, p: &Point3<f64>, room: &mut PointRoom| Distance::from(&query.ask(p, room));
+        let (mut done, mut reported) = (0, 0);
+        DistanceGrid::from_layers(low, high, cells, |layer| {
+            let mut found = Vec::with_capacity(layer.len());
+            for block in layer.chunks(BLOCK) {
+                found.extend(query.answers(block, answer));
+                done += block.len();
+                if done - reported >= BLOCK || done == count {
+                    reported = done;
+                    watch.done(done);
+                    watch.check()?;
+                }
+            }
+            Ok(found)
+        })
     }
 }

@@ -20,6 +20,7 @@ use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
 
+use crate::base::callbacks::Stopped;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::PLACE_MAX;
 use crate::body::polyhedron::ConvexPolyhedron;
@@ -37,7 +38,7 @@ use crate::pair_tracker::geometry::{GeometryRef, Lent};
 pub use grid::DistanceGrid;
 pub use tracker::PointTracker;
 
-/// Error returned if a query point is invalid.
+/// Error returned if a query point or a grid is invalid, or if the caller stops a call.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PointError {
@@ -61,6 +62,15 @@ pub enum PointError {
         /// Extent along the axis.
         side: f64,
     },
+    /// The caller stopped the call through its callback.
+    #[error("the caller has stopped the call")]
+    Stopped,
+}
+
+impl From<Stopped> for PointError {
+    fn from(_: Stopped) -> Self {
+        Self::Stopped
+    }
 }
 
 /// Queries of points and one geometry of any kind, which it borrows.

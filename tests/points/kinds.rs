@@ -4,7 +4,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
-    Cloud, CloudElement, Compound, ContactState, ConvexPolyhedron, DistanceGrid, Geometry, HalfSpace, Mesh, Piece,
+    Cloud, CloudElement, Compound, ContactState, ConvexPolyhedron, Geometry, HalfSpace, Mesh, Piece,
     PointOutcome, PointQuery, Shape,
 };
 use truth::driven::exact_place::Place;
@@ -320,48 +320,6 @@ fn near_subshapes_are_those_of_a_search_of_all() {
     judge_near(&PointQuery::new(&compound), 30, &own, "compound");
     let can = Shape::cylinder(1.0, 0.5).expect("a shape");
     judge_near(&PointQuery::new(&can), 1, &own, "cylinder");
-}
-
-#[test]
-fn a_grid_bounds_the_error_of_its_interpolation() {
-    let mut rng = Rng::new(4);
-    let soup = truth::near_points::hard_mesh(3, &mut rng);
-    let at: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
-    let mesh = Mesh::new(&at, &soup.triangles).expect("a mesh");
-    let query = PointQuery::new(&mesh);
-    let (low, high) = (Point3::new(-1.0, -0.9, -0.8), Point3::new(1.0, 1.1, 0.7));
-    let grid = query.signed_distance_grid(low, high, [9, 7, 5]).expect("a grid");
-    assert_eq!((grid.nodes, grid.values.len()), ([10, 8, 6], 480));
-    for _ in 0..2000 {
-        let p = Point3::new(rng.range(-1.0, 1.0), rng.range(-0.9, 1.1), rng.range(-0.8, 0.7));
-        let (value, error) = grid.value_at(&p).expect("a point of the grid");
-        let truth = query.signed_distance(&p).expect("a point").value;
-        assert!(
-            (value - truth).abs() <= error && error < 0.25,
-            "{p:?}: {value} +- {error}, {truth}"
-        );
-    }
-    assert!(grid.value_at(&Point3::new(2.0, 0.0, 0.0)).is_none() && grid.error([9, 0, 0]).is_none());
-    let mut layers = 0;
-    let same = DistanceGrid::from_layers(low, high, [9, 7, 5], |nodes| {
-        layers += 1;
-        query.signed_distances(nodes)
-    });
-    let same = same.expect("a grid");
-    assert_eq!((layers, &same.values), (10, &grid.values));
-    assert_eq!(same.error([8, 6, 4]), grid.error([8, 6, 4]));
-    let partial = DistanceGrid::from_layers(low, high, [9, 7, 5], |nodes| query.signed_distances(&nodes[1..]));
-    let partial = partial.expect("a grid");
-    assert!(partial.values[47].is_nan() && partial.values[48] == grid.values[49]);
-    assert_eq!(partial.error([0, 6, 4]), Some(f64::INFINITY));
-    assert!(partial.error([0, 0, 0]).is_some_and(f64::is_finite));
-    for bad in [
-        query.signed_distance_grid(low, high, [0, 1, 1]),
-        query.signed_distance_grid(high, low, [1; 3]),
-    ] {
-        assert!(bad.is_err(), "{bad:?}");
-    }
-    assert!(query.signed_distance_grid(low, high, [usize::MAX; 3]).is_err());
 }
 
 /// A polyhedron as triangles.

@@ -2,6 +2,7 @@
 //! trackers return the same bits.
 
 mod faults;
+mod grid;
 mod kinds;
 mod lattice;
 mod meshes;

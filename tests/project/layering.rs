@@ -420,6 +420,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     (
         "point",
         &[
+            "callbacks",
             "tolerance",
             "num",
             "pose",

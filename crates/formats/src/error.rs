@@ -1,27 +1,40 @@
 //! The error of a file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Error of a mesh file or a point file: the file, the line and the reason.
+/// Error of a file of meshes, points or numbers: the file, the line and the reason.
 #[derive(Debug, thiserror::Error)]
 #[error("{}{}: {fault}", file.display(), at_line(*line))]
 #[non_exhaustive]
-pub struct MeshFileError {
+pub struct FormatError {
     /// The file.
     pub file: PathBuf,
     /// The line, counted from 1, if known.
     pub line: Option<usize>,
     /// The reason.
-    pub fault: MeshFault,
+    pub fault: FormatFault,
 }
 
-/// Reason of a [`MeshFileError`].
+impl FormatError {
+    /// Returns the bytes of a file.
+    pub(crate) fn read(file: &Path) -> Result<Vec<u8>, Self> {
+        std::fs::read(file).map_err(|error| {
+            let fault = FormatFault::Read(error);
+            Fault { line: None, fault }.of(file)
+        })
+    }
+}
+
+/// Reason of a [`FormatError`].
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum MeshFault {
+pub enum FormatFault {
     /// Returned if the file cannot be read.
     #[error("cannot be read: {0}")]
     Read(#[from] std::io::Error),
+    /// Returned if the file cannot be written.
+    #[error("cannot be written: {0}")]
+    Write(#[source] std::io::Error),
     /// Returned if the file has no known format.
     #[error("{0}")]
     Unknown(String),
@@ -65,15 +78,24 @@ fn at_line(line: Option<usize>) -> String {
 #[derive(Debug)]
 pub(crate) struct Fault {
     pub(crate) line: Option<usize>,
-    pub(crate) fault: MeshFault,
+    pub(crate) fault: FormatFault,
 }
 
 impl Fault {
+    /// Returns the error of a file.
+    pub(crate) fn of(self, file: &Path) -> FormatError {
+        FormatError {
+            file: file.to_owned(),
+            line: self.line,
+            fault: self.fault,
+        }
+    }
+
     /// Returns the fault of a line: the text does not have the format.
     pub(crate) fn malformed(line: impl Into<Option<usize>>, why: impl Into<String>) -> Self {
         Self {
             line: line.into(),
-            fault: MeshFault::Malformed(why.into()),
+            fault: FormatFault::Malformed(why.into()),
         }
     }
 
@@ -81,7 +103,7 @@ impl Fault {
     pub(crate) fn unsupported(line: impl Into<Option<usize>>, what: impl Into<String>) -> Self {
         Self {
             line: line.into(),
-            fault: MeshFault::Unsupported(what.into()),
+            fault: FormatFault::Unsupported(what.into()),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::{Fault, MeshFault, MeshFileError};
+use crate::error::{Fault, FormatError};
 use crate::{npy, text};
 
 /// A rectangle of finite numbers from a file, such as the heights of a terrain.
@@ -19,7 +19,7 @@ use crate::{npy, text};
 /// let grid = Grid::parse(b"0 0 0\n0, 0.5, 0\n", "heights.txt")?;
 /// assert_eq!((grid.rows, grid.columns), (2, 3));
 /// assert_eq!(grid.values[4], 0.5);
-/// # Ok::<(), lin_canny_formats::MeshFileError>(())
+/// # Ok::<(), lin_canny_formats::FormatError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -38,13 +38,9 @@ impl Grid {
     /// # Errors
     /// Returns an error if the file cannot be read or is malformed, if it is an array of other than
     /// two axes, if rows differ in length, if there is no number, or if a number is not finite.
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, MeshFileError> {
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, FormatError> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|e| MeshFileError {
-            file: path.to_owned(),
-            line: None,
-            fault: MeshFault::Read(e),
-        })?;
+        let bytes = FormatError::read(path)?;
         Self::parse(&bytes, path)
     }
 
@@ -52,18 +48,14 @@ impl Grid {
     ///
     /// # Errors
     /// As [`read`](Self::read).
-    pub fn parse(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, MeshFileError> {
+    pub fn parse(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, FormatError> {
         let is_array = bytes.starts_with(npy::MAGIC);
         let found = match (is_array, text::foreign(bytes)) {
             (true, _) => npy::read_grid(bytes),
             (false, None) => from_text(bytes),
             (false, Some(why)) => Err(Fault::malformed(None, why)),
         };
-        found.and_then(Self::checked).map_err(|fault| MeshFileError {
-            file: path.as_ref().to_owned(),
-            line: fault.line,
-            fault: fault.fault,
-        })
+        found.and_then(Self::checked).map_err(|fault| fault.of(path.as_ref()))
     }
 
     fn checked(self) -> Result<Self, Fault> {

@@ -14,7 +14,7 @@
 //! let file = PointFile::parse(b"0.5 0.25 1\nnan nan nan\n", "a.xyz")?;
 //! assert_eq!(file.points, Points::F64(vec![[0.5, 0.25, 1.0]]));
 //! assert_eq!(file.dropped, 1);
-//! # Ok::<(), lin_canny_formats::MeshFileError>(())
+//! # Ok::<(), lin_canny_formats::FormatError>(())
 //! ```
 //!
 //! # Rules of all readers
@@ -55,6 +55,11 @@
 //! [`Grid`] reads a rectangle of numbers from an npy file or a text, such as the heights of a
 //! terrain. A number that is not finite is an error with its row and column.
 //!
+//! # Grids in space
+//!
+//! [`Volume`] writes numbers at the nodes of a grid in space, such as signed distances, as npy, NRRD
+//! or raw. It is written only: a grid of distances is no geometry.
+//!
 //! # When not to use it
 //!
 //! The crate reads positions, triangles and radii of points. It reads no normals, colours, textures or animations.
@@ -75,10 +80,12 @@ mod polygon;
 mod stl;
 mod text;
 mod transform;
+mod volume;
 mod xml;
 mod xyz;
 
-pub use error::{MeshFault, MeshFileError};
+pub use error::{FormatError, FormatFault};
 pub use grid::Grid;
 pub use mesh::{MeshFile, MeshFormat, MeshObject, Skipped};
 pub use points::{Invalid, PointFile, PointFormat, Points};
+pub use volume::{Volume, VolumeFormat};

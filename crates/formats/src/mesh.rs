@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use crate::error::{Fault, MeshFault, MeshFileError};
+use crate::error::{Fault, FormatError, FormatFault};
 use crate::{collada, gltf, msh, obj, ply, stl, text};
 
 /// Format of a mesh file.
@@ -64,13 +64,9 @@ impl MeshFile {
     /// # Errors
     /// Returns an error if the file cannot be read, has no known format, is malformed, contains
     /// geometry that is not supported, or contains no triangle. The error names file and line.
-    pub fn load(path: impl AsRef<Path>) -> Result<Self, MeshFileError> {
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, FormatError> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|e| MeshFileError {
-            file: path.to_owned(),
-            line: None,
-            fault: MeshFault::Read(e),
-        })?;
+        let bytes = FormatError::read(path)?;
         Self::parse(&bytes, path)
     }
 
@@ -80,13 +76,9 @@ impl MeshFile {
     ///
     /// # Errors
     /// As [`load`](Self::load).
-    pub fn parse(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, MeshFileError> {
+    pub fn parse(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, FormatError> {
         let path = path.as_ref();
-        let error = |fault: Fault| MeshFileError {
-            file: path.to_owned(),
-            line: fault.line,
-            fault: fault.fault,
-        };
+        let error = |fault: Fault| fault.of(path);
         let file = match format_of(bytes, path).map_err(error)? {
             MeshFormat::Stl => stl::read(bytes),
             MeshFormat::Obj => obj::read(bytes),
@@ -98,7 +90,7 @@ impl MeshFile {
         let mut file = file.map_err(error)?;
         file.objects.retain(|object| !object.triangles.is_empty());
         if file.objects.is_empty() {
-            let (line, fault) = (None, MeshFault::Empty);
+            let (line, fault) = (None, FormatFault::Empty);
             return Err(error(Fault { line, fault }));
         }
         Ok(file)
@@ -121,7 +113,7 @@ impl MeshFile {
 fn format_of(bytes: &[u8], path: &Path) -> Result<MeshFormat, Fault> {
     let unknown = |why: &str| Fault {
         line: None,
-        fault: MeshFault::Unknown(why.into()),
+        fault: FormatFault::Unknown(why.into()),
     };
     if let Some(why) = text::foreign(bytes) {
         return Err(unknown(why));

@@ -1,6 +1,6 @@
 //! Arrays of numpy, versions 1 to 3: an array whose last axis is x, y, z and further columns, or an
 //! array of structures with the fields x, y and z; in both byte orders, in C and Fortran order. A
-//! grid is an array of two axes.
+//! grid is an array of two axes. The header of an array of three axes is written.
 //!
 //! The size of the data must fit the shape. Points follow each other in C order: an image of points
 //! is read row by row.
@@ -31,6 +31,22 @@ pub(crate) fn read_grid(bytes: &[u8]) -> Result<Grid, Fault> {
     let (array, data, start) = parse(bytes)?;
     array.check_size(data, start)?;
     array.grid(data)
+}
+
+/// Returns what is in front of the numbers of an array of `f64`, little endian and in C order.
+///
+/// The length is a multiple of 64, as numpy writes it.
+pub(crate) fn header(shape: [usize; 3]) -> Vec<u8> {
+    let [x, y, z] = shape;
+    let mut text = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({x}, {y}, {z}), }}");
+    // The magic, the version, the length of the text, and the line feed.
+    let start = MAGIC.len() + 5;
+    while !(start + text.len()).is_multiple_of(64) {
+        text.push(' ');
+    }
+    text.push('\n');
+    let length = (text.len() as u16).to_le_bytes();
+    [MAGIC, &[1, 0], &length, text.as_bytes()].concat()
 }
 
 /// Returns the array of a file, its data, and the byte at which they start.
@@ -319,6 +335,13 @@ impl Array {
             let why = format!("an array of shape {shape} (expected two axes: rows and columns)");
             return Err(Fault::malformed(None, why));
         };
+        let values = self.numbers(data)?;
+        let (rows, columns) = (rows as usize, columns as usize);
+        Ok(Grid { rows, columns, values })
+    }
+
+    /// Returns the numbers in C order of data that fit the shape.
+    fn numbers(&self, data: &[u8]) -> Result<Vec<f64>, Fault> {
         let field = self.fields.first().filter(|_| !self.is_structure);
         let Some((of, order)) = field.and_then(|field| field.of) else {
             let of = field.map_or_else(
@@ -327,8 +350,8 @@ impl Array {
             );
             return Err(Fault::unsupported(None, format!("an array of {of}")));
         };
-        let (rows, columns) = (rows as usize, columns as usize);
-        if rows == 0 || columns == 0 {
+        let count = product(&self.shape).unwrap_or(0) as usize;
+        if count == 0 {
             let why = format!("an array of shape {} contains no number", self.shown_shape());
             return Err(Fault::malformed(None, why));
         }
@@ -339,19 +362,13 @@ impl Array {
             start: 0,
             stride: size,
         };
-        let mut values = Vec::with_capacity(rows * columns);
-        for row in 0..rows {
-            for j in 0..columns {
-                let item = if self.is_fortran {
-                    j * rows + row
-                } else {
-                    row * columns + j
-                };
-                let number = column.number(data, item);
-                values.push(number.map_err(|why| Fault::malformed(None, format!("number [{row}][{j}] {why}")))?);
-            }
-        }
-        Ok(Grid { rows, columns, values })
+        let number = |k: usize| {
+            let item = if self.is_fortran { fortran(&self.shape, k) } else { k };
+            column
+                .number(data, item)
+                .map_err(|why| Fault::malformed(None, format!("number {} {why}", place(&self.shape, k))))
+        };
+        (0..count).map(number).collect()
     }
 
     /// Reads the points of data that fit the shape.
@@ -440,6 +457,17 @@ fn product(shape: &[u64]) -> Option<u64> {
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 const RADIUS: &str = "radius";
+
+/// Returns the index in each axis of an item that is number `k` in C order.
+fn place(shape: &[u64], mut k: usize) -> String {
+    let mut text = String::new();
+    for axis in shape.iter().rev() {
+        let axis = *axis as usize;
+        text = format!("[{}]{text}", k % axis);
+        k /= axis;
+    }
+    text
+}
 
 /// Returns the number in Fortran order of an item that is number `k` in C order.
 fn fortran(shape: &[u64], mut k: usize) -> usize {
@@ -540,4 +568,30 @@ fn field_of(entry: &[Value], size: &mut u64) -> Result<Field, Why> {
         start,
         text,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Array, header, parse};
+
+    #[test]
+    fn headers_that_are_written_are_read() {
+        for shape in [[1, 2, 3], [usize::from(u16::MAX), 1, 1], [1 << 31, 1 << 31, 1 << 31]] {
+            let bytes = header(shape);
+            assert_eq!(bytes.len() % 64, 0);
+            let (array, data, start): (Array, _, _) = parse(&bytes).expect("a header");
+            assert_eq!(array.shape, shape.map(|n| n as u64));
+            assert!(!array.is_fortran && array.size == 8 && data.is_empty() && start == bytes.len());
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_written_are_read() {
+        let values: Vec<f64> = (0..24).map(|k| 1.0 / f64::from(k - 7)).collect();
+        let data: Vec<u8> = values.iter().flat_map(|x| x.to_le_bytes()).collect();
+        let bytes = [header([2, 3, 4]), data].concat();
+        let (array, data, _) = parse(&bytes).expect("a header");
+        let read = array.numbers(data).expect("numbers");
+        assert!(read.iter().zip(&values).all(|(a, b)| a.to_bits() == b.to_bits()) && read.len() == 24);
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::{Fault, MeshFault, MeshFileError};
+use crate::error::{Fault, FormatError, FormatFault};
 use crate::mesh::{Skipped, SkippedList};
 use crate::number::{Order, Type};
 use crate::{npy, pcd, ply, text, xyz};
@@ -90,21 +90,17 @@ impl PointFile {
     /// # Errors
     /// Returns an error if the file cannot be read, has no known format, is malformed, contains
     /// coordinates of a type that is not supported, or contains no finite point.
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, MeshFileError> {
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, FormatError> {
         Self::read_with(path, Invalid::Drop)
     }
 
     /// As [`read`](Self::read), with a choice of what happens to points that are not finite.
     ///
     /// # Errors
-    /// As [`read`](Self::read), and [`MeshFault::Invalid`] for the first point that is refused.
-    pub fn read_with(path: impl AsRef<Path>, invalid: Invalid) -> Result<Self, MeshFileError> {
+    /// As [`read`](Self::read), and [`FormatFault::Invalid`] for the first point that is refused.
+    pub fn read_with(path: impl AsRef<Path>, invalid: Invalid) -> Result<Self, FormatError> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|e| MeshFileError {
-            file: path.to_owned(),
-            line: None,
-            fault: MeshFault::Read(e),
-        })?;
+        let bytes = FormatError::read(path)?;
         Self::parse_with(&bytes, path, invalid)
     }
 
@@ -113,7 +109,7 @@ impl PointFile {
     ///
     /// # Errors
     /// As [`read`](Self::read).
-    pub fn parse(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, MeshFileError> {
+    pub fn parse(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, FormatError> {
         Self::parse_with(bytes, path, Invalid::Drop)
     }
 
@@ -121,13 +117,9 @@ impl PointFile {
     ///
     /// # Errors
     /// As [`read_with`](Self::read_with).
-    pub fn parse_with(bytes: &[u8], path: impl AsRef<Path>, invalid: Invalid) -> Result<Self, MeshFileError> {
+    pub fn parse_with(bytes: &[u8], path: impl AsRef<Path>, invalid: Invalid) -> Result<Self, FormatError> {
         let path = path.as_ref();
-        read(bytes, path, invalid).map_err(|fault| MeshFileError {
-            file: path.to_owned(),
-            line: fault.line,
-            fault: fault.fault,
-        })
+        read(bytes, path, invalid).map_err(|fault| fault.of(path))
     }
 }
 
@@ -142,7 +134,7 @@ fn read(bytes: &[u8], path: &Path, invalid: Invalid) -> Result<PointFile, Fault>
     }?;
     let dropped = list.dropped;
     if list.points.is_empty() {
-        let (line, fault) = (None, MeshFault::NoPoint(dropped));
+        let (line, fault) = (None, FormatFault::NoPoint(dropped));
         return Err(Fault { line, fault });
     }
     Ok(PointFile {
@@ -158,7 +150,7 @@ fn read(bytes: &[u8], path: &Path, invalid: Invalid) -> Result<PointFile, Fault>
 fn format_of(bytes: &[u8], path: &Path) -> Result<PointFormat, Fault> {
     let unknown = |why: &str| Fault {
         line: None,
-        fault: MeshFault::Unknown(why.into()),
+        fault: FormatFault::Unknown(why.into()),
     };
     if bytes.starts_with(b"PK\x03\x04") {
         return Err(unknown(
@@ -237,7 +229,7 @@ impl PointList {
                 Invalid::Drop => Ok(()),
                 Invalid::Refuse => Err(Fault {
                     line,
-                    fault: MeshFault::Invalid { index, point },
+                    fault: FormatFault::Invalid { index, point },
                 }),
             };
         }

@@ -2,7 +2,7 @@
 
 mod support;
 
-use lin_canny_formats::{Grid, Invalid, MeshFault, PointFile, PointFormat, Points};
+use lin_canny_formats::{FormatFault, Grid, Invalid, PointFile, PointFormat, Points};
 use support::mutants;
 
 fn read(bytes: impl AsRef<[u8]>, name: &str) -> PointFile {
@@ -71,7 +71,7 @@ const CAMERA_TEXT: &str = "0.5 -1.25 2\nnan NaN -nan(ind)\n.1 4 5.5\n1e-30 -0 3e
 
 fn refuses(bytes: &[u8], name: &str, line: Option<usize>) {
     let error = PointFile::parse_with(bytes, name, Invalid::Refuse).expect_err(name);
-    assert!(matches!(error.fault, MeshFault::Invalid { index: 1, .. }), "{error}");
+    assert!(matches!(error.fault, FormatFault::Invalid { index: 1, .. }), "{error}");
     assert_eq!(error.line, line, "{error}");
 }
 
@@ -189,7 +189,7 @@ fn files_without_points_have_their_own_errors() {
     assert_eq!(fault("nan nan nan\n1 2 inf\n", "a.xyz").1, none);
     assert!(matches!(
         PointFile::read("/no folder/a.xyz").expect_err("no file").fault,
-        MeshFault::Read(_)
+        FormatFault::Read(_)
     ));
 }
 
@@ -244,7 +244,7 @@ fn text_binary_and_compressed_pcd_are_the_same_points() {
                 (1, vec![], PointFormat::Pcd)
             );
             let error = PointFile::parse_with(&bytes, "a.pcd", Invalid::Refuse).expect_err("a point without a return");
-            assert!(matches!(error.fault, MeshFault::Invalid { index: 3, .. }), "{error}");
+            assert!(matches!(error.fault, FormatFault::Invalid { index: 3, .. }), "{error}");
             assert_eq!(error.line.is_some(), k == 0);
         }
         let bytes = pcd(PCD_HEADER, data);

@@ -134,7 +134,7 @@ pub enum FileErrorKind {
     Record(#[from] lin_canny_record::WriteError),
     /// Returned if a mesh file cannot be read: the file, the line and the reason.
     #[error("mesh {0}")]
-    Mesh(#[source] Box<lin_canny_formats::MeshFileError>),
+    Mesh(#[source] Box<lin_canny_formats::FormatError>),
     /// Returned if a geometry cannot form a body.
     #[error("{0}")]
     Geometry(String),
@@ -244,8 +244,8 @@ impl Place {
     }
 }
 
-impl From<lin_canny_formats::MeshFileError> for FileErrorKind {
-    fn from(error: lin_canny_formats::MeshFileError) -> Self {
+impl From<lin_canny_formats::FormatError> for FileErrorKind {
+    fn from(error: lin_canny_formats::FormatError) -> Self {
         Self::Mesh(Box::new(error))
     }
 }

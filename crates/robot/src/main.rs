@@ -1,5 +1,7 @@
 //! Computes clearances, proven motions and paths of a robot: see `lin-canny-robot --help`.
 #![forbid(unsafe_code)]
+// They panic if the reader of a pipe has gone: see `tool::text::put`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod tool;
 

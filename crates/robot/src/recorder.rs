@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::{Geometry, PairTracker, RelativePose};
-use lin_canny_plan::{Checker, JointTree, NearPair, WorldId};
-use lin_canny_record::{Recorder, WriteError, is_same};
+use lin_canny_plan::{Checker, JointTree, NearPair, WorldId, WorldPair};
+use lin_canny_record::{Bracket, Recorder, WriteError, is_same};
 
 use crate::error::{FileError, FileErrorKind};
 
@@ -101,6 +101,40 @@ impl RobotRecorder {
             near.distance, near.lower, near.upper
         ));
         self.to.end_frame()
+    }
+
+    /// Adds to the next frame the bracket of a first contact: a time at which the pair is proven
+    /// apart and one at which it is proven in contact, each with the configuration.
+    ///
+    /// # Errors
+    /// Returns an error if a configuration is invalid or the file cannot be written.
+    pub fn bracket(
+        &mut self,
+        checker: &Checker<JointTree>,
+        pair: WorldPair,
+        [(safe, p), (hit, q)]: &[(f64, Vec<f64>); 2],
+    ) -> Result<(), FileError> {
+        let poses = |q: &[f64]| {
+            let pose = |id: WorldId| match checker.world().obstacle_pose(id) {
+                Some(pose) => *pose,
+                None => checker.pose(id, q).unwrap_or_default(),
+            };
+            [pair.a, pair.b].map(pose)
+        };
+        let mut write = || {
+            self.follow(checker, q)?;
+            let [Some(&a), Some(&b)] = [pair.a, pair.b].map(|id| self.numbers.get(&id)) else {
+                return Ok(());
+            };
+            self.to.bracket(Bracket {
+                bodies: [a as u32, b as u32],
+                safe: *safe,
+                hit: *hit,
+                at_safe: poses(p),
+                at_hit: poses(q),
+            })
+        };
+        write().map_err(|fault| refused(&self.file, fault))
     }
 
     /// Shows the bodies of the checker at their poses, and no others.

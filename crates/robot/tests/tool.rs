@@ -1301,3 +1301,246 @@ fn smooth_trajectories_are_certified_when_they_are_read_back() {
         &["lines 2 to 3: not proven free"],
     );
 }
+
+#[test]
+fn a_trajectory_is_recorded_with_its_verdict() {
+    let head = "time,turn,turn.velocity,lift,lift.velocity";
+    let others = scratch("recorded-others.csv", "elbow,roll,bend,twist,left\n1.2,0,0.8,0,0.01\n");
+    let film = |name: &str, rows: &str, more: &[&str]| {
+        let file = scratch(&format!("{name}.csv"), &format!("{head}\n{rows}"));
+        let [out, table] = ["jsonl", "table.csv"].map(|end| scratch(&format!("{name}.{end}"), ""));
+        let arguments = [
+            &[
+                "--trajectory",
+                &file,
+                "--rest",
+                &others,
+                "--record",
+                &out,
+                "--csv",
+                &table,
+            ],
+            more,
+        ]
+        .concat();
+        let (code, text) = run("certify", &with(&arguments));
+        let file = std::io::BufReader::new(std::fs::File::open(&out).expect("the recording"));
+        let film = lin_canny_record::Recording::read(file).expect("a recording");
+        (code, text, film, std::fs::read_to_string(&table).expect("a table"))
+    };
+    // Two segments: 33 and 32 frames, with the times of the file.
+    let rows = "0,0.6,0,0.3,0\n2,0,-0.5,0.3,0\n4,-0.6,0,0.3,0\n";
+    let (code, text, free, _) = film("recorded-free", rows, &[]);
+    assert!(code == 0, "{text}");
+    assert_eq!(free.frames.len(), 65);
+    let note = |k: usize| free.frames[k].note.as_str();
+    assert!(
+        note(0).starts_with("lines 2 to 3, at 0.000000 of the segment, time 0.000000 (free): "),
+        "{}",
+        note(0)
+    );
+    assert!(
+        note(16).starts_with("lines 2 to 3, at 0.500000 of the segment, time 1.000000 (free): "),
+        "{}",
+        note(16)
+    );
+    assert!(
+        note(64).starts_with("lines 3 to 4, at 1.000000 of the segment, time 4.000000 (free): "),
+        "{}",
+        note(64)
+    );
+    assert!(
+        free.frames
+            .iter()
+            .all(|f| f.brackets.is_empty() && f.pairs[0].outcome.as_ref().is_some_and(|o| o.lower > 0.0))
+    );
+    // A motion through the fence: one more frame, at the contact, with its bracket.
+    let (code, text, hit, table) = film("recorded-hit", "1,0.6,0,0.9,0\n3,-0.6,0,0.9,0\n", &[]);
+    assert!(code == 1 && text.contains("fence"), "{text}");
+    let cells: Vec<&str> = table.lines().nth(1).expect("a row").split(',').collect();
+    let [safe, t, time]: [f64; 3] = [3, 4, 5].map(|k| cells[k].parse().expect("a number"));
+    assert_eq!(hit.frames.len(), 34);
+    let [frame] = hit.frames.iter().filter(|f| !f.brackets.is_empty()).collect::<Vec<_>>()[..] else {
+        panic!("{} brackets", hit.frames.len())
+    };
+    let [bracket] = &frame.brackets[..] else {
+        panic!("a bracket")
+    };
+    assert_eq!((bracket.safe, bracket.hit), (1.0 + 2.0 * safe, time));
+    let pair = bracket.bodies.map(|k| hit.bodies[k as usize].name.as_str());
+    assert_eq!(pair, [cells[6], cells[7]]);
+    // Apart at the one end of the bracket, in contact at the other.
+    let distance = |poses: &[lin_canny::nalgebra::Isometry3<f64>; 2]| {
+        let relative = lin_canny::RelativePose::new(&poses[0], &poses[1]).expect("poses");
+        let [a, b] = bracket
+            .bodies
+            .map(|k| &hit.geometries[hit.bodies[k as usize].geometry as usize]);
+        lin_canny::PairTracker::new().closest(a, b, &relative).distance
+    };
+    assert!(distance(&bracket.at_safe) > 0.0 && distance(&bracket.at_hit) <= 0.0);
+    let said = format!(
+        "blocked at {t:.6} of the segment, time {time:.6}: {} - {}",
+        cells[6], cells[7]
+    );
+    assert!(
+        hit.frames.iter().all(|f| f.note.contains(&said)),
+        "{}: {said}",
+        hit.frames[0].note
+    );
+    // A pair that only comes closer than the margin has no bracket of a contact.
+    let (code, text, near, _) = film(
+        "recorded-near",
+        "1,0.6,0,0.9,0\n3,-0.6,0,0.9,0\n",
+        &["--margin", "0.01"],
+    );
+    assert!(code == 1 && text.contains("come within 0.01 m"), "{text}");
+    assert!(near.frames.len() == 34 && near.frames.iter().all(|f| f.brackets.is_empty()));
+    // Rows without times.
+    let out = scratch("recorded-rows.jsonl", "");
+    let (code, text) = run("certify", &with(&["--joints", "carry.csv", "--record", &out]));
+    assert_eq!(code, 0, "{text}");
+    let nowhere = scratch("recorded-file", "") + "/x";
+    let (code, text) = run("certify", &with(&["--joints", "carry.csv", "--record", &nowhere]));
+    assert!(code == 3 && text.contains("cannot be written"), "{text}");
+}
+
+#[test]
+fn a_grid_of_signed_distances_is_written() {
+    use lin_canny::nalgebra::Point3;
+    // A box of 2 x 1 x 0.5: cubes of 1/4, and a border of two.
+    let corner = |k: u32| {
+        [2.0, 1.0, 0.5]
+            .map(|s| s)
+            .iter()
+            .enumerate()
+            .map(|(a, s)| s * f64::from(k >> a & 1))
+            .collect::<Vec<f64>>()
+    };
+    let mut text: String = (0..8)
+        .map(|k| corner(k))
+        .map(|p| format!("v {} {} {}\n", p[0], p[1], p[2]))
+        .collect();
+    text += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    let mesh = scratch("block.obj", &text);
+    let out = |name: &str| {
+        Path::new(env!("CARGO_TARGET_TMPDIR"))
+            .join(name)
+            .to_string_lossy()
+            .into_owned()
+    };
+    let numbers = |file: &str, header: usize| -> Vec<f64> {
+        let bytes = std::fs::read(file).expect("a grid");
+        bytes[header..]
+            .chunks(8)
+            .map(|b| f64::from_le_bytes(b.try_into().expect("eight bytes")))
+            .collect()
+    };
+    let [npy, nrrd, raw, errors] = ["block.npy", "block.nrrd", "block.raw", "block.errors.npy"].map(out);
+    for file in [&npy, &nrrd, &raw] {
+        let (code, text) = run_of(
+            &mesh,
+            "points",
+            &["--grid", "8", "--border", "2", "--out", file, "--errors", &errors],
+        );
+        assert_eq!(code, 0, "{text}");
+        assert!(
+            text.contains("13 x 9 x 7 nodes from (-0.5, -0.5, -0.5), step 0.25; "),
+            "{text}"
+        );
+    }
+    let values = numbers(&npy, 128);
+    assert_eq!(values.len(), 13 * 9 * 7);
+    let header = String::from_utf8_lossy(&std::fs::read(&nrrd).expect("a grid")).into_owned();
+    let header = &header[..header.find("\n\n").expect("an end") + 2];
+    assert!(
+        header.contains("sizes: 13 9 7\n") && header.contains("space origin: (-0.5,-0.5,-0.5)\n"),
+        "{header}"
+    );
+    assert_eq!(numbers(&raw, 0), numbers(&nrrd, header.len()));
+    let x_first = numbers(&raw, 0);
+    let errors = numbers(&errors, 128);
+    assert_eq!(errors.len(), 12 * 8 * 6);
+    let bound = 0.5 * 0.25 * 3f64.sqrt();
+    assert!(errors.iter().all(|e| (bound..1.001 * bound).contains(e)), "{errors:?}");
+    let (half, middle) = ([1.0, 0.5, 0.25], [1.0, 0.5, 0.25]);
+    for (i, j, k) in (0..13).flat_map(|i| (0..9).flat_map(move |j| (0..7).map(move |k| (i, j, k)))) {
+        let p = Point3::from([i, j, k].map(|n| f64::from(n) * 0.25 - 0.5));
+        let over = [0, 1, 2].map(|a| (p[a] - middle[a]).abs() - half[a]);
+        let outside = over.iter().map(|x| x.max(0.0).powi(2)).sum::<f64>().sqrt();
+        let truth = outside + over.iter().fold(f64::NEG_INFINITY, |m, x| m.max(*x)).min(0.0);
+        let [i, j, k] = [i, j, k].map(|n| n as usize);
+        let found = values[(i * 9 + j) * 7 + k];
+        assert!((found - truth).abs() < 1e-14, "{p}: {found} {truth}");
+        assert_eq!(found.to_bits(), x_first[(k * 9 + j) * 13 + i].to_bits());
+    }
+    // Errors name the file, and come before the work.
+    let wrong = out("block.vti");
+    let no_folder = mesh.clone() + "/x.npy";
+    for (arguments, expected, said) in [
+        (["--grid", "8", "--out", &wrong], 3, "block.vti: extension"),
+        (["--grid", "8", "--out", &no_folder], 3, "x.npy: cannot be written"),
+        (
+            ["--grid", "4000000000", "--out", &npy],
+            3,
+            "block.obj: --grid 4000000000: grid has ",
+        ),
+        (["--grid", "0", "--out", &npy], 2, "--grid"),
+        (["--border", "2", "--out", &npy], 2, "--grid"),
+    ] {
+        let (code, text) = run_of(&mesh, "points", &arguments);
+        assert!(code == expected && text.contains(said), "{arguments:?}: {code} {text}");
+    }
+    assert_eq!(run_of(&mesh, "points", &["--grid", "8"]).0, 2);
+    assert_eq!(run_of(&mesh, "points", &[]).0, 2);
+}
+
+/// Runs a command whose output nobody reads.
+fn run_unread(command: &[&str]) -> (Option<i32>, String) {
+    let mut tool = Command::new(env!("CARGO_BIN_EXE_lin-canny-robot"));
+    tool.current_dir(examples()).args(command);
+    tool.stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped());
+    let mut child = tool.spawn().expect("the tool runs");
+    drop(child.stdout.take());
+    let Output { status, stderr, .. } = child.wait_with_output().expect("the tool ends");
+    (status.code(), String::from_utf8_lossy(&stderr).into_owned())
+}
+
+#[test]
+fn a_reader_that_has_gone_is_no_error() {
+    let wedge = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    let mesh = scratch("unread.obj", wedge);
+    let points = scratch("unread.xyz", "0.25 0.25 0.25\n");
+    let [table, grid] = ["unread.csv", "unread.npy"].map(|name| scratch(name, ""));
+    let through = format!("{HEAD}0.6,0.9,1.3,0,0.8,0,0.01\n-0.6,0.9,1.3,0,0.8,0,0.01\n");
+    let through = scratch("unread-through.csv", &through);
+    let robot = |command: &'static str, more: &[&'static str]| [&[command, "gripper.urdf"], &CELL[..], more].concat();
+    let joints = ["--joints", "carry.csv"];
+    for (command, expected) in [
+        (robot("clearance", &joints), 0),
+        (robot("clearance", &["--joints", "carry.csv", "--along"]), 0),
+        (
+            [&robot("certify", &["--joints"])[..], &[&through, "--csv", &table]].concat(),
+            1,
+        ),
+        (robot("plan", &joints), 0),
+        (robot("cell", &[]), 0),
+        (vec!["ignorable", "gripper.urdf"], 0),
+        (vec!["points", &mesh, "--points", &points], 0),
+        (vec!["points", &mesh, "--grid", "4", "--out", &grid], 0),
+        (vec!["--help"], 0),
+    ] {
+        let (code, text) = run_unread(&command);
+        assert!(
+            code == Some(expected) && !text.contains("panicked"),
+            "{command:?}: {code:?} {text}"
+        );
+    }
+    // The files are written all the same.
+    assert!(
+        std::fs::read_to_string(&table)
+            .expect("a table")
+            .contains("2,3,blocked,")
+    );
+    assert!(std::fs::metadata(&grid).expect("a grid").len() > 128);
+}

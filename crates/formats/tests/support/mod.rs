@@ -1,7 +1,7 @@
 //! Measures of meshes, and mutants of files.
 #![allow(dead_code)] // each test uses a part
 
-use lin_canny_formats::{MeshFile, MeshFileError};
+use lin_canny_formats::{FormatError, MeshFile};
 
 /// A box at the origin with corners numbered x slowest, z fastest, and its twelve triangles.
 pub(crate) const BOX: [[f64; 3]; 8] = [
@@ -29,7 +29,7 @@ pub(crate) const TRIANGLES: [[usize; 3]; 12] = [
     [1, 7, 3],
 ];
 
-pub(crate) fn parse(bytes: impl AsRef<[u8]>, name: &str) -> Result<MeshFile, MeshFileError> {
+pub(crate) fn parse(bytes: impl AsRef<[u8]>, name: &str) -> Result<MeshFile, FormatError> {
     MeshFile::parse(bytes.as_ref(), name)
 }
 

@@ -6,7 +6,7 @@ use clap::Args;
 use lin_canny_robot::Cell;
 
 use super::options::RobotOptions;
-use super::{End, ToolError};
+use super::{End, ToolError, text};
 
 #[derive(Args)]
 pub(super) struct CellOptions {
@@ -28,9 +28,9 @@ pub(super) fn run(options: &CellOptions) -> Result<End, ToolError> {
     let cell = Cell::from_world(world);
     match &options.out {
         Some(file) => cell.save(file)?,
-        None => print!("{}", cell.to_json()?),
+        None => text::put(format_args!("{}", cell.to_json()?)),
     }
-    eprintln!(
+    warn!(
         "obstacles: {}, attached objects: {}, paddings: {}, excluded pairs of bodies: {}",
         cell.obstacles.len(),
         cell.attached.len(),

@@ -9,7 +9,7 @@ use lin_canny_robot::{Coordinate, Trajectory};
 
 use super::options::{ReadRows, RestOptions, RobotOptions, not_negative};
 use super::text::{Table, fraction_below, names, place, time_at};
-use super::{End, ToolError, check_at_rest, progress, write};
+use super::{End, ToolError, check_at_rest, film, progress, write};
 
 #[derive(Args)]
 pub(super) struct CertifyOptions {
@@ -40,6 +40,9 @@ pub(super) struct CertifyOptions {
     /// Output file with the verdict of each segment
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
+    /// Output recording for the viewer: the motion, its closest pairs, and verdict and time in each frame
+    #[arg(long, value_name = "OUT.jsonl")]
+    record: Option<PathBuf>,
 }
 
 const COLUMNS: [&str; 8] = ["from_line", "to_line", "verdict", "safe", "t", "time", "a", "b"];
@@ -89,7 +92,8 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     let mut table = Table::new(COLUMNS);
     let bar = progress("segments", path.rows.len() as u64 - 1);
     let (mut end, mut free) = (End::Free, 0);
-    for (k, curve) in path.curves()?.iter().enumerate() {
+    let (curves, mut verdicts) = (path.curves()?, Vec::new());
+    for (k, curve) in curves.iter().enumerate() {
         let (from, to) = (path.lines[k], path.lines[k + 1]);
         let verdict = match &tube {
             Some(tube) => checker.certify_curve_tube(curve, tube),
@@ -118,6 +122,9 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
             error => error.into(),
         })?;
         bar.inc(1);
+        if options.record.is_some() {
+            verdicts.push(verdict.clone());
+        }
         let mut cells = vec![from.to_string(), to.to_string()];
         match verdict {
             Verdict::Free { start_contacts, .. } => {
@@ -128,7 +135,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
                         Some(t) => format!("leave their contact {}", place(t, time_at(&path, k, t))),
                         None => "keep their contact".into(),
                     };
-                    bar.suspend(|| println!("{unit} {from} to {to}: {a} - {b} {until}"));
+                    bar.suspend(|| say!("{unit} {from} to {to}: {a} - {b} {until}"));
                 }
                 cells.extend(["free", "1", "", "", "", ""].map(String::from));
             }
@@ -142,14 +149,14 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
                     (margin, Some(_)) => format!("may come within {margin} m in the tube"),
                 };
                 let apart = fraction_below(safe);
-                bar.suspend(|| println!("{unit} {from} to {to}: {a} - {b} {meet} {at}, free to {apart}"));
+                bar.suspend(|| say!("{unit} {from} to {to}: {a} - {b} {meet} {at}, free to {apart}"));
                 let time = time.map_or(String::new(), |time| time.to_string());
                 cells.extend(["blocked".into(), safe.to_string(), t.to_string(), time, a, b]);
                 end = end.max(End::Blocked);
             }
             _ => {
                 let (safe, apart) = (verdict.safe(), fraction_below(verdict.safe()));
-                bar.suspend(|| println!("{unit} {from} to {to}: undecided from {apart} of the segment on"));
+                bar.suspend(|| say!("{unit} {from} to {to}: undecided from {apart} of the segment on"));
                 cells.extend(["undecided".into(), safe.to_string()]);
                 cells.extend(["", "", "", ""].map(String::from));
                 end = end.max(End::Unknown);
@@ -161,8 +168,11 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     if let Some(file) = &options.csv {
         write(file, &table.text())?;
     }
+    if let Some(file) = &options.record {
+        film::record(file, &setup, &path, (&curves, &verdicts), unit)?;
+    }
     let queries = checker.work().queries;
-    println!(
+    say!(
         "{free} of {} segments proven free, {queries} distance queries",
         path.rows.len() - 1
     );

@@ -138,11 +138,11 @@ fn measure_rows(
     }
     let count = rows.rows.len();
     match least {
-        None => println!("{count} rows; no pair to measure"),
+        None => say!("{count} rows; no pair to measure"),
         Some((line, near)) => {
             let [a, b] = names(checker, near.pair);
             let least = distance(near.lower, near.upper);
-            println!("{count} rows, {contacts} in contact; least clearance {least} at line {line}: {a} - {b}");
+            say!("{count} rows, {contacts} in contact; least clearance {least} at line {line}: {a} - {b}");
         }
     }
     Ok((table, if contacts > 0 { End::Blocked } else { End::Free }))
@@ -225,7 +225,7 @@ fn measure_segments(
             _ => ("undecided", format!("undecided, {far} {at}")),
         };
         let [from, to] = [rows.lines[k], rows.lines[k + 1]];
-        bar.suspend(|| println!("lines {from} to {to}: {text}: {a} - {b}"));
+        bar.suspend(|| say!("lines {from} to {to}: {text}: {a} - {b}"));
         let lower = Some(found.lower).filter(|lower| lower.is_finite());
         let [lower, time] = [lower, time].map(|x| x.map_or(String::new(), |x| x.to_string()));
         let [upper, t] = [found.upper, found.t].map(|x| x.to_string());
@@ -239,11 +239,11 @@ fn measure_segments(
     }
     bar.finish_and_clear();
     match least {
-        None => println!("{count} segments; no pair to measure"),
-        Some(_) if contacts > 0 => println!("{contacts} of {count} segments in contact"),
+        None => say!("{count} segments; no pair to measure"),
+        Some(_) if contacts > 0 => say!("{contacts} of {count} segments in contact"),
         Some((k, found)) => {
             let (from, to, far) = (rows.lines[k], rows.lines[k + 1], distance(found.lower, found.upper));
-            println!("0 of {count} segments in contact; least clearance {far} on lines {from} to {to}");
+            say!("0 of {count} segments in contact; least clearance {far} on lines {from} to {to}");
         }
     }
     Ok((table, worst))

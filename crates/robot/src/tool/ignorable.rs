@@ -35,7 +35,7 @@ pub(super) fn run(options: &IgnorableOptions) -> Result<End, ToolError> {
     for pair in &counts {
         let [a, b] = &pair.links;
         let reason = pair.reason.map_or("check".into(), |r| r.to_string());
-        println!("{reason:<9}{:>8} of {} overlap: {a} - {b}", pair.overlaps, pair.samples);
+        say!("{reason:<9}{:>8} of {} overlap: {a} - {b}", pair.overlaps, pair.samples);
     }
     if let Some(file) = &options.out {
         write(file, &Srdf::from_counts(&counts).text(robot.name()))?;

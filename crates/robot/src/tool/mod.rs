@@ -1,9 +1,25 @@
 //! The command line tool: its commands and exit codes.
 
+/// Writes a line to stdout.
+macro_rules! say {
+    ($($part:tt)*) => {
+        $crate::tool::text::put(format_args!("{}\n", format_args!($($part)*)))
+    };
+}
+
+/// Writes a line to stderr.
+macro_rules! warn {
+    ($($part:tt)*) => {
+        $crate::tool::text::complain(format_args!($($part)*))
+    };
+}
+
 mod audit;
 mod cell;
 mod certify;
 mod clearance;
+mod film;
+mod grid;
 mod ignorable;
 mod options;
 mod plan;
@@ -55,7 +71,7 @@ enum Command {
     Cell(cell::CellOptions),
     /// Find link pairs that always or never collide, and write them as SRDF
     Ignorable(ignorable::IgnorableOptions),
-    /// Compute the signed distances of points from a mesh
+    /// Compute the signed distances of points, or of the nodes of a grid, from a mesh
     Points(points::PointOptions),
 }
 
@@ -84,7 +100,7 @@ enum ToolError {
     #[error("{}: {reason}", file.display())]
     State { file: PathBuf, reason: String },
     #[error(transparent)]
-    Format(#[from] lin_canny_formats::MeshFileError),
+    Format(#[from] lin_canny_formats::FormatError),
     #[error("{}: {reason}", file.display())]
     Input { file: PathBuf, reason: String },
     #[error("{}: too few rows: {count} (expected at least {least})", file.display())]
@@ -108,7 +124,7 @@ pub(crate) fn main() -> ExitCode {
         Ok(End::Unknown) => ExitCode::from(4),
         Ok(End::NoPath) => ExitCode::from(5),
         Err(error) => {
-            eprintln!("lin-canny-robot: {error}");
+            warn!("lin-canny-robot: {error}");
             ExitCode::from(if matches!(error, ToolError::Blocked { .. }) {
                 6
             } else {

@@ -339,7 +339,7 @@ impl RobotOptions {
                 .iter()
                 .any(|pair| pair.each_ref().map(String::as_str) == [a, b])
             {
-                eprintln!("warning: --exclude {a},{b} excludes nothing: a link has no bodies");
+                warn!("warning: --exclude {a},{b} excludes nothing: a link has no bodies");
             }
         }
         warn_of_skipped(setup.skipped());
@@ -360,8 +360,8 @@ fn warn_of_skipped(skipped: &[Skipped]) {
     for one in skipped {
         // The first of each takes the count away.
         match counts.remove(&(one.element.as_str(), one.reason.as_str())) {
-            Some(1) => eprintln!("warning: {one}"),
-            Some(count) => eprintln!("warning: {one} (and {} more)", count - 1),
+            Some(1) => warn!("warning: {one}"),
+            Some(count) => warn!("warning: {one} (and {} more)", count - 1),
             None => {}
         }
     }
@@ -376,7 +376,7 @@ fn warn_of_turned_triangles(robot: &Robot) {
             };
             let edges = geometry.report().misoriented_edges.len();
             if edges > 0 {
-                eprintln!(
+                warn!(
                     "warning: mesh {} of link {} has no inside: triangles are inverted at {edges} edges",
                     mesh.display(),
                     link.name
@@ -396,7 +396,7 @@ fn print_hull_fits(robot: &Robot) {
                 format!("{:.1} % air", 100.0 * void_fraction)
             });
             let (low, high) = (fit.gap_lower, fit.gap_upper);
-            println!(
+            say!(
                 "hull of {} ({}): gap {low:.3e} to {high:.3e}, {void_fraction}",
                 link.name,
                 mesh.display()

@@ -8,8 +8,9 @@ use lin_canny::Progress;
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanError, PlanOptions};
 use lin_canny_robot::{RobotRecorder, Trajectory, csv_text};
 
+use super::film::FRAMES;
 use super::options::{RobotOptions, RowOptions};
-use super::text::{distance, names};
+use super::text::{self, distance, names};
 use super::{End, ToolError, check_at_rest, write};
 
 #[derive(Args)]
@@ -67,19 +68,19 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
         found => found?,
     };
     let Some(path) = found.path else {
-        eprintln!("no path found in {:.1?}; a path may exist", began.elapsed());
+        warn!("no path found in {:.1?}; a path may exist", began.elapsed());
         return Ok(End::NoPath);
     };
     let short = checker.shorten(&path, options.shorten, options.seed)?;
     let text = csv_text(setup.coordinates(), &short);
     match &options.csv {
         Some(file) => write(file, &text)?,
-        None => print!("{text}"),
+        None => text::put(format_args!("{text}")),
     }
     if let Some(file) = &options.record {
         record(file, &mut checker, &short)?;
     }
-    eprintln!(
+    warn!(
         "a path of {} rows, length {:.3} ({:.3} before it was shortened)",
         short.len(),
         checker.path_length(&short),
@@ -113,9 +114,6 @@ fn blocked(
         reason: format!("{a} and {b} are {how}"),
     }
 }
-
-/// Recorded frames per segment of the path.
-const FRAMES: u32 = 32;
 
 /// Records the motion along a path, with the closest pair of each frame.
 fn record(file: &Path, checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<(), ToolError> {

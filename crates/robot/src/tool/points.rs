@@ -1,4 +1,4 @@
-//! The command `points`: signed distances of points from a mesh.
+//! The command `points`: signed distances of points, or of a grid of points, from a mesh.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -8,6 +8,7 @@ use lin_canny::nalgebra::Point3;
 use lin_canny::{Mesh, MeshKind, PointOutcome, PointQuery};
 use lin_canny_formats::{Invalid, MeshFile, PointFile};
 
+use super::grid::GridOptions;
 use super::{End, ToolError, progress, write};
 
 /// Number of points between two updates of the progress bar.
@@ -19,12 +20,14 @@ pub(super) struct PointOptions {
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
     /// Points in the frame and unit of the mesh, as npy, PLY, PCD or XYZ
-    #[arg(long, value_name = "FILE")]
-    points: PathBuf,
+    #[arg(long, value_name = "FILE", required_unless_present = "grid")]
+    points: Option<PathBuf>,
     /// Output file with one row per point: the point, the signed distance and its bounds, the side,
     /// the closest point and its triangle
-    #[arg(long, value_name = "OUT.csv")]
+    #[arg(long, value_name = "OUT.csv", requires = "points")]
     csv: Option<PathBuf>,
+    #[command(flatten)]
+    grid: GridOptions,
 }
 
 fn invalid(file: &Path, reason: impl ToString) -> ToolError {
@@ -41,24 +44,33 @@ pub(super) fn run(options: &PointOptions) -> Result<End, ToolError> {
     let mesh = Mesh::new(&corners, &triangles).map_err(|e| invalid(&options.mesh, e))?;
     if mesh.kind() == MeshKind::Open {
         let count = mesh.report().boundary_edges.len();
-        eprintln!("the mesh is open ({count} boundary edges): it has no inside, and no distance is negative");
+        warn!("the mesh is open ({count} boundary edges): it has no inside, and no distance is negative");
     }
-    let file = PointFile::read_with(&options.points, Invalid::Refuse)?;
-    let points: Vec<_> = file.points.to_f64().into_iter().map(Point3::from).collect();
-    let mut query = PointQuery::new(&mesh);
+    if let Some(file) = &options.points {
+        measure(file, options, &mesh)?;
+    }
+    options.grid.run(&options.mesh, &mesh)?;
+    Ok(End::Free)
+}
+
+/// Measures the points of a file.
+fn measure(file: &Path, options: &PointOptions, mesh: &Mesh) -> Result<(), ToolError> {
+    let points = PointFile::read_with(file, Invalid::Refuse)?.points;
+    let points: Vec<_> = points.to_f64().into_iter().map(Point3::from).collect();
+    let mut query = PointQuery::new(mesh);
     if points.len() / 4 >= mesh.triangle_count() {
         query = query.prepared();
     }
     let bar = progress("points", points.len() as u64);
     let mut found: Vec<PointOutcome> = Vec::with_capacity(points.len());
     for block in points.chunks(BLOCK) {
-        found.extend(query.closest_points(block).map_err(|e| invalid(&options.points, e))?);
+        found.extend(query.closest_points(block).map_err(|e| invalid(file, e))?);
         bar.set_position(found.len() as u64);
     }
     bar.finish_and_clear();
     let inside = found.iter().filter(|f| f.is_contained()).count();
     let least = found.iter().map(|f| f.distance).fold(f64::INFINITY, f64::min);
-    println!(
+    say!(
         "{} points, {inside} in the body or on its surface, least signed distance {least}",
         found.len()
     );
@@ -84,5 +96,5 @@ pub(super) fn run(options: &PointOptions) -> Result<End, ToolError> {
         }
         write(csv, &text)?;
     }
-    Ok(End::Free)
+    Ok(())
 }

@@ -1,7 +1,28 @@
 //! What the commands print and write.
 
+use std::fmt::Arguments;
+use std::io::{ErrorKind, Write};
+
 use lin_canny_robot::Trajectory;
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, WorldPair};
+
+/// Writes a text to stdout. If its reader has gone, as in `... | head`, the text is dropped: the
+/// command still writes its files, and its exit code is that of the result.
+pub(super) fn put(text: Arguments<'_>) {
+    let mut out = std::io::stdout().lock();
+    match out.write_fmt(text).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            complain(format_args!("lin-canny-robot: stdout cannot be written: {error}"));
+            std::process::exit(3);
+        }
+        _ => {}
+    }
+}
+
+/// Writes a line to stderr. If that is not possible, nobody can be told.
+pub(super) fn complain(text: Arguments<'_>) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
 
 pub(super) fn names<C: ConfigurationSpace>(checker: &Checker<C>, pair: WorldPair) -> [String; 2] {
     [pair.a, pair.b].map(|part| checker.name(part).to_owned())

@@ -4,7 +4,7 @@ use datafusion::arrow::array::ArrayRef;
 use datafusion::arrow::datatypes::{DataType, Fields};
 use datafusion::common::plan_err;
 use datafusion::error::Result;
-use lin_canny_plan::Verdict;
+use lin_canny_plan::{Checker, JointTree, Verdict};
 
 use super::answers::{Answers, Kind, Value, fields_of};
 use super::outside;
@@ -55,32 +55,38 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
                         checker.certify(&p, &q).map_err(|e| RowError::Refused(e.to_string()))
                     });
                 let ends = [p.as_slice(), q.as_slice()].concat();
-                let Some(verdict) = study.settled(row, &ends, verdict)? else {
-                    answers.push(None);
-                    continue;
-                };
-                let safe = Value::Number(verdict.safe());
-                match verdict {
-                    Verdict::Free { start_contacts, .. } => {
-                        let pairs = start_contacts
-                            .iter()
-                            .map(|leaving| checker.show(&leaving.pair).to_string());
-                        let pairs = pairs.collect::<Vec<_>>().join(", ");
-                        let contacts = match pairs.as_str() {
-                            "" => Value::Null,
-                            pairs => Value::Word(pairs),
-                        };
-                        let [t, a, b] = [Value::Null, Value::Null, Value::Null];
-                        answers.push(Some(&[Value::Word("free"), safe, t, a, b, contacts]));
-                    }
-                    Verdict::Blocked { t, pair, .. } => {
-                        let [a, b] = [pair.a, pair.b].map(|part| Value::Word(checker.name(part)));
-                        answers.push(Some(&[Value::Word("blocked"), safe, Value::Number(t), a, b]));
-                    }
-                    _ => answers.push(Some(&[Value::Word("undecided"), safe])),
-                }
+                let verdict = study.settled(row, &ends, verdict)?;
+                push(&mut answers, checker, verdict);
             }
             answers.finish()
         })
         .map_err(outside)?
+}
+
+/// Adds a verdict, or NULL.
+pub(super) fn push(answers: &mut Answers, checker: &Checker<JointTree>, verdict: Option<Verdict>) {
+    let Some(verdict) = verdict else {
+        answers.push(None);
+        return;
+    };
+    let safe = Value::Number(verdict.safe());
+    match verdict {
+        Verdict::Free { start_contacts, .. } => {
+            let pairs = start_contacts
+                .iter()
+                .map(|leaving| checker.show(&leaving.pair).to_string());
+            let pairs = pairs.collect::<Vec<_>>().join(", ");
+            let contacts = match pairs.as_str() {
+                "" => Value::Null,
+                pairs => Value::Word(pairs),
+            };
+            let [t, a, b] = [Value::Null, Value::Null, Value::Null];
+            answers.push(Some(&[Value::Word("free"), safe, t, a, b, contacts]));
+        }
+        Verdict::Blocked { t, pair, .. } => {
+            let [a, b] = [pair.a, pair.b].map(|part| Value::Word(checker.name(part)));
+            answers.push(Some(&[Value::Word("blocked"), safe, Value::Number(t), a, b]));
+        }
+        _ => answers.push(Some(&[Value::Word("undecided"), safe])),
+    }
 }

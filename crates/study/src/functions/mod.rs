@@ -2,8 +2,10 @@
 
 mod answers;
 mod certify;
+mod certify_curve;
 mod clearance;
 mod separation;
+mod signed_distance;
 
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
@@ -28,16 +30,20 @@ enum Question {
     Clearance,
     IsFree,
     Certify,
+    CertifyCurve,
     Separation,
+    SignedDistance,
     Fault,
 }
 
 impl Question {
-    const ALL: [Self; 5] = [
+    const ALL: [Self; 7] = [
         Self::Clearance,
         Self::IsFree,
         Self::Certify,
+        Self::CertifyCurve,
         Self::Separation,
+        Self::SignedDistance,
         Self::Fault,
     ];
 
@@ -46,7 +52,9 @@ impl Question {
             Self::Clearance => "clearance",
             Self::IsFree => "is_free",
             Self::Certify => "certify",
+            Self::CertifyCurve => "certify_curve",
             Self::Separation => "separation",
+            Self::SignedDistance => "signed_distance",
             Self::Fault => "configuration_error",
         }
     }
@@ -54,8 +62,9 @@ impl Question {
     fn answer_type(self) -> DataType {
         match self {
             Self::Clearance => DataType::Struct(clearance::fields()),
-            Self::Certify => DataType::Struct(certify::fields()),
+            Self::Certify | Self::CertifyCurve => DataType::Struct(certify::fields()),
             Self::Separation => DataType::Struct(separation::fields()),
+            Self::SignedDistance => DataType::Struct(signed_distance::fields()),
             Self::IsFree => DataType::Boolean,
             Self::Fault => DataType::Utf8,
         }
@@ -97,7 +106,9 @@ impl StudyFunction {
             Question::Clearance => clearance::answer(study, arguments, rows),
             Question::IsFree => is_free(study, arguments, rows),
             Question::Certify => certify::answer(study, arguments, rows),
+            Question::CertifyCurve => certify_curve::answer(study, arguments, rows),
             Question::Separation => separation::answer(study, arguments, rows),
+            Question::SignedDistance => signed_distance::answer(study, arguments, rows),
             Question::Fault => Ok(faults(study, arguments, rows)),
         }
     }
@@ -156,7 +167,9 @@ impl ScalarUDFImpl for StudyFunction {
                 )
             }
             Question::Certify => certify::argument_types(types, count),
+            Question::CertifyCurve => certify_curve::argument_types(types),
             Question::Separation => separation::argument_types(types),
+            Question::SignedDistance => signed_distance::argument_types(types),
         }
     }
 
@@ -173,8 +186,8 @@ impl ScalarUDFImpl for StudyFunction {
 }
 
 impl Study {
-    /// Returns the functions `clearance`, `is_free`, `certify`, `separation` and
-    /// `configuration_error`, to be registered with a context or an executor.
+    /// Returns the functions `clearance`, `is_free`, `certify`, `certify_curve`, `separation`,
+    /// `signed_distance` and `configuration_error`, to be registered with a context or an executor.
     #[must_use]
     pub fn functions(self: &Arc<Self>) -> Vec<Arc<ScalarUDF>> {
         let function = |question| Arc::new(ScalarUDF::from(StudyFunction::new(self, question)));

@@ -99,7 +99,7 @@ fn separation(
 }
 
 /// Returns the one body with the name in a row.
-fn body<'c>(
+pub(super) fn body<'c>(
     checker: &'c Checker<JointTree>,
     names: &StringArray,
     row: usize,

@@ -50,7 +50,7 @@ pub(super) struct ExecutorOptions {
 
 pub(super) async fn schedule(options: &SchedulerOptions) -> Result<(), StudyError> {
     let study = options.study.load()?;
-    println!("scheduler at {}:{}", options.bind, options.port);
+    say!("scheduler at {}:{}", options.bind, options.port);
     cluster::schedule(&study, &options.bind, options.port, options.executor_timeout).await
 }
 
@@ -64,6 +64,6 @@ pub(super) async fn execute(options: &ExecutorOptions) -> Result<(), StudyError>
         cores: options.cores,
         work: options.work.clone(),
     };
-    println!("executor of {} at {}:{}", options.scheduler, options.bind, options.port);
+    say!("executor of {} at {}:{}", options.scheduler, options.bind, options.port);
     executor.run(&study).await
 }

@@ -1,5 +1,19 @@
 //! The command line tool: its commands and exit codes.
 
+/// Writes a line to stdout.
+macro_rules! say {
+    ($($part:tt)*) => {
+        $crate::tool::text::put(format_args!("{}\n", format_args!($($part)*)))
+    };
+}
+
+/// Writes a line to stderr.
+macro_rules! warn {
+    ($($part:tt)*) => {
+        $crate::tool::text::complain(format_args!($($part)*))
+    };
+}
+
 mod cluster;
 mod options;
 mod progress;
@@ -7,6 +21,7 @@ mod report;
 mod roadmap;
 mod run;
 mod sample;
+mod text;
 
 use std::process::ExitCode;
 
@@ -51,7 +66,7 @@ pub(crate) fn main() -> ExitCode {
     match done(arguments.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("lin-canny-study: {error}");
+            warn!("lin-canny-study: {error}");
             ExitCode::from(3)
         }
     }

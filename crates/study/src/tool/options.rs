@@ -107,9 +107,9 @@ impl StudyArguments {
         options.margin = self.margin;
         let study = Study::load(&files, options)?;
         for skipped in study.setup().skipped() {
-            eprintln!("warning: {skipped}");
+            warn!("warning: {skipped}");
         }
-        eprintln!("robot, cell and options: {}", study.fingerprint());
+        warn!("robot, cell and options: {}", study.fingerprint());
         Ok(study)
     }
 }

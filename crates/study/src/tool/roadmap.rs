@@ -55,7 +55,7 @@ pub(super) async fn run(options: &RoadmapOptions) -> Result<(), StudyError> {
 
     let counts = table(&study, &edges, &format!("SELECT * FROM {TABLE} WHERE verdict = 'free'")).await?;
     let found = roadmap::components(&free, &counts)?;
-    println!(
+    say!(
         "{} of {} configurations are free nodes; {} of {} segments are proven free; {} component(s), the largest of {} nodes",
         free.num_rows(),
         options.samples,
@@ -64,7 +64,7 @@ pub(super) async fn run(options: &RoadmapOptions) -> Result<(), StudyError> {
         found.count,
         found.largest
     );
-    println!(
+    say!(
         "nodes: {} (column free); edges: {} (column verdict)",
         nodes.display(),
         edges.display()

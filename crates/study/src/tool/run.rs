@@ -25,8 +25,12 @@ pub(super) struct RunArguments {
     /// Output folder. An interrupted run resumes in the same folder
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Columns that are added to each row instead of the clearance, such as
+    /// `certify_curve(p0, p1, p2, p3) AS verdict`: any functions of a row; an interrupted run resumes
+    #[arg(long, value_name = "COLUMNS", conflicts_with = "sql")]
+    select: Option<String>,
     /// Your own query over the table `configs`, with the functions clearance, is_free, certify,
-    /// separation and configuration_error; it writes one file
+    /// certify_curve, separation, signed_distance and configuration_error; it writes one file
     #[arg(long, value_name = "QUERY")]
     sql: Option<String>,
     /// Rows per part: an interrupted run repeats at most this number
@@ -52,16 +56,25 @@ pub(super) async fn run(arguments: &RunArguments) -> Result<(), StudyError> {
     }
 }
 
-/// Computes the clearance of each row, part by part.
+/// Computes the clearance of each row, or the selected columns, part by part.
 async fn rows(study: &Arc<Study>, input: &Input, arguments: &RunArguments) -> Result<(), StudyError> {
     let mut options = arguments.place.options(arguments.format.into());
     options.rows_per_part = arguments.rows_per_part as usize;
     let (partitions, began) = (options.partitions, Instant::now());
-    let configuration = configuration_in(study, input).await?;
-    let waiting = wait("looking all rows over");
-    let faults = look_over(study, input, &configuration, partitions).await?;
-    waiting.finish_and_clear();
-    let query = format!("SELECT *, clearance({configuration}) AS clearance FROM {TABLE}");
+    let (columns, faults) = match &arguments.select {
+        Some(columns) => (columns.clone(), String::new()),
+        None => {
+            let configuration = configuration_in(study, input).await?;
+            let waiting = wait("looking all rows over");
+            let faults = look_over(study, input, &configuration, partitions).await?;
+            waiting.finish_and_clear();
+            (
+                format!("clearance({configuration}) AS clearance"),
+                format!(", {faults} bad"),
+            )
+        }
+    };
+    let query = format!("SELECT *, {columns} FROM {TABLE}");
     let run = Run {
         study,
         input,
@@ -71,8 +84,8 @@ async fn rows(study: &Arc<Study>, input: &Input, arguments: &RunArguments) -> Re
     };
     let progress = RunProgress::default();
     let done = shown("rows", study, &progress, run.go(&progress)).await?;
-    println!(
-        "{} rows in {} part(s), {} kept from before, {faults} bad; {:.1} s",
+    say!(
+        "{} rows in {} part(s), {} kept from before{faults}; {:.1} s",
         done.rows,
         done.parts,
         done.kept,
@@ -110,7 +123,7 @@ async fn whole(study: &Arc<Study>, input: &Input, query: &str, arguments: &RunAr
     let file = arguments.out.join(format!("result.{}", format.extension()));
     format.write(&schema, &batches, &file)?;
     let rows: usize = batches.iter().map(|b| b.num_rows()).sum();
-    println!(
+    say!(
         "{rows} row(s) in {}; {:.1} s",
         file.display(),
         began.elapsed().as_secs_f64()

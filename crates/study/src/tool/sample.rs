@@ -60,7 +60,7 @@ pub(super) fn run(options: &SampleOptions) -> Result<(), StudyError> {
         (first, files) = (end, files + 1);
     }
     bar.finish_and_clear();
-    println!(
+    say!(
         "{} configurations of {} joints in {files} file(s) of {}",
         options.rows,
         study.coordinates().len(),

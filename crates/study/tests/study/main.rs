@@ -5,6 +5,7 @@ mod bits;
 mod cluster;
 mod functions;
 mod graph;
+mod points_and_curves;
 mod resumed;
 mod tool;
 

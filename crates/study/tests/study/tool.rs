@@ -185,3 +185,41 @@ fn what_does_not_fit_is_named() {
         &["clearnce"],
     );
 }
+
+#[test]
+fn selected_columns_are_added_part_by_part() {
+    let folder = scratch("select");
+    let at = |name: &str| folder.join(name).to_string_lossy().into_owned();
+    assert_eq!(said(tool("sample").args(["--rows", "900", "--out", &at("q")])).0, 0);
+    let point = "make_array(turn, lift, elbow, roll, bend, twist)";
+    let columns = format!("signed_distance('table', turn, lift, elbow) AS d, certify_curve({point}, {point}) AS v");
+    let run = |columns: &str| {
+        let arguments = [
+            "--in",
+            &at("q"),
+            "--out",
+            &at("out"),
+            "--rows-per-part",
+            "400",
+            "--select",
+            columns,
+        ];
+        said(tool("run").args(arguments))
+    };
+    let (code, text) = run(&columns);
+    assert!(
+        code == 0 && text.contains("900 rows in 3 part(s), 0 kept from before;"),
+        "{text}"
+    );
+    let part = |k: usize| std::fs::read(folder.join(format!("out/part-0000{k}.parquet"))).expect("a part");
+    let before: Vec<_> = (0..3).map(part).collect();
+    std::fs::remove_file(at("out/part-00001.parquet")).expect("a part");
+    let (code, text) = run(&columns);
+    assert!(
+        code == 0 && text.contains("900 rows in 3 part(s), 2 kept from before;"),
+        "{text}"
+    );
+    assert!((0..3).map(part).collect::<Vec<_>>() == before);
+    let (code, text) = run("certify_curve(make_array(0.0)) AS v");
+    assert!(code == 3 && text.contains("another query"), "{text}");
+}

@@ -47,11 +47,11 @@ pub(super) async fn run(options: &ReportOptions) -> Result<(), StudyError> {
     let text = page::page(&study, &tables, &map)?;
     waiting.finish_and_clear();
     std::fs::write(&options.out, text).map_err(StudyError::io(&options.out))?;
-    println!("{} rows; {}", tables.rows, tables.headline());
-    println!("the page is {}", options.out.display());
+    say!("{} rows; {}", tables.rows, tables.headline());
+    say!("the page is {}", options.out.display());
     if let Some(file) = &options.record {
         scene::record(&study, &tables, file)?;
-        println!("the worst rows are recorded in {}", file.display());
+        say!("the worst rows are recorded in {}", file.display());
     }
     Ok(())
 }
