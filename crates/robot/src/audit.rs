@@ -161,8 +161,12 @@ impl LinkAudit {
             self.upper = answer.upper;
             self.at.clone_from(&answer.at);
         }
-        self.lower = self.lower.min(answer.lower);
-        self.open = self.open.max(answer.open_share());
+        if answer.lower < self.lower {
+            self.lower = answer.lower;
+        }
+        if answer.open_share() > self.open {
+            self.open = answer.open_share();
+        }
         self.cells += answer.cells;
         self.time += time;
         self.answers.push(answer);

@@ -167,11 +167,7 @@ impl RangeBody {
             let points = &pieces[k].0;
             points.iter().fold(Vector3::zeros(), |sum, p| sum + p.coords) / points.len() as f64
         };
-        let (mut low, mut high) = (middle(order[0]), middle(order[0]));
-        for &k in order.iter() {
-            let m = middle(k);
-            (low, high) = (low.inf(&m), high.sup(&m));
-        }
+        let (low, high) = extent(order.iter().map(|k| middle(*k)));
         let axis = (high - low).imax();
         order.sort_by(|x, y| middle(*x)[axis].total_cmp(&middle(*y)[axis]).then(x.cmp(y)));
         let (left, right) = order.split_at_mut(order.len() / 2);
@@ -207,6 +203,14 @@ fn box_of((low, high): (Point3<f64>, Point3<f64>)) -> Vec<Point3<f64>> {
     (0..8).map(corner).collect()
 }
 
+/// Returns the least and the greatest coordinates of vectors.
+fn extent(vectors: impl Iterator<Item = Vector3<f64>>) -> (Vector3<f64>, Vector3<f64>) {
+    let none = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
+    vectors.fold(none, |(low, high), v| {
+        (low.zip_map(&v, f64::smaller), high.zip_map(&v, f64::larger))
+    })
+}
+
 /// Returns the points once each, or the corners of their box if they are many.
 fn few(mut points: Vec<Point3<f64>>) -> Vec<Point3<f64>> {
     let key = |p: &Point3<f64>| [p.x, p.y, p.z];
@@ -220,9 +224,7 @@ fn few(mut points: Vec<Point3<f64>>) -> Vec<Point3<f64>> {
     if points.len() <= MOST_POINTS {
         return points;
     }
-    let first = points[0].coords;
-    let low = points.iter().fold(first, |low, p| low.inf(&p.coords));
-    let high = points.iter().fold(first, |high, p| high.sup(&p.coords));
+    let (low, high) = extent(points.iter().map(|p| p.coords));
     box_of((low.into(), high.into()))
 }
 
