@@ -66,7 +66,7 @@ pub(super) fn run(options: &AuditOptions) -> Result<End, ToolError> {
     let coordinates = setup.coordinates();
     let mut end = End::Free;
     for one in &found {
-        println!("{}", line(one));
+        say!("{}", line(one));
         if one.verdict == AuditVerdict::Open {
             end = end.max(End::Unknown);
         }
@@ -77,14 +77,14 @@ pub(super) fn run(options: &AuditOptions) -> Result<End, ToolError> {
                 .iter()
                 .zip(values)
                 .map(|(c, value)| format!("{}={value}", c.name));
-            println!(
+            say!(
                 "  excluded as {claim}, but meets at {}",
                 each.collect::<Vec<_>>().join(" ")
             );
         }
     }
     let count = |verdict| found.iter().filter(|one| one.verdict == verdict).count();
-    println!(
+    say!(
         "{} pairs: {} never meet, {} always, {} both, {} open",
         found.len(),
         count(AuditVerdict::Never),

@@ -106,7 +106,7 @@ pub(super) fn run(options: &SmoothArguments) -> Result<End, ToolError> {
     let found = match found {
         Err(PlanError::Unproven { segment }) => {
             let [from, to] = [segment, segment + 1].map(|k| path.lines.get(k).unwrap_or(&path.lines[0]));
-            println!("lines {from} to {to}: not proven free; see the command certify");
+            say!("lines {from} to {to}: not proven free; see the command certify");
             return Ok(End::Blocked);
         }
         Err(PlanError::Limit {
@@ -131,6 +131,6 @@ pub(super) fn run(options: &SmoothArguments) -> Result<End, ToolError> {
         None => print!("{text}"),
     }
     let rows = trajectory.rows.len();
-    eprintln!("a trajectory of {rows} rows, {seconds:.3} s, with stops at {stops} of {corners} inner rows of the path");
+    warn!("a trajectory of {rows} rows, {seconds:.3} s, with stops at {stops} of {corners} inner rows of the path");
     Ok(End::Free)
 }
