@@ -96,7 +96,10 @@ impl DistanceGrid {
         };
         let side = step.amax();
         // Rounding may put the last node beyond `high`.
-        check(1, &(low + step.component_mul(&Vector3::from_fn(|k, _| cells[k] as f64))))?;
+        check(
+            1,
+            &(low + step.component_mul(&Vector3::from_fn(|k, _| cells[k] as f64))),
+        )?;
         for i in 0..nodes[0] {
             let at = |j: usize, k: usize| low + step.component_mul(&Vector3::new(i as f64, j as f64, k as f64));
             let layer: Vec<_> = (0..nodes[1])

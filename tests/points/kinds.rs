@@ -4,8 +4,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
-    Cloud, CloudElement, Compound, ContactState, ConvexPolyhedron, Geometry, HalfSpace, Mesh, Piece,
-    PointOutcome, PointQuery, Shape,
+    Cloud, CloudElement, Compound, ContactState, ConvexPolyhedron, Geometry, HalfSpace, Mesh, Piece, PointOutcome,
+    PointQuery, Shape,
 };
 use truth::driven::exact_place::Place;
 use truth::near_points::{POINT_KINDS, hard_point, is_between, is_between_of, place};
