@@ -1417,7 +1417,7 @@ fn a_grid_of_signed_distances_is_written() {
             .collect::<Vec<f64>>()
     };
     let mut text: String = (0..8)
-        .map(|k| corner(k))
+        .map(corner)
         .map(|p| format!("v {} {} {}\n", p[0], p[1], p[2]))
         .collect();
     text += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";

@@ -404,7 +404,7 @@ fn everything_without_a_time_is_an_error() {
         assert_eq!(checker.clearance_along(&p, &q, 0.1), Err(none()));
         assert_eq!(checker.certify_curve(&straight), Err(none()));
         assert_eq!(checker.prove_curve(&straight), Err(none()));
-        assert_eq!(checker.certify_spline(&[straight.clone()]), Err(none()));
+        assert_eq!(checker.certify_spline(std::slice::from_ref(&straight)), Err(none()));
         assert_eq!(checker.certify_curve_tube(&straight, &[0.1; 3]), Err(none()));
         assert_eq!(checker.clearance_along_curve(&straight, 0.1), Err(none()));
         assert_eq!(

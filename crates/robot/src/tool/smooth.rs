@@ -8,7 +8,7 @@ use lin_canny_robot::plan::{PlanError, SmoothOptions, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory};
 
 use super::options::{RobotOptions, RowOptions, not_negative};
-use super::{End, ToolError, progress, write};
+use super::{End, ToolError, progress, text, write};
 
 #[derive(Args)]
 pub(super) struct SmoothArguments {
@@ -128,7 +128,7 @@ pub(super) fn run(options: &SmoothArguments) -> Result<End, ToolError> {
     let text = trajectory.csv_text(coordinates);
     match &options.csv {
         Some(file) => write(file, &text)?,
-        None => print!("{text}"),
+        None => text::put(format_args!("{text}")),
     }
     let rows = trajectory.rows.len();
     warn!("a trajectory of {rows} rows, {seconds:.3} s, with stops at {stops} of {corners} inner rows of the path");
