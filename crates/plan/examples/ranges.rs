@@ -12,7 +12,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny_plan::{Checker, ClearanceWidth, Joint, RangeOptions, SerialArm, World, WorldId};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("joints      width      cells   clearance");
+    println!("joints   width, m      cells   clearance, m");
     for joints in 1..=4 {
         for width in [1e-2, 1e-4, 1e-6] {
             let mut checker = arm(joints)?;

@@ -145,8 +145,12 @@ fn draw(path: &[Vec<f64>], motions: &[(&str, SmoothPath)]) -> String {
         [60.0, 640.0],
         13,
         "start",
-        "largest velocity of a joint, as a part of its limit, over time",
+        "largest velocity of a coordinate, as a part of its limit, over time",
     );
+    for (time, anchor) in [(0.0, "start"), (longest, "end")] {
+        let [x, y] = graph(time, 0.0);
+        svg.words([x, y + 18.0], 13, anchor, &format!("{time:.1} s"));
+    }
     for ((name, motion), (color, dashes)) in motions.iter().zip(styles) {
         let style = format!("stroke=\"{color}\" stroke-width=\"1.8\" {dashes}");
         let frames = frames(motion, 800);

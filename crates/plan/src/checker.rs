@@ -511,6 +511,10 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the proof that a curve is free: see [`prove`](Self::prove).
     ///
+    /// The certificates hold at the times of the curve. Very close to contact, a curve that stays on
+    /// a straight segment may be free without such a proof: then [`prove`](Self::prove) proves the
+    /// segment between its ends.
+    ///
     /// # Errors
     /// Returns an error as [`certify_curve`](Self::certify_curve) does.
     pub fn prove_curve(&mut self, curve: &JointCurve) -> Result<Option<Vec<PairProof>>, PlanError> {

@@ -1,6 +1,7 @@
 //! Promise: what the planner calls free is free at every instant, what it calls blocked is blocked, and paths are made of
 //! segments proven free.
 
+mod apart;
 mod arm;
 mod certify;
 mod changes;

@@ -352,6 +352,24 @@ fn corridor(scale: f64, gap: f64) -> impl FnOnce(&mut World) {
     }
 }
 
+/// A curve that has a proof is free; one that is free has a proof, or is straight, and its segment has one.
+fn proofs_agree(checker: &mut Checker<SerialArm>, smooth: &SmoothPath) {
+    for (k, curve) in smooth.curves.iter().enumerate() {
+        let verdict = checker.certify_curve(curve).expect("within limits");
+        let proof = checker.prove_curve(curve).expect("within limits");
+        assert!(proof.is_none() || verdict.is_free(), "piece {k}: {verdict:?}");
+        if proof.is_none() && verdict.is_free() {
+            let [from, to] = [curve.at(0.0), curve.at(1.0)];
+            for i in 0..=16 {
+                let q = curve.at(f64::from(i) / 16.0);
+                let across = (q[0] - from[0]) * (to[1] - from[1]) - (q[1] - from[1]) * (to[0] - from[0]);
+                assert!(across.abs() < 1e-14, "piece {k}");
+            }
+            assert!(checker.prove(&from, &to).expect("within limits").is_some(), "piece {k}");
+        }
+    }
+}
+
 #[test]
 fn blends_shrink_in_narrow_passages() {
     let way = path(&[[-1.0, 0.0], [0.0, 0.0], [0.0, 1.0]]);
@@ -364,6 +382,7 @@ fn blends_shrink_in_narrow_passages() {
             judge(&smooth, &options);
             assert_eq!(smooth.stops, if is_stop { vec![1] } else { vec![] }, "{gap:e} {is_c2}");
             judge_free(&mut checker, &smooth, 1000);
+            proofs_agree(&mut checker, &smooth);
             if !is_c2 {
                 assert!(smooth.duration() >= last, "{gap:e}");
                 last = smooth.duration();
@@ -374,7 +393,10 @@ fn blends_shrink_in_narrow_passages() {
     for gap in [1e-11, 1e-12, 1e-13, 1e-15] {
         let mut checker = slider(1.0, 9.0, corridor(1.0, gap));
         match checker.smooth(&way, &options()) {
-            Ok(smooth) => assert_eq!(smooth.stops, [1]),
+            Ok(smooth) => {
+                assert_eq!(smooth.stops, [1]);
+                proofs_agree(&mut checker, &smooth);
+            }
             Err(error) => assert!(matches!(error, PlanError::Unproven { .. }), "{error:?}"),
         }
     }
@@ -583,4 +605,112 @@ fn faults_are_named() {
         matches!(error, Err(PlanError::CurveDegree { coordinate: 3, .. })),
         "{error:?}"
     );
+}
+
+/// A random path of the block, and one small post inside each corner, as near as a random gap.
+fn crowded(rng: &mut Rng) -> Option<(Path, Vec<[f64; 2]>)> {
+    let mut way = path(&[[0.0, 0.0]]);
+    for _ in 0..2 + rng.below(4) {
+        let (last, angle) = (way[way.len() - 1].clone(), rng.range(0.0, std::f64::consts::TAU));
+        let length = rng.range(0.3, 1.5);
+        way.push(vec![last[0] + length * angle.cos(), last[1] + length * angle.sin()]);
+    }
+    let mut posts: Vec<[f64; 2]> = Vec::new();
+    for corner in way.windows(3) {
+        let unit = |a: &[f64], b: &[f64]| {
+            let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+            [0, 1].map(|c| (b[c] - a[c]) / length)
+        };
+        let [one, other] = [unit(&corner[0], &corner[1]), unit(&corner[1], &corner[2])];
+        let inside = |s: f64| [0, 1].map(|c| corner[1][c] + s * (other[c] - one[c]));
+        let is_free = |s: f64| {
+            let mut checker = slider(1.0, 9.0, posted(&[inside(s)]));
+            corner
+                .windows(2)
+                .all(|ends| checker.is_free(&ends[0], &ends[1]).expect("within limits"))
+        };
+        let (mut near, mut far) = (0.0, 4.0);
+        for _ in 0..45 {
+            let middle = 0.5 * (near + far);
+            *(if is_free(middle) { &mut far } else { &mut near }) = middle;
+        }
+        posts.push(inside(far + rng.log_range(1e-9, 0.1)));
+    }
+    let mut checker = slider(1.0, 9.0, posted(&posts));
+    let mut each = way.windows(2);
+    let is_free = each.all(|ends| checker.is_free(&ends[0], &ends[1]).expect("within limits"));
+    is_free.then_some((way, posts))
+}
+
+fn posted(posts: &[[f64; 2]]) -> impl FnOnce(&mut World) {
+    move |world| {
+        for (k, [x, y]) in posts.iter().enumerate() {
+            let post = solids::cuboid(Vector3::new(0.02, 0.02, 1.0)).expect("a box");
+            world.obstacle(k, post, Isometry3::translation(*x, *y, 0.0));
+        }
+    }
+}
+
+#[test]
+fn blends_shrink_or_stop_among_random_posts() {
+    let (mut free, mut shrunk, mut stops) = (0, 0, 0);
+    let mut rng = Rng::new(17);
+    for round in 0..80 {
+        let Some((way, posts)) = crowded(&mut rng) else {
+            continue;
+        };
+        let options = options()
+            .continuous_acceleration(round % 2 == 1)
+            .halvings(rng.below(9) as u32);
+        let mut checker = slider(1.0, 9.0, posted(&posts));
+        let smooth = checker.smooth(&way, &options).expect("a motion");
+        judge(&smooth, &options);
+        assert!(checker.certify_spline(&smooth.curves).expect("a spline").1.is_free());
+        judge_free(&mut slider(1.0, 9.0, posted(&posts)), &smooth, 500);
+        let open = slider(1.0, 9.0, |_| {}).smooth(&way, &options).expect("a motion");
+        assert!(open.stops.is_empty());
+        // The motion stops where it says.
+        for k in &smooth.stops {
+            let row = smooth
+                .positions
+                .iter()
+                .position(|q| *q == way[*k])
+                .expect("a row at the corner");
+            assert!(smooth.velocities[row].iter().all(|v| *v == 0.0));
+        }
+        stops += smooth.stops.len();
+        free += u32::from(smooth == open);
+        shrunk += u32::from(smooth != open && smooth.stops.is_empty());
+    }
+    println!("{free} as without posts, {shrunk} shrunk, {stops} stops");
+    assert!(free > 3 && shrunk > 10 && stops > 5, "{free} {shrunk} {stops}");
+}
+
+/// Posts at the very distance at which a blend is just proven free: the curves that are returned are proven, too.
+#[test]
+fn blends_that_barely_pass_are_proven_as_returned() {
+    let mut rng = Rng::new(23);
+    for _ in 0..12 {
+        let turn = rng.range(0.5, 2.5);
+        let way = path(&[[-1.0, 0.1], [0.1, 0.3], [0.1 + turn.cos(), 0.3 + turn.sin()]]);
+        let limits = options().halvings(0);
+        let (mut near, mut far) = (-0.5, 2.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (near + far);
+            let post = [0.1 - middle, 0.3 + middle];
+            let mut checker = slider(1.0, 9.0, posted(&[post]));
+            let is_passed = match checker.smooth(&way, &limits) {
+                Ok(smooth) => {
+                    assert!(checker.certify_spline(&smooth.curves).expect("a spline").1.is_free());
+                    smooth.stops.is_empty()
+                }
+                Err(error) => {
+                    assert!(matches!(error, PlanError::Unproven { .. }), "{error:?}");
+                    false
+                }
+            };
+            *(if is_passed { &mut far } else { &mut near }) = middle;
+        }
+        assert!(far < 2.0);
+    }
 }
