@@ -12,6 +12,7 @@ mod judge;
 mod leave;
 mod moving;
 mod planner;
+mod range_worlds;
 mod ranges;
 mod smooth;
 mod spaces;
