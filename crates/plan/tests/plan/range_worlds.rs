@@ -288,6 +288,30 @@ fn limits_of_a_million_radians_hold_at_samples() {
     assert!(tally[1] >= 2, "{tally:?}");
 }
 
+/// A slide behind a turn carries a ball far from the axis of the turn.
+#[test]
+fn a_turn_before_a_long_slide_reaches_far() {
+    let joints = vec![
+        Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-1.0, 2.0]),
+        slide(Vector3::x_axis(), [0.0, 10.0]),
+    ];
+    let ball = || Shape::ball(0.1).expect("a ball");
+    let arm = SerialArm::new(Isometry3::identity(), joints, vec![2], 11.0).expect("an arm");
+    let mut world = World::new();
+    world.robot_body("ball", ball());
+    let other = world.obstacle("other", ball(), Isometry3::translation(0.0, 8.0, 0.0));
+    let mut checker = Checker::new(arm, world).expect("a world");
+    let options = RangeOptions::default();
+    let both = checker
+        .prove_pair(A, other, &[-1.0, 0.0], &[2.0, 10.0], &options)
+        .expect("a range");
+    assert!(matches!(both.verdict, RangeVerdict::Both { .. }), "{both:?}");
+    let short = checker
+        .prove_pair(A, other, &[-1.0, 0.0], &[2.0, 7.7], &options)
+        .expect("a range");
+    assert!(short.is_never() && short.lower <= 0.1 + 1e-12, "{short:?}");
+}
+
 #[test]
 fn an_answer_about_other_bodies_is_not_resumed() {
     let joint = || vec![Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-PI, PI])];
