@@ -102,7 +102,6 @@ pub fn audit(
             return Err(PlanError::OtherRange(pair));
         }
         let answer = match known.get(&pair) {
-            Some(answer) if !matches!(answer.verdict, RangeVerdict::Open { .. }) => (*answer).clone(),
             Some(answer) => checker.resume_range(answer, options, &mut watch)?,
             None => checker.prove_pair_with_progress(pair.a, pair.b, &low, &high, options, &mut watch)?,
         };
@@ -182,6 +181,13 @@ impl LinkAudit {
         } else {
             AuditVerdict::Never
         };
+    }
+
+    /// Returns whether two bodies touch without depth, so that more cells do not decide the pair:
+    /// see [`RangeAnswer::is_flush`].
+    #[must_use]
+    pub fn is_flush(&self) -> bool {
+        self.answers.iter().any(RangeAnswer::is_flush)
     }
 
     /// Returns a configuration at which the pair is in contact, if one was found.

@@ -1082,11 +1082,29 @@ fn an_audit_proves_pairs_and_refutes_an_srdf() {
     let (code, again) = run("audit", &arguments);
     assert_eq!(code, 1, "{again}");
     assert_eq!(text.lines().count(), again.lines().count());
+    // Answers of other margins are refused.
+    let padded = ["--resume", &answers, "--pad", "base=0.01"];
+    let (code, text) = run("audit", &padded);
+    assert!(code == 3 && text.contains("does not belong"), "{code} {text}");
     let broken = scratch("broken.json", "[1]");
     let (code, text) = run("audit", &["--resume", &broken]);
     assert!(code == 3 && text.contains("broken.json"), "{text}");
     let (code, text) = run("audit", &["--seconds", "0"]);
-    assert!(code == 4 && text.contains("open"), "{text}");
+    assert!(code == 4 && text.contains("need more cells: --cells"), "{text}");
+}
+
+#[test]
+fn an_audit_says_why_pairs_are_open() {
+    let (code, text) = run("audit", &with(&["--cells", "2000", "--width", "0"]));
+    assert_eq!(code, 4, "{text}");
+    let of = |start: &str| text.lines().filter(|line| line.starts_with(start)).count();
+    assert_eq!([of("open   "), of("open: ")], [5, 5], "{text}");
+    for pair in ["base - shoulder", "forearm - wrist 1", "gripper - left finger"] {
+        assert!(
+            text.contains(&format!("open: {pair} touch without depth at their joint")),
+            "{text}"
+        );
+    }
 }
 
 const CROSSING: [&str; 4] = ["--srdf", "gripper.srdf", "--cell", "crossing.json"];

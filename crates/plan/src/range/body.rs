@@ -5,6 +5,7 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use super::fingerprint::Fingerprint;
 use crate::extremes::Extremes;
 use lin_canny::polyhedron::BoxHint;
 use lin_canny::shape::Core;
@@ -89,6 +90,8 @@ pub(super) struct RangeBody {
     pub(super) outer: Option<Geometry>,
     /// Outward normal of a half-space.
     pub(super) plane: Option<Vector3<f64>>,
+    /// Points of a cloud, which its parts do not hold.
+    cloud: Vec<Point3<f64>>,
 }
 
 impl RangeBody {
@@ -97,6 +100,7 @@ impl RangeBody {
             parts: std::vec![part],
             outer: None,
             plane: None,
+            cloud: Vec::new(),
         };
         match geometry {
             Geometry::Polyhedron(body) => one(Part::new(&vertices(body), 0.0)),
@@ -128,10 +132,26 @@ impl RangeBody {
                 let corners = box_of(geometry.aabb_at(&Isometry3::identity(), &mut BoxHint::default()));
                 Self {
                     outer: outer(&corners, 0.0),
+                    cloud: match geometry {
+                        Geometry::Cloud(cloud) => cloud.points(),
+                        _ => Vec::new(),
+                    },
                     ..one(Part::new(&corners, 0.0))
                 }
             }
         }
+    }
+
+    /// Returns a hash of all parts and of the points of a cloud.
+    pub(super) fn fingerprint(&self) -> u64 {
+        let mut all = Fingerprint::new();
+        let normal = self.plane.iter().map(|n| Point3::from(*n));
+        let points = self.parts.iter().flat_map(|part| part.points.each());
+        for p in points.chain(normal).chain(self.cloud.iter().copied()) {
+            p.iter().for_each(|x| all.number(*x));
+        }
+        self.parts.iter().for_each(|part| all.number(part.radius));
+        all.0
     }
 
     /// Returns whether a convex body stands for this one.
@@ -152,6 +172,7 @@ impl RangeBody {
             parts: std::vec![Part::new(hull, radius)],
             outer: outer(hull, radius),
             plane: None,
+            cloud: Vec::new(),
         };
         let mut order: Vec<usize> = (0..pieces.len()).collect();
         body.split(0, &mut order, &pieces);

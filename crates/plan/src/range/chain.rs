@@ -27,6 +27,7 @@ pub(super) struct ChainEnd {
 }
 
 /// A joint between both bodies.
+#[derive(Debug)]
 struct ChainJoint {
     /// The pose of the joint in the frame after the joint before, the axis and the kind.
     joint: TreeJoint,
@@ -38,6 +39,7 @@ struct ChainJoint {
 }
 
 /// The joints between two bodies, from A to B.
+#[derive(Debug)]
 pub(super) struct Chain {
     joints: Vec<ChainJoint>,
     /// Pose of B in the frame of the last joint.
@@ -46,6 +48,8 @@ pub(super) struct Chain {
     pub(super) coordinates: Vec<usize>,
     /// The range of each of them.
     pub(super) ranges: Vec<[f64; 2]>,
+    /// Whether no joint that places a body in the world moves, so that there is only one pose of each.
+    pub(super) is_at_a_point: bool,
     /// Greatest distance of two points of the chain and of the bodies at its ends.
     length: f64,
     /// What a bound loses by rounding, apart from its terms.
@@ -179,7 +183,12 @@ impl Chain {
             world += 3.0 * end.deviation * length;
             world += ((joints.len() + 2) as f64 * (ARM_TURN + ARM_PLACE) + ARM_VALUE * turns) * length;
         }
-        builder.finish([a.reach, b.reach], world)
+        let mut drives = of_a.iter().chain(&of_b).filter_map(|(_, joint)| joint.drive);
+        let is_at_a_point = drives.all(|d| d.factor == 0.0 || low[d.coordinate] == high[d.coordinate]);
+        Self {
+            is_at_a_point,
+            ..builder.finish([a.reach, b.reach], world)
+        }
     }
 
     /// Returns the number of joints.
@@ -255,13 +264,14 @@ impl Builder<'_> {
             to_b += lengths[k][0];
         }
         let length = to_b + reach_a;
-        // Poses repeat after a full turn of a coordinate that drives one joint.
+        // Poses repeat after a full turn of a coordinate whose joints all turn by as much.
         for (place, [low, high]) in ranges.iter_mut().enumerate() {
             let mut of = self.joints.iter().filter(|one| one.place == place);
-            if let (Some(one), None) = (of.next(), of.next())
-                && one.joint.kind == JointKind::Revolute
-            {
-                let turn = *low + FULL_TURN / one.drive.factor.abs();
+            let Some(factor) = of.clone().next().map(|one| one.drive.factor.abs()) else {
+                continue;
+            };
+            if of.all(|one| one.joint.kind == JointKind::Revolute && one.drive.factor.abs() == factor) {
+                let turn = *low + FULL_TURN / factor;
                 *high = high.smaller(turn.next_up());
             }
         }
@@ -271,6 +281,7 @@ impl Builder<'_> {
             last: self.before,
             coordinates: self.coordinates,
             ranges,
+            is_at_a_point: false,
             length,
             rounding: frames * length + of_world,
         }

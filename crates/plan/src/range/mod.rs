@@ -34,6 +34,7 @@ mod body;
 mod bound;
 mod chain;
 mod contact;
+mod fingerprint;
 mod parts;
 mod search;
 mod verdict;
@@ -91,10 +92,44 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
+    /// A tolerance is a joint with a range. Here a peg is placed to 2 cm along x:
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// # use lin_canny::polyhedron::solids;
+    /// # use lin_canny_plan::{Checker, ClearanceWidth, Drive, JointKind, JointTree};
+    /// # use lin_canny_plan::{RangeOptions, TreeJoint, World};
+    /// let slide = |parent, axis| TreeJoint {
+    ///     parent,
+    ///     kind: JointKind::Prismatic,
+    ///     origin: Isometry3::identity(),
+    ///     axis,
+    ///     drive: Some(Drive::by(parent)),
+    /// };
+    /// // The lift moves the peg, the tolerance shifts it.
+    /// let joints = vec![slide(0, Vector3::z_axis()), slide(1, Vector3::x_axis())];
+    /// let limits = vec![[0.0, 1.0], [-0.02, 0.02]];
+    /// let base = Isometry3::identity();
+    /// let tree = JointTree::new(base, joints, limits, vec![2], vec![1.0; 3])?;
+    /// let mut world = World::new();
+    /// let peg = world.robot_body("peg", solids::cuboid(Vector3::repeat(0.1))?);
+    /// let wall = solids::cuboid(Vector3::new(0.1, 1.0, 2.0))?;
+    /// let wall = world.obstacle("wall", wall, Isometry3::translation(0.25, 0.0, 0.0));
+    ///
+    /// let mut checker = Checker::new(tree, world)?;
+    /// let options = RangeOptions::default().width(ClearanceWidth::Length(1e-6));
+    /// let found = checker.prove_pair(peg, wall, &[0.0, -0.02], &[1.0, 0.02], &options)?;
+    /// assert!((found.lower - 0.03).abs() < 1e-6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// Obstacles that move are at their poses at the time of [`set_time`](Self::set_time).
+    ///
     /// # Errors
     /// Returns an error if a coordinate is out of bounds or `low` is above `high`, which names the
-    /// coordinate; if a body does not exist, or both are obstacles; or if the space does not move
-    /// a body by joints ([`ConfigurationSpace::joint_path`]).
+    /// coordinate; if a body does not exist, or both are obstacles; if an obstacle moves and no time
+    /// is set; or if the space does not move a body by joints
+    /// ([`ConfigurationSpace::joint_path`]).
     pub fn prove_pair(
         &mut self,
         a: WorldId,
@@ -176,12 +211,13 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Goes on with an answer that is open, for as many cells as the options allow.
     ///
-    /// Two calls give the same answer as one call with the sum of both budgets. The world must be
-    /// the one of the answer.
+    /// Two calls give the same answer as one call with the sum of both budgets. An answer that is
+    /// not open is returned as it is.
     ///
     /// # Errors
-    /// As [`prove_pair`](Self::prove_pair), and if the answer has other coordinates than this
-    /// checker has for the pair.
+    /// As [`prove_pair`](Self::prove_pair), and if the bodies of the pair, the joints between them or
+    /// the distance that the pair must keep are not those of the answer. They are recognised by a
+    /// hash of corners, points, sizes and poses. A forged answer is not recognised.
     pub fn resume_range(
         &mut self,
         answer: &RangeAnswer,
@@ -223,6 +259,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         let [a, b] = [pair.a, pair.b].map(|id| self.chain_end(id, bodies[&id].reach()));
         let chain = Chain::new(&a?, &b?, &low, &high);
         let kept = self.world.kept_distance(pair);
+        let bodies = [&bodies[&pair.a], &bodies[&pair.b]];
+        let fingerprint = fingerprint::of_pair(shapes, bodies, &chain, kept);
         let (space, places) = (&self.space, &self.pairs.places);
         let place = |q: &[f64], poses: &mut Vec<Isometry3<f64>>| {
             space.place(q, poses);
@@ -231,7 +269,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         };
         let search = Search {
             shapes,
-            bodies: [&bodies[&pair.a], &bodies[&pair.b]],
+            bodies,
+            fingerprint,
             chain: &chain,
             place: &place,
             kept,

@@ -88,6 +88,8 @@ pub(super) struct Search<'a> {
     pub(super) place: &'a Place<'a>,
     /// The distance that the pair must keep.
     pub(super) kept: f64,
+    /// Hash of the bodies, the joints and the distance to keep.
+    pub(super) fingerprint: u64,
     pub(super) options: &'a RangeOptions,
     pub(super) tracker: PairTracker,
     pub(super) answer: RangeAnswer,
@@ -113,6 +115,7 @@ impl RangeAnswer {
             has_blocked: false,
             has_samples: false,
             flat: 0,
+            fingerprint: 0,
         }
     }
 }
@@ -130,6 +133,7 @@ impl Search<'_> {
         let is_new = self.answer.cells == 0 && self.answer.open.is_empty();
         if is_new {
             self.answer.coordinates.clone_from(&self.chain.coordinates);
+            self.answer.fingerprint = self.fingerprint;
             let ranges = &self.chain.ranges;
             self.answer.open.push(RangeCell {
                 low: ranges.iter().map(|ends| ends[0]).collect(),
@@ -140,7 +144,10 @@ impl Search<'_> {
             });
         }
         self.check_cells()?;
-        if is_new && self.chain.ranges.iter().all(|[low, high]| low == high) {
+        if !matches!(self.answer.verdict, RangeVerdict::Open { .. }) {
+            return Ok(self.answer);
+        }
+        if is_new && self.chain.is_at_a_point {
             self.at_a_point()?;
             return Ok(self.answer);
         }
@@ -173,7 +180,9 @@ impl Search<'_> {
             let frame = cell.plane.map_or(0, |plane| plane.0);
             cell.low.len() == count && cell.high.len() == count && frame <= self.chain.len()
         };
-        let is_known = self.answer.coordinates == self.chain.coordinates && self.answer.open.iter().all(is_own);
+        let is_known = self.answer.fingerprint == self.fingerprint
+            && self.answer.coordinates == self.chain.coordinates
+            && self.answer.open.iter().all(is_own);
         is_known.then_some(()).ok_or(PlanError::OtherRange(self.answer.pair))
     }
 
@@ -215,7 +224,8 @@ impl Search<'_> {
         let lower = bounds.fold(answer.least_free, f64::smaller).larger(0.0);
         let [free, touching] = &answer.witnesses;
         let is_blocked = answer.has_blocked || touching.is_some();
-        answer.lower = if is_blocked && self.kept == 0.0 { 0.0 } else { lower };
+        // Cells that were proven blocked have left without a bound.
+        answer.lower = if is_blocked { 0.0 } else { lower };
         answer.verdict = match (free, touching) {
             (Some(free), Some(touching)) => RangeVerdict::Both {
                 free: free.clone(),

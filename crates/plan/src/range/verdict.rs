@@ -121,8 +121,8 @@ pub struct RangeAnswer {
     pub verdict: RangeVerdict,
     /// Indices of the coordinates that move the pair; others are not divided.
     pub coordinates: Vec<usize>,
-    /// Proven lower bound of the distance over the whole range. It is zero if the pair may be in
-    /// contact, unless it is Never.
+    /// Proven lower bound of the distance over the whole range. It is zero if the pair is in contact
+    /// or closer than it must keep at some configuration.
     pub lower: f64,
     /// Least distance that was found; zero in contact.
     #[cfg_attr(feature = "serde", serde(with = "infinite"))]
@@ -147,6 +147,8 @@ pub struct RangeAnswer {
     pub(super) has_samples: bool,
     /// Number of cells with a contact without depth.
     pub(super) flat: u32,
+    /// Hash of the bodies of the pair, the joints between them and the distance to keep.
+    pub(super) fingerprint: u64,
 }
 
 impl RangeAnswer {
@@ -154,6 +156,16 @@ impl RangeAnswer {
     #[must_use]
     pub fn is_never(&self) -> bool {
         self.verdict == RangeVerdict::Never
+    }
+
+    /// Returns whether the bodies touch without depth all over a part of the range, as flush links
+    /// about their joint do.
+    ///
+    /// Such an answer stays open: no bound proves them apart, and the rounding of a pose decides
+    /// whether they touch. More cells do not help. If the links are adjacent, exclude the pair.
+    #[must_use]
+    pub fn is_flush(&self) -> bool {
+        matches!(self.verdict, RangeVerdict::Open { .. }) && self.flat > 0
     }
 
     /// Returns the share of the volume of the range that is left.

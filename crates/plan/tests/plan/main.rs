@@ -13,6 +13,7 @@ mod judge;
 mod leave;
 mod moving;
 mod planner;
+mod range_worlds;
 mod ranges;
 mod smooth;
 mod spaces;

@@ -92,6 +92,9 @@ pub(super) fn run(options: &AuditOptions) -> Result<End, ToolError> {
         count(AuditVerdict::Both),
         count(AuditVerdict::Open),
     );
+    for one in found.iter().filter(|one| one.verdict == AuditVerdict::Open) {
+        say!("{}", why_open(one));
+    }
     if let Some(file) = &options.csv {
         write(file, &table(&found))?;
     }
@@ -136,6 +139,19 @@ fn line(one: &LinkAudit) -> String {
         one.verdict.to_string(),
         one.joints
     )
+}
+
+/// Says why a pair is open, and what its user may do.
+fn why_open(one: &LinkAudit) -> String {
+    let [a, b] = &one.names;
+    match (one.is_flush(), one.joints) {
+        (true, 1) => format!(
+            "open: {a} - {b} touch without depth at their joint, so no proof decides; \
+             exclude adjacent links in the SRDF"
+        ),
+        (true, _) => format!("open: {a} - {b} touch without depth, so no proof decides; keep a margin or exclude them"),
+        (false, _) => format!("open: {a} - {b} need more cells: --cells, or go on with --resume"),
+    }
 }
 
 /// Returns the rows as CSV, lengths in metres.

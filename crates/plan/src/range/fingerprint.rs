@@ -1,0 +1,54 @@
+//! Fingerprints of pairs, by which an answer recognises the bodies and joints that it is about.
+//!
+//! The hash is FNV-1a over words of 64 bits (Fowler, Noll and Vo). It finds changes of a robot or a
+//! cell between two runs, not forged files.
+
+use core::fmt::{self, Write};
+
+use super::body::RangeBody;
+use super::chain::Chain;
+use lin_canny::Geometry;
+
+/// Offset and prime of FNV-1a with 64 bits.
+const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
+const PRIME: u64 = 0x0000_0100_0000_01b3;
+
+/// A hash to which words and texts are added.
+pub(super) struct Fingerprint(pub(super) u64);
+
+impl Fingerprint {
+    pub(super) fn new() -> Self {
+        Self(OFFSET)
+    }
+
+    pub(super) fn word(&mut self, word: u64) {
+        for byte in word.to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(PRIME);
+        }
+    }
+
+    pub(super) fn number(&mut self, x: f64) {
+        self.word(x.to_bits());
+    }
+}
+
+impl Write for Fingerprint {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        text.bytes().for_each(|byte| self.word(byte.into()));
+        Ok(())
+    }
+}
+
+/// Returns the fingerprint of a pair: the kinds and parts of its bodies, all points of clouds, the
+/// joints between the bodies, and the distance that the pair must keep.
+pub(super) fn of_pair(shapes: [&Geometry; 2], bodies: [&RangeBody; 2], chain: &Chain, kept: f64) -> u64 {
+    let mut all = Fingerprint::new();
+    for (shape, body) in shapes.into_iter().zip(bodies) {
+        // Writing to a hash never fails.
+        let _ = write!(all, "{:?}", shape.kind());
+        all.word(body.fingerprint());
+    }
+    let _ = write!(all, "{chain:?}");
+    all.number(kept);
+    all.0
+}

@@ -1,0 +1,394 @@
+//! Proofs over ranges of joints in whole worlds: margins, paddings, attached parts, excluded pairs, and obstacles of each
+//! kind. The judge measures each pair at sampled configurations, at the poses that the checker gives.
+
+use core::ops::ControlFlow;
+
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Cloud, Geometry, HalfSpace, Mesh, PairTracker, RelativePose, Shape};
+use lin_canny_plan::{
+    Checker, ClearanceWidth, ConfigurationSpace, Drive, Joint, JointKind, JointTree, PlanError, RangeAnswer,
+    RangeOptions, RangeVerdict, SerialArm, TimedPoses, TreeJoint, World, WorldId, WorldPair,
+};
+use std::f64::consts::PI;
+use truth::rng::Rng;
+
+use crate::ranges::{A, B, OTHER, at, channel, cube, moved, pose, ranges, robot, slide};
+
+/// The distance of a pair at a configuration: bounds, and whether it is within what the pair must keep.
+fn measured<C: ConfigurationSpace>(checker: &Checker<C>, pair: WorldPair, q: &[f64]) -> (f64, bool) {
+    let [x, y] = [pair.a, pair.b].map(|id| checker.pose(id, q).expect("a pose"));
+    let pose = RelativePose::new(&x, &y).expect("poses");
+    let [x, y] = [pair.a, pair.b].map(|id| checker.world().geometry(id).expect("a body"));
+    let mut tracker = PairTracker::new();
+    let upper = tracker.closest(x, y, &pose).upper;
+    tracker.reset();
+    let kept = checker.world().kept_distance(pair);
+    (upper, tracker.within(x, y, &pose, kept))
+}
+
+/// Checks an answer at samples and at its witnesses.
+fn judge<C: ConfigurationSpace>(checker: &Checker<C>, answer: &RangeAnswer, samples: u32, rng: &mut Rng) {
+    let [low, high]: [Vec<f64>; 2] = [0, 1].map(|k| answer.range.iter().map(|ends| ends[k]).collect());
+    for (witness, is_touching) in answer.witnesses.iter().zip([false, true]) {
+        if let Some(q) = witness {
+            assert_eq!(measured(checker, answer.pair, q).1, is_touching, "{answer:?}");
+        }
+    }
+    let kept = checker.world().kept_distance(answer.pair);
+    assert!(!answer.is_never() || answer.lower >= kept, "{answer:?}");
+    for _ in 0..samples {
+        let q = at(rng, [&low, &high]);
+        let (upper, is_within) = measured(checker, answer.pair, &q);
+        match answer.verdict {
+            RangeVerdict::Never => assert!(!is_within, "{q:?} {answer:?}"),
+            RangeVerdict::Always => assert!(is_within, "{q:?} {answer:?}"),
+            _ => {}
+        }
+        // The depth of an overlap counts as no distance.
+        assert!(answer.lower <= upper.max(0.0), "{upper} at {q:?}: {answer:?}");
+    }
+}
+
+/// A box without its lid.
+fn open_box(half: f64) -> Mesh {
+    let corner = |m: usize| Point3::from([0, 1, 2].map(|k| if m >> k & 1 == 1 { half } else { -half }));
+    let points: Vec<Point3<f64>> = (0..8).map(corner).collect();
+    let faces: [[u32; 4]; 5] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1]];
+    let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    Mesh::new(&points, &triangles.collect::<Vec<_>>()).expect("a mesh")
+}
+
+/// Obstacles of each kind around a robot of a size.
+fn add_obstacles(world: &mut World, rng: &mut Rng, size: f64) {
+    let scaled = |p: Point3<f64>| Point3::from(p.coords * size);
+    let floor = HalfSpace::new(Vector3::z(), -1.5 * size).expect("a plane");
+    world.obstacle("floor", floor, Isometry3::identity());
+    let points: Vec<Point3<f64>> = (0..40)
+        .map(|_| Point3::from(Vector3::from_fn(|_, _| size * rng.range(-0.5, 0.5))))
+        .collect();
+    let ball = Shape::ball(0.05 * size).expect("a ball");
+    world.obstacle(
+        "cloud",
+        Cloud::new(&points, ball).expect("a cloud"),
+        pose(rng, 2.0 * size),
+    );
+    world.obstacle("open box", open_box(0.6 * size), pose(rng, 2.0 * size));
+    let walls = channel().to_mesh().expect("a mesh");
+    let corners: Vec<Point3<f64>> = walls.triangles().flat_map(|(_, t)| t.map(scaled)).collect();
+    let triangles: Vec<[u32; 3]> = (0..corners.len() as u32 / 3)
+        .map(|k| [3 * k, 3 * k + 1, 3 * k + 2])
+        .collect();
+    world.obstacle(
+        "walls",
+        Mesh::new(&corners, &triangles).expect("walls"),
+        pose(rng, 2.0 * size),
+    );
+    let way = [pose(rng, size), pose(rng, 3.0 * size)];
+    let poses = TimedPoses::new(&[0.0, 1.0], &way).expect("poses");
+    world.moving_obstacle(
+        "cart",
+        Shape::capsule(0.2 * size, 0.1 * size).expect("a capsule"),
+        poses,
+    );
+}
+
+fn random_worlds(robots: u64, samples: u32, seed: u64) -> [u32; 4] {
+    let mut tally = [0; 4];
+    for k in 0..robots {
+        let mut rng = Rng::new(seed + k);
+        let size = [1.0, 1e-6, 1e6][(k % 3) as usize];
+        let (tree, mut world) = robot(&mut rng, size, seed + k);
+        add_obstacles(&mut world, &mut rng, size);
+        world.set_margin(0.03 * size).expect("a margin");
+        world.set_pair_margin("a", "cloud", Some(0.2 * size)).expect("a margin");
+        world.set_pair_margin("b", "open box", Some(0.0)).expect("a margin");
+        world.pad("b", 0.05 * size).expect("a padding");
+        world.exclude("a", "walls").expect("a pair");
+        let limits = tree.bounds().to_vec();
+        let mut checker = Checker::new(tree, world).expect("a robot");
+        let part = solids::cuboid(Vector3::repeat(0.1 * size)).expect("a box");
+        let part = checker
+            .attach("b", "part", part, pose(&mut rng, 0.5 * size), &[])
+            .expect("a part");
+        let [low, high] = ranges(&mut rng, &limits);
+        let mut options = RangeOptions::default().cells(200).samples(40, 1);
+        if k % 2 == 0 {
+            options = options.width(ClearanceWidth::Share(0.2));
+        }
+        let refused = checker.prove_range(&low, &high, &options);
+        assert_eq!(refused, Err(PlanError::NoTime("cart".into())));
+        checker.set_time(rng.range(0.0, 1.0)).expect("a time");
+        let mut answers = checker.prove_range(&low, &high, &options).expect("a range");
+        let excluded = WorldPair::new(A, WorldId::Obstacle(3)).expect("a pair");
+        // Both bodies and the part against five obstacles, one excluded; the part is rigid with b.
+        assert_eq!(answers.len(), 3 * 5 - 1 + 2);
+        assert!(answers.iter().all(|answer| answer.pair != excluded));
+        assert!(
+            answers
+                .iter()
+                .any(|answer| answer.pair.a == part || answer.pair.b == part)
+        );
+        answers.push(
+            checker
+                .prove_pair(excluded.a, excluded.b, &low, &high, &options)
+                .expect("an excluded pair"),
+        );
+        for answer in &answers {
+            judge(&checker, answer, samples, &mut rng);
+            let of = match answer.verdict {
+                RangeVerdict::Never => 0,
+                RangeVerdict::Always => 1,
+                RangeVerdict::Both { .. } => 2,
+                _ => 3,
+            };
+            tally[of] += 1;
+        }
+    }
+    println!("{tally:?} pairs never, always, both, open");
+    tally
+}
+
+#[test]
+fn verdicts_in_random_worlds_hold_at_samples() {
+    let tally = random_worlds(12, 60, 40);
+    assert!(tally[0] > 60 && tally[2] > 10, "{tally:?}");
+}
+
+#[test]
+#[ignore = "three hundred worlds at two thousand samples a pair: cargo test --release -p lin-canny-plan --test plan three_hundred_worlds -- --ignored"]
+fn verdicts_in_three_hundred_worlds_hold_at_samples() {
+    random_worlds(300, 2_000, 4_000);
+}
+
+#[test]
+fn a_range_beside_a_moving_obstacle_needs_a_time() {
+    let x = |x: f64| Isometry3::translation(x, 0.0, 0.0);
+    let mut world = World::new();
+    world.robot_body("body", cube(0.5));
+    let poses = TimedPoses::new(&[0.0, 1.0], &[x(9.0), x(2.0)]).expect("poses");
+    let cart = world.moving_obstacle("cart", cube(0.5), poses);
+    let arm = SerialArm::new(
+        Isometry3::identity(),
+        vec![slide(Vector3::x_axis(), [0.0, 3.0])],
+        vec![1],
+        1.0,
+    );
+    let mut checker = Checker::new(arm.expect("an arm"), world).expect("a world");
+    let options = RangeOptions::default();
+    let none = Err(PlanError::NoTime("cart".into()));
+    assert_eq!(checker.prove_pair(A, cart, &[0.0], &[3.0], &options), none);
+    checker.set_time(0.0).expect("a time");
+    let early = checker.prove_pair(A, cart, &[0.0], &[3.0], &options).expect("a range");
+    assert!(early.is_never() && early.lower <= 5.0, "{early:?}");
+    checker.set_time(1.0).expect("a time");
+    let late = checker.prove_pair(A, cart, &[0.0], &[3.0], &options).expect("a range");
+    assert!(matches!(late.verdict, RangeVerdict::Both { .. }), "{late:?}");
+    // The obstacle has moved since the answer.
+    let go = &mut |_| ControlFlow::Continue(());
+    assert_eq!(
+        checker.resume_range(&early, &options, go),
+        Err(PlanError::OtherRange(early.pair))
+    );
+}
+
+#[test]
+fn a_range_of_no_width_at_the_margin_is_within_it() {
+    for (gap, is_within) in [(0.5, true), (0.5f64.next_up(), false), (0.5f64.next_down(), true)] {
+        let at = 2.0 + gap;
+        let mut checker = moved(vec![slide(Vector3::x_axis(), [2.0, 5.0])], cube(1.0), cube(1.0));
+        checker.set_margin(0.5).expect("a margin");
+        let options = RangeOptions::default();
+        let answer = checker.prove_pair(A, OTHER, &[at], &[at], &options).expect("a range");
+        // The slide rounds to a grid of 2^-51.
+        let is_at = at - 2.0 <= 0.5;
+        assert!(is_at == is_within || gap != 0.5);
+        assert_eq!(answer.verdict == RangeVerdict::Always, is_at, "{answer:?}");
+        assert_eq!(checker.is_free_at(&[at]), Ok(!is_at));
+        // A decided answer is returned as it is.
+        let again = checker.resume_range(&answer, &options, &mut |_| ControlFlow::Continue(()));
+        assert_eq!(again, Ok(answer));
+    }
+}
+
+/// Two boxes on a link that turns freely: the coordinate between them has no width, so only rounding moves them.
+#[test]
+fn a_coordinate_of_no_width_on_a_link_that_turns_is_no_single_configuration() {
+    let mut rng = Rng::new(8);
+    let (mut never, mut always) = (0, 0);
+    for k in 0..40 {
+        let near = pose(&mut rng, 3.0);
+        let first = TreeJoint {
+            parent: 0,
+            kind: JointKind::Revolute,
+            origin: near,
+            axis: Vector3::z_axis(),
+            drive: Some(Drive::by(0)),
+        };
+        let second = TreeJoint {
+            parent: 1,
+            kind: JointKind::Prismatic,
+            origin: Isometry3::identity(),
+            axis: Vector3::x_axis(),
+            drive: Some(Drive::by(1)),
+        };
+        let limits = vec![[-3.0, 3.0], [0.0, 4.0]];
+        let tree = JointTree::new(
+            Isometry3::identity(),
+            vec![first, second],
+            limits,
+            vec![1, 2],
+            vec![3.0; 3],
+        );
+        let mut world = World::new();
+        world.robot_body("a", cube(0.5));
+        world.robot_body("b", cube(0.5));
+        let mut checker = Checker::new(tree.expect("a tree"), world).expect("a world");
+        let gap = [0.0, 0.1, -0.1, 1e-15][k % 4];
+        let options = RangeOptions::default();
+        let [low, high] = [[-3.0, 1.0 + gap], [3.0, 1.0 + gap]];
+        let answer = checker.prove_pair(A, B, &low, &high, &options).expect("a range");
+        judge(&checker, &answer, 200, &mut rng);
+        never += u32::from(answer.is_never());
+        always += u32::from(answer.verdict == RangeVerdict::Always);
+    }
+    assert_eq!((never, always), (10, 10));
+}
+
+/// Limits of a million radians, of coordinates that drive one joint, two joints, and a joint against itself.
+#[test]
+fn limits_of_a_million_radians_hold_at_samples() {
+    let mut rng = Rng::new(3);
+    let mut tally = [0; 2];
+    for k in 0..8 {
+        let turn = |z: f64, parent: usize, factor: f64| TreeJoint {
+            parent,
+            kind: JointKind::Revolute,
+            origin: Isometry3::translation(1.0, 0.0, z),
+            axis: Vector3::z_axis(),
+            drive: Some(Drive {
+                coordinate: 0,
+                factor,
+                offset: 0.1,
+            }),
+        };
+        // The second joint turns back what the first turns, half of it, or more.
+        let joints = vec![turn(0.0, 0, 1.0), turn(0.0, 1, [-1.0, -0.5, 2.0, 0.0][k % 4])];
+        let limits = vec![[-1e6, 1e6]];
+        let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![2], vec![3.0; 3]).expect("a tree");
+        let mut world = World::new();
+        world.robot_body("body", cube(0.1));
+        let post = world.obstacle("post", cube(0.3), Isometry3::translation([0.0, 4.0][k / 4], 0.0, 0.0));
+        let mut checker = Checker::new(tree, world).expect("a world");
+        let options = RangeOptions::default().cells(400);
+        let answer = checker.prove_pair(A, post, &[-1e6], &[1e6], &options).expect("a range");
+        judge(&checker, &answer, 2_000, &mut rng);
+        tally[usize::from(answer.is_never())] += 1;
+    }
+    assert!(tally[1] >= 2, "{tally:?}");
+}
+
+/// A slide behind a turn carries a ball far from the axis of the turn.
+#[test]
+fn a_turn_before_a_long_slide_reaches_far() {
+    let joints = vec![
+        Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-1.0, 2.0]),
+        slide(Vector3::x_axis(), [0.0, 10.0]),
+    ];
+    let ball = || Shape::ball(0.1).expect("a ball");
+    let arm = SerialArm::new(Isometry3::identity(), joints, vec![2], 11.0).expect("an arm");
+    let mut world = World::new();
+    world.robot_body("ball", ball());
+    let other = world.obstacle("other", ball(), Isometry3::translation(0.0, 8.0, 0.0));
+    let mut checker = Checker::new(arm, world).expect("a world");
+    let options = RangeOptions::default();
+    let both = checker
+        .prove_pair(A, other, &[-1.0, 0.0], &[2.0, 10.0], &options)
+        .expect("a range");
+    assert!(matches!(both.verdict, RangeVerdict::Both { .. }), "{both:?}");
+    let short = checker
+        .prove_pair(A, other, &[-1.0, 0.0], &[2.0, 7.7], &options)
+        .expect("a range");
+    assert!(short.is_never() && short.lower <= 0.1 + 1e-12, "{short:?}");
+}
+
+#[test]
+fn an_answer_about_other_bodies_is_not_resumed() {
+    let joint = || vec![Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-PI, PI])];
+    let far = |x: f64| {
+        let far = cube(0.5).transformed(&Isometry3::translation(x, 0.0, 0.0));
+        Geometry::from(far.expect("a box"))
+    };
+    let options = RangeOptions::default();
+    let go = &mut |_| ControlFlow::Continue(());
+    let mut checker = moved(joint(), cube(0.5), far(2.0));
+    let open = checker
+        .prove_pair(A, OTHER, &[-PI], &[PI], &options.cells(0))
+        .expect("a range");
+    assert!(matches!(open.verdict, RangeVerdict::Open { .. }));
+    let answer = checker.resume_range(&open, &options, go).expect("a range");
+    assert!(answer.is_never());
+    let points = [Point3::new(2.0, 0.0, 0.0), Point3::new(2.1, 0.1, 0.1)];
+    let more = [points[0], points[1], Point3::new(2.05, 0.05, 0.05)];
+    let ball = || Shape::ball(0.1).expect("a ball");
+    let cloud = |points: &[Point3<f64>]| Geometry::from(Cloud::new(points, ball()).expect("a cloud"));
+    let others = [far(2.5), far(2.0f64.next_up()), cloud(&points), cloud(&more)];
+    for other in others.clone() {
+        let mut changed = moved(joint(), cube(0.5), other);
+        for old in [&open, &answer] {
+            assert_eq!(
+                changed.resume_range(old, &options, go),
+                Err(PlanError::OtherRange(old.pair))
+            );
+        }
+    }
+    let [_, _, two, three] = others;
+    let of_two = moved(joint(), cube(0.5), two).prove_pair(A, OTHER, &[-PI], &[PI], &options);
+    assert!(
+        moved(joint(), cube(0.5), three)
+            .resume_range(&of_two.expect("a range"), &options, go)
+            .is_err()
+    );
+    let turned = Joint::revolute(Isometry3::identity(), Vector3::x_axis(), [-PI, PI]);
+    assert!(
+        moved(vec![turned], cube(0.5), far(2.0))
+            .resume_range(&answer, &options, go)
+            .is_err()
+    );
+    checker.set_margin(0.1).expect("a margin");
+    assert!(checker.resume_range(&answer, &options, go).is_err());
+}
+
+/// A peg in a hole: the place of the part and its tilt are coordinates with a tolerance.
+#[test]
+fn tolerances_of_a_part_are_coordinates_with_a_range() {
+    let free = |kind, parent, coordinate, axis| TreeJoint {
+        parent,
+        kind,
+        origin: Isometry3::identity(),
+        axis,
+        drive: Some(Drive::by(coordinate)),
+    };
+    let lift = free(JointKind::Prismatic, 0, 0, Vector3::z_axis());
+    let off = free(JointKind::Prismatic, 1, 1, Vector3::x_axis());
+    let tilt = free(JointKind::Revolute, 2, 2, Vector3::y_axis());
+    let limits = vec![[-0.5, 0.5], [-0.05, 0.05], [-0.1, 0.1]];
+    let joints = vec![lift, off, tilt];
+    let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![3], vec![2.0; 4]).expect("a tree");
+    let mut world = World::new();
+    world.robot_body("peg", solids::cuboid(Vector3::new(0.1, 0.1, 0.5)).expect("a peg"));
+    let wall = world.obstacle("wall", cube(1.0), Isometry3::translation(1.2, 0.0, 0.0));
+    let mut checker = Checker::new(tree, world).expect("a world");
+    let options = RangeOptions::default().width(ClearanceWidth::Length(1e-4));
+    let mut prove = |off: f64, tilt: f64| {
+        let (low, high) = ([-0.5, -off, -tilt], [0.5, off, tilt]);
+        checker.prove_pair(A, wall, &low, &high, &options).expect("a range")
+    };
+    assert!((prove(0.0, 0.0).lower - 0.1).abs() < 2e-4);
+    for (off, tilt) in [(0.02, 0.0), (0.0, 0.1), (0.02, 0.05)] {
+        let answer = prove(off, tilt);
+        let truth = 0.2 - off - (0.1 * tilt.cos() + 0.5 * tilt.sin());
+        assert!(answer.lower <= truth && truth <= answer.lower + 2e-4, "{answer:?}");
+    }
+    assert!(prove(0.05, 0.1).is_never());
+}
