@@ -19,7 +19,7 @@ pub(crate) struct StoredWorld {
     frames: Vec<(String, Frame)>,
     attached: Vec<Option<AttachedObject>>,
     obstacles: Vec<Option<(String, Geometry, Isometry3<f64>)>>,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     motions: Vec<(WorldId, TimedPoses)>,
     excluded: Vec<WorldPair>,
     margin: f64,
@@ -70,7 +70,7 @@ impl TryFrom<StoredWorld> for World {
 pub(crate) struct StoredCurve {
     points: Vec<Vec<f64>>,
     errors: Vec<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     times: Option<[f64; 2]>,
 }
 
