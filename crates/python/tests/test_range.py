@@ -28,7 +28,7 @@ def test_the_four_verdicts(checker):
     always = checker.prove_pair(checker.ids[1], checker.ids[2], [0, TOUCH + 0.05], [1, 1.7])
     assert always.verdict == "always" and always.witnesses[0] is None
 
-    narrow = ([0, -3], [1, TOUCH - 1e-6])
+    narrow = ([0, -3], [1, TOUCH - 0.01])
     part = checker.prove_pair("bar", "post", *narrow, cells=1)
     assert part.verdict == "open" and 0 < part.share <= 1 and part.cells == 1
     end = checker.resume_range(part)
