@@ -1,4 +1,5 @@
 //! The serialised forms of worlds and curves (feature `serde`): lists, checked when they are read.
+//! No field is left out: formats without field names need all of them.
 
 use std::string::String;
 use std::vec::Vec;
