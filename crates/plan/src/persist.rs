@@ -1,4 +1,5 @@
 //! The serialised forms of worlds and curves (feature `serde`): lists, checked when they are read.
+//! No field is left out: formats without field names need all of them.
 
 use std::string::String;
 use std::vec::Vec;
@@ -19,7 +20,7 @@ pub(crate) struct StoredWorld {
     frames: Vec<(String, Frame)>,
     attached: Vec<Option<AttachedObject>>,
     obstacles: Vec<Option<(String, Geometry, Isometry3<f64>)>>,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     motions: Vec<(WorldId, TimedPoses)>,
     excluded: Vec<WorldPair>,
     margin: f64,
@@ -70,7 +71,7 @@ impl TryFrom<StoredWorld> for World {
 pub(crate) struct StoredCurve {
     points: Vec<Vec<f64>>,
     errors: Vec<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     times: Option<[f64; 2]>,
 }
 

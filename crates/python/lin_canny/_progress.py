@@ -17,6 +17,8 @@ def reporter(progress: Any, total: int) -> Callable[[int, int], object] | None:
     bar = tqdm(total=total)
 
     def report(done: int, total: int) -> None:
+        if total != bar.total or done < bar.n:  # the next stage
+            bar.reset(total)
         bar.update(done - bar.n)
         if done == total:
             bar.close()

@@ -23,7 +23,7 @@ pub(crate) const BLOCK: usize = 1024;
 const LOOK: usize = 64;
 
 /// Time between two checks for signals and progress.
-const BREATH: Duration = Duration::from_millis(50);
+pub(crate) const BREATH: Duration = Duration::from_millis(50);
 
 /// How a batch is answered: the state that a block begins with, and the answers of a few queries
 /// from the index given on.
@@ -62,10 +62,9 @@ impl<'py> Run<'py> {
         if threads == 0 {
             return Err(refused("threads is 0 (expected at least 1)"));
         }
-        let reporter = |p| py.import("lin_canny._progress")?.call_method1("reporter", (p, count));
         Ok(Self {
             threads: threads.min(count.div_ceil(BLOCK)).max(1),
-            progress: progress.map(reporter).transpose()?.filter(|p| !p.is_none()),
+            progress: reporter(py, count, progress)?,
         })
     }
 
@@ -143,6 +142,20 @@ impl<'py> Run<'py> {
         }
         Ok(all)
     }
+}
+
+/// Returns the callable of a caller with the arguments done and total; that of a bar of tqdm for
+/// `True`.
+pub(crate) fn reporter<'py>(
+    py: Python<'py>,
+    count: usize,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let Some(progress) = progress else { return Ok(None) };
+    let found = py
+        .import("lin_canny._progress")?
+        .call_method1("reporter", (progress, count))?;
+    Ok(Some(found).filter(|report| !report.is_none()))
 }
 
 /// A block in work: its state, and the rows that are left.

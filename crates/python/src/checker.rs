@@ -4,14 +4,17 @@ mod answers;
 mod batches;
 mod motion_batch;
 mod motions;
+mod range;
 mod setup;
+mod smooth;
 mod world;
 
 pub(crate) use answers::{NearPair, Verdict};
+pub(crate) use range::RangeAnswer;
 pub(crate) use world::BodyId;
 
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use lin_canny::Progress;
 use lin_canny_robot::plan::{Checker as Loaded, ConfigurationSpace, JointTree, Path, PlanOptions, World};
@@ -23,6 +26,7 @@ use pyo3::types::{PyBytes, PyDict, PyTuple};
 use crate::array::{Argument, contiguous, shape_text};
 use crate::errors::{file_error, plan_error, refused};
 use crate::robot::Robot;
+use crate::watch::Watch;
 use answers::Pair;
 use setup::{Obstacle, RobotArgument};
 
@@ -34,9 +38,6 @@ const CONFIGURATIONS: Argument = Argument {
     name: "configurations",
     error: |why| plan_error(why),
 };
-
-/// Time between two checks for signals during a search.
-const BREATH: Duration = Duration::from_millis(50);
 
 /// Checks robots among obstacles: clearances with bounds, motions proven free over their whole
 /// length, and paths.
@@ -124,14 +125,15 @@ impl Checker {
     }
 
     fn __getstate__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let state = (self.checker.world(), self.checker.start_contact_margin());
+        let checker = &self.checker;
+        let state = (checker.world(), checker.start_contact_margin(), checker.time());
         Ok(PyBytes::new(py, &postcard::to_stdvec(&state).map_err(refused)?))
     }
 
     fn __setstate__(&mut self, state: &[u8]) -> PyResult<()> {
-        let (world, margin): (World, Option<f64>) = postcard::from_bytes(state).map_err(plan_error)?;
-        self.checker = Loaded::new(self.checker.space().clone(), world).map_err(plan_error)?;
-        self.set_start_contact_margin(margin)
+        let (world, margin, time): (World, _, _) = postcard::from_bytes(state).map_err(plan_error)?;
+        self.checker = checker_of(self.checker.space().clone(), world, margin, time)?;
+        Ok(())
     }
 
     /// Writes the world to a JSON file that the parameter `cell` reads.
@@ -202,6 +204,21 @@ impl Checker {
     #[setter]
     fn set_start_contact_margin(&mut self, margin: Option<f64>) -> PyResult<()> {
         self.checker.set_start_contact_margin(margin).map_err(plan_error)
+    }
+
+    /// The time at which configurations are queried, or None: moving obstacles are at their poses at
+    /// this time.
+    ///
+    /// Curves and trajectories have times of their own. It must be set before configurations are
+    /// queried among moving obstacles. Raises PlanError if a moving obstacle has no pose at the time.
+    #[getter]
+    fn time(&self) -> Option<f64> {
+        self.checker.time()
+    }
+
+    #[setter]
+    fn set_time(&mut self, time: f64) -> PyResult<()> {
+        self.checker.set_time(time).map_err(plan_error)
     }
 
     /// Drops all cached state: the next answer has the bits of a new checker's.
@@ -349,11 +366,7 @@ impl Checker {
 
     /// Returns a new checker of the same world.
     fn copy(&self) -> PyResult<Loaded<JointTree>> {
-        let (space, world) = (self.checker.space().clone(), self.checker.world().clone());
-        let mut checker = Loaded::new(space, world).map_err(plan_error)?;
-        let margin = self.checker.start_contact_margin();
-        checker.set_start_contact_margin(margin).map_err(plan_error)?;
-        Ok(checker)
+        copy_of(&self.checker)
     }
 
     /// Returns the checker of a robot without obstacles.
@@ -378,18 +391,14 @@ impl Checker {
         seconds: f64,
         shorten: usize,
     ) -> PyResult<Option<Path>> {
-        let (began, mut looked, mut raised) = (Instant::now(), Instant::now(), None);
-        let mut stop = |_| {
-            if looked.elapsed() > BREATH {
-                looked = Instant::now();
-                raised = Python::attach(|py| py.check_signals()).err();
-            }
-            Progress::stop_if(raised.is_some() || began.elapsed().as_secs_f64() > seconds)
+        let began = Instant::now();
+        let mut watch = Python::attach(|py| Watch::new(py, None))?;
+        let mut stop = |now| {
+            let is_stopped = watch.look(now).is_break();
+            Progress::stop_if(is_stopped || began.elapsed().as_secs_f64() > seconds)
         };
         let found = self.checker.plan_with_progress(start, goal, options, &mut stop);
-        if let Some(error) = raised {
-            return Err(error);
-        }
+        Python::attach(|py| watch.finish(py, false))?;
         match found.map_err(plan_error)?.path {
             Some(path) => {
                 let short = self.checker.shorten(&path, shorten, options.seed);
@@ -398,6 +407,19 @@ impl Checker {
             None => Ok(None),
         }
     }
+}
+
+/// Returns a new checker of the same world.
+fn copy_of(checker: &Loaded<JointTree>) -> PyResult<Loaded<JointTree>> {
+    let (space, world) = (checker.space().clone(), checker.world().clone());
+    checker_of(space, world, checker.start_contact_margin(), checker.time())
+}
+
+fn checker_of(space: JointTree, world: World, margin: Option<f64>, time: Option<f64>) -> PyResult<Loaded<JointTree>> {
+    let mut checker = Loaded::new(space, world).map_err(plan_error)?;
+    checker.set_start_contact_margin(margin).map_err(plan_error)?;
+    time.map_or(Ok(()), |time| checker.set_time(time)).map_err(plan_error)?;
+    Ok(checker)
 }
 
 /// Returns a configuration of an argument of shape (dof,).

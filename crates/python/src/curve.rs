@@ -231,6 +231,21 @@ impl JointCurve {
         self.values(time, Curve::acceleration)
     }
 
+    /// Returns the same curve with times on a clock of its start and its end.
+    ///
+    /// They matter only among moving obstacles: see `Checker.add_moving_obstacle`. The times 0 to 1
+    /// of the curve, and of verdicts about it, stay. Raises PlanError unless both are finite and the
+    /// end is after the start.
+    fn with_times(&self, start: f64, end: f64) -> PyResult<Self> {
+        made(self.0.clone().with_times([start, end]))
+    }
+
+    /// The times on a clock of start and end, or None: see `with_times`.
+    #[getter]
+    fn times(&self) -> Option<(f64, f64)> {
+        self.0.times().map(Into::into)
+    }
+
     /// Returns the same curve, one degree higher.
     fn elevated(&self) -> PyResult<Self> {
         made(self.0.elevated())

@@ -16,6 +16,7 @@ mod robot;
 mod scene;
 mod tracker;
 mod trajectory;
+mod watch;
 
 use pyo3::prelude::*;
 
@@ -37,6 +38,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<checker::BodyId>()?;
     module.add_class::<checker::NearPair>()?;
     module.add_class::<checker::Verdict>()?;
+    module.add_class::<checker::RangeAnswer>()?;
     module.add_class::<curve::JointCurve>()?;
     module.add_class::<trajectory::Trajectory>()?;
     module.add_class::<mesh_file::MeshFile>()?;

@@ -77,9 +77,11 @@ pub(crate) struct Trajectory {
     names: Option<Vec<String>>,
     times: Vec<f64>,
     points: Loaded,
+    /// Of a smooth motion, the rows of the path at which it stops.
+    stops: Option<Vec<usize>>,
 }
 
-/// The numbers of a trajectory, for pickling: names, times, positions, velocities, accelerations.
+/// The numbers of a trajectory: names, times, positions, velocities, accelerations.
 type Parts = (
     Option<Vec<String>>,
     Vec<f64>,
@@ -95,7 +97,22 @@ impl Trajectory {
         points.times = Some(times.clone());
         points.velocities = velocities;
         points.accelerations = accelerations;
-        Self { names, times, points }
+        Self {
+            names,
+            times,
+            points,
+            stops: None,
+        }
+    }
+
+    /// Returns a smooth motion, which stops at rows of its path.
+    pub(crate) fn smooth(names: Vec<String>, mut points: Loaded, stops: Vec<usize>) -> Self {
+        let times = points.times.take().unwrap_or_default();
+        let parts = (Some(names), times, points.rows, points.velocities, points.accelerations);
+        Self {
+            stops: Some(stops),
+            ..Self::of_parts(parts)
+        }
     }
 
     /// Returns the number of points.
@@ -340,7 +357,14 @@ impl Trajectory {
         self.derivative(py, &self.points.accelerations)
     }
 
-    /// Returns the curves from each point to the next, each over its own times 0 to 1.
+    /// The inner rows of the path at which a motion of `Checker.smooth` stops; None for others.
+    #[getter]
+    fn stops(&self) -> Option<Vec<usize>> {
+        self.stops.clone()
+    }
+
+    /// Returns the curves from each point to the next, each over its own times 0 to 1, with the
+    /// times of its points: see `JointCurve.with_times`.
     ///
     /// robot: a Robot or Checker whose coordinates the curves have, in its order; by default that of
     /// the columns.
@@ -399,6 +423,7 @@ impl Trajectory {
             ..
         } = &self.points;
         let parts = (&self.names, &self.times, rows, velocities, accelerations);
+        let parts = (parts, &self.stops);
         let bytes = postcard::to_stdvec(&parts).map_err(refused)?;
         let make = py.get_type::<Self>().getattr("_from_bytes")?;
         Ok((make, (PyBytes::new(py, &bytes),)))
@@ -406,9 +431,12 @@ impl Trajectory {
 
     #[staticmethod]
     fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
-        let parts: Parts = postcard::from_bytes(bytes).map_err(refused)?;
+        let (parts, stops): (Parts, _) = postcard::from_bytes(bytes).map_err(refused)?;
         check_times(&parts.1)?;
-        let made = Self::of_parts(parts);
+        let made = Self {
+            stops,
+            ..Self::of_parts(parts)
+        };
         curves(&made.points)?;
         Ok(made)
     }

@@ -4,7 +4,7 @@ use lin_canny_robot::plan::{Checker as Loaded, JointTree, NearPairs, PlanError, 
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 
-use super::{CONFIGURATIONS, Checker, configurations};
+use super::{CONFIGURATIONS, Checker, configurations, copy_of};
 use crate::array::{contiguous, filled, of_triples, structured};
 use crate::batch::{BLOCK, Batch, Run};
 use crate::errors::plan_error;
@@ -40,12 +40,6 @@ impl Numbers {
 }
 
 impl Configurations<'_> {
-    /// Returns a new checker of the same world.
-    fn checker(&self) -> PyResult<Loaded<JointTree>> {
-        let (space, world) = (self.checker.space().clone(), self.checker.world().clone());
-        Loaded::new(space, world).map_err(plan_error)
-    }
-
     fn clearance(&self, checker: &mut Loaded<JointTree>, k: usize) -> PyResult<Row> {
         let found = checker.clearance(self.rows[k]).map_err(|e| fault(k, &e))?;
         Ok(found.map_or(NO_PAIR, |near| {
@@ -69,7 +63,7 @@ impl Batch for Clearances<'_> {
     const LOOK: usize = LOOK;
 
     fn start(&self) -> PyResult<Self::State> {
-        self.0.checker()
+        copy_of(self.0.checker)
     }
 
     fn answer(&self, checker: &mut Self::State, first: usize, rows: &mut [Row]) -> PyResult<()> {
@@ -89,7 +83,7 @@ impl Batch for Free<'_> {
     const LOOK: usize = LOOK;
 
     fn start(&self) -> PyResult<Self::State> {
-        self.0.checker()
+        copy_of(self.0.checker)
     }
 
     fn answer(&self, checker: &mut Self::State, first: usize, rows: &mut [bool]) -> PyResult<()> {
@@ -213,7 +207,7 @@ impl Checker {
         let batch = self.batch(&array)?;
         py.detach(|| {
             let start = cpu_time::ThreadTime::now();
-            let mut checker = batch.checker()?;
+            let mut checker = copy_of(batch.checker)?;
             let rows: PyResult<Vec<Row>> = (0..batch.rows.len())
                 .map(|k| batch.clearance(&mut checker, k))
                 .collect();

@@ -25,23 +25,29 @@ impl Checker {
         self.setup.coordinates()
     }
 
-    /// Returns how much each coordinate may deviate: one number for all, or one for each.
-    pub(super) fn tube(&self, tube: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Vec<f64>>> {
-        let Some(tube) = tube else { return Ok(None) };
+    /// Returns a number of each coordinate: one number for all, or one for each.
+    pub(super) fn of_each(&self, given: &Bound<'_, PyAny>, argument: Argument) -> PyResult<Vec<f64>> {
         let dof = self.dof();
-        let array = contiguous::<f64>(tube, TUBE)?;
+        let array = contiguous::<f64>(given, argument)?;
         let values = array.as_slice()?;
-        let values = match is_number(tube)? {
+        let values = match is_number(given)? {
             true => vec![values[0]; dof],
             false => values.to_vec(),
         };
-        let shape = array.shape();
-        if shape.len() != 1 || values.len() != dof {
-            return Err(plan_error(format!(
-                "tube: shape is {} (expected a number or ({dof},))",
+        match array.shape() {
+            [_] if values.len() == dof => Ok(values),
+            shape => Err(plan_error(format!(
+                "{}: shape is {} (expected a number or ({dof},))",
+                argument.name,
                 shape_text(shape)
-            )));
+            ))),
         }
+    }
+
+    /// Returns how much each coordinate may deviate: one number for all, or one for each.
+    pub(super) fn tube(&self, tube: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Vec<f64>>> {
+        let Some(tube) = tube else { return Ok(None) };
+        let values = self.of_each(tube, TUBE)?;
         if let Some(k) = values.iter().position(|x| !(*x >= 0.0 && x.is_finite())) {
             let name = &self.coordinate_list()[k].name;
             return Err(plan_error(format!(
@@ -100,7 +106,12 @@ impl Checker {
             let (end, start) = (before.control_point(before.degree()), curve.control_point(0));
             match end.iter().zip(&start).position(|(x, y)| x != y) {
                 Some(coordinate) => Err(PlanError::CurveJump { index: k, coordinate }),
-                None => Ok(()),
+                None => match (before.times(), curve.times()) {
+                    (Some([_, end]), Some([start, _])) if start != end => {
+                        Err(PlanError::CurveTime { index: k, start, end })
+                    }
+                    _ => Ok(()),
+                },
             }
         };
         (1..curves.len()).try_for_each(joined).map_err(plan_error)?;
@@ -229,7 +240,8 @@ impl Checker {
     ///
     /// It is free, or the verdict on the motion after the first point, `segment`, after which it is
     /// not free; `safe_time` and `blocked_time` are times of the trajectory. The columns may be in
-    /// any order if the trajectory has names. Ctrl-C ends the call.
+    /// any order if the trajectory has names. Moving obstacles are where they are at these times:
+    /// see `add_moving_obstacle`. Ctrl-C ends the call.
     ///
     /// Parameters
     /// ----------

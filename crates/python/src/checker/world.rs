@@ -1,16 +1,22 @@
 //! Changes of the world of a checker, and what the world holds.
 
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_robot::plan::{PlanError, Select, WorldId, WorldPair};
+use lin_canny_robot::plan::{PlanError, Select, TimedPoses, WorldId, WorldPair};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use super::answers::{Pair, names};
 use super::{Checker, configuration};
-use crate::errors::{plan_error, refused};
+use crate::array::{Argument, numbers};
+use crate::errors::{plan_error, pose_error, refused};
 use crate::geometry::Geometry;
-use crate::pose::{Pose, matrix_of_pose};
+use crate::pose::{Pose, Poses, matrix_of_pose};
+
+const TIMES: Argument = Argument {
+    name: "times",
+    error: |why| plan_error(why),
+};
 
 /// Names one body of a checker for ever: ids of removed bodies are never used again.
 ///
@@ -98,6 +104,25 @@ impl Checker {
         let pairs = found.map_err(plan_error)?.into_iter();
         Ok(pairs.map(|pair| names(&self.checker, pair)).collect())
     }
+
+    /// Returns the id of an argument that stands for one body.
+    pub(super) fn one_body(&self, body: &Bodies<'_>) -> PyResult<WorldId> {
+        let ids = self.checker.world().select(body.select()).map_err(plan_error)?;
+        match (&ids[..], body) {
+            ([id], _) => Ok(*id),
+            (_, Bodies::Names(names)) => Err(plan_error(format!("bodies are {names:?} (expected one)"))),
+            (_, Bodies::Name(name)) => Err(plan_error(PlanError::Ambiguous {
+                name: name.clone(),
+                count: ids.len(),
+            })),
+            (_, Bodies::Id(id)) => Err(plan_error(PlanError::NoBody(id.get().0))),
+        }
+    }
+
+    pub(super) fn pair_of(&self, a: WorldId, b: WorldId) -> PyResult<WorldPair> {
+        let pair = WorldPair::new(a, b);
+        pair.ok_or_else(|| plan_error(format!("{a} and {b} are not a pair that is checked")))
+    }
 }
 
 #[pymethods]
@@ -117,6 +142,45 @@ impl Checker {
     fn add_obstacle(&mut self, name: &str, geometry: &Bound<'_, Geometry>, pose: Option<Pose>) -> PyResult<BodyId> {
         let geometry = geometry.get().0.clone();
         let id = self.checker.add_obstacle(name, geometry, pose_of(pose));
+        id.map(BodyId).map_err(plan_error)
+    }
+
+    /// Adds an obstacle that moves, and returns its id.
+    ///
+    /// `certify_trajectory`, and curves with times (`JointCurve.with_times`), are proven against its
+    /// motion. Configurations are queried at `time`. Motions without times are then a PlanError.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    /// geometry : Geometry
+    /// times : array_like, shape (N,)
+    ///     On the clock of the trajectories, in ascending order, at least two.
+    /// poses : poses, shape (N, 4, 4) or (N, 7)
+    ///     In the world, one at each time. Between two poses the position moves along a straight
+    ///     line and the rotation is by slerp, both at constant speed. Before the first time and
+    ///     after the last there is no pose: queries there are a PlanError that names the obstacle.
+    fn add_moving_obstacle(
+        &mut self,
+        name: &str,
+        geometry: &Bound<'_, Geometry>,
+        times: &Bound<'_, PyAny>,
+        poses: &Bound<'_, PyAny>,
+    ) -> PyResult<BodyId> {
+        let (times, poses) = (numbers(times, TIMES)?, Poses::new(poses)?);
+        let view = poses.view()?;
+        let (found, expected) = (times.len(), view.len());
+        if found != expected {
+            return Err(plan_error(format!(
+                "times: shape is ({found},) (expected ({expected},), one for each pose)"
+            )));
+        }
+        let each = (0..expected).map(|k| view.isometry(k).ok_or_else(|| pose_error(view.fault(k))));
+        let poses = each.collect::<PyResult<Vec<_>>>()?;
+        let fault = |e: PlanError| plan_error(format!("obstacle {name:?}: {e}"));
+        let poses = TimedPoses::new(&times, &poses).map_err(fault)?;
+        let geometry = geometry.get().0.clone();
+        let id = self.checker.add_moving_obstacle(name, geometry, poses);
         id.map(BodyId).map_err(plan_error)
     }
 
@@ -252,9 +316,7 @@ impl Checker {
         for id in [a, b] {
             world.select(id).map_err(plan_error)?;
         }
-        let pair = WorldPair::new(a, b);
-        let pair = pair.ok_or_else(|| plan_error(format!("{a} and {b} are not a pair that is checked")))?;
-        Ok(world.kept_distance(pair))
+        Ok(world.kept_distance(self.pair_of(a, b)?))
     }
 
     /// Returns the pose of a body in the world at a configuration, shape (4, 4).
