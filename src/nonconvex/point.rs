@@ -68,15 +68,15 @@ impl Mesh {
         let stored = self.stored_point(point);
         let mut room = NearRoom::default();
         self.nearest_triangle(&stored.place, -1.0, &mut room);
-        let crossings = core::cell::Cell::new(0);
+        let mut crossings = 0;
         self.winding_about(&stored.place, |_| {
-            crossings.set(crossings.get() + 1);
+            crossings += 1;
             true
         });
-        [room.leaves, crossings.get()]
+        [room.leaves, crossings]
     }
 
-    /// Returns the closest triangle with bounds as close as rounding permits; see [`near::refined`].
+    /// Returns the closest triangle with the narrowest bounds: see [`near::refined`].
     fn refined(&self, p: &Vector3<f64>, best: NearTriangle, found: &[NearTriangle]) -> NearTriangle {
         let size = self.tree.unit() * f64::from(self.tree.reach);
         near::refined(p, size, best, found, |t| self.corners(t))

@@ -158,7 +158,7 @@ impl Mesh {
     /// Returns the winding number of some triangles about a point with exact signs.
     ///
     /// Returns `None` if the point is on one of them.
-    pub(crate) fn winding_about(&self, point: &impl ExactSigns, counts: impl Fn(u32) -> bool) -> Option<i32> {
+    pub(crate) fn winding_about(&self, point: &impl ExactSigns, mut counts: impl FnMut(u32) -> bool) -> Option<i32> {
         let (p, error) = point.rounded();
         // Written so that a point too far for f64, which is not finite, is outside.
         if (0..3).any(|k| !(p[k] >= self.low[k] - error && p[k] <= self.high[k] + error)) {
