@@ -61,8 +61,8 @@ impl Mesh {
         self.outcome_at(&stored, &near, state)
     }
 
-    /// Returns the work of a query: leaves that the search visits, and triangles that the ray of the
-    /// winding number tests.
+    /// Returns the work of a query: leaves that the search visits, and triangles that the ray of
+    /// the winding number tests.
     #[cfg(feature = "__internals")]
     pub(crate) fn work_of_point(&self, point: &Point3<f64>) -> [usize; 2] {
         let stored = self.stored_point(point);

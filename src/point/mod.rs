@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Meshes, compounds and clouds search their trees (`nonconvex/point.rs`,
-//! `nonconvex/near_parts.rs`), and faces are tried one by one (`nonconvex/near_faces.rs`). The other kinds are pairs with a point, which is exact: its pose is
-//! a translation.
+//! `nonconvex/near_parts.rs`), and faces are tried one by one (`nonconvex/near_faces.rs`). The
+//! other kinds are pairs with a point, which is exact: its pose is a translation.
 
 mod batch;
 mod grid;
