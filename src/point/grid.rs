@@ -71,21 +71,7 @@ impl DistanceGrid {
         cells: [usize; 3],
         mut distances: impl FnMut(&[Point3<f64>]) -> Result<Vec<Distance>, E>,
     ) -> Result<Self, E> {
-        check(0, &low)?;
-        check(1, &high)?;
-        let count = cells
-            .iter()
-            .try_fold(1usize, |all, n| all.checked_mul(n.checked_add(1)?));
-        let size = high - low;
-        let is_bad = |k: usize| cells[k] == 0 || !(size[k] / cells[k] as f64 > 0.0);
-        let axis = (0..3)
-            .find(|k| is_bad(*k))
-            .or(if count.is_none_or(|n| n > NODES) { Some(0) } else { None });
-        if let Some(axis) = axis {
-            let (cells, side) = (cells[axis], size[axis]);
-            return Err(PointError::Grid { axis, cells, side }.into());
-        }
-        let step = Vector3::from_fn(|k, _| size[k] / cells[k] as f64);
+        let step = Self::checked_step(low, high, cells)?;
         let nodes = [cells[0] + 1, cells[1] + 1, cells[2] + 1];
         let mut grid = Self {
             origin: low,
@@ -114,6 +100,31 @@ impl DistanceGrid {
             grid.widths.resize((i + 1) * layer.len(), f32::INFINITY);
         }
         Ok(grid)
+    }
+
+    /// Returns the sides of a cell, after a check of the grid.
+    fn checked_step(low: Point3<f64>, high: Point3<f64>, cells: [usize; 3]) -> Result<Vector3<f64>, PointError> {
+        check(0, &low)?;
+        check(1, &high)?;
+        let count = cells
+            .iter()
+            .try_fold(1usize, |all, n| all.checked_mul(n.checked_add(1)?));
+        let size = high - low;
+        let is_bad = |k: usize| cells[k] == 0 || !(size[k] / cells[k] as f64 > 0.0);
+        let axis = (0..3)
+            .find(|k| is_bad(*k))
+            .or(if count.is_none_or(|n| n > NODES) { Some(0) } else { None });
+        if let Some(axis) = axis {
+            let (cells, side) = (cells[axis], size[axis]);
+            return Err(PointError::Grid { axis, cells, side });
+        }
+        let step = Vector3::from_fn(|k, _| size[k] / cells[k] as f64);
+        // Rounding may put the last node beyond `high`.
+        check(
+            1,
+            &(low + step.component_mul(&Vector3::from_fn(|k, _| cells[k] as f64))),
+        )?;
+        Ok(step)
     }
 
     /// Returns a bound of the error of the interpolated signed distance in a cell.
@@ -259,8 +270,9 @@ impl PointQuery<'_> {
         cells: [usize; 3],
         watch: &mut Watch<'_>,
     ) -> Result<DistanceGrid, PointError> {
-        let nodes = cells.iter().map(|n| n.saturating_add(1));
-        let count = nodes.fold(1, usize::saturating_mul);
+        // A wrong grid is an error before the first report.
+        DistanceGrid::checked_step(low, high, cells)?;
+        let count = cells.iter().map(|n| n + 1).product();
         watch.stage("grid", Some(count))?;
         let prepared = self.prepared_for(count);
         let query = prepared.as_ref().unwrap_or(self);
