@@ -261,7 +261,7 @@ impl Trajectory {
 impl From<SmoothPath> for Trajectory {
     /// Returns the rows of a smooth motion, which are numbered as the lines of
     /// [`csv_text`](Trajectory::csv_text). Its [`curves`](Trajectory::curves) are those of the
-    /// motion, bit for bit.
+    /// motion, bit for bit, with their times.
     fn from(smooth: SmoothPath) -> Self {
         let count = smooth.positions.len();
         Self {

@@ -198,7 +198,9 @@ impl<'a> Reader<'a> {
 
     /// Returns the greatest absolute velocity that an element `limit` allows, if there is one.
     fn velocity(&self, node: &Node<'a, 'a>) -> Result<Option<f64>, FileError> {
-        let is_open = attribute(node, "velocity").is_some_and(|text| text.trim().parse() == Ok(f64::INFINITY));
+        // No text is no limit, like no attribute.
+        let is_open = attribute(node, "velocity")
+            .is_some_and(|text| text.trim().is_empty() || text.trim().parse() == Ok(f64::INFINITY));
         match is_open {
             true => Ok(None),
             false => Ok(self.xml.numbers(node, "velocity")?.map(|[x]| x)),

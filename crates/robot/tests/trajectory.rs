@@ -336,7 +336,11 @@ fn smooth_motions_are_read_back_bit_for_bit_and_proven() {
             SmoothOptions::new(velocity, [rng.log_range(0.1, 30.0); 6]).continuous_acceleration(round % 2 == 0);
         let smooth = checker.smooth(&path, &options).expect("a free path");
         stops += smooth.stops.len();
-        let curves = smooth.curves.clone();
+        let spans = smooth.times.windows(2).map(|ends| [ends[0], ends[1]]);
+        let timed = smooth.curves.iter().zip(spans);
+        let curves: Vec<_> = timed
+            .map(|(curve, times)| curve.clone().with_times(times).expect("rising times"))
+            .collect();
         let written = Trajectory::from(smooth);
         assert_eq!(written.curves().expect("curves"), curves);
         let text = written.csv_text(setup.coordinates());

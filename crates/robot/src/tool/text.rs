@@ -32,6 +32,9 @@ pub(super) fn names<C: ConfigurationSpace>(checker: &Checker<C>, pair: WorldPair
 ///
 /// Minus infinity is a lower bound that is not known.
 pub(super) fn distance(lower: f64, upper: f64) -> String {
+    if !upper.is_finite() {
+        return format!("at least {} m", five_digits(lower - 6e-5 * lower.abs()));
+    }
     if !lower.is_finite() {
         // Five digits are off by at most a part of 5e-5.
         return format!("at most {} m", five_digits(upper + 6e-5 * upper.abs()));

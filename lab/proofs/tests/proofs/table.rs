@@ -100,6 +100,8 @@ const BY_HAND: &[&str] = &[
     "RAY_PLANE",
     "RAY_SIDE",
     "SIDE_FINE",
+    "STRAIGHT",
+    "STRAIGHT_ERROR",
     "SLERP_PLACE",
     "SLERP_TURN",
     "TRANSLATED",
