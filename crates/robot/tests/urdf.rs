@@ -198,11 +198,16 @@ fn what_is_passed_over_changes_nothing_whatever_is_in_it() {
     assert_eq!(content(&parse(&default).expect("a robot")), plain);
     for unused in [
         " effort=\"x\" velocity=\"\"",
-        " effort=\"1\" velocity=\"1\" jerk=\"1\" current=\"2\"",
+        " effort=\"1\" velocity=\"inf\" jerk=\"1\" current=\"2\"",
     ] {
         let text = text.replace("upper=\"1\"", &format!("upper=\"1\"{unused}"));
         assert_eq!(content(&parse(&text).expect("a robot")), plain);
     }
+    // A velocity is a limit, which changes nothing else.
+    let text = text.replace("upper=\"1\"", "upper=\"1\" velocity=\"0.5\"");
+    let limited = content(&parse(&text).expect("a robot"));
+    assert!(limited.contains("velocity: Some(0.5)"), "{limited}");
+    assert_eq!(limited.replace("velocity: Some(0.5)", "velocity: None"), plain);
 }
 
 #[test]
