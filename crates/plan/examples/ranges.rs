@@ -12,6 +12,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny_plan::{Checker, ClearanceWidth, Joint, RangeOptions, SerialArm, World, WorldId};
 
 fn main() -> Result<(), Box<dyn Error>> {
+    truth::command::no_options("How many cells prove the least clearance of an arm and a wall");
     println!("joints   width, m      cells   clearance, m");
     for joints in 1..=4 {
         for width in [1e-2, 1e-4, 1e-6] {
