@@ -38,7 +38,7 @@ pub enum PlanError {
         /// Upper end.
         high: f64,
     },
-    /// Returned if a range is asked about a body that its space does not move by joints.
+    /// Returned by proofs over ranges if the space does not move a body by joints.
     #[error("{0} is not moved by joints, so nothing is proven over ranges (expected a space with `joint_path`)")]
     WithoutJoints(WorldId),
     /// Returned if an answer is resumed that belongs to other bodies or joints.

@@ -56,7 +56,7 @@ pub struct LinkAudit {
     pub at: Vec<f64>,
     /// Share of the volume of the ranges that is left.
     pub open: f64,
-    /// Number of cells that were looked at.
+    /// Number of cells that were searched.
     pub cells: u64,
     /// Time of this run.
     pub time: Duration,

@@ -21,14 +21,13 @@ fn run_of(robot: &str, command: &str, arguments: &[&str]) -> (i32, String) {
     (status.code().expect("an exit code"), text)
 }
 
-/// A file in the folder of this test run.
+/// A file in the folder of this test: tests run at once, each in a thread that has its name.
 fn scratch(name: &str, text: &str) -> String {
-    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    // Another test may read the same file: it is replaced as a whole.
-    let thread = format!("{:?}", std::thread::current().id());
-    let part = file.with_extension(thread.replace(['(', ')'], ""));
-    std::fs::write(&part, text).expect("a file");
-    std::fs::rename(&part, &file).expect("a file");
+    let thread = std::thread::current();
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(thread.name().unwrap_or("tool"));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let file = folder.join(name);
+    std::fs::write(&file, text).expect("a file");
     file.to_string_lossy().into_owned()
 }
 

@@ -214,7 +214,7 @@ impl Scratch {
         if is_second && !acting.is_empty() {
             second_derivatives(&local, acting, count, second);
             let mut best = f64::INFINITY;
-            // The vertex of the least first-order bound comes first, so that few others are looked at.
+            // The vertex of the least first-order bound comes first, so that few others are evaluated.
             let at = values.iter().position(|v| *v == least).unwrap_or(0);
             for k in core::iter::once(at).chain(0..values.len()) {
                 if !(values[k] - remainders[0] < best) {

@@ -12,7 +12,7 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use lin_canny::{ConvexPolyhedron, Outcome, RelativePose, Tracker};
 
-/// Most pairs of parts that are looked at in a cell. Not measured.
+/// Most pairs of parts that are tested in a cell. Not measured.
 const MOST: u32 = 4096;
 
 /// Greatest displacement for which parts are tried, in units of the distance at the centre. Not

@@ -17,8 +17,8 @@ use crate::random::Random;
 use crate::world::WorldPair;
 use lin_canny::{ContactState, Geometry, Outcome, PairTracker, Progress, RelativePose};
 
-/// Cells that are looked at before configurations are sampled, if no width is asked for. Not
-/// measured.
+/// Number of cells that are searched before configurations are sampled, if the options have no
+/// width. Not measured.
 const CELLS_FIRST: u64 = 32;
 
 /// Nearest samples from which the distance is lowered, and queries of each such search. A ridge may
@@ -163,7 +163,7 @@ impl Search<'_> {
                 continue;
             }
             let Some(next) = self.room.queue.pop() else { break };
-            self.look(next.cell)?;
+            self.search_cell(next.cell)?;
             let total = usize::try_from(most).ok();
             if progress(Progress::new("cells", self.answer.cells as usize, total)).is_break() {
                 break;
@@ -410,7 +410,8 @@ impl Search<'_> {
         Ok(true)
     }
 
-    fn look(&mut self, mut cell: RangeCell) -> Result<(), PlanError> {
+    /// Leaves a cell that is proven free or blocked, and halves any other.
+    fn search_cell(&mut self, mut cell: RangeCell) -> Result<(), PlanError> {
         self.answer.cells += 1;
         let count = cell.low.len();
         self.room.centre = (0..count).map(|k| middle(cell.low[k], cell.high[k])).collect();

@@ -11,7 +11,7 @@ use crate::world::{Named, WorldPair};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RangeOptions {
-    /// Most cells that are looked at for each pair. The default is 20,000.
+    /// Most cells that are searched for each pair. The default is 20,000.
     pub cells: u64,
     /// Width to which the least clearance of a pair is proven; `None` (the default) proves only
     /// that the pair keeps its distance.
@@ -129,7 +129,7 @@ pub struct RangeAnswer {
     pub upper: f64,
     /// The configuration at which `upper` was found.
     pub at: Vec<f64>,
-    /// Number of cells that were looked at.
+    /// Number of cells that were searched.
     pub cells: u64,
     /// Number of distance queries.
     pub queries: u64,

@@ -450,12 +450,11 @@ fn angles_turn_the_shorter_way() {
     let smooth = checker.smooth(&path, &options).expect("a motion");
     judge(&smooth, &options);
     let tau = std::f64::consts::TAU;
+    // Up through half a turn to -3 and on to -1, then down to 2.5 and to 1.
     let last = &smooth.positions[smooth.positions.len() - 1];
-    assert!(
-        (last[2] - (1.0 - tau + tau)).abs() < 1e-12
-            || (last[2] - (1.0 + tau)).abs() < 1e-12
-            || (last[2] - (1.0 - tau)).abs() < 1e-12
-    );
+    assert!((last[2] - 1.0).abs() < 1e-12, "{last:?}");
+    let most = smooth.positions.iter().map(|q| q[2]).fold(0.0, f64::max);
+    assert!(most > tau - 2.0, "{most}");
     for rows in smooth.positions.windows(2) {
         assert!((rows[0][2] - rows[1][2]).abs() < 3.2, "{rows:?}");
     }
@@ -471,12 +470,10 @@ fn angles_turn_the_shorter_way() {
             .map(|(k, x)| if k == 5 { x + 3.0 * tau } else { *x })
             .collect(),
     ];
-    if checker.is_free(&ends[0], &ends[1]).expect("within limits") {
-        let options = SmoothOptions::new([2.0; 6], [5.0; 6]);
-        let smooth = checker.smooth(&ends, &options).expect("a motion");
-        judge(&smooth, &options);
-        judge_free(&mut checker, &smooth, 500);
-    }
+    let options = SmoothOptions::new([2.0; 6], [5.0; 6]);
+    let smooth = checker.smooth(&ends, &options).expect("a motion");
+    judge(&smooth, &options);
+    judge_free(&mut checker, &smooth, 500);
 }
 
 #[test]

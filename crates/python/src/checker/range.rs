@@ -100,7 +100,7 @@ impl RangeAnswer {
         self.answer.open_share()
     }
 
-    /// The number of cells that were looked at.
+    /// The number of cells that were searched.
     #[getter]
     fn cells(&self) -> u64 {
         self.answer.cells
