@@ -2,7 +2,7 @@
 
     pip install trimesh scipy rtree embreex libigl open3d
     python bench/points.py --csv points.csv             # about half an hour
-    python bench/points.py --quick --csv points.csv     # at most six minutes
+    python bench/points.py --quick --csv points.csv     # fewer points
 
 A torus of 1,000, 100,000 and 1,000,000 triangles has its vertices on a lattice of 2^-16, and points
 are on one of 2^-24. So integers of 64 bits give the exact winding number. Scenes: `near`, a hundredth
