@@ -34,9 +34,10 @@ pub(super) fn pierce(
     if from == 0.0 && begins_in(mesh, &on_mesh)? {
         return Some(RayCast::Inside);
     }
-    Some(match mesh.first_met(&mut on_mesh)? {
+    let (met, first) = mesh.first_met(&mut on_mesh)?;
+    Some(match met {
         Met::Nothing => RayCast::Miss,
-        Met::Between(safe, hit) => entered(mesh, pose, ray, safe, hit),
+        Met::Between(safe, hit) => entered(mesh, pose, ray, [safe, hit], first),
     })
 }
 
@@ -77,9 +78,17 @@ fn begins_in(mesh: &Mesh, ray: &MeshRay) -> Option<bool> {
 }
 
 /// Returns the hit of a mesh at a pose, measured from the end of the safe segment.
-pub(super) fn entered(mesh: &Mesh, pose: &Isometry3<f64>, ray: &Ray, safe: f64, hit: f64) -> RayCast {
+///
+/// `first` is a triangle near this point. It changes the time of the search, never the result.
+pub(super) fn entered(
+    mesh: &Mesh,
+    pose: &Isometry3<f64>,
+    ray: &Ray,
+    [safe, hit]: [f64; 2],
+    first: Option<u32>,
+) -> RayCast {
     let at = pose.inverse_transform_point(&ray.at(safe)).coords;
-    let (point, normal, spot) = mesh.seen_from(&at);
+    let (point, normal, spot) = mesh.seen_from(&at, first);
     RayCast::Hit(RayHit {
         safe,
         hit,

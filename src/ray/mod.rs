@@ -2,6 +2,8 @@
 
 mod half_space;
 #[cfg(feature = "meshes")]
+mod hull;
+#[cfg(feature = "meshes")]
 mod mesh;
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
@@ -264,6 +266,12 @@ impl RayCaster {
         {
             return Ok(found);
         }
+        #[cfg(feature = "meshes")]
+        if let Some(hull) = body.polyhedron()
+            && let Some(found) = hull::entered(hull, pose, ray, [from, until], length, width)
+        {
+            return Ok(found);
+        }
         let mut pair = self.tracker.pair(body, &self.point);
         let found = cast(&mut pair, &still, &flight, from..until, Tolerance::Distance(width))?;
         let found = match found.impact {
@@ -295,7 +303,7 @@ impl RayCaster {
         }
         #[cfg(feature = "meshes")]
         if let (RayCast::Hit(hit), Some(mesh)) = (found, body.mesh()) {
-            return Ok(mesh::entered(mesh, pose, ray, hit.safe, hit.hit));
+            return Ok(mesh::entered(mesh, pose, ray, [hit.safe, hit.hit], None));
         }
         Ok(found)
     }

@@ -131,10 +131,15 @@ impl Mesh {
     /// Returns the nearest point of the surface, a unit normal there, and the triangle.
     ///
     /// All are in the caller's coordinates and exact up to rounding. The normal is that of the
-    /// triangle, on the side of the query point; it may be zero for a very thin triangle.
-    pub(crate) fn seen_from(&self, point: &Vector3<f64>) -> (Point3<f64>, Vector3<f64>, WitnessLocation) {
+    /// triangle, on the side of the query point; it may be zero for a very thin triangle. The
+    /// search starts from `first`, which does not change the result.
+    pub(crate) fn seen_from(
+        &self,
+        point: &Vector3<f64>,
+        first: Option<u32>,
+    ) -> (Point3<f64>, Vector3<f64>, WitnessLocation) {
         let place = point / self.unit();
-        let foot = self.nearest(&place);
+        let foot = self.nearest_from(&place, 0.0, first);
         let corners = self.corners(foot.triangle);
         let normal = triangle::normal(&corners);
         let height = normal.dot(&(place - corners[0]));
@@ -159,7 +164,13 @@ impl Mesh {
     ///
     /// The second case applies if the surface is no farther than `level`.
     pub(crate) fn nearest_beyond(&self, point: &Vector3<f64>, level: f64) -> MeshFoot {
-        let near = self.nearest_triangle(point, level, &mut NearRoom::default());
+        self.nearest_from(point, level, None)
+    }
+
+    fn nearest_from(&self, point: &Vector3<f64>, level: f64, start: Option<u32>) -> MeshFoot {
+        let mut room = NearRoom::default();
+        room.start = start;
+        let near = self.nearest_triangle(point, level, &mut room);
         let (square, point) = triangle::foot_of(point, &self.corners(near.item));
         let triangle = near.item;
         MeshFoot {

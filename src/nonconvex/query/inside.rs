@@ -18,14 +18,15 @@ use nalgebra::Vector3;
 use wide::f32x8;
 
 use crate::base::num::each::Each;
+use crate::base::num::scalar::dot;
 use crate::base::num::sign;
-use crate::base::tolerance::{FLUSH_EXPONENT, UNIT_SINGLE};
+use crate::base::tolerance::{FLUSH_EXPONENT, POINT_BOX, UNIT_SINGLE};
 use crate::body::polyhedron::{exponent_of, power_of_two};
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::query::box_gaps::EightBoxes;
-use crate::nonconvex::query::near::TreePoint;
+use crate::nonconvex::query::near::{FAR_BOX, TreePoint};
 use crate::nonconvex::query::triangle::{self, Triangle};
-use crate::nonconvex::tree::{Below, OrientedBox, Tree};
+use crate::nonconvex::tree::{Below, OrientedBox, Tree, up};
 
 /// Exact signs of a point in stored coordinates of a mesh.
 pub(crate) trait ExactSigns {
@@ -256,7 +257,7 @@ impl Mesh {
     /// Returns whether a segment certainly passes through a triangle that is at least `skin` from
     /// its start.
     pub(crate) fn is_crossed(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> bool {
-        self.any_along(from, to, 0.0, |t| {
+        self.any_along(from, to, |t| {
             let corners = self.corners(t);
             is_crossed(&corners, from, to) && triangle::nearest(from, &corners).0 >= skin * skin
         })
@@ -268,45 +269,65 @@ impl Mesh {
     /// the segment. The fraction is right up to rounding.
     pub(super) fn first_meeting(&self, from: &Vector3<f64>, to: &Vector3<f64>, least: f64) -> Option<f64> {
         let mut first = None;
-        self.any_along(from, to, 0.0, |t| {
+        self.along(from, to, 0.0, |t| {
             if let Some(part) = meeting(&self.corners(t), from, to)
                 && part > least
                 && first.is_none_or(|f| part < f)
             {
                 first = Some(part);
             }
-            false
+            first.unwrap_or(1.0)
         });
         first
     }
 
-    /// Calls `is_found` with each triangle whose box the segment may meet, until a call returns
-    /// true.
+    /// Returns whether `is_found` returns true for a triangle whose box the segment may meet.
+    fn any_along(&self, from: &Vector3<f64>, to: &Vector3<f64>, mut is_found: impl FnMut(u32) -> bool) -> bool {
+        let mut found = false;
+        self.along(from, to, 0.0, |t| {
+            found = is_found(t);
+            if found { -1.0 } else { 1.0 }
+        });
+        found
+    }
+
+    /// Calls `visit` with each triangle whose box the segment may meet, near boxes first.
     ///
-    /// The points of the segment may be off by `error`. Returns whether a call returned true.
-    pub(super) fn any_along(
-        &self,
-        from: &Vector3<f64>,
-        to: &Vector3<f64>,
-        error: f64,
-        mut is_found: impl FnMut(u32) -> bool,
-    ) -> bool {
-        let segment = Segment::new(&self.tree, from, to, error);
-        let mut stack = vec![0];
-        while let Some(node) = stack.pop() {
-            if segment.misses(&self.tree.boxes[node as usize]) {
+    /// A call returns the part of the segment that is left to search: boxes after this part are
+    /// skipped, and a negative part ends the search. The points of the segment may be off by
+    /// `error`.
+    pub(super) fn along(&self, from: &Vector3<f64>, to: &Vector3<f64>, error: f64, mut visit: impl FnMut(u32) -> f64) {
+        let tree = &self.tree;
+        let segment = Segment::new(tree, from, to, error);
+        let mut most = segment.reach(1.0);
+        let mut stack = vec![(f32::NEG_INFINITY, 0)];
+        while let Some((near, node)) = stack.pop() {
+            if near > most {
                 continue;
             }
-            match self.tree.below(node) {
-                Below::Children(c) => stack.extend([c, c + 1]),
-                Below::Leaf(first, count) => {
-                    if (first..first + count).any(&mut is_found) {
-                        return true;
+            if let Below::Leaf(first, count) = tree.below(node) {
+                for t in first..first + count {
+                    let part = visit(t);
+                    if part < 0.0 {
+                        return;
                     }
+                    most = segment.reach(part);
+                }
+                continue;
+            }
+            let (nodes, count) = tree.eight_below(node);
+            let (open, near) = segment.meets(nodes.each(|n| &tree.boxes[n as usize]));
+            let bottom = stack.len();
+            for k in (0..count).filter(|k| open >> k & 1 == 1) {
+                // Inserted in descending order.
+                let mut at = stack.len();
+                stack.push((near[k], nodes[k]));
+                while at > bottom && stack[at - 1].0 < near[k] {
+                    stack.swap(at, at - 1);
+                    at -= 1;
                 }
             }
         }
-        false
     }
 }
 
@@ -358,29 +379,80 @@ fn meeting([a, b, c]: &triangle::Triangle, from: &Vector3<f64>, to: &Vector3<f64
     Some(n.dot(&(a - from)) / n.dot(&(to - from)))
 }
 
-/// A segment in the tree's coordinates: its middle, and half of it as a vector.
+/// A segment in the coordinates of a tree.
 struct Segment {
+    from: Vector3<f64>,
     middle: Vector3<f64>,
+    /// Half of the segment as a vector.
     half: Vector3<f64>,
     /// Position error of the points.
     error: f64,
+    /// Error of a height over a box in single precision: that of a point, and as much for the half
+    /// segment.
+    slack: f64,
+    is_far: bool,
 }
 
 impl Segment {
     fn new(tree: &Tree, from: &Vector3<f64>, to: &Vector3<f64>, error: f64) -> Self {
         let place = |p: &Vector3<f64>| (p - tree.centre) / tree.unit();
         let (from, to) = (place(from), place(to));
+        let error = error / tree.unit();
+        let size = from.abs().sum() + to.abs().sum() + f64::from(tree.reach);
         Self {
             middle: (from + to) * 0.5,
             half: (to - from) * 0.5,
-            error: error / tree.unit(),
+            from,
+            error,
+            slack: 2.0 * POINT_BOX * size + 4.0 * error,
+            is_far: !(size < FAR_BOX),
         }
     }
 
-    /// Returns whether the segment certainly misses a box.
+    /// Returns the height of the end of a part of the segment along the segment, not less.
+    fn reach(&self, part: f64) -> f32 {
+        let square = self.half.norm_squared() * 4.0;
+        // The start errs by `slack` along the segment, too.
+        up(square * part + 2.0 * self.slack * self.half.abs().sum())
+    }
+
+    /// Returns which of eight boxes the segment may meet, as bits, and lower bounds of the heights
+    /// of the boxes along the segment.
     ///
-    /// They are separated along an axis of the box, or along the cross product of an axis and the
-    /// segment.
+    /// The segment and a box are separated along an axis of the box, or along the cross product of
+    /// an axis and the segment. Heights are measured from the start of the segment, times its
+    /// length.
+    fn meets(&self, boxes: [&OrientedBox; 8]) -> (u32, [f32; 8]) {
+        if self.is_far {
+            let open = (0..8)
+                .filter(|k| !self.misses(boxes[*k]))
+                .fold(0, |bits, k| bits | 1 << k);
+            return (open, [f32::NEG_INFINITY; 8]);
+        }
+        let EightBoxes { axes, centre, half } = EightBoxes::new(boxes, 1.0);
+        let single = |v: &Vector3<f64>| [v.x, v.y, v.z].each(|x| f32x8::splat(x as f32));
+        let (from, middle, way) = (single(&self.from), single(&self.middle), single(&self.half));
+        let slack = f32x8::splat(up(self.slack));
+        let apart = |p: &[f32x8; 3]| [centre[0] - p[0], centre[1] - p[1], centre[2] - p[2]];
+        let offset = apart(&middle);
+        let m = [0, 1, 2].each(|k: usize| dot(&axes[k], &offset));
+        let e = [0, 1, 2].each(|k: usize| dot(&axes[k], &way));
+        let h = half.each(|x| x + slack);
+        let wide = e.each(|x| x.abs());
+        let length = m[0].abs() + m[1].abs() + m[2].abs() + wide[0] + wide[1] + wide[2];
+        let touches = |k: usize| m[k].abs().simd_le(h[k] + wide[k]);
+        let crosses = |i: usize, j: usize| {
+            let twist = (m[i] * e[j] - m[j] * e[i]).abs();
+            twist.simd_le(h[i] * wide[j] + h[j] * wide[i] + slack * length)
+        };
+        let open = touches(0) & touches(1) & touches(2) & crosses(0, 1) & crosses(1, 2) & crosses(2, 0);
+        let reach = h[0] * wide[0] + h[1] * wide[1] + h[2] * wide[2];
+        let two = f32x8::splat(2.0);
+        let near = two * (dot(&way, &apart(&from)) - reach - slack * (way[0].abs() + way[1].abs() + way[2].abs()));
+        (open.to_bitmask() & 0xff, near.to_array())
+    }
+
+    /// Returns whether the segment certainly misses a box.
     fn misses(&self, b: &OrientedBox) -> bool {
         let offset = self.middle - b.centre();
         let (mut m, mut e) = (Vector3::zeros(), Vector3::zeros());

@@ -33,7 +33,7 @@ use crate::nonconvex::tree::{Below, Tree, up};
 
 /// Distance from the origin of a tree, in its unit, beyond which boxes are bounded in double
 /// precision. Rounding hides a thousandth of the tree from single precision there. Not measured.
-const FAR_BOX: f64 = 512.0;
+pub(super) const FAR_BOX: f64 = 512.0;
 
 /// Width of bounds above which they are refined, in units of the distance and the radius of the
 /// tree. Triangles that are small beside these, and whose direction to the point does not err, have

@@ -8,7 +8,7 @@
 use nalgebra::Vector3;
 
 use crate::base::num::each::Each;
-use crate::base::num::extremes::Extremes;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{RAY_PLANE, RAY_SIDE};
 use crate::nonconvex::mesh::Mesh;
@@ -62,21 +62,34 @@ pub(crate) enum RayTriangle {
 }
 
 impl Mesh {
-    /// Returns what a ray meets first, unless the origin is on the mesh.
+    /// Returns what a ray meets first, and the triangle whose bracket ends first, unless the origin
+    /// is on the mesh.
     ///
     /// Returns `None` if rounding hides it, never with the feature `exact`.
-    pub(crate) fn first_met(&self, ray: &mut MeshRay) -> Option<Met> {
-        let (mut met, mut is_clear) = (Met::Nothing, true);
+    pub(crate) fn first_met(&self, ray: &mut MeshRay) -> Option<(Met, Option<u32>)> {
+        let (mut met, mut first, mut is_clear) = (Met::Nothing, None, true);
         let ([from, to], error) = (ray.ends, ray.error);
         let body = RayBody {
             exponent: self.exponent,
             is_closed: self.is_solid(),
         };
-        self.any_along(&from, &to, error, |t| {
+        let (mut last, span) = (f64::INFINITY, ray.span[1] - ray.span[0]);
+        self.along(&from, &to, error, |t| {
             is_clear = met.add(ray.meets(&self.corners(t), body));
-            !is_clear
+            if !is_clear {
+                return -1.0;
+            }
+            if let Met::Between(_, hit) = met
+                && hit < last
+            {
+                (first, last) = (Some(t), hit);
+            }
+            // A triangle beyond has a bracket that begins after the end of this one.
+            let part = (last + 4.0 * ray.width - ray.span[0]) / span;
+            // Written so that NaN leaves the whole segment.
+            if part < 1.0 { part.at_least(0.0) } else { 1.0 }
         });
-        is_clear.then_some(met)
+        is_clear.then_some((met, first))
     }
 }
 
