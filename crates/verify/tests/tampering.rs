@@ -1,0 +1,202 @@
+//! Promise: a changed receipt is refused, unless what it says is still true. A renewed hash changes nothing.
+
+mod support;
+
+use std::collections::BTreeMap;
+
+use lin_canny_verify::{Verdict, verify};
+use support::*;
+
+fn accepted(text: &str) -> bool {
+    matches!(verify(text.as_bytes()), Ok(Verdict::Holds(_)))
+}
+
+fn make(rng: &mut Rng, k: usize) -> Receipt {
+    match k % 7 {
+        0 => overlap(rng),
+        1 => above(rng),
+        2 => sunk(rng),
+        3 => hit(rng),
+        4 => arm(rng, 0.01, 1, 1),
+        5 => arm(rng, 0.01, 2, 2),
+        _ => cast(rng, 0.01),
+    }
+}
+
+fn time_of(line: &mut Line) -> Option<&mut [f64; 2]> {
+    match line {
+        Line::Plane { time, .. } | Line::Balls { time, .. } => Some(time),
+        _ => None,
+    }
+}
+
+/// Changes a receipt; false if this kind of change does not fit it.
+fn change(kind: &str, receipt: &mut Receipt, rng: &mut Rng) -> bool {
+    let timed: Vec<usize> = (0..receipt.evidence.len())
+        .filter(|k| time_of(&mut receipt.evidence[*k]).is_some())
+        .collect();
+    match kind {
+        "one bit of a number" => {
+            let mut all = receipt.numbers();
+            let count = all.len();
+            let x = &mut all[rng.below(count)].1;
+            let old = **x;
+            **x = f64::from_bits(x.to_bits() ^ 1 << rng.below(64));
+            // A zero has no sign in a receipt.
+            x.is_finite() && **x != old
+        }
+        "a certificate left out" => {
+            let k = rng.below(receipt.evidence.len());
+            receipt.evidence.remove(k);
+            true
+        }
+        "the end one unit earlier" | "the start one unit later" | "an interval halved" => {
+            if timed.is_empty() {
+                return false;
+            }
+            let k = timed[rng.below(timed.len())];
+            let time = time_of(&mut receipt.evidence[k]).unwrap();
+            match kind {
+                "the end one unit earlier" => time[1] = f64::from_bits(time[1].to_bits() - 1),
+                "the start one unit later" => time[0] = f64::from_bits(time[0].to_bits() + 1),
+                _ => time[1] = 0.5 * (time[0] + time[1]),
+            }
+            true
+        }
+        "two certificates exchanged" => {
+            let (i, j) = (rng.below(receipt.evidence.len()), rng.below(receipt.evidence.len()));
+            receipt.evidence.swap(i, j);
+            i != j
+        }
+        "the points of two bodies exchanged" => {
+            let last = receipt.bodies.len() - 1;
+            let (a, b) = (receipt.bodies[0].points.clone(), receipt.bodies[last].points.clone());
+            receipt.bodies[0].points = b;
+            receipt.bodies[last].points = a;
+            true
+        }
+        "a pair unsaid" => receipt.ignored.pop().is_some(),
+        "a larger margin" => match &mut receipt.apart {
+            Some([_, _, margin]) => {
+                *margin += rng.range(0.0, 0.5);
+                true
+            }
+            None => false,
+        },
+        "an index" => {
+            for line in &mut receipt.evidence {
+                if let Line::Meet { points, .. } = line {
+                    points[rng.below(4)][rng.below(2)] = rng.below(8);
+                    return true;
+                }
+                if let Line::Depth {
+                    lower: Some((_, _, facets)),
+                    ..
+                } = line
+                {
+                    let count = facets.len();
+                    facets[rng.below(count)][rng.below(3)] = rng.below(8);
+                    return true;
+                }
+            }
+            false
+        }
+        _ => unreachable!("{kind}"),
+    }
+}
+
+const CHANGES: [&str; 10] = [
+    "one bit of a number",
+    "a certificate left out",
+    "the end one unit earlier",
+    "the start one unit later",
+    "an interval halved",
+    "two certificates exchanged",
+    "the points of two bodies exchanged",
+    "a pair unsaid",
+    "a larger margin",
+    "an index",
+];
+
+#[test]
+fn no_change_makes_a_receipt_say_what_is_false() {
+    let mut rng = Rng(11);
+    let mut counts: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
+    for k in 0..100 {
+        let receipt = make(&mut rng, k);
+        let old = receipt.text();
+        assert!(accepted(&old), "{old}");
+        let tail = old.lines().next_back().unwrap().to_owned();
+        for kind in CHANGES {
+            let mut changed = receipt.clone();
+            if !change(kind, &mut changed, &mut rng) {
+                continue;
+            }
+            let text = changed.text();
+            if text == old {
+                continue;
+            }
+            // With the old hash nothing is accepted.
+            let lines: Vec<_> = text.lines().collect();
+            let unsealed = lines[..lines.len() - 1].join("\n") + "\n" + &tail + "\n";
+            assert!(!accepted(&unsealed), "{kind}: {unsealed}");
+            let count = counts.entry(kind).or_default();
+            count[0] += 1;
+            if accepted(&text) {
+                count[1] += 1;
+                assert!(!changed.is_false(), "{kind}: accepted, and false:\n{text}");
+            }
+        }
+    }
+    for (kind, [changed, accepted]) in &counts {
+        println!("{kind}: {changed} changed, {accepted} still true");
+    }
+    // What can only make a proof shorter is always refused.
+    for kind in [
+        "the end one unit earlier",
+        "the start one unit later",
+        "an interval halved",
+        "a pair unsaid",
+    ] {
+        assert_eq!(counts[kind][1], 0, "{kind}");
+    }
+    assert_eq!(counts.len(), CHANGES.len());
+}
+
+#[test]
+fn any_changed_byte_is_refused() {
+    let mut rng = Rng(12);
+    for k in 0..14 {
+        let text = make(&mut rng, k).text();
+        for _ in 0..40 {
+            let mut bytes = text.clone().into_bytes();
+            let at = rng.below(bytes.len());
+            bytes[at] ^= 1 << rng.below(8);
+            assert!(
+                !matches!(verify(&bytes[..]), Ok(Verdict::Holds(_))),
+                "byte {at} of {text}"
+            );
+            // A file that ends early.
+            assert!(verify(&text.as_bytes()[..at]).is_err(), "{at}");
+        }
+    }
+}
+
+/// What a wrong bound in a kernel would look like: a plane that claims to hold for too long.
+#[test]
+fn a_plane_stretched_until_its_claim_is_false_is_refused() {
+    let mut rng = Rng(13);
+    let mut refused = 0;
+    for _ in 0..20 {
+        let mut receipt = hit(&mut rng);
+        let Some([_, until, _]) = &mut receipt.apart else {
+            unreachable!()
+        };
+        *until = 1.0;
+        let last = receipt.evidence.len() - 2;
+        time_of(&mut receipt.evidence[last]).unwrap()[1] = 1.0;
+        assert!(receipt.is_false());
+        refused += usize::from(!accepted(&receipt.text()));
+    }
+    assert_eq!(refused, 20);
+}
