@@ -990,8 +990,9 @@ class Check:
             return
         legs = f" of each of {self.count} legs" if self.count > 1 else ""
         begin, until, margin = map(float, (self.begin, self.until, self.margin))
+        stay = "pair of bodies stays" if len(moving) == 1 else "pairs of bodies stay"
         self.said += [
-            f"{len(moving)} pairs of bodies stay more than {margin} apart from t = {begin} until t = {until}{legs}",
+            f"{len(moving)} {stay} more than {margin} apart from t = {begin} until t = {until}{legs}",
             "these are all pairs with a body that moves, but for those listed below; moving: "
             + ", ".join(b.name for b in bodies if b.moves)
             + "; at rest: "

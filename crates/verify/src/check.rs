@@ -475,13 +475,17 @@ impl Check {
             return;
         }
         let [from, until, margin] = [apart.span.from, apart.span.until, apart.margin].map(Real::shown);
+        let stay = if proven == 1 {
+            "pair of bodies stays"
+        } else {
+            "pairs of bodies stay"
+        };
         let legs = if self.count > 1 {
             format!(" of each of {} legs", self.count)
         } else {
             String::new()
         };
-        let text =
-            format!("{proven} pairs of bodies stay more than {margin} apart from t = {from} until t = {until}{legs}");
+        let text = format!("{proven} {stay} more than {margin} apart from t = {from} until t = {until}{legs}");
         self.report.proven.push(text);
         let names = |moves: bool| {
             let all: Vec<_> = self

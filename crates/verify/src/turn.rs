@@ -106,3 +106,77 @@ pub(crate) fn moved(p: &[RBig], start: &RBig, span: &RBig) -> Vec<RBig> {
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The value of a form at x = k / 4, in units of 2^-P, and its rest.
+    fn at<I: Int>(form: &Taylor<I>, k: i32) -> [RBig; 2] {
+        let x = RBig::from(k) / RBig::from(4);
+        let value = form
+            .c
+            .iter()
+            .rev()
+            .fold(RBig::ZERO, |sum, c| sum * &x + RBig::from(c.wide()));
+        [value, RBig::from(form.r.wide())].map(|y| y / RBig::from(IBig::ONE << I::P))
+    }
+
+    /// Over an interval the forms enclose what they are at its points, in both widths.
+    fn check<I: Int>(square: i32, angle: &[RBig]) {
+        let over = turn::<I>(&RBig::from(square), angle).unwrap();
+        for k in 0..=4 {
+            let x = RBig::from(k) / RBig::from(4);
+            let value = angle.iter().rev().fold(RBig::ZERO, |sum, c| sum * &x + c);
+            let point = turn::<IBig>(&RBig::from(square), &[value]).unwrap();
+            for (over, point) in over.iter().zip(&point) {
+                let ([y, r], [z, s]) = (at(over, k), at(point, 0));
+                assert!((y - z).abs() <= r + s, "{square} {angle:?} {k}");
+            }
+        }
+        // Sine and cosine: n s^2 + (1 - n u)^2 = 1.
+        let [s, u] = turn::<I>(&RBig::from(square), &angle[..1]).unwrap();
+        let (n, one) = (Taylor::<I>::whole(square).unwrap(), Taylor::whole(1).unwrap());
+        let cosine = one.minus(&n.times(&u).unwrap()).unwrap();
+        let sum = n
+            .times(&s)
+            .unwrap()
+            .times(&s)
+            .unwrap()
+            .plus(&cosine.times(&cosine).unwrap())
+            .unwrap();
+        let [y, r] = at(&sum, 0);
+        assert!((y - RBig::ONE).abs() <= r, "{square} {angle:?}");
+    }
+
+    #[test]
+    fn forms_enclose_what_they_are_at_points() {
+        let mut state = 1u64;
+        let mut next = |size: i64| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            RBig::from_parts_signed(
+                IBig::from((state >> 33) as i64 - (1 << 30)) * IBig::from(size),
+                IBig::ONE << 33,
+            )
+        };
+        for k in 0..200 {
+            let size = [1, 8, 300][k % 3];
+            let angle: Vec<_> = (0..1 + k % 7).map(|j| next(if j == 0 { size } else { 2 })).collect();
+            let square = [0, 1, 2, 5][k % 4];
+            check::<i128>(square, &angle);
+            check::<IBig>(square, &angle);
+        }
+    }
+
+    #[test]
+    fn polynomials_are_moved() {
+        let p = [3, -2, 5, 1].map(RBig::from);
+        // p(2 + 3 x)
+        assert_eq!(
+            moved(&p, &RBig::from(2), &RBig::from(3)),
+            [27, 90, 99, 27].map(RBig::from)
+        );
+    }
+}
