@@ -620,6 +620,7 @@ class Moment:
         self.time = number(line["at"]) if "at" in line else None
         need((self.time is not None) == scene.moving(self.pair), "a pair that moves has a time, one that rests has none")
         self.span = (self.time or Q(0),) * 2
+        need(scene.coordinates == 0 or 0 <= self.span[0] <= 1, "a time outside of a leg: it lasts from 0 to 1")
 
     def has(self, side, k):
         found = whole(k) < len(self.scene.bodies[self.pair[side]].points)

@@ -29,6 +29,9 @@ impl Moment {
         if time.is_some() != (scene.bodies[pair.0].moves || scene.bodies[pair.1].moves) {
             return Stop::bad("a pair that moves has a time, one that rests has none");
         }
+        if scene.coordinates > 0 && time.is_some_and(|t| !(Real::ZERO..=Real::ONE).contains(&t)) {
+            return Stop::bad("a time outside of a leg: it lasts from 0 to 1");
+        }
         Ok(Self { pair, time })
     }
 

@@ -105,3 +105,22 @@ impl Int for IBig {
         Some(self.clone().abs())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check<I: Int>() {
+        let of = |x: i32| I::small(x).up().unwrap();
+        assert!(I::small(-3).half() == I::small(-2) && I::small(3).half() == I::small(1));
+        let below = of(-3).sub(&I::small(1)).unwrap();
+        assert!(below.down() == I::small(-4) && of(-3).down() == I::small(-3));
+        assert!(I::small(-7).over(2).sub(&I::small(-4)).unwrap().size().unwrap() <= I::small(1));
+    }
+
+    #[test]
+    fn both_widths_round_down() {
+        check::<i128>();
+        check::<IBig>();
+    }
+}

@@ -206,6 +206,21 @@ fn times_of_legs_are_from_0_to_1() {
         other.apart = Some([from, until, 0.0]);
         assert!(unreadable(&other.text()).1.contains("within a leg"));
     }
+    for (time, reads) in [(0.5, true), (1.0, true), (1.5, false), (-0.5, false)] {
+        let mut other = receipt.clone();
+        let on = [vec![(0, 1.0)], vec![(0, 1.0)]];
+        other.evidence.push(Line::Near {
+            pair: [3, 4],
+            at: Some(time),
+            within: 8.0,
+            on,
+        });
+        assert_eq!(
+            verify(other.text().as_bytes()).is_ok_and(|x| x.holds()),
+            reads,
+            "{time}"
+        );
+    }
     // A path that jumps.
     let mut path = arm(&mut Rng(4), 0.0, 2, 1);
     let last = path.evidence.iter().rposition(|x| matches!(x, Line::Leg(_))).unwrap();

@@ -237,3 +237,32 @@ fn touching_at_rest_is_proven() {
         assert!(!touches(1.0 + f64::EPSILON), "{shift:?}");
     }
 }
+
+/// The surface of a depth must be closed and turned outward, and each bound is exact.
+#[test]
+fn a_depth_needs_its_whole_surface() {
+    let mut rng = Rng(8);
+    for k in 0..12 {
+        let receipt = sunk(&mut rng);
+        let changed = |change: &dyn Fn(&mut (f64, V), &mut Ball)| {
+            let mut other = receipt.clone();
+            let Line::Depth {
+                upper: Some(upper),
+                lower: Some(lower),
+                ..
+            } = &mut other.evidence[0]
+            else {
+                unreachable!()
+            };
+            change(upper, lower);
+            verify(other.text().as_bytes()).unwrap().holds()
+        };
+        assert!(changed(&|_, _| ()));
+        assert!(!changed(&|_, ball| drop(ball.2.remove(k))));
+        assert!(!changed(&|_, ball| ball.2[k].swap(0, 1)));
+        assert!(!changed(&|_, ball| ball.2.clear()));
+        assert!(!changed(&|_, ball| ball.0 = f64::from_bits(ball.0.to_bits() + 1)));
+        assert!(!changed(&|upper, _| upper.0 = f64::from_bits(upper.0.to_bits() - 1)));
+        assert!(!changed(&|upper, _| upper.1 = scale(upper.1, -1.0)));
+    }
+}
