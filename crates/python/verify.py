@@ -438,10 +438,8 @@ class Joint:
             value.append(d[0] * comb(len(rows) - 1, k) * factor)
             d = [y - x for x, y in zip(d, d[1:])]
         value[0] += offset
-        if self.kind == "turn":
-            self.motion = [Turn(self.axis, value)]
-        else:
-            self.motion = [Shift([[v * x * unit for v in value] for x in self.axis])]
+        turns = self.kind == "turn"
+        self.motion = [Turn(self.axis, value) if turns else Shift([[v * x * unit for v in value] for x in self.axis])]
 
 
 ORDER = ["file", "base", "joint", "body", "ignored"]
@@ -743,8 +741,7 @@ def distance(scene, line):
     prove(gap > 0, f"{moment.text()}: no gap along the normal")
     prove(at_most(-gap, -lower, dot(n, n)), f"{moment.text()}: the lower bound is not proven")
     prove(upper >= 0 and dot(way, way) <= upper * upper, f"{moment.text()}: the upper bound is not proven")
-    lower, upper = map(float, bounds)
-    return f"{moment.text()} are at least {lower!r} and at most {upper!r} apart"
+    return "{} are at least {!r} and at most {!r} apart".format(moment.text(), *map(float, bounds))
 
 
 def depth(scene, line):
@@ -801,10 +798,6 @@ EVIDENCE = ["plane", "balls", *LINES]
 # The file.
 
 
-class Unreadable(Exception):
-    pass
-
-
 def read(raw):
     """The parsed lines, and whether the hash is that of the lines before the tail."""
     need(raw.endswith(b"\n"), "the file is empty, or its last line has no end")
@@ -834,12 +827,11 @@ class Check:
         if self.claim == "apart":
             self.begin, self.until, self.margin = (number(get(head, k)) for k in ("from", "until", "margin"))
             need(self.margin >= 0 and self.begin <= self.until, "margin or interval")
-        self.scene, self.first, count = Scene(), None, 1
+        self.scene, self.first, self.legs = Scene(), None, None
         for k, line in enumerate(lines[1:], 2):
             with_line(k, self.read_scene, k, line)
-        with_line(count, self.scene.end)
+        self.scene.end()
         self.files = self.scene.files
-        self.legs = None
 
     def read_scene(self, k, line):
         if self.first is None and not self.scene.line(line):
@@ -889,18 +881,11 @@ class Check:
         """Keeps the first failure and counts the others."""
         try:
             work()
-        except Bad as why:
-            if self.legs is None:
+        except (Bad, Fails) as why:
+            if isinstance(why, Bad) and self.legs is None:
                 raise Bad(f"line {line}: {why}") from None
-            self.fail(line, number_, why)
-        except Fails as why:
-            self.fail(line, number_, why)
-
-    def fail(self, line, number_, why):
-        if self.failure:
-            self.more += 1
-        else:
-            self.failure = (f"certificate {number_}, " if number_ else "") + f"{why} (line {line}"
+            self.more += self.failure is not None
+            self.failure = self.failure or (f"certificate {number_}, " if number_ else "") + f"{why} (line {line}"
 
     def line(self, line):
         if kind(line) == "leg":
@@ -920,16 +905,15 @@ class Check:
         plane = kind(line) == "plane"
         only(line, kind(line), "from", "until", "keep", *(("normal", "spin") if plane else ()))
         pairs = [self.scene.pair(line["plane"])] if plane else self.scene.star(line["balls"])
-        start, until, keep = (
-            number(line[k]) if k in line else default
-            for k, default in (("from", self.begin), ("until", self.until), ("keep", self.margin))
-        )
+        usual = {"from": self.begin, "until": self.until, "keep": self.margin}
+        start, until, keep = (number(line[k]) if k in line else x for k, x in usual.items())
         for pair in pairs:
             name = self.scene.names(pair)
             used = pair not in self.scene.ignored and self.scene.moving(pair)
             prove(used, f"{name}: a proof of a pair that is ignored or rests")
             before = self.proven.get(pair, self.begin)
-            prove(start == before and before <= until <= self.until, f"{name}: a proof from t = {float(start)}, after one until t = {float(before)}")
+            why = f"{name}: a proof from t = {float(start)}, after one until t = {float(before)}"
+            prove(start == before <= until <= self.until, why)
         prove(keep >= self.margin, f"{self.scene.names(pairs[0])}: keeps {float(keep)}, less than the margin")
         normal = spin = None
         if plane:
@@ -938,14 +922,11 @@ class Check:
         failed, span = None, (start, until)
         for pair in pairs:
             try:
-                if plane:
-                    holds = by_plane(self.scene, pair, span, keep, normal, spin)
-                else:
-                    holds = by_balls(self.scene, pair, span, keep)
+                more = (by_plane, normal, spin) if plane else (by_balls,)
+                holds = more[0](self.scene, pair, span, keep, *more[1:])
             except Fails:
                 holds = False
-            if not holds:
-                failed = failed or pair
+            failed = failed if holds else failed or pair
             self.proven[pair] = until
         prove(failed is None, f"{self.scene.names(failed or pairs[0])}, at t = {float(start)}{self.of_leg()}")
 

@@ -96,7 +96,7 @@ fn exactly_the_margin_is_refused() {
         receipt
     };
     let report = holds(&boxes(0.25 + f64::EPSILON).text());
-    assert!(report.to_string().contains("stay more than 0.25 apart"));
+    assert!(report.to_string().contains("stays more than 0.25 apart"));
     for gap in [0.25, 0.25 - f64::EPSILON] {
         assert!(!verify(boxes(gap).text().as_bytes()).unwrap().holds());
     }
