@@ -6,8 +6,9 @@ use std::io::BufRead;
 use dashu_int::IBig;
 
 use crate::balls::Balls;
-use crate::claim::Claim;
+use crate::claim::{AtMoment, Claim};
 use crate::cover::{Apart, Cover, needed};
+use crate::file::{EVIDENCE, Head, follows, head, tail};
 use crate::json::Json;
 use crate::lines::Lines;
 use crate::meet::Meet;
@@ -16,98 +17,8 @@ use crate::near::Near;
 use crate::plane::Plane;
 use crate::real::Real;
 use crate::report::{Failure, Report, StatedFile, Unreadable, Verdict};
-use crate::scene::{Leg, Scene, hash};
+use crate::scene::{Leg, Scene};
 use crate::{Stop, depth, distance};
-
-/// What the head claims.
-#[derive(Clone, Copy)]
-enum Head {
-    Apart(Apart),
-    Lines,
-    Scene,
-}
-
-/// Lines of evidence, but for legs.
-const EVIDENCE: [&str; 6] = ["plane", "balls", "meet", "near", "distance", "depth"];
-
-impl Head {
-    fn read(line: &Json) -> Result<Self, Stop> {
-        if line.kind() != "receipt" || *line.get("receipt")? != Json::Whole(1) {
-            return Stop::bad("not a receipt of version 1");
-        }
-        let claim = line.get("claim")?.text()?;
-        line.only(&["receipt", "claim", "from", "until", "margin"][..if claim == "apart" { 5 } else { 2 }])?;
-        match claim {
-            "apart" => Ok(Self::Apart(Apart::read(line)?)),
-            "lines" => Ok(Self::Lines),
-            "scene" => Ok(Self::Scene),
-            _ => Stop::bad("unknown claim"),
-        }
-    }
-}
-
-/// Reads the first line.
-fn head<R: BufRead>(lines: &mut Lines<R>) -> Result<Head, Unreadable> {
-    let text = lines.next()?.ok_or_else(|| lines.bad("the file is empty"))?;
-    let head = lines.whole(Json::parse(&text).and_then(|line| Head::read(&line)))?;
-    lines.count();
-    Ok(head)
-}
-
-/// Checks the tail; returns whether its hash is that of the lines.
-fn tail<R: BufRead>(lines: &mut Lines<R>, line: &Json) -> Result<bool, Unreadable> {
-    let read = || {
-        line.only(&["end", "sha256"])?;
-        Ok((line.get("end")?.whole()?, hash(line.get("sha256")?)?))
-    };
-    let (count, stated) = lines.whole(read())?;
-    if count != lines.number - 1 {
-        return Err(lines.bad(format!("the tail counts {count} lines, not {}", lines.number - 1)));
-    }
-    let truth = stated == lines.hash();
-    match lines.next()? {
-        Some(_) => Err(lines.bad("a line after the tail")),
-        None => Ok(truth),
-    }
-}
-
-/// Reads scene and legs of a receipt; its evidence is not evaluated.
-pub(crate) fn scene(reader: impl BufRead) -> Result<(Scene, Vec<Leg>), Unreadable> {
-    let mut lines = Lines::new(reader);
-    head(&mut lines)?;
-    let (mut scene, mut legs, mut started) = (Scene::new(), Vec::new(), false);
-    while let Some(text) = lines.next()? {
-        let line = lines.whole(Json::parse(&text))?;
-        if line.kind() == "end" {
-            lines.whole(scene.end())?;
-            return match tail(&mut lines, &line)? {
-                true => Ok((scene, legs)),
-                false => Err(lines.bad("the hash is not that of the lines")),
-            };
-        }
-        let stated = !started && lines.whole(scene.line(&line))?;
-        started |= !stated;
-        if line.kind() == "leg" {
-            let leg = lines.whole(Leg::read(&line).and_then(|leg| follows(&scene, legs.last(), &leg).map(|()| leg)))?;
-            legs.push(leg);
-        } else if !stated && !EVIDENCE.contains(&line.kind()) {
-            return Err(lines.bad("unknown kind of a line, or a line of the scene after evidence"));
-        }
-        lines.count();
-    }
-    Err(lines.bad("the tail is missing"))
-}
-
-/// Checks that a leg drives the joints and starts where the one before ends.
-fn follows(scene: &Scene, before: Option<&Leg>, leg: &Leg) -> Result<(), Stop> {
-    if scene.coordinates == 0 || leg.0[0].len() < scene.coordinates {
-        return Stop::bad("a leg without a coordinate for each joint, or without joints");
-    }
-    match before.is_none_or(|before| before.0.last() == leg.0.first()) {
-        true => Ok(()),
-        false => Stop::bad("a leg does not start where the one before ends"),
-    }
-}
 
 /// Checks a receipt, on another scene if there is one.
 pub(crate) fn run(reader: impl BufRead, other: Option<(Scene, Vec<Leg>)>) -> Result<Verdict, Unreadable> {
@@ -210,16 +121,9 @@ impl Check {
     }
 
     fn start(&mut self, line: usize) {
-        if let Some(why) = self.different.clone() {
-            self.failure = Some(Failure {
-                line,
-                certificate: None,
-                more: 0,
-                stale: true,
-                text: why,
-            });
-        } else {
-            self.narrow = Stage::new(&self.scene, None);
+        match self.different.clone() {
+            Some(why) => self.failure = Some(Failure::new(line, None, true, why)),
+            None => self.narrow = Stage::new(&self.scene, None),
         }
     }
 
@@ -236,13 +140,7 @@ impl Check {
             Some(first) => first.more += 1,
             None => {
                 let certificate = evidence.then_some(self.report.certificates);
-                self.failure = Some(Failure {
-                    line,
-                    certificate,
-                    more: 0,
-                    stale,
-                    text,
-                });
+                self.failure = Some(Failure::new(line, certificate, stale, text));
             }
         }
         Ok(())
@@ -264,67 +162,41 @@ impl Check {
         match (line.kind(), self.head) {
             ("plane" | "balls", Head::Apart(apart)) => self.apart(line, &apart),
             ("plane" | "balls", _) => Stop::bad("this claim is of single lines"),
-            ("meet", _) => {
-                let meet = Meet::read(&self.scene, line)?;
-                let rests = meet.moment.time.is_none();
-                let holds = if rests {
-                    meet.at_rest(&self.scene)?
-                } else {
-                    self.holds(&meet)
+            (kind, _) => {
+                let text = match kind {
+                    "meet" => self.moment(&Meet::read(&self.scene, line)?)?,
+                    "near" => self.moment(&Near::read(&self.scene, line)?)?,
+                    "distance" => distance::check(&self.scene, line)?,
+                    _ => depth::check(&self.scene, line)?,
                 };
-                let text = meet.moment.text(&self.scene, "and");
-                self.say(holds, format!("{text} share a point"), "no common point")
-            }
-            ("near", _) => {
-                let near = Near::read(&self.scene, line)?;
-                let rests = near.moment.time.is_none();
-                let holds = if rests {
-                    near.at_rest(&self.scene)?
-                } else {
-                    self.holds(&near)
-                };
-                let text = near.moment.text(&self.scene, "and");
-                self.say(
-                    holds,
-                    format!("{text} are at most {} apart", near.within.shown()),
-                    "not so near",
-                )
-            }
-            ("distance", _) => {
-                let (moment, [lower, upper]) = distance::check(&self.scene, line)?;
-                let text = moment.text(&self.scene, "and");
-                let (lower, upper) = (lower.shown(), upper.shown());
-                self.say(
-                    true,
-                    format!("{text} are at least {lower:?} and at most {upper:?} apart"),
-                    "",
-                )
-            }
-            _ => {
-                let (moment, [lower, upper]) = depth::check(&self.scene, line)?;
-                let text = moment.text(&self.scene, "and");
-                let side = |x: Option<Real>, what| {
-                    x.map_or(format!("{what} side not looked at"), |x| {
-                        format!("{what} {:?}", x.shown())
-                    })
-                };
-                let (lower, upper) = (side(lower, "at least"), side(upper, "at most"));
-                self.say(true, format!("the depth of {text} is: {lower}, {upper}"), "")
+                self.report.proven.push(text + &self.of_leg());
+                Ok(())
             }
         }
     }
 
-    fn say(&mut self, holds: bool, text: String, why: &str) -> Result<(), Stop> {
-        if !holds {
-            return Stop::fails(format!("{text}: {why} is seen"));
-        }
-        let leg = if self.count > 1 {
+    fn of_leg(&self) -> String {
+        if self.count > 1 {
             format!(" of leg {}", self.count)
         } else {
             String::new()
+        }
+    }
+
+    /// Returns the sentence of a claim that holds.
+    fn moment(&mut self, claim: &impl AtMoment) -> Result<String, Stop> {
+        let rests = claim.moment().time.is_none();
+        let holds = if rests {
+            claim.at_rest(&self.scene)?
+        } else {
+            self.holds(claim)
         };
-        self.report.proven.push(text + &leg);
-        Ok(())
+        let text = claim.says(&self.scene);
+        if holds {
+            Ok(text)
+        } else {
+            Stop::fails(format!("{text}: this is not seen"))
+        }
     }
 
     /// A certificate of pairs that stay apart.
@@ -371,12 +243,8 @@ impl Check {
         match failed {
             None => Ok(()),
             Some(pair) => {
-                let leg = if self.count > 1 {
-                    format!(" of leg {}", self.count)
-                } else {
-                    String::new()
-                };
-                Stop::fails(format!("{}, at t = {}{leg}", self.scene.names(pair), span.from.shown()))
+                let (names, from) = (self.scene.names(pair), span.from.shown());
+                Stop::fails(format!("{names}, at t = {from}{}", self.of_leg()))
             }
         }
     }
@@ -454,13 +322,7 @@ impl Check {
         }
         if self.report.proven.is_empty() {
             let text = "nothing is claimed".into();
-            self.failure.get_or_insert(Failure {
-                line: 1,
-                certificate: None,
-                more: 0,
-                stale: false,
-                text,
-            });
+            self.failure.get_or_insert(Failure::new(1, None, false, text));
         }
         match self.failure {
             Some(failure) => Verdict::Fails(failure),

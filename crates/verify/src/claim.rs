@@ -15,6 +15,14 @@ pub(crate) trait Claim {
     fn holds<I: Int>(&self, scene: &Scene, stage: &Stage<I>) -> Option<bool>;
 }
 
+/// A claim about two bodies at a time, or at rest.
+pub(crate) trait AtMoment: Claim {
+    fn moment(&self) -> &Moment;
+    /// Decides for two bodies at rest.
+    fn at_rest(&self, scene: &Scene) -> Result<bool, Stop>;
+    fn says(&self, scene: &Scene) -> String;
+}
+
 /// Two bodies at a time; they rest if there is none.
 pub(crate) struct Moment {
     pub(crate) pair: (usize, usize),
@@ -49,10 +57,10 @@ impl Moment {
     }
 
     /// Returns the names of the bodies and the time.
-    pub(crate) fn text(&self, scene: &Scene, between: &str) -> String {
+    pub(crate) fn text(&self, scene: &Scene) -> String {
         let [a, b] = [self.pair.0, self.pair.1].map(|k| &scene.bodies[k].name);
         let when = self.time.map_or(String::new(), |t| format!(" at t = {}", t.shown()));
-        format!("{a} {between} {b}{when}")
+        format!("{a} and {b}{when}")
     }
 }
 

@@ -23,8 +23,8 @@ use crate::points::Placed;
 use crate::real::{Exact, Real, at_most, cross, dot, minus};
 use crate::scene::Scene;
 
-/// Checks a line; returns the bounds that it has.
-pub(crate) fn check(scene: &Scene, line: &Json) -> Result<(Moment, [Option<Real>; 2]), Stop> {
+/// Checks a line; returns what it proves.
+pub(crate) fn check(scene: &Scene, line: &Json) -> Result<String, Stop> {
     line.only(&["depth", "upper", "normal", "lower", "points", "facets"])?;
     let moment = Moment::read(scene, line)?;
     let placed = [scene.placed(moment.pair.0)?, scene.placed(moment.pair.1)?];
@@ -35,10 +35,10 @@ pub(crate) fn check(scene: &Scene, line: &Json) -> Result<(Moment, [Option<Real>
         return Stop::bad("a depth has upper and normal, or lower, points and facets, or all five");
     }
     let radii = radii(scene, moment.pair);
-    let mut bounds = [None, None];
+    let mut said = ["at least", "at most"].map(|side| format!("{side} side not looked at"));
     if above[0] {
         let upper = line.get("upper")?.real()?;
-        bounds[1] = Some(upper);
+        said[1] = format!("at most {:?}", upper.shown());
         let (n, size) = (
             line.get("normal")?.reals::<3>()?.map(Real::exact),
             upper.exact() - &radii,
@@ -51,12 +51,12 @@ pub(crate) fn check(scene: &Scene, line: &Json) -> Result<(Moment, [Option<Real>
     }
     if below[0] {
         let lower = line.get("lower")?.real()?;
-        bounds[0] = Some(lower);
+        said[0] = format!("at least {:?}", lower.shown());
         if !ball(scene, &moment, &placed, line, &(lower.exact() - &radii))? {
             return Stop::fails(format!("{}: the lower bound is not proven", scene.names(moment.pair)));
         }
     }
-    Ok((moment, bounds))
+    Ok(format!("the depth of {} is: {}", moment.text(scene), said.join(", ")))
 }
 
 /// Decides whether the facets enclose the ball of this radius.

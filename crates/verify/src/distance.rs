@@ -17,8 +17,8 @@ use crate::points::Placed;
 use crate::real::{Exact, Real, at_most, dot, minus};
 use crate::scene::Scene;
 
-/// Checks a line; returns the bounds.
-pub(crate) fn check(scene: &Scene, line: &Json) -> Result<(Moment, [Real; 2]), Stop> {
+/// Checks a line; returns what it proves.
+pub(crate) fn check(scene: &Scene, line: &Json) -> Result<String, Stop> {
     line.only(&["distance", "lower", "upper", "normal", "on"])?;
     let moment = Moment::read(scene, line)?;
     let placed = [scene.placed(moment.pair.0)?, scene.placed(moment.pair.1)?];
@@ -48,7 +48,8 @@ pub(crate) fn check(scene: &Scene, line: &Json) -> Result<(Moment, [Real; 2]), S
     if upper < RBig::ZERO || dot(&way, &way) > &upper * &upper {
         return Stop::fails(format!("{}: the upper bound is not proven", names()));
     }
-    Ok((moment, bounds))
+    let ([lower, upper], text) = (bounds.map(Real::shown), moment.text(scene));
+    Ok(format!("{text} are at least {lower:?} and at most {upper:?} apart"))
 }
 
 /// Returns the way between the closest points of the flats through the named vertices.

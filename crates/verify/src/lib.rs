@@ -6,6 +6,7 @@ mod claim;
 mod cover;
 mod depth;
 mod distance;
+mod file;
 mod int;
 mod json;
 mod lines;
@@ -68,7 +69,7 @@ pub fn verify(receipt: impl BufRead) -> Result<Verdict, Unreadable> {
 /// Returns an error if one of the texts cannot be read, or is not a receipt of a known version. The
 /// error of the other scene starts with "other scene".
 pub fn verify_on(receipt: impl BufRead, other: impl BufRead) -> Result<Verdict, Unreadable> {
-    let other = check::scene(other).map_err(|why| match why {
+    let other = file::scene(other).map_err(|why| match why {
         Unreadable::Line { line, why } => Unreadable::Line {
             line,
             why: format!("other scene: {why}"),

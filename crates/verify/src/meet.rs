@@ -10,7 +10,7 @@
 //! all four signs must be certain. The indices carry no number, so nothing is rounded.
 
 use crate::Stop;
-use crate::claim::{Claim, Moment};
+use crate::claim::{AtMoment, Claim, Moment};
 use crate::int::Int;
 use crate::json::Json;
 use crate::motion::Stage;
@@ -20,7 +20,7 @@ use crate::taylor::{cross, dot, minus};
 
 /// Four pairs of vertices whose differences enclose 0.
 pub(crate) struct Meet {
-    pub(crate) moment: Moment,
+    moment: Moment,
     pairs: [[usize; 2]; 4],
 }
 
@@ -42,9 +42,18 @@ impl Meet {
         }
         Ok(Self { moment, pairs })
     }
+}
 
-    /// Decides for two bodies at rest.
-    pub(crate) fn at_rest(&self, scene: &Scene) -> Result<bool, Stop> {
+impl AtMoment for Meet {
+    fn moment(&self) -> &Moment {
+        &self.moment
+    }
+
+    fn says(&self, scene: &Scene) -> String {
+        format!("{} share a point", self.moment.text(scene))
+    }
+
+    fn at_rest(&self, scene: &Scene) -> Result<bool, Stop> {
         let (a, b) = (scene.placed(self.moment.pair.0)?, scene.placed(self.moment.pair.1)?);
         let difference = |[i, j]: [usize; 2]| Some(exact_minus(&a.get(i)?, &b.get(j)?));
         let Some(d) = self.pairs.iter().map(|p| difference(*p)).collect::<Option<Vec<_>>>() else {

@@ -5,7 +5,7 @@
 //! weights are divided by their sum exactly, so they need not add up to one.
 
 use crate::Stop;
-use crate::claim::{Claim, Moment, radii};
+use crate::claim::{AtMoment, Claim, Moment, radii};
 use crate::int::Int;
 use crate::json::Json;
 use crate::motion::Stage;
@@ -17,8 +17,8 @@ use dashu_ratio::RBig;
 
 /// Two points that are at most `within` and the radii apart.
 pub(crate) struct Near {
-    pub(crate) moment: Moment,
-    pub(crate) within: Real,
+    moment: Moment,
+    within: Real,
     /// In the frames of the bodies.
     on: [Exact; 2],
 }
@@ -49,9 +49,18 @@ impl Near {
     fn reach(&self, scene: &Scene) -> RBig {
         self.within.exact() + radii(scene, self.moment.pair)
     }
+}
 
-    /// Decides for two bodies at rest.
-    pub(crate) fn at_rest(&self, scene: &Scene) -> Result<bool, Stop> {
+impl AtMoment for Near {
+    fn moment(&self) -> &Moment {
+        &self.moment
+    }
+
+    fn says(&self, scene: &Scene) -> String {
+        format!("{} are at most {} apart", self.moment.text(scene), self.within.shown())
+    }
+
+    fn at_rest(&self, scene: &Scene) -> Result<bool, Stop> {
         let (a, b) = (scene.placed(self.moment.pair.0)?, scene.placed(self.moment.pair.1)?);
         let way = exact_minus(&b.pose.point(&self.on[1]), &a.pose.point(&self.on[0]));
         let reach = self.reach(scene);

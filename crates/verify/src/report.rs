@@ -86,6 +86,18 @@ pub struct Failure {
     pub text: String,
 }
 
+impl Failure {
+    pub(crate) fn new(line: usize, certificate: Option<usize>, stale: bool, text: String) -> Self {
+        Self {
+            line,
+            certificate,
+            more: 0,
+            stale,
+            text,
+        }
+    }
+}
+
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{}: ", if self.stale { "stale" } else { "does not hold" })?;
