@@ -201,3 +201,54 @@ fn a_plane_stretched_until_its_claim_is_false_is_refused() {
     }
     assert_eq!(refused, 20);
 }
+
+/// The polynomial of a long turn leaves the arc. What departs from it counts.
+#[test]
+fn a_plane_that_only_the_polynomial_respects_is_refused() {
+    for angle in [2.0f64, 3.0, 4.0] {
+        let tip = cuboid([0.1; 3]).iter().map(|p| add(*p, [1.0, 0.0, 0.0])).collect();
+        let wall = Move::Rest([angle.cos(), angle.sin(), 0.0, 0.0, 0.0, 0.0, 1.0]);
+        let bodies = vec![body(tip, Move::Link(1, None)), body(cuboid([0.125; 3]), wall)];
+        let mut receipt = Receipt::new(Some([0.0, 1.0, 0.0]), bodies);
+        let (axis, drive) = ([0.0, 0.0, 1.0], (0, 1.0, 0.0));
+        receipt.joints = vec![Joint {
+            parent: 0,
+            kind: "turn",
+            origin: REST,
+            axis,
+            drive,
+        }];
+        for k in 0..36 {
+            let (x, y) = ((f64::from(k) * 0.175).cos(), (f64::from(k) * 0.175).sin());
+            receipt.evidence = vec![
+                Line::Leg(vec![vec![0.0], vec![angle]]),
+                Line::Plane {
+                    pair: [0, 1],
+                    normal: [x, y, 0.0],
+                    spin: None,
+                    time: [0.0, 1.0],
+                    keep: 0.0,
+                },
+            ];
+            assert!(!accepted(&receipt.text()), "{angle} {k}");
+        }
+    }
+}
+
+/// Four pairs of vertices never prove a common point of bodies that are apart.
+#[test]
+fn bodies_that_are_apart_share_no_point() {
+    let mut rng = Rng(14);
+    for k in 0..400 {
+        let mut receipt = hit(&mut rng);
+        let last = receipt.evidence.len() - 1;
+        let Line::Meet { at, points, .. } = &mut receipt.evidence[last] else {
+            unreachable!()
+        };
+        *at = Some(rng.range(0.0, 0.25));
+        if k % 2 == 0 {
+            *points = std::array::from_fn(|_| [rng.below(8), rng.below(8)]);
+        }
+        assert!(!accepted(&receipt.text()));
+    }
+}
