@@ -1,0 +1,1053 @@
+#!/usr/bin/env python3
+"""Checks a receipt: python3 verify.py RECEIPT [SCENE]
+
+A receipt is a proof in a file that bodies stay apart, meet, or have a distance or a depth. Its format and the lemmas
+are in crates/verify/README.md. This program shares no code with the checker in Rust. It uses integers and fractions
+only: no floating point but to print numbers, and no search.
+
+With SCENE, another receipt, the evidence is evaluated on the bodies and motions of SCENE.
+
+Exit codes: 0 the receipt holds, 1 it does not (the first line that fails is printed), 3 it cannot be read.
+"""
+import hashlib
+import json
+import re
+import sys
+from fractions import Fraction as Q
+from math import comb, isqrt, lcm
+
+P = 128  # bits after the point
+D = 5  # degree of the polynomials
+ONE = 1 << P
+FACTORIAL = [1]
+for _k in range(1, 12):
+    FACTORIAL.append(FACTORIAL[-1] * _k)
+W = lcm(*(comb(D, j) for j in range(D + 1)))
+
+
+class Bad(Exception):
+    """A line is not of the format."""
+
+
+class Fails(Exception):
+    """A line claims what is not proven."""
+
+
+def need(truth, why):
+    if not truth:
+        raise Bad(why)
+
+
+def prove(truth, why):
+    if not truth:
+        raise Fails(why)
+
+
+# The grammar: a part of JSON, without blanks and escapes, and one written form for each number.
+
+NUMBER = re.compile(r"(-?)0x([01])(?:\.([0-9a-f]{0,12}[1-9a-f]))?p(-?[1-9][0-9]{0,3}|0)\Z")
+CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\\]")
+HASH = re.compile(r"[0-9a-f]{64}\Z")
+
+
+def parse(text):
+    def unique(pairs):
+        need(len(dict(pairs)) == len(pairs) <= 16, "a field is there twice, or too many fields")
+        return dict(pairs)
+
+    need(not CONTROL.search(text), "an escape or a control character")
+    try:
+        line = json.loads(text, object_pairs_hook=unique)
+        same = json.dumps(line, separators=(",", ":"), ensure_ascii=False) == text
+    except (ValueError, RecursionError) as why:
+        raise Bad(f"not JSON: {why}") from None
+    need(isinstance(line, dict) and line and same, "not one object without blanks")
+    check_values(line, 1)
+    return line
+
+
+def check_values(value, depth):
+    if isinstance(value, (dict, list)):
+        need(depth <= 8, "nested too deep")
+        for x in value.values() if isinstance(value, dict) else value:
+            check_values(x, depth + 1)
+    else:
+        need(isinstance(value, str) or type(value) is int and 0 <= value < 10**9, "not a value of the format")
+
+
+def kind(line):
+    return next(iter(line))
+
+
+def only(line, *known):
+    need(isinstance(line, dict), "an object is expected")
+    unknown = [key for key in line if key not in known]
+    need(not unknown, f"unknown field {unknown}")
+
+
+def get(line, key):
+    need(key in line, f"field {key} is missing")
+    return line[key]
+
+
+def array(value, count=None):
+    need(isinstance(value, list) and count in (None, len(value)), f"a list is expected, of {count} entries")
+    return value
+
+
+def text(value):
+    need(isinstance(value, str), "a text is expected")
+    return value
+
+
+def whole(value):
+    need(type(value) is int, "a whole number is expected")
+    return value
+
+
+def number(value):
+    """A hex float in its written form, exactly."""
+    parts = NUMBER.match(text(value))
+    need(parts, f"not a number in its written form: {value[:40]}")
+    sign, lead, rest, exponent = parts.groups()
+    size = int(exponent)
+    zero = lead == "0" and rest is None
+    form = -1022 <= size <= 1023 if lead == "1" else size == (0 if zero else -1022)
+    need(form and not (zero and sign), f"not a number in its written form: {value[:40]}")
+    rest = rest or ""
+    exact = Q(int(lead + rest, 16)) * Q(2) ** (size - 4 * len(rest))
+    return -exact if sign else exact
+
+
+def numbers(values, count):
+    return [number(x) for x in array(values, count)]
+
+
+def hash_text(value):
+    need(HASH.match(text(value)), "not a SHA-256")
+    return value
+
+
+# Vectors of anything that can be added and multiplied.
+
+
+def dot(u, v):
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+
+
+def cross(u, v):
+    return [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+
+
+def minus(u, v):
+    return [x - y for x, y in zip(u, v)]
+
+
+def at_most(x, y, square):
+    """x <= y sqrt(square), without a root."""
+    if (x > 0) != (y < 0):
+        return x * x <= y * y * square if x > 0 else x * x >= y * y * square
+    return x <= 0
+
+
+def root_above(q):
+    """A number no less than the square root of a fraction, and little more."""
+    return Q(isqrt((q.numerator << 2 * P) // q.denominator) + 1, ONE)
+
+
+# Functions of time over an interval (lemmas 0 and 1).
+
+
+class Taylor:
+    """A function of x on [0, 1] within r of the sum of c[k] x^k; units of 2^-P."""
+
+    __slots__ = ("c", "r")
+
+    def __init__(self, c, r=0):
+        self.c, self.r = c, r
+
+    def __add__(self, o):
+        a, b = (self.c, o.c) if len(self.c) >= len(o.c) else (o.c, self.c)
+        return Taylor([x + y for x, y in zip(a, b)] + a[len(b) :], self.r + o.r)
+
+    def __neg__(self):
+        return Taylor([-x for x in self.c], self.r)
+
+    def __sub__(self, o):
+        return self + -o
+
+    def __mul__(self, o):
+        p = [0] * (len(self.c) + len(o.c) - 1)
+        for i, x in enumerate(self.c):
+            if x:
+                for j, y in enumerate(o.c):
+                    p[i + j] += x * y
+        rest = sum(map(abs, p[D + 1 :])) + self.r * o.r
+        rest += self.most() * o.r + o.most() * self.r
+        kept = [z >> P for z in p[: D + 1]]
+        return Taylor(kept, (rest >> P) + 1 + len(kept))
+
+    def over(self, n):
+        return Taylor([x // n for x in self.c], self.r // n + 1 + len(self.c))
+
+    def most(self):
+        return sum(map(abs, self.c))
+
+    def net(self):
+        """Bernstein coefficients of the polynomial, times W."""
+        c = self.c + [0] * (D + 1 - len(self.c))
+        return [sum(comb(k, j) * (W // comb(D, j)) * c[j] for j in range(k + 1)) for k in range(D + 1)]
+
+    def sign(self):
+        """The sign of a constant, 0 if not known."""
+        return (self.c[0] > self.r) - (self.c[0] < -self.r)
+
+
+def fixed(q):
+    scaled = q.numerator << P
+    return Taylor([scaled // q.denominator], 0 if scaled % q.denominator == 0 else 1)
+
+
+def fixed_all(v):
+    return [fixed(x) for x in v]
+
+
+def polynomial(coefficients):
+    """Encloses the sum of coefficients[k] x^k."""
+    parts = fixed_all(coefficients)
+    rest = sum(p.r for p in parts) + sum(abs(p.c[0]) for p in parts[D + 1 :])
+    return Taylor([p.c[0] for p in parts[: D + 1]], rest)
+
+
+def moved(p, span):
+    """The coefficients in x of the polynomial p at t = start + length x."""
+    start, length = span[0], span[1] - span[0]
+    powers = [Q(1)]
+    while len(powers) < len(p):
+        powers.append(powers[-1] * start)
+    each = range(len(p))
+    return [sum(comb(j, k) * p[j] * powers[j - k] for j in each[k:]) * length**k for k in each]
+
+
+def turn(square, angle):
+    """sin(|a| v) / |a| and (1 - cos(|a| v)) / |a|^2 at v = sum of angle[k] x^k, with square = |a|^2 (lemma 1)."""
+    start, way = angle[0], sum(map(abs, angle[1:]), Q(0))
+    prove(square * start * start < 2**40 and square * way * way < 2**10, "turns too far")
+    halvings = 0
+    while square * start * start > Q(4) ** halvings / 4:
+        halvings += 1
+    n, y = fixed(square), fixed(start / 2**halvings)
+    z, one = n * y * y, Taylor([ONE])
+    s, u = one, one
+    for j in range(17, 0, -1):
+        s = one - (z * s).over(2 * j * (2 * j + 1))
+        u = one - (z * u).over((2 * j + 1) * (2 * j + 2))
+    s.r, u.r = s.r + 1, u.r + 1  # the first term left out is below 2^-170
+    s, u = y * s, (y * y * u).over(2)
+    for _ in range(halvings):
+        c = one - n * u
+        s, u = s * c, s * s
+        s, u = s + s, u + u
+    if way == 0:
+        return s, u
+    derivatives = [u, s, one - n * u]
+    while len(derivatives) < D + 2:
+        derivatives.append(-(n * derivatives[-2]))
+    w, rho = polynomial([Q(0)] + angle[1:]), root_above(square) * way
+
+    def series(first, rest):
+        total = derivatives[first + D].over(FACTORIAL[D])
+        for k in range(D - 1, -1, -1):
+            total = total * w + derivatives[first + k].over(FACTORIAL[k])
+        return Taylor(total.c, total.r + fixed(rest / FACTORIAL[D + 1]).c[0] + 1)
+
+    return series(1, way * rho**D), series(0, way * way * rho ** (D - 1))
+
+
+def least(net):
+    """No value of a polynomial is less: the least Bernstein coefficient of its eighths."""
+    nets = [net]
+    for _ in range(3):
+        halves = []
+        for net in nets:
+            net, first = list(net), [net[0]]
+            for k in range(1, len(net)):
+                for j in range(len(net) - k):
+                    net[j] = (net[j] + net[j + 1]) >> 1
+                first.append(net[0])
+            halves += [first, net]
+        nets = halves
+    return min(map(min, nets))
+
+
+# Steps from a body to the world; lengths are in units of a power of two.
+
+
+def matrix(q):
+    """The rotation of a quaternion x, y, z, w of about unit length, as fractions."""
+    x, y, z, w = q
+    n = x * x + y * y + z * z + w * w
+    need(abs(n - 1) < Q(1, 1000), "not a unit quaternion")
+    return [
+        [1 - 2 * (y * y + z * z) / n, 2 * (x * y - z * w) / n, 2 * (x * z + y * w) / n],
+        [2 * (x * y + z * w) / n, 1 - 2 * (x * x + z * z) / n, 2 * (y * z - x * w) / n],
+        [2 * (x * z - y * w) / n, 2 * (y * z + x * w) / n, 1 - 2 * (x * x + y * y) / n],
+    ]
+
+
+def pose_of(values):
+    all_ = numbers(values, 7)
+    return matrix(all_[3:]), all_[:3]
+
+
+IDENTITY = [[Q(int(i == j)) for j in range(3)] for i in range(3)], [Q(0)] * 3
+
+
+def rows_times(n, rows):
+    return [dot(n, column) for column in zip(*rows)]
+
+
+class Place:
+    """A constant pose."""
+
+    def __init__(self, pose, unit):
+        rows, shift = pose
+        self.rows, self.shift = [fixed_all(row) for row in rows], fixed_all([x * unit for x in shift])
+
+    def plane(self, m, o, span):  # of m . (R x + p) + o the new m and o
+        return rows_times(m, self.rows), o + dot(m, self.shift)
+
+    def point(self, x, span):
+        return [dot(row, x) + s for row, s in zip(self.rows, self.shift)]
+
+
+class Shift:
+    """A shift that is a polynomial in time, one list of coefficients for each axis."""
+
+    def __init__(self, ways):
+        self.ways = ways
+
+    def way(self, span):
+        return [polynomial(moved(w, span)) for w in self.ways]
+
+    def plane(self, m, o, span):
+        return m, o + dot(m, self.way(span))
+
+    def point(self, x, span):
+        return [a + b for a, b in zip(x, self.way(span))]
+
+
+class Turn:
+    """exp([axis] angle), the angle a polynomial in time."""
+
+    def __init__(self, axis, angle):
+        self.axis, self.square, self.angle, self.known = fixed_all(axis), dot(axis, axis), angle, {}
+
+    def parts(self, span):
+        if span not in self.known:
+            self.known[span] = turn(self.square, moved(self.angle, span))
+        return self.known[span]
+
+    def plane(self, m, o, span):
+        once = cross(m, self.axis)
+        twice = cross(once, self.axis)
+        s, u = self.parts(span)
+        return [m[k] + s * once[k] + u * twice[k] for k in range(3)], o
+
+    def point(self, x, span):
+        once = cross(self.axis, x)
+        twice = cross(self.axis, once)
+        s, u = self.parts(span)
+        return [x[k] + s * once[k] + u * twice[k] for k in range(3)]
+
+
+# What a receipt states.
+
+
+class Body:
+    def __init__(self, line, scene):
+        only(line, "body", "name", "points", "radius", "at", "link", "steady")
+        count = len(scene.bodies)
+        need(count < 4096 and whole(line["body"]) == count, f"body {count} is expected")
+        self.at = pose_of(line["at"]) if "at" in line else None
+        self.link = self.steady = None
+        self.pivot, self.moves = [Q(0)] * 3, False
+        if "link" in line:
+            need("steady" not in line, "a body moves in one way")
+            self.link = whole(line["link"])
+            need(self.link <= len(scene.joints), "unknown link")
+            self.moves = scene.carries(self.link)
+            self.at = self.at or IDENTITY
+        elif "steady" in line:
+            only(line["steady"], "pivot", "linear", "angular", "push")
+            self.steady = {k: numbers(get(line["steady"], k), 3) for k in ("pivot", "linear", "angular", "push")}
+            self.pivot, self.moves = self.steady["pivot"], True
+        need(self.at, "a body moves in one way: at, link, link and at, or at and steady")
+        points = array(get(line, "points"))
+        need(0 < len(points) <= 65536, "number of points")
+        self.points = [numbers(p, 3) for p in points]
+        self.radius = number(line["radius"]) if "radius" in line else Q(0)
+        need(self.radius >= 0, "a negative radius")
+        self.name = text(get(line, "name"))
+
+    def lengths(self):
+        return [x for p in self.points for x in p] + self.at[1]
+
+    def scaled(self, unit):
+        """Points, ball and own steps in units of a power of two."""
+        all_ = [fixed_all([x * unit for x in p]) for p in self.points]
+        self.fixed = [[x.c[0] for x in p] for p in all_]
+        self.inexact = max(x.r for p in all_ for x in p)
+        self.most = [max(abs(p[k]) for p in self.fixed) + 1 for k in range(3)]
+        squares = (sum((x - c) ** 2 for x, c in zip(p, self.pivot)) for p in self.points)
+        self.reach = root_above(max(squares) * unit * unit)
+        self.own = [Place(self.at, unit)]
+        if self.steady:
+            rows, shift = self.at
+            lever = [dot(row, self.pivot) for row in rows]
+            linear, push = self.steady["linear"], self.steady["push"]
+            ways = [[(s + x) * unit, v * unit, g * unit / 2] for s, x, v, g in zip(shift, lever, linear, push)]
+            spin = Turn(self.steady["angular"], [Q(0), Q(1)])
+            self.own = [Shift(ways), spin, Place((rows, [-x for x in lever]), unit)]
+
+
+class Joint:
+    def __init__(self, line, scene):
+        count = len(scene.joints) + 1
+        self.kind = text(get(line, "kind"))
+        need(self.kind in ("fixed", "turn", "slide"), "unknown kind of a joint")
+        driven = ("axis", "drive") if self.kind != "fixed" else ()
+        only(line, "joint", "parent", "kind", "origin", *driven)
+        self.parent = whole(get(line, "parent"))
+        need(count <= 1024 and whole(line["joint"]) == count and self.parent < count, f"joint {count} is expected")
+        self.origin = pose_of(get(line, "origin"))
+        self.moves, self.motion = scene.carries(self.parent), []
+        if driven:
+            coordinate, factor, offset = array(get(line, "drive"), 3)
+            self.axis, self.moves = numbers(get(line, "axis"), 3), True
+            need(whole(coordinate) < 1024, "coordinate")
+            self.drive = coordinate, number(factor), number(offset)
+
+    def set(self, rows, unit):
+        """Sets the motion along Bezier control points."""
+        if self.kind == "fixed":
+            return
+        coordinate, factor, offset = self.drive
+        d, value = [row[coordinate] for row in rows], []
+        for k in range(len(rows)):
+            value.append(d[0] * comb(len(rows) - 1, k) * factor)
+            d = [y - x for x, y in zip(d, d[1:])]
+        value[0] += offset
+        turns = self.kind == "turn"
+        self.motion = [Turn(self.axis, value) if turns else Shift([[v * x * unit for v in value] for x in self.axis])]
+
+
+ORDER = ["file", "base", "joint", "body", "ignored"]
+
+
+class Scene:
+    def __init__(self):
+        self.files, self.base, self.joints, self.bodies = [], None, [], []
+        self.ignored, self.at, self.coordinates = {}, 0, 0
+
+    def carries(self, link):
+        return link > 0 and self.joints[link - 1].moves
+
+    def line(self, line):
+        """Reads a line; false if it is none of a scene."""
+        if kind(line) not in ORDER:
+            return False
+        order = ORDER.index(kind(line))
+        need(order >= self.at, "a line of the scene out of order")
+        self.at = order
+        if order == 0:
+            only(line, "file", "sha256")
+            self.files.append((text(line["file"]), hash_text(get(line, "sha256"))))
+        elif order == 1:
+            only(line, "base")
+            need(self.base is None, "a second base")
+            self.base = pose_of(line["base"])
+        elif order == 2:
+            joint = Joint(line, self)
+            self.joints.append(joint)
+            if joint.kind != "fixed":
+                self.coordinates = max(self.coordinates, joint.drive[0] + 1)
+        elif order == 3:
+            self.bodies.append(Body(line, self))
+        else:
+            only(line, "ignored", "why")
+            need(text(get(line, "why")), "an ignored pair without a reason")
+            for pair in self.star(line["ignored"]):
+                need(pair not in self.ignored, "a pair is ignored twice")
+                self.ignored[pair] = line["why"]
+        return True
+
+    def end(self):
+        need(self.bodies and (self.joints or not self.base), "no body, or a base without joints")
+
+    def scaled(self):
+        lengths = [x for b in self.bodies for x in b.lengths()] + [x for j in self.joints for x in j.origin[1]]
+        most = max(map(abs, lengths + (self.base[1] if self.base else [])))
+        bits = most.numerator.bit_length() - most.denominator.bit_length() + 1 if most else -1022
+        self.unit = Q(2) ** -max(bits, -1022)
+        self.base_step = [Place(self.base, self.unit)] if self.base else []
+        for joint in self.joints:
+            joint.place = Place(joint.origin, self.unit)
+        for body in self.bodies:
+            body.scaled(self.unit)
+
+    def body_number(self, value):
+        need(whole(value) < len(self.bodies), f"unknown body {value}")
+        return value
+
+    def pair(self, value):
+        a, b = (self.body_number(x) for x in array(value, 2))
+        need(a < b, "a pair has the lesser number first")
+        return a, b
+
+    def star(self, value):
+        a, others = array(value, 2)
+        a = self.body_number(a)
+        pairs = [(min(a, b), max(a, b)) for b in map(self.body_number, array(others))]
+        need(pairs and len(set(pairs)) == len(pairs), "a list of pairs: empty, or a pair twice")
+        need(all(x != y for x, y in pairs), "a body with itself")
+        return pairs
+
+    def names(self, pair):
+        return f"{self.bodies[pair[0]].name} against {self.bodies[pair[1]].name}"
+
+    def moving(self, pair):
+        return self.bodies[pair[0]].moves or self.bodies[pair[1]].moves
+
+    def chain(self, body):
+        """The joints between the base and a body, the base first."""
+        link, chain = body.link or 0, []
+        while link > 0:
+            chain.insert(0, self.joints[link - 1])
+            link = chain[0].parent
+        return chain
+
+    def steps(self, body):
+        """The steps from the world to a body."""
+        if body.link is None:
+            return body.own
+        chain = [step for joint in self.chain(body) for step in [joint.place] + joint.motion]
+        return self.base_step + chain + body.own
+
+    def point(self, body, x, span):
+        for step in reversed(self.steps(body)):
+            x = step.point(x, span)
+        return x
+
+    def heights(self, body, n, span):
+        """Least and greatest Bernstein coefficients of the heights of all vertices along n; units of 2^-2P / W."""
+        m, o = n, Taylor([0])
+        for step in self.steps(body):
+            m, o = step.plane(m, o, span)
+        off = sum(a.r * b for a, b in zip(m, body.most)) + (o.r << P)
+        off = W * (off + body.inexact * sum(part.most() + part.r for part in m))
+        low, high = [], []
+        for (x, y, z), b in zip(zip(*(part.net() for part in m)), o.net()):
+            all_ = [x * p[0] + y * p[1] + z * p[2] for p in body.fixed]
+            low.append(min(all_) + (b << P) - off)
+            high.append(max(all_) + (b << P) + off)
+        return low, high
+
+    def placed(self, number_):
+        """The pose of a body at rest, exactly."""
+        body = self.bodies[number_]
+        need(not body.moves, "the claim is about bodies at rest")
+        poses = [body.at]
+        if body.link is not None:
+            chain = self.chain(body)
+            need(len(chain) <= 16, "more than 16 joints between a body at rest and the base")
+            poses = ([self.base] if self.base else []) + [joint.origin for joint in chain] + poses
+        rows, shift = poses[-1]
+        for outer, step in reversed(poses[:-1]):
+            shift = [dot(row, shift) + s for row, s in zip(outer, step)]
+            rows = [rows_times(row, rows) for row in outer]
+        return Placed(rows, shift, body.points)
+
+
+class Placed:
+    """The vertices of a body at rest, in the world."""
+
+    def __init__(self, rows, shift, points):
+        self.rows, self.shift, self.points = rows, shift, points
+
+    def point(self, x):
+        return [dot(row, x) + s for row, s in zip(self.rows, self.shift)]
+
+    def vertex(self, k):
+        return self.point(self.points[k])
+
+    def heights(self, n):
+        m = rows_times(n, self.rows)
+        all_ = [dot(m, p) for p in self.points]
+        return min(all_) + dot(n, self.shift), max(all_) + dot(n, self.shift)
+
+
+# Claims. Each is one lemma.
+
+def by_plane(scene, pair, span, keep, normal, spin):
+    """Lemma 3."""
+    n = fixed_all(normal)
+    if spin and span[0] != span[1]:
+        n = Turn(spin, [Q(0), span[1] - span[0]]).point(n, (Q(0), Q(1)))
+    (_, high), (low, _) = (scene.heights(scene.bodies[k], n, span) for k in pair)
+    gap = min(y - x for x, y in zip(high, low))
+    keep = (keep + sum(scene.bodies[k].radius for k in pair)) * scene.unit
+    return gap > 0 and Q(gap, W << 2 * P) ** 2 > keep * keep * dot(normal, normal)
+
+
+def by_balls(scene, pair, span, keep):
+    """Lemma 2."""
+    a, b = (scene.bodies[k] for k in pair)
+    reach = a.reach + b.reach + (keep + a.radius + b.radius) * scene.unit
+    ends = [scene.point(body, fixed_all([x * scene.unit for x in body.pivot]), span) for body in (a, b)]
+    way = minus(ends[1], ends[0])
+    square = dot(way, way)
+    return Q(least(square.net()) - W * square.r, W << P) > reach * reach
+
+
+class Moment:
+    """Two bodies at a time; they rest if there is none."""
+
+    def __init__(self, scene, line):
+        self.scene, self.pair = scene, scene.pair(line[kind(line)])
+        self.time = number(line["at"]) if "at" in line else None
+        need((self.time is not None) == scene.moving(self.pair), "a pair that moves has a time, one that rests has none")
+        self.span = (self.time or Q(0),) * 2
+        need(scene.coordinates == 0 or 0 <= self.span[0] <= 1, "a time outside of a leg: it lasts from 0 to 1")
+
+    def has(self, side, k):
+        found = whole(k) < len(self.scene.bodies[self.pair[side]].points)
+        prove(found, f"{self.scene.names(self.pair)}: no such vertex, {k}")
+        return k
+
+    def placed(self):
+        return [self.scene.placed(k) for k in self.pair]
+
+    def radii(self):
+        return sum(self.scene.bodies[k].radius for k in self.pair)
+
+    def text(self):
+        when = f" at t = {float(self.time)}" if self.time is not None else ""
+        return " and ".join(self.scene.bodies[k].name for k in self.pair) + when
+
+    def means(self, line):
+        """Two points by weights of vertices, in the frames of the bodies."""
+        found = []
+        for side, entries in enumerate(array(get(line, "on"), 2)):
+            pairs = [(whole(k), number(w)) for k, w in (array(x, 2) for x in array(entries))]
+            total = sum(w for _, w in pairs)
+            need(total > 0 and all(w >= 0 for _, w in pairs), "weights: one is negative, or none is positive")
+            points = self.scene.bodies[self.pair[side]].points
+            mean = [sum(w * points[self.has(side, k)][i] for k, w in pairs) / total for i in range(3)]
+            found.append(mean)
+        return found
+
+
+def meet(scene, line):
+    """Lemma 4: zero lies in the tetrahedron of four differences."""
+    only(line, "meet", "at", "points")
+    moment = Moment(scene, line)
+    pairs = []
+    for entry in array(get(line, "points"), 4):
+        i, j = array(entry, 2)
+        pairs.append((moment.has(0, i), moment.has(1, j)))
+    if moment.time is None:
+        a, b = moment.placed()
+        d = [minus(a.vertex(i), b.vertex(j)) for i, j in pairs]
+    else:
+
+        def vertex(side, k):
+            body = scene.bodies[moment.pair[side]]
+            return scene.point(body, [Taylor([x], body.inexact) for x in body.fixed[k]], moment.span)
+
+        d = [minus(vertex(0, i), vertex(1, j)) for i, j in pairs]
+
+    def volume(i, j, k):
+        x = dot(d[i], cross(d[j], d[k]))
+        return x.sign() if isinstance(x, Taylor) else (x > 0) - (x < 0)
+
+    signs = [volume(1, 2, 3), -volume(0, 2, 3), volume(0, 1, 3), -volume(0, 1, 2)]
+    known = any(signs) if moment.time is None else all(signs)
+    prove(known and (min(signs) > -1 or max(signs) < 1), f"{moment.text()}: no common point is seen")
+    return f"{moment.text()} share a point"
+
+
+def near(scene, line):
+    """Lemma 5."""
+    only(line, "near", "at", "within", "on")
+    moment = Moment(scene, line)
+    within = number(get(line, "within"))
+    need(within >= 0, "within is negative")
+    means, reach = moment.means(line), within + moment.radii()
+    if moment.time is None:
+        way = minus(*(placed.point(x) for placed, x in zip(moment.placed(), means)))
+        truth = dot(way, way) <= reach * reach
+    else:
+        bodies = (scene.bodies[k] for k in moment.pair)
+        fixed_means = (fixed_all([c * scene.unit for c in x]) for x in means)
+        way = minus(*(scene.point(body, x, moment.span) for body, x in zip(bodies, fixed_means)))
+        square = dot(way, way)
+        truth = Q(square.c[0] + square.r, ONE) <= (reach * scene.unit) ** 2
+    prove(truth, f"{moment.text()}: not so near")
+    return f"{moment.text()} are at most {float(within)!r} apart"
+
+
+def nearest(moment, placed, line):
+    """The way between the closest points of the flats through the named vertices, which lie within them."""
+    ends, edges, sides = [], [], []
+    for side, names in enumerate(array(get(line, "on"), 2)):
+        corners = [placed[side].vertex(moment.has(side, k)) for k in array(names)[:4]]
+        need(corners, "a feature without vertex")
+        for c in corners[1:]:
+            sides.append(side)
+            edges.append(minus(c, corners[0]) if side else minus(corners[0], c))
+        ends.append(corners[0])
+    way = minus(ends[1], ends[0])
+    need(len(edges) < 3, "features of more than four vertices")
+    right = [-dot(e, way) for e in edges]
+    square = [[dot(e, f) for f in edges] for e in edges]
+    parts = []
+    if len(edges) == 1:
+        parts = [(right[0], square[0][0])]
+    elif edges:
+        d = square[0][0] * square[1][1] - square[0][1] ** 2
+        first = right[0] * square[1][1] - right[1] * square[0][1]
+        parts = [(first, d), (right[1] * square[0][0] - right[0] * square[0][1], d)]
+    prove(all(d > 0 for _, d in parts), f"{moment.text()}: a feature without extent")
+    parts = [x / d for x, d in parts]
+    for side in (0, 1):
+        own = [x for x, s in zip(parts, sides) if s == side]
+        prove(all(x >= 0 for x in own) and sum(own) <= 1, f"{moment.text()}: a closest point beside its feature")
+    return [w + sum(t * e[k] for t, e in zip(parts, edges)) for k, w in enumerate(way)]
+
+
+def distance(scene, line):
+    """Lemma 6."""
+    only(line, "distance", "lower", "upper", "normal", "on")
+    moment = Moment(scene, line)
+    placed = moment.placed()
+    bounds = number(get(line, "lower")), number(get(line, "upper"))
+    if "normal" in line:
+        a, b = moment.means(line)
+        n, way = numbers(line["normal"], 3), minus(placed[1].point(b), placed[0].point(a))
+    else:
+        n = way = nearest(moment, placed, line)
+    gap, (lower, upper) = placed[1].heights(n)[0] - placed[0].heights(n)[1], (x + moment.radii() for x in bounds)
+    prove(gap > 0, f"{moment.text()}: no gap along the normal")
+    prove(at_most(-gap, -lower, dot(n, n)), f"{moment.text()}: the lower bound is not proven")
+    prove(upper >= 0 and dot(way, way) <= upper * upper, f"{moment.text()}: the upper bound is not proven")
+    return "{} are at least {!r} and at most {!r} apart".format(moment.text(), *map(float, bounds))
+
+
+def depth(scene, line):
+    """Lemma 7."""
+    only(line, "depth", "upper", "normal", "lower", "points", "facets")
+    moment = Moment(scene, line)
+    placed = moment.placed()
+    above = [k in line for k in ("upper", "normal")]
+    below = [k in line for k in ("lower", "points", "facets")]
+    whole_ = all(above) == any(above) and all(below) == any(below)
+    need(whole_ and any(above + below), "a depth has upper and normal, or lower, points and facets, or all five")
+    said = ["at least side not looked at", "at most side not looked at"]
+    if above[0]:
+        upper, n = number(line["upper"]), numbers(line["normal"], 3)
+        reach = placed[0].heights(n)[1] - placed[1].heights(n)[0]
+        size = upper - moment.radii()
+        truth = any(n) and size >= 0 and at_most(reach, size, dot(n, n))
+        prove(truth, f"{moment.text()}: the upper bound is not proven")
+        said[1] = f"at most {float(upper)!r}"
+    if below[0]:
+        lower = number(line["lower"])
+        truth = holds_ball(moment, placed, line, lower - moment.radii())
+        prove(truth, f"{moment.text()}: the lower bound is not proven")
+        said[0] = f"at least {float(lower)!r}"
+    return f"the depth of {moment.text()} is: {', '.join(said)}"
+
+
+def holds_ball(moment, placed, line, radius):
+    """Whether the facets enclose the ball of this radius."""
+    points = []
+    for entry in array(line["points"]):
+        i, j = array(entry, 2)
+        points.append(minus(placed[0].vertex(moment.has(0, i)), placed[1].vertex(moment.has(1, j))))
+    edges, facets = {}, array(line["facets"])
+    truth = bool(facets) and radius >= 0
+    for facet in facets:
+        corners = array(facet, 3)
+        need(all(whole(k) < len(points) for k in corners), "a facet names a point that is not there")
+        for k in range(3):
+            u, v = corners[k], corners[(k + 1) % 3]
+            key = min(u, v), max(u, v)
+            edges[key] = edges.get(key, 0) + (1 if u < v else -1)
+        p, q, r = (points[k] for k in corners)
+        normal = cross(minus(q, p), minus(r, p))
+        height = dot(normal, p)
+        truth = truth and height > 0 and height * height >= radius * radius * dot(normal, normal)
+    return truth and not any(edges.values())
+
+
+LINES = {"meet": meet, "near": near, "distance": distance, "depth": depth}
+EVIDENCE = ["plane", "balls", *LINES]
+
+
+# The file.
+
+
+def read(raw):
+    """The parsed lines, and whether the hash is that of the lines before the tail."""
+    need(raw.endswith(b"\n"), "the file is empty, or its last line has no end")
+    lines, raw_lines = [], raw.split(b"\n")[:-1]
+    for k, bytes_ in enumerate(raw_lines):
+        try:
+            need(len(bytes_) <= 1 << 24, "longer than 16 MiB")
+            lines.append(parse(bytes_.decode()))
+        except (Bad, UnicodeDecodeError) as why:
+            raise Bad(f"line {k + 1}: {why}") from None
+    head, tail = lines[0], lines[-1]
+    need(kind(head) == "receipt" and head["receipt"] == 1, "not a receipt of version 1")
+    need(kind(tail) == "end", "the tail is missing")
+    only(tail, "end", "sha256")
+    need(whole(tail["end"]) == len(lines) - 1, "the tail counts other lines")
+    stated = hash_text(get(tail, "sha256"))
+    counted = b"".join(x + b"\n" for x in raw_lines[:-1])
+    return lines[:-1], hashlib.sha256(counted).hexdigest() == stated
+
+
+class Check:
+    def __init__(self, lines):
+        head = lines[0]
+        self.lines, self.claim = lines, text(get(head, "claim"))
+        need(self.claim in ("apart", "lines", "scene"), "unknown claim")
+        only(head, "receipt", "claim", *(("from", "until", "margin") if self.claim == "apart" else ()))
+        if self.claim == "apart":
+            self.begin, self.until, self.margin = (number(get(head, k)) for k in ("from", "until", "margin"))
+            need(self.margin >= 0 and self.begin <= self.until, "margin or interval")
+        self.scene, self.first, self.legs = Scene(), None, None
+        for k, line in enumerate(lines[1:], 2):
+            with_line(k, self.read_scene, k, line)
+        self.scene.end()
+        self.files = self.scene.files
+
+    def read_scene(self, k, line):
+        if self.first is None and not self.scene.line(line):
+            self.first = k - 1
+        if self.first is not None:
+            need(kind(line) in ["leg", *EVIDENCE], "unknown kind of a line, or a line out of order")
+
+    def evidence(self):
+        return enumerate(self.lines[self.first :], self.first + 1) if self.first is not None else []
+
+    def read_legs(self):
+        """The legs of this receipt, as another scene."""
+        legs = []
+        for k, line in self.evidence():
+            if kind(line) == "leg":
+                legs.append(with_line(k, read_leg, self.scene, line, legs[-1] if legs else None))
+        return legs
+
+    def replace(self, other):
+        """Takes scene and legs of another receipt; the pairs ignored stay."""
+        self.legs = other.read_legs()
+        names = [[b.name for b in scene.bodies] for scene in (self.scene, other.scene)]
+        other.scene.ignored, self.scene = self.scene.ignored, other.scene
+        prove(names[0] == names[1], "another scene: the bodies are not the same")
+
+    def run(self, hashed):
+        """Returns the text; raises `Fails` at the first failure."""
+        self.scene.scaled()
+        self.said, self.failure, self.more = [], None, 0
+        self.leg, self.count, self.number, self.proven = None, 0, 0, {}
+        for k, line in self.evidence():
+            self.number += kind(line) != "leg"
+            self.note(k, self.number if kind(line) != "leg" else None, lambda: self.line(line))
+        last = len(self.lines) + 1
+        self.note(last, None, self.end_leg)
+        self.note(last, None, lambda: prove(hashed, "the hash is not that of the lines"))
+        legs = self.legs is None or len(self.legs) == self.count
+        self.note(last, None, lambda: prove(legs, "another scene: another number of legs"))
+        if self.claim == "apart":
+            self.tell()
+        self.note(1, None, lambda: prove(self.said, "nothing is claimed"))
+        if self.failure:
+            raise Fails(self.failure + (f"; {self.more} further failures)" if self.more else ")"))
+        return self.said
+
+    def note(self, line, number_, work):
+        """Keeps the first failure and counts the others."""
+        try:
+            work()
+        except (Bad, Fails) as why:
+            if isinstance(why, Bad) and self.legs is None:
+                raise Bad(f"line {line}: {why}") from None
+            self.more += self.failure is not None
+            self.failure = self.failure or (f"certificate {number_}, " if number_ else "") + f"{why} (line {line}"
+
+    def line(self, line):
+        if kind(line) == "leg":
+            return self.start_leg(line)
+        need(self.claim != "scene", "evidence in a scene")
+        need(self.count > 0 or self.scene.coordinates == 0, "evidence before the first leg")
+        if kind(line) in LINES:
+            return self.said.append(LINES[kind(line)](self.scene, line) + self.of_leg())
+        need(self.claim == "apart", "this claim is of single lines")
+        self.apart(line)
+
+    def of_leg(self):
+        return f" of leg {self.count}" if self.count > 1 else ""
+
+    def apart(self, line):
+        """Lemma 8, and lemma 2 or 3 for each pair."""
+        plane = kind(line) == "plane"
+        only(line, kind(line), "from", "until", "keep", *(("normal", "spin") if plane else ()))
+        pairs = [self.scene.pair(line["plane"])] if plane else self.scene.star(line["balls"])
+        usual = {"from": self.begin, "until": self.until, "keep": self.margin}
+        start, until, keep = (number(line[k]) if k in line else x for k, x in usual.items())
+        for pair in pairs:
+            name = self.scene.names(pair)
+            used = pair not in self.scene.ignored and self.scene.moving(pair)
+            prove(used, f"{name}: a proof of a pair that is ignored or rests")
+            before = self.proven.get(pair, self.begin)
+            why = f"{name}: a proof from t = {float(start)}, after one until t = {float(before)}"
+            prove(start == before <= until <= self.until, why)
+        prove(keep >= self.margin, f"{self.scene.names(pairs[0])}: keeps {float(keep)}, less than the margin")
+        normal = spin = None
+        if plane:
+            normal = numbers(get(line, "normal"), 3)
+            spin = numbers(line["spin"], 3) if "spin" in line else None
+        failed, span = None, (start, until)
+        for pair in pairs:
+            try:
+                more = (by_plane, normal, spin) if plane else (by_balls,)
+                holds = more[0](self.scene, pair, span, keep, *more[1:])
+            except Fails:
+                holds = False
+            failed = failed if holds else failed or pair
+            self.proven[pair] = until
+        prove(failed is None, f"{self.scene.names(failed or pairs[0])}, at t = {float(start)}{self.of_leg()}")
+
+    def start_leg(self, line):
+        need(self.count > 0 or self.number == 0, "evidence before the first leg")
+        leg = read_leg(self.scene if self.legs is None else None, line, self.leg)
+        failed = None
+        if self.count > 0:
+            try:
+                self.end_leg()
+            except Fails as why:
+                failed = why
+        self.leg, self.count = leg, self.count + 1
+        if self.claim == "apart":
+            inside = self.begin >= 0 and self.until <= 1
+            whole_ = self.begin == 0 and self.until == 1
+            need(inside and (whole_ or self.count == 1), "the interval is not within a leg, or not all of each")
+        if self.legs is not None:
+            prove(self.count <= len(self.legs), "another scene: a leg is missing")
+            leg = self.legs[self.count - 1]
+        for joint in self.scene.joints:
+            joint.set(leg, self.scene.unit)
+        if failed:
+            raise failed
+
+    def end_leg(self):
+        proven, self.proven = self.proven, {}
+        if self.claim != "apart":
+            return
+        for pair, until in sorted(proven.items()):
+            prove(until == self.until, f"{self.scene.names(pair)} is proven until t = {float(until)} only")
+        count = len(self.scene.bodies)
+        for pair in ((a, b) for a in range(count) for b in range(a + 1, count)):
+            done = pair in proven or pair in self.scene.ignored or not self.scene.moving(pair)
+            prove(done, f"no proof of {self.scene.names(pair)}")
+
+    def tell(self):
+        """Says what a claim of all pairs proves, and what it leaves out."""
+        count, bodies = len(self.scene.bodies), self.scene.bodies
+        pairs = [(a, b) for a in range(count) for b in range(a + 1, count) if (a, b) not in self.scene.ignored]
+        moving = [pair for pair in pairs if self.scene.moving(pair)]
+        if not moving:
+            return
+        legs = f" of each of {self.count} legs" if self.count > 1 else ""
+        begin, until, margin = map(float, (self.begin, self.until, self.margin))
+        stay = "pair of bodies stays" if len(moving) == 1 else "pairs of bodies stay"
+        self.said += [
+            f"{len(moving)} {stay} more than {margin} apart from t = {begin} until t = {until}{legs}",
+            "these are all pairs with a body that moves, but for those listed below; moving: "
+            + ", ".join(b.name for b in bodies if b.moves)
+            + "; at rest: "
+            + ", ".join(b.name for b in bodies if not b.moves),
+        ]
+
+    def text(self):
+        scene = self.scene
+        yield f"holds: {self.number} certificates"
+        yield from (f"proven: {x}" for x in self.said)
+        if self.claim == "apart":
+            yield from (f"not looked at: {scene.names(pair)}: {why}" for pair, why in sorted(scene.ignored.items()))
+            count = len(scene.bodies)
+            pairs = ((a, b) for a in range(count) for b in range(a + 1, count))
+            resting = sum(not scene.moving(x) and x not in scene.ignored for x in pairs)
+            if resting:
+                yield f"not looked at: {resting} pairs of bodies that both rest"
+        yield from (f"not compared: file {name} with SHA-256 {sha}" for name, sha in self.files)
+
+
+def with_line(k, work, *values):
+    try:
+        return work(*values)
+    except Bad as why:
+        raise Bad(f"line {k}: {why}") from None
+
+
+def read_leg(scene, line, before):
+    only(line, "leg")
+    rows = [[number(x) for x in array(row)] for row in array(line["leg"])]
+    same = 1 <= len(rows) <= 17 and len(rows[0]) <= 1024 and all(len(row) == len(rows[0]) for row in rows)
+    need(same, "a leg has 1 to 17 rows of equal length, at most 1024")
+    if scene:
+        need(0 < scene.coordinates <= len(rows[0]), "a leg without a coordinate for each joint, or without joints")
+        need(before is None or before[-1] == rows[0], "a leg does not start where the one before ends")
+    return rows
+
+
+def verify(receipt, other=None):
+    """Checks the bytes of a receipt; returns the lines of the answer. Raises `Fails` or `Bad`."""
+    lines, hashed = read(receipt)
+    check = Check(lines)
+    if other is not None:
+        try:
+            other_lines, other_hashed = read(other)
+            need(other_hashed, "the hash is not that of the lines")
+            found = Check(other_lines)
+            found.read_legs()
+        except Bad as why:
+            raise Bad(f"other scene: {why}") from None
+        check.replace(found)
+    check.run(hashed)
+    return list(check.text())
+
+
+def main(names):
+    if not 1 <= len(names) <= 2:
+        print("usage: verify.py RECEIPT [SCENE]", file=sys.stderr)
+        return 3
+    try:
+        contents = []
+        for name in names:
+            with open(name, "rb") as file:
+                contents.append(file.read())
+        print("\n".join(verify(*contents)))
+        return 0
+    except Fails as why:
+        print(f"{'stale' if len(names) > 1 else 'does not hold'}: {why}")
+        return 1
+    except (Bad, OSError) as why:
+        print(f"cannot be read: {why}")
+        return 3
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

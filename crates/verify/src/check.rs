@@ -1,0 +1,377 @@
+//! Reads a receipt line by line and evaluates its evidence.
+
+use std::cell::OnceCell;
+use std::io::BufRead;
+
+use dashu_int::IBig;
+
+use crate::balls::Balls;
+use crate::claim::{AtMoment, Claim};
+use crate::cover::{Apart, Cover, needed};
+use crate::file::{EVIDENCE, Head, follows, head, tail};
+use crate::json::Json;
+use crate::lines::Lines;
+use crate::meet::Meet;
+use crate::motion::Stage;
+use crate::near::Near;
+use crate::plane::Plane;
+use crate::real::Real;
+use crate::report::{Failure, Report, StatedFile, Unreadable, Verdict};
+use crate::scene::{Leg, Scene};
+use crate::{Stop, depth, distance};
+
+/// Checks a receipt, on another scene if there is one.
+pub(crate) fn run(reader: impl BufRead, other: Option<(Scene, Vec<Leg>)>) -> Result<Verdict, Unreadable> {
+    let mut lines = Lines::new(reader);
+    let head = head(&mut lines)?;
+    let mut stated = Scene::new();
+    let first = loop {
+        let text = lines.next()?.ok_or_else(|| lines.bad("the tail is missing"))?;
+        let line = lines.whole(Json::parse(&text))?;
+        if !lines.whole(stated.line(&line))? {
+            break text;
+        }
+        lines.count();
+    };
+    lines.whole(stated.end())?;
+    let mut check = Check::new(head, stated, other);
+    check.start(lines.number);
+    let mut text = Some(first);
+    while let Some(now) = text {
+        let line = lines.whole(Json::parse(&now))?;
+        if line.kind() == "end" {
+            let number = lines.number;
+            let end = check.end_leg();
+            check.note(number, false, end)?;
+            let hash = if tail(&mut lines, &line)? {
+                Ok(())
+            } else {
+                Stop::fails("the hash is not that of the lines")
+            };
+            check.note(number, false, hash)?;
+            check.note(number, false, check.all_legs())?;
+            return Ok(check.verdict());
+        }
+        lines.count();
+        let evidence = EVIDENCE.contains(&line.kind());
+        check.report.certificates += usize::from(evidence);
+        let result = check.line(&line);
+        check.note(lines.number, evidence, result)?;
+        text = lines.next()?;
+    }
+    Err(lines.bad("the tail is missing"))
+}
+
+struct Check {
+    head: Head,
+    /// What is evaluated: the scene of the receipt, or the other one with the pairs ignored here.
+    scene: Scene,
+    legs: Option<Vec<Leg>>,
+    narrow: Option<Stage<i128>>,
+    wide: OnceCell<Option<Stage<IBig>>>,
+    /// The last leg of the file, and how many there are.
+    leg: Option<Leg>,
+    count: usize,
+    cover: Cover,
+    failure: Option<Failure>,
+    /// The scenes differ in their bodies: no certificate can be evaluated.
+    different: Option<String>,
+    report: Report,
+}
+
+impl Check {
+    fn new(head: Head, mut stated: Scene, other: Option<(Scene, Vec<Leg>)>) -> Self {
+        let report = Report {
+            files: stated
+                .files
+                .drain(..)
+                .map(|(name, sha256)| StatedFile { name, sha256 })
+                .collect(),
+            ..Report::default()
+        };
+        let (mut scene, mut legs, mut different) = (stated, None, None);
+        if let Some((mut new, new_legs)) = other {
+            let same = scene
+                .bodies
+                .iter()
+                .zip(&new.bodies)
+                .take_while(|(x, y)| x.name == y.name)
+                .count();
+            if same != scene.bodies.len().max(new.bodies.len()) {
+                different = Some(format!("another scene: body {same} is not the same"));
+            }
+            (new.ignored, new.reasons) = (std::mem::take(&mut scene.ignored), std::mem::take(&mut scene.reasons));
+            (scene, legs) = (new, Some(new_legs));
+        }
+        let (narrow, wide) = (None, OnceCell::new());
+        let (cover, leg) = (Cover::default(), None);
+        Self {
+            head,
+            scene,
+            legs,
+            narrow,
+            wide,
+            leg,
+            count: 0,
+            cover,
+            failure: None,
+            different,
+            report,
+        }
+    }
+
+    fn start(&mut self, line: usize) {
+        match self.different.clone() {
+            Some(why) => self.failure = Some(Failure::new(line, None, true, why)),
+            None => self.narrow = Stage::new(&self.scene, None),
+        }
+    }
+
+    /// Keeps the first failure and counts the others.
+    fn note(&mut self, line: usize, evidence: bool, result: Result<(), Stop>) -> Result<(), Unreadable> {
+        let stale = self.legs.is_some();
+        let text = match result {
+            Ok(()) => return Ok(()),
+            // On another scene a line may name what is not there.
+            Err(Stop::Bad(why)) if !stale => return Err(Unreadable::Line { line, why }),
+            Err(Stop::Bad(text) | Stop::Fails(text)) => text,
+        };
+        match &mut self.failure {
+            Some(first) => first.more += 1,
+            None => {
+                let certificate = evidence.then_some(self.report.certificates);
+                self.failure = Some(Failure::new(line, certificate, stale, text));
+            }
+        }
+        Ok(())
+    }
+
+    fn line(&mut self, line: &Json) -> Result<(), Stop> {
+        if line.kind() == "leg" {
+            return self.start_leg(line);
+        }
+        if !EVIDENCE.contains(&line.kind()) || matches!(self.head, Head::Scene) {
+            return Stop::bad("unknown kind of a line, a line out of order, or evidence in a scene");
+        }
+        if self.different.is_some() {
+            return Ok(());
+        }
+        if self.scene.coordinates > 0 && self.count == 0 {
+            return Stop::bad("evidence before the first leg");
+        }
+        match (line.kind(), self.head) {
+            ("plane" | "balls", Head::Apart(apart)) => self.apart(line, &apart),
+            ("plane" | "balls", _) => Stop::bad("this claim is of single lines"),
+            (kind, _) => {
+                let text = match kind {
+                    "meet" => self.moment(&Meet::read(&self.scene, line)?)?,
+                    "near" => self.moment(&Near::read(&self.scene, line)?)?,
+                    "distance" => distance::check(&self.scene, line)?,
+                    _ => depth::check(&self.scene, line)?,
+                };
+                self.report.proven.push(text + &self.of_leg());
+                Ok(())
+            }
+        }
+    }
+
+    fn of_leg(&self) -> String {
+        if self.count > 1 {
+            format!(" of leg {}", self.count)
+        } else {
+            String::new()
+        }
+    }
+
+    /// Returns the sentence of a claim that holds.
+    fn moment(&mut self, claim: &impl AtMoment) -> Result<String, Stop> {
+        let rests = claim.moment().time.is_none();
+        let holds = if rests {
+            claim.at_rest(&self.scene)?
+        } else {
+            self.holds(claim)
+        };
+        let text = claim.says(&self.scene);
+        if holds {
+            Ok(text)
+        } else {
+            Stop::fails(format!("{text}: this is not seen"))
+        }
+    }
+
+    /// A certificate of pairs that stay apart.
+    fn apart(&mut self, line: &Json, apart: &Apart) -> Result<(), Stop> {
+        let plane = line.kind() == "plane";
+        let pairs = if plane {
+            line.only(&["plane", "normal", "spin", "from", "until", "keep"])?;
+            vec![self.scene.pair(line.get("plane")?)?]
+        } else {
+            line.only(&["balls", "from", "until", "keep"])?;
+            self.scene.star(line.get("balls")?)?
+        };
+        let (span, keep) = self.cover.next(&self.scene, apart, &pairs, line)?;
+        let vector = |json: &Json| Ok::<_, Stop>(json.reals::<3>()?.map(Real::exact));
+        let (mut normal, mut spin) = (crate::real::zero(), None);
+        if plane {
+            normal = vector(line.get("normal")?)?;
+            spin = line.find("spin").map(vector).transpose()?;
+        }
+        let mut failed = None;
+        for pair in pairs {
+            let holds = if plane {
+                let (normal, spin) = (normal.clone(), spin.clone());
+                self.holds(&Plane {
+                    pair,
+                    span,
+                    keep: keep.exact(),
+                    normal,
+                    spin,
+                })
+            } else {
+                self.holds(&Balls {
+                    pair,
+                    span,
+                    keep: keep.exact(),
+                })
+            };
+            if !holds && failed.is_none() {
+                failed = Some(pair);
+            }
+            // The interval counts even so: later certificates are judged by themselves.
+            self.cover.add(pair, span.until);
+        }
+        match failed {
+            None => Ok(()),
+            Some(pair) => {
+                let (names, from) = (self.scene.names(pair), span.from.shown());
+                Stop::fails(format!("{names}, at t = {from}{}", self.of_leg()))
+            }
+        }
+    }
+
+    /// Narrow integers first; wide ones where they do not suffice.
+    fn holds(&mut self, claim: &impl Claim) -> bool {
+        let narrow = self.narrow.as_ref().and_then(|stage| claim.holds(&self.scene, stage));
+        if narrow == Some(true) {
+            return true;
+        }
+        self.report.wide += 1;
+        let leg = self.now();
+        if leg.is_none() && self.scene.coordinates > 0 {
+            return false;
+        }
+        let wide = self.wide.get_or_init(|| Stage::new(&self.scene, leg));
+        wide.as_ref()
+            .and_then(|stage| claim.holds(&self.scene, stage))
+            .unwrap_or(false)
+    }
+
+    /// Returns the leg that is evaluated.
+    fn now(&self) -> Option<&Leg> {
+        match &self.legs {
+            Some(legs) => legs.get(self.count.checked_sub(1)?),
+            None => self.leg.as_ref(),
+        }
+    }
+
+    fn start_leg(&mut self, line: &Json) -> Result<(), Stop> {
+        if self.count == 0 && self.report.certificates > 0 {
+            return Stop::bad("evidence before the first leg");
+        }
+        let leg = Leg::read(line)?;
+        if self.legs.is_none() {
+            follows(&self.scene, self.leg.as_ref(), &leg)?;
+        }
+        let before = if self.count > 0 { self.end_leg() } else { Ok(()) };
+        (self.leg, self.count, self.wide) = (Some(leg), self.count + 1, OnceCell::new());
+        if let Head::Apart(apart) = self.head {
+            let (from, until) = (apart.span.from, apart.span.until);
+            let whole = from == Real::ZERO && until == Real::ONE;
+            if from < Real::ZERO || until > Real::ONE || self.count > 1 && !whole {
+                return Stop::bad("the interval is not within a leg, or not all of each of several");
+            }
+        }
+        let stage = self.narrow.take();
+        let Some(now) = self.now() else {
+            return Stop::fails("another scene: a leg is missing");
+        };
+        self.narrow = stage.and_then(|mut stage| stage.set(&self.scene.joints, now).map(|()| stage));
+        before
+    }
+
+    fn all_legs(&self) -> Result<(), Stop> {
+        match &self.legs {
+            Some(legs) if legs.len() != self.count && self.different.is_none() => {
+                Stop::fails(format!("another scene: {} legs, not {}", legs.len(), self.count))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn end_leg(&mut self) -> Result<(), Stop> {
+        let cover = std::mem::take(&mut self.cover);
+        match self.head {
+            Head::Apart(apart) if self.different.is_none() => cover.end(&self.scene, &apart),
+            _ => Ok(()),
+        }
+    }
+
+    fn verdict(mut self) -> Verdict {
+        if let Head::Apart(apart) = self.head {
+            self.tell(&apart);
+        }
+        if self.report.proven.is_empty() {
+            let text = "nothing is claimed".into();
+            self.failure.get_or_insert(Failure::new(1, None, false, text));
+        }
+        match self.failure {
+            Some(failure) => Verdict::Fails(failure),
+            None => Verdict::Holds(self.report),
+        }
+    }
+
+    /// Says what a claim of all pairs proves, and what it leaves out.
+    fn tell(&mut self, apart: &Apart) {
+        let (proven, resting) = needed(&self.scene);
+        if proven == 0 {
+            return;
+        }
+        let [from, until, margin] = [apart.span.from, apart.span.until, apart.margin].map(Real::shown);
+        let stay = if proven == 1 {
+            "pair of bodies stays"
+        } else {
+            "pairs of bodies stay"
+        };
+        let legs = if self.count > 1 {
+            format!(" of each of {} legs", self.count)
+        } else {
+            String::new()
+        };
+        let text = format!("{proven} {stay} more than {margin} apart from t = {from} until t = {until}{legs}");
+        self.report.proven.push(text);
+        let names = |moves: bool| {
+            let all: Vec<_> = self
+                .scene
+                .bodies
+                .iter()
+                .filter(|b| b.moves == moves)
+                .map(|b| b.name.as_str())
+                .collect();
+            all.join(", ")
+        };
+        self.report.proven.push(format!(
+            "these are all pairs with a body that moves, but for those listed below; moving: {}; at rest: {}",
+            names(true),
+            names(false)
+        ));
+        for (pair, why) in &self.scene.ignored {
+            let text = format!("{}: {}", self.scene.names(*pair), self.scene.reasons[*why]);
+            self.report.not_looked_at.push(text);
+        }
+        if resting > 0 {
+            self.report
+                .not_looked_at
+                .push(format!("{resting} pairs of bodies that both rest"));
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! Both bounds of the distance of two bodies at rest, to the last bit.
+//!
+//! **Lemma 6.** Let the closest points of the flats (points, lines, planes) through at most four named
+//! vertices lie within the named features, and d be the way between them. Both points belong to the
+//! hulls, so the distance of the hulls is at most |d|. If along n = d all of A lies below all of B by
+//! the gap g > 0, it is at least g / |n|. The radii are taken off both. The closest points are found by
+//! Cramer's rule in fractions: one or two unknowns. In the second form a normal n and two points, by
+//! weights, are given: the same bounds, each for what is given.
+
+use dashu_ratio::RBig;
+
+use crate::Stop;
+use crate::claim::{Moment, radii};
+use crate::json::Json;
+use crate::near;
+use crate::points::Placed;
+use crate::real::{Exact, Real, at_most, dot, minus};
+use crate::scene::Scene;
+
+/// Checks a line; returns what it proves.
+pub(crate) fn check(scene: &Scene, line: &Json) -> Result<String, Stop> {
+    line.only(&["distance", "lower", "upper", "normal", "on"])?;
+    let moment = Moment::read(scene, line)?;
+    let placed = [scene.placed(moment.pair.0)?, scene.placed(moment.pair.1)?];
+    let bounds = [line.get("lower")?.real()?, line.get("upper")?.real()?];
+    let (n, way) = match line.find("normal") {
+        Some(normal) => {
+            let [a, b] = near::points(scene, &moment, line)?;
+            let way = minus(&placed[1].pose.point(&b), &placed[0].pose.point(&a));
+            (normal.reals::<3>()?.map(Real::exact), way)
+        }
+        None => {
+            let way = nearest(scene, &moment, &placed, line)?;
+            (way.clone(), way)
+        }
+    };
+    let [[_, high], [low, _]] = [placed[0].heights(&n), placed[1].heights(&n)];
+    let (gap, square) = (low - high, dot(&n, &n));
+    let [lower, upper] = bounds.map(|x| x.exact() + radii(scene, moment.pair));
+    let names = || scene.names(moment.pair);
+    if gap <= RBig::ZERO {
+        return Stop::fails(format!("{}: no gap along the normal", names()));
+    }
+    // lower |n| <= gap
+    if !at_most(&-&gap, &-&lower, &square) {
+        return Stop::fails(format!("{}: the lower bound is not proven", names()));
+    }
+    if upper < RBig::ZERO || dot(&way, &way) > &upper * &upper {
+        return Stop::fails(format!("{}: the upper bound is not proven", names()));
+    }
+    let ([lower, upper], text) = (bounds.map(Real::shown), moment.text(scene));
+    Ok(format!("{text} are at least {lower:?} and at most {upper:?} apart"))
+}
+
+/// Returns the way between the closest points of the flats through the named vertices.
+fn nearest(scene: &Scene, moment: &Moment, placed: &[Placed; 2], line: &Json) -> Result<Exact, Stop> {
+    let named = line.get("on")?.list::<2>()?;
+    let (mut ends, mut edges, mut sides) = (Vec::new(), Vec::new(), Vec::new());
+    for side in 0..2 {
+        let mut corners = Vec::new();
+        for k in named[side].array()?.iter().take(4) {
+            let k = k.whole()?;
+            moment.has(scene, if side == 0 { [k, 0] } else { [0, k] })?;
+            corners.extend(placed[side].get(k));
+        }
+        let Some(first) = corners.first() else {
+            return Stop::bad("a feature without vertex");
+        };
+        for c in &corners[1..] {
+            edges.push(if side == 0 { minus(first, c) } else { minus(c, first) });
+            sides.push(side);
+        }
+        ends.push(first.clone());
+    }
+    let way = minus(&ends[1], &ends[0]);
+    let product = |i: usize, j: usize| dot(&edges[i], &edges[j]);
+    let right = |i: usize| -dot(&edges[i], &way);
+    let parts = match edges.len() {
+        0 => vec![],
+        1 => vec![(right(0), product(0, 0))],
+        2 => {
+            let d = product(0, 0) * product(1, 1) - product(0, 1) * product(0, 1);
+            let first = right(0) * product(1, 1) - right(1) * product(0, 1);
+            vec![
+                (first, d.clone()),
+                (right(1) * product(0, 0) - right(0) * product(0, 1), d),
+            ]
+        }
+        _ => return Stop::bad("features of more than four vertices"),
+    };
+    if parts.iter().any(|(_, d)| *d <= RBig::ZERO) {
+        return Stop::fails(format!("{}: a feature without extent", scene.names(moment.pair)));
+    }
+    let parts: Vec<RBig> = parts.into_iter().map(|(x, d)| x / d).collect();
+    for side in 0..2 {
+        let own = || parts.iter().zip(&sides).filter(|x| *x.1 == side).map(|x| x.0);
+        if own().any(|x| *x < RBig::ZERO) || own().fold(RBig::ZERO, |sum, x| sum + x) > RBig::ONE {
+            return Stop::fails(format!(
+                "{}: a closest point beside its feature",
+                scene.names(moment.pair)
+            ));
+        }
+    }
+    Ok(std::array::from_fn(|k| {
+        parts.iter().zip(&edges).fold(way[k].clone(), |s, (t, e)| s + t * &e[k])
+    }))
+}

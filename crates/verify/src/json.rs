@@ -1,0 +1,175 @@
+//! The grammar of a line: the part of JSON that receipts use, without blanks and escapes.
+
+use crate::Stop;
+use crate::real::Real;
+
+/// A value; texts are parts of the line.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Json<'a> {
+    Object(Vec<(&'a str, Json<'a>)>),
+    Array(Vec<Json<'a>>),
+    Text(&'a str),
+    Whole(usize),
+}
+
+/// Deepest nesting of objects and arrays.
+const DEPTH: usize = 8;
+
+impl<'a> Json<'a> {
+    pub(crate) fn parse(text: &'a str) -> Result<Self, Stop> {
+        let mut rest = text;
+        let value = Self::value(&mut rest, 0)?;
+        if !matches!(value, Self::Object(_)) || !rest.is_empty() {
+            return Stop::bad("not one object");
+        }
+        Ok(value)
+    }
+
+    fn value(rest: &mut &'a str, depth: usize) -> Result<Self, Stop> {
+        match rest.as_bytes().first() {
+            Some(b'{' | b'[') if depth == DEPTH => Stop::bad("nested too deep"),
+            Some(b'{') => {
+                let mut all: Vec<(&str, Self)> = Vec::new();
+                list(rest, '}', |rest| {
+                    let key = text(rest)?;
+                    take(rest, ':')?;
+                    if all.iter().any(|x| x.0 == key) || all.len() == 16 {
+                        return Stop::bad(format!("field {key} is there twice, or too many fields"));
+                    }
+                    all.push((key, Self::value(rest, depth + 1)?));
+                    Ok(())
+                })?;
+                Ok(Self::Object(all))
+            }
+            Some(b'[') => {
+                let mut all = Vec::new();
+                list(rest, ']', |rest| {
+                    all.push(Self::value(rest, depth + 1)?);
+                    Ok(())
+                })?;
+                Ok(Self::Array(all))
+            }
+            Some(b'"') => Ok(Self::Text(text(rest)?)),
+            Some(b'0'..=b'9') => {
+                let end = rest.bytes().position(|c| !c.is_ascii_digit()).unwrap_or(rest.len());
+                let (digits, after) = rest.split_at(end);
+                if end > 9 || end > 1 && digits.starts_with('0') {
+                    return Stop::bad("a whole number has zeros in front or more than 9 digits");
+                }
+                *rest = after;
+                digits
+                    .parse()
+                    .map(Self::Whole)
+                    .map_err(|_| Stop::Bad("a whole number".into()))
+            }
+            _ => Stop::bad("not a value of the format"),
+        }
+    }
+
+    /// Returns the first key of an object.
+    pub(crate) fn kind(&self) -> &'a str {
+        match self {
+            Self::Object(all) => all.first().map_or("", |x| x.0),
+            _ => "",
+        }
+    }
+
+    /// Refuses fields that are not named.
+    pub(crate) fn only(&self, known: &[&str]) -> Result<(), Stop> {
+        let Self::Object(all) = self else {
+            return Stop::bad("an object is expected");
+        };
+        match all.iter().find(|x| !known.contains(&x.0)) {
+            Some((key, _)) => Stop::bad(format!("unknown field {key}")),
+            None => Ok(()),
+        }
+    }
+
+    pub(crate) fn find(&self, key: &str) -> Option<&Self> {
+        let Self::Object(all) = self else { return None };
+        all.iter().find(|x| x.0 == key).map(|x| &x.1)
+    }
+
+    pub(crate) fn get(&self, key: &str) -> Result<&Self, Stop> {
+        self.find(key)
+            .ok_or_else(|| Stop::Bad(format!("field {key} is missing")))
+    }
+
+    pub(crate) fn array(&self) -> Result<&[Self], Stop> {
+        if let Self::Array(all) = self {
+            Ok(all)
+        } else {
+            Stop::bad("a list is expected")
+        }
+    }
+
+    pub(crate) fn list<const N: usize>(&self) -> Result<&[Self; N], Stop> {
+        let all = self.array()?;
+        all.try_into()
+            .map_err(|_| Stop::Bad(format!("{N} entries are expected, not {}", all.len())))
+    }
+
+    pub(crate) fn text(&self) -> Result<&'a str, Stop> {
+        if let Self::Text(text) = self {
+            Ok(text)
+        } else {
+            Stop::bad("a text is expected")
+        }
+    }
+
+    pub(crate) fn whole(&self) -> Result<usize, Stop> {
+        if let Self::Whole(k) = self {
+            Ok(*k)
+        } else {
+            Stop::bad("a whole number is expected")
+        }
+    }
+
+    pub(crate) fn real(&self) -> Result<Real, Stop> {
+        let text = self.text()?;
+        let shown = || text.chars().take(40).collect::<String>();
+        Real::parse(text).ok_or_else(|| Stop::Bad(format!("not a number in its written form: {}", shown())))
+    }
+
+    pub(crate) fn reals<const N: usize>(&self) -> Result<[Real; N], Stop> {
+        let mut all = [Real::ZERO; N];
+        for (real, json) in all.iter_mut().zip(self.list::<N>()?) {
+            *real = json.real()?;
+        }
+        Ok(all)
+    }
+}
+
+fn take(rest: &mut &str, c: char) -> Result<(), Stop> {
+    *rest = rest
+        .strip_prefix(c)
+        .ok_or_else(|| Stop::Bad(format!("{c} is expected")))?;
+    Ok(())
+}
+
+fn text<'a>(rest: &mut &'a str) -> Result<&'a str, Stop> {
+    take(rest, '"')?;
+    let (text, after) = rest.split_once('"').ok_or(Stop::Bad("a text without end".into()))?;
+    if text.contains('\\') || text.chars().any(char::is_control) {
+        return Stop::bad("a text with an escape or a control character");
+    }
+    *rest = after;
+    Ok(text)
+}
+
+/// Reads entries, separated by commas, from the opening bracket to the closing one.
+fn list<'a>(rest: &mut &'a str, end: char, mut each: impl FnMut(&mut &'a str) -> Result<(), Stop>) -> Result<(), Stop> {
+    *rest = &rest[1..];
+    if let Some(after) = rest.strip_prefix(end) {
+        *rest = after;
+        return Ok(());
+    }
+    loop {
+        each(rest)?;
+        if let Some(after) = rest.strip_prefix(end) {
+            *rest = after;
+            return Ok(());
+        }
+        take(rest, ',')?;
+    }
+}

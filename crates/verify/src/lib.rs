@@ -1,0 +1,80 @@
+#![doc = include_str!("../README.md")]
+
+mod balls;
+mod check;
+mod claim;
+mod cover;
+mod depth;
+mod distance;
+mod file;
+mod int;
+mod json;
+mod lines;
+mod meet;
+mod motion;
+mod near;
+mod plane;
+mod points;
+mod real;
+mod report;
+mod scene;
+mod sha256;
+mod taylor;
+mod turn;
+
+use std::io::BufRead;
+
+pub use report::{Failure, Report, StatedFile, Unreadable, Verdict};
+
+/// Why a line is not accepted.
+#[derive(Debug)]
+pub(crate) enum Stop {
+    /// It is not of the format.
+    Bad(String),
+    /// What it claims is not proven.
+    Fails(String),
+}
+
+impl Stop {
+    fn bad<T>(why: impl Into<String>) -> Result<T, Self> {
+        Err(Self::Bad(why.into()))
+    }
+
+    fn fails<T>(why: impl Into<String>) -> Result<T, Self> {
+        Err(Self::Fails(why.into()))
+    }
+}
+
+/// Checks a receipt.
+///
+/// The reader is read to its end, one line at a time. Memory grows with the scene, not with the
+/// certificates.
+///
+/// # Errors
+/// Returns an error if the text cannot be read, or is not a receipt of a known version.
+pub fn verify(receipt: impl BufRead) -> Result<Verdict, Unreadable> {
+    check::run(receipt, None)
+}
+
+/// Checks the evidence of a receipt on another scene.
+///
+/// Bodies, joints and legs are those of `other`, a receipt of any claim, whose evidence is not
+/// evaluated; usually its claim is `scene`. Claim, interval, margin and ignored pairs are those of
+/// `receipt`. The result never rests on a hash: each certificate is evaluated again.
+///
+/// A failure means that the proof does not hold on the other scene. It does not mean that bodies
+/// collide there.
+///
+/// # Errors
+/// Returns an error if one of the texts cannot be read, or is not a receipt of a known version. The
+/// error of the other scene starts with "other scene".
+pub fn verify_on(receipt: impl BufRead, other: impl BufRead) -> Result<Verdict, Unreadable> {
+    let other = file::scene(other).map_err(|why| match why {
+        Unreadable::Line { line, why } => Unreadable::Line {
+            line,
+            why: format!("other scene: {why}"),
+        },
+        io @ Unreadable::Io(_) => io,
+    })?;
+    check::run(receipt, Some(other))
+}

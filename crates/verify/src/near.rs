@@ -1,0 +1,84 @@
+//! Two bodies are within a distance of each other.
+//!
+//! **Lemma 5.** The mean of vertices with weights that are not negative is a point of the hull. Two
+//! such points at most `within` + radii apart prove that the bodies are at most `within` apart. The
+//! weights are divided by their sum exactly, so they need not add up to one.
+
+use crate::Stop;
+use crate::claim::{AtMoment, Claim, Moment, radii};
+use crate::int::Int;
+use crate::json::Json;
+use crate::motion::Stage;
+use crate::points::weights;
+use crate::real::{Exact, Real, dot as exact_dot, minus as exact_minus, two_to};
+use crate::scene::Scene;
+use crate::taylor::{dot, fixed3, minus};
+use dashu_ratio::RBig;
+
+/// Two points that are at most `within` and the radii apart.
+pub(crate) struct Near {
+    moment: Moment,
+    within: Real,
+    /// In the frames of the bodies.
+    on: [Exact; 2],
+}
+
+/// Reads two lists of weights and returns their points in the frames of the bodies.
+pub(crate) fn points(scene: &Scene, moment: &Moment, line: &Json) -> Result<[Exact; 2], Stop> {
+    let [on_a, on_b] = line.get("on")?.list::<2>()?;
+    let (a, b) = (weights(on_a)?, weights(on_b)?);
+    a.iter().try_for_each(|x| moment.has(scene, [x.0, 0]))?;
+    b.iter().try_for_each(|x| moment.has(scene, [0, x.0]))?;
+    let [x, y] = [moment.pair.0, moment.pair.1].map(|k| &scene.bodies[k].points);
+    let points = x.mean(&a).zip(y.mean(&b)).map(|(x, y)| [x, y]);
+    points.ok_or(Stop::Bad("weights".into()))
+}
+
+impl Near {
+    pub(crate) fn read(scene: &Scene, line: &Json) -> Result<Self, Stop> {
+        line.only(&["near", "at", "within", "on"])?;
+        let moment = Moment::read(scene, line)?;
+        let within = line.get("within")?.real()?;
+        if within < Real::ZERO {
+            return Stop::bad("within is negative");
+        }
+        let on = points(scene, &moment, line)?;
+        Ok(Self { moment, within, on })
+    }
+
+    fn reach(&self, scene: &Scene) -> RBig {
+        self.within.exact() + radii(scene, self.moment.pair)
+    }
+}
+
+impl AtMoment for Near {
+    fn moment(&self) -> &Moment {
+        &self.moment
+    }
+
+    fn says(&self, scene: &Scene) -> String {
+        format!("{} are at most {} apart", self.moment.text(scene), self.within.shown())
+    }
+
+    fn at_rest(&self, scene: &Scene) -> Result<bool, Stop> {
+        let (a, b) = (scene.placed(self.moment.pair.0)?, scene.placed(self.moment.pair.1)?);
+        let way = exact_minus(&b.pose.point(&self.on[1]), &a.pose.point(&self.on[0]));
+        let reach = self.reach(scene);
+        Ok(exact_dot(&way, &way) <= &reach * &reach)
+    }
+}
+
+impl Claim for Near {
+    fn holds<I: Int>(&self, scene: &Scene, stage: &Stage<I>) -> Option<bool> {
+        let (span, (a, b)) = (self.moment.span(), self.moment.pair);
+        let end = |body: usize, x: &Exact| {
+            let x = fixed3(&x.each_ref().map(|x| x * &stage.unit))?;
+            stage.point(scene, body, &x, &span)
+        };
+        let way = minus(&end(b, &self.on[1])?, &end(a, &self.on[0])?)?;
+        let square = dot(&way, &way)?;
+        let most = RBig::from(square.c[0].add(&square.r)?.wide()) * two_to(-(I::P as i64));
+        let reach = self.reach(scene) * &stage.unit;
+        Some(most <= &reach * &reach)
+    }
+}

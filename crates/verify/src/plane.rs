@@ -1,0 +1,54 @@
+//! A plane between two bodies over an interval.
+//!
+//! **Lemma 3.** n(t) = exp([spin] (t - from)) normal, so |n(t)| = |normal|. For a body X at
+//! x -> R(t) x + p(t) the height of vertex x is m(t) . x + o(t) with m = R^T n and o = n . p: forms of
+//! lemma 0. Bernstein coefficients are linear in the polynomial, so coefficient by coefficient the
+//! greatest over A's vertices bounds all heights of A from above, and the least over B's all heights
+//! of B from below. The rests of m count times the largest coordinate. If the difference is at least
+//! g > 0 at each t, and g^2 > (keep + radii)^2 |normal|^2, the bodies are more than `keep` apart on
+//! the interval. No root is needed. A gap of exactly `keep` is refused: fixed point cannot see it.
+
+use dashu_int::IBig;
+use dashu_ratio::RBig;
+
+use crate::claim::{Claim, radii};
+use crate::int::Int;
+use crate::motion::{Span, Stage, Turn};
+use crate::real::{Exact, Real, dot, two_to};
+use crate::scene::Scene;
+use crate::taylor::fixed3;
+
+/// A plane keeps two bodies `keep` apart.
+pub(crate) struct Plane {
+    pub(crate) pair: (usize, usize),
+    pub(crate) span: Span,
+    pub(crate) keep: RBig,
+    pub(crate) normal: Exact,
+    pub(crate) spin: Option<Exact>,
+}
+
+impl Claim for Plane {
+    fn holds<I: Int>(&self, scene: &Scene, stage: &Stage<I>) -> Option<bool> {
+        let mut n = fixed3(&self.normal)?;
+        let length = self.span.length();
+        if let Some(spin) = self.spin.as_ref().filter(|_| !length.is_zero()) {
+            // Over [0, 1] the angle grows from 0 to the length of the interval.
+            let whole = Span {
+                from: Real::ZERO,
+                until: Real::ONE,
+            };
+            n = Turn::new(spin, vec![RBig::ZERO, length])?.point(&n, &whole)?;
+        }
+        let [_, high] = stage.heights(scene, self.pair.0, &n, &self.span)?;
+        let [low, _] = stage.heights(scene, self.pair.1, &n, &self.span)?;
+        let gaps = high
+            .iter()
+            .zip(&low)
+            .map(|(x, y)| y.sub(x))
+            .collect::<Option<Vec<_>>>()?;
+        let gap = RBig::from(gaps.into_iter().min()?.wide());
+        let gap = gap * two_to(-2 * I::P as i64) / RBig::from(IBig::from(I::W));
+        let keep = (&self.keep + radii(scene, self.pair)) * &stage.unit;
+        Some(gap > RBig::ZERO && &gap * &gap > &keep * &keep * dot(&self.normal, &self.normal))
+    }
+}

@@ -1,0 +1,213 @@
+//! Vertices as integers times one power of two, and where a body at rest has them, exactly.
+
+use dashu_int::IBig;
+use dashu_ratio::RBig;
+
+use crate::Stop;
+use crate::json::Json;
+use crate::real::{Exact, Real, dot, two_to};
+
+/// The vertices of a body.
+#[derive(Debug)]
+pub(crate) struct Points {
+    pub(crate) all: Vec<[IBig; 3]>,
+    /// The centre of the ball around the vertices.
+    pub(crate) pivot: [IBig; 3],
+    /// All coordinates are integers times 2^exponent.
+    pub(crate) exponent: i64,
+}
+
+impl Points {
+    /// Most vertices of a body.
+    const MOST: usize = 65_536;
+
+    pub(crate) fn read(json: &Json, pivot: [Real; 3]) -> Result<(Self, [Real; 3]), Stop> {
+        let all = json.array()?;
+        if all.is_empty() || all.len() > Self::MOST {
+            return Stop::bad(format!("a body has 1 to {} points, not {}", Self::MOST, all.len()));
+        }
+        let reals = all.iter().map(Json::reals::<3>).collect::<Result<Vec<_>, _>>()?;
+        let odd = |x: &Real| {
+            let (m, e) = x.parts();
+            (m != 0).then(|| e + i64::from(m.trailing_zeros()))
+        };
+        let exponent = reals
+            .iter()
+            .chain([&pivot])
+            .flatten()
+            .filter_map(odd)
+            .min()
+            .unwrap_or(0);
+        let whole = |p: &[Real; 3]| {
+            p.map(|x| {
+                let (m, e) = x.parts();
+                if e < exponent {
+                    IBig::from(m >> (exponent - e).min(63))
+                } else {
+                    IBig::from(m) << (e - exponent) as usize
+                }
+            })
+        };
+        let points = Self {
+            all: reals.iter().map(whole).collect(),
+            pivot: whole(&pivot),
+            exponent,
+        };
+        let mut most = [Real::ZERO; 3];
+        for p in &reals {
+            for k in 0..3 {
+                most[k] = most[k].larger(p[k]);
+            }
+        }
+        Ok((points, most))
+    }
+
+    /// Returns the greatest square of a distance of a vertex from the pivot.
+    pub(crate) fn reach_squared(&self) -> RBig {
+        let square = |p: &[IBig; 3]| {
+            p.iter()
+                .zip(&self.pivot)
+                .fold(IBig::ZERO, |sum, (x, c)| sum + (x - c) * (x - c))
+        };
+        let most = self.all.iter().map(square).max().unwrap_or_default();
+        RBig::from(most) * two_to(2 * self.exponent)
+    }
+
+    pub(crate) fn get(&self, k: usize) -> Option<Exact> {
+        let (p, unit) = (self.all.get(k)?, two_to(self.exponent));
+        Some(p.each_ref().map(|x| RBig::from(x.clone()) * &unit))
+    }
+
+    /// Returns the mean of vertices with weights, in the frame of the body.
+    pub(crate) fn mean(&self, weights: &[(usize, Real)]) -> Option<Exact> {
+        let total = weights.iter().fold(RBig::ZERO, |sum, (_, w)| sum + w.exact());
+        let mut at = crate::real::zero();
+        for (k, w) in weights {
+            let (p, w) = (self.get(*k)?, w.exact() / &total);
+            for (x, p) in at.iter_mut().zip(p) {
+                *x += p * &w;
+            }
+        }
+        Some(at)
+    }
+}
+
+/// Reads weights `[[index, weight], ...]`: none negative, not all zero.
+pub(crate) fn weights(json: &Json) -> Result<Vec<(usize, Real)>, Stop> {
+    let entry = |x: &Json| {
+        let [k, w] = x.list::<2>()?;
+        Ok((k.whole()?, w.real()?))
+    };
+    let all = json.array()?.iter().map(entry).collect::<Result<Vec<_>, Stop>>()?;
+    if all.iter().any(|x| x.1 < Real::ZERO) || !all.iter().any(|x| x.1 > Real::ZERO) {
+        return Stop::bad("weights: one is negative, or none is positive");
+    }
+    Ok(all)
+}
+
+/// A constant pose: the rows of the rotation, and the shift.
+#[derive(Clone, Debug)]
+pub(crate) struct Pose {
+    pub(crate) rows: [Exact; 3],
+    pub(crate) shift: Exact,
+}
+
+impl Pose {
+    pub(crate) fn identity() -> Self {
+        let rows = std::array::from_fn(|i| std::array::from_fn(|j| RBig::from(i32::from(i == j))));
+        Self {
+            rows,
+            shift: crate::real::zero(),
+        }
+    }
+
+    /// The rotation of a quaternion of any length is its quadratic form over the square of the
+    /// length: no root.
+    pub(crate) fn of(numbers: &[Real; 7]) -> Result<Self, Stop> {
+        let [px, py, pz, qx, qy, qz, qw] = numbers.map(Real::exact);
+        let n = &qx * &qx + &qy * &qy + &qz * &qz + &qw * &qw;
+        let off = &n - RBig::ONE;
+        if &off * &off >= RBig::from_parts_signed(1.into(), 1_000_000.into()) {
+            return Stop::bad("not a unit quaternion");
+        }
+        let half = &n / RBig::from(2);
+        let part = |x: &RBig, y: &RBig| x * y / &half;
+        let (x, y, z, w) = (&qx, &qy, &qz, &qw);
+        let rows = [
+            [
+                RBig::ONE - part(y, y) - part(z, z),
+                part(x, y) - part(z, w),
+                part(x, z) + part(y, w),
+            ],
+            [
+                part(x, y) + part(z, w),
+                RBig::ONE - part(x, x) - part(z, z),
+                part(y, z) - part(x, w),
+            ],
+            [
+                part(x, z) - part(y, w),
+                part(y, z) + part(x, w),
+                RBig::ONE - part(x, x) - part(y, y),
+            ],
+        ];
+        Ok(Self {
+            rows,
+            shift: [px, py, pz],
+        })
+    }
+
+    pub(crate) fn point(&self, x: &Exact) -> Exact {
+        std::array::from_fn(|k| dot(&self.rows[k], x) + &self.shift[k])
+    }
+
+    /// Of n . (pose of x) the vector m with m . x + n . shift.
+    pub(crate) fn row(&self, n: &Exact) -> Exact {
+        std::array::from_fn(|k| &n[0] * &self.rows[0][k] + &n[1] * &self.rows[1][k] + &n[2] * &self.rows[2][k])
+    }
+
+    pub(crate) fn then(&self, inner: &Self) -> Self {
+        let rows = self.rows.each_ref().map(|row| inner.row(row));
+        Self {
+            rows,
+            shift: self.point(&inner.shift),
+        }
+    }
+}
+
+/// The vertices of a body at rest, in the world.
+pub(crate) struct Placed<'a> {
+    pub(crate) pose: Pose,
+    pub(crate) points: &'a Points,
+}
+
+impl Placed<'_> {
+    pub(crate) fn get(&self, k: usize) -> Option<Exact> {
+        Some(self.pose.point(&self.points.get(k)?))
+    }
+
+    /// Returns the least and the greatest height of a vertex along n. Integers: no fraction is reduced.
+    pub(crate) fn heights(&self, n: &Exact) -> [RBig; 2] {
+        let m = self.pose.row(n);
+        let below = m.iter().fold(IBig::ONE, |d, x| d * IBig::from(x.denominator().clone()));
+        let m = m.map(|x| x.numerator() * (&below / IBig::from(x.denominator().clone())));
+        let height = |p: &[IBig; 3]| &m[0] * &p[0] + &m[1] * &p[1] + &m[2] * &p[2];
+        let first = height(&self.points.all[0]);
+        let (least, most) = self.points.all[1..]
+            .iter()
+            .map(height)
+            .fold((first.clone(), first), |(low, high), h| {
+                if h < low {
+                    (h, high)
+                } else if h > high {
+                    (low, h)
+                } else {
+                    (low, high)
+                }
+            });
+        let (unit, base) = (
+            two_to(self.points.exponent) / RBig::from(below),
+            dot(n, &self.pose.shift),
+        );
+        [least, most].map(|h| RBig::from(h) * &unit + &base)
+    }
+}

@@ -1,0 +1,124 @@
+//! Promise: the checker in Python gives the same answer. Skipped without `python3`.
+
+mod support;
+
+use std::path::Path;
+use std::process::Command;
+
+use lin_canny_verify::{Verdict, verify, verify_on};
+use support::*;
+
+/// Runs all cases in one process, as the start of Python costs more than most checks.
+const ALL: &str = "import sys, io; sys.path.insert(0, sys.argv[1]); import verify
+for case in sys.argv[2:]:
+    sys.stdout, out = io.StringIO(), sys.stdout
+    code = verify.main(case.split('+'))
+    sys.stdout = out
+    print(code)";
+
+/// The exit code of the Python checker for each case: a receipt, and another scene or nothing.
+fn codes(cases: &[(String, Option<String>)]) -> Option<Vec<i32>> {
+    let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("../python");
+    if !scripts.join("verify.py").exists() || Command::new("python3").arg("--version").output().is_err() {
+        println!("skipped: no python3, or not a checkout");
+        return None;
+    }
+    let folder = std::env::temp_dir().join(format!("lin-canny-verify-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = |name: String, text: &str| {
+        let path = folder.join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let name = |(k, (receipt, other)): (usize, &(String, Option<String>))| {
+        let receipt = file(format!("{k}-receipt"), receipt);
+        let other = other
+            .as_ref()
+            .map(|text| "+".to_owned() + &file(format!("{k}-scene"), text));
+        receipt + &other.unwrap_or_default()
+    };
+    let names: Vec<_> = cases.iter().enumerate().map(name).collect();
+    let output = Command::new("python3")
+        .args(["-B", "-c", ALL])
+        .arg(&scripts)
+        .args(&names)
+        .output()
+        .unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(errors.is_empty(), "{errors}");
+    // The program itself, once.
+    let status = Command::new("python3")
+        .arg(scripts.join("verify.py"))
+        .arg(&names[0])
+        .output()
+        .unwrap()
+        .status;
+    std::fs::remove_dir_all(&folder).unwrap();
+    let all: Vec<i32> = String::from_utf8(output.stdout)
+        .unwrap()
+        .lines()
+        .map(|x| x.parse().unwrap())
+        .collect();
+    assert_eq!((all.len(), status.code()), (cases.len(), Some(all[0])));
+    Some(all)
+}
+
+fn code(receipt: &str, other: Option<&str>) -> i32 {
+    let found = match other {
+        Some(other) => verify_on(receipt.as_bytes(), other.as_bytes()),
+        None => verify(receipt.as_bytes()),
+    };
+    match found {
+        Ok(Verdict::Holds(_)) => 0,
+        Ok(_) => 1,
+        Err(_) => 3,
+    }
+}
+
+#[test]
+fn both_checkers_agree() {
+    let mut rng = Rng(31);
+    let mut cases = Vec::new();
+    for k in 0..50 {
+        let receipt = match k % 9 {
+            0 => overlap(&mut rng),
+            1 | 2 => above(&mut rng),
+            3 => sunk(&mut rng),
+            4 => hit(&mut rng),
+            5 => arm(&mut rng, 0.01, 2, 1),
+            6 => arm(&mut rng, 0.0, 1, 3),
+            _ => cast(&mut rng, 0.01),
+        };
+        cases.push((receipt.text(), None));
+        // One bit of a number, sealed again.
+        let mut changed = receipt.clone();
+        let mut all = changed.numbers();
+        let count = all.len();
+        let x = &mut all[rng.below(count)].1;
+        **x = f64::from_bits(x.to_bits() ^ 1 << rng.below(62));
+        if x.is_finite() {
+            cases.push((changed.text(), None));
+        }
+        // One byte.
+        let mut bytes = receipt.text().into_bytes();
+        let at = rng.below(bytes.len());
+        bytes[at] = b"0123456789abcdef{}[]\",:\n x"[rng.below(26)];
+        cases.push((String::from_utf8(bytes).unwrap(), None));
+        if k % 9 == 5 {
+            let mut other = receipt.clone();
+            let Move::Rest(pose) = &mut other.bodies[4].motion else {
+                unreachable!()
+            };
+            pose[1] += rng.range(-0.4, 0.4);
+            cases.push((receipt.text(), Some(other.text())));
+        }
+    }
+    let Some(found) = codes(&cases) else { return };
+    let mut counts = [0; 4];
+    for ((receipt, other), code_of_python) in cases.iter().zip(found) {
+        assert_eq!(code(receipt, other.as_deref()), code_of_python, "{receipt}");
+        counts[code_of_python as usize] += 1;
+    }
+    println!("{} hold, {} do not, {} cannot be read", counts[0], counts[1], counts[3]);
+    assert!(counts[0] > 40 && counts[1] > 10 && counts[3] > 10, "{counts:?}");
+}
