@@ -12,8 +12,8 @@ impl Tracker {
     /// Returns four pairs of vertices, of A and of B, that prove that the bodies share a point.
     ///
     /// The differences of the four pairs, a vertex of A minus a vertex of B at this pose, are the
-    /// corners of a tetrahedron that contains the origin. Anybody can check this by the signs of four
-    /// volumes, without trust in this library and without a number from it.
+    /// corners of a tetrahedron that contains the origin. Anybody can check this by the signs of
+    /// four volumes, without trust in this library and without a number from it.
     ///
     /// Returns `None` if the bodies are apart, or if they touch or overlap by less than rounding:
     /// then no four pairs are certain in double precision. The query starts from the proof of the

@@ -51,7 +51,9 @@ impl<'a> Mover<'a> {
         Self {
             steps,
             reach: squares.fold(0.0, f64::larger).sqrt(),
-            most: points.iter().fold(Vector3::zeros(), |most, p| most.sup(&p.abs())),
+            most: points
+                .iter()
+                .fold(Vector3::zeros(), |most, p| most.zip_map(&p.abs(), f64::larger)),
             points,
             body,
         }

@@ -44,8 +44,8 @@
 //! | the distance of two convex bodies | [`Receipt::outcome`] | its lower and its upper bound |
 //! | an overlap of two convex bodies | [`Receipt::outcome`] | that they share a point |
 //!
-//! [`Receipt::scene`] writes bodies and a path without a proof. A checker evaluates an older receipt
-//! on it, and says whether the proof still holds after an obstacle has moved.
+//! [`Receipt::scene`] writes bodies and a path without a proof. A checker evaluates an older
+//! receipt on it, and says whether the proof still holds after an obstacle has moved.
 //!
 //! # What has none
 //!
@@ -54,23 +54,23 @@
 //!   sides around it, which its name says. So a receipt may prove it free, and never in contact;
 //!   where only the corners of the polyhedron are in contact, there is no receipt.
 //! * Curves of a degree above one, tubes, moving obstacles, contacts at the start that are left,
-//!   motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]), and proofs
-//!   over ranges of joints.
+//!   motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]), and
+//!   proofs over ranges of joints.
 //! * Depths of overlaps, answers of scenes, and undecided answers.
 //!
 //! Each of these is an error that names the body, the pair or the motion.
 //!
 //! # What a receipt says, and what it does not
 //!
-//! * It is about the bodies and motions that it states, to the last bit. Whether they are those of a
-//!   real robot is not its matter: a controller that is off by a tenth of a degree runs another
+//! * It is about the bodies and motions that it states, to the last bit. Whether they are those of
+//!   a real robot is not its matter: a controller that is off by a tenth of a degree runs another
 //!   motion.
 //! * The motion is that over the real numbers. Poses that
 //!   [`SegmentMotion::pose`](crate::SegmentMotion::pose) rounds differ from it by some units in the
 //!   last place.
 //! * Joints and rotations are those of the space, which are normalised.
-//! * Pairs that are excluded, or that keep their relative pose, are listed with the reason. Pairs of
-//!   two bodies that rest are not looked at.
+//! * Pairs that are excluded, or that keep their relative pose, are listed with the reason. Pairs
+//!   of two bodies that rest are not looked at.
 //!
 //! The evidence is not the certificates of the library, but made from them: a checker sees a motion
 //! as polynomials, so the writer halves what is too long for it, rounds normals to few bits while
@@ -138,8 +138,8 @@ impl Receipt {
         self.files.push([plain(name), sha256(content)]);
     }
 
-    /// Sets the reason of each pair that is not looked at, for which `why` returns one for the names
-    /// of its bodies.
+    /// Sets the reason of each pair that is not looked at, for which `why` returns one for the
+    /// names of its bodies.
     ///
     /// Otherwise the reason is that the pair is excluded, or that it keeps its relative pose.
     pub fn set_reasons(&mut self, why: impl Fn([&str; 2]) -> Option<String>) {

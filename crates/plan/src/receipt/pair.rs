@@ -113,8 +113,8 @@ impl Receipt {
     /// of an overlap says nothing of its depth.
     ///
     /// # Errors
-    /// Returns an error if a body has no receipt ([module](self)), or if no evidence is certain, for
-    /// example because the bodies touch.
+    /// Returns an error if a body has no receipt ([module](self)), or if no evidence is certain,
+    /// for example because the bodies touch.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};

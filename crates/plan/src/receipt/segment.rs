@@ -30,19 +30,19 @@ struct Stated {
 }
 
 impl Receipt {
-    /// Returns the receipt of [`Checker::certify`]: that a segment is free, or free up to a time and
-    /// blocked by a pair at a later one.
+    /// Returns the receipt of [`Checker::certify`]: that a segment is free, or free up to a time
+    /// and blocked by a pair at a later one.
     ///
     /// Along a blocked segment, all pairs have evidence until `safe` of the
     /// [`Verdict::Blocked`](crate::Verdict::Blocked), and the pair has four vertex pairs, or two
-    /// points, that prove the contact at `t`; if none are certain there, at most 32 times the bracket
-    /// from `safe` to `t` later. A segment that is blocked at its start has the contact
+    /// points, that prove the contact at `t`; if none are certain there, at most 32 times the
+    /// bracket from `safe` to `t` later. A segment that is blocked at its start has the contact
     /// alone.
     ///
     /// # Errors
-    /// Returns an error if a configuration is invalid, if the verdict is undecided, if a body or the
-    /// motion has no receipt ([module](self)), or if a pair has no evidence that a checker would
-    /// accept, for example because the pair is in contact at the start.
+    /// Returns an error if a configuration is invalid, if the verdict is undecided, if a body or
+    /// the motion has no receipt ([module](self)), or if a pair has no evidence that a checker
+    /// would accept, for example because the pair is in contact at the start.
     pub fn segment<C: ConfigurationSpace>(
         checker: &mut Checker<C>,
         from: &[f64],
@@ -89,8 +89,8 @@ impl Receipt {
     ///
     /// # Errors
     /// Returns an error as [`segment`](Self::segment) does; if a segment is not proven free
-    /// ([`ReceiptError::Blocked`]); if the path has fewer than two configurations; or if it has more
-    /// in a space of a rigid body: such a path has one receipt for each segment.
+    /// ([`ReceiptError::Blocked`]); if the path has fewer than two configurations; or if it has
+    /// more in a space of a rigid body: such a path has one receipt for each segment.
     pub fn path<C: ConfigurationSpace>(checker: &mut Checker<C>, path: &[Vec<f64>]) -> Result<Self, ReceiptError> {
         let stated = Stated::of_path(checker, path)?;
         let mut legs = Vec::new();

@@ -1,6 +1,7 @@
 //! SHA-256 (FIPS 180-4), for the seal of a receipt.
 
-/// Square roots of the first 8 primes, and cube roots of the first 64: the fractions' first 32 bits.
+/// Square roots of the first 8 primes, and cube roots of the first 64: the fractions' first 32
+/// bits.
 const START: [u32; 8] = [
     0x6a09_e667,
     0xbb67_ae85,

@@ -181,7 +181,8 @@ impl Step {
     }
 }
 
-/// Returns sin(|a| v) / |a| and (1 - cos(|a| v)) / |a|^2 at v = start + span x, for |a|^2 = `square`.
+/// Returns sin(|a| v) / |a| and (1 - cos(|a| v)) / |a|^2 at v = start + span x, for |a|^2 =
+/// `square`.
 fn turn(square: f64, start: f64, span: f64) -> [Taylor; 2] {
     let rate = square.sqrt();
     let (sine, cosine) = libm::sincos(rate * start);
