@@ -433,17 +433,60 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # Errors
     /// Returns an error if a configuration is invalid.
     pub fn prove(&mut self, from: &[f64], to: &[f64]) -> Result<Option<Vec<PairProof>>, PlanError> {
-        let segment = self.segment(from, to)?;
-        self.proven(&segment)
+        self.prove_until(from, to, 1.0)
     }
 
-    fn proven(&mut self, segment: &C::Segment) -> Result<Option<Vec<PairProof>>, PlanError> {
+    /// Returns the proof that a segment is free up to a time: the certificates of all pairs from 0
+    /// until `until`.
+    ///
+    /// If the segment is blocked, it is free up to the time `safe` of its [`Verdict::Blocked`].
+    /// Returns `None` if a pair is not proven apart until then. `prove_until(from, to, 1.0)` is
+    /// [`prove`](Self::prove).
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
+    /// # use lin_canny::polyhedron::solids;
+    /// # use lin_canny_plan::{Checker, TranslationSpace, Verdict, World};
+    /// # let die = solids::cuboid(Vector3::repeat(0.5))?;
+    /// # let mut world = World::new();
+    /// # world.robot_body("die", die.clone());
+    /// # world.obstacle("block", die, Isometry3::translation(3.0, 0.0, 0.0));
+    /// # let bounds = [[-9.0, 9.0]; 3];
+    /// # let space = TranslationSpace::new(bounds, UnitQuaternion::identity(), 1)?;
+    /// # let mut checker = Checker::new(space, world)?;
+    /// let (from, to) = ([0.0; 3], [6.0, 0.1, 0.0]);
+    /// let Verdict::Blocked { safe, .. } = checker.certify(&from, &to)? else {
+    ///     panic!("the block is in the way")
+    /// };
+    /// let proofs = checker.prove_until(&from, &to, safe)?.expect("free so far");
+    /// let last = proofs[0].certificates.last().expect("a certificate");
+    /// assert_eq!(last.until, safe);
+    /// assert!(checker.prove(&from, &to)?.is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error if a configuration is invalid, or if `until` is not a number from 0 to 1.
+    pub fn prove_until(&mut self, from: &[f64], to: &[f64], until: f64) -> Result<Option<Vec<PairProof>>, PlanError> {
+        if !(0.0..=1.0).contains(&until) {
+            let what = "end of the proven time";
+            return Err(PlanError::Value { what, value: until });
+        }
+        let segment = self.segment(from, to)?;
+        self.proven(&segment, until)
+    }
+
+    fn proven(&mut self, segment: &C::Segment, until: f64) -> Result<Option<Vec<PairProof>>, PlanError> {
         let mut proofs = Vec::new();
         for k in self.pairs.ordered() {
             let mut certificates = Vec::new();
             let start_contact = self.start_contact_margin.filter(|_| !self.is_moving(k));
             let parts = if start_contact.is_none() { segment.parts() } else { 1 };
-            for part in self.intervals(k, parts) {
+            for mut part in self.intervals(k, parts) {
+                if part.start >= until && part.start > 0.0 {
+                    break;
+                }
+                part.end = part.end.smaller(until);
                 let kept = self.kept(k);
                 let found = self.cast(k, segment, part, kept, start_contact, Some(&mut certificates))?;
                 if found.impact != Impact::Miss {
@@ -519,7 +562,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns an error as [`certify_curve`](Self::certify_curve) does.
     pub fn prove_curve(&mut self, curve: &JointCurve) -> Result<Option<Vec<PairProof>>, PlanError> {
         let motion = self.curve(curve)?;
-        self.proven(&motion)
+        self.proven(&motion, 1.0)
     }
 
     /// Returns the motion along a curve, after a check of the curve, and sets the motions of the

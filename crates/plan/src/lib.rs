@@ -45,7 +45,8 @@
 //! | How does a robot execute a path smoothly, within its limits? | [`Checker::smooth`] | rows of times, positions and velocities, and curves proven free |
 //! | And among obstacles that move? | [`World::moving_obstacle`], [`JointCurve::with_times`], then `certify_curve` | [`Verdict`] on one clock |
 //! | Are all motions near a segment free? | [`Checker::certify_tube`] | [`Verdict`] for all motions within a distance of the segment |
-//! | Why is a segment free? | [`Checker::prove`] | the certificates of every pair, in order of time |
+//! | Why is a segment free? | [`Checker::prove`], [`prove_until`](Checker::prove_until) | the certificates of every pair, in order of time |
+//! | How does somebody else check it? | [`Receipt::segment`](receipt::Receipt::segment) | a text that proves it without this library: see [`receipt`] |
 //! | How large is the clearance along a segment? | [`Checker::clearance_along`] | a proven lower bound, and a distance that is attained |
 //! | Is a configuration free? | [`Checker::is_free_at`] | `true` or `false`, without distances |
 //! | How large is the clearance at a configuration? | [`Checker::clearance`], [`nearest`](Checker::nearest) | signed distance, witness points, gradient |
@@ -181,6 +182,7 @@ mod path;
 mod persist;
 mod random;
 mod range;
+pub mod receipt;
 mod rigid;
 mod roadmap;
 mod search;

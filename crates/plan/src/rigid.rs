@@ -28,6 +28,10 @@ impl SegmentMotion for Steady {
     fn model(&self, _: usize, time: f64, span: f64) -> MotionModel {
         Motion::model(self, time, span)
     }
+
+    fn steady(&self, _: usize) -> Option<Self> {
+        Some(*self)
+    }
 }
 
 /// The motion of a rigid body whose coordinates are independent, along a segment or a curve.
@@ -82,6 +86,13 @@ impl SegmentMotion for RigidSegment {
         match &self.0 {
             Way::Straight(motion) => SegmentMotion::model(motion, body, time, span),
             Way::Curve(motion) => motion.model(body, time, span),
+        }
+    }
+
+    fn steady(&self, _: usize) -> Option<Steady> {
+        match self.0 {
+            Way::Straight(motion) => Some(motion),
+            Way::Curve(_) => None,
         }
     }
 

@@ -206,6 +206,13 @@ pub trait SegmentMotion {
     /// `span`.
     fn model(&self, body: usize, time: f64, span: f64) -> MotionModel;
 
+    /// Returns the motion of a body if it has constant velocities; `None` for any other motion.
+    ///
+    /// A [`receipt`](crate::receipt) states it.
+    fn steady(&self, _body: usize) -> Option<Steady> {
+        None
+    }
+
     /// Returns the *stem* of two bodies: a moving frame in which both move less than in the world.
     ///
     /// An example is the last link that carries both. 0 is the world.

@@ -135,3 +135,14 @@ pub(crate) const CLOCK: f64 = 32.0 * UNIT;
 /// Cosine of half the angle between two rotations below which both directions of the rotation from
 /// one to the other are equally near. Not a matter of soundness: it chooses the motion.
 pub(crate) const HALF_TURN: f64 = 16.0 * UNIT;
+
+/// What a proof in a receipt must exceed beyond its claim, in units of the size of the scene.
+///
+/// A checker with 58 bits after the point errs by some hundred of its units on the path of a long
+/// arm. Not a matter of soundness: a checker decides, and the writer halves intervals until it
+/// expects a yes.
+pub(crate) const RECEIPT: f64 = 8192.0 * UNIT;
+
+/// Least weight of a vertex of a feature, and least sine between two edges, for which a receipt
+/// names features instead of a normal. Not a matter of soundness. Not measured.
+pub(crate) const INSIDE: f64 = POSE_UNIT;

@@ -104,6 +104,60 @@ fn rows_are_recorded_for_the_viewer() {
     assert!(text.contains("cannot be written"), "{text}");
 }
 
+/// Checks a receipt with further arguments.
+fn verified(receipt: &str, arguments: &[&str]) -> (i32, String) {
+    run_of(receipt, "verify", arguments)
+}
+
+#[test]
+fn receipts_of_motions_are_verified() {
+    let (proof, scene) = (scratch("proof.jsonl", ""), scratch("scene.jsonl", ""));
+    let rows = ["--joints", "carry.csv", "--margin", "0.01"];
+    let outputs = ["--receipt", &proof, "--scene", &scene];
+    let (code, text) = run("certify", &with(&[rows, outputs].concat()));
+    assert_eq!(code, 0, "{text}");
+    assert!(
+        text.contains("proof.jsonl: ") && text.contains(" pieces of evidence"),
+        "{text}"
+    );
+    let (code, text) = verified(&proof, &[]);
+    assert_eq!(code, 0, "{text}");
+    for part in ["of each of 3 legs", "gripper.urdf", "cell.json", "excluded: Adjacent"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let (code, text) = verified(&proof, &["--on", &scene]);
+    assert_eq!(code, 0, "{text}");
+    // The post moves into the arm: the proof is stale, and names a line.
+    let cell = std::fs::read_to_string(examples().join("cell.json")).expect("the cell");
+    let moved = scratch(
+        "moved.json",
+        &cell.replacen("\"xyz\": [0.2, 0.68, 0.45]", "\"xyz\": [0.2, 0, 0.45]", 1),
+    );
+    assert_ne!(std::fs::read_to_string(&moved).expect("a cell"), cell);
+    let other = ["--srdf", "gripper.srdf", "--cell", &moved, "--scene", &scene];
+    let (code, text) = run("certify", &[&other[..], &rows[..]].concat());
+    assert_eq!(code, 1, "{text}");
+    let (code, text) = verified(&proof, &["--on", &scene]);
+    assert_eq!(code, 1, "{text}");
+    assert!(text.contains("stale") && text.contains("post"), "{text}");
+
+    let text = std::fs::read_to_string(&proof).expect("a receipt");
+    let (code, said) = verified(
+        &scratch("changed.jsonl", &text.replacen("\"fence\"", "\"bench\"", 1)),
+        &[],
+    );
+    assert_eq!(code, 1, "{said}");
+    let (code, said) = verified(&scratch("cut.jsonl", &text[..text.len() / 2]), &[]);
+    assert_eq!(code, 3, "{said}");
+    assert_eq!(verified("nowhere.jsonl", &[]).0, 3);
+    // Curves have none.
+    let (code, text) = run(
+        "certify",
+        &with(&["--trajectory", "carry.csv", "--tube", "elbow=0.01", "--receipt", &proof]),
+    );
+    assert_eq!(code, 2, "{text}");
+}
+
 #[test]
 fn motions_are_proven_or_blocked() {
     let (code, text) = run("certify", &with(&["--joints", "carry.csv", "--margin", "0.01"]));
@@ -113,9 +167,13 @@ fn motions_are_proven_or_blocked() {
         "through.csv",
         &format!("{HEAD}0.6,0.9,1.3,0,0.8,0,0.01\n-0.6,0.9,1.3,0,0.8,0,0.01\n"),
     );
-    let out = scratch("certify.csv", "");
-    let (code, text) = run("certify", &with(&["--joints", &through, "--csv", &out]));
+    let (out, proof) = (scratch("certify.csv", ""), scratch("blocked.jsonl", ""));
+    let arguments = ["--joints", &through, "--csv", &out, "--receipt", &proof];
+    let (code, text) = run("certify", &with(&arguments));
     assert_eq!(code, 1, "{text}");
+    let (code, said) = verified(&proof, &[]);
+    assert_eq!(code, 0, "{said}");
+    assert!(said.contains("fence share a point at t = "), "{said}");
     assert!(text.contains("fence") && text.contains("lines 2 to 3"), "{text}");
     assert!(
         std::fs::read_to_string(&out)

@@ -186,6 +186,24 @@ impl Steady {
     pub fn velocity(&self) -> Velocity {
         self.velocity
     }
+
+    /// Returns the point of the body, in the body's frame, about which the body rotates.
+    #[must_use]
+    pub fn pivot(&self) -> Point3<f64> {
+        self.pivot
+    }
+
+    /// Returns the known acceleration of the pivot.
+    #[must_use]
+    pub fn acceleration(&self) -> Vector3<f64> {
+        self.acceleration
+    }
+
+    /// Returns the bounds of the unknown accelerations: of the pivot, and angular.
+    #[must_use]
+    pub fn acceleration_bounds(&self) -> [f64; 2] {
+        self.open
+    }
 }
 
 /// The stored form of a [`Steady`]: values that follow from the others are not read.

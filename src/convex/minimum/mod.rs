@@ -211,6 +211,11 @@ impl OverlapProof {
         Self(points)
     }
 
+    /// Returns the vertex pairs, of A and of B.
+    pub(crate) fn vertex_pairs(&self) -> [[VertexId; 2]; 4] {
+        self.0
+    }
+
     /// Proves the overlap at this pose and writes it to the draft. Returns the new proof, or `None`
     /// if the bodies are not proven to overlap.
     ///

@@ -4,10 +4,11 @@
 //! This file holds the [`Tracker`] and all its queries: closest points, distances, proposals,
 //! contacts, local depths and predicates. It also holds the comparison of a distance with an exact
 //! sum of numbers (for rounded bodies), the trace of a walk for diagnosis, and the tracker as a
-//! text. [`mod@resume`] starts from the overlap of the last outcome, [`counts`] chooses the start
-//! of a walk.
+//! text. [`mod@resume`] starts from the overlap of the last outcome, [`mod@overlap`] hands out its
+//! proof, [`counts`] chooses the start of a walk.
 
 mod counts;
+mod overlap;
 mod resume;
 
 use alloc::string::String;

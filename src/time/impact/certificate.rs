@@ -43,6 +43,22 @@ impl Certificate {
         Some(turned(&spin, time - self.from) * normal)
     }
 
+    /// Returns this proof as two, one for each half of the interval.
+    ///
+    /// Both halves have the same plane: the second starts with its normal at the middle, which
+    /// rounds. A checker whose bounds are wider over a longer interval may accept the halves only.
+    /// An interval that holds no number between its ends is halved into itself and nothing.
+    #[must_use]
+    pub fn halved(&self) -> [Self; 2] {
+        let middle = (0.5 * self.from + 0.5 * self.until).clamped(self.from, self.until);
+        let first = Self { until: middle, ..*self };
+        let mut second = Self { from: middle, ..*self };
+        if let (Proof::Plane { normal, .. }, Some(turned)) = (&mut second.proof, self.normal(middle)) {
+            *normal = turned;
+        }
+        [first, second]
+    }
+
     /// Returns the gap of the shapes along the plane's normal at a time.
     ///
     /// The gap is computed from the support points of the pair.

@@ -4,12 +4,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use lin_canny_robot::plan::receipt::Receipt;
 use lin_canny_robot::plan::{PlanError, Verdict, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory};
 
 use super::options::{ReadRows, RestOptions, RobotOptions, not_negative};
 use super::text::{Table, fraction_below, names, place, time_at};
-use super::{End, ToolError, check_at_rest, film, progress, write};
+use super::{End, ToolError, check_at_rest, film, progress, receipt, write};
 
 #[derive(Args)]
 pub(super) struct CertifyOptions {
@@ -43,6 +44,14 @@ pub(super) struct CertifyOptions {
     /// Output recording for the viewer: the motion, its closest pairs, and verdict and time in each frame
     #[arg(long, value_name = "OUT.jsonl")]
     record: Option<PathBuf>,
+    /// Output proof that `verify` checks without this program: of all segments if they are free,
+    /// or else of the first that is blocked
+    #[arg(long, value_name = "OUT.jsonl", conflicts_with_all = ["tube", "start_contact"])]
+    receipt: Option<PathBuf>,
+    /// Output file of the bodies and the motion without a proof: `verify --on` checks an older
+    /// receipt on it
+    #[arg(long, value_name = "OUT.jsonl", conflicts_with_all = ["tube", "start_contact"])]
+    scene: Option<PathBuf>,
 }
 
 const COLUMNS: [&str; 8] = ["from_line", "to_line", "verdict", "safe", "t", "time", "a", "b"];
@@ -92,7 +101,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     let mut table = Table::new(COLUMNS);
     let bar = progress("segments", path.rows.len() as u64 - 1);
     let (mut end, mut free) = (End::Free, 0);
-    let (curves, mut verdicts) = (path.curves()?, Vec::new());
+    let (curves, mut verdicts, mut blocked) = (path.curves()?, Vec::new(), None);
     for (k, curve) in curves.iter().enumerate() {
         let (from, to) = (path.lines[k], path.lines[k + 1]);
         let verdict = match &tube {
@@ -151,6 +160,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
                 let apart = fraction_below(safe);
                 bar.suspend(|| say!("{unit} {from} to {to}: {a} - {b} {meet} {at}, free to {apart}"));
                 let time = time.map_or(String::new(), |time| time.to_string());
+                blocked = blocked.or(Some(k));
                 cells.extend(["blocked".into(), safe.to_string(), t.to_string(), time, a, b]);
                 end = end.max(End::Blocked);
             }
@@ -170,6 +180,36 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     }
     if let Some(file) = &options.record {
         film::record(file, &setup, &path, (&curves, &verdicts), unit)?;
+    }
+    if let Some(file) = options.receipt.as_ref().or(options.scene.as_ref())
+        && curves.iter().any(|curve| curve.degree() > 1)
+    {
+        return Err(receipt::refused(
+            file,
+            "curves have no receipt (expected straight segments)",
+        ));
+    }
+    if let Some(file) = &options.scene {
+        let scene = Receipt::scene(&checker, &path.rows);
+        receipt::write(file, &options.robot, &setup, scene)?;
+    }
+    match (&options.receipt, end, blocked) {
+        (None, ..) => {}
+        (Some(file), End::Free, _) => {
+            let written = Receipt::path(&mut checker, &path.rows);
+            let count = receipt::write(file, &options.robot, &setup, written)?;
+            say!("{}: {count} pieces of evidence", file.display());
+        }
+        (Some(file), _, Some(k)) => {
+            let written = Receipt::segment(&mut checker, &path.rows[k], &path.rows[k + 1]);
+            receipt::write(file, &options.robot, &setup, written)?;
+            let (from, to) = (path.lines[k], path.lines[k + 1]);
+            say!("{}: what blocks {unit} {from} to {to}", file.display());
+        }
+        (Some(file), ..) => warn!(
+            "warning: {}: not written, because a segment is undecided",
+            file.display()
+        ),
     }
     let queries = checker.work().queries;
     say!(

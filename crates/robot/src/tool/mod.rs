@@ -24,8 +24,10 @@ mod ignorable;
 mod options;
 mod plan;
 mod points;
+mod receipt;
 mod smooth;
 mod text;
+mod verify;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -37,9 +39,10 @@ use lin_canny_robot::plan::{PlanError, World, WorldId};
 
 const ENDS: &str = "\
 Exit codes:
-  0  every row is clear, every segment is proven free, a path was found, a file was written, or
-     `audit` decided every pair
-  1  a row is in contact, a segment is blocked, or a pair excluded as `Never` can meet
+  0  every row is clear, every segment is proven free, a path was found, a file was written, a
+     receipt holds, or `audit` decided every pair
+  1  a row is in contact, a segment is blocked, a receipt does not hold, or a pair excluded as
+     `Never` can meet
   2  wrong arguments
   3  a file is invalid or cannot be written
   4  undecided: a pair is within rounding error of contact, or `audit` left a pair open
@@ -73,6 +76,8 @@ enum Command {
     Ignorable(ignorable::IgnorableOptions),
     /// Compute the signed distances of points, or of the nodes of a grid, from a mesh
     Points(points::PointOptions),
+    /// Check a receipt of `certify` in exact arithmetic, and print what it proves
+    Verify(verify::VerifyOptions),
 }
 
 /// Result of a run, worst last.
@@ -117,6 +122,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Cell(options) => cell::run(&options),
         Command::Ignorable(options) => ignorable::run(&options),
         Command::Points(options) => points::run(&options),
+        Command::Verify(options) => verify::run(&options),
     };
     match found {
         Ok(End::Free) => ExitCode::SUCCESS,

@@ -307,6 +307,13 @@ impl RobotOptions {
         Ok(others)
     }
 
+    /// Returns the files of robots, pairs and cell that the options name.
+    pub(super) fn named_files(&self) -> impl Iterator<Item = &Path> {
+        let others = self.others.iter().chain(&self.robot_srdf).chain(&self.attach);
+        let files = core::iter::once(&self.robot).chain(&self.srdf).chain(&self.cell);
+        files.chain(others.map(|other| &other.1)).map(PathBuf::as_path)
+    }
+
     /// Returns the robot, and the setup of robot and cell for a checker.
     pub(super) fn load(&self) -> Result<(Robot, Setup), ToolError> {
         let link_meshes = self.link.iter().map(|(link, kind)| (link.clone(), (*kind).into()));

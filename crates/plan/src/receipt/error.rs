@@ -1,0 +1,70 @@
+//! Errors of the writers of receipts.
+
+use crate::error::PlanError;
+use lin_canny::GeometryKind;
+use lin_canny::impact::ImpactError;
+
+/// Error of a writer: an answer has no receipt, or its evidence is not enough for a checker.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReceiptError {
+    /// Returned if a body has no form in a receipt.
+    #[error(
+        "body {name:?} has no receipt: it is a {kind} (expected a convex polyhedron, cylinder or cone, rounded or not)"
+    )]
+    Body {
+        /// Name of the body.
+        name: String,
+        /// Its kind.
+        kind: GeometryKind,
+    },
+    /// Returned if a body has more than 65,536 vertices.
+    #[error("body {name:?} has {count} vertices (expected at most 65536)")]
+    Vertices {
+        /// Name of the body.
+        name: String,
+        /// Number of its vertices.
+        count: usize,
+    },
+    /// Returned if a motion has no form in a receipt.
+    #[error("the motion of {name:?} has no receipt: {why}")]
+    Motion {
+        /// Name of the body.
+        name: String,
+        /// What the motion is.
+        why: &'static str,
+    },
+    /// Returned if nothing is claimed, because the answer is undecided.
+    #[error("the answer is undecided from time {time:?} on, so there is no claim")]
+    Undecided {
+        /// Up to this time all pairs are proven apart.
+        time: f64,
+    },
+    /// Returned if a segment of a path is not free; [`Receipt::segment`](super::Receipt::segment)
+    /// writes why.
+    #[error("segment {segment} of the path is not proven free")]
+    Blocked {
+        /// Index of the segment.
+        segment: usize,
+    },
+    /// Returned if a pair has no evidence that a checker would accept.
+    #[error("{a} and {b} have no evidence from time {from:?} to {until:?}: {why}")]
+    Pair {
+        /// Name of the first body.
+        a: String,
+        /// Name of the second body.
+        b: String,
+        /// Start of the time without evidence.
+        from: f64,
+        /// End of the time without evidence.
+        until: f64,
+        /// The reason.
+        why: &'static str,
+    },
+    /// Returned if the checker or the space returns an error.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// Returned if a cast is invalid.
+    #[error(transparent)]
+    Impact(#[from] ImpactError),
+}

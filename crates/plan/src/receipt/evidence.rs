@@ -1,0 +1,281 @@
+//! Evidence that pairs stay apart: balls and planes that a checker accepts.
+//!
+//! The certificates of the library are proofs already. A checker has other bounds: it sees a motion
+//! as polynomials over the whole interval of a certificate. So the writer computes the checker's
+//! bounds in double precision first ([`taylor`](super::taylor)), and
+//!
+//! 1. takes one pair of balls for the whole time if that is enough,
+//! 2. or else one plane that keeps its normal,
+//! 3. or else the certificates of the library, each halved until the bound is tight enough. Balls
+//!    that are too large for a checker, and proofs of another kind, become planes of the closest
+//!    points.
+
+use nalgebra::Vector3;
+
+use super::number::{hex, hexes, rounded};
+use super::scene::{Body, Scene};
+use super::taylor::{Step, constant, dot, heights, least, place, pose};
+use crate::extremes::Extremes;
+use crate::tolerance::RECEIPT;
+use lin_canny::impact::Certificate;
+use lin_canny::separation::Proof;
+use lin_canny::{ContactState, RelativePose, Tracker};
+
+/// Greatest number of halvings of a certificate.
+const HALVINGS: u32 = 24;
+
+/// Bits of the components of planes, few first.
+const BITS: [u32; 3] = [8, 12, 20];
+
+/// A body along a leg.
+pub(super) struct Mover<'a> {
+    pub(super) body: &'a Body,
+    steps: Vec<Step>,
+    /// The vertices, and the greatest absolute value of each coordinate.
+    points: Vec<Vector3<f64>>,
+    most: Vector3<f64>,
+    /// The greatest distance of a vertex from the centre of the ball.
+    reach: f64,
+}
+
+impl<'a> Mover<'a> {
+    pub(super) fn all(scene: &'a Scene, ends: Option<[&[f64]; 2]>) -> Vec<Self> {
+        let each = scene.bodies.iter().enumerate();
+        each.map(|(k, body)| Self::new(body, scene.steps(k, ends))).collect()
+    }
+
+    fn new(body: &'a Body, steps: Vec<Step>) -> Self {
+        let points: Vec<Vector3<f64>> = body.hull.vertex_points().map(|p| p.coords).collect();
+        let centre = body.centre();
+        let squares = points.iter().map(|p| (p - centre).norm_squared());
+        Self {
+            steps,
+            reach: squares.fold(0.0, f64::larger).sqrt(),
+            most: points
+                .iter()
+                .fold(Vector3::zeros(), |most, p| most.zip_map(&p.abs(), f64::larger)),
+            points,
+            body,
+        }
+    }
+}
+
+/// A piece of evidence of a pair from a time until another.
+#[derive(Clone, Debug)]
+pub(super) struct Piece {
+    pub(super) from: f64,
+    pub(super) until: f64,
+    pub(super) proof: Proof,
+}
+
+/// The evidence of a pair: one pair of balls for the whole time, or pieces in order of time.
+pub(super) enum Evidence {
+    Balls,
+    Pieces(Vec<Piece>),
+}
+
+/// Why a pair has no evidence, and the time of which.
+pub(super) struct Missing {
+    pub(super) from: f64,
+    pub(super) until: f64,
+    pub(super) why: &'static str,
+}
+
+/// Two bodies that must keep a distance.
+pub(super) struct PairJudge<'a> {
+    pub(super) a: &'a Mover<'a>,
+    pub(super) b: &'a Mover<'a>,
+    pub(super) keep: f64,
+    /// The size of the scene, by which rounding is measured.
+    pub(super) size: f64,
+}
+
+impl PairJudge<'_> {
+    /// Returns the evidence of the pair for an interval, given the library's certificates of it.
+    pub(super) fn evidence(&self, [from, until]: [f64; 2], certificates: &[Certificate]) -> Result<Evidence, Missing> {
+        if self.by_balls(from, until) {
+            return Ok(Evidence::Balls);
+        }
+        let middles = certificates
+            .iter()
+            .filter_map(|c| c.normal(0.5 * c.from + 0.5 * c.until));
+        let known: Vec<Vector3<f64>> = middles.collect();
+        let picked = [known.len() / 2, 0, known.len().saturating_sub(1)];
+        let mut normals: Vec<Vector3<f64>> = picked.iter().filter_map(|k| known.get(*k).copied()).collect();
+        normals.dedup();
+        if normals.is_empty() {
+            normals.extend(self.measured(0.5 * from + 0.5 * until));
+        }
+        for normal in normals {
+            if let Some(proof) = self.plane(normal, Vector3::zeros(), from, until) {
+                return Ok(Evidence::Pieces(vec![Piece { from, until, proof }]));
+            }
+        }
+        let mut pieces = Vec::new();
+        let mut at = from;
+        for certificate in certificates {
+            // The cast of a pair may go on after the interval, or start anew.
+            let piece = Piece {
+                from: at,
+                until: certificate.until.smaller(until),
+                proof: proof_from(certificate, at),
+            };
+            if piece.until > at || from == until {
+                at = piece.until;
+                self.halve(piece, HALVINGS, &mut pieces)?;
+            }
+        }
+        if at < until || pieces.is_empty() {
+            let proof = Proof::Own;
+            self.halve(Piece { from: at, until, proof }, HALVINGS, &mut pieces)?;
+        }
+        Ok(Evidence::Pieces(pieces))
+    }
+
+    /// Appends evidence for a piece, halved if it is too long for the bounds of a checker.
+    fn halve(&self, piece: Piece, left: u32, pieces: &mut Vec<Piece>) -> Result<(), Missing> {
+        let Piece { from, until, proof } = piece;
+        let found = match proof {
+            Proof::Balls => self.by_balls(from, until).then_some(Proof::Balls),
+            Proof::Plane { normal, spin } => self.plane(normal, spin, from, until),
+            Proof::Own => None,
+        };
+        let middle = 0.5 * from + 0.5 * until;
+        let found = found.or_else(|| {
+            let normal = self.measured(middle)?;
+            self.plane(normal, Vector3::zeros(), from, until)
+        });
+        if let Some(proof) = found {
+            pieces.push(Piece { from, until, proof });
+            return Ok(());
+        }
+        if left == 0 || !(from < middle && middle < until) {
+            let why = match self.measured(from).and(self.measured(until)) {
+                Some(_) => "no plane parts them by more than rounding",
+                None => "they are not apart at its end",
+            };
+            return Err(Missing { from, until, why });
+        }
+        let first = Piece {
+            from,
+            until: middle,
+            proof,
+        };
+        let proof = match proof {
+            Proof::Plane { normal, spin } => Proof::Plane {
+                normal: turned(&spin, middle - from) * normal,
+                spin,
+            },
+            other => other,
+        };
+        let last = Piece {
+            from: middle,
+            until,
+            proof,
+        };
+        self.halve(first, left - 1, pieces)?;
+        self.halve(last, left - 1, pieces)
+    }
+
+    /// Returns the direction between the closest points at a time, from A to B, in the world.
+    fn measured(&self, time: f64) -> Option<Vector3<f64>> {
+        let [x, y] = [self.a, self.b].map(|mover| pose(&mover.steps, time));
+        let relative = RelativePose::new(&x, &y).ok()?;
+        let seen = Tracker::new().closest(&self.a.body.hull, &self.b.body.hull, &relative);
+        (seen.state == ContactState::Separated).then(|| x.rotation * seen.normal.into_inner())
+    }
+
+    /// Returns whether the balls stay apart, as a checker sees it.
+    fn by_balls(&self, from: f64, until: f64) -> bool {
+        let span = until - from;
+        let [x, y] = [self.a, self.b].map(|mover| place(&mover.steps, &mover.body.centre(), from, span));
+        let way: [_; 3] = core::array::from_fn(|k| y[k].minus(&x[k]));
+        let square = dot(&way, &way);
+        let reach = self.a.reach + self.b.reach + self.kept() + RECEIPT * self.size;
+        least(square.net()) - square.rest > reach * reach
+    }
+
+    fn kept(&self) -> f64 {
+        self.keep + self.a.body.radius + self.b.body.radius
+    }
+
+    /// Returns a plane that a checker accepts, with as few bits as that takes.
+    fn plane(&self, normal: Vector3<f64>, spin: Vector3<f64>, from: f64, until: f64) -> Option<Proof> {
+        if !self.by_plane(&normal, &spin, from, until) {
+            return None;
+        }
+        for bits in BITS {
+            let (normal, spin) = (rounded(&normal, bits), rounded(&spin, bits));
+            if self.by_plane(&normal, &spin, from, until) {
+                return Some(Proof::Plane { normal, spin });
+            }
+        }
+        Some(Proof::Plane { normal, spin })
+    }
+
+    /// Returns whether a plane parts the bodies, as a checker sees it.
+    fn by_plane(&self, normal: &Vector3<f64>, spin: &Vector3<f64>, from: f64, until: f64) -> bool {
+        let span = until - from;
+        let mut direction = constant(normal);
+        if *spin != Vector3::zeros() {
+            let turn = Step::Turn {
+                axis: *spin,
+                first: 0.0,
+                rate: 1.0,
+            };
+            direction = place(&[turn], normal, 0.0, span);
+        }
+        let [high, low] = [(self.a, 1.0), (self.b, -1.0)].map(|(mover, sign)| {
+            let (m, o) = heights(&mover.steps, &direction, from, span);
+            let (nets, base) = (m.each_ref().map(|part| part.net()), o.net());
+            let off = o.rest + (0..3).map(|k| m[k].rest * mover.most[k]).sum::<f64>();
+            base.into_iter().enumerate().map(move |(k, base)| {
+                let slope = Vector3::new(nets[0][k], nets[1][k], nets[2][k]) * sign;
+                let highest = mover.points.iter().map(|p| slope.dot(p));
+                highest.fold(f64::NEG_INFINITY, f64::larger) + sign * base + off
+            })
+        });
+        let length = normal.norm();
+        let enough = (self.kept() + RECEIPT * self.size) * length;
+        high.zip(low).all(|(high, low)| -low - high > enough)
+    }
+}
+
+/// Returns the proof of a certificate from a later time on.
+fn proof_from(certificate: &Certificate, from: f64) -> Proof {
+    match (certificate.proof, certificate.normal(from)) {
+        (Proof::Plane { spin, .. }, Some(normal)) if from != certificate.from => Proof::Plane { normal, spin },
+        (proof, _) => proof,
+    }
+}
+
+fn turned(spin: &Vector3<f64>, time: f64) -> nalgebra::UnitQuaternion<f64> {
+    let velocity = lin_canny::Velocity::new(Vector3::zeros(), *spin);
+    velocity.applied(&nalgebra::Isometry3::identity(), time).rotation
+}
+
+impl Piece {
+    /// Returns the line of a piece; what equals the head is left out.
+    pub(super) fn line(&self, [a, b]: [usize; 2], keep: f64, [from, until, margin]: [f64; 3]) -> String {
+        let mut text = match self.proof {
+            Proof::Plane { normal, spin } => {
+                let spin = match spin == Vector3::zeros() {
+                    true => String::new(),
+                    false => format!(",\"spin\":{}", hexes(spin.as_slice())),
+                };
+                format!("{{\"plane\":[{a},{b}],\"normal\":{}{spin}", hexes(normal.as_slice()))
+            }
+            _ => format!("{{\"balls\":[{a},[{b}]]"),
+        };
+        for (key, value, head) in [
+            ("from", self.from, from),
+            ("until", self.until, until),
+            ("keep", keep, margin),
+        ] {
+            if value != head {
+                text += &format!(",\"{key}\":\"{}\"", hex(value));
+            }
+        }
+        text + "}"
+    }
+}

@@ -1,0 +1,262 @@
+//! Receipts: proofs in a file that anybody can check without this library.
+//!
+//! A verdict "free" rests on planes and balls that exist in memory for a moment. A [`Receipt`]
+//! writes them down: the bodies, how they move, the pairs that nobody looked at, and one piece of
+//! evidence for each pair and interval of time. A checker evaluates the evidence in exact
+//! arithmetic and never searches: the crate `lin-canny-verify`, or a page of Python.
+//!
+//! ```
+//! use lin_canny::nalgebra::{Isometry3, Vector3};
+//! use lin_canny::polyhedron::solids;
+//! use lin_canny_plan::receipt::Receipt;
+//! use lin_canny_plan::{Checker, Joint, SerialArm, World};
+//!
+//! // Two links in the plane, and a post.
+//! let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
+//! let turn = |x: f64| Joint::revolute(at(x), Vector3::z_axis(), [-3.0, 3.0]);
+//! let joints = vec![turn(0.0), turn(1.0)];
+//! let arm = SerialArm::new(at(0.0), joints, vec![1, 2], 1.0)?;
+//! let rod = solids::cuboid(Vector3::new(0.4, 0.05, 0.05))?;
+//! let rod = rod.transformed(&at(0.5))?;
+//! let mut world = World::new();
+//! world.robot_body("upper arm", rod.clone());
+//! world.robot_body("fore arm", rod);
+//! let post = solids::cuboid(Vector3::new(0.1, 0.1, 1.0))?;
+//! world.obstacle("post", post, at(2.2));
+//! let mut checker = Checker::new(arm, world)?;
+//!
+//! let receipt = Receipt::segment(&mut checker, &[0.8, 0.2], &[0.5, 1.4])?;
+//! let text = receipt.to_string();
+//! let head = r#"{"receipt":1,"claim":"apart","from":"0x0p0","until":"0x1p0""#;
+//! assert!(text.starts_with(head));
+//! assert_eq!(text.lines().filter(|l| l.starts_with("{\"body\"")).count(), 3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What has a receipt
+//!
+//! | answer | writer | the receipt proves |
+//! |---|---|---|
+//! | [`Verdict::Free`](crate::Verdict::Free) of a segment | [`Receipt::segment`] | every pair that is not ignored keeps more than the margin, at all times |
+//! | the same of a path of joints | [`Receipt::path`] | the same of each segment |
+//! | [`Verdict::Blocked`](crate::Verdict::Blocked) | [`Receipt::segment`] | the same up to `safe`, and that the pair meets, or is within what it must keep, at `t` |
+//! | a cast of two bodies | [`Receipt::cast`] | a miss, or apart up to `safe` and a contact at `hit` |
+//! | the distance of two convex bodies | [`Receipt::outcome`] | its lower and its upper bound |
+//! | an overlap of two convex bodies | [`Receipt::outcome`] | that they share a point |
+//!
+//! [`Receipt::scene`] writes bodies and a path without a proof. A checker evaluates an older
+//! receipt on it, and says whether the proof still holds after an obstacle has moved.
+//!
+//! # What has none
+//!
+//! * Bodies that are not convex polyhedra, rounded or not: ellipsoids, superquadrics, compounds,
+//!   meshes, clouds, surfaces and half-spaces. A cylinder or a cone is stated as a polyhedron of 32
+//!   sides around it, which its name says. So a receipt may prove it free, and never in contact;
+//!   where only the corners of the polyhedron are in contact, there is no receipt.
+//! * Curves of a degree above one, tubes, moving obstacles, contacts at the start that are left,
+//!   motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]), and
+//!   proofs over ranges of joints.
+//! * Depths of overlaps, answers of scenes, and undecided answers.
+//!
+//! Each of these is an error that names the body, the pair or the motion.
+//!
+//! # What a receipt says, and what it does not
+//!
+//! * It is about the bodies and motions that it states, to the last bit. Whether they are those of
+//!   a real robot is not its matter: a controller that is off by a tenth of a degree runs another
+//!   motion.
+//! * The motion is that over the real numbers. Poses that
+//!   [`SegmentMotion::pose`](crate::SegmentMotion::pose) rounds differ from it by some units in the
+//!   last place.
+//! * Joints and rotations are those of the space, which are normalised.
+//! * Pairs that are excluded, or that keep their relative pose, are listed with the reason. Pairs
+//!   of two bodies that rest are not looked at.
+//!
+//! The evidence is not the certificates of the library, but made from them: a checker sees a motion
+//! as polynomials, so the writer halves what is too long for it, rounds normals to few bits while
+//! they prove the same, and takes one pair of balls or one plane for the whole time where that is
+//! enough. The writer decides this in double precision. If it errs, a checker refuses the receipt,
+//! and never accepts a wrong one.
+//!
+//! [`Steady::with_acceleration_bounds`]: lin_canny::motion::Steady::with_acceleration_bounds
+
+mod error;
+mod evidence;
+mod hull;
+mod number;
+mod pair;
+mod scene;
+mod segment;
+mod sha256;
+mod taylor;
+
+use core::fmt;
+use std::io;
+
+pub use error::ReceiptError;
+
+use evidence::{Evidence, Mover, PairJudge, Piece};
+use lin_canny::impact::Certificate;
+use number::hex;
+use scene::{Scene, grouped, list, plain};
+use sha256::sha256;
+
+/// A proof as a text of lines: see the [module](self).
+///
+/// [`Display`](fmt::Display) and [`write`](Self::write) give the text.
+#[derive(Clone, Debug)]
+pub struct Receipt {
+    claim: Claim,
+    files: Vec<[String; 2]>,
+    scene: Scene,
+    legs: Vec<Leg>,
+}
+
+/// What a receipt claims.
+#[derive(Clone, Copy, Debug)]
+enum Claim {
+    /// All pairs keep more than the margin from a time until another.
+    Apart { span: [f64; 2], margin: f64 },
+    /// What the lines say.
+    Lines,
+    /// Nothing: the scene and the motion alone.
+    Scene,
+}
+
+/// A segment of the joints, and its evidence.
+#[derive(Clone, Debug, Default)]
+struct Leg {
+    /// Both ends; none if no joint is driven.
+    ends: Option<[Vec<f64>; 2]>,
+    evidence: Vec<String>,
+}
+
+impl Receipt {
+    /// Names a file of which the bodies were made, with its content; a checker prints the name and
+    /// the hash.
+    pub fn add_file(&mut self, name: &str, content: &[u8]) {
+        self.files.push([plain(name), sha256(content)]);
+    }
+
+    /// Sets the reason of each pair that is not looked at, for which `why` returns one for the
+    /// names of its bodies.
+    ///
+    /// Otherwise the reason is that the pair is excluded, or that it keeps its relative pose.
+    pub fn set_reasons(&mut self, why: impl Fn([&str; 2]) -> Option<String>) {
+        for ignored in &mut self.scene.ignored {
+            let names = ignored.pair.map(|k| self.scene.bodies[k].name.as_str());
+            if let Some(reason) = why(names).filter(|reason| !reason.is_empty()) {
+                ignored.why = reason;
+            }
+        }
+    }
+
+    /// Returns the number of pieces of evidence.
+    #[must_use]
+    pub fn certificates(&self) -> usize {
+        self.legs.iter().map(|leg| leg.evidence.len()).sum()
+    }
+
+    /// Writes the text.
+    ///
+    /// # Errors
+    /// Returns the error of the writer.
+    pub fn write(&self, mut to: impl io::Write) -> io::Result<()> {
+        to.write_all(self.to_string().as_bytes())
+    }
+
+    fn head(&self) -> String {
+        match self.claim {
+            Claim::Apart {
+                span: [from, until],
+                margin,
+            } => {
+                let [from, until, margin] = [from, until, margin].map(hex);
+                format!(
+                    "{{\"receipt\":1,\"claim\":\"apart\",\"from\":\"{from}\",\"until\":\"{until}\",\"margin\":\"{margin}\"}}"
+                )
+            }
+            Claim::Lines => "{\"receipt\":1,\"claim\":\"lines\"}".into(),
+            Claim::Scene => "{\"receipt\":1,\"claim\":\"scene\"}".into(),
+        }
+    }
+}
+
+impl fmt::Display for Receipt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut lines = vec![self.head()];
+        let files = self.files.iter();
+        lines.extend(files.map(|[name, hash]| format!("{{\"file\":\"{name}\",\"sha256\":\"{hash}\"}}")));
+        lines.extend(self.scene.lines());
+        for leg in &self.legs {
+            if let Some(ends) = &leg.ends {
+                let rows = ends.each_ref().map(|row| number::hexes(row)).join(",");
+                lines.push(format!("{{\"leg\":[{rows}]}}"));
+            }
+            lines.extend(leg.evidence.iter().cloned());
+        }
+        let count = lines.len();
+        let text: String = lines.into_iter().flat_map(|line| [line, "\n".into()]).collect();
+        f.write_str(&text)?;
+        writeln!(f, "{{\"end\":{count},\"sha256\":\"{}\"}}", sha256(text.as_bytes()))
+    }
+}
+
+/// A pair that must have evidence: its bodies, what it must keep, and the library's certificates.
+struct Wanted<'a> {
+    pair: [usize; 2],
+    keep: f64,
+    certificates: &'a [Certificate],
+}
+
+/// Returns the lines of evidence that pairs stay apart along a leg.
+fn apart(
+    scene: &Scene,
+    ends: Option<[&[f64]; 2]>,
+    [from, until]: [f64; 2],
+    margin: f64,
+    wanted: &[Wanted<'_>],
+) -> Result<Vec<String>, ReceiptError> {
+    let movers = Mover::all(scene, ends);
+    let size = scene.size();
+    let (mut lines, mut balls) = (Vec::new(), std::collections::BTreeMap::<u64, Vec<[usize; 2]>>::new());
+    for Wanted {
+        pair,
+        keep,
+        certificates,
+    } in wanted
+    {
+        let [a, b] = pair.map(|k| &movers[k]);
+        let keep = *keep;
+        let judge = PairJudge { a, b, keep, size };
+        match judge.evidence([from, until], certificates) {
+            Ok(Evidence::Balls) => balls.entry(keep.to_bits()).or_default().push(*pair),
+            Ok(Evidence::Pieces(pieces)) => {
+                let line = |piece: &Piece| piece.line(*pair, keep, [from, until, margin]);
+                lines.extend(pieces.iter().map(line));
+            }
+            Err(missing) => {
+                return Err(ReceiptError::Pair {
+                    a: a.body.name.clone(),
+                    b: b.body.name.clone(),
+                    from: missing.from,
+                    until: missing.until,
+                    why: missing.why,
+                });
+            }
+        }
+    }
+    let mut all = Vec::new();
+    for (keep, pairs) in balls {
+        let keep = f64::from_bits(keep);
+        let more = match keep == margin {
+            true => String::new(),
+            false => format!(",\"keep\":\"{}\"", hex(keep)),
+        };
+        for (a, others) in grouped(pairs) {
+            all.push(format!("{{\"balls\":[{a},{}]{more}}}", list(&others)));
+        }
+    }
+    all.extend(lines);
+    Ok(all)
+}

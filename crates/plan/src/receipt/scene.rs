@@ -1,0 +1,370 @@
+//! What a receipt states: bodies, how they move, and the pairs that are not looked at.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Translation3, Vector3};
+
+use super::error::ReceiptError;
+use super::hull::StatedHull;
+use super::number::{hex, hexes};
+use super::taylor::Step;
+use crate::arm::JointKind;
+use crate::space::JointPath;
+use crate::tree::TreeJoint;
+use lin_canny::Geometry;
+use lin_canny::motion::{Motion, Steady, Velocity};
+use lin_canny::polyhedron::ConvexPolyhedron;
+
+/// Greatest number of vertices of a body.
+const VERTICES: usize = 65_536;
+
+/// Bodies and motions of a receipt.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scene {
+    base: Isometry3<f64>,
+    /// The joints; joint k carries link k + 1.
+    joints: Vec<TreeJoint>,
+    /// The link that each joint of the space carries, by its number in the space.
+    links: BTreeMap<usize, usize>,
+    pub(super) bodies: Vec<Body>,
+    pub(super) ignored: Vec<Ignored>,
+}
+
+/// A pair that is not looked at.
+#[derive(Clone, Debug)]
+pub(super) struct Ignored {
+    pub(super) pair: [usize; 2],
+    pub(super) why: String,
+}
+
+/// A body: the hull of its points, rounded by a radius.
+#[derive(Clone, Debug)]
+pub(super) struct Body {
+    pub(super) name: String,
+    pub(super) hull: Arc<ConvexPolyhedron>,
+    pub(super) radius: f64,
+    /// What the polyhedron is, if it is larger than the body.
+    pub(super) around: Option<&'static str>,
+    pub(super) way: Way,
+}
+
+/// How a body moves.
+#[derive(Clone, Debug)]
+pub(super) enum Way {
+    /// Rests at a pose.
+    Rests(Isometry3<f64>),
+    /// Moves with a link, at a pose in its frame.
+    Link(usize, Option<Isometry3<f64>>),
+    /// Moves at constant velocities.
+    Steady(SteadyWay),
+}
+
+/// The numbers of a motion at constant velocities.
+#[derive(Clone, Debug)]
+pub(super) struct SteadyWay {
+    at: Isometry3<f64>,
+    pub(super) pivot: Vector3<f64>,
+    velocity: Velocity,
+    push: Vector3<f64>,
+}
+
+impl Body {
+    pub(super) fn new(name: &str, geometry: &Geometry, way: Way) -> Result<Self, ReceiptError> {
+        let StatedHull { hull, radius, around } = StatedHull::new(geometry).ok_or_else(|| ReceiptError::Body {
+            name: name.into(),
+            kind: geometry.kind(),
+        })?;
+        let (name, count) = (name.to_string(), hull.vertex_count());
+        if count > VERTICES {
+            return Err(ReceiptError::Vertices { name, count });
+        }
+        Ok(Self {
+            name,
+            hull,
+            radius,
+            around,
+            way,
+        })
+    }
+
+    /// Returns the point about which the ball of the body lies, in its frame.
+    pub(super) fn centre(&self) -> Vector3<f64> {
+        match &self.way {
+            Way::Steady(way) => way.pivot,
+            _ => Vector3::zeros(),
+        }
+    }
+
+    /// Returns the name, and what the polyhedron is if it is larger than the body.
+    fn shown(&self) -> String {
+        match self.around {
+            Some(around) => format!("{} ({around})", self.name),
+            None => self.name.clone(),
+        }
+    }
+
+    fn line(&self, number: usize) -> String {
+        let points = self.hull.vertex_points().map(|p| hexes(p.coords.as_slice()));
+        let points: Vec<String> = points.collect();
+        let mut text = format!(
+            "{{\"body\":{number},\"name\":\"{}\",\"points\":[{}]",
+            plain(&self.shown()),
+            points.join(",")
+        );
+        // Writing to a text never fails.
+        if self.radius > 0.0 {
+            let _ = write!(text, ",\"radius\":\"{}\"", hex(self.radius));
+        }
+        let _ = match &self.way {
+            Way::Rests(at) => write!(text, ",\"at\":{}", pose(at)),
+            Way::Link(link, None) => write!(text, ",\"link\":{link}"),
+            Way::Link(link, Some(at)) => write!(text, ",\"link\":{link},\"at\":{}", pose(at)),
+            Way::Steady(way) => write!(
+                text,
+                ",\"at\":{},\"steady\":{{\"pivot\":{},\"linear\":{},\"angular\":{},\"push\":{}}}",
+                pose(&way.at),
+                hexes(way.pivot.as_slice()),
+                hexes(way.velocity.linear.as_slice()),
+                hexes(way.velocity.angular.as_slice()),
+                hexes(way.push.as_slice())
+            ),
+        };
+        text.push('}');
+        text
+    }
+}
+
+impl SteadyWay {
+    /// Returns the motion of a body that has the pose `at` in the frame that moves.
+    pub(super) fn new(motion: &Steady, at: &Isometry3<f64>) -> Option<Self> {
+        (motion.acceleration_bounds() == [0.0; 2]).then(|| Self {
+            at: Motion::pose(motion, 0.0) * at,
+            pivot: at.inverse_transform_point(&motion.pivot()).coords,
+            velocity: motion.velocity(),
+            push: motion.acceleration(),
+        })
+    }
+
+    /// Returns whether the body rests.
+    pub(super) fn is_still(&self) -> bool {
+        self.velocity == Velocity::default() && self.push == Vector3::zeros()
+    }
+
+    pub(super) fn start(&self) -> Isometry3<f64> {
+        self.at
+    }
+}
+
+impl Scene {
+    /// Returns the link that a path of joints leads to, and states the joints.
+    ///
+    /// Returns `None` if the paths have different bases.
+    pub(super) fn link(&mut self, path: &JointPath) -> Option<usize> {
+        if self.links.is_empty() && self.joints.is_empty() {
+            self.base = path.base;
+        }
+        if self.base != path.base {
+            return None;
+        }
+        let mut parent = 0;
+        for (number, joint) in &path.joints {
+            let next = self.joints.len() + 1;
+            let link = *self.links.entry(*number).or_insert(next);
+            if link == next {
+                let joint = TreeJoint {
+                    parent,
+                    ..joint.clone()
+                };
+                self.joints.push(joint);
+            }
+            parent = link;
+        }
+        Some(parent)
+    }
+
+    /// Makes bodies on the base rest if there are no joints.
+    pub(super) fn settle(&mut self) {
+        if self.joints.is_empty() {
+            for body in &mut self.bodies {
+                if let Way::Link(_, at) = body.way {
+                    body.way = Way::Rests(self.base * at.unwrap_or_default());
+                }
+            }
+        }
+    }
+
+    /// Returns whether a coordinate drives a joint, so that a leg is needed.
+    pub(super) fn is_driven(&self) -> bool {
+        self.joints.iter().any(|joint| joint.drive.is_some())
+    }
+
+    /// Returns whether a body moves.
+    pub(super) fn moves(&self, body: usize) -> bool {
+        match self.bodies[body].way {
+            Way::Rests(_) => false,
+            Way::Steady(_) => true,
+            Way::Link(link, _) => self.path(link).iter().any(|joint| joint.drive.is_some()),
+        }
+    }
+
+    /// Returns the joints from the base to a link.
+    fn path(&self, mut link: usize) -> Vec<&TreeJoint> {
+        let mut path = Vec::new();
+        while link > 0 {
+            let joint = &self.joints[link - 1];
+            path.push(joint);
+            link = joint.parent;
+        }
+        path.reverse();
+        path
+    }
+
+    /// Returns the steps from the world to a body, along a leg between two configurations.
+    pub(super) fn steps(&self, body: usize, ends: Option<[&[f64]; 2]>) -> Vec<Step> {
+        let place = |at: &Isometry3<f64>| Step::place(at);
+        match &self.bodies[body].way {
+            Way::Rests(at) => vec![place(at)],
+            Way::Steady(way) => {
+                let lever = way.at.rotation * way.pivot;
+                let start = way.at.translation.vector + lever;
+                let coefficients = |k: usize| [start[k], way.velocity.linear[k], 0.5 * way.push[k]];
+                let turn = Step::Turn {
+                    axis: way.velocity.angular,
+                    first: 0.0,
+                    rate: 1.0,
+                };
+                let own = Isometry3::from_parts(Translation3::from(-lever), way.at.rotation);
+                vec![Step::Shift([0, 1, 2].map(coefficients)), turn, place(&own)]
+            }
+            Way::Link(link, at) => {
+                let mut steps = vec![place(&self.base)];
+                for joint in self.path(*link) {
+                    steps.push(place(&joint.origin));
+                    let (Some(drive), Some([from, to])) = (joint.drive, ends) else {
+                        continue;
+                    };
+                    let [first, last] = [from, to].map(|q| drive.factor * q[drive.coordinate] + drive.offset);
+                    let (axis, rate) = (joint.axis.into_inner(), last - first);
+                    steps.push(match joint.kind {
+                        JointKind::Revolute => Step::Turn { axis, first, rate },
+                        JointKind::Prismatic => Step::Shift([0, 1, 2].map(|k| [axis[k] * first, axis[k] * rate, 0.0])),
+                    });
+                }
+                steps.extend(at.iter().map(place));
+                steps
+            }
+        }
+    }
+
+    /// Returns the greatest absolute coordinate of points and poses.
+    pub(super) fn size(&self) -> f64 {
+        let mut size = 0.0f64;
+        let mut take = |v: &Vector3<f64>| {
+            for x in v.iter() {
+                size = if x.abs() > size { x.abs() } else { size };
+            }
+        };
+        take(&self.base.translation.vector);
+        self.joints
+            .iter()
+            .for_each(|joint| take(&joint.origin.translation.vector));
+        for body in &self.bodies {
+            body.hull.vertex_points().for_each(|p| take(&p.coords));
+            match &body.way {
+                Way::Rests(at) | Way::Link(_, Some(at)) => take(&at.translation.vector),
+                Way::Steady(way) => take(&way.at.translation.vector),
+                Way::Link(_, None) => {}
+            }
+        }
+        size
+    }
+
+    /// Returns the lines of the scene, without the files.
+    pub(super) fn lines(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if !self.joints.is_empty() {
+            lines.push(format!("{{\"base\":{}}}", pose(&self.base)));
+        }
+        for (k, joint) in self.joints.iter().enumerate() {
+            let (number, parent, origin) = (k + 1, joint.parent, pose(&joint.origin));
+            let Some(drive) = joint.drive else {
+                lines.push(format!(
+                    "{{\"joint\":{number},\"parent\":{parent},\"kind\":\"fixed\",\"origin\":{origin}}}"
+                ));
+                continue;
+            };
+            let kind = match joint.kind {
+                JointKind::Revolute => "turn",
+                JointKind::Prismatic => "slide",
+            };
+            let (axis, coordinate) = (hexes(joint.axis.as_slice()), drive.coordinate);
+            let [factor, offset] = [drive.factor, drive.offset].map(hex);
+            lines.push(format!(
+                "{{\"joint\":{number},\"parent\":{parent},\"kind\":\"{kind}\",\"origin\":{origin},\"axis\":{axis},\
+                 \"drive\":[{coordinate},\"{factor}\",\"{offset}\"]}}"
+            ));
+        }
+        lines.extend(self.bodies.iter().enumerate().map(|(k, body)| body.line(k)));
+        let mut reasons: BTreeMap<&str, Vec<[usize; 2]>> = BTreeMap::new();
+        for ignored in &self.ignored {
+            reasons.entry(&ignored.why).or_default().push(ignored.pair);
+        }
+        for (why, pairs) in reasons {
+            for (a, others) in grouped(pairs) {
+                let (others, why) = (list(&others), plain(why));
+                lines.push(format!("{{\"ignored\":[{a},{others}],\"why\":\"{why}\"}}"));
+            }
+        }
+        lines
+    }
+}
+
+/// Returns pairs as few lists: a body, and those that it is paired with.
+pub(super) fn grouped(mut pairs: Vec<[usize; 2]>) -> Vec<(usize, Vec<usize>)> {
+    let mut groups = Vec::new();
+    while !pairs.is_empty() {
+        let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
+        for body in pairs.iter().flatten() {
+            *counts.entry(*body).or_default() += 1;
+        }
+        // The first of those with the most pairs.
+        let best = counts.iter().fold(
+            (0, 0),
+            |best, (&body, &count)| if count > best.1 { (body, count) } else { best },
+        );
+        let mut others = Vec::new();
+        pairs.retain(|pair| match pair {
+            [a, b] if *a == best.0 => {
+                others.push(*b);
+                false
+            }
+            [a, b] if *b == best.0 => {
+                others.push(*a);
+                false
+            }
+            _ => true,
+        });
+        others.sort_unstable();
+        groups.push((best.0, others));
+    }
+    groups
+}
+
+/// Returns a list of numbers of bodies.
+pub(super) fn list(all: &[usize]) -> String {
+    let all: Vec<String> = all.iter().map(usize::to_string).collect();
+    format!("[{}]", all.join(","))
+}
+
+fn pose(at: &Isometry3<f64>) -> String {
+    let (t, q) = (at.translation.vector, at.rotation.coords);
+    hexes(&[t.x, t.y, t.z, q.x, q.y, q.z, q.w])
+}
+
+/// Returns a text without the characters that a receipt does not hold.
+pub(super) fn plain(text: &str) -> String {
+    let is_bad = |c: char| c == '"' || c == '\\' || c.is_control();
+    text.chars().map(|c| if is_bad(c) { '_' } else { c }).collect()
+}

@@ -1,0 +1,281 @@
+//! Receipts of segments and paths.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Isometry3;
+
+use super::error::ReceiptError;
+use super::pair::contact;
+use super::scene::{Body, Ignored, Scene, SteadyWay, Way};
+use super::{Claim, Leg, Receipt, Wanted, apart};
+use crate::checker::{Checker, PairProof};
+use crate::error::PlanError;
+use crate::extremes::Extremes;
+use crate::space::{ConfigurationSpace, SegmentMotion};
+use crate::verdict::Verdict;
+use crate::world::{WorldId, WorldPair};
+use lin_canny::Geometry;
+
+/// The reasons of pairs that are not looked at.
+const EXCLUDED: &str = "excluded";
+const RIGID: &str = "the bodies keep their relative pose";
+
+/// The bodies of a world in a receipt.
+struct Stated {
+    scene: Scene,
+    ids: Vec<WorldId>,
+    /// The pairs that must have evidence, and what they must keep.
+    pairs: Vec<([usize; 2], f64)>,
+    margin: f64,
+}
+
+impl Receipt {
+    /// Returns the receipt of [`Checker::certify`]: that a segment is free, or free up to a time
+    /// and blocked by a pair at a later one.
+    ///
+    /// Along a blocked segment, all pairs have evidence until `safe` of the
+    /// [`Verdict::Blocked`](crate::Verdict::Blocked), and the pair has four vertex pairs, or two
+    /// points, that prove the contact at `t`; if none are certain there, at most 32 times the
+    /// bracket from `safe` to `t` later. A segment that is blocked at its start has the contact
+    /// alone.
+    ///
+    /// # Errors
+    /// Returns an error if a configuration is invalid, if the verdict is undecided, if a body or
+    /// the motion has no receipt ([module](self)), or if a pair has no evidence that a checker
+    /// would accept, for example because the pair is in contact at the start.
+    pub fn segment<C: ConfigurationSpace>(
+        checker: &mut Checker<C>,
+        from: &[f64],
+        to: &[f64],
+    ) -> Result<Self, ReceiptError> {
+        let segment = checker.segment(from, to)?;
+        let stated = Stated::new(checker, &segment)?;
+        let verdict = checker.certify(from, to)?;
+        let (until, blocked) = match verdict {
+            Verdict::Free { .. } => (1.0, None),
+            Verdict::Blocked { safe, t, pair, .. } => (safe, Some((t, pair))),
+            Verdict::Undecided { t } => return Err(ReceiptError::Undecided { time: t }),
+        };
+        let ends = stated.scene.is_driven().then(|| [from.to_vec(), to.to_vec()]);
+        let mut leg = Leg {
+            ends,
+            evidence: Vec::new(),
+        };
+        let margin = stated.margin;
+        let claim = match blocked {
+            Some((t, _)) if !(until > 0.0) || t == 0.0 => Claim::Lines,
+            _ => {
+                let proofs = checker.prove_until(from, to, until)?.unwrap_or_default();
+                leg.evidence = stated.evidence(leg.ends(), until, &proofs)?;
+                let span = [0.0, until];
+                Claim::Apart { span, margin }
+            }
+        };
+        if let Some((hit, pair)) = blocked {
+            let numbers = stated.numbers(pair);
+            let kept = checker.world.kept_distance(pair);
+            let line = contact(&stated.scene, leg.ends(), numbers, [until, hit], 1.0, kept)?;
+            leg.evidence.push(line);
+        }
+        Ok(Self {
+            claim,
+            files: Vec::new(),
+            scene: stated.scene,
+            legs: vec![leg],
+        })
+    }
+
+    /// Returns the receipt of a path that is free: one leg for each segment, and the scene once.
+    ///
+    /// # Errors
+    /// Returns an error as [`segment`](Self::segment) does; if a segment is not proven free
+    /// ([`ReceiptError::Blocked`]); if the path has fewer than two configurations; or if it has
+    /// more in a space of a rigid body: such a path has one receipt for each segment.
+    pub fn path<C: ConfigurationSpace>(checker: &mut Checker<C>, path: &[Vec<f64>]) -> Result<Self, ReceiptError> {
+        let stated = Stated::of_path(checker, path)?;
+        let mut legs = Vec::new();
+        for (segment, ends) in path.windows(2).enumerate() {
+            let [from, to] = [&ends[0], &ends[1]];
+            if !checker.certify(from, to)?.is_free() {
+                return Err(ReceiptError::Blocked { segment });
+            }
+            let proofs = checker.prove(from, to)?.unwrap_or_default();
+            let ends = stated.scene.is_driven().then(|| [from.clone(), to.clone()]);
+            let evidence = stated.evidence(ends.as_ref().map(ends_of), 1.0, &proofs)?;
+            legs.push(Leg { ends, evidence });
+        }
+        Ok(Self {
+            claim: Claim::Apart {
+                span: [0.0, 1.0],
+                margin: stated.margin,
+            },
+            files: Vec::new(),
+            scene: stated.scene,
+            legs,
+        })
+    }
+
+    /// Returns the bodies and a path without a proof, for a checker that evaluates an older receipt
+    /// on them.
+    ///
+    /// # Errors
+    /// Returns an error as [`path`](Self::path) does, but for segments that are not free.
+    pub fn scene<C: ConfigurationSpace>(checker: &Checker<C>, path: &[Vec<f64>]) -> Result<Self, ReceiptError> {
+        let stated = Stated::of_path(checker, path)?;
+        let ends = path.windows(2).filter(|_| stated.scene.is_driven());
+        let legs = ends.map(|ends| Leg {
+            ends: Some([ends[0].clone(), ends[1].clone()]),
+            evidence: Vec::new(),
+        });
+        Ok(Self {
+            claim: Claim::Scene,
+            files: Vec::new(),
+            legs: legs.collect(),
+            scene: stated.scene,
+        })
+    }
+}
+
+fn ends_of(ends: &[Vec<f64>; 2]) -> [&[f64]; 2] {
+    ends.each_ref().map(Vec::as_slice)
+}
+
+impl Leg {
+    fn ends(&self) -> Option<[&[f64]; 2]> {
+        self.ends.as_ref().map(ends_of)
+    }
+}
+
+impl Stated {
+    fn new<C: ConfigurationSpace>(checker: &Checker<C>, segment: &C::Segment) -> Result<Self, ReceiptError> {
+        let world = &checker.world;
+        let (mut scene, mut ids) = (Scene::default(), Vec::new());
+        let identity = Isometry3::identity();
+        for (k, (name, geometry)) in world.robot_bodies().enumerate() {
+            add(&mut scene, checker, segment, (name, geometry), k, &identity)?;
+            ids.push(WorldId::Robot(k));
+        }
+        for (id, object) in world.attached() {
+            let body = world.body_of(object.frame);
+            let named = (object.name.as_str(), &object.geometry);
+            add(&mut scene, checker, segment, named, body, &object.pose)?;
+            ids.push(id);
+        }
+        for (k, obstacle) in world.obstacles.iter().enumerate() {
+            let Some((name, geometry, pose)) = obstacle else {
+                continue;
+            };
+            scene.bodies.push(Body::new(name, geometry, Way::Rests(*pose))?);
+            ids.push(WorldId::Obstacle(k));
+        }
+        scene.settle();
+        let mut stated = Self {
+            scene,
+            ids,
+            pairs: Vec::new(),
+            margin: world.margin(),
+        };
+        stated.take_pairs(checker);
+        Ok(stated)
+    }
+
+    /// Returns the bodies of a path.
+    fn of_path<C: ConfigurationSpace>(checker: &Checker<C>, path: &[Vec<f64>]) -> Result<Self, ReceiptError> {
+        let [first, second, ..] = path else {
+            return Err(PlanError::Empty.into());
+        };
+        let segment = checker.segment(first, second)?;
+        let stated = Self::new(checker, &segment)?;
+        if !stated.scene.is_driven() && path.len() > 2 {
+            return Err(ReceiptError::Motion {
+                name: stated
+                    .scene
+                    .bodies
+                    .first()
+                    .map_or(String::new(), |body| body.name.clone()),
+                why: "no joint moves it, so each segment has a receipt of its own",
+            });
+        }
+        Ok(stated)
+    }
+
+    /// Sorts the pairs into those that must have evidence and those that are not looked at.
+    fn take_pairs<C: ConfigurationSpace>(&mut self, checker: &Checker<C>) {
+        let measured = checker.pairs.ordered().into_iter().map(|k| &checker.pairs.all[k]);
+        let measured: BTreeMap<WorldPair, f64> = measured.map(|tracked| (tracked.pair, tracked.kept)).collect();
+        let moves: Vec<bool> = (0..self.ids.len()).map(|k| self.scene.moves(k)).collect();
+        for a in 0..self.ids.len() {
+            for b in a + 1..self.ids.len() {
+                let Some(pair) = WorldPair::new(self.ids[a], self.ids[b]).filter(|_| moves[a] || moves[b]) else {
+                    continue;
+                };
+                if let Some(kept) = measured.get(&pair) {
+                    self.pairs.push(([a, b], *kept));
+                    continue;
+                }
+                let is_excluded = checker.world.excluded.contains(&pair);
+                let why = if is_excluded { EXCLUDED } else { RIGID }.into();
+                self.scene.ignored.push(Ignored { pair: [a, b], why });
+            }
+        }
+        let least = self.pairs.iter().map(|pair| pair.1).fold(f64::INFINITY, f64::smaller);
+        if least.is_finite() {
+            self.margin = least;
+        }
+    }
+
+    /// Returns the numbers of the bodies of a pair.
+    fn numbers(&self, pair: WorldPair) -> [usize; 2] {
+        [pair.a, pair.b].map(|id| self.ids.iter().position(|x| *x == id).unwrap_or_default())
+    }
+
+    /// Returns the lines that prove that all pairs stay apart from 0 until a time.
+    fn evidence(
+        &self,
+        ends: Option<[&[f64]; 2]>,
+        until: f64,
+        proofs: &[PairProof],
+    ) -> Result<Vec<String>, ReceiptError> {
+        let known: BTreeMap<WorldPair, &PairProof> = proofs.iter().map(|proof| (proof.pair, proof)).collect();
+        let wanted = self.pairs.iter().map(|(pair, keep)| {
+            let of = WorldPair::new(self.ids[pair[0]], self.ids[pair[1]]);
+            let proof = of.and_then(|pair| known.get(&pair));
+            Wanted {
+                pair: *pair,
+                keep: *keep,
+                certificates: proof.map_or(&[], |proof| &proof.certificates),
+            }
+        });
+        let wanted: Vec<Wanted<'_>> = wanted.collect();
+        apart(&self.scene, ends, [0.0, until], self.margin, &wanted)
+    }
+}
+
+/// Adds a body that has a pose in the frame of a body of the space.
+fn add<C: ConfigurationSpace>(
+    scene: &mut Scene,
+    checker: &Checker<C>,
+    segment: &C::Segment,
+    (name, geometry): (&str, &Geometry),
+    body: usize,
+    at: &Isometry3<f64>,
+) -> Result<(), ReceiptError> {
+    let refused = |why: &'static str| {
+        let name = name.into();
+        ReceiptError::Motion { name, why }
+    };
+    let way = match (segment.steady(body), checker.space.joint_path(body)) {
+        (Some(steady), _) => {
+            let way = SteadyWay::new(&steady, at);
+            Way::Steady(way.ok_or_else(|| refused("it has bounds of unknown accelerations"))?)
+        }
+        (None, Some(path)) => {
+            let link = scene.link(&path);
+            let link = link.ok_or_else(|| refused("joints of two bodies start at different bases"))?;
+            Way::Link(link, (*at != Isometry3::identity()).then_some(*at))
+        }
+        (None, None) => return Err(refused("its space states neither joints nor constant velocities")),
+    };
+    scene.bodies.push(Body::new(name, geometry, way)?);
+    Ok(())
+}

@@ -1,0 +1,440 @@
+//! Receipts: what the writers write holds for a checker that shares no code with them, and a wrong proof does not.
+
+use lin_canny::impact::Tolerance;
+use lin_canny::motion::Steady;
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{ContactState, Geometry, HalfSpace, PairTracker, RelativePose, Shape, Tracker};
+use lin_canny_plan::receipt::{Receipt, ReceiptError};
+use lin_canny_plan::{
+    Checker, ConfigurationSpace, Drive, JointKind, JointTree, PlanarSpace, RigidSpace, SerialArm, TranslationSpace,
+    TreeJoint, Verdict, World,
+};
+use lin_canny_verify::verify;
+use truth::arm::{cell, motion, robot};
+use truth::casts::{SHAPES, aimed, body, rotation};
+use truth::rng::Rng;
+
+/// What a receipt proves, or the first line that does not hold.
+fn checked(text: &str) -> Result<String, String> {
+    match verify(text.as_bytes()) {
+        Ok(found) if found.holds() => Ok(found.to_string()),
+        Ok(found) => Err(found.to_string()),
+        Err(error) => Err(format!("unreadable: {error}")),
+    }
+}
+
+/// Checks a receipt that must hold, and returns its text and what it proves.
+fn holds(receipt: &Receipt) -> [String; 2] {
+    let text = receipt.to_string();
+    match checked(&text) {
+        Ok(said) => [text, said],
+        Err(why) => panic!("{why}\n{text}"),
+    }
+}
+
+/// The built-in arm in its cell.
+fn arm() -> Checker<SerialArm> {
+    let mut world = World::new();
+    let arm = robot::arm(&mut world).expect("an arm");
+    for (name, shape, pose) in cell::things(&[]).expect("the built-in cell") {
+        world.obstacle(name, shape, pose);
+    }
+    robot::exclude(&mut world, true).expect("names of the arm");
+    Checker::new(arm, world).expect("a cell")
+}
+
+/// Writes and checks the receipt of a segment; returns whether it is free, blocked later (1), at the start (2) or undecided.
+fn judge<C: ConfigurationSpace>(checker: &mut Checker<C>, from: &[f64], to: &[f64]) -> usize {
+    let verdict = checker.certify(from, to).expect("a segment");
+    let receipt = Receipt::segment(checker, from, to);
+    if matches!(verdict, Verdict::Undecided { .. }) {
+        assert!(matches!(receipt, Err(ReceiptError::Undecided { .. })), "{receipt:?}");
+        return 3;
+    }
+    let receipt = receipt.unwrap_or_else(|error| panic!("{error}: {verdict:?} {from:?} {to:?}"));
+    let [text, _] = holds(&receipt);
+    let meets = text.contains("{\"meet\":[") || text.contains("{\"near\":[");
+    let is_apart = text.starts_with("{\"receipt\":1,\"claim\":\"apart\"");
+    match verdict {
+        Verdict::Free { .. } => {
+            assert!(is_apart && !meets, "{text}");
+            0
+        }
+        Verdict::Blocked { safe, .. } if safe > 0.0 => {
+            assert!(is_apart && meets, "{text}");
+            1
+        }
+        _ => {
+            assert!(!is_apart && meets, "{text}");
+            2
+        }
+    }
+}
+
+#[test]
+fn random_segments_of_an_arm_have_receipts() {
+    let mut checker = arm();
+    let mut rng = Rng::new(7);
+    let mut counts = [0; 4];
+    let mut size = 0;
+    for k in 0..40 {
+        let from = match k % 2 {
+            0 => motion::carry(rng.uniform()),
+            _ => checker.space().sample(&mut || rng.uniform()),
+        };
+        let most = if k % 4 < 2 { 0.3 } else { 2.0 };
+        let step: Vec<f64> = (0..6).map(|_| rng.range(-most, most)).collect();
+        let to = checker.space().moved(&from, &step);
+        counts[judge(&mut checker, &from, &to)] += 1;
+        if let Ok(receipt) = Receipt::segment(&mut checker, &from, &to) {
+            let of_evidence = |line: &&str| line.starts_with("{\"plane\"") || line.starts_with("{\"balls\"");
+            size = size.max(receipt.to_string().lines().filter(of_evidence).map(str::len).sum());
+        }
+    }
+    println!("free, blocked, blocked at the start, undecided: {counts:?}; at most {size} bytes of evidence");
+    assert!(counts[0] > 4 && counts[1] > 4 && counts[2] > 0, "{counts:?}");
+}
+
+#[test]
+fn a_path_has_the_scene_once() {
+    let mut checker = arm();
+    let rows: Vec<Vec<f64>> = (0..=20).map(|k| motion::carry(f64::from(k) / 20.0)).collect();
+    assert!(checker.certify_path(&rows).expect("a path").1.is_free());
+    let receipt = Receipt::path(&mut checker, &rows).expect("a free path");
+    let [text, _] = holds(&receipt);
+    let count = |kind: &str| {
+        text.lines()
+            .filter(|line| line.starts_with(&format!("{{\"{kind}\"")))
+            .count()
+    };
+    assert_eq!(
+        [count("leg"), count("base"), count("joint"), count("body")],
+        [20, 1, 6, 9 + 12]
+    );
+    println!("{} bytes, {} pieces of evidence", text.len(), receipt.certificates());
+    // A path that is blocked has none.
+    let rows = [vec![0.0, 0.3, 1.0, 0.0, 1.0, 0.0], vec![0.0, 1.7, 0.0, 0.0, 0.0, 0.0]];
+    assert_eq!(
+        Receipt::path(&mut checker, &rows).unwrap_err(),
+        ReceiptError::Blocked { segment: 0 }
+    );
+}
+
+/// Replaces the tail of lines that were changed.
+fn sealed(lines: &[String]) -> String {
+    let text: String = lines.iter().flat_map(|line| [line.as_str(), "\n"]).collect();
+    // A receipt hashes the files that it names.
+    let die = Geometry::from(solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
+    let far = Isometry3::translation(3.0, 0.0, 0.0);
+    let outcome = Tracker::new().closest(
+        die.as_polyhedron().expect("a box"),
+        die.as_polyhedron().expect("a box"),
+        &RelativePose::from_isometry(&far).expect("a pose"),
+    );
+    let mut hashed = Receipt::outcome([("a", &die), ("b", &die)], &far, &outcome).expect("a distance");
+    hashed.add_file("text", text.as_bytes());
+    let hash = hashed.to_string();
+    let at = hash.find("\"sha256\":\"").expect("a hash") + 10;
+    format!(
+        "{text}{{\"end\":{},\"sha256\":\"{}\"}}\n",
+        lines.len(),
+        &hash[at..at + 64]
+    )
+}
+
+#[test]
+fn a_wrong_proof_is_refused() {
+    let mut checker = arm();
+    let mut rng = Rng::new(11);
+    let mut counts = [0; 4];
+    let mut tried = 0;
+    while tried < 6 {
+        let from = motion::carry(rng.uniform());
+        let step: Vec<f64> = (0..6).map(|_| rng.range(-1.5, 1.5)).collect();
+        let to = checker.space().moved(&from, &step);
+        let Ok(Verdict::Blocked { safe, .. }) = checker.certify(&from, &to) else {
+            continue;
+        };
+        if !(safe > 0.1 && safe < 0.9) {
+            continue;
+        }
+        tried += 1;
+        let receipt = Receipt::segment(&mut checker, &from, &to).expect("a receipt");
+        let [text, _] = holds(&receipt);
+        let lines: Vec<String> = text.lines().map(String::from).collect();
+        let lines = &lines[..lines.len() - 1];
+        assert_eq!(sealed(lines), text);
+        // The whole segment is claimed to be free.
+        let mut all = lines.to_vec();
+        let at = all[0].find("\"until\":").expect("an end");
+        let end = at + all[0][at..].find(',').expect("more");
+        all[0].replace_range(at..end, "\"until\":\"0x1p0\"");
+        counts[0] += usize::from(checked(&sealed(&all)).is_err());
+        // A normal points the other way.
+        let mut all = lines.to_vec();
+        let plane = all
+            .iter()
+            .rposition(|line| line.starts_with("{\"plane\""))
+            .expect("a plane");
+        let turned = all[plane]
+            .replace("[\"0x", "[\"-0x")
+            .replace(",\"0x", ",\"-0x")
+            .replace("--", "");
+        counts[1] += usize::from(checked(&sealed(&[&all[..plane], &[turned], &all[plane + 1..]].concat())).is_err());
+        // A pair is left out.
+        all.remove(plane);
+        counts[2] += usize::from(checked(&sealed(&all)).is_err());
+        // The receipt is changed and not sealed again.
+        let other = text.replacen("\"name\":\"table\"", "\"name\":\"tablet\"", 1);
+        counts[3] += usize::from(checked(&other).is_err());
+    }
+    assert_eq!(counts, [6; 4]);
+}
+
+#[test]
+fn bodies_that_move_as_one_have_receipts() {
+    let mut rng = Rng::new(3);
+    let mut counts = [0; 4];
+    let world = || {
+        let mut world = World::new();
+        world.robot_body("rod", solids::cuboid(Vector3::new(0.5, 0.1, 0.1)).expect("a box"));
+        world.robot_body("ball", Shape::ball(0.15).expect("a ball"));
+        let block = solids::cuboid(Vector3::new(0.2, 1.0, 2.0)).expect("a box");
+        for y in [1.3, -1.3] {
+            world.obstacle("wall", block.clone(), Isometry3::translation(0.0, y, 0.0));
+        }
+        world.obstacle(
+            "knob",
+            Shape::ball(0.2).expect("a ball"),
+            Isometry3::translation(1.0, 0.3, 0.0),
+        );
+        world.set_margin(0.01).expect("a margin");
+        world
+    };
+    let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.5, 2).expect("a space");
+    let mut checker = Checker::new(space, world()).expect("a world");
+    for _ in 0..30 {
+        let [from, to] = [(); 2].map(|()| checker.space().sample(&mut || rng.uniform()));
+        counts[judge(&mut checker, &from, &to)] += 1;
+    }
+    let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 2).expect("a space");
+    let mut checker = Checker::new(space, world()).expect("a world");
+    for _ in 0..30 {
+        let [from, to] = [(); 2].map(|()| checker.space().sample(&mut || rng.uniform()));
+        counts[judge(&mut checker, &from, &to)] += 1;
+    }
+    let turn = UnitQuaternion::from_euler_angles(0.1, 0.2, 0.3);
+    let space = TranslationSpace::new([[-2.0, 2.0]; 3], turn, 2).expect("a space");
+    let mut checker = Checker::new(space, world()).expect("a world");
+    for _ in 0..30 {
+        let [from, to] = [(); 2].map(|()| checker.space().sample(&mut || rng.uniform()));
+        counts[judge(&mut checker, &from, &to)] += 1;
+    }
+    assert!(counts[0] > 10 && counts[1] > 10 && counts[2] > 5, "{counts:?}");
+}
+
+/// A slide, a turn and a joint that mimics it, an attached object, a padding and a margin of a pair.
+#[test]
+fn a_tree_with_attached_objects_and_margins_has_receipts() {
+    let joint = |parent: usize, kind, origin: Isometry3<f64>, axis, drive| TreeJoint {
+        parent,
+        kind,
+        origin,
+        axis,
+        drive,
+    };
+    let mimic = Drive {
+        coordinate: 1,
+        factor: -0.5,
+        offset: 0.2,
+    };
+    let turned = Isometry3::new(Vector3::new(0.3, 0.0, 0.2), Vector3::new(0.3, -0.2, 0.5));
+    let joints = vec![
+        joint(
+            0,
+            JointKind::Prismatic,
+            Isometry3::translation(0.0, 0.1, 0.0),
+            Vector3::x_axis(),
+            Some(Drive::by(0)),
+        ),
+        joint(1, JointKind::Revolute, turned, Vector3::z_axis(), Some(Drive::by(1))),
+        TreeJoint::fixed(2, Isometry3::new(Vector3::new(0.5, 0.0, 0.0), Vector3::x())),
+        joint(
+            3,
+            JointKind::Revolute,
+            Isometry3::identity(),
+            Vector3::y_axis(),
+            Some(mimic),
+        ),
+    ];
+    let limits = vec![[-1.0, 1.0], [-2.0, 2.0]];
+    let base = Isometry3::new(Vector3::new(0.0, 0.0, 0.5), Vector3::new(0.0, 0.1, 0.0));
+    let space = JointTree::new(base, joints, limits, vec![0, 2, 4], vec![0.5; 5]).expect("a tree");
+    let mut world = World::new();
+    world.robot_body("foot", solids::cuboid(Vector3::new(0.1, 0.1, 0.4)).expect("a box"));
+    world.robot_body("upper \"arm\"", Shape::capsule(0.2, 0.05).expect("a capsule"));
+    world.robot_body("hand", solids::octahedron(0.15).expect("a body"));
+    world
+        .attach(
+            "hand",
+            "part",
+            Shape::cylinder(0.1, 0.05).expect("a cylinder"),
+            turned,
+            &["hand"],
+        )
+        .expect("a link");
+    world.obstacle(
+        "post",
+        solids::prism(7, 0.5, 0.1).expect("a prism"),
+        Isometry3::translation(0.9, 0.5, 0.5),
+    );
+    world.obstacle(
+        "cone",
+        Shape::cone(0.2, 0.1).expect("a cone"),
+        Isometry3::translation(-0.4, -0.9, 0.7),
+    );
+    world.set_margin(0.002).expect("a margin");
+    world.pad("post", 0.01).expect("a body");
+    world.set_pair_margin("hand", "cone", Some(0.03)).expect("a pair");
+    world.exclude("foot", "upper \"arm\"").expect("a pair");
+    let mut checker = Checker::new(space, world).expect("a world");
+    let mut rng = Rng::new(5);
+    let mut counts = [0; 2];
+    for _ in 0..60 {
+        let [from, to] = [(); 2].map(|()| checker.space().sample(&mut || rng.uniform()));
+        let is_free = checker.certify(&from, &to).expect("a segment").is_free();
+        let receipt = match Receipt::segment(&mut checker, &from, &to) {
+            Ok(receipt) => receipt,
+            // The polyhedron around a cylinder or a cone is larger than the body, and proves no contact.
+            Err(ReceiptError::Pair { a, b, why, .. }) if !is_free => {
+                assert!(a == "part" || b == "part" || b == "cone", "{a} {b}: {why}");
+                continue;
+            }
+            Err(error) => panic!("{error} {from:?} {to:?}"),
+        };
+        let [text, _] = holds(&receipt);
+        assert!(text.contains("\"part (in a prism of 32 sides)\"") && text.contains("\"upper _arm_\""));
+        assert!(text.contains("\"keep\":\"0x1.eb851eb851eb8p-6\"") || !is_free, "{text}");
+        counts[usize::from(is_free)] += 1;
+    }
+    assert!(counts[0] > 10 && counts[1] > 10, "{counts:?}");
+}
+
+#[test]
+fn casts_have_receipts() {
+    let mut rng = Rng::new(13);
+    let mut counts = [0; 3];
+    for k in 0..120 {
+        let bodies = [0, 1].map(|_| body(SHAPES[rng.below(SHAPES.len())], 24, &mut rng));
+        let throw = aimed(&mut rng, (1.0, 1.0), if k % 3 == 0 { 0.0 } else { 2.0 });
+        let [a, b] = throw.motions();
+        let push = Vector3::from(rng.in_ball());
+        let b = if k % 5 == 0 {
+            b.with_acceleration(push).expect("finite")
+        } else {
+            b
+        };
+        let margin = if k % 4 == 0 { 0.05 } else { 0.0 };
+        let shapes = bodies.map(|body| {
+            let rounding = if k % 7 == 0 { 0.1 } else { 0.0 };
+            Geometry::from(Shape::from(body).rounded(rounding).expect("a radius"))
+        });
+        let named = [("a", &shapes[0]), ("b", &shapes[1])];
+        let receipt = Receipt::cast(named, [&a, &b], 0.0..1.0, Tolerance::Distance(1e-6), margin);
+        let receipt = receipt.unwrap_or_else(|error| panic!("{k}: {error}"));
+        let [text, _] = holds(&receipt);
+        let meets = text.contains("{\"meet\":[") || text.contains("{\"near\":[");
+        counts[if meets { usize::from(!text.contains("apart")) } else { 2 }] += 1;
+    }
+    assert!(counts[0] > 20 && counts[2] > 20, "{counts:?}");
+}
+
+#[test]
+fn distances_and_overlaps_have_receipts() {
+    let mut rng = Rng::new(17);
+    let mut counts = [0; 3];
+    for k in 0..300 {
+        let bodies = [0, 1].map(|_| body(SHAPES[rng.below(SHAPES.len())], 20, &mut rng));
+        let at = Isometry3::from_parts(
+            (Vector3::from(rng.unit()) * rng.range(0.3, 3.0)).into(),
+            rotation(&mut rng),
+        );
+        let pose = RelativePose::from_isometry(&at).expect("a pose");
+        let rounding = if k % 5 == 0 { 0.1 } else { 0.0 };
+        let outcome = match rounding > 0.0 {
+            true => {
+                let [a, b] = bodies
+                    .each_ref()
+                    .map(|body| Shape::from(body.clone()).rounded(rounding).expect("a radius"));
+                PairTracker::new().closest(&a, &b, &pose).outcome
+            }
+            false if k % 2 == 0 => Tracker::new().closest(&bodies[0], &bodies[1], &pose),
+            false => Tracker::new().closest_exact(&bodies[0], &bodies[1], &pose),
+        };
+        let shapes = bodies.map(|body| Geometry::from(Shape::from(body).rounded(rounding).expect("a radius")));
+        let receipt = Receipt::outcome([("a", &shapes[0]), ("b", &shapes[1])], &at, &outcome);
+        let receipt = receipt.unwrap_or_else(|error| panic!("{k}: {error} {outcome:?}"));
+        let [text, _] = holds(&receipt);
+        match outcome.state {
+            ContactState::Separated => counts[usize::from(text.contains("normal"))] += 1,
+            _ => counts[2] += 1,
+        }
+    }
+    println!("by features, by a normal, overlaps: {counts:?}");
+    assert!(counts[0] > 100 && counts[2] > 30, "{counts:?}");
+}
+
+#[test]
+fn what_has_no_receipt_is_an_error_with_a_name() {
+    let space = || TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
+    let die = solids::cuboid(Vector3::repeat(0.5)).expect("a box");
+    let refused = |geometry: Geometry| {
+        let mut world = World::new();
+        world.robot_body("die", die.clone());
+        world.obstacle("thing", geometry, Isometry3::translation(0.0, 0.0, -5.0));
+        let mut checker = Checker::new(space(), world).expect("a world");
+        Receipt::segment(&mut checker, &[0.0; 3], &[1.0, 0.0, 0.0])
+            .unwrap_err()
+            .to_string()
+    };
+    let floor = HalfSpace::new(Vector3::z(), 0.0).expect("a plane");
+    assert!(refused(floor.into()).starts_with("body \"thing\" has no receipt: it is a half-space"));
+    let egg = Shape::ellipsoid(Vector3::new(0.1, 0.2, 0.3)).expect("an egg");
+    assert!(refused(egg.into()).starts_with("body \"thing\" has no receipt: it is a curved shape"));
+
+    // A contact at the start that is left, and a path of a rigid body.
+    let mut world = World::new();
+    world.robot_body("die", die.clone());
+    world.obstacle("table", die.clone(), Isometry3::translation(0.0, 0.0, -1.0));
+    let mut checker = Checker::new(space(), world).expect("a world");
+    checker.set_start_contact_margin(Some(1e-3)).expect("a margin");
+    let (down, up) = ([0.0; 3], [0.0, 0.0, 2.0]);
+    assert!(checker.certify(&down, &up).expect("a segment").is_free());
+    let error = Receipt::segment(&mut checker, &down, &up).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("die and table have no evidence from time 0.0"),
+        "{error}"
+    );
+    let path = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [2.0, 0.0, 1.0]].map(Vec::from);
+    let error = Receipt::path(&mut checker, &path).unwrap_err();
+    assert!(
+        error.to_string().starts_with("the motion of \"die\" has no receipt"),
+        "{error}"
+    );
+    assert!(holds(&Receipt::path(&mut checker, &path[..2]).expect("a segment"))[0].contains("steady"));
+
+    // Motions with unknown accelerations.
+    let rest = Steady::new(&Isometry3::identity(), lin_canny::Velocity::default()).expect("a pose");
+    let open = rest.with_acceleration_bounds(1.0, 0.0).expect("bounds");
+    let die = Geometry::from(die);
+    let bodies = [("still", &die), ("open", &die)];
+    let error = Receipt::cast(bodies, [&rest, &open], 0.0..1.0, Tolerance::Time(1e-6), 0.0).unwrap_err();
+    assert!(
+        error.to_string().starts_with("the motion of \"open\" has no receipt"),
+        "{error}"
+    );
+    assert_eq!(open.pivot(), Point3::origin());
+}

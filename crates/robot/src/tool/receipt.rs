@@ -1,0 +1,39 @@
+//! Writes receipts to files.
+
+use std::path::Path;
+
+use lin_canny_robot::Setup;
+use lin_canny_robot::plan::receipt::{Receipt, ReceiptError};
+
+use super::options::RobotOptions;
+use super::{ToolError, write as write_text};
+
+/// Returns the error of a receipt that cannot be written or read.
+pub(super) fn refused(file: &Path, reason: impl ToString) -> ToolError {
+    ToolError::Input {
+        file: file.to_owned(),
+        reason: reason.to_string(),
+    }
+}
+
+/// Writes a receipt with the files of the options and the reasons of excluded pairs, and returns the
+/// number of pieces of evidence.
+pub(super) fn write(
+    file: &Path,
+    robot: &RobotOptions,
+    setup: &Setup,
+    receipt: Result<Receipt, ReceiptError>,
+) -> Result<usize, ToolError> {
+    let mut receipt = receipt.map_err(|error| refused(file, error))?;
+    receipt.set_reasons(|[a, b]| {
+        let mut known = setup.excluded();
+        let found = known.find(|(pair, _)| *pair == [a, b] || *pair == [b, a]);
+        found.map(|(_, reason)| format!("excluded: {reason}"))
+    });
+    for named in robot.named_files() {
+        let content = std::fs::read(named).map_err(|error| refused(named, error))?;
+        receipt.add_file(&named.to_string_lossy(), &content);
+    }
+    write_text(file, &receipt.to_string())?;
+    Ok(receipt.certificates())
+}
