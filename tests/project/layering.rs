@@ -103,6 +103,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("half_space", &[]),
     ("pair_tracker", &["geometry"]),
     ("point", &[]),
+    ("cover", &[]),
     ("ray", &[]),
     ("broad", &[]),
     ("scene", &[]),
@@ -433,6 +434,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "point",
         ],
     ),
+    // Distances of points; no pair.
+    ("cover", &["tolerance", "num", "pair", "geometry", "point", "cover"]),
     (
         "ray",
         &[

@@ -36,6 +36,7 @@
 //! | put robots and obstacles into one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
 //! | read configurations from CSV | [`Trajectory`] |
 //! | read trajectories with times and velocities from CSV, or from the JSON or YAML of ROS | [`Trajectory::load_timed`], [`Trajectory::curves`] |
+//! | cover links by balls, and fill them with balls, for planners that know only spheres | [`cover_links`], [`urdf_of_balls`], [`json_of_balls`] |
 //! | write a recording for the viewer | [`RobotRecorder`] |
 //!
 //! The checker of [`lin_canny_plan`] computes clearances with bounds, proves segments free over
@@ -178,6 +179,7 @@ mod audit;
 mod cell;
 mod cell_body;
 mod cell_save;
+mod cover;
 mod csv_rows;
 mod drake;
 mod error;
@@ -207,6 +209,7 @@ mod yaml;
 pub use audit::{AuditVerdict, LinkAudit, audit};
 pub use cell::{BodyName, Cell, Obstacle};
 pub use cell_body::AttachedBody;
+pub use cover::{LinkCover, LinkCoverError, cover_links, json_of_balls, urdf_of_balls};
 pub use error::{FileError, FileErrorKind, Skipped};
 pub use excludable::{ExcludeReason, LinkPairCount, find_excludable};
 pub use files::{OtherRobot, RobotFiles};
