@@ -46,7 +46,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let at = Point3::new(0.25, 0.30 - 0.03 * f64::from(step), 0.0);
         let pose = RelativePose::from_isometry(&Isometry3::from(Vector3::from(at.coords)))?;
         let by_balls = verdict(&outside.balls, &inside.balls, &at, radius);
-        let by_link = if tracker.intersects(&link, &obstacle, &pose) { "contact" } else { "free" };
+        let by_link = if tracker.intersects(&link, &obstacle, &pose) {
+            "contact"
+        } else {
+            "free"
+        };
         println!("at {:.2}: {by_balls:<7} by balls, {by_link} by the link itself", at.y);
         assert!(by_balls == "open" || by_balls == by_link);
     }

@@ -47,7 +47,11 @@ fn check_gap(geometry: &Geometry, cover: &BallCover, rng: &mut Rng, told: &str) 
         for _ in 0..20 {
             let p = ball.center + Vector3::from(rng.unit()) * ball.radius;
             let found = query.signed_distance(&p).expect("a point");
-            assert!(found.lower <= cover.gap * (1.0 + 1e-12), "{told}: {found:?}, {}", cover.gap);
+            assert!(
+                found.lower <= cover.gap * (1.0 + 1e-12),
+                "{told}: {found:?}, {}",
+                cover.gap
+            );
         }
     }
 }
@@ -67,7 +71,11 @@ fn check_mesh(soup: &Soup, count: usize, rng: &mut Rng, told: &str) -> [f64; 2] 
     check_gap(&geometry, &outer, rng, &told);
     if !is_solid {
         let kind = GeometryKind::Mesh;
-        assert_eq!(cover_inside(&geometry, count), Err(CoverError::NoInside { kind }), "{told}");
+        assert_eq!(
+            cover_inside(&geometry, count),
+            Err(CoverError::NoInside { kind }),
+            "{told}"
+        );
         return [outer.gap / soup.radius(), f64::NAN];
     }
     let inner = cover_inside(&geometry, count).expect("a cover");
@@ -249,7 +257,10 @@ fn a_ball_is_covered_by_itself_and_a_point_by_a_ball_of_no_size() {
     for point in [Point3::origin(), Point3::new(1.0, 2.0, 3.0)] {
         let body = ConvexPolyhedron::point(point).expect("a point");
         let cover = cover_outside(&body, CoverGoal::Balls(3)).expect("a cover");
-        assert!(contain(&plain(&cover.balls), &[point.into()]) && cover.gap < 1e-12, "{cover:?}");
+        assert!(
+            contain(&plain(&cover.balls), &[point.into()]) && cover.gap < 1e-12,
+            "{cover:?}"
+        );
     }
     let ends = [Point3::origin(), Point3::new(1.0, 2.0, 3.0)];
     let body = ConvexPolyhedron::segment(ends[0], ends[1]).expect("a segment");
@@ -268,7 +279,11 @@ fn a_gap_is_reached_or_an_error_says_how_far() {
     for part in [0.5, 0.2, 0.1] {
         let gap = part * soup.radius();
         let cover = cover_outside(&mesh, CoverGoal::Gap(gap)).expect("a cover");
-        assert!(cover.gap <= gap && cover.balls.len() > before, "{part}: {}", cover.balls.len());
+        assert!(
+            cover.gap <= gap && cover.balls.len() > before,
+            "{part}: {}",
+            cover.balls.len()
+        );
         before = cover.balls.len();
         let balls = plain(&cover.balls);
         assert!((0..soup.triangles.len()).all(|t| contain(&balls, &soup.corners(t))));
@@ -289,7 +304,10 @@ fn parameters_and_bodies_without_a_cover_are_named() {
     }
     for gap in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let error = cover_outside(&die, CoverGoal::Gap(gap)).expect_err("no gap");
-        assert!(error.to_string().starts_with("gap of the cover is out of range"), "{error}");
+        assert!(
+            error.to_string().starts_with("gap of the cover is out of range"),
+            "{error}"
+        );
     }
     let floor = HalfSpace::new(Vector3::z(), 0.0).expect("a half-space");
     let error = cover_outside(&floor, CoverGoal::Balls(1)).expect_err("unbounded");
@@ -323,7 +341,11 @@ fn mesh_files_are_covered_exactly() {
             continue;
         }
         let gaps = check_mesh(&soup, 16, &mut rng, &path.display().to_string());
-        println!("{}: {} triangles, gaps {gaps:.4?}", path.display(), soup.triangles.len());
+        println!(
+            "{}: {} triangles, gaps {gaps:.4?}",
+            path.display(),
+            soup.triangles.len()
+        );
         count += 1;
     }
     println!("{count} meshes");

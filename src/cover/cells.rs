@@ -13,6 +13,9 @@ use crate::pair::point::PointOutcome;
 use crate::pair_tracker::geometry::{GeometryKind, GeometryRef};
 use crate::point::{PointQuery, PointTracker};
 
+/// Most halvings of a cell: the slack of cells is derived for them.
+pub(super) const DEPTH: u32 = 90;
+
 /// A box with sides along the axes, without its slack.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
@@ -105,6 +108,7 @@ impl<'a> Body<'a> {
     /// There are fewer if the cells are smaller than a fraction of 2^-`levels` of the root.
     pub(super) fn cells(&mut self, count: usize, levels: u32) -> Vec<(Cell, PointOutcome)> {
         let (mut all, least) = (vec![self.root], self.radius(&self.root) / (1u64 << levels) as f64);
+        let mut depth = 0;
         loop {
             let mut kept = Vec::with_capacity(all.len());
             for cell in &all {
@@ -115,9 +119,10 @@ impl<'a> Body<'a> {
                 }
             }
             let is_small = kept.first().is_none_or(|(cell, _)| !(self.radius(cell) > least));
-            if kept.len() >= count || is_small {
+            if kept.len() >= count || is_small || depth == DEPTH {
                 return kept;
             }
+            depth += 1;
             all = kept.iter().flat_map(|(cell, _)| cell.halves()).collect();
         }
     }

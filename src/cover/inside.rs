@@ -2,7 +2,7 @@
 //!
 //! 1. **Samples**: points inside the body, from cells that may meet it.
 //! 2. **Candidates**: each sample moves away from its closest point of the surface as long as its
-//!    ball grows by as much: then it contains the ball before.
+//!    ball grows by nearly as much: then it contains nearly all of the ball before.
 //! 3. **Choice**: the largest candidate, then again and again the one that contains most samples
 //!    that no ball contains yet.
 //! 4. **Gap**: cells are halved until each is empty, near a ball, or so small that it does not
@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 
 use nalgebra::Point3;
 
-use super::cells::{Body, Cell};
+use super::cells::{Body, Cell, DEPTH};
 use super::{Ball, BallCover, CoverError, check_count};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
@@ -36,9 +36,6 @@ const STEPS: u32 = 8;
 /// Cells that the bound of the gap visits, and its width as a part of the size. Not measured.
 const CELLS: usize = 100_000;
 const WIDTH: f64 = 1.0 / 256.0;
-
-/// Most halvings of a cell: the slack of cells is derived for them.
-const DEPTH: u32 = 90;
 
 pub(super) fn cover(geometry: GeometryRef<'_>, count: usize) -> Result<BallCover, CoverError> {
     check_count(count)?;
@@ -88,7 +85,7 @@ impl Body<'_> {
         (radius > 0.0).then_some(Ball { center, radius })
     }
 
-    /// Returns a ball that contains the ball about a point, and is larger if it can be.
+    /// Returns a ball that contains nearly all of the ball about a point, and is larger if it can be.
     fn deepened(&mut self, p: &Point3<f64>) -> Option<Ball> {
         let mut best = self.ball(p)?;
         let (mut step, mut halvings) = (best.radius, 0);
@@ -96,8 +93,8 @@ impl Body<'_> {
             let Some(found) = self.ask(&best.center) else { break };
             let center = best.center - found.normal.into_inner() * step;
             let next = self.ball(&center);
-            // Up to rounding the next ball contains the ball: it grows by half its way at least.
-            match next.filter(|next| next.radius - best.radius >= 0.5 * step) {
+            // The next ball contains nearly all of this one: it grows by most of the way.
+            match next.filter(|next| next.radius - best.radius >= 0.75 * step) {
                 Some(next) => (best, step) = (next, 2.0 * step),
                 None => (step, halvings) = (0.5 * step, halvings + 1),
             }

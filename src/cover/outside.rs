@@ -12,7 +12,7 @@ use alloc::vec::Vec;
 
 use nalgebra::Point3;
 
-use super::cells::{Body, Cell};
+use super::cells::{Body, Cell, DEPTH};
 use super::clusters::{assigned, greatest, halves, min_ball};
 use super::{BALLS_MAX, Ball, BallCover, CoverError, CoverGoal, check_count};
 use crate::base::num::extremes::Extremes;
@@ -36,9 +36,6 @@ const LEAST_GROWTH: f64 = 1.0 / 512.0;
 
 /// Cells that a proof visits before balls grow around cells of any size. Not measured.
 const CELLS: usize = 100_000;
-
-/// Most halvings of a cell: the slack of cells is derived for them.
-const DEPTH: u32 = 90;
 
 pub(super) fn cover(geometry: GeometryRef<'_>, goal: CoverGoal) -> Result<BallCover, CoverError> {
     match goal {
@@ -150,9 +147,12 @@ impl<'a> Search<'a> {
         while self.clusters.len() < count {
             let list = self.clusters.iter().enumerate();
             let can = list.filter(|(_, c)| c.excess > gap && c.samples.len() > 1);
-            let worst = can.fold((None, gap), |best, (k, c)| {
-                if c.excess > best.1 { (Some(k), c.excess) } else { best }
-            });
+            let worst = can.fold(
+                (None, gap),
+                |best, (k, c)| {
+                    if c.excess > best.1 { (Some(k), c.excess) } else { best }
+                },
+            );
             let Some(worst) = worst.0 else { break };
             let parts = halves(&self.samples, &self.clusters[worst].samples);
             if parts.iter().any(Vec::is_empty) {

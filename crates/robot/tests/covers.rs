@@ -104,7 +104,12 @@ fn files_hold_the_balls() {
 #[cfg(feature = "cli")]
 fn tool(arguments: &[&str]) -> (i32, String) {
     let mut tool = Command::new(env!("CARGO_BIN_EXE_lin-canny-robot"));
-    let out = tool.current_dir(examples()).arg("cover").args(arguments).output().expect("the tool runs");
+    let out = tool
+        .current_dir(examples())
+        .arg("cover")
+        .args(arguments)
+        .output()
+        .expect("the tool runs");
     let text = String::from_utf8_lossy(&out.stdout).into_owned() + &String::from_utf8_lossy(&out.stderr);
     (out.status.code().expect("an exit code"), text)
 }
@@ -114,17 +119,43 @@ fn the_tool_writes_balls_and_names_what_is_wrong() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("covers");
     std::fs::create_dir_all(&folder).expect("a folder");
     let [urdf, json] = ["out.urdf", "out.json"].map(|name| folder.join(name).to_string_lossy().into_owned());
-    let (code, text) = tool(&["gripper.urdf", "--balls", "4", "--inner", "2", "--out", &urdf, "--out", &json]);
+    let (code, text) = tool(&[
+        "gripper.urdf",
+        "--balls",
+        "4",
+        "--inner",
+        "2",
+        "--out",
+        &urdf,
+        "--out",
+        &json,
+    ]);
     assert_eq!(code, 0, "{text}");
     assert!(text.contains("balls around it stick out at most"), "{text}");
     let read = Robot::load(&urdf, &Packages::default()).expect("a robot");
     assert!(read.links().iter().all(|link| link.bodies.len() <= 8));
-    assert!(std::fs::read_to_string(&json).expect("a file").contains("inner_spheres"));
+    assert!(
+        std::fs::read_to_string(&json)
+            .expect("a file")
+            .contains("inner_spheres")
+    );
     for (arguments, code, part) in [
-        (vec!["gripper.urdf", "--balls", "0"], 3, "link \"base\", body 0: number of balls is out of range: 0"),
+        (
+            vec!["gripper.urdf", "--balls", "0"],
+            3,
+            "link \"base\", body 0: number of balls is out of range: 0",
+        ),
         (vec!["gripper.urdf", "--gap", "-1"], 2, ""),
-        (vec!["gripper.urdf", "--gap=-1"], 3, "gap of the cover is out of range: -1e0"),
-        (vec!["gripper.urdf", "--out", "x.txt"], 2, "expected a name that ends with .urdf or .json"),
+        (
+            vec!["gripper.urdf", "--gap=-1"],
+            3,
+            "gap of the cover is out of range: -1e0",
+        ),
+        (
+            vec!["gripper.urdf", "--out", "x.txt"],
+            2,
+            "expected a name that ends with .urdf or .json",
+        ),
         (vec!["bench.sdf", "--out", &urdf], 3, "unknown root element: \"sdf\""),
     ] {
         let (found, text) = tool(&arguments);

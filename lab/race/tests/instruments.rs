@@ -39,16 +39,24 @@ fn the_sample_of_mbm_is_solved_and_certified() {
     // A straight segment through the cage, and the start alone.
     let start = "[0, -0.785, 0, -2.356, 0, 1.571, 0.785]";
     let through = "[1.5, 0.785, 0, -2.356, 0, 1.571, 0.785]";
-    let row = |set: &str, path: String| format!("{{\"robot\": \"panda\", \"set\": \"{set}\", \"index\": 1, \"path\": [{path}]}}\n");
+    let row = |set: &str, path: String| {
+        format!("{{\"robot\": \"panda\", \"set\": \"{set}\", \"index\": 1, \"path\": [{path}]}}\n")
+    };
     let text = row("box", start.into()) + &row("cage", format!("{start}, {through}"));
     std::fs::write(&paths, text).expect("a file");
     let (ok, text) = mbm(&["--data", sample, "--paths", &paths, "--csv", &csv]);
     assert!(ok, "{text}");
     let table = std::fs::read_to_string(&csv).expect("a table");
     let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|line| line.split(',').collect()).collect();
-    assert!(table.starts_with("robot,set,index,engine,valid,solved,certified,us,length\n"), "{table}");
+    assert!(
+        table.starts_with("robot,set,index,engine,valid,solved,certified,us,length\n"),
+        "{table}"
+    );
     let planned: Vec<_> = rows.iter().filter(|row| row[3].starts_with("plan")).collect();
-    assert!(planned.len() >= 14 && planned.iter().all(|row| row[4..7] == ["1", "1", "1"]), "{table}");
+    assert!(
+        planned.len() >= 14 && planned.iter().all(|row| row[4..7] == ["1", "1", "1"]),
+        "{table}"
+    );
     let of_file: Vec<_> = rows.iter().filter(|row| row[3] == "file hulls").collect();
     let certified: Vec<_> = of_file.iter().map(|row| (row[1], row[6])).collect();
     assert_eq!(certified, [("box", "1"), ("cage", "0")], "{table}");
@@ -62,9 +70,17 @@ fn mbm_names_what_is_wrong() {
     std::fs::create_dir_all(&set).expect("a folder");
     let data = folder.to_string_lossy().into_owned();
     for (scene, request, part) in [
-        ("world: {collision_objects: [{id: a, primitives: [{type: cone, dimensions: [1, 1]}], primitive_poses: [{position: [0, 0, 0], orientation: [0, 0, 0, 1]}]}]}", "", "object \"a\": primitive Some(\"cone\")"),
+        (
+            "world: {collision_objects: [{id: a, primitives: [{type: cone, dimensions: [1, 1]}], primitive_poses: [{position: [0, 0, 0], orientation: [0, 0, 0, 1]}]}]}",
+            "",
+            "object \"a\": primitive Some(\"cone\")",
+        ),
         ("world: {}", "", "collision_objects is missing"),
-        ("world: {collision_objects: []}", "start_state: {}", "position is missing"),
+        (
+            "world: {collision_objects: []}",
+            "start_state: {}",
+            "position is missing",
+        ),
         ("world: [", "start_state: {}", "scene0001.yaml: line 1"),
     ] {
         let request = if request.is_empty() {

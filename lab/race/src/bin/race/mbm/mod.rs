@@ -229,7 +229,11 @@ fn load_paths(file: &Path) -> Result<Paths, String> {
     let one = |line: &str| {
         let row: serde_json::Value = serde_json::from_str(line).ok()?;
         let index = u32::try_from(row["index"].as_u64()?).ok()?;
-        let key = (row["robot"].as_str()?.to_owned(), row["set"].as_str()?.to_owned(), index);
+        let key = (
+            row["robot"].as_str()?.to_owned(),
+            row["set"].as_str()?.to_owned(),
+            index,
+        );
         let numbers = |q: &serde_json::Value| q.as_array()?.iter().map(serde_json::Value::as_f64).collect();
         let path = row["path"].as_array()?.iter().map(numbers).collect::<Option<_>>()?;
         Some((key, path))
@@ -285,7 +289,9 @@ fn table(rows: &[Row]) -> String {
         };
         let at = |list: &[f64], part: f64| {
             let k = (part * list.len() as f64) as usize;
-            list.get(k.min(list.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
+            list.get(k.min(list.len().saturating_sub(1)))
+                .copied()
+                .unwrap_or(f64::NAN)
         };
         let (us, lengths) = (sorted(|r| r.us), sorted(|r| r.length));
         let mean = us.iter().sum::<f64>() / us.len() as f64;

@@ -58,7 +58,10 @@ pub(crate) fn load(folder: &Path, robot: &str, most: usize) -> Result<Vec<Proble
         }
     }
     match problems.is_empty() {
-        true => Err(format!("{}: no problems (expected folders with scene0001.yaml)", folder.display())),
+        true => Err(format!(
+            "{}: no problems (expected folders with scene0001.yaml)",
+            folder.display()
+        )),
         false => Ok(problems),
     }
 }
@@ -106,7 +109,11 @@ fn cell(scene: &Value) -> Result<String, String> {
         for (k, (primitive, at)) in primitives.iter().zip(poses).enumerate() {
             let at = base * pose(at).map_err(of_object)?;
             let q = at.rotation.coords;
-            let name = if primitives.len() == 1 { id.to_owned() } else { format!("{id}/{k}") };
+            let name = if primitives.len() == 1 {
+                id.to_owned()
+            } else {
+                format!("{id}/{k}")
+            };
             let mut body = json!({
                 "name": name,
                 "xyz": at.translation.vector.as_slice(),
