@@ -68,6 +68,19 @@ pub(super) fn halves(samples: &[Point3<f64>], chosen: &[u32]) -> [Vec<u32>; 2] {
     parts
 }
 
+/// Returns the parts of some samples on both sides of the middle of their box, along an axis.
+pub(super) fn halves_along(axis: usize, samples: &[Point3<f64>], chosen: &[u32]) -> [Vec<u32>; 2] {
+    let at = |k: &u32| samples[*k as usize][axis];
+    let low = chosen.iter().map(at).fold(f64::INFINITY, f64::smaller);
+    let high = chosen.iter().map(at).fold(f64::NEG_INFINITY, f64::larger);
+    let middle = 0.5 * low + 0.5 * high;
+    let mut parts = [Vec::new(), Vec::new()];
+    for k in chosen {
+        parts[usize::from(at(k) > middle)].push(*k);
+    }
+    parts
+}
+
 /// Returns the mean of some samples, which are not none.
 fn mean(samples: &[Point3<f64>], chosen: &[u32]) -> Point3<f64> {
     let first = samples[chosen[0] as usize];

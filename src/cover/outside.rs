@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 use nalgebra::Point3;
 
 use super::cells::{Body, Cell, DEPTH};
-use super::clusters::{assigned, greatest, halves, min_ball};
+use super::clusters::{assigned, greatest, halves, halves_along, min_ball};
 use super::{BALLS_MAX, Ball, BallCover, CoverError, CoverGoal, check_count};
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
@@ -33,6 +33,10 @@ const GROWTH: f64 = 1.0 / 64.0;
 
 /// The same as a fraction of the size of the body, for balls that hardly stick out. Not measured.
 const LEAST_GROWTH: f64 = 1.0 / 512.0;
+
+/// Balls are at last larger by this part of a step: they overlap where they meet, so that a point
+/// that a user rounds is still in one of them. Not measured.
+const MARGIN: f64 = 1.0 / 16.0;
 
 /// Cells that a proof visits before balls grow around cells of any size. Not measured.
 const CELLS: usize = 100_000;
@@ -94,6 +98,7 @@ struct Search<'a> {
     clusters: Vec<Cluster>,
 }
 
+#[derive(Clone)]
 struct Cluster {
     samples: Vec<u32>,
     ball: Ball,
@@ -143,7 +148,11 @@ impl<'a> Search<'a> {
     }
 
     /// Divides clusters until there are `count`, or none sticks out by more than `gap`.
+    ///
+    /// Half a ball sticks out more than the ball. So more clusters are not always better, and the
+    /// best ones of all stages are kept.
     fn divide(&mut self, count: usize, gap: f64) {
+        let mut best = self.clusters.clone();
         while self.clusters.len() < count {
             let list = self.clusters.iter().enumerate();
             let can = list.filter(|(_, c)| c.excess > gap && c.samples.len() > 1);
@@ -154,13 +163,13 @@ impl<'a> Search<'a> {
                 },
             );
             let Some(worst) = worst.0 else { break };
-            let parts = halves(&self.samples, &self.clusters[worst].samples);
-            if parts.iter().any(Vec::is_empty) {
-                break;
-            }
+            let Some(parts) = self.parts(worst) else { break };
             let [one, other] = parts.map(|part| self.cluster(part));
             self.clusters[worst] = one;
             self.clusters.push(other);
+            if worst_of(&self.clusters) < worst_of(&best) {
+                best.clone_from(&self.clusters);
+            }
         }
         for _ in 0..ROUNDS {
             let balls: Vec<Ball> = self.clusters.iter().map(|c| c.ball).collect();
@@ -171,6 +180,25 @@ impl<'a> Search<'a> {
             }
             self.clusters = next;
         }
+        if worst_of(&best) < worst_of(&self.clusters) {
+            self.clusters = best;
+        }
+    }
+
+    /// Returns the two parts of a cluster whose balls are smallest; `None` if all its samples are at
+    /// one place.
+    fn parts(&self, cluster: usize) -> Option<[Vec<u32>; 2]> {
+        let (samples, chosen) = (&self.samples, &self.clusters[cluster].samples);
+        let along = (0..3).map(|axis| halves_along(axis, samples, chosen));
+        let mut best: Option<([Vec<u32>; 2], f64)> = None;
+        for parts in along.chain([halves(samples, chosen)]) {
+            let largest = greatest(parts.iter().map(|part| min_ball(samples, part).radius));
+            let is_best = best.as_ref().is_none_or(|(_, least)| largest < *least);
+            if is_best && !parts.iter().any(Vec::is_empty) {
+                best = Some((parts, largest));
+            }
+        }
+        best.map(|(parts, _)| parts)
     }
 
     /// Returns the balls of the clusters, grown until the cells prove that they contain the body.
@@ -203,7 +231,11 @@ impl<'a> Search<'a> {
             }
             open = next;
         }
-        let balls: Vec<Ball> = balls.into_iter().map(|b| b.ball).collect();
+        let wider = |Ball { center, radius }| Ball {
+            center,
+            radius: radius + step * MARGIN,
+        };
+        let balls: Vec<Ball> = balls.into_iter().map(|b| wider(b.ball)).collect();
         let gap = greatest(balls.iter().map(|ball| self.body.excess(ball)));
         BallCover { balls, gap }
     }

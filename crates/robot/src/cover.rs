@@ -99,10 +99,15 @@ fn merge(all: &mut Option<BallCover>, more: BallCover) {
     match all {
         Some(all) => {
             all.balls.extend(more.balls);
-            all.gap = all.gap.max(more.gap);
+            all.gap = larger(all.gap, more.gap);
         }
         None => *all = Some(more),
     }
+}
+
+/// Returns the larger of two numbers, with the same bits on every target.
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// Returns balls in the frame of the link. Radii grow (`side` is 1) or shrink (-1) by the error of
@@ -112,10 +117,10 @@ fn placed(mut cover: BallCover, body: &LinkBody, side: f64) -> BallCover {
     let mut most = 0.0f64;
     for ball in &mut cover.balls {
         let error = PLACED * (ball.center.coords.norm() + pose.translation.vector.norm());
-        most = most.max(error);
+        most = larger(most, error);
         *ball = Ball {
             center: pose * ball.center,
-            radius: (ball.radius + side * error).max(0.0),
+            radius: larger(ball.radius + side * error, 0.0),
         };
     }
     cover.balls.retain(|ball| side > 0.0 || ball.radius > 0.0);
