@@ -36,7 +36,7 @@ fn check(robot: &Robot, covers: &[LinkCover]) -> usize {
             };
             match &body.geometry {
                 Geometry::Polyhedron(hull) => {
-                    let corner = |v| place(*hull.vertex(v).expect("a vertex"));
+                    let corner = |v| place(hull.vertex(v).expect("a vertex"));
                     hull.triangles().for_each(|t| judge(t.map(corner)));
                 }
                 Geometry::Mesh(mesh) => {
