@@ -151,8 +151,9 @@
 //!   `group_state` is a [`GroupState`]. A [`VirtualJoint`] does not move the robot.
 //! * The value of a planar joint in a state is `x y theta`, of a floating joint the position and
 //!   the quaternion `x y z w`, as in MoveIt. Another count of numbers is an error.
-//! * `end_effector`, `passive_joint` and some elements of other tools are passed over; any other
-//!   element is an error, as is a name that is given twice and a group that contains itself.
+//! * `end_effector`, `passive_joint` (also below a `group`) and some elements of other tools are
+//!   passed over; any other element is an error, as is a name that is given twice and a group that
+//!   contains itself.
 //! * An element that names a link, joint or group which does not exist is listed in
 //!   [`Srdf::skipped`].
 //!

@@ -37,8 +37,11 @@ const TRIES: usize = 100;
 /// A value of a path in single precision may exceed a limit by this.
 const SINGLE: f64 = 1e-5;
 
-/// The planners, with the options of each.
-const ENGINES: [(&str, fn() -> PlanOptions); 1] = [("plan", PlanOptions::default)];
+/// The name and the options of a planner.
+type Engine = (&'static str, fn() -> PlanOptions);
+
+/// The planners.
+const ENGINES: [Engine; 1] = [("plan", PlanOptions::default)];
 
 /// The result of an engine and a problem.
 struct Row {
@@ -141,7 +144,8 @@ impl Bench {
                 let value = values.get(name).copied();
                 value.ok_or_else(|| format!("{} {}: no value of joint {name}", problem.set, problem.index))
             };
-            self.robot.coordinates().iter().map(|c| one(&c.name)).collect()
+            let values = self.robot.coordinates().iter().map(|c| one(&c.name));
+            values.collect::<Result<Vec<f64>, String>>()
         };
         Ok([of(&problem.start)?, of(&problem.goal)?])
     }
