@@ -3,7 +3,7 @@
 //! 1. **Samples**: points inside the body, from cells that may meet it.
 //! 2. **Candidates**: each sample moves away from its closest point of the surface as long as its
 //!    ball grows by nearly as much: then it contains nearly all of the ball before.
-//! 3. **Choice**: the largest candidate, then again and again the one that contains most samples
+//! 3. **Choice**: the largest candidate, moved to where it is larger, then again and again the one that contains most samples
 //!    that no ball contains yet.
 //! 4. **Gap**: cells are halved until each is empty, near a ball, or so small that it does not
 //!    matter.
@@ -11,7 +11,7 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use super::cells::{Body, Cell, DEPTH};
 use super::{Ball, BallCover, CoverError, check_count};
@@ -33,6 +33,9 @@ const HALVINGS: u32 = 40;
 /// Halvings of the step by which a candidate moves, down to this part of its radius. Not measured.
 const STEPS: u32 = 8;
 
+/// Rounds in which the largest ball moves. Not measured.
+const ROUNDS: u32 = 24;
+
 /// Cells that the bound of the gap visits, and its width as a part of the size. Not measured.
 const CELLS: usize = 100_000;
 const WIDTH: f64 = 1.0 / 256.0;
@@ -40,10 +43,14 @@ const WIDTH: f64 = 1.0 / 256.0;
 pub(super) fn cover(geometry: GeometryRef<'_>, count: usize) -> Result<BallCover, CoverError> {
     check_count(count)?;
     let mut body = Body::new(geometry)?;
-    let candidates = candidates(&mut body, SAMPLES.max(SAMPLES_PER_BALL * count));
-    if candidates.is_empty() {
+    let mut candidates = candidates(&mut body, SAMPLES.max(SAMPLES_PER_BALL * count));
+    let larger = |a: Ball, b: Ball| if b.radius > a.radius { b } else { a };
+    let Some(largest) = candidates.iter().map(|c| c.ball).reduce(larger) else {
         return Err(CoverError::NoInside { kind: body.kind });
-    }
+    };
+    let ball = body.widest(largest);
+    let sample = ball.center;
+    candidates.push(Candidate { sample, ball });
     let balls = chosen(&candidates, count);
     let gap = gap(&mut body, &balls);
     Ok(BallCover { balls, gap })
@@ -100,6 +107,23 @@ impl Body<'_> {
             }
         }
         Some(best)
+    }
+
+    /// Returns a ball that is about as large as those near a ball can be.
+    fn widest(&mut self, start: Ball) -> Ball {
+        let (mut best, mut step) = (start, 0.5 * start.radius);
+        for _ in 0..ROUNDS {
+            let from = best;
+            for k in 0..27 {
+                let way = Vector3::new(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+                let next = self.ball(&(from.center + way.map(f64::from) * step));
+                best = next.filter(|next| next.radius > best.radius).unwrap_or(best);
+            }
+            if best.radius == from.radius {
+                step *= 0.5;
+            }
+        }
+        best
     }
 }
 
