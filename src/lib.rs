@@ -300,7 +300,6 @@ mod base;
 mod body;
 pub mod broad;
 mod convex;
-pub mod cover;
 mod half_space;
 #[cfg(feature = "meshes")]
 pub mod nonconvex;
@@ -362,6 +361,7 @@ pub use pair::outcome::{Accuracy, ContactState, Decision, DepthMode, Distance, O
 pub use pair::point::PointOutcome;
 pub use pair_tracker::geometry::{Geometry, GeometryKind, GeometryRef};
 pub use pair_tracker::{MovingPair, PairError, PairTracker, PairWork};
+pub use point::cover;
 pub use point::{DistanceGrid, PointError, PointQuery, PointTracker};
 pub use ray::{Ray, RayCast, RayCaster, RayError, RayHit};
 pub use time::{impact, schedule, separation};

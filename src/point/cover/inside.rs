@@ -3,8 +3,8 @@
 //! 1. **Samples**: points inside the body, from cells that may meet it.
 //! 2. **Candidates**: each sample moves away from its closest point of the surface as long as its
 //!    ball grows by nearly as much: then it contains nearly all of the ball before.
-//! 3. **Choice**: the largest candidate, moved to where it is larger, then again and again the one that contains most samples
-//!    that no ball contains yet.
+//! 3. **Choice**: the largest candidate, moved to where it is larger, then again and again the one
+//!    that contains most samples that no ball contains yet.
 //! 4. **Gap**: cells are halved until each is empty, near a ball, or so small that it does not
 //!    matter.
 
@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 
 use nalgebra::{Point3, Vector3};
 
-use super::cells::{Body, Cell, DEPTH};
+use super::cells::{Body, BoxCell, DEPTH};
 use super::{Ball, BallCover, CoverError, check_count};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
@@ -92,7 +92,8 @@ impl Body<'_> {
         (radius > 0.0).then_some(Ball { center, radius })
     }
 
-    /// Returns a ball that contains nearly all of the ball about a point, and is larger if it can be.
+    /// Returns a ball that contains nearly all of the ball about a point, and is larger if it can
+    /// be.
     fn deepened(&mut self, p: &Point3<f64>) -> Option<Ball> {
         let mut best = self.ball(p)?;
         let (mut step, mut halvings) = (best.radius, 0);
@@ -174,7 +175,7 @@ fn gap(body: &mut Body<'_>, balls: &[Ball]) -> f64 {
     };
     // A point of the body is about this far from the balls, and cells up to `proven` are done.
     let (mut known, mut proven, mut visits) = (0.0f64, 0.0f64, 0);
-    let mut open: Vec<Cell> = vec![body.root];
+    let mut open: Vec<BoxCell> = vec![body.root];
     for depth in 0..=DEPTH {
         let mut next = Vec::new();
         for cell in open {

@@ -18,7 +18,7 @@ pub(super) const DEPTH: u32 = 90;
 
 /// A box with sides along the axes, without its slack.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cell {
+pub(super) struct BoxCell {
     pub(super) center: Point3<f64>,
     half: Vector3<f64>,
 }
@@ -28,12 +28,12 @@ pub(super) struct Body<'a> {
     query: PointQuery<'a>,
     tracker: PointTracker,
     pub(super) kind: GeometryKind,
-    pub(super) root: Cell,
+    pub(super) root: BoxCell,
     /// A cell stands for its box enlarged by this on each side.
     pub(super) slack: f64,
 }
 
-impl Cell {
+impl BoxCell {
     /// Returns the two halves across the longest side.
     pub(super) fn halves(&self) -> [Self; 2] {
         let axis = self.half.imax();
@@ -66,7 +66,7 @@ impl<'a> Body<'a> {
             query,
             tracker: PointTracker::new(),
             kind,
-            root: Cell { center, half },
+            root: BoxCell { center, half },
             slack: COVER_CELL * reach,
         };
         // The centre is a point that can be measured, so all points of the root are.
@@ -80,25 +80,25 @@ impl<'a> Body<'a> {
     }
 
     /// Returns an upper bound of half the diagonal of a cell.
-    pub(super) fn radius(&self, cell: &Cell) -> f64 {
+    pub(super) fn radius(&self, cell: &BoxCell) -> f64 {
         let half = cell.half.add_scalar(self.slack);
         sqrt(half.norm_squared()) * (1.0 + COVER)
     }
 
     /// Returns whether no point of the body is proven to be in a cell with this outcome of its
     /// centre.
-    pub(super) fn is_empty(&self, cell: &Cell, outcome: &PointOutcome) -> bool {
+    pub(super) fn is_empty(&self, cell: &BoxCell, outcome: &PointOutcome) -> bool {
         outcome.lower > self.radius(cell)
     }
 
     /// Returns the square of the distance from a point to the farthest corner of a cell, up to the
     /// relative error that `COVER` allows.
-    pub(super) fn reach_squared(&self, cell: &Cell, from: &Point3<f64>) -> f64 {
+    pub(super) fn reach_squared(&self, cell: &BoxCell, from: &Point3<f64>) -> f64 {
         ((cell.center - from).abs() + cell.half.add_scalar(self.slack)).norm_squared()
     }
 
     /// Returns whether a ball is proven to contain a cell.
-    pub(super) fn holds(&self, ball: &Ball, cell: &Cell) -> bool {
+    pub(super) fn holds(&self, ball: &Ball, cell: &BoxCell) -> bool {
         self.reach_squared(cell, &ball.center) <= ball.radius * ball.radius * (1.0 - COVER)
     }
 
@@ -106,7 +106,7 @@ impl<'a> Body<'a> {
     /// centres: all of the same size, none proven empty.
     ///
     /// There are fewer if the cells are smaller than a fraction of 2^-`levels` of the root.
-    pub(super) fn cells(&mut self, count: usize, levels: u32) -> Vec<(Cell, PointOutcome)> {
+    pub(super) fn cells(&mut self, count: usize, levels: u32) -> Vec<(BoxCell, PointOutcome)> {
         let (mut all, least) = (vec![self.root], self.radius(&self.root) / (1u64 << levels) as f64);
         let mut depth = 0;
         loop {

@@ -3,16 +3,16 @@
 //! 1. **Samples**: centres of cells inside the body, and points of the surface near other cells.
 //! 2. **Clusters**: the cluster whose ball sticks out most is divided in two, again and again.
 //! 3. **Rounds**: samples go to their nearest balls, and balls become small again.
-//! 4. **Proof**: cells are halved, all of one size after the other, until each is empty or inside a
-//!    ball. A ball grows if the cell is small, if it needs little more, or if the budget of cells is
-//!    spent. So the last cells are small.
+//! 4. **Proof**: cells are halved, all of one size after the other, until each is empty or in a
+//!    ball. A ball grows if the cell is small, if it needs little more, or if the budget of cells
+//!    is spent. So the last cells are small.
 
 use alloc::vec;
 use alloc::vec::Vec;
 
 use nalgebra::Point3;
 
-use super::cells::{Body, Cell, DEPTH};
+use super::cells::{Body, BoxCell, DEPTH};
 use super::clusters::{assigned, greatest, halves, halves_along, min_ball};
 use super::{BALLS_MAX, Ball, BallCover, CoverError, CoverGoal, check_count};
 use crate::base::num::extremes::Extremes;
@@ -185,8 +185,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Returns the two parts of a cluster whose balls are smallest; `None` if all its samples are at
-    /// one place.
+    /// Returns the two parts of a cluster whose balls are smallest; `None` if all its samples are
+    /// at one place.
     fn parts(&self, cluster: usize) -> Option<[Vec<u32>; 2]> {
         let (samples, chosen) = (&self.samples, &self.clusters[cluster].samples);
         let along = (0..3).map(|axis| halves_along(axis, samples, chosen));
@@ -242,7 +242,7 @@ impl<'a> Search<'a> {
 
     /// Grows the ball that then contains a cell and sticks out least: within its limit, or by any
     /// length if it must. Returns whether a ball grows.
-    fn grow(&self, balls: &mut [Grown], cell: &Cell, must: bool) -> bool {
+    fn grow(&self, balls: &mut [Grown], cell: &BoxCell, must: bool) -> bool {
         let mut best: Option<(usize, f64, f64)> = None;
         for (k, b) in balls.iter().enumerate() {
             let radius = sqrt(self.body.reach_squared(cell, &b.ball.center)) * (1.0 + COVER);
@@ -283,7 +283,7 @@ fn worst_of(clusters: &[Cluster]) -> f64 {
 }
 
 /// Returns the ball whose surface is nearest to the centre of a cell, or in which it is deepest.
-fn nearest(balls: &[Grown], cell: &Cell) -> usize {
+fn nearest(balls: &[Grown], cell: &BoxCell) -> usize {
     let power = |b: &Grown| (cell.center - b.ball.center).norm_squared() - b.ball.radius * b.ball.radius;
     let best = (0..balls.len()).fold((0, f64::INFINITY), |best, k| {
         let d = power(&balls[k]);
