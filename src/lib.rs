@@ -129,6 +129,7 @@
 //! | Where do any two bodies but Bézier surfaces touch? How deep do two solids overlap? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`ContactGroup`]: points with one normal, for gaps up to a prediction and shallow overlaps; [`PenetrationBounds`]: an interval |
 //! | How far is a mesh from itself, and which of its triangles are close? | [`PairTracker::self_closest`], [`self_within`](PairTracker::self_within), [`self_pairs`](PairTracker::self_pairs) | [`PairOutcome`]s, for triangles that share no vertex |
 //! | On which side of a body is a point, and how far is it? What is near it? | [`PointQuery`]: `closest_point`, `contains`, `signed_distance`, `nearest_features`, `within`, and batches of points | [`PointOutcome`]: proven side, signed distance with bounds, closest point; exact sides for polyhedra, meshes and half-spaces |
+//! | Which balls contain a body, and which are inside it? | [`cover::cover_outside`], [`cover_inside`](cover::cover_inside) | [`BallCover`](cover::BallCover): balls, with a proven bound of how far they and the body differ |
 //! | Where does a ray enter a body (any but a Bézier surface)? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a hit with a proven bracket, point, normal and feature; a miss; inside; or undecided |
 //!
 //! **Over time**
@@ -360,6 +361,7 @@ pub use pair::outcome::{Accuracy, ContactState, Decision, DepthMode, Distance, O
 pub use pair::point::PointOutcome;
 pub use pair_tracker::geometry::{Geometry, GeometryKind, GeometryRef};
 pub use pair_tracker::{MovingPair, PairError, PairTracker, PairWork};
+pub use point::cover;
 pub use point::{DistanceGrid, PointError, PointQuery, PointTracker};
 pub use ray::{Ray, RayCast, RayCaster, RayError, RayHit};
 pub use time::{impact, schedule, separation};

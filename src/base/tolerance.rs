@@ -672,6 +672,18 @@ pub(crate) const POINT_BOX_SQUARE: f64 = 48.0 * UNIT_SINGLE;
 ///    the length of d by 3 UNIT and the quotient by one, of at most r. Sum: 8.
 pub(crate) const POINT_HEIGHT: f64 = 16.0 * UNIT;
 
+/// Error of the square of the distance from a point to the farthest corner of a box, and of lengths
+/// made of it, in units of themselves. All terms are positive: a difference of coordinates errs by
+/// UNIT of itself, the sums with half a side and its slack by 2 more, the square of that by 7, the
+/// sum of three squares by 2. Sum: 9 with the first three doubled. A root halves the error and adds
+/// one; a product of a radius with itself errs by one. Bodies are from 1e-100 to 1e100 large, and
+/// sides halved 90 times above 1e-128: squares do not underflow.
+pub(crate) const COVER: f64 = 16.0 * UNIT;
+
+/// Displacement of the cells of a cover, in units of the largest coordinate of the body's box: the
+/// root errs by 2 UNIT, and each of at most 90 halvings moves a centre by UNIT more.
+pub(crate) const COVER_CELL: f64 = 128.0 * UNIT;
+
 /// Error of the distance of a point from a ball or a box along the axes, in units of the sum of the
 /// distance and the size: the difference of the places errs by UNIT of itself, the quotient by its
 /// largest coordinate by one, three squares, two sums and a root by 3, the product with the largest

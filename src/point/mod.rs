@@ -5,6 +5,7 @@
 //!   batch        many points, in Morton order                           batch.rs
 //!   grid         signed distances at the nodes of a grid                grid.rs
 //! PointTracker   a point that moves little                              tracker.rs
+//! cover          balls around a geometry, and inside                    cover/
 //! ```
 //!
 //! Meshes, compounds and clouds search their trees (`nonconvex/point.rs`,
@@ -12,6 +13,7 @@
 //! other kinds are pairs with a point, which is exact: its pose is a translation.
 
 mod batch;
+pub mod cover;
 mod grid;
 mod tracker;
 

@@ -102,7 +102,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("surface", &[]),
     ("half_space", &[]),
     ("pair_tracker", &["geometry"]),
-    ("point", &[]),
+    ("point", &["cover"]),
     ("ray", &[]),
     ("broad", &[]),
     ("scene", &[]),
@@ -433,6 +433,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "point",
         ],
     ),
+    // Distances of points; no pair.
+    ("cover", &["tolerance", "num", "pair", "geometry", "point", "cover"]),
     (
         "ray",
         &[

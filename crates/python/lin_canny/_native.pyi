@@ -73,6 +73,8 @@ __all__ = [
     "closest_points",
     "contacts_batch",
     "contains",
+    "cover_inside",
+    "cover_outside",
     "distances",
     "load_mesh",
     "nearest_features",
@@ -364,6 +366,17 @@ def signed_distance_grid(
     threads: int = 1,
     progress: _Progress = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[_Vector, _Vector, _Vector]]: ...
+@overload
+def cover_outside(
+    geometry: Geometry, balls: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]: ...
+@overload
+def cover_outside(
+    geometry: Geometry, balls: None = None, *, gap: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]: ...
+def cover_inside(
+    geometry: Geometry, balls: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]: ...
 
 @final
 class ClosestPoint:

@@ -4,6 +4,7 @@
 mod array;
 mod batch;
 mod checker;
+mod cover;
 mod curve;
 mod errors;
 mod geometry;
@@ -57,6 +58,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(points::nearest_features, module)?)?;
     module.add_function(wrap_pyfunction!(points::within, module)?)?;
     module.add_function(wrap_pyfunction!(points::signed_distance_grid, module)?)?;
+    module.add_function(wrap_pyfunction!(cover::cover_outside, module)?)?;
+    module.add_function(wrap_pyfunction!(cover::cover_inside, module)?)?;
     #[cfg(feature = "bench")]
     module.add_function(wrap_pyfunction!(tracker::rust_loop, module)?)?;
     errors::add(module)

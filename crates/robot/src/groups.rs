@@ -189,7 +189,7 @@ impl<'a> Reader<'a> {
     fn group(&mut self, group: Node<'a, 'a>) -> Result<(Members, Vec<usize>), FileError> {
         let xml = self.xml;
         let (mut members, mut groups) = (Members::default(), Vec::new());
-        for node in xml.below(group, &["link", "joint", "chain", "group"], &[])? {
+        for node in xml.below(group, &["link", "joint", "chain", "group"], &["passive_joint"])? {
             let kind = node.tag_name().name();
             if kind == "chain" {
                 self.chain(node, &mut members)?;

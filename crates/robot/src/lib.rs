@@ -36,6 +36,7 @@
 //! | put robots and obstacles into one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
 //! | read configurations from CSV | [`Trajectory`] |
 //! | read trajectories with times and velocities from CSV, or from the JSON or YAML of ROS | [`Trajectory::load_timed`], [`Trajectory::curves`] |
+//! | cover links by balls, and fill them with balls, for planners that know only spheres | [`cover_links`], [`urdf_of_balls`], [`json_of_balls`] |
 //! | write a recording for the viewer | [`RobotRecorder`] |
 //!
 //! The checker of [`lin_canny_plan`] computes clearances with bounds, proves segments free over
@@ -150,8 +151,9 @@
 //!   `group_state` is a [`GroupState`]. A [`VirtualJoint`] does not move the robot.
 //! * The value of a planar joint in a state is `x y theta`, of a floating joint the position and
 //!   the quaternion `x y z w`, as in MoveIt. Another count of numbers is an error.
-//! * `end_effector`, `passive_joint` and some elements of other tools are passed over; any other
-//!   element is an error, as is a name that is given twice and a group that contains itself.
+//! * `end_effector`, `passive_joint` (also below a `group`) and some elements of other tools are
+//!   passed over; any other element is an error, as is a name that is given twice and a group that
+//!   contains itself.
 //! * An element that names a link, joint or group which does not exist is listed in
 //!   [`Srdf::skipped`].
 //!
@@ -178,6 +180,7 @@ mod audit;
 mod cell;
 mod cell_body;
 mod cell_save;
+mod cover;
 mod csv_rows;
 mod drake;
 mod error;
@@ -207,6 +210,7 @@ mod yaml;
 pub use audit::{AuditVerdict, LinkAudit, audit};
 pub use cell::{BodyName, Cell, Obstacle};
 pub use cell_body::AttachedBody;
+pub use cover::{LinkCover, LinkCoverError, cover_links, json_of_balls, urdf_of_balls};
 pub use error::{FileError, FileErrorKind, Skipped};
 pub use excludable::{ExcludeReason, LinkPairCount, find_excludable};
 pub use files::{OtherRobot, RobotFiles};

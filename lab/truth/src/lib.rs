@@ -23,6 +23,7 @@
 //! | [`soups`], [`turned`], [`brute`] | nonconvex meshes, CAD-like meshes, and their naive oracle |
 //! | [`exact`] | the naive oracle: exact contact state and distance of two small bodies |
 //! | [`near_points`] | the exact side and distance of points and meshes, and hard points |
+//! | [`covers`] | whether balls contain a triangle or a tetrahedron, exactly |
 //! | [`lattice_points`] | the exact side of points on a lattice, in microseconds |
 //! | [`paths`] | the naive oracle of vertices on straight paths, and deliberately hard queries |
 //! | [`curved`] | the judge of curved pairs: the duality gap in double-double |
@@ -47,6 +48,7 @@ pub mod cells;
 pub mod command;
 pub mod contacts;
 pub mod corpus;
+pub mod covers;
 pub mod crowd;
 pub mod curved;
 pub mod driven;

@@ -2,12 +2,12 @@
 
 use alloc::sync::Arc;
 
-use nalgebra::Point3;
+use nalgebra::{Isometry3, Point3};
 
 use super::{Geometry, GeometryKind, OfKind, match_kind};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::Operand;
-use crate::body::polyhedron::ConvexPolyhedron;
+use crate::body::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::body::shape::{Core, Shape};
 use crate::convex::contact::HalfSpace;
 use crate::half_space::{Above, HalfSpacePair};
@@ -191,6 +191,12 @@ impl<'a> GeometryRef<'a> {
     #[must_use]
     pub fn kind(self) -> GeometryKind {
         match_kind!(Lent, self.0, body => OfKind::kind(body.get()))
+    }
+
+    /// Returns the axis-aligned box of the geometry in its frame, rounded outward.
+    pub(crate) fn outer_box(self) -> (Point3<f64>, Point3<f64>) {
+        let (pose, hint) = (Isometry3::identity(), &mut BoxHint::default());
+        match_kind!(Lent, self.0, body => OfKind::aabb_at(body.get(), &pose, hint))
     }
 
     /// Returns a ball that contains the geometry, in its frame: centre and radius.

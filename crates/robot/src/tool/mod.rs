@@ -18,6 +18,7 @@ mod audit;
 mod cell;
 mod certify;
 mod clearance;
+mod cover;
 mod film;
 mod grid;
 mod ignorable;
@@ -72,6 +73,8 @@ enum Command {
     Smooth(smooth::SmoothArguments),
     /// Write the cell with attached objects, paddings, margin and excluded pairs as one cell file
     Cell(cell::CellOptions),
+    /// Compute balls that contain the links and balls inside, proven, as URDF and JSON
+    Cover(cover::CoverOptions),
     /// Find link pairs that always or never collide, and write them as SRDF
     Ignorable(ignorable::IgnorableOptions),
     /// Compute the signed distances of points, or of the nodes of a grid, from a mesh
@@ -120,6 +123,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Audit(options) => audit::run(&options),
         Command::Smooth(options) => smooth::run(&options),
         Command::Cell(options) => cell::run(&options),
+        Command::Cover(options) => cover::run(&options),
         Command::Ignorable(options) => ignorable::run(&options),
         Command::Points(options) => points::run(&options),
         Command::Verify(options) => verify::run(&options),

@@ -314,6 +314,11 @@ impl RobotOptions {
         files.chain(others.map(|other| &other.1)).map(PathBuf::as_path)
     }
 
+    /// Returns the file of the robot.
+    pub(super) fn file(&self) -> &Path {
+        &self.robot
+    }
+
     /// Returns the robot, and the setup of robot and cell for a checker.
     pub(super) fn load(&self) -> Result<(Robot, Setup), ToolError> {
         let link_meshes = self.link.iter().map(|(link, kind)| (link.clone(), (*kind).into()));

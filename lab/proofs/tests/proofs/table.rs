@@ -88,6 +88,8 @@ const BY_HAND: &[&str] = &[
     "CORE_CELL",
     "CORE_ERROR",
     "CORE_REACH",
+    "COVER",
+    "COVER_CELL",
     "CURVE_DIFFERENCE",
     "CURVE_PART",
     "EXACT_PLACE",

@@ -86,8 +86,13 @@ impl Options {
         all.into_iter().filter(move |&n| wanted(n))
     }
 
+    /// Returns the greatest number that is requested.
+    pub fn most(&self) -> Option<usize> {
+        self.upto
+    }
+
     /// Writes the output file, if one is requested.
-    pub fn save(&self, rows: &Rows) -> Result<(), String> {
+    pub fn save(&self, rows: &impl Display) -> Result<(), String> {
         let Some(file) = &self.csv else { return Ok(()) };
         truth::command::write(file, &rows.to_string())
     }

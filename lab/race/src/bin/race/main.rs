@@ -13,6 +13,7 @@ mod curves;
 mod gate;
 mod impact;
 mod instructions;
+mod mbm;
 mod meshes;
 mod pairs;
 mod patches;
@@ -24,6 +25,7 @@ mod rrt;
 
 use clap::{Parser, ValueEnum};
 use race::common::{Options, Rows, boxes, scene};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use truth::boxes::Kind;
 
@@ -31,9 +33,11 @@ use truth::boxes::Kind;
 ///
 /// Each race measures one kind of query: closest points of polyhedra or curved shapes, contacts,
 /// broad phases, whole scenes, casts, meshes, segments of planners, curves of joints, Bézier
-/// surfaces, rays, hulls, clouds and points. The race `instructions` counts the instructions of
-/// queries. The race `gate` runs 30 cells of the others in two minutes, and names the cells that are
-/// more than 5 % slower than in `benches/record/gate.csv`.
+/// surfaces, rays, hulls, clouds and points. The race `mbm` plans the problems of MotionBenchMaker in
+/// the folder of `--data`; `--only` names a robot, and `--upto` the number of problems of a set. The
+/// race `instructions` counts the instructions of queries. The race `gate` runs 30 cells of the
+/// others in two minutes, and names the cells that are more than 5 % slower than in
+/// `benches/record/gate.csv`.
 #[derive(Parser)]
 struct Command {
     /// Race to run
@@ -44,6 +48,12 @@ struct Command {
     /// Write the results of `gate` to `benches/record/gate.csv`
     #[arg(long)]
     save: bool,
+    /// Folder of `mbm`: `resources` of the source package vamp-planner, problems unpacked
+    #[arg(long, value_name = "FOLDER")]
+    data: Option<PathBuf>,
+    /// Paths of another planner that `mbm` certifies: JSON lines with robot, set, index and path
+    #[arg(long, value_name = "FILE", requires = "data")]
+    paths: Option<PathBuf>,
     /// One cell of the table of instructions, run in its own process
     #[arg(long, hide = true)]
     cell: Option<String>,
@@ -66,6 +76,7 @@ enum Race {
     Clouds,
     Points,
     Instructions,
+    Mbm,
     Gate,
 }
 
@@ -78,6 +89,8 @@ fn race(
         race,
         options,
         save,
+        data,
+        paths,
         cell,
     }: &Command,
 ) -> Result<(), String> {
@@ -86,6 +99,9 @@ fn race(
     }
     if *save && !matches!(race, Race::Gate) {
         return Err("--save belongs to gate".into());
+    }
+    if data.is_some() && !matches!(race, Race::Mbm) {
+        return Err("--data belongs to mbm".into());
     }
     let (scenes, run): (Vec<&str>, fn(&Options) -> Rows) = match race {
         Race::Pairs => (pairs::SCENES.into(), pairs::run),
@@ -100,6 +116,10 @@ fn race(
         Race::Patches => (patches::SCENES.into(), patches::run),
         Race::Rays => (rays::SCENES.into(), rays::run),
         Race::Hulls => (points::SCENES.into(), points::run),
+        Race::Mbm => {
+            options.check(&mbm::ROBOTS)?;
+            return mbm::run(options, data.as_deref(), paths.as_deref());
+        }
         Race::Gate => return gate::run(*save),
         Race::Clouds => (clouds::SCENES.into(), clouds::run),
         Race::Points => (point_queries::SCENES.into(), point_queries::run),
