@@ -15,7 +15,10 @@ fn packages() -> Vec<PathBuf> {
         let entries = std::fs::read_dir(root().join(folder)).expect("the repository is readable");
         entries.map(|e| e.expect("the repository is readable").path())
     });
-    let all: Vec<_> = below.chain([root()]).filter(|p| p.join("Cargo.toml").exists()).collect();
+    let all: Vec<_> = below
+        .chain([root()])
+        .filter(|p| p.join("Cargo.toml").exists())
+        .collect();
     assert!(all.len() > 12, "{all:?}");
     all
 }

@@ -21,7 +21,7 @@ static int run() {
   std::vector<lc_body> balls;
   for (int k = 0; k < 5; ++k) {
     balls.push_back(scene.add(ball, at(0.5 * k - 1, 0, 2.5 + 0.2 * k)));
-    scene.set_velocity(balls.back(), {0, 0, -2}, {0, 0, 0});
+    scene.set_velocity(balls.back(), {0, 0, -4}, {0, 0, 0});
   }
   scene.step();
 

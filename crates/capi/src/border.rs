@@ -1,5 +1,6 @@
 //! The border between C and Rust: statuses, messages, panics and the floating-point unit.
 
+use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::c_char;
 use std::fmt::Display;
@@ -19,12 +20,13 @@ pub enum lc_status {
     LC_ARGUMENT = 1,
     /// A handle is zero, of another kind, of another copy of the library, or of a freed object.
     LC_HANDLE = 2,
-    /// Another call is using the object: a call of another thread, or the call that runs this callback.
+    /// Another call is using the object: a call of another thread, or the call that runs this
+    /// callback.
     LC_BUSY = 3,
     /// The library refuses the input; the message says why.
     LC_REFUSED = 4,
-    /// The library has a defect; the message is that of the panic. A pair goes on without its cached state; a scene and
-    /// a checker refuse all later calls.
+    /// The library has a defect; the message is that of the panic. A pair goes on without its
+    /// cached state; a scene and a checker refuse all later calls.
     LC_PANIC = 5,
     /// There is no room for more handles of this kind.
     LC_FULL = 6,
@@ -101,12 +103,16 @@ impl From<Fault> for lc_status {
     }
 }
 
+/// Returns the message of a panic.
+fn message(payload: &(dyn Any + Send)) -> Option<&str> {
+    let text = payload.downcast_ref::<&'static str>().copied();
+    text.or_else(|| payload.downcast_ref::<String>().map(String::as_str))
+}
+
 #[cold]
 #[inline(never)]
-fn panicked(payload: Box<dyn std::any::Any + Send>) -> lc_status {
-    let text = payload.downcast_ref::<&'static str>().copied();
-    let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
-    let Some(text) = text else {
+fn panicked(payload: Box<dyn Any + Send>) -> lc_status {
+    let Some(text) = message(&*payload) else {
         // Dropping a payload of another type may panic.
         std::mem::forget(payload);
         return LC_PANIC;
@@ -121,15 +127,15 @@ fn panicked(payload: Box<dyn std::any::Any + Send>) -> lc_status {
 
 /// Sends messages of panics to `lc_last_error` instead of the standard error of the host.
 ///
-/// A `cdylib` and a `staticlib` have a standard library of their own, so the hook sees the panics of
-/// this library alone. Tests link this package as an `rlib` and share the hook; the feature `testing`
-/// prints as before.
+/// A `cdylib` and a `staticlib` have a standard library of their own, so the hook sees the panics
+/// of this library alone. Tests link this package as an `rlib` and share the hook; the feature
+/// `testing` prints as before.
 pub(crate) fn set_hook() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         let before = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |info| {
-            let text = info.payload_as_str().unwrap_or("panic without a message");
+            let text = message(info.payload()).unwrap_or("panic without a message");
             match info.location() {
                 Some(location) => store(&format_args!("{text} at {location}")),
                 None => store(&text),
@@ -194,8 +200,8 @@ mod unit {
     }
 
     pub(super) fn set(mode: Mode) {
-        // SAFETY: the instruction reads the four bytes of `mode`. Rust code runs in the mode `PLAIN`
-        // only: the mode of the host is set again just before the call returns to C.
+        // SAFETY: the instruction reads the four bytes of `mode`. Rust code runs in the mode
+        // `PLAIN` only: the mode of the host is set again just before the call returns to C.
         unsafe { asm!("ldmxcsr [{}]", in(reg) &mode, options(nostack, preserves_flags)) };
     }
 }
@@ -207,8 +213,8 @@ mod unit {
     pub(super) type Mode = u64;
     pub(super) const PLAIN: Mode = 0;
 
-    /// The bits of FPCR that change results: rounding mode, flush to zero, default NaN, alternative half
-    /// precision, and enabled traps.
+    /// The bits of FPCR that change results: rounding mode, flush to zero, default NaN, alternative
+    /// half precision, and enabled traps.
     const CHANGING: Mode = 0x07c0_9f07;
 
     #[inline(always)]
@@ -225,8 +231,8 @@ mod unit {
     }
 
     pub(super) fn set(mode: Mode) {
-        // SAFETY: Rust code runs in the mode `PLAIN` only: the mode of the host is set again just before
-        // the call returns to C.
+        // SAFETY: Rust code runs in the mode `PLAIN` only: the mode of the host is set again just
+        // before the call returns to C.
         unsafe { asm!("msr fpcr, {}", in(reg) mode, options(nomem, nostack, preserves_flags)) };
     }
 }

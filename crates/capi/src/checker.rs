@@ -18,8 +18,8 @@ use crate::world::{NO_PAIR, id, lc_check_work, lc_near, lc_verdict, lc_world_bod
 
 /// A checker of a robot, or of one rigid body, among obstacles.
 ///
-/// One call at a time: a call during another one returns `LC_BUSY`. Any thread; `lc_checker_copy` makes one for another
-/// thread.
+/// One call at a time: a call during another one returns `LC_BUSY`. Any thread; `lc_checker_copy`
+/// makes one for another thread.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct lc_checker {
@@ -148,10 +148,12 @@ fn with<R>(checker: lc_checker, call: impl FnOnce(&mut CheckerObject) -> Result<
     CHECKERS.with(checker.id, call)
 }
 
-/// Makes the checker of one body that moves in a box of space: least and greatest x, then y, then z.
+/// Makes the checker of one body that moves in a box of space: least and greatest x, then y, then
+/// z.
 ///
-/// With `radius` zero the body does not turn: a configuration is x, y, z. With a positive radius it turns: a
-/// configuration is x, y, z and a unit quaternion x, y, z, w, and a radian counts as the length `radius`.
+/// With `radius` zero the body does not turn: a configuration is x, y, z. With a positive radius it
+/// turns: a configuration is x, y, z and a unit quaternion x, y, z, w, and a radian counts as the
+/// length `radius`.
 ///
 /// # Safety
 /// `bounds` points to six numbers, `out` to a handle.
@@ -235,7 +237,8 @@ pub unsafe extern "C" fn lc_checker_get_info(
     })
 }
 
-/// Writes least and greatest value of each coordinate of position: those of a turn are not limited and left out.
+/// Writes least and greatest value of each coordinate of position: those of a turn are not limited
+/// and left out.
 ///
 /// # Safety
 /// `low` and `high` point to `capacity` numbers, `count` to a number.
@@ -306,7 +309,8 @@ pub unsafe extern "C" fn lc_checker_body_name(
     })
 }
 
-/// Writes the bodies of a name. A wrong name is `LC_REFUSED`, and the message states the nearest name.
+/// Writes the bodies of a name. A wrong name is `LC_REFUSED`, and the message states the nearest
+/// name.
 ///
 /// `count` is their number; if it exceeds `capacity`, the first are written.
 ///
@@ -400,12 +404,12 @@ pub extern "C" fn lc_checker_remove(checker: lc_checker, body: lc_world_body) ->
 
 /// Attaches an object to a link of the robot at a pose in the frame of the link.
 ///
-/// `touch_links` are names of links whose pairs with the object are not checked; the link itself is one of them only if
-/// it is named.
+/// `touch_links` are names of links whose pairs with the object are not checked; the link itself is
+/// one of them only if it is named.
 ///
 /// # Safety
-/// `link` and `name` point to texts that end with a zero, `touch_links` to `touch_count` of them, `pose` to a pose,
-/// `out` to an id.
+/// `link` and `name` point to texts that end with a zero, `touch_links` to `touch_count` of them,
+/// `pose` to a pose, `out` to an id.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_checker_attach(
     checker: lc_checker,
@@ -490,7 +494,8 @@ pub extern "C" fn lc_checker_set_pair_margin(
     })
 }
 
-/// Accepts a contact at the start of a motion of at most this distance or depth; a negative one accepts none.
+/// Accepts a contact at the start of a motion of at most this distance or depth; a negative one
+/// accepts none.
 ///
 /// The contact is accepted if the pair is proven not to come closer until it has left the margin.
 #[unsafe(no_mangle)]
@@ -567,12 +572,13 @@ pub unsafe extern "C" fn lc_checker_free_at_many(
 
 /// Writes the pair of least signed distance at each of `count` configurations.
 ///
-/// `gradients` may be null; else it gets the derivatives of each distance by the degrees of freedom. The call ends at
-/// the first configuration that is refused; `done` is the number of answers.
+/// `gradients` may be null; else it gets the derivatives of each distance by the degrees of
+/// freedom. The call ends at the first configuration that is refused; `done` is the number of
+/// answers.
 ///
 /// # Safety
-/// `q` points to `count * coordinates` numbers, `out` to `count` elements of `out_stride` bytes, `gradients` is null or
-/// points to `count * degrees_of_freedom` numbers, `done` to a number.
+/// `q` points to `count * coordinates` numbers, `out` to `count` elements of `out_stride` bytes,
+/// `gradients` is null or points to `count * degrees_of_freedom` numbers, `done` to a number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_checker_clearance_many(
     checker: lc_checker,
@@ -618,13 +624,13 @@ pub unsafe extern "C" fn lc_checker_clearance_many(
 
 /// Writes the `columns` closest pairs at each of `count` configurations, the closest first.
 ///
-/// Pairs whose distance exceeds the least of a row by more than `slack`, which may be infinite, are left out: entries
-/// without a pair have `a.id` zero. Each row has the bits of a new checker's, for any number of threads, at most 256.
-/// `gradients` may be null.
+/// Pairs whose distance exceeds the least of a row by more than `slack`, which may be infinite, are
+/// left out: entries without a pair have `a.id` zero. Each row has the bits of a new checker's, for
+/// any number of threads, at most 256. `gradients` may be null.
 ///
 /// # Safety
-/// `q` points to `count * coordinates` numbers, `out` to `count * columns` elements of `out_stride` bytes, `gradients`
-/// is null or points to `count * columns * degrees_of_freedom` numbers.
+/// `q` points to `count * coordinates` numbers, `out` to `count * columns` elements of `out_stride`
+/// bytes, `gradients` is null or points to `count * columns * degrees_of_freedom` numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_checker_nearest_many(
     checker: lc_checker,
@@ -684,8 +690,8 @@ pub unsafe extern "C" fn lc_checker_nearest_many(
 /// The call ends at the first segment that is refused; `done` is the number of verdicts.
 ///
 /// # Safety
-/// `from` and `to` point to `count * coordinates` numbers, `out` to `count` elements of `out_stride` bytes, `done` to a
-/// number.
+/// `from` and `to` point to `count * coordinates` numbers, `out` to `count` elements of
+/// `out_stride` bytes, `done` to a number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_checker_certify_many(
     checker: lc_checker,
@@ -725,7 +731,8 @@ fn rows(q: &[f64], coordinates: usize) -> Path {
     q.chunks(coordinates.max(1)).map(<[f64]>::to_vec).collect()
 }
 
-/// Writes the verdict about a path of `count` configurations: free, or the verdict about its first segment that is not.
+/// Writes the verdict about a path of `count` configurations: free, or the verdict about its first
+/// segment that is not.
 ///
 /// `out_size` is `sizeof(lc_verdict)`.
 ///
@@ -787,12 +794,13 @@ pub unsafe extern "C" fn lc_checker_certify_curve(
 
 /// Searches for a path between two configurations, of segments that are proven free.
 ///
-/// `count` is the number of configurations of the path, which `lc_checker_path` copies. Zero means that a limit ended
-/// the search, which proves nothing. `progress` may be null; `options_size` is `sizeof(lc_plan_options)`.
+/// `count` is the number of configurations of the path, which `lc_checker_path` copies. Zero means
+/// that a limit ended the search, which proves nothing. `progress` may be null; `options_size` is
+/// `sizeof(lc_plan_options)`.
 ///
 /// # Safety
-/// `start` and `goal` point to `coordinates` numbers, `options` is null or points to `options_size` bytes, `count` to a
-/// number; `progress` may be called with `context`.
+/// `start` and `goal` point to `coordinates` numbers, `options` is null or points to `options_size`
+/// bytes, `count` to a number; `progress` may be called with `context`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_checker_plan(
     checker: lc_checker,

@@ -152,8 +152,8 @@ pub unsafe extern "C" fn lc_polygon_new(xyz: *const f64, count: usize, out: *mut
 /// vertices, one face after another, counterclockwise from outside.
 ///
 /// # Safety
-/// `xyz` points to `3 * vertices` numbers, `sizes` to `faces` numbers, `indices` to `index_count` numbers,
-/// `out` to a handle.
+/// `xyz` points to `3 * vertices` numbers, `sizes` to `faces` numbers, `indices` to `index_count`
+/// numbers, `out` to a handle.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_faces_new(
     xyz: *const f64,
@@ -291,7 +291,8 @@ pub unsafe extern "C" fn lc_compound_new(
     })
 }
 
-/// Makes a mesh of `triangles` triples of indices of `vertices` points: a solid if the mesh is closed.
+/// Makes a mesh of `triangles` triples of indices of `vertices` points: a solid if the mesh is
+/// closed.
 ///
 /// Triangles are counterclockwise from outside. `progress` may be null.
 ///
@@ -326,11 +327,13 @@ pub unsafe extern "C" fn lc_mesh_new(
 
 /// Makes the mesh of a height field of `rows` by `columns` values, row by row.
 ///
-/// The value of row i and column j is the z at x = j * dx and y = i * dy. `base` may be null: the mesh is an
-/// open surface. Otherwise it points to the z of a base below all heights, and the mesh is a solid.
+/// The value of row i and column j is the z at x = j * dx and y = i * dy. `base` may be null: the
+/// mesh is an open surface. Otherwise it points to the z of a base below all heights, and the mesh
+/// is a solid.
 ///
 /// # Safety
-/// `heights` points to `rows * columns` numbers, `base` is null or points to a number, `out` to a handle.
+/// `heights` points to `rows * columns` numbers, `base` is null or points to a number, `out` to a
+/// handle.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_heights_new(
     heights: *const f64,
@@ -358,11 +361,12 @@ pub unsafe extern "C" fn lc_heights_new(
 
 /// Makes a cloud of `count` points.
 ///
-/// With `radii` null, each point is a ball of the radius `radius`; zero is the point itself. Otherwise
-/// `radii` has a radius for each point.
+/// With `radii` null, each point is a ball of the radius `radius`; zero is the point itself.
+/// Otherwise `radii` has a radius for each point.
 ///
 /// # Safety
-/// `xyz` points to `3 * count` numbers, `radii` is null or points to `count` numbers, `out` to a handle.
+/// `xyz` points to `3 * count` numbers, `radii` is null or points to `count` numbers, `out` to a
+/// handle.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_cloud_new(
     xyz: *const f64,
@@ -415,12 +419,12 @@ pub unsafe extern "C" fn lc_voxels_new(
 
 /// Makes a surface of `patches` Bézier patches of the degrees `p` and `q`.
 ///
-/// A patch has (p + 1) * (q + 1) control points, those of one value of the first parameter after another.
-/// `weights` may be null; otherwise it has a weight for each control point.
+/// A patch has (p + 1) * (q + 1) control points, those of one value of the first parameter after
+/// another. `weights` may be null; otherwise it has a weight for each control point.
 ///
 /// # Safety
-/// `xyz` points to the control points of all patches, three numbers each, `weights` is null or points to as
-/// many numbers as there are control points, `out` to a handle.
+/// `xyz` points to the control points of all patches, three numbers each, `weights` is null or
+/// points to as many numbers as there are control points, `out` to a handle.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_surface_new(
     p: u32,

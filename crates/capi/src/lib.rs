@@ -1,17 +1,18 @@
 //! C interface of lin-canny: geometries, pairs, rays, scenes and checkers of robots.
 //!
-//! The header `include/lin_canny.h` is generated from these sources; `include/lin_canny.hpp` wraps it for
-//! C++17. `README.md` shows how to build and link.
+//! The header `include/lin_canny.h` is generated from these sources; `include/lin_canny.hpp` wraps
+//! it for C++17. `README.md` shows how to build and link.
 //!
 //! # Rules
 //!
 //! * A handle is a number, zero is none. A stale, foreign or invented handle is an error.
-//! * Every function returns a status, except those that cannot fail. The message of the last error of a
-//!   thread is [`lc_last_error`]. An error writes no answer, except where the function says so.
+//! * Every function returns a status, except those that cannot fail. The message of the last error
+//!   of a thread is [`lc_last_error`]. An error writes no answer, except where the function says
+//!   so.
 //! * Arrays are read during the call and never kept. Answers are structs that the caller owns.
 //! * The size of an answer is an argument: a later version may add fields at the end.
-//! * A panic becomes `LC_PANIC`. The floating-point mode of the caller is set to the one that the proofs
-//!   need, and set back afterwards.
+//! * A panic becomes `LC_PANIC`. The floating-point mode of the caller is set to the one that the
+//!   proofs need, and set back afterwards.
 //!
 //! # Memory
 //!

@@ -1,7 +1,7 @@
 //! Memory of the caller: arrays and texts that are read, places that are written.
 //!
-//! Every function checks what can be checked: null, alignment, and lengths beyond the address space.
-//! Whether a pointer leads to as many elements as the caller states cannot be checked.
+//! Every function checks what can be checked: null, alignment, and lengths beyond the address
+//! space. Whether a pointer leads to as many elements as the caller states cannot be checked.
 
 use std::ffi::{CStr, CString, c_char};
 use std::marker::PhantomData;
@@ -79,7 +79,8 @@ pub(crate) struct Given<'a, T> {
 
 impl<'a, T: Copy> Given<'a, T> {
     /// # Safety
-    /// `data` is null, or points to `count` elements at the stride, in bytes, that live during `'a`.
+    /// `data` is null, or points to `count` elements at the stride, in bytes, that live during
+    /// `'a`.
     #[inline(always)]
     pub(crate) unsafe fn new(data: *const T, stride: usize, count: usize, name: &str) -> Result<Self, lc_status> {
         let is_stride = stride == 0 || stride >= size_of::<T>() && stride.is_multiple_of(align_of::<T>());
@@ -126,7 +127,8 @@ pub(crate) unsafe trait Plain: Copy {
     const FIRST: usize;
 }
 
-/// Places of the caller that are written: answers, at a stride that is the size that the caller knows.
+/// Places of the caller that are written: answers, at a stride that is the size that the caller
+/// knows.
 #[derive(Clone, Copy)]
 pub(crate) struct Places<'a, T> {
     data: *mut T,
@@ -152,7 +154,8 @@ impl<T: Plain> Places<'_, T> {
         })
     }
 
-    /// Writes an answer. What a shorter version lacks is left out; what a longer one has more is zero.
+    /// Writes an answer. What a shorter version lacks is left out; what a longer one has more is
+    /// zero.
     #[inline(always)]
     pub(crate) fn write(&self, index: usize, answer: T) {
         assert!(index < self.count, "place {index} of {}", self.count);

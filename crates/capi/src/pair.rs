@@ -32,23 +32,26 @@ pub const LC_DISTANCE: u32 = 1;
 pub const LC_POINTS: u32 = 2;
 /// Asks for features and subshapes.
 pub const LC_FEATURES: u32 = 4;
-/// Asks for points and normal in the frames of the bodies: `point_on_a` and `normal` in that of A, `point_on_b` in
-/// that of B. Without it they are in the world.
+/// Asks for points and normal in the frames of the bodies: `point_on_a` and `normal` in that of A,
+/// `point_on_b` in that of B. Without it they are in the world.
 pub const LC_BODY_FRAMES: u32 = 8;
 /// Asks for no depth: overlapping convex geometries have the distance zero and no lower bound.
 pub const LC_NO_DEPTH: u32 = 16;
-/// Asks for an upper bound of the depth of two overlapping polyhedra, in a fraction of the time of the depth.
+/// Asks for an upper bound of the depth of two overlapping polyhedra, in a fraction of the time of
+/// the depth.
 pub const LC_LOCAL_DEPTH: u32 = 32;
 
 /// The closest points of two geometries, with bounds of the signed distance.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct lc_answer {
-    /// The groups of fields that are set: a mask of `LC_DISTANCE`, `LC_POINTS`, `LC_FEATURES`. The other fields are zero.
+    /// The groups of fields that are set: a mask of `LC_DISTANCE`, `LC_POINTS`, `LC_FEATURES`. The
+    /// other fields are zero.
     pub answered: u32,
     /// `LC_SEPARATED`, `LC_TOUCHING`, `LC_OVERLAPPING` or `LC_UNDECIDED`.
     pub state: u32,
-    /// The signed distance; minus the penetration depth if convex geometries overlap, zero if others do.
+    /// The signed distance; minus the penetration depth if convex geometries overlap, zero if
+    /// others do.
     pub distance: f64,
     /// Proven lower bound of the signed distance; minus infinity if nothing is known.
     pub lower: f64,
@@ -106,8 +109,8 @@ pub struct lc_contact {
     pub patches: [u32; 2],
     /// Zero.
     pub reserved: u32,
-    /// The features of A and of B at which the contact first appeared, which name it while it lasts: dimension and
-    /// index of each.
+    /// The features of A and of B at which the contact first appeared, which name it while it
+    /// lasts: dimension and index of each.
     pub name: [u32; 4],
 }
 
@@ -133,7 +136,8 @@ unsafe impl Plain for lc_penetration {
     const FIRST: usize = 40;
 }
 
-/// Accepts a contact at the start that a cast proves not to come closer: see `start_contact_margin`.
+/// Accepts a contact at the start that a cast proves not to come closer: see
+/// `start_contact_margin`.
 pub const LC_ACCEPT_START: u32 = 1;
 
 /// Options of a cast; all zero is the default, except the duration.
@@ -142,11 +146,13 @@ pub const LC_ACCEPT_START: u32 = 1;
 pub struct lc_cast_options {
     /// The cast covers the times from 0 to this.
     pub duration: f64,
-    /// The geometries are closer than this at the end of the free interval; zero is as narrow as rounding allows.
+    /// The geometries are closer than this at the end of the free interval; zero is as narrow as
+    /// rounding allows.
     pub tolerance: f64,
     /// The distance that the geometries must keep.
     pub distance: f64,
-    /// With `LC_ACCEPT_START`: the largest distance, or depth, of a contact at the start that is accepted.
+    /// With `LC_ACCEPT_START`: the largest distance, or depth, of a contact at the start that is
+    /// accepted.
     pub start_contact_margin: f64,
     /// A mask of `LC_ACCEPT_START`.
     pub flags: u32,
@@ -170,7 +176,8 @@ pub const LC_UNCLEAR: u32 = 4;
 /// A limit ended the cast; nothing is known beyond `safe`.
 pub const LC_INCOMPLETE: u32 = 5;
 
-/// The first contact of two moving geometries. Points and normal are in the world, at the time `safe`.
+/// The first contact of two moving geometries. Points and normal are in the world, at the time
+/// `safe`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct lc_cast {
@@ -279,7 +286,8 @@ pub unsafe extern "C" fn lc_pair_new(a: lc_geometry, b: lc_geometry, out: *mut l
 
 /// Frees a pair; zero is no error.
 ///
-/// During a call with the pair, in another thread or in a callback of it, the result is `LC_BUSY` and nothing is freed.
+/// During a call with the pair, in another thread or in a callback of it, the result is `LC_BUSY`
+/// and nothing is freed.
 #[unsafe(no_mangle)]
 pub extern "C" fn lc_pair_free(pair: lc_pair) -> lc_status {
     guarded(|| PAIRS.free(pair.id))
@@ -344,10 +352,11 @@ impl Pair {
     }
 }
 
-/// Writes the answer about a pair at two poses in the world: the fields of the mask `wanted`, and maybe more.
+/// Writes the answer about a pair at two poses in the world: the fields of the mask `wanted`, and
+/// maybe more.
 ///
-/// `out_size` is `sizeof(lc_answer)`. Unknown bits of the mask are ignored; `answered` says which fields are set. `out`
-/// may be the memory of a pose.
+/// `out_size` is `sizeof(lc_answer)`. Unknown bits of the mask are ignored; `answered` says which
+/// fields are set. `out` may be the memory of a pose.
 ///
 /// # Safety
 /// `pose_a` and `pose_b` point to poses, `out` to `out_size` bytes.
@@ -376,8 +385,9 @@ pub unsafe extern "C" fn lc_pair_ask(
 
 /// Writes the answers about a pair at `count` pairs of poses, as `lc_pair_ask` does for each.
 ///
-/// A stride is the number of bytes from one element to the next; zero repeats one pose. `out_stride` is also the size of
-/// an answer that the caller knows. The call ends at the first pose that is refused; `done` is the number of answers.
+/// A stride is the number of bytes from one element to the next; zero repeats one pose.
+/// `out_stride` is also the size of an answer that the caller knows. The call ends at the first
+/// pose that is refused; `done` is the number of answers.
 ///
 /// # Safety
 /// The arrays have `count` elements at their strides; `done` points to a number.
@@ -414,10 +424,11 @@ pub unsafe extern "C" fn lc_pair_ask_many(
     })
 }
 
-/// Writes whether the geometries of a pair are at most `distance` apart: 0 no, 1 yes, `LC_UNDECIDED` unknown.
+/// Writes whether the geometries of a pair are at most `distance` apart: 0 no, 1 yes,
+/// `LC_UNDECIDED` unknown.
 ///
-/// With a distance of zero: whether they share a point. Exact for polyhedra and meshes; only a Bézier surface leaves it
-/// undecided.
+/// With a distance of zero: whether they share a point. Exact for polyhedra and meshes; only a
+/// Bézier surface leaves it undecided.
 ///
 /// # Safety
 /// `pose_a` and `pose_b` point to poses, `out` to a number.
@@ -449,13 +460,16 @@ pub unsafe extern "C" fn lc_pair_within(
     })
 }
 
-/// Writes the contact points of a pair that are at most `prediction` apart, the deepest group first.
+/// Writes the contact points of a pair that are at most `prediction` apart, the deepest group
+/// first.
 ///
-/// A group has at most `max_points` points, 1 to 8; zero means 4. `count` is the number of contacts; if it exceeds
-/// `capacity`, the first `capacity` are written. Bézier surfaces have no contacts.
+/// A group has at most `max_points` points, 1 to 8; zero means 4. `count` is the number of
+/// contacts; if it exceeds `capacity`, the first `capacity` are written. Bézier surfaces have no
+/// contacts.
 ///
 /// # Safety
-/// `pose_a` and `pose_b` point to poses, `out` to `capacity` elements of `out_stride` bytes, `count` to a number.
+/// `pose_a` and `pose_b` point to poses, `out` to `capacity` elements of `out_stride` bytes,
+/// `count` to a number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_pair_contacts(
     pair: lc_pair,
@@ -511,7 +525,8 @@ pub unsafe extern "C" fn lc_pair_contacts(
 
 /// Writes bounds of the penetration depth of the geometries of a pair.
 ///
-/// `LC_REFUSED` if one of them has no inside: an open mesh or a Bézier surface. `out_size` is `sizeof(lc_penetration)`.
+/// `LC_REFUSED` if one of them has no inside: an open mesh or a Bézier surface. `out_size` is
+/// `sizeof(lc_penetration)`.
 ///
 /// # Safety
 /// `pose_a` and `pose_b` point to poses, `out` to `out_size` bytes.
@@ -556,7 +571,8 @@ fn steady(motion: &lc_motion) -> Result<Steady, lc_status> {
 /// `options_size` is `sizeof(lc_cast_options)`, `out_size` is `sizeof(lc_cast)`.
 ///
 /// # Safety
-/// `motion_a` and `motion_b` point to motions, `options` to `options_size` bytes, `out` to `out_size` bytes.
+/// `motion_a` and `motion_b` point to motions, `options` to `options_size` bytes, `out` to
+/// `out_size` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_pair_cast(
     pair: lc_pair,
@@ -625,7 +641,8 @@ pub unsafe extern "C" fn lc_pair_cast(
 
 /// Writes the next query of a pair of convex polyhedra as a text that repeats it bit for bit.
 ///
-/// `lc_text_free` frees the text. Attach it to a report of a wrong answer. `LC_REFUSED` for other kinds.
+/// `lc_text_free` frees the text. Attach it to a report of a wrong answer. `LC_REFUSED` for other
+/// kinds.
 ///
 /// # Safety
 /// `pose_a` and `pose_b` point to poses, `out` to a pointer.
@@ -706,13 +723,15 @@ pub(crate) fn ray_hit(found: &RayCast, body: u64) -> lc_ray_hit {
     answer
 }
 
-/// Writes where `count` rays enter a geometry at a pose; neighbouring rays are fastest one after another.
+/// Writes where `count` rays enter a geometry at a pose; neighbouring rays are fastest one after
+/// another.
 ///
-/// A ray that meets a Bézier surface is `LC_UNCLEAR`. The call ends at the first ray that is refused; `done` is the
-/// number of answers.
+/// A ray that meets a Bézier surface is `LC_UNCLEAR`. The call ends at the first ray that is
+/// refused; `done` is the number of answers.
 ///
 /// # Safety
-/// `pose` points to a pose, `rays` to `count` rays, `out` to `count` elements of `out_stride` bytes, `done` to a number.
+/// `pose` points to a pose, `rays` to `count` rays, `out` to `count` elements of `out_stride`
+/// bytes, `done` to a number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_ray_cast_many(
     geometry: lc_geometry,

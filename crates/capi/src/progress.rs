@@ -9,9 +9,10 @@ use crate::border::{error, lc_status};
 
 /// Reports how far a long call is; `total` is zero if it is unknown.
 ///
-/// The library calls it on the thread of the call, with the floating-point mode of the library. A value
-/// other than zero stops the call with `LC_STOPPED`. The callback must return: an exception or a `longjmp`
-/// out of it is undefined. It may call the library, with other objects than those of the running call.
+/// The library calls it on the thread of the call, with the floating-point mode of the library. A
+/// value other than zero stops the call with `LC_STOPPED`. The callback must return: an exception
+/// or a `longjmp` out of it is undefined. It may call the library, with other objects than those of
+/// the running call.
 pub type lc_progress =
     Option<unsafe extern "C" fn(context: *mut c_void, stage: *const c_char, done: u64, total: u64) -> i32>;
 

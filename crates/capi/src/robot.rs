@@ -35,18 +35,20 @@ pub struct lc_robot_files {
     pub reserved: u32,
 }
 
-// SAFETY: pointers and numbers; every pattern of bits is a value, and pointers are checked when they are read.
+// SAFETY: pointers and numbers; every pattern of bits is a value, and pointers are checked when
+// they are read.
 unsafe impl Plain for lc_robot_files {
     const FIRST: usize = 32 + size_of::<usize>() + 8;
 }
 
 /// Makes the checker of a robot and its cell from files.
 ///
-/// Paths are UTF-8. A message names the file, the line and the element. `files_size` is `sizeof(lc_robot_files)`.
+/// Paths are UTF-8. A message names the file, the line and the element. `files_size` is
+/// `sizeof(lc_robot_files)`.
 ///
 /// # Safety
-/// `files` points to `files_size` bytes; its texts end with a zero, and `packages` points to `package_count` of them;
-/// `out` points to a handle.
+/// `files` points to `files_size` bytes; its texts end with a zero, and `packages` points to
+/// `package_count` of them; `out` points to a handle.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_checker_load(
     files: *const lc_robot_files,

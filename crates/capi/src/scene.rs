@@ -45,7 +45,8 @@ pub const LC_QUERY_DISTANCE: u32 = 8;
 pub const LC_QUERY_FEATURES: u32 = 16;
 /// The depth of overlaps of convex bodies.
 pub const LC_QUERY_DEPTH: u32 = 32;
-/// First contacts between two steps of bodies that `lc_scene_advance` moves, in a bracket of the width `impact`.
+/// First contacts between two steps of bodies that `lc_scene_advance` moves, in a bracket of the
+/// width `impact`.
 pub const LC_QUERY_IMPACT: u32 = 64;
 
 /// The queries of the pairs of two groups; all zero is none.
@@ -236,7 +237,8 @@ pub unsafe extern "C" fn lc_scene_set_queries(
     })
 }
 
-/// Adds a body of a group at a pose. With `fixed` not zero the body is fixed: two fixed bodies are never tested.
+/// Adds a body of a group at a pose. With `fixed` not zero the body is fixed: two fixed bodies are
+/// never tested.
 ///
 /// # Safety
 /// `pose` points to a pose, `out` to an id.
@@ -320,7 +322,8 @@ pub unsafe extern "C" fn lc_scene_pose(scene: lc_scene, body: lc_body, out: *mut
     })
 }
 
-/// Sets the velocity of a body: linear, then angular, about the origin of the geometry, in the world.
+/// Sets the velocity of a body: linear, then angular, about the origin of the geometry, in the
+/// world.
 ///
 /// # Safety
 /// `linear` and `angular` point to three numbers.
@@ -357,7 +360,8 @@ pub extern "C" fn lc_scene_exclude(scene: lc_scene, a: lc_body, b: lc_body, excl
     })
 }
 
-/// Moves all bodies by their velocities over a time. Call `lc_scene_step` afterwards for the answers.
+/// Moves all bodies by their velocities over a time. Call `lc_scene_step` afterwards for the
+/// answers.
 #[unsafe(no_mangle)]
 pub extern "C" fn lc_scene_advance(scene: lc_scene, time: f64) -> lc_status {
     guarded(|| with(scene, |scene| scene.advance(time).map_err(refused)))
@@ -374,7 +378,8 @@ pub extern "C" fn lc_scene_step(scene: lc_scene) -> lc_status {
     })
 }
 
-/// Writes the events of the last step. If there are more than `capacity`, the first are written; `count` is their number.
+/// Writes the events of the last step. If there are more than `capacity`, the first are written;
+/// `count` is their number.
 ///
 /// # Safety
 /// `out` points to `capacity` elements of `out_stride` bytes, `count` to a number.
@@ -504,7 +509,8 @@ fn results(scene: &Scene, pair: &PairResults<'_>) -> Result<lc_scene_pair, lc_st
     })
 }
 
-/// Writes the pairs whose boxes overlap, with the answers of the last step, as `lc_scene_events` does.
+/// Writes the pairs whose boxes overlap, with the answers of the last step, as `lc_scene_events`
+/// does.
 ///
 /// Points are in the world if no pose was set since the last step.
 ///
@@ -539,8 +545,8 @@ pub unsafe extern "C" fn lc_scene_pairs(
 
 /// Writes the pair of least signed distance of two groups at the last step, at any distance.
 ///
-/// If there is no pair, `out->a` is zero. At least one query of the groups must be set. `out_size` is
-/// `sizeof(lc_scene_pair)`.
+/// If there is no pair, `out->a` is zero. At least one query of the groups must be set. `out_size`
+/// is `sizeof(lc_scene_pair)`.
 ///
 /// # Safety
 /// `out` points to `out_size` bytes.
@@ -582,7 +588,8 @@ fn closest(scene: &Scene, found: Option<ClosestPair>) -> Result<lc_scene_pair, l
     })
 }
 
-/// Writes the first body that a ray enters, among the bodies of the groups of a mask: bit g stands for group g.
+/// Writes the first body that a ray enters, among the bodies of the groups of a mask: bit g stands
+/// for group g.
 ///
 /// `out_size` is `sizeof(lc_ray_hit)`.
 ///

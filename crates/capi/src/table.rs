@@ -1,16 +1,16 @@
-//! Handles: numbers that name a slot and a generation, so that a stale, foreign or invented handle is an
-//! error and never a wild pointer.
+//! Handles: numbers that name a slot and a generation, so that a stale, foreign or invented handle
+//! is an error and never a wild pointer.
 //!
 //! ```text
 //!  63    56 55          24 23      0
 //! |  kind  |  generation  |  slot   |
 //! ```
 //!
-//! Slots are in chunks of doubling size that are never freed or moved, so a look-up takes no lock. One
-//! call at a time owns a slot: its state holds the generation and a busy bit, and a call that finds
-//! the busy bit of another returns `LC_BUSY`. Generations start at a number that depends on the address
-//! of the table. So a handle of another copy of this library in the process is, with all but certainty,
-//! rejected too.
+//! Slots are in chunks of doubling size that are never freed or moved, so a look-up takes no lock.
+//! One call at a time owns a slot: its state holds the generation and a busy bit, and a call that
+//! finds the busy bit of another returns `LC_BUSY`. Generations start at a number that depends on
+//! the address of the table. So a handle of another copy of this library in the process is, with
+//! all but certainty, rejected too.
 
 use std::cell::UnsafeCell;
 use std::sync::atomic::{AtomicPtr, AtomicU64, Ordering};
@@ -46,8 +46,8 @@ pub(crate) struct Table<T> {
     vacant: Mutex<Vacant>,
 }
 
-// SAFETY: a value is touched only by the one call that set the busy bit (`claim`), which orders it after
-// the last such call by acquire and release of `state`; values are `Send`.
+// SAFETY: a value is touched only by the one call that set the busy bit (`claim`), which orders it
+// after the last such call by acquire and release of `state`; values are `Send`.
 unsafe impl<T: Send> Sync for Table<T> {}
 
 /// Why a handle cannot be used.
@@ -134,7 +134,8 @@ impl<T> Table<T> {
         if chunk.is_null() {
             return None;
         }
-        // SAFETY: a chunk that is not null holds `FIRST << chunk` slots for ever, and the index is less.
+        // SAFETY: a chunk that is not null holds `FIRST << chunk` slots for ever, and the index is
+        // less.
         let slot = unsafe { chunk.add(index) };
         // SAFETY: as above; slots are only shared.
         Some((unsafe { &*slot }, generation))
@@ -199,8 +200,8 @@ impl<T> Table<T> {
         // SAFETY: as in `slot`.
         let slot = unsafe { &*slot };
         let generation = ((slot.state.load(Ordering::Acquire) >> 1) + 1) & GENERATIONS;
-        // SAFETY: the slot was vacant (its generation is even, and it is on no list now). So no claim
-        // succeeds, and this call alone touches it until `state` is stored.
+        // SAFETY: the slot was vacant (its generation is even, and it is on no list now). So no
+        // claim succeeds, and this call alone touches it until `state` is stored.
         unsafe { *slot.value.get() = Some(value) };
         slot.state.store(generation << 1, Ordering::Release);
         Ok(self.kind << 56 | generation << 24 | k as u64)
@@ -260,7 +261,8 @@ pub(crate) fn lost(name: &str) -> lc_status {
     )
 }
 
-/// An object, and whether a call is using it. If it is in use when a call starts, the last call panicked.
+/// An object, and whether a call is using it. If it is in use when a call starts, the last call
+/// panicked.
 pub(crate) struct Watched<T> {
     value: T,
     is_used: bool,

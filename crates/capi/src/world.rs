@@ -6,7 +6,8 @@ use crate::memory::Plain;
 
 /// A body of a checker: a robot body, an object that the robot carries, or an obstacle.
 ///
-/// It is valid in its checker, and in copies made later, until the body is removed. It is never used again.
+/// It is valid in its checker, and in copies made later, until the body is removed. It is never
+/// used again.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct lc_world_body {
@@ -43,7 +44,8 @@ pub(crate) fn id(body: lc_world_body) -> WorldId {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct lc_near {
-    /// The first body; zero if there is no pair: then the distances are infinite and all else is zero.
+    /// The first body; zero if there is no pair: then the distances are infinite and all else is
+    /// zero.
     pub a: lc_world_body,
     /// The second body.
     pub b: lc_world_body,

@@ -1,4 +1,5 @@
-//! Promise: answers through C have the bits of the answers in Rust, for 10,000 queries of every kind.
+//! Promise: answers through C have the bits of the answers in Rust, for 10,000 queries of every
+//! kind.
 
 use std::ptr::{null, null_mut};
 
@@ -537,7 +538,8 @@ fn checkers_have_the_bits_of_rust() {
         flags: 0,
         reserved: 0,
     };
-    // SAFETY: files of the stated size, whose texts live until the call ends, and a place for a handle.
+    // SAFETY: files of the stated size, whose texts live until the call ends, and a place for a
+    // handle.
     let c = written(|out| unsafe { lc_checker_load(&files, size_of::<lc_robot_files>(), out) });
     let q: Vec<f64> = (0..6 * 5000).map(|_| random.uniform()).collect();
     compare_checkers(&mut rust, c, &q, 6);

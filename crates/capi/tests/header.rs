@@ -1,4 +1,5 @@
-//! Promise: `include/lin_canny.h` is the header of the sources, and the interface stays small enough to be read.
+//! Promise: `include/lin_canny.h` is the header of the sources, and the interface stays small
+//! enough to be read.
 //!
 //! `UPDATE=1 cargo test --test header` writes the header.
 

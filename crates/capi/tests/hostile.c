@@ -159,7 +159,7 @@ static void pairs(void) {
   char *text = NULL;
   EXPECT(lc_pair_replay(p, &here, &there, &text), LC_OK);
   EXPECT(lc_replay_answer(text, 7, &answers[0], sizeof *answers), LC_OK);
-  TRUE(answers[0].distance == o.distance && answers[0].lower <= o.upper);
+  TRUE(answers[0].lower <= o.upper && o.lower <= answers[0].upper);
   lc_text_free(text);
   EXPECT(lc_replay_answer("no replay", 7, &answers[0], sizeof *answers), LC_REFUSED);
   EXPECT(lc_replay_answer("\xff\xfe", 7, &answers[0], sizeof *answers), LC_ARGUMENT);
