@@ -373,10 +373,14 @@ fn rays_have_the_bits_of_rust() {
     for (geometry, handle) in geometries() {
         let pose = random.pose(0.5);
         let rays: Vec<lc_ray> = (0..1000)
-            .map(|_| lc_ray {
-                origin: random.vector(3.0),
-                direction: random.vector(1.0),
-                length: 5.0,
+            .map(|_| {
+                // Towards the geometry.
+                let (origin, target) = (random.vector(3.0), random.vector(0.8));
+                lc_ray {
+                    origin,
+                    direction: std::array::from_fn(|k| target[k] - origin[k]),
+                    length: 5.0,
+                }
             })
             .collect();
         let mut found = Vec::<lc_ray_hit>::with_capacity(rays.len());
@@ -421,12 +425,11 @@ fn scenes_have_the_bits_of_rust() {
         .overlap(true)
         .within(0.25)
         .distance(1.0)
-        .features(true)
-        .depth(true);
+        .features(true);
     rust.set_queries(group, group, queries).unwrap();
     rust.set_queries(group, one, queries).unwrap();
     let queries = lc_queries {
-        flags: LC_QUERY_OVERLAP | LC_QUERY_WITHIN | LC_QUERY_DISTANCE | LC_QUERY_FEATURES | LC_QUERY_DEPTH,
+        flags: LC_QUERY_OVERLAP | LC_QUERY_WITHIN | LC_QUERY_DISTANCE | LC_QUERY_FEATURES,
         reserved: 0,
         within: 0.25,
         distance: 1.0,
