@@ -14,7 +14,7 @@ static int run(const std::string &folder) {
   std::printf("%zu coordinates, the first is %s\n", n, checker.coordinate_name(0).c_str());
 
   std::vector<double> home(n, 0.0), other(n, 0.0);
-  other[0] = 1.0;
+  other[1] = 0.4;
   const lc_near near = checker.clearance(home.data());
   std::printf("closest at home: %s and %s, %.6f in [%.12f, %.12f]\n", checker.name(near.a).c_str(),
               checker.name(near.b).c_str(), near.distance, near.lower, near.upper);
@@ -24,7 +24,7 @@ static int run(const std::string &folder) {
 
   // A ball where the arm passes halfway: the verdict names the pair and brackets the time.
   std::vector<double> middle = home;
-  middle[0] = 0.5;
+  middle[1] = 0.2;
   const lc_near halfway = checker.clearance(middle.data());
   const double *p = halfway.point_on_a;
   const lc_world_body ball = checker.add_obstacle("ball", Geometry::ball(0.02), at(p[0], p[1], p[2]));

@@ -455,7 +455,7 @@ fn scenes_have_the_bits_of_rust() {
         bodies.push((id, body));
     }
     let (mut compared, mut events) = (0, 0);
-    for _ in 0..60 {
+    for _ in 0..80 {
         for (id, body) in &bodies {
             let pose = random.pose(4.0);
             rust.set_pose(*id, pose).unwrap();
