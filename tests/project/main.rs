@@ -5,3 +5,4 @@ mod layering;
 mod links;
 mod locks;
 mod readme;
+mod unsafe_code;
