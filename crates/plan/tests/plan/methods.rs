@@ -3,7 +3,7 @@
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Checker, EdgeKind, Plan, PlanMethod, PlanOptions, PlanarSpace, RigidSpace, World};
+use lin_canny_plan::{Checker, ConfigurationSpace, EdgeKind, Plan, PlanMethod, PlanOptions, PlanarSpace, RigidSpace, World};
 
 /// A rectangle in the plane, and two walls with a gap in which it fits lengthwise only.
 fn gap(half: f64) -> (Checker<PlanarSpace>, [[f64; 3]; 2]) {
@@ -173,4 +173,40 @@ fn a_search_without_queries_ends() {
     let trees = options(PlanMethod::RrtConnect, 1).samples(3000);
     let found = checker.plan(&at(-3.0), &at(3.0), &trees).expect("free ends");
     assert_eq!((found.path, found.work.samples), (None, 3000));
+}
+
+/// Shortening without tries removes corners as passes over all of them do, but tries none twice.
+#[test]
+fn corners_are_tried_once() {
+    let (mut ours, mut theirs) = (0, 0);
+    for seed in 0..6 {
+        let found = plan(0.14, &options(PlanMethod::Opportunistic, seed));
+        let path = found.path.expect("there is a way");
+        let (mut checker, _) = gap(0.14);
+        let before = checker.work().segments;
+        let short = checker.shorten(&path, 0, 1).expect("a path");
+        // The passes after the random tries find nothing new.
+        ours += checker.work().segments - before;
+        let (mut judge, _) = gap(0.14);
+        let (mut passes, mut left) = (path.clone(), usize::MAX);
+        while passes.len() < left {
+            left = passes.len();
+            let mut k = 1;
+            while k + 1 < passes.len() {
+                let way = judge.path_length(&passes[k - 1..=k + 1]);
+                let ends = [passes[k - 1].clone(), passes[k + 1].clone()];
+                let is_shorter = judge.space().distance(&ends[0], &ends[1]) <= way;
+                theirs += u64::from(is_shorter);
+                if is_shorter && judge.is_free(&ends[0], &ends[1]).expect("a segment") {
+                    passes.remove(k);
+                } else {
+                    k += 1;
+                }
+            }
+        }
+        assert_eq!(short, passes, "seed {seed}");
+        assert!(judge.certify_path(&short).expect("a path").1.is_free());
+    }
+    println!("{ours} segments instead of {theirs}");
+    assert!(ours < theirs, "{ours} {theirs}");
 }
