@@ -33,7 +33,7 @@ const STEP: f64 = 1.0 / 6.0;
 const REACH: f64 = 4.0;
 
 /// Maximum number of nodes of a tree among which the nearest is searched. Not measured.
-const MANY: usize = 4096;
+const MANY: usize = 512;
 
 /// Maximum number of steps from a new node to the other tree. Not measured.
 const STEPS: f64 = 1024.0;
