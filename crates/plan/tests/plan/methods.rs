@@ -85,7 +85,11 @@ fn the_methods_take_turns_on_hard_problems() {
         let each = [PlanMethod::RrtConnect, PlanMethod::Opportunistic]
             .map(|method| plan(half, &options(method, seed).samples(4000)));
         let both = plan(half, &options(PlanMethod::Alternate, seed));
-        println!("gap {half} seed {seed}: {} of {:?}", steps(&both), each.each_ref().map(steps));
+        println!(
+            "gap {half} seed {seed}: {} of {:?}",
+            steps(&both),
+            each.each_ref().map(steps)
+        );
         let path = both.path.as_ref().expect("one of the methods finds a path");
         let found = each.iter().position(|plan| plan.path.as_ref() == Some(path));
         match found.expect("the path is that of one of the methods") {
