@@ -3,12 +3,14 @@
 use core::fmt;
 use std::collections::{BTreeMap, BTreeSet};
 use std::string::{String, ToString};
+use std::sync::Arc;
 use std::vec::Vec;
 
 use nalgebra::Isometry3;
 
 use crate::error::PlanError;
 use crate::extremes::Extremes;
+use crate::mesh_hull::MeshHull;
 use crate::names::nearest_name;
 use crate::timed_poses::TimedPoses;
 use lin_canny::{EXTENT_MAX, Geometry, GeometryKind, RelativePose, normalize_rotation};
@@ -28,15 +30,18 @@ use lin_canny::{EXTENT_MAX, Geometry, GeometryKind, RelativePose, normalize_rota
     serde(try_from = "crate::persist::StoredWorld", into = "crate::persist::StoredWorld")
 )]
 pub struct World {
-    pub(crate) robot: Vec<(String, Geometry)>,
+    /// Shared by all copies of the world, as the geometries are.
+    pub(crate) robot: Arc<Vec<(String, Geometry)>>,
     /// Names of frames. A body of the space has each of them.
-    pub(crate) frames: Vec<(String, Frame)>,
+    pub(crate) frames: Arc<Vec<(String, Frame)>>,
     /// `None` for an object that was detached.
     pub(crate) attached: Vec<Option<AttachedObject>>,
     /// `None` for an obstacle that was removed.
     pub(crate) obstacles: Vec<Option<(String, Geometry, Isometry3<f64>)>>,
     /// The poses of the obstacles that move; their poses in `obstacles` are the first.
     pub(crate) motions: BTreeMap<WorldId, TimedPoses>,
+    /// The hulls of the bodies that are meshes.
+    pub(crate) hulls: BTreeMap<WorldId, MeshHull>,
     pub(crate) excluded: BTreeSet<WorldPair>,
     pub(crate) margin: f64,
     pub(crate) paddings: BTreeMap<WorldId, f64>,
@@ -179,8 +184,10 @@ impl World {
 
     /// Adds a robot body.
     pub fn robot_body(&mut self, name: impl ToString, shape: impl Into<Geometry>) -> WorldId {
-        self.robot.push((name.to_string(), shape.into()));
-        WorldId::Robot(self.robot.len() - 1)
+        Arc::make_mut(&mut self.robot).push((name.to_string(), shape.into()));
+        let id = WorldId::Robot(self.robot.len() - 1);
+        self.note_hull(id);
+        id
     }
 
     /// Names the frame of a body of the space that has no geometry, such as the tool flange.
@@ -189,14 +196,56 @@ impl World {
     /// bodies, in the order of these calls.
     pub fn bare_frame(&mut self, name: impl ToString) {
         let bare = self.bare_frames();
-        self.frames.push((name.to_string(), Frame::Bare(bare)));
+        Arc::make_mut(&mut self.frames).push((name.to_string(), Frame::Bare(bare)));
     }
 
     /// Names the frame of a robot body, if it differs from the body's name.
     ///
     /// Without this call, a name stands for the frame of the first robot body that has it.
     pub fn body_frame(&mut self, name: impl ToString, body: usize) {
-        self.frames.push((name.to_string(), Frame::Robot(body)));
+        Arc::make_mut(&mut self.frames).push((name.to_string(), Frame::Robot(body)));
+    }
+
+    /// Returns this world without its obstacles.
+    ///
+    /// The robot, its attached objects, and what their pairs must keep are the same.
+    ///
+    /// The result shares all shapes with this world, so that checkers of many cells need the robot
+    /// only once.
+    ///
+    /// ```
+    /// use lin_canny::Shape;
+    /// use lin_canny::nalgebra::Isometry3;
+    /// use lin_canny_plan::{Checker, TranslationSpace, World};
+    ///
+    /// let mut world = World::new();
+    /// world.robot_body("drone", Shape::ball(0.1)?);
+    /// world.obstacle("mast", Shape::ball(0.1)?, Isometry3::identity());
+    /// let space = TranslationSpace::new([[-4.0, 4.0]; 3], Default::default(), 1)?;
+    /// let mut first = Checker::new(space.clone(), world)?;
+    /// assert!(!first.is_free_at(&[0.0; 3])?);
+    ///
+    /// let mut world = first.world().without_obstacles();
+    /// world.obstacle("wall", Shape::ball(0.5)?, Isometry3::translation(2.0, 0.0, 0.0));
+    /// let mut second = Checker::new(space, world)?;
+    /// assert!(second.is_free_at(&[0.0; 3])?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn without_obstacles(&self) -> Self {
+        let is_kept = |id: &WorldId| !matches!(id, WorldId::Obstacle(_));
+        Self {
+            robot: self.robot.clone(),
+            frames: self.frames.clone(),
+            attached: self.attached.clone(),
+            obstacles: Vec::new(),
+            motions: BTreeMap::new(),
+            hulls: entries(&self.hulls, is_kept),
+            excluded: self.excluded.iter().filter(|pair| is_kept(&pair.b)).copied().collect(),
+            margin: self.margin,
+            paddings: entries(&self.paddings, is_kept),
+            margins: entries(&self.margins, |pair: &WorldPair| is_kept(&pair.b)),
+        }
     }
 
     /// Returns the number of bodies of the space without geometry.
@@ -208,7 +257,9 @@ impl World {
     /// Adds an obstacle at a pose in the world.
     pub fn obstacle(&mut self, name: impl ToString, shape: impl Into<Geometry>, pose: Isometry3<f64>) -> WorldId {
         self.obstacles.push(Some((name.to_string(), shape.into(), pose)));
-        WorldId::Obstacle(self.obstacles.len() - 1)
+        let id = WorldId::Obstacle(self.obstacles.len() - 1);
+        self.note_hull(id);
+        id
     }
 
     /// Adds an obstacle that moves: it has these poses in the world at times on a clock.
@@ -300,6 +351,7 @@ impl World {
             if let Some(obstacle) = self.obstacle_mut(*id) {
                 obstacle.1 = geometry.clone();
             }
+            self.note_hull(*id);
         }
         Ok(found)
     }
@@ -361,6 +413,7 @@ impl World {
             pose: normalized_once(&pose),
             frame,
         }));
+        self.note_hull(id);
         self.excluded
             .extend(touched.into_iter().filter_map(|body| WorldPair::new(id, body)));
         Ok(id)
@@ -417,6 +470,7 @@ impl World {
     fn forget_body(&mut self, id: WorldId) {
         self.paddings.remove(&id);
         self.motions.remove(&id);
+        self.hulls.remove(&id);
         let robot = (0..self.robot.len()).map(WorldId::Robot);
         let attached = (0..self.attached.len()).map(WorldId::Attached);
         let mut partners: Vec<WorldId> = robot.chain(attached).collect();
@@ -592,14 +646,31 @@ impl World {
         }
     }
 
+    /// Prepares the hull of a body that is new or has a new geometry, if it is a mesh.
+    pub(crate) fn note_hull(&mut self, id: WorldId) {
+        match self.geometry(id).is_some_and(|body| body.kind() == GeometryKind::Mesh) {
+            true => self.hulls.insert(id, MeshHull::default()),
+            false => self.hulls.remove(&id),
+        };
+    }
+
+    /// Returns the convex bodies that contain those of a pair, with hulls in place of meshes.
+    ///
+    /// Returns `None` if no body is a mesh, or if a body has no hull and is not convex.
+    pub(crate) fn hulls(&self, pair: WorldPair) -> Option<[&Geometry; 2]> {
+        if self.hulls.is_empty() {
+            return None;
+        }
+        let meshes = [pair.a, pair.b].map(|id| self.hulls.get(&id));
+        if meshes.iter().all(Option::is_none) {
+            return None;
+        }
+        let [a, b] = self.shapes(pair);
+        Some([hull(meshes[0], a)?, hull(meshes[1], b)?])
+    }
+
     /// Returns whether a body is not convex, so that a distance costs many times a predicate.
     pub(crate) fn has_parts(&self) -> bool {
-        let is_convex = |shape: &Geometry| {
-            matches!(
-                shape,
-                Geometry::Polyhedron(_) | Geometry::Convex(_) | Geometry::HalfSpace(_)
-            )
-        };
         let attached = self.attached.iter().flatten().map(|o| &o.geometry);
         let obstacles = self.obstacles.iter().flatten().map(|o| &o.1);
         !self
@@ -614,7 +685,11 @@ impl World {
     /// Returns an error if something refers to a body or frame that does not exist, or if a length
     /// is out of range.
     pub(crate) fn validate(&self) -> Result<(), PlanError> {
-        let has = |id: WorldId| self.select(id).map(|_| ());
+        let has = |id: WorldId| match self.contains(id) {
+            true => Ok(()),
+            // The error says why.
+            false => self.select(id).map(|_| ()),
+        };
         let bare = self.bare_frames();
         let objects = self.attached().map(|(_, object)| (&object.name, &object.geometry));
         let moving = self
@@ -638,7 +713,7 @@ impl World {
                 }
             }
         }
-        for (_, frame) in &self.frames {
+        for (_, frame) in self.frames.iter() {
             if let Frame::Robot(k) = *frame {
                 has(WorldId::Robot(k))?;
             }
@@ -878,6 +953,27 @@ impl World {
         let pad = pads.map(|(_, pad)| *pad).fold(0.0, f64::larger);
         (most + pad, margins().fold(self.margin, f64::smaller))
     }
+}
+
+/// Returns the convex body that contains a body: itself or its hull.
+fn hull<'a>(mesh: Option<&'a MeshHull>, shape: &'a Geometry) -> Option<&'a Geometry> {
+    match mesh {
+        Some(hull) => hull.of(shape),
+        None => Some(shape).filter(|shape| is_convex(shape)),
+    }
+}
+
+/// Returns the entries of a map whose keys are kept.
+fn entries<K: Copy + Ord, V: Clone>(map: &BTreeMap<K, V>, is_kept: impl Fn(&K) -> bool) -> BTreeMap<K, V> {
+    let kept = map.iter().filter(|(key, _)| is_kept(key));
+    kept.map(|(key, value)| (*key, value.clone())).collect()
+}
+
+fn is_convex(shape: &Geometry) -> bool {
+    matches!(
+        shape,
+        Geometry::Polyhedron(_) | Geometry::Convex(_) | Geometry::HalfSpace(_)
+    )
 }
 
 /// Returns the pose with a normalised rotation. A rotation that was normalised before keeps its
