@@ -15,9 +15,11 @@ macro_rules! warn {
 }
 
 mod audit;
+mod audit_page;
 mod cell;
 mod certify;
 mod clearance;
+mod drawing;
 mod film;
 mod grid;
 mod ignorable;
