@@ -191,8 +191,11 @@ fn random_curves_are_as_the_verdict_says() {
 #[test]
 #[ignore = "10,000 curves at 10,000 places: cargo test --release -p lin-canny-plan --test plan curves::ten_thousand -- --ignored --nocapture"]
 fn ten_thousand_curves_are_as_the_verdict_says() {
-    for (seed, (name, robot)) in (2..).zip(robots()) {
-        println!("{name}: {:?}", judged(robot, 2500, 10_000, seed));
+    let chosen = crate::chosen_robots(0..4);
+    for (k, (name, robot)) in (0..).zip(robots()) {
+        if chosen.contains(&k) {
+            println!("{name}: {:?}", judged(robot, 2500, 10_000, k + 2));
+        }
     }
 }
 
