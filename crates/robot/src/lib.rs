@@ -204,7 +204,7 @@ mod urdf;
 mod xml;
 mod yaml;
 
-pub use audit::{AuditVerdict, LinkAudit, audit};
+pub use audit::{AuditVerdict, LinkAudit, audit, audit_pair};
 pub use cell::{BodyName, Cell, Obstacle};
 pub use cell_body::AttachedBody;
 pub use error::{FileError, FileErrorKind, Skipped};
