@@ -1039,6 +1039,10 @@ fn trajectories_are_certified() {
         ["turn=0", "turn=0.001", "lift=0.6", "turm=1", "turn=-1"].map(tube),
         [0, 0, 1, 3, 2]
     );
+    // A tube that is not free: a configuration in it that is in contact.
+    let wide = ["--trajectory", &above, "--rest", &others, "--tube", "lift=0.6"];
+    let (_, text) = run("certify", &with(&wide));
+    assert!(text.contains("not free in the tube at ") && text.contains(" lift="), "{text}");
     let both = ["--trajectory", "carry.csv", "--joints", "carry.csv"];
     assert_eq!(run("certify", &with(&both)).0, 2);
     assert_eq!(run("certify", &with(&[])).0, 2);
@@ -1132,7 +1136,7 @@ fn the_page_of_an_audit_draws_each_pair() {
     );
     assert_eq!(
         all("title")
-            .filter(|t| t.text() == Some("base – <floor> & \"mat\""))
+            .filter(|t| t.text() == Some("gripper – <floor> & \"mat\""))
             .count(),
         1
     );

@@ -149,7 +149,7 @@ fn title(one: &LinkAudit) -> String {
 fn clearance(one: &LinkAudit) -> String {
     match one.verdict {
         AuditVerdict::Never => distance(one.lower, one.upper),
-        AuditVerdict::Open => format!("{:.1e} left, {}", one.open, distance(one.lower, one.lower)),
+        AuditVerdict::Open => format!("{:.1e} left, at least {}", one.open, distance(one.lower, one.lower)),
         _ => "meet".to_owned(),
     }
 }

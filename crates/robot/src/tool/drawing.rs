@@ -24,6 +24,9 @@ const CUBES: u32 = 32;
 const VIEWER: Vector3<f64> = Vector3::new(1.0, -0.75, 0.62);
 const LIGHT: Vector3<f64> = Vector3::new(0.5, -0.9, 1.6);
 
+/// Part of the view along the line between the closest points.
+const TILT: f64 = 0.2;
+
 /// Number of tones of a colour.
 const TONES: usize = 8;
 
@@ -120,9 +123,11 @@ impl Drawing {
     /// Returns the view in which everything fills the picture, across the line between the points.
     fn view(&self, points: Option<[Point3<f64>; 2]>) -> View {
         let gap = points.and_then(|[p, q]| (q - p).try_normalize(f64::MIN_POSITIVE));
-        let across = gap.map_or(VIEWER, |gap| VIEWER - gap * VIEWER.dot(&gap));
+        let gap = gap.map_or(Vector3::zeros(), |gap| if gap.z < 0.0 { -gap } else { gap });
+        let across = VIEWER - gap * VIEWER.dot(&gap);
         let across = if across.norm() > 0.3 { across } else { Vector3::y() };
-        let near = across.normalize();
+        // A little along the gap as well, so that faces which bound it are seen.
+        let near = (across.normalize() + gap * TILT).normalize();
         let right = Vector3::z().cross(&near).try_normalize(1e-3).unwrap_or_else(Vector3::x);
         let up = near.cross(&right);
         let corners = self.triangles.iter().flat_map(|(corners, ..)| corners);
