@@ -1042,7 +1042,10 @@ fn trajectories_are_certified() {
     // A tube that is not free: a configuration in it that is in contact.
     let wide = ["--trajectory", &above, "--rest", &others, "--tube", "lift=0.6"];
     let (_, text) = run("certify", &with(&wide));
-    assert!(text.contains("not free in the tube at ") && text.contains(" lift="), "{text}");
+    assert!(
+        text.contains("not free in the tube at ") && text.contains(" lift="),
+        "{text}"
+    );
     let both = ["--trajectory", "carry.csv", "--joints", "carry.csv"];
     assert_eq!(run("certify", &with(&both)).0, 2);
     assert_eq!(run("certify", &with(&[])).0, 2);

@@ -167,7 +167,7 @@ fn a_width_of_zero_ends_at_its_budget_with_tight_bounds() {
 #[test]
 fn twenty_joints_are_bounded_together() {
     let joint = |k: usize| {
-        let axis = if k % 2 == 0 {
+        let axis = if k.is_multiple_of(2) {
             Vector3::z_axis()
         } else {
             Vector3::y_axis()
