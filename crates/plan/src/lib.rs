@@ -41,7 +41,7 @@
 //! | May a part leave the table on which it lies? | [`Checker::set_start_contact_margin`], then `certify` | [`Verdict::Free`] with the contacts that are left |
 //! | Is a path free? | [`Checker::certify_path`] | the first segment that is not free |
 //! | Is a polynomial curve or a spline free? | [`Checker::certify_curve`], [`certify_spline`](Checker::certify_spline) | [`Verdict`] for a [`JointCurve`] |
-//! | And with a tracking error of each joint? | [`Checker::certify_curve_tube`] | [`Verdict`] for all motions within the error |
+//! | And with a tracking error of each joint? | [`Checker::certify_curve_tube`], [`tube_contact`](Checker::tube_contact) | [`Verdict`] for all motions within the error; a contact within it |
 //! | How does a robot execute a path smoothly, within its limits? | [`Checker::smooth`] | rows of times, positions and velocities, and curves proven free |
 //! | And among obstacles that move? | [`World::moving_obstacle`], [`JointCurve::with_times`], then `certify_curve` | [`Verdict`] on one clock |
 //! | Are all motions near a segment free? | [`Checker::certify_tube`] | [`Verdict`] for all motions within a distance of the segment |
@@ -219,6 +219,7 @@ mod timed_poses;
 mod tolerance;
 mod tree;
 mod tree_motion;
+mod tube;
 mod verdict;
 mod world;
 

@@ -142,7 +142,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// margin of the checker holds inside the tube.
     ///
     /// `Blocked` and `Undecided` mean that a pair comes closer on the curve than the margin plus a
-    /// bound of what the tube moves. A free motion may still exist in such a tube.
+    /// bound of what the tube moves. A free motion may still exist in such a tube;
+    /// [`tube_contact`](Self::tube_contact) searches for a configuration that is in contact.
     ///
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -168,6 +169,21 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns an error as [`certify_curve`](Self::certify_curve) does, or if `tube` has a wrong
     /// length or an entry that is negative or not finite, or if the space has no tubes.
     pub fn certify_curve_tube(&mut self, curve: &JointCurve, tube: &[f64]) -> Result<Verdict, PlanError> {
+        let motion = self.check_tube(curve, tube)?;
+        self.joint_tube = if tube.iter().all(|x| *x == 0.0) {
+            Vec::new()
+        } else {
+            tube.into()
+        };
+        let start_contact = self.start_contact_margin.take();
+        let verdict = self.judged(&motion, false);
+        self.start_contact_margin = start_contact;
+        self.joint_tube = Vec::new();
+        verdict
+    }
+
+    /// Returns the motion along a curve, after a check of the curve and of a tube of joints.
+    pub(crate) fn check_tube(&mut self, curve: &JointCurve, tube: &[f64]) -> Result<C::Segment, PlanError> {
         let refused = |what, value| Err(PlanError::Value { what, value });
         let (expected, found) = (self.space.coordinates(), tube.len());
         if found != expected {
@@ -185,16 +201,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         if self.space.bodies() > 0 && motion.spread(ball, None, 0.0, 1.0, tube).is_none() {
             return refused("length of a tube in a space without joints", expected as f64);
         }
-        self.joint_tube = if tube.iter().all(|x| *x == 0.0) {
-            Vec::new()
-        } else {
-            tube.into()
-        };
-        let start_contact = self.start_contact_margin.take();
-        let verdict = self.judged(&motion, false);
-        self.start_contact_margin = start_contact;
-        self.joint_tube = Vec::new();
-        verdict
+        Ok(motion)
     }
 
     /// Returns the length of a path, the sum of [`ConfigurationSpace::distance`].

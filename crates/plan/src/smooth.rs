@@ -456,3 +456,86 @@ fn blend([one, other]: [&Leg; 2], reach: f64, options: &SmoothOptions) -> Result
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arm::{Joint, SerialArm};
+    use crate::world::World;
+    use lin_canny::polyhedron::solids;
+    use nalgebra::{Isometry3, Vector3};
+
+    /// A block on two rails, far from a post.
+    fn block() -> Checker<SerialArm> {
+        let origin = Isometry3::identity();
+        let rail = |axis| Joint::prismatic(origin, axis, [-9.0, 9.0]);
+        let rails = std::vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
+        let arm = SerialArm::new(origin, rails, std::vec![2], 0.1).expect("an arm");
+        let cube = |half: f64| solids::cuboid(Vector3::repeat(half)).expect("a box");
+        let mut world = World::new();
+        world.robot_body("block", cube(0.1));
+        world.obstacle("post", cube(0.1), Isometry3::translation(5.0, 5.0, 0.0));
+        Checker::new(arm, world).expect("a world")
+    }
+
+    /// Legs and corners that are planned for limits which are larger than those of the options.
+    fn planned(checker: &Checker<SerialArm>, faster: f64) -> (Vec<Leg>, Vec<Corner>, Limits) {
+        let lax = SmoothOptions::new([faster; 2], [4.0 * faster; 2]);
+        let mut limits = checker.limits(&lax).expect("limits");
+        let path = [[-1.0, 0.0], [0.0, 1.0], [1.0, 0.5]].map(Vec::from);
+        let legs: Vec<Leg> = (0..2)
+            .map(|k| Leg::new(k, path[k].clone(), path[k + 1].clone(), &limits))
+            .collect();
+        limits.set_shortest(&legs);
+        let middle = Corner::new([&legs[0], &legs[1]], &limits, f64::INFINITY);
+        (legs, std::vec![Corner::STOP, middle, Corner::STOP], limits)
+    }
+
+    #[test]
+    fn a_motion_that_is_too_fast_is_slowed_down_on_the_same_curve() {
+        for is_smooth in [false, true] {
+            let options = SmoothOptions::new([1.0; 2], [4.0; 2]).continuous_acceleration(is_smooth);
+            for (faster, halvings) in [(0.5, 0), (1.5, 1), (3.5, 2), (100.0, 7)] {
+                let mut checker = block();
+                let (legs, corners, limits) = planned(&checker, faster);
+                let mut rows = Rows::new(&legs, &corners, &limits);
+                let before = curves(&rows, &options).expect("curves");
+                let mut count = 0;
+                while exceeded(&curves(&rows, &options).expect("curves"), &rows.times, &options).is_some() {
+                    rows.slow_down();
+                    count += 1;
+                }
+                // Twice the time is a half of the velocities and a quarter of the accelerations.
+                assert!(count <= halvings && (count > 0) == (halvings > 0), "{faster}: {count}");
+                if !is_smooth {
+                    // The product of velocity and duration does not change, so the curves have the same bits.
+                    assert_eq!(curves(&rows, &options).expect("curves"), before);
+                }
+                let go = &mut |_| ControlFlow::Continue(());
+                let found = checker
+                    .pieces(&legs, &corners, &limits, &options, go)
+                    .expect("a motion");
+                let (motion, failed) = found.expect("not stopped");
+                assert!(failed.is_empty());
+                assert_eq!((&motion.times, &motion.velocities), (&rows.times, &rows.velocities));
+                assert_eq!(exceeded(&motion.curves, &motion.times, &options), None);
+            }
+        }
+    }
+
+    #[test]
+    fn a_limit_that_no_motion_keeps_is_an_error() {
+        let mut checker = block();
+        let (legs, corners, limits) = planned(&checker, 1.0);
+        let options = SmoothOptions::new([1.0, 1e-30], [4.0; 2]);
+        let go = &mut |_| ControlFlow::Continue(());
+        let found = checker.pieces(&legs, &corners, &limits, &options, go);
+        let (what, coordinate, value) = ("velocity", 1, 1e-30);
+        let expected = PlanError::Limit {
+            what,
+            coordinate,
+            value,
+        };
+        assert_eq!(found.map(|_| ()), Err(expected));
+    }
+}

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use lin_canny::Progress;
 use lin_canny_plan::{
     Checker, ConfigurationSpace, JointTree, PlanError, RangeAnswer, RangeOptions, RangeVerdict, WorldId, WorldPair,
+    nearest_name,
 };
 
 use crate::srdf::{ExcludedPair, Srdf};
@@ -117,6 +118,45 @@ pub fn audit(
                 found.push(one);
             }
         }
+    }
+    Ok(found)
+}
+
+/// Proves whether two links, or a link and an obstacle, can meet at any configuration of a range.
+///
+/// `low` and `high` hold the least and the greatest value of each coordinate. This is one row of
+/// [`audit`] over a part of the limits: a large audit may be divided into cells that run apart. Two
+/// links never meet if they never do in any cell, and always if they do in every cell.
+///
+/// # Errors
+/// Returns an error if a name does not exist, or as [`Checker::prove_pair`] does.
+pub fn audit_pair(
+    checker: &mut Checker<JointTree>,
+    names: [&str; 2],
+    [low, high]: [&[f64]; 2],
+    options: &RangeOptions,
+) -> Result<LinkAudit, PlanError> {
+    let world = checker.world();
+    let of = |name: &str| {
+        world
+            .bodies()
+            .filter(|body| body.1 == name)
+            .map(|body| body.0)
+            .collect()
+    };
+    let [a, b]: [Vec<WorldId>; 2] = names.map(of);
+    for (ids, name) in [(&a, names[0]), (&b, names[1])] {
+        if ids.is_empty() {
+            let near = nearest_name(name, world.bodies().map(|body| body.1));
+            let name = name.to_owned();
+            return Err(PlanError::Unnamed { name, near });
+        }
+    }
+    let mut found = LinkAudit::new(names.map(str::to_owned));
+    for (x, y) in a.iter().flat_map(|x| b.iter().map(move |y| (*x, *y))) {
+        let began = Instant::now();
+        let answer = checker.prove_pair(x, y, low, high, options)?;
+        found.add(answer, began.elapsed());
     }
     Ok(found)
 }

@@ -1104,6 +1104,13 @@ fn trajectories_are_certified() {
         ["turn=0", "turn=0.001", "lift=0.6", "turm=1", "turn=-1"].map(tube),
         [0, 0, 1, 3, 2]
     );
+    // A tube that is not free: a configuration in it that is in contact.
+    let wide = ["--trajectory", &above, "--rest", &others, "--tube", "lift=0.6"];
+    let (_, text) = run("certify", &with(&wide));
+    assert!(
+        text.contains("not free in the tube at ") && text.contains(" lift="),
+        "{text}"
+    );
     let both = ["--trajectory", "carry.csv", "--joints", "carry.csv"];
     assert_eq!(run("certify", &with(&both)).0, 2);
     assert_eq!(run("certify", &with(&[])).0, 2);
@@ -1157,6 +1164,73 @@ fn an_audit_proves_pairs_and_refutes_an_srdf() {
     assert!(code == 3 && text.contains("broken.json"), "{text}");
     let (code, text) = run("audit", &["--seconds", "0"]);
     assert!(code == 4 && text.contains("need more cells: --cells"), "{text}");
+}
+
+#[test]
+fn the_page_of_an_audit_draws_each_pair() {
+    let [page, table] = ["audit.html", "audit.csv"].map(|name| scratch(name, ""));
+    let claimed = r#"<robot name="gripper arm">
+        <disable_collisions link1="base" link2="upper arm" reason="Never"/>
+        <disable_collisions link1="base" link2="gripper" reason="Never"/>
+        </robot>"#;
+    let srdf = scratch("claimed.srdf", claimed);
+    // A name that must be escaped, and a half-space.
+    let cell = scratch(
+        "floor.json",
+        r#"{"bodies": [{"name": "<floor> & \"mat\"", "half_space": {"normal": [0, 0, 1], "offset": -0.5}}]}"#,
+    );
+    let arguments = ["--srdf", &srdf, "--cell", &cell, "--csv", &table, "--report", &page];
+    let (code, text) = run("audit", &[&arguments[..], &["--cells", "100", "--width", "0"]].concat());
+    assert_eq!(code, 1, "{text}");
+    let rows = std::fs::read_to_string(&table).expect("the table").lines().count() - 1;
+    let page = std::fs::read_to_string(&page).expect("the page");
+    // Nothing is loaded from elsewhere, and there are no scripts.
+    for word in ["http", "src=", "url(", "<script", "NaN", "inf"] {
+        assert!(!page.contains(word), "{word}");
+    }
+    // The page is well-formed XML, so names are escaped.
+    let tree = roxmltree::Document::parse_with_options(
+        &page,
+        roxmltree::ParsingOptions {
+            allow_dtd: true,
+            ..Default::default()
+        },
+    );
+    let tree = tree.expect("a page");
+    let all = |name: &'static str| tree.descendants().filter(move |node| node.has_tag_name(name));
+    assert_eq!(
+        [all("figure").count(), all("svg").count(), all("tr").count()],
+        [rows, rows, rows + 1]
+    );
+    assert_eq!(
+        all("title")
+            .filter(|t| t.text() == Some("gripper – <floor> & \"mat\""))
+            .count(),
+        1
+    );
+    for svg in all("svg") {
+        let count = |name: &str, class: &str| {
+            let each = svg.descendants().filter(|node| node.has_tag_name(name));
+            each.filter(|node| node.attribute("class").unwrap_or_default().starts_with(class))
+                .count()
+        };
+        let title = svg
+            .first_element_child()
+            .and_then(|title| title.text())
+            .expect("a title");
+        assert!(count("path", "a") > 0 && count("path", "b") > 0, "{title}");
+        assert_eq!(count("circle", ""), 2, "{title}");
+        for circle in svg.descendants().filter(|node| node.has_tag_name("circle")) {
+            let [x, y] = ["cx", "cy"].map(|name| circle.attribute(name).and_then(|x| x.parse::<f64>().ok()));
+            assert!(x.is_some_and(|x| (0.0..=4200.0).contains(&x)), "{title}");
+            assert!(y.is_some_and(|y| (0.0..=2800.0).contains(&y)), "{title}");
+        }
+    }
+    // The refuted exclusion comes first.
+    let first = all("figure").next().expect("a figure");
+    let text: String = first.descendants().filter_map(|node| node.text()).collect();
+    assert!(text.contains("base – gripper") && text.contains("turn="), "{text}");
+    assert!(page.contains("Refuted exclusions: 1."), "{page}");
 }
 
 #[test]

@@ -264,12 +264,7 @@ fn verdicts_over_random_boxes_hold_at_samples() {
 #[test]
 #[ignore = "twenty thousand boxes at ten thousand samples each: cargo test --release -p lin-canny-plan --test plan twenty_thousand_boxes -- --ignored"]
 fn verdicts_over_twenty_thousand_boxes_hold_at_samples() {
-    // A part of the robots, as `LIN_CANNY_ROBOTS=100..200`.
-    let robots = std::env::var("LIN_CANNY_ROBOTS").map_or(0..5_000, |text| {
-        let (from, to) = text.split_once("..").expect("LIN_CANNY_ROBOTS is a range");
-        from.parse().expect("the first robot")..to.parse().expect("the last robot")
-    });
-    random_boxes(robots, 10_000, 1_000);
+    random_boxes(crate::chosen_robots(0..5_000), 10_000, 1_000);
 }
 
 /// A body on joints, and an obstacle.

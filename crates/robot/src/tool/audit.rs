@@ -9,9 +9,10 @@ use lin_canny::Progress;
 use lin_canny_robot::plan::{ClearanceWidth, RangeAnswer, RangeOptions};
 use lin_canny_robot::{AuditVerdict, LinkAudit, Srdf, audit};
 
+use super::audit_page::AuditPage;
 use super::options::RobotOptions;
 use super::plan::duration;
-use super::text::distance;
+use super::text::{configuration, distance};
 use super::{End, ToolError, progress, write};
 
 #[derive(Args)]
@@ -30,6 +31,9 @@ pub(super) struct AuditOptions {
     /// Output file with one row for each pair
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
+    /// Output page with a table and a drawing of each pair at its least clearance
+    #[arg(long, value_name = "AUDIT.html")]
+    report: Option<PathBuf>,
     /// Output file with the excluded pairs as SRDF: those that never meet with the reason `Proven`
     #[arg(long, value_name = "OUT.srdf")]
     out: Option<PathBuf>,
@@ -72,14 +76,10 @@ pub(super) fn run(options: &AuditOptions) -> Result<End, ToolError> {
         }
         if let Some(claim) = reason(&one.names).filter(|claim| one.refutes(claim)) {
             end = end.max(End::Blocked);
-            let values = one.contact().unwrap_or_default().iter();
-            let each = coordinates
-                .iter()
-                .zip(values)
-                .map(|(c, value)| format!("{}={value}", c.name));
+            let values = one.contact().unwrap_or_default();
             say!(
                 "  excluded as {claim}, but meets at {}",
-                each.collect::<Vec<_>>().join(" ")
+                configuration(coordinates, values)
             );
         }
     }
@@ -97,6 +97,15 @@ pub(super) fn run(options: &AuditOptions) -> Result<End, ToolError> {
     }
     if let Some(file) = &options.csv {
         write(file, &table(&found))?;
+    }
+    if let Some(file) = &options.report {
+        let page = AuditPage {
+            robot: robot.name(),
+            coordinates,
+            found: &found,
+            reason: &reason,
+        };
+        write(file, &page.html(&checker)?)?;
     }
     if let Some(file) = &options.out {
         let srdf = Srdf::from_audit(&found, &|names| reason(names).map(str::to_owned));

@@ -9,7 +9,7 @@ use lin_canny_robot::plan::{PlanError, Verdict, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory};
 
 use super::options::{ReadRows, RestOptions, RobotOptions, not_negative};
-use super::text::{Table, fraction_below, names, place, time_at};
+use super::text::{Table, configuration, fraction_below, names, place, time_at};
 use super::{End, ToolError, check_at_rest, film, progress, receipt, write};
 
 #[derive(Args)]
@@ -134,6 +134,11 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
         if options.record.is_some() {
             verdicts.push(verdict.clone());
         }
+        let safe = verdict.safe();
+        let contact = match tube.as_ref().filter(|_| !verdict.is_free()) {
+            Some(tube) => checker.tube_contact(curve, tube, safe)?,
+            None => None,
+        };
         let mut cells = vec![from.to_string(), to.to_string()];
         match verdict {
             Verdict::Free { start_contacts, .. } => {
@@ -165,12 +170,17 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
                 end = end.max(End::Blocked);
             }
             _ => {
-                let (safe, apart) = (verdict.safe(), fraction_below(verdict.safe()));
+                let apart = fraction_below(safe);
                 bar.suspend(|| say!("{unit} {from} to {to}: undecided from {apart} of the segment on"));
                 cells.extend(["undecided".into(), safe.to_string()]);
                 cells.extend(["", "", "", ""].map(String::from));
                 end = end.max(End::Unknown);
             }
+        }
+        if let Some((t, q)) = contact {
+            let at = place(t, time_at(&path, k, t));
+            let values = configuration(setup.coordinates(), &q);
+            bar.suspend(|| say!("  not free in the tube {at}: {values}"));
         }
         table.row(&cells);
     }

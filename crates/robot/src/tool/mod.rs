@@ -15,10 +15,12 @@ macro_rules! warn {
 }
 
 mod audit;
+mod audit_page;
 mod cell;
 mod certify;
 mod clearance;
 mod cover;
+mod drawing;
 mod film;
 mod grid;
 mod ignorable;

@@ -3,8 +3,8 @@
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write};
 
-use lin_canny_robot::Trajectory;
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, WorldPair};
+use lin_canny_robot::{Coordinate, Trajectory};
 
 /// Writes a text to stdout. If its reader has gone, as in `... | head`, the text is dropped: the
 /// command still writes its files, and its exit code is that of the result.
@@ -54,6 +54,13 @@ fn five_digits(x: f64) -> String {
         size if size < 1e-3 => format!("{x:.4e}"),
         size => format!("{x:.0$}", f64::max(4.0 - size.log10().floor(), 0.0) as usize),
     }
+}
+
+/// Returns the values of a configuration with the names of the coordinates.
+pub(super) fn configuration(coordinates: &[Coordinate], values: &[f64]) -> String {
+    let each = coordinates.iter().zip(values);
+    let each: Vec<String> = each.map(|(c, value)| format!("{}={value}", c.name)).collect();
+    each.join(" ")
 }
 
 /// Returns the place of a fraction of a segment, with its time if the file has times.

@@ -1,5 +1,5 @@
 //! Races proofs of curves: random Bezier curves of several degrees of robots with six to fourteen
-//! joints.
+//! joints. With `--data FOLDER` Panda and UR5 of that folder race, too, among twelve posts.
 //!
 //! `ours` certifies the curve, `straight` the straight segment with the same ends, and `bisect`
 //! tests configurations of the curve: halving after halving, down to the step of MoveIt's default,
@@ -7,10 +7,12 @@
 //! wrong if `bisect` reports it free and the checker finds it blocked or undecided.
 
 use std::hint::black_box;
+use std::path::Path;
 
 use cpu_time::ThreadTime;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny_plan::{Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, TreeJoint, Verdict, World};
+use lin_canny_robot::RobotFiles;
 use race::common::{Options, Rows, median};
 use truth::arm::chain::chain;
 use truth::arm::{Trouble, cell, robot};
@@ -29,8 +31,14 @@ const WILD: f64 = 0.3;
 /// Part of the extent of the space that `bisect` steps.
 const STEP: f64 = 0.005;
 
-/// Half the range of a joint.
+/// Half the range of a joint of the built-in robots.
 const LIMIT: f64 = 3.2;
+
+/// Limit of a coordinate at which curves start.
+const START: f64 = 1.5;
+
+/// Robots of a folder, and the distance of the posts around them in metres.
+const FILES: [(&str, f64); 2] = [("panda", 0.75), ("ur5", 0.75)];
 
 /// The joints of the arm, from a link and a coordinate on.
 fn arm_joints(base: usize, first: usize) -> impl Iterator<Item = TreeJoint> {
@@ -106,7 +114,7 @@ fn bisect(checker: &mut Checker<JointTree>, curve: &JointCurve) -> bool {
     let points: Vec<Vec<f64>> = (0..=curve.degree()).map(|j| curve.control_point(j)).collect();
     let step = |ends: &[Vec<f64>]| -> f64 { ends[0].iter().zip(&ends[1]).map(|(a, b)| (b - a).abs()).sum() };
     let length: f64 = points.windows(2).map(step).sum();
-    let extent = 2.0 * LIMIT * curve.coordinates() as f64;
+    let extent: f64 = checker.space().bounds().iter().map(|[low, high]| high - low).sum();
     let mut count = 1u32;
     let mut is_free = |t: f64| checker.is_free_at(&curve.at(t)).expect("within limits");
     if !is_free(0.0) || !is_free(1.0) {
@@ -134,33 +142,58 @@ fn times<T>(items: &[T], passes: usize, mut work: impl FnMut(&T)) -> f64 {
     if least.is_empty() { 0.0 } else { median(&mut least) }
 }
 
-pub(crate) fn run(o: &Options) -> Rows {
+/// Loads a robot of a folder, with posts around it.
+fn from_folder(folder: &Path, name: &str, posts: f64) -> Result<(JointTree, World), Trouble> {
+    let mut files = RobotFiles::new(folder.join(name).join(format!("{name}.urdf")));
+    files.srdf = Some(folder.join(name).join(format!("{name}.srdf")));
+    let checker = files.load()?.1.checker()?;
+    let mut world = checker.world().clone();
+    truth::arm::chain::posts(&mut world, posts)?;
+    Ok((checker.space().clone(), world))
+}
+
+pub(crate) fn run(o: &Options) -> Result<Rows, String> {
     let mut rows = Rows::default();
-    let robots = [
+    let mut robots = vec![
         ("six-axes", arm_in_cell()),
         ("chain-6", chain(6, [-LIMIT, LIMIT])),
         ("chain-14", chain(14, [-LIMIT, LIMIT])),
         ("two-arms", two_arms()),
     ];
+    let folder = o.data().into_iter();
+    robots.extend(folder.flat_map(|folder| FILES.map(|(name, posts)| (name, from_folder(folder, name, posts)))));
     println!("median us of free curves, queries of one on average; curves that `bisect` wrongly reports free");
     println!("  robot      degree  free  ours  queries  straight  queries  bisect  wrong");
     for (name, robot) in robots {
-        let (space, world) = robot.expect("the built-in robots");
-        let mut checker = Checker::new(space, world).expect("a world");
+        let (space, world) = robot.map_err(|error| format!("robot {name}: {error}"))?;
+        let mut checker = Checker::new(space, world).map_err(|error| format!("robot {name}: {error}"))?;
         for degree in DEGREES {
             certify(o, name, degree, &mut checker, &mut rows);
         }
     }
-    rows
+    Ok(rows)
+}
+
+/// Returns the ends between which the coordinate of a curve starts, so that the curve keeps its
+/// limits.
+fn starts([low, high]: [f64; 2]) -> [f64; 2] {
+    let way = (1.0 + WILD) * WAY;
+    let ends = [(low + way).max(-START), (high - way).min(START)];
+    // Limits beyond the usual starts, as those of an elbow that bends to one side.
+    if ends[0] <= ends[1] {
+        ends
+    } else {
+        [0.5 * (low + high); 2]
+    }
 }
 
 fn certify(o: &Options, name: &str, degree: usize, checker: &mut Checker<JointTree>, rows: &mut Rows) {
     let (count, passes) = if o.quick { (60, 2) } else { (1000, 3) };
-    let dims = checker.space().coordinates();
+    let ends: Vec<[f64; 2]> = checker.space().bounds().iter().map(|limits| starts(*limits)).collect();
     let mut rng = Rng::new(1);
     let mut all = Vec::new();
     while all.len() < count {
-        let from: Vec<f64> = (0..dims).map(|_| rng.range(-1.5, 1.5)).collect();
+        let from: Vec<f64> = ends.iter().map(|[low, high]| rng.range(*low, *high)).collect();
         if checker.is_free_at(&from).expect("within limits") {
             let curve = random_curve(&mut rng, &from, degree);
             let verdict = checker.certify_curve(&curve).expect("within limits");

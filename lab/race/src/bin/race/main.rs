@@ -106,7 +106,10 @@ fn race(
     let (scenes, run): (Vec<&str>, fn(&Options) -> Rows) = match race {
         Race::Pairs => (pairs::SCENES.into(), pairs::run),
         Race::Curved => (curved::SCENES.into(), curved::run),
-        Race::Curves => (curves::SCENES.into(), curves::run),
+        Race::Curves => {
+            options.check(&curves::SCENES)?;
+            return options.save(&curves::run(options)?);
+        }
         Race::Contact => (truth::contacts::SCENES.into(), contact::run),
         Race::Boxes => (boxes::RACED.map(Kind::name).into(), |o| boxes::run(o, &[])),
         Race::Scene => (scene::SCENES.map(|s| s.0).into(), |o| scene::run(o, &[])),
