@@ -37,6 +37,7 @@ from ._native import (
     Trajectory,
     UndecidedError,
     Verdict,
+    __version__,
     closest_batch,
     closest_points,
     contacts_batch,
@@ -52,6 +53,7 @@ from ._native import (
 )
 
 __all__ = [
+    "__version__",
     "BodyId",
     "Cast",
     "Checker",

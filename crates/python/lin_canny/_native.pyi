@@ -37,6 +37,7 @@ _Vector: TypeAlias = NDArray[np.float64]
 _Records: TypeAlias = NDArray[np.void]
 
 __all__ = [
+    "__version__",
     "BodyId",
     "Cast",
     "Checker",
@@ -82,6 +83,8 @@ __all__ = [
     "signed_distance_grid",
     "within",
 ]
+
+__version__: str
 
 class LinCannyError(ValueError): ...
 class GeometryError(LinCannyError): ...
@@ -268,7 +271,13 @@ class PairTracker:
         max_points: int = 4,
     ) -> _Records: ...
     def penetration(
-        self, a: Geometry, b: Geometry, pose_a: _Pose = None, pose_b: _Pose = None
+        self,
+        a: Geometry,
+        b: Geometry,
+        pose_a: _Pose = None,
+        pose_b: _Pose = None,
+        *,
+        tolerance: float | None = None,
     ) -> Penetration | None: ...
     def cast(
         self,
