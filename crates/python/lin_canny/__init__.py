@@ -29,6 +29,7 @@ from ._native import (
     RangeAnswer,
     RayCast,
     RayCaster,
+    Recorder,
     Robot,
     Scene,
     SceneError,
@@ -51,6 +52,8 @@ from ._native import (
     signed_distance_grid,
     within,
 )
+from ._plot import plot_clearance
+from ._show import View, show
 
 __all__ = [
     "__version__",
@@ -78,6 +81,7 @@ __all__ = [
     "RangeAnswer",
     "RayCast",
     "RayCaster",
+    "Recorder",
     "Robot",
     "Scene",
     "SceneError",
@@ -86,6 +90,7 @@ __all__ = [
     "Trajectory",
     "UndecidedError",
     "Verdict",
+    "View",
     "closest_batch",
     "closest_points",
     "contacts_batch",
@@ -94,7 +99,9 @@ __all__ = [
     "load_mesh",
     "nearest_features",
     "penetration_batch",
+    "plot_clearance",
     "read_points",
+    "show",
     "signed_distance",
     "signed_distance_grid",
     "within",

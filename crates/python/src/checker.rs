@@ -7,6 +7,7 @@ mod motions;
 mod range;
 mod setup;
 mod smooth;
+mod view;
 mod world;
 
 pub(crate) use answers::{NearPair, Verdict};

@@ -12,10 +12,12 @@ mod point_file;
 mod points;
 mod pose;
 mod ray;
+mod recorder;
 mod robot;
 mod scene;
 mod tracker;
 mod trajectory;
+mod view;
 mod watch;
 
 use pyo3::PyClass;
@@ -39,6 +41,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     class::<tracker::StartContact>(module)?;
     class::<ray::RayCaster>(module)?;
     class::<ray::RayCast>(module)?;
+    class::<recorder::Recorder>(module)?;
     class::<scene::Scene>(module)?;
     class::<scene::ScenePair>(module)?;
     class::<robot::Robot>(module)?;

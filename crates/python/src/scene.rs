@@ -47,6 +47,13 @@ fn group(number: u8) -> PyResult<Group> {
     Group::new(number).ok_or_else(|| scene_error(format!("group is out of range: {number} (expected 0..=31)")))
 }
 
+impl Scene {
+    /// Returns the scene itself.
+    pub(crate) fn loaded(&self) -> &Loaded {
+        &self.0
+    }
+}
+
 #[pymethods]
 impl Scene {
     #[new]
