@@ -45,27 +45,12 @@ def draw(checker, motion, verdict, out):
         print("no picture: matplotlib is not installed")
         return
     matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    times = np.linspace(motion.times[0], motion.times[-1], 1001)
-    figure, axes = plt.subplots(figsize=(8, 3.5), layout="constrained")
-    near = checker.nearest_batch(motion.at(times), 8)
-    for a, b in sorted({(a, b) for a, b in zip(near["a"].ravel(), near["b"].ravel()) if a >= 0}):
-        # NaN where eight other pairs are closer.
-        each = np.where((near["a"] == a) & (near["b"] == b), near["distance"], np.nan)
-        distance = np.nanmin(each, axis=1, initial=np.inf, where=~np.isnan(each))
-        distance[np.isinf(distance)] = np.nan
-        if np.nanmax(distance) - np.nanmin(distance) > 1e-6:
-            axes.plot(times, distance, label=f"{checker.bodies[a]} - {checker.bodies[b]}")
-    for k, curve in enumerate(motion.curves(checker)):
-        lower = checker.clearance_along_curve(curve)[0]
-        label = "proven of all pairs" if k == 0 else None
-        axes.plot(motion.times[k : k + 2], [lower, lower], color="black", linewidth=2, label=label)
+    axes = lc.plot_clearance(checker, motion)
     if verdict.blocked_time is not None:
         axes.axvline(verdict.blocked_time, color="red", label=" - ".join(verdict.pair))
-    axes.set(xlabel="time in s", ylabel="distance in m", ylim=(0, None))
-    figure.legend(loc="outside right upper", fontsize="small")
-    figure.savefig(out, dpi=150)
+    axes.set(xlabel="time in s", ylabel="distance in m")
+    axes.figure.legend(loc="outside right upper", fontsize="small")
+    axes.figure.savefig(out, dpi=150)
     print(f"picture in {out}")
 
 

@@ -29,6 +29,7 @@ from ._native import (
     RangeAnswer,
     RayCast,
     RayCaster,
+    Recorder,
     Robot,
     Scene,
     SceneError,
@@ -37,6 +38,7 @@ from ._native import (
     Trajectory,
     UndecidedError,
     Verdict,
+    __version__,
     closest_batch,
     closest_points,
     contacts_batch,
@@ -52,8 +54,11 @@ from ._native import (
     signed_distance_grid,
     within,
 )
+from ._plot import plot_clearance
+from ._show import View, show
 
 __all__ = [
+    "__version__",
     "BodyId",
     "Cast",
     "Checker",
@@ -78,6 +83,7 @@ __all__ = [
     "RangeAnswer",
     "RayCast",
     "RayCaster",
+    "Recorder",
     "Robot",
     "Scene",
     "SceneError",
@@ -86,6 +92,7 @@ __all__ = [
     "Trajectory",
     "UndecidedError",
     "Verdict",
+    "View",
     "closest_batch",
     "closest_points",
     "contacts_batch",
@@ -96,7 +103,9 @@ __all__ = [
     "load_mesh",
     "nearest_features",
     "penetration_batch",
+    "plot_clearance",
     "read_points",
+    "show",
     "signed_distance",
     "signed_distance_grid",
     "within",

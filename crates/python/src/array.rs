@@ -49,7 +49,12 @@ pub(crate) fn contiguous<'py, T: Number>(
     let kind: String = dtype.getattr("kind")?.extract()?;
     let is_empty = any.getattr("size")?.extract::<usize>()? == 0;
     if !is_empty && !T::KINDS.contains(&kind) {
-        return Err(error(format!("{name}: dtype is {dtype} (expected {})", T::DTYPE)));
+        // An array of one object: it was no sequence of numbers.
+        let hint = match obj.hasattr("vertices")? && kind == "O" {
+            true => "; pass its `vertices`",
+            false => "",
+        };
+        return Err(error(format!("{name}: dtype is {dtype} (expected {}){hint}", T::DTYPE)));
     }
     let options = PyDict::new(py);
     options.set_item("dtype", T::DTYPE)?;

@@ -7,6 +7,7 @@ mod motions;
 mod range;
 mod setup;
 mod smooth;
+mod view;
 mod world;
 
 pub(crate) use answers::{NearPair, Verdict};
@@ -73,7 +74,8 @@ const CONFIGURATIONS: Argument = Argument {
 #[pyclass(module = "lin_canny")]
 pub(crate) struct Checker {
     setup: Setup,
-    checker: Loaded<JointTree>,
+    /// In a box: it is aligned to cache lines, and objects of Python are not.
+    checker: Box<Loaded<JointTree>>,
     /// The arguments, for pickling.
     arguments: (Py<PyTuple>, Py<PyDict>),
 }
@@ -132,7 +134,7 @@ impl Checker {
 
     fn __setstate__(&mut self, state: &[u8]) -> PyResult<()> {
         let (world, margin, time): (World, _, _) = postcard::from_bytes(state).map_err(plan_error)?;
-        self.checker = checker_of(self.checker.space().clone(), world, margin, time)?;
+        *self.checker = checker_of(self.checker.space().clone(), world, margin, time)?;
         Ok(())
     }
 
@@ -367,7 +369,7 @@ impl Checker {
 
 impl Checker {
     fn of_setup(setup: Setup, arguments: (Py<PyTuple>, Py<PyDict>)) -> PyResult<Self> {
-        let checker = setup.checker().map_err(plan_error)?;
+        let checker = Box::new(setup.checker().map_err(plan_error)?);
         Ok(Self {
             setup,
             checker,

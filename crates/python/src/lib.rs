@@ -13,37 +13,48 @@ mod point_file;
 mod points;
 mod pose;
 mod ray;
+mod recorder;
 mod robot;
 mod scene;
 mod tracker;
 mod trajectory;
+mod view;
 mod watch;
 
+use pyo3::PyClass;
 use pyo3::prelude::*;
+
+/// Adds a class. CPython aligns objects to 16 bytes, and pyo3 writes the contents there: what needs
+/// more is boxed.
+fn class<T: PyClass>(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    const { assert!(align_of::<T>() <= 16, "the contents of this class need a box") };
+    module.add_class::<T>()
+}
 
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<geometry::Geometry>()?;
-    module.add_class::<geometry::Cloud>()?;
-    module.add_class::<tracker::PairTracker>()?;
-    module.add_class::<tracker::Closest>()?;
-    module.add_class::<tracker::Penetration>()?;
-    module.add_class::<tracker::Cast>()?;
-    module.add_class::<tracker::StartContact>()?;
-    module.add_class::<ray::RayCaster>()?;
-    module.add_class::<ray::RayCast>()?;
-    module.add_class::<scene::Scene>()?;
-    module.add_class::<scene::ScenePair>()?;
-    module.add_class::<robot::Robot>()?;
-    module.add_class::<checker::Checker>()?;
-    module.add_class::<checker::BodyId>()?;
-    module.add_class::<checker::NearPair>()?;
-    module.add_class::<checker::Verdict>()?;
-    module.add_class::<checker::RangeAnswer>()?;
-    module.add_class::<curve::JointCurve>()?;
-    module.add_class::<trajectory::Trajectory>()?;
-    module.add_class::<mesh_file::MeshFile>()?;
-    module.add_class::<point_file::PointFile>()?;
+    class::<geometry::Geometry>(module)?;
+    class::<geometry::Cloud>(module)?;
+    class::<tracker::PairTracker>(module)?;
+    class::<tracker::Closest>(module)?;
+    class::<tracker::Penetration>(module)?;
+    class::<tracker::Cast>(module)?;
+    class::<tracker::StartContact>(module)?;
+    class::<ray::RayCaster>(module)?;
+    class::<ray::RayCast>(module)?;
+    class::<recorder::Recorder>(module)?;
+    class::<scene::Scene>(module)?;
+    class::<scene::ScenePair>(module)?;
+    class::<robot::Robot>(module)?;
+    class::<checker::Checker>(module)?;
+    class::<checker::BodyId>(module)?;
+    class::<checker::NearPair>(module)?;
+    class::<checker::Verdict>(module)?;
+    class::<checker::RangeAnswer>(module)?;
+    class::<curve::JointCurve>(module)?;
+    class::<trajectory::Trajectory>(module)?;
+    class::<mesh_file::MeshFile>(module)?;
+    class::<point_file::PointFile>(module)?;
     module.add_function(wrap_pyfunction!(mesh_file::load_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(point_file::read_points, module)?)?;
     module.add_function(wrap_pyfunction!(tracker::distances, module)?)?;
@@ -53,8 +64,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(points::signed_distance, module)?)?;
     module.add_function(wrap_pyfunction!(points::contains, module)?)?;
     module.add_function(wrap_pyfunction!(points::closest_points, module)?)?;
-    module.add_class::<points::PointTracker>()?;
-    module.add_class::<points::ClosestPoint>()?;
+    class::<points::PointTracker>(module)?;
+    class::<points::ClosestPoint>(module)?;
     module.add_function(wrap_pyfunction!(points::nearest_features, module)?)?;
     module.add_function(wrap_pyfunction!(points::within, module)?)?;
     module.add_function(wrap_pyfunction!(points::signed_distance_grid, module)?)?;
@@ -62,5 +73,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(cover::cover_inside, module)?)?;
     #[cfg(feature = "bench")]
     module.add_function(wrap_pyfunction!(tracker::rust_loop, module)?)?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     errors::add(module)
 }

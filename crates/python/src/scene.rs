@@ -28,7 +28,7 @@ const VELOCITY: Argument = Argument {
 /// is computed. Ids of bodies are integers. Poses have the forms of `PairTracker`. All returned
 /// points and normals are in the world.
 #[pyclass(module = "lin_canny")]
-pub(crate) struct Scene(Loaded);
+pub(crate) struct Scene(Box<Loaded>); // its boxes lie on cache lines, objects of Python do not
 
 /// Returns the integer for an id.
 fn number(id: BodyId) -> u64 {
@@ -47,11 +47,18 @@ fn group(number: u8) -> PyResult<Group> {
     Group::new(number).ok_or_else(|| scene_error(format!("group is out of range: {number} (expected 0..=31)")))
 }
 
+impl Scene {
+    /// Returns the scene itself.
+    pub(crate) fn loaded(&self) -> &Loaded {
+        &self.0
+    }
+}
+
 #[pymethods]
 impl Scene {
     #[new]
     fn new() -> Self {
-        Self(Loaded::new())
+        Self(Box::new(Loaded::new()))
     }
 
     /// Inserts a body at a pose, and returns its id. Two fixed bodies are never tested.

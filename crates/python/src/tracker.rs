@@ -142,6 +142,19 @@ impl PairTracker {
         Ok(found.into_iter().map(|answer| Closest::new(answer, pose)).collect())
     }
 
+    /// Returns a View of two geometries and their closest points. See `lin_canny.show`.
+    #[pyo3(signature = (a, b, pose_a=None, pose_b=None))]
+    fn show<'py>(
+        this: &Bound<'py, Self>,
+        a: &Bound<'py, Geometry>,
+        b: &Bound<'py, Geometry>,
+        pose_a: Option<Bound<'py, PyAny>>,
+        pose_b: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let closest = this.call_method1("closest", (a, b, &pose_a, &pose_b))?;
+        crate::view::call(this.py(), "pair", (a, b, pose_a, pose_b, closest))
+    }
+
     fn __repr__(&self) -> &'static str {
         "<PairTracker>"
     }

@@ -94,11 +94,27 @@ def test_nurbs_and_weights():
         assert distance == pytest.approx(math.sqrt(8) - 1.25, abs=1e-8)
 
 
+class Meshed:
+    """An object like a mesh of trimesh."""
+
+    vertices = SQUARE
+
+
+class Scene:
+    """An object like a scene of trimesh."""
+
+    def to_mesh(self):
+        return Meshed()
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
         (lambda: lc.Geometry.hull(np.zeros((5, 4))), r"points: shape is \(5, 4\) \(expected \(N, 3\)\)"),
         (lambda: lc.Geometry.hull([0, 0, 0]), r"shape is \(3,\)"),
+        (lambda: lc.Geometry.hull(Meshed()), r"points: dtype is object \(expected float64\); pass its `vertices`$"),
+        (lambda: lc.Geometry.from_trimesh(Scene()), r"a Scene has no `vertices` and `faces` .*; pass its `to_mesh\(\)`$"),
+        (lambda: lc.Geometry.from_trimesh([1]), r"a list has no .* \(expected a trimesh.Trimesh\)$"),
         (lambda: lc.Geometry.hull([["a", "b", "c"]]), "dtype is <U1"),
         (lambda: lc.Geometry.hull(np.ones((4, 3), complex)), "complex128"),
         (lambda: lc.Geometry.hull([[0, 0, 0], [0, math.nan, 0]]), "point 1"),

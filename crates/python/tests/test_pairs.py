@@ -147,6 +147,23 @@ def test_penetration_of_solids():
     assert lc.PairTracker().penetration(sheet, BOX) is None
 
 
+def test_penetration_to_a_tolerance():
+    cube = lc.Geometry.mesh(BOX.vertices, BOX.triangles)
+    at = ((0, 0, 1.25), ONE)
+    found = lc.PairTracker().penetration(cube, lc.Geometry.ball(0.5), None, at, tolerance=1e-3)
+    assert found.lower <= 0.25 <= found.upper <= found.lower + 1e-3
+    assert lc.PairTracker().penetration(lc.Geometry.mesh(np.eye(3), [[0, 1, 2]]), BOX, tolerance=0) is None
+    # A bar inside of a U.
+    cubes = [(BOX, ((x, 0, z), ONE)) for x, z in ((-2, 0), (0, 0), (2, 0), (-2, 2), (2, 2))]
+    u, bar = lc.Geometry.pieces(cubes), lc.Geometry.pieces([(BOX, ((0, 0, 0.5), (0.3, 0.1, 0.2, math.sqrt(0.86))))])
+    wide = lc.PairTracker().penetration(u, bar)
+    assert wide.upper - wide.lower > 0.1
+    with pytest.raises(lc.UndecidedError, match="the depth is from .* wider than the tolerance 0.001, and cannot"):
+        lc.PairTracker().penetration(u, bar, tolerance=1e-3)
+    with pytest.raises(lc.LinCannyError, match=r"tolerance is -1 \(expected at least 0\)"):
+        lc.PairTracker().penetration(cube, BOX, tolerance=-1)
+
+
 def test_surfaces_have_no_contacts():
     net = [[[x, y, 0] for y in (0, 1)] for x in (0, 1)]
     with pytest.raises(lc.PairError, match="Bézier surface"):

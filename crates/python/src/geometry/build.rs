@@ -54,6 +54,21 @@ fn triangles_of(obj: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     Ok(triangles)
 }
 
+/// Returns the error of an object that has no `vertices` and `faces`.
+#[cold]
+fn not_a_mesh(obj: &Bound<'_, PyAny>) -> PyErr {
+    let kind = obj.get_type();
+    let kind = kind.name().map_or_else(|_| "object".into(), |name| name.to_string());
+    // A scene of trimesh has its meshes in a dict.
+    let hint = match obj.hasattr("to_mesh") {
+        Ok(true) => "; pass its `to_mesh()`",
+        _ => "",
+    };
+    geometry_error(format!(
+        "a {kind} has no `vertices` and `faces` (expected a trimesh.Trimesh){hint}"
+    ))
+}
+
 #[pymethods]
 impl Geometry {
     /// Returns the convex hull of points, shape (N, 3), that do not all lie in a plane.
@@ -117,15 +132,19 @@ impl Geometry {
     }
 
     /// Returns the mesh of a `trimesh.Trimesh`, or of any object with `vertices` and `faces`.
+    ///
+    /// Raises GeometryError for another object. Of a `trimesh.Scene`, which `trimesh.load` returns
+    /// for some formats, pass `scene.to_mesh()`.
     #[staticmethod]
     fn from_trimesh(py: Python<'_>, mesh: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Self::mesh(py, &mesh.getattr("vertices")?, &mesh.getattr("faces")?)
+        let part = |name: &str| mesh.getattr(name).map_err(|_| not_a_mesh(mesh));
+        Self::mesh(py, &part("vertices")?, &part("faces")?)
     }
 
     /// Returns the mesh of a height field.
     ///
-    /// The value `[i][j]` is the z at x = j * spacing[0] and y = i * spacing[1]. Every square is cut
-    /// along the diagonal from `[i][j]` to `[i + 1][j + 1]`.
+    /// The value `[i][j]` is the z at x = j * spacing[0] and y = i * spacing[1]. Every square is
+    /// cut along the diagonal from `[i][j]` to `[i + 1][j + 1]`.
     ///
     /// Parameters
     /// ----------

@@ -34,6 +34,11 @@ impl Closest {
     pub(crate) fn new(answer: PairOutcome, pose: RelativePose) -> Self {
         Self { answer, pose }
     }
+
+    /// Returns the outcome, in the frames of the bodies.
+    pub(crate) fn answer(&self) -> &PairOutcome {
+        &self.answer
+    }
 }
 
 #[pymethods]

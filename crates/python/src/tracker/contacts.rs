@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use super::PairTracker;
 use crate::array::{Field, structured, triple};
-use crate::errors::{pair_error, refused};
+use crate::errors::{pair_error, refused, undecided_error};
 use crate::geometry::Geometry;
 use crate::pose::{Pose, relative};
 
@@ -129,7 +129,12 @@ impl PairTracker {
     ///
     /// Returns None if one of them has no inside: an open mesh or a Bézier surface. For two convex
     /// geometries, `closest` returns the depth itself.
-    #[pyo3(signature = (a, b, pose_a=None, pose_b=None))]
+    ///
+    /// tolerance: the largest width of the interval, a length. The search is of fixed effort, and
+    /// no call narrows the interval of two bodies that interlock: a wider interval then is an
+    /// UndecidedError, which states it.
+    #[pyo3(signature = (a, b, pose_a=None, pose_b=None, *, tolerance=None))]
+    #[allow(clippy::too_many_arguments)] // the signature in Python
     fn penetration(
         &mut self,
         py: Python<'_>,
@@ -137,10 +142,21 @@ impl PairTracker {
         b: &Bound<'_, Geometry>,
         pose_a: Option<Pose>,
         pose_b: Option<Pose>,
+        tolerance: Option<f64>,
     ) -> PyResult<Option<Penetration>> {
+        if let Some(tolerance) = tolerance.filter(|t| !(*t >= 0.0)) {
+            return Err(refused(format!("tolerance is {tolerance} (expected at least 0)")));
+        }
         let pose = relative(pose_a, pose_b)?;
         let (a, b) = (&a.get().0, &b.get().0);
         let found = py.detach(|| self.tracker.penetration(a, b, &pose));
+        if let (Some(PenetrationBounds { lower, upper, .. }), Some(tolerance)) = (found, tolerance)
+            && upper - lower > tolerance
+        {
+            return Err(undecided_error(format!(
+                "the depth is from {lower:.6} to {upper:.6}: wider than the tolerance {tolerance}, and cannot be narrowed"
+            )));
+        }
         Ok(found.map(|bounds| Penetration { bounds, pose }))
     }
 }
