@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// The packages of the workspace that have programs, examples or tests.
-const PACKAGES: [&str; 10] = [
+const PACKAGES: [&str; 11] = [
     ".",
     "crates/formats",
     "crates/parry",
@@ -11,6 +11,7 @@ const PACKAGES: [&str; 10] = [
     "crates/rapier",
     "crates/record",
     "crates/robot",
+    "lab/bits",
     "lab/proofs",
     "lab/race",
     "lab/truth",
