@@ -73,19 +73,21 @@ fn fnv(mut hash: u64, text: &str) -> u64 {
     hash
 }
 
+/// Is called with the number and the text of every answer.
+pub type Trace<'a> = &'a mut dyn FnMut(u64, &str);
+
 /// Takes the answers of a kind and hashes them.
 pub struct Teller<'a> {
     scale: u64,
     text: String,
     count: u64,
     hash: u64,
-    /// Is called with the number and the text of every answer.
-    trace: Option<&'a mut dyn FnMut(u64, &str)>,
+    trace: Option<Trace<'a>>,
 }
 
 impl<'a> Teller<'a> {
     /// Returns a teller for a share of all answers, in percent.
-    pub fn new(scale: u64, trace: Option<&'a mut dyn FnMut(u64, &str)>) -> Self {
+    pub fn new(scale: u64, trace: Option<Trace<'a>>) -> Self {
         Self {
             scale,
             text: String::new(),
