@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// The packages of the workspace that have programs, examples or tests.
-const PACKAGES: [&str; 11] = [
+const PACKAGES: [&str; 12] = [
     ".",
     "crates/formats",
     "crates/parry",
@@ -12,6 +12,7 @@ const PACKAGES: [&str; 11] = [
     "crates/record",
     "crates/robot",
     "crates/verify",
+    "lab/bits",
     "lab/proofs",
     "lab/race",
     "lab/truth",

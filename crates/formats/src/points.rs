@@ -290,7 +290,7 @@ impl Column {
         let number = self.of.take(&mut rest, self.order);
         let number = number.ok_or_else(|| format!("is cut at byte {start}"))?;
         // Greater integers may be rounded.
-        if self.of.is_integer() && number.abs() >= 2f64.powi(53) {
+        if self.of.is_integer() && number.abs() >= (1_u64 << 53) as f64 {
             return Err(format!("has an integer beyond 2^53: {number:?}"));
         }
         Ok(number)

@@ -91,15 +91,17 @@ fn without_repeats(ring: &[u64], point: &impl Fn(u64) -> Point) -> Vec<u64> {
     kept
 }
 
+/// Returns the larger of two numbers, and the first of two zeros: `f64::max` may return either.
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
 /// Returns the corners of all rings relative to the first corner and divided by their size, because
 /// products of large or tiny coordinates overflow or vanish.
 fn relative(rings: &[Vec<u64>], point: &impl Fn(u64) -> Point) -> Result<Vec<Point>, String> {
     let corners: Vec<Point> = rings.iter().flatten().map(|&k| point(k)).collect();
     let from = |p: &Point| [0, 1, 2].map(|k| p[k] - corners[0][k]);
-    let size = corners
-        .iter()
-        .flat_map(from)
-        .fold(0.0, |size: f64, x| size.max(x.abs()));
+    let size = corners.iter().flat_map(from).fold(0.0, |size, x| larger(size, x.abs()));
     if !size.is_finite() {
         return Err("size of a polygon is not finite".into());
     }
@@ -135,7 +137,7 @@ fn is_on_a_line(corners: &[Point]) -> bool {
         });
         square(&cross)
     };
-    let largest = corners.iter().map(across).fold(0.0, f64::max);
+    let largest = corners.iter().map(across).fold(0.0, larger);
     largest <= LINE * LINE * square(&farthest) * square(&farthest)
 }
 
@@ -146,7 +148,7 @@ fn height(corners: &[Point], normal: &Point) -> f64 {
         .iter()
         .map(|p| (0..3).map(|k| p[k] * normal[k]).sum::<f64>() / length);
     let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
-        (low.min(h), high.max(h))
+        (if h < low { h } else { low }, larger(high, h))
     });
     high - low
 }
