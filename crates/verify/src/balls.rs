@@ -3,8 +3,8 @@
 //! **Lemma 2.** Let rho_X be no less than the distance of any vertex of X from its pivot; the ball
 //! of radius rho_X + radius of X around the pivot holds X at all times, as X is rigid. If
 //! |p_B(t) - p_A(t)|^2 > (rho_A + rho_B + radii + keep)^2 on the interval, the bodies are more than
-//! `keep` apart there. The left side is a form of lemma 0; the Bernstein coefficients of its eighths
-//! bound it from below. rho_X^2 is exact, and its root is rounded up.
+//! `keep` apart there. The left side is a form of lemma 0; the Bernstein coefficients of its
+//! eighths bound it from below. rho_X^2 is exact, and its root is rounded up.
 
 use dashu_int::IBig;
 use dashu_ratio::RBig;

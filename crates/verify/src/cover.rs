@@ -1,8 +1,9 @@
 //! Certificates that cover an interval of time, for every pair that is not ignored.
 //!
-//! **Lemma 8.** Closed intervals, each of which starts where the one before ends, cover everything from
-//! the start of the first to the end of the last. The list of pairs is made here, from the bodies: every
-//! pair with a body that moves and that no line ignores. A file cannot leave one out.
+//! **Lemma 8.** Closed intervals, each of which starts where the one before ends, cover
+//! everything from the start of the first to the end of the last. The list of pairs is made here,
+//! from the bodies: every pair with a body that moves and that no line ignores. A file cannot
+//! leave one out.
 
 use std::collections::BTreeMap;
 

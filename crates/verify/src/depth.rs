@@ -1,16 +1,17 @@
 //! Bounds of the depth of two bodies at rest: the shortest translation that parts them.
 //!
-//! **Lemma 7, upper.** If max over A of n . a - min over B of n . b <= s |n|, moving B by s along n leaves
-//! all of A below all of B: they are apart or touch. So the depth of the hulls is at most s >= 0, and
-//! that of the bodies at most s + radii.
+//! **Lemma 7, upper.** If max over A of n . a - min over B of n . b <= s |n|, moving B by s along
+//! n leaves all of A below all of B: they are apart or touch. So the depth of the hulls is at
+//! most s >= 0, and that of the bodies at most s + radii.
 //!
-//! **Lemma 7, lower.** Let triangles of differences a_i - b_j, points of the convex set D = A - B, be
-//! given, each with 0 strictly on its inner side, at least r from its plane, and such that each
-//! directed edge is there as often as its opposite. Seen from 0 the triangles are a closed surface
-//! that covers each direction equally often, and at least once, as each covers some and none with
-//! the opposite sense. So each ray from 0 meets a triangle, at least r away, and D holds the ball of
-//! radius r around 0. A translation shorter than r is a point of D: the moved hulls still share a
-//! point. So the depth is at least r, and that of the bodies at least r + radii.
+//! **Lemma 7, lower.** Let triangles of differences a_i - b_j, points of the convex set D = A -
+//! B, be given, each with 0 strictly on its inner side, at least r from its plane, and such that
+//! each directed edge is there as often as its opposite. Seen from 0 the triangles are a closed
+//! surface that covers each direction equally often, and at least once, as each covers some and
+//! none with the opposite sense. So each ray from 0 meets a triangle, at least r away, and D
+//! holds the ball of radius r around 0. A translation shorter than r is a point of D: the moved
+//! hulls still share a point. So the depth is at least r, and that of the bodies at least r +
+//! radii.
 
 use std::collections::BTreeMap;
 

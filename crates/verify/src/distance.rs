@@ -1,11 +1,12 @@
 //! Both bounds of the distance of two bodies at rest, to the last bit.
 //!
-//! **Lemma 6.** Let the closest points of the flats (points, lines, planes) through at most four named
-//! vertices lie within the named features, and d be the way between them. Both points belong to the
-//! hulls, so the distance of the hulls is at most |d|. If along n = d all of A lies below all of B by
-//! the gap g > 0, it is at least g / |n|. The radii are taken off both. The closest points are found by
-//! Cramer's rule in fractions: one or two unknowns. In the second form a normal n and two points, by
-//! weights, are given: the same bounds, each for what is given.
+//! **Lemma 6.** Let the closest points of the flats (points, lines, planes) through at most four
+//! named vertices lie within the named features, and d be the way between them. Both points
+//! belong to the hulls, so the distance of the hulls is at most |d|. If along n = d all of A lies
+//! below all of B by the gap g > 0, it is at least g / |n|. The radii are taken off both. The
+//! closest points are found by Cramer's rule in fractions: one or two unknowns. In the second
+//! form a normal n and two points, by weights, are given: the same bounds, each for what is
+//! given.
 
 use dashu_ratio::RBig;
 

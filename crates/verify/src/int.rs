@@ -1,4 +1,5 @@
-//! Integers of two widths. Narrow ones are fast; what they cannot hold is evaluated again in wide ones.
+//! Integers of two widths. Narrow ones are fast; what they cannot hold is evaluated again in wide
+//! ones.
 
 use dashu_base::Abs;
 use dashu_int::IBig;

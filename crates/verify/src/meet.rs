@@ -1,10 +1,10 @@
 //! Two bodies share a point.
 //!
-//! **Lemma 4.** Let d_k = a_k - b_k, k = 0 to 3, be differences of vertices of A and B, and (ijk) the
-//! volume d_i . (d_j x d_k). By Cramer's rule (123) d_0 - (023) d_1 + (013) d_2 - (012) d_3 = 0. If
-//! these four factors have no two opposite signs and are not all zero, 0 is a mean of the d_k with
-//! weights that are not negative. The same mean of the a_k and of the b_k is one point, in both
-//! hulls.
+//! **Lemma 4.** Let d_k = a_k - b_k, k = 0 to 3, be differences of vertices of A and B, and (ijk)
+//! the volume d_i . (d_j x d_k). By Cramer's rule (123) d_0 - (023) d_1 + (013) d_2 - (012) d_3 =
+//! 0. If these four factors have no two opposite signs and are not all zero, 0 is a mean of the
+//! d_k with weights that are not negative. The same mean of the a_k and of the b_k is one point,
+//! in both hulls.
 //!
 //! At rest the volumes are fractions, and a zero is known to be one: touching is proven. In motion
 //! all four signs must be certain. The indices carry no number, so nothing is rounded.

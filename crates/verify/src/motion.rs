@@ -1,9 +1,9 @@
 //! The bodies in fixed point, and how they move over an interval of time.
 //!
 //! A body's vertex x is in the world at S_1(S_2(... x)), where each step S is a constant pose, a
-//! shift that is a polynomial in time, or a turn exp([axis] v(t)) = I + s [axis] + u [axis]^2 with s
-//! and u of lemma 1. Lengths are divided by a power of two no less than any coordinate, exactly: a
-//! scene scaled by a power of two gives the same integers.
+//! shift that is a polynomial in time, or a turn exp([axis] v(t)) = I + s [axis] + u [axis]^2
+//! with s and u of lemma 1. Lengths are divided by a power of two no less than any coordinate,
+//! exactly: a scene scaled by a power of two gives the same integers.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -305,8 +305,8 @@ impl<I: Int> Stage<I> {
         self.point(scene, body, &solid.points[k].each_ref().map(part), span)
     }
 
-    /// Returns least and greatest Bernstein coefficients of the heights of all vertices along n, in units
-    /// of 2^-2P / W: lower and upper bounds.
+    /// Returns least and greatest Bernstein coefficients of the heights of all vertices along n,
+    /// in units of 2^-2P / W: lower and upper bounds.
     pub(crate) fn heights(&self, scene: &Scene, body: usize, n: &Vector<I>, span: &Span) -> Option<[Vec<I>; 2]> {
         let solid = &self.solids[body];
         let (mut m, mut o) = (n.clone(), Taylor::whole(0)?);

@@ -1,12 +1,13 @@
 //! A plane between two bodies over an interval.
 //!
 //! **Lemma 3.** n(t) = exp([spin] (t - from)) normal, so |n(t)| = |normal|. For a body X at
-//! x -> R(t) x + p(t) the height of vertex x is m(t) . x + o(t) with m = R^T n and o = n . p: forms of
-//! lemma 0. Bernstein coefficients are linear in the polynomial, so coefficient by coefficient the
-//! greatest over A's vertices bounds all heights of A from above, and the least over B's all heights
-//! of B from below. The rests of m count times the largest coordinate. If the difference is at least
-//! g > 0 at each t, and g^2 > (keep + radii)^2 |normal|^2, the bodies are more than `keep` apart on
-//! the interval. No root is needed. A gap of exactly `keep` is refused: fixed point cannot see it.
+//! x -> R(t) x + p(t) the height of vertex x is m(t) . x + o(t) with m = R^T n and o = n . p:
+//! forms of lemma 0. Bernstein coefficients are linear in the polynomial, so coefficient by
+//! coefficient the greatest over A's vertices bounds all heights of A from above, and the least
+//! over B's all heights of B from below. The rests of m count times the largest coordinate. If
+//! the difference is at least g > 0 at each t, and g^2 > (keep + radii)^2 |normal|^2, the bodies
+//! are more than `keep` apart on the interval. No root is needed. A gap of exactly `keep` is
+//! refused: fixed point cannot see it.
 
 use dashu_int::IBig;
 use dashu_ratio::RBig;

@@ -185,7 +185,8 @@ impl Placed<'_> {
         Some(self.pose.point(&self.points.get(k)?))
     }
 
-    /// Returns the least and the greatest height of a vertex along n. Integers: no fraction is reduced.
+    /// Returns the least and the greatest height of a vertex along n. Integers: no fraction is
+    /// reduced.
     pub(crate) fn heights(&self, n: &Exact) -> [RBig; 2] {
         let m = self.pose.row(n);
         let below = m.iter().fold(IBig::ONE, |d, x| d * IBig::from(x.denominator().clone()));

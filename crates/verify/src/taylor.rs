@@ -1,11 +1,11 @@
 //! Functions of x on [0, 1]: a polynomial in fixed point and a bound of the rest.
 //!
 //! **Lemma 0.** A form (c, r) encloses a function f if |f(x) - sum of c[k] x^k| <= r for every x in
-//! [0, 1], in units of 2^-P. Sums of forms add c and r. For a product, let p be the product of the
-//! polynomials, exact integers in units of 2^-2P. With |a| = sum of |c[k]| >= |polynomial a(x)|, the
-//! product of the functions departs from p(x) by at most |a| r_b + |b| r_a + r_a r_b. Terms of p
-//! of degree > D are dropped, which costs at most their sizes, as x^k <= 1. The shift to units of
-//! 2^-P rounds each kept coefficient down by less than one unit.
+//! [0, 1], in units of 2^-P. Sums of forms add c and r. For a product, let p be the product of
+//! the polynomials, exact integers in units of 2^-2P. With |a| = sum of |c[k]| >= |polynomial
+//! a(x)|, the product of the functions departs from p(x) by at most |a| r_b + |b| r_a + r_a r_b.
+//! Terms of p of degree > D are dropped, which costs at most their sizes, as x^k <= 1. The shift
+//! to units of 2^-P rounds each kept coefficient down by less than one unit.
 //!
 //! A polynomial of degree D on [0, 1] lies between the least and the greatest of its Bernstein
 //! coefficients b_k = sum over j <= k of C(k, j) / C(D, j) c_j. Here they are multiplied by W, the

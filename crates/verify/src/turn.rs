@@ -1,8 +1,8 @@
 //! Sine and cosine of the angle of a joint or of a spin, enclosed over an interval.
 //!
 //! **Lemma 1.** A turn by the vector a v is I + s [a] + u [a]^2, with s = sin(|a| v) / |a| and
-//! u = (1 - cos(|a| v)) / |a|^2: power series in |a|^2 v^2, without a root and without a division by
-//! zero. At v = v0 they are found in three steps:
+//! u = (1 - cos(|a| v)) / |a|^2: power series in |a|^2 v^2, without a root and without a division
+//! by zero. At v = v0 they are found in three steps:
 //!
 //! 1. y = v0 / 2^k with |a|^2 y^2 <= 1/4.
 //! 2. The series to 17 terms by Horner. They alternate and fall, so the rest is less than the first

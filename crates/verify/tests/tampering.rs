@@ -218,8 +218,9 @@ fn a_plane_that_only_the_polynomial_respects_is_refused() {
             axis,
             drive,
         }];
-        for k in 0..36 {
-            let (x, y) = ((f64::from(k) * 0.175).cos(), (f64::from(k) * 0.175).sin());
+        for k in 0..72 {
+            receipt.bodies.swap(0, 1);
+            let (x, y) = ((f64::from(k / 2) * 0.175).cos(), (f64::from(k / 2) * 0.175).sin());
             receipt.evidence = vec![
                 Line::Leg(vec![vec![0.0], vec![angle]]),
                 Line::Plane {
