@@ -7,7 +7,7 @@ use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Progress};
-use lin_canny_plan::{Checker, ConfigurationSpace, EdgeKind, FreewayEnd, Plan, PlanOptions, PlanarSpace, World};
+use lin_canny_plan::{Checker, ConfigurationSpace, EdgeKind, FreewayEnd, Plan, PlanMethod, PlanOptions, PlanarSpace, World};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -84,9 +84,9 @@ fn run(options: &Options) -> Result<(), Trouble> {
     let mut checker = Checker::new(space, world)?;
     let (start, goal) = ([-1.4, 0.3, 1.57], [1.4, -0.3, -1.57]);
     let search = PlanOptions::default()
+        .method(PlanMethod::Opportunistic)
         .seed(options.seed)
-        .slices(u64::MAX)
-        .queries(u64::MAX);
+        .unlimited();
     let began = Instant::now();
     let plan = checker.plan_with_progress(&start, &goal, &search, &mut |_| {
         Progress::stop_if(began.elapsed() > options.seconds)

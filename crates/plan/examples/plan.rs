@@ -217,7 +217,7 @@ fn pose(value: &Value, name: &str) -> Result<Vec<f64>, String> {
 fn run(job: &Job, out: &std::path::Path) -> Result<bool, String> {
     let said = |e: PlanError| e.to_string();
     let mut checker = Checker::new(job.space.clone(), job.world.clone()).map_err(said)?;
-    let options = PlanOptions::default().seed(job.seed).slices(u64::MAX).queries(u64::MAX);
+    let options = PlanOptions::default().seed(job.seed).unlimited();
     let began = Instant::now();
     let [start, goal] = &job.ends;
     let plan = checker
@@ -227,7 +227,8 @@ fn run(job: &Job, out: &std::path::Path) -> Result<bool, String> {
         .map_err(said)?;
     let (work, took) = (plan.work, began.elapsed());
     println!(
-        "{} freeways, {} bridges, {} random slices; {} of {} links; {} nodes; {:.2?}",
+        "{} samples, {} freeways, {} bridges, {} random slices; {} of {} links; {} nodes; {:.2?}",
+        work.samples,
         work.freeways,
         work.bridges,
         work.slices,

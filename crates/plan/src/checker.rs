@@ -417,12 +417,25 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns an error if a configuration is invalid.
     pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
         let segment = self.segment(from, to)?;
-        let tests_ends = self.has_parts && self.start_contact_margin.is_none();
-        if tests_ends && !(self.is_free_at(to)? && self.is_free_at(&self.space.between(from, to, 0.5))?) {
+        if self.samples_first() && !self.is_free_at(to)? {
             self.work.segments += 1;
             return Ok(false);
         }
-        Ok(self.judged(&segment, true)?.is_free())
+        self.is_free_inside(&segment, from, to)
+    }
+
+    /// Returns whether a segment is proven free whose last configuration is free.
+    pub(crate) fn is_free_inside(&mut self, segment: &C::Segment, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
+        if self.samples_first() && !self.is_free_at(&self.space.between(from, to, 0.5))? {
+            self.work.segments += 1;
+            return Ok(false);
+        }
+        Ok(self.judged(segment, true)?.is_free())
+    }
+
+    /// Returns whether predicates at single configurations come before the proof of a segment.
+    fn samples_first(&self) -> bool {
+        self.has_parts && self.start_contact_margin.is_none()
     }
 
     /// Returns the proof that a segment is free: the certificates of all pairs.

@@ -101,7 +101,33 @@
 //! The crate `lin-canny-robot` reads a [`JointTree`] from a URDF. For any other robot, implement
 //! [`ConfigurationSpace`].
 //!
-//! # The opportunistic planner
+//! # The search for a path
+//!
+//! [`PlanMethod`] names the methods. By default, RRT-Connect searches first. If the problem turns out
+//! to be hard, the opportunistic planner searches in turn with it, until one of them finds a path.
+//!
+//! | | RRT-Connect | opportunistic planner |
+//! |---|---|---|
+//! | roadmap | a tree from the start and one from the goal | freeways of largest clearance, and links |
+//! | needs | predicates and proofs of segments | distances and gradients as well |
+//! | best at | arms in cells; shorter paths | narrow passages into which the clearance leads |
+//!
+//! Every edge of the roadmap is proven free, and a path is certified again in its direction. Both
+//! methods are *probabilistically complete*: the probability of missing a path whose clearance
+//! exceeds the margin tends to zero as the search goes on. No method proves that there is no path.
+//! The budgets are counts ([`PlanOptions`]), or the caller stops the search by a clock
+//! ([`Checker::plan_with_progress`]). The same seed gives the same result, bit for bit: the methods
+//! take turns by counts of tests, not by a clock.
+//!
+//! ## RRT-Connect
+//!
+//! 1. Draw a random configuration. The nearest node of a tree takes a step towards it, if the step
+//!    is proven free.
+//! 2. From the new node, go on towards the nearest node of the other tree, step by step, until a
+//!    step is blocked. If the tree arrives there, the search is done.
+//! 3. The smaller tree is next.
+//!
+//! ## The opportunistic planner
 //!
 //! The clearance of a configuration is the least signed distance of all pairs. A *slice* holds one
 //! *sweep coordinate* fixed. As the sweep coordinate moves, a local maximum of the clearance within
@@ -124,11 +150,7 @@
 //! 5. Link the new nodes to other components of the roadmap by straight segments. If start and goal
 //!    are in one component, the search is done.
 //!
-//! Every edge of the roadmap is proven free. The search is *probabilistically complete*: feelers
-//! reach every open set and are linked, so the probability of missing a path whose clearance
-//! exceeds the margin tends to zero as the number of slices grows. The search never proves that
-//! there is no path. The budget is a count ([`PlanOptions`]), or the caller stops the search by a
-//! clock ([`Checker::plan_with_progress`]). The same seed gives the same result, bit for bit.
+//! The planner is complete in the sense above because feelers reach every open set and are linked.
 //!
 //! # When not to use it
 //!
@@ -139,16 +161,15 @@
 //!   0.3 takes at most 0.7 s (`crates/plan/tests`, ignored tests).
 //! * A planner with a tuned sampler and fixed steps may be faster, but may miss a collision.
 //!
-//! To use a sampling planner, call [`Checker::is_free_at`] for its configurations and
-//! [`is_free`](Checker::is_free) for its motions. The crate has no other planner. The benchmark
-//! `race plan` uses RRT-Connect of the crate `oxmpl`. That planner checks motions at fixed steps
-//! itself, so it cannot use a certified checker.
+//! To use another sampling planner, call [`Checker::is_free_at`] for its configurations and
+//! [`is_free`](Checker::is_free) for its motions.
 //!
 //! # Sources
 //!
 //! Canny and Lin 1993, "An opportunistic global path planner", Algorithmica 10 (the thesis, chapter
 //! 6); Schwarzer, Saha and Latombe 2005, "Adaptive dynamic collision checking" (segments proven by
-//! bounds of displacements); Kuffner and LaValle 2000, RRT-Connect (feelers). Departures:
+//! bounds of displacements); Kuffner and LaValle 2000, "RRT-Connect" (and feelers); Yershova, Jaillet,
+//! Simeon and LaValle 2005, "Dynamic-domain RRTs". Departures:
 //!
 //! 1. Segments are proven by separating planes over an interval instead of displacements, so the
 //!    steps are longer.
@@ -174,15 +195,16 @@ mod free;
 mod freeway;
 mod links;
 mod names;
-mod opportunistic;
 mod pairs;
 mod path;
 #[cfg(feature = "serde")]
 mod persist;
+mod planner;
 mod random;
 mod range;
 mod rigid;
 mod roadmap;
+mod rrt_connect;
 mod search;
 mod smooth;
 mod space;
@@ -202,8 +224,8 @@ pub use curve::JointCurve;
 pub use error::PlanError;
 pub use freeway::FreewayEnd;
 pub use names::nearest_name;
-pub use opportunistic::{Plan, PlanOptions, PlanWork};
 pub use path::Path;
+pub use planner::{Plan, PlanMethod, PlanOptions, PlanWork};
 pub use range::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};
 pub use rigid::{PlanarSpace, RigidSegment, RigidSpace, TranslationSpace};
 pub use roadmap::{Edge, EdgeKind, Freeway, Roadmap};

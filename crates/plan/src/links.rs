@@ -5,7 +5,7 @@ use std::vec::Vec;
 use crate::ascent::ClearConfiguration;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::opportunistic::PathSearch;
+use crate::planner::PathSearch;
 use crate::roadmap::EdgeKind;
 use crate::space::ConfigurationSpace;
 

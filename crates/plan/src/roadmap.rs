@@ -18,6 +18,8 @@ pub enum EdgeKind {
     Bridge,
     /// A straight segment between two components of the roadmap.
     Link,
+    /// A segment of a tree of RRT-Connect, proven free towards the goal.
+    Tree,
 }
 
 /// A segment proven free between two configurations.
@@ -60,6 +62,32 @@ pub struct Roadmap {
 }
 
 impl Roadmap {
+    /// Returns the roadmap of start and goal alone.
+    pub(crate) fn new(start: &[f64], goal: &[f64]) -> Self {
+        let mut roadmap = Self::default();
+        roadmap.add(start.into());
+        roadmap.add(goal.into());
+        roadmap
+    }
+
+    /// Adds the configurations and segments of another roadmap of the same start and goal.
+    pub(crate) fn absorb(&mut self, other: Self) {
+        // The numbers of other nodes follow those of this roadmap; start and goal are the same.
+        let ends = 2;
+        let shift = self.nodes.len() - ends;
+        let number = |node: usize| if node < ends { node } else { node + shift };
+        for q in other.nodes.into_iter().skip(ends) {
+            self.add(q);
+        }
+        for Edge { ends: [a, b], kind } in other.edges {
+            self.join(number(a), number(b), kind);
+        }
+        for mut freeway in other.freeways {
+            freeway.nodes.iter_mut().for_each(|node| *node = number(*node));
+            self.freeways.push(freeway);
+        }
+    }
+
     pub(crate) fn add(&mut self, q: Vec<f64>) -> usize {
         let node = self.nodes.len();
         self.nodes.push(q);
@@ -91,6 +119,11 @@ impl Roadmap {
     #[must_use]
     pub fn component(&self, node: usize) -> usize {
         self.numbers[node]
+    }
+
+    /// Returns whether two nodes are joined by segments.
+    pub(crate) fn joins(&self, a: usize, b: usize) -> bool {
+        self.component(a) == self.component(b)
     }
 
     /// Returns the number and the nodes of each component.
@@ -169,5 +202,36 @@ impl PartialOrd for Reached {
 impl Ord for Reached {
     fn cmp(&self, other: &Self) -> Ordering {
         self.far.total_cmp(&other.far).then(self.node.cmp(&other.node))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    #[test]
+    fn a_roadmap_absorbs_another_of_the_same_ends() {
+        let with = |q: f64| {
+            let mut roadmap = Roadmap::new(&[0.0], &[1.0]);
+            let node = roadmap.add(std::vec![q]);
+            roadmap.join(0, node, EdgeKind::Tree);
+            roadmap
+        };
+        let (mut all, mut other) = (with(0.25), with(0.5));
+        let freeway = Freeway {
+            coordinate: 0,
+            depth: 0,
+            nodes: [0, 2].into(),
+            ends: [FreewayEnd::Bound; 2],
+        };
+        other.freeways.push(freeway);
+        other.join(2, 1, EdgeKind::Link);
+        all.absorb(other);
+        assert_eq!(all.nodes, [[0.0], [1.0], [0.25], [0.5]]);
+        let ends: Vec<[usize; 2]> = all.edges.iter().map(|edge| edge.ends).collect();
+        assert_eq!(ends, [[0, 2], [0, 3], [3, 1]]);
+        assert_eq!(all.freeways[0].nodes, [0, 3]);
+        assert!((0..4).all(|node| all.joins(0, node)));
     }
 }

@@ -10,9 +10,9 @@ use crate::error::PlanError;
 use crate::freeway::CLOSED;
 use crate::freeway::FreewayEnd;
 use crate::links::{apart, spaced};
-use crate::opportunistic::PathSearch;
+use crate::planner::PathSearch;
 use crate::path::Path;
-use crate::roadmap::{EdgeKind, Freeway};
+use crate::roadmap::{EdgeKind, Freeway, Roadmap};
 use crate::space::ConfigurationSpace;
 
 /// Cosine beyond which gradients count as opposite. Not measured.
@@ -27,37 +27,44 @@ const KNOWN: f64 = 1.0;
 /// Maximum depth of slices within slices. Not measured.
 const DEPTH: usize = 1;
 
-const START: usize = 0;
-const GOAL: usize = 1;
+/// Indices of start and goal in every roadmap.
+pub(crate) const START: usize = 0;
+pub(crate) const GOAL: usize = 1;
 
 impl<C: ConfigurationSpace> PathSearch<'_, C> {
-    pub(crate) fn run(&mut self, start: &[f64], goal: &[f64], slices: u64) -> Result<(), PlanError> {
-        self.roadmap.add(start.into());
-        self.roadmap.add(goal.into());
-        if self.tried(START, GOAL)? {
-            return Ok(());
+    /// Returns whether the planner may explore another slice, of at most so many random ones.
+    pub(crate) fn has_slices(&self, slices: u64) -> bool {
+        self.explored < self.first_slices() || self.work.slices < slices
+    }
+
+    /// Returns the number of slices through start and goal: one for each sweep coordinate.
+    fn first_slices(&self) -> usize {
+        2 * self.checker.space.bounds().len()
+    }
+
+    /// Explores the next slice: first those through start and goal, then random ones.
+    pub(crate) fn next_slice(&mut self) -> Result<(), PlanError> {
+        let first = self.first_slices();
+        if self.explored < first {
+            let (node, coordinate) = match self.explored.checked_sub(first / 2) {
+                None => (START, self.explored),
+                Some(coordinate) => (GOAL, coordinate),
+            };
+            self.explored += 1;
+            let slice = self.lengths.clone();
+            return self.explore(node, coordinate, &slice, 0);
         }
-        for node in [START, GOAL] {
-            for coordinate in 0..self.checker.space.bounds().len() {
-                let slice = self.lengths.clone();
-                self.explore(node, coordinate, &slice, 0)?;
-                if self.is_over() {
-                    return Ok(());
-                }
-            }
-        }
-        while self.work.slices < slices && !self.is_over() {
-            self.work.slices += 1;
-            self.random_slice()?;
-        }
-        Ok(())
+        self.work.slices += 1;
+        self.random_slice()
     }
 
     pub(crate) fn is_solved(&self) -> bool {
-        self.roadmap.component(START) == self.roadmap.component(GOAL)
+        self.roadmap.joins(START, GOAL)
     }
 
-    fn is_over(&mut self) -> bool {
+    /// Returns whether there is a path, the budget of queries is spent, or the callback stops the
+    /// search.
+    pub(crate) fn is_over(&mut self) -> bool {
         let spent = self.checker.work.since(&self.before);
         let queries = spent.queries + spent.measures + spent.decisions;
         if self.is_solved() || queries >= self.queries {
@@ -67,10 +74,11 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         (self.progress)(Progress::new("queries", queries as usize, total)).is_break()
     }
 
-    pub(crate) fn path(&self) -> Option<Path> {
+    /// Returns the shortest path of a roadmap from start to goal.
+    pub(crate) fn path(&self, roadmap: &Roadmap) -> Option<Path> {
         let space = &self.checker.space;
-        let way = self.roadmap.way(START, GOAL, |a, b| space.distance(a, b))?;
-        Some(way.into_iter().map(|k| self.roadmap.nodes[k].clone()).collect())
+        let way = roadmap.way(START, GOAL, |a, b| space.distance(a, b))?;
+        Some(way.into_iter().map(|k| roadmap.nodes[k].clone()).collect())
     }
 
     /// Starts a slice between two obstacles if a feeler finds such a configuration, otherwise at a

@@ -772,8 +772,10 @@ class Checker:
         start: ArrayLike,
         goal: ArrayLike,
         *,
+        method: Literal["alternate", "rrt-connect", "opportunistic"] = "alternate",
         seed: int = 0,
         slices: int = 10_000,
+        samples: int = 100_000,
         seconds: float | None = None,
         shorten: int = 300,
     ) -> NDArray[np.float64] | None: ...

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use lin_canny::Progress;
-use lin_canny_robot::plan::{Checker as Loaded, ConfigurationSpace, JointTree, Path, PlanOptions, World};
+use lin_canny_robot::plan::{Checker as Loaded, ConfigurationSpace, JointTree, Path, PlanMethod, PlanOptions, World};
 use lin_canny_robot::{Cell, Setup};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -315,23 +315,34 @@ impl Checker {
     /// Every segment of the path is proven to keep the margin. Returns None if a limit ended the
     /// search, which proves nothing.
     ///
-    /// seed: the random seed; the same seed gives the same path unless `seconds` ends the search.
-    /// slices: the maximum number of random slices. seconds: the time limit. shorten: the number of
-    /// attempts to shorten the path. Ctrl-C ends the search.
-    #[pyo3(signature = (start, goal, *, seed=0, slices=10_000, seconds=None, shorten=300))]
+    /// method: "rrt-connect" (two trees that grow towards random configurations), "opportunistic"
+    /// (freeways of largest clearance), or "alternate": RRT-Connect first, and both in turn if the
+    /// problem is hard. seed: the random seed; the same seed gives the same path unless `seconds`
+    /// ends the search. slices and samples: the maximum number of random slices of the
+    /// opportunistic planner, and of samples of RRT-Connect. seconds: the time limit. shorten: the
+    /// number of attempts to shorten the path. Ctrl-C ends the search.
+    #[pyo3(signature = (
+        start, goal, *, method="alternate", seed=0, slices=10_000, samples=100_000, seconds=None, shorten=300
+    ))]
     #[allow(clippy::too_many_arguments)] // the signature in Python
     fn plan<'py>(
         &mut self,
         py: Python<'py>,
         start: &Bound<'py, PyAny>,
         goal: &Bound<'py, PyAny>,
+        method: &str,
         seed: u64,
         slices: u64,
+        samples: u64,
         seconds: Option<f64>,
         shorten: usize,
     ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let ends = [configuration(start)?, configuration(goal)?];
-        let options = PlanOptions::default().seed(seed).slices(slices).queries(u64::MAX);
+        let names = || PlanMethod::ALL.map(|known| format!("{:?}", known.name())).join(", ");
+        let method = PlanMethod::from_name(method)
+            .ok_or_else(|| refused(format!("method is {method:?} (expected one of {})", names())))?;
+        let options = PlanOptions::default().unlimited().method(method).seed(seed);
+        let options = options.slices(slices).samples(samples);
         let limit = seconds.unwrap_or(f64::INFINITY);
         let path = py.detach(|| self.search(&ends, &options, limit, shorten))?;
         let Some(path) = path else { return Ok(None) };

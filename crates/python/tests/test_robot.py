@@ -115,6 +115,12 @@ def test_a_planned_path_is_free(checker):
     assert path[0].tolist() == start and path[-1].tolist() == goal and path.shape[1] == 2
     assert short_post.certify_path(path).is_free
     assert np.array_equal(path, short_post.plan(start, goal, seed=1))
+    for method in ["rrt-connect", "opportunistic"]:
+        path = short_post.plan(start, goal, seed=1, method=method)
+        assert short_post.certify_path(path).is_free
+    with pytest.raises(ValueError, match='method is "prm"'):
+        short_post.plan(start, goal, method="prm")
+    assert short_post.plan(start, goal, method="rrt-connect", samples=0) is None
     assert checker.plan(start, goal, seconds=0.2) is None  # the post of the cell is taller than the lift
     with pytest.raises(lc.PlanError, match='"?bar"? and "?stub"? are in contact'):
         short_post.plan([0, math.pi / 2], goal)
@@ -125,7 +131,7 @@ def test_ctrl_c_ends_a_search(checker):
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     with pytest.raises(KeyboardInterrupt):
-        checker.plan([0, 0], [0, 2.5], seconds=20, slices=10**12)
+        checker.plan([0, 0], [0, 2.5], seconds=20, slices=10**12, samples=10**12)
 
 
 def checker_urdf(checker):

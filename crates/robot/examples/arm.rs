@@ -65,17 +65,15 @@ fn run(options: &Options) -> Result<(), Trouble> {
     }
     let mut checker = setup.checker()?;
     let [start, goal] = BINS.map(motion::carry);
-    let search = PlanOptions::default()
-        .seed(options.seed)
-        .slices(u64::MAX)
-        .queries(u64::MAX);
+    let search = PlanOptions::default().seed(options.seed).unlimited();
     let began = Instant::now();
     let plan = checker.plan_with_progress(&start, &goal, &search, &mut |_| {
         Progress::stop_if(began.elapsed() > options.seconds)
     })?;
     let (took, work) = (began.elapsed(), plan.work);
     println!(
-        "{took:.2?}: {} freeways, {} random slices, {} configurations, {} distance queries",
+        "{took:.2?}: {} samples, {} freeways, {} random slices, {} configurations, {} distance queries",
+        work.samples,
         work.freeways,
         work.slices,
         plan.roadmap.nodes.len(),

@@ -254,7 +254,7 @@ fn planned(
     seed: u64,
 ) -> Result<Vec<Vec<f64>>, Trouble> {
     let began = Instant::now();
-    let options = PlanOptions::default().seed(seed).slices(u64::MAX).queries(u64::MAX);
+    let options = PlanOptions::default().seed(seed).unlimited();
     let limit = Duration::from_secs(40);
     let plan = checker.plan_with_progress(from, to, &options, &mut |_| Progress::stop_if(began.elapsed() > limit))?;
     let path = plan.path.ok_or(format!("{what}: no path found in {limit:.0?}"))?;

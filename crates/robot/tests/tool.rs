@@ -137,6 +137,13 @@ fn motions_are_proven_or_blocked() {
     assert!(film.frames.iter().all(apart));
     let (code, text) = run("certify", &with(&["--joints", &path]));
     assert_eq!(code, 0, "{text}");
+    for method in ["rrt-connect", "opportunistic"] {
+        let search = ["--joints", &through, "--csv", &path, "--method", method];
+        let (code, text) = run("plan", &with(&search));
+        assert_eq!(code, 0, "{method}: {text}");
+        let (code, text) = run("certify", &with(&["--joints", &path]));
+        assert_eq!(code, 0, "{method}: {text}");
+    }
     // Walls and a lid leave a way that no straight segment takes.
     let wall = |name: &str, size: [f64; 3], at: [f64; 3]| {
         format!("{{\"name\": \"{name}\", \"box\": {{\"size\": {size:?}}}, \"xyz\": {at:?}}}")

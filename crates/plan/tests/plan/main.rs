@@ -11,6 +11,7 @@ mod forget;
 mod free;
 mod judge;
 mod leave;
+mod methods;
 mod moving;
 mod planner;
 mod range_worlds;

@@ -1,4 +1,4 @@
-//! Paths of the opportunistic planner: judged by dense predicates; a blocked world has none.
+//! Paths of each method: judged by dense predicates; a blocked world has none.
 
 use crate::judge::{Placed, first_contact, pose_of};
 use cpu_time::ThreadTime;
@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Piece, Progress};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, FreewayEnd, PlanError, PlanOptions, PlanarSpace, RigidSpace, TranslationSpace, World,
+    Checker, ConfigurationSpace, FreewayEnd, PlanError, PlanMethod, PlanOptions, PlanarSpace, RigidSpace, TranslationSpace, World,
 };
 use std::time::Duration;
 use truth::rooms::wall;
@@ -38,7 +38,7 @@ fn options(seed: u64) -> PlanOptions {
 }
 
 /// A plank that must turn to pass a hole, and comes turned wrongly: how many seeds find a way within a limit of processor time.
-fn passage(width: f64, seeds: u64, limit: Duration) -> (u64, Duration) {
+fn passage(width: f64, method: PlanMethod, seeds: u64, limit: Duration) -> (u64, Duration) {
     let robot = cuboid(0.8, 0.1, 0.1);
     let obstacles = wall(width);
     let (mut solved, mut longest) = (0, Duration::ZERO);
@@ -47,13 +47,13 @@ fn passage(width: f64, seeds: u64, limit: Duration) -> (u64, Duration) {
         let mut checker = Checker::new(space, world(&robot, &obstacles)).expect("a world");
         let began = ThreadTime::now();
         let plan = checker
-            .plan_with_progress(&start, &goal, &options(seed), &mut |_| {
+            .plan_with_progress(&start, &goal, &options(seed).method(method), &mut |_| {
                 Progress::stop_if(began.elapsed() > limit)
             })
             .expect("free ends");
         let took = began.elapsed();
         longest = longest.max(took);
-        println!("width {width} seed {seed}: {took:?} {:?}", plan.work);
+        println!("{} width {width} seed {seed}: {took:?} {:?}", method.name(), plan.work);
         let Some(path) = plan.path else { continue };
         solved += 1;
         assert_eq!((&path[0], &path[path.len() - 1]), (&start, &goal));
@@ -69,17 +69,24 @@ fn passage(width: f64, seeds: u64, limit: Duration) -> (u64, Duration) {
 
 #[test]
 fn a_wide_passage_is_found() {
-    let (solved, longest) = passage(0.6, 4, Duration::from_secs(10));
-    assert!(solved == 4, "{solved} in up to {longest:?}");
+    for method in [PlanMethod::Alternate, PlanMethod::Opportunistic] {
+        let (solved, longest) = passage(0.6, method, 4, Duration::from_secs(10));
+        assert!(solved == 4, "{method:?}: {solved} in up to {longest:?}");
+    }
 }
 
 #[test]
 #[ignore = "a minute: 20 seeds for each width"]
 fn passages_are_found_for_twenty_seeds() {
     // The plank is 0.2 thick.
-    let found = [0.6, 0.4, 0.3].map(|width| (width, passage(width, 20, Duration::from_secs(10))));
-    println!("{found:?}");
-    assert!(found.iter().all(|(_, (solved, _))| *solved >= 19), "{found:?}");
+    for method in [PlanMethod::Alternate, PlanMethod::Opportunistic] {
+        let found = [0.6, 0.4, 0.3].map(|width| (width, passage(width, method, 20, Duration::from_secs(10))));
+        println!("{method:?}: {found:?}");
+        assert!(
+            found.iter().all(|(_, (solved, _))| *solved >= 19),
+            "{method:?}: {found:?}"
+        );
+    }
 }
 
 /// A closed wall, and a box with the goal inside: never a path.
@@ -276,8 +283,9 @@ fn freeways_are_local_maxima_in_their_slices() {
     all.push((cuboid(0.2, 0.6, 1.5), Isometry3::translation(0.0, 0.0, 0.0)));
     let space = TranslationSpace::new(bounds, UnitQuaternion::identity(), 1).expect("a space");
     let mut checker = Checker::new(space, world(&robot, &all)).expect("a world");
+    let freeways = options(1).method(PlanMethod::Opportunistic);
     let plan = checker
-        .plan(&[-1.5, 0.3, 0.1], &[1.5, -0.3, 0.0], &options(1))
+        .plan(&[-1.5, 0.3, 0.1], &[1.5, -0.3, 0.0], &freeways)
         .expect("free ends");
     let (mut judged, mut kept) = (0, 0);
     for freeway in &plan.roadmap.freeways {

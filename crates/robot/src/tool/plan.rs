@@ -3,15 +3,36 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use lin_canny::Progress;
-use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanError, PlanOptions};
+use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanError, PlanMethod, PlanOptions};
 use lin_canny_robot::{RobotRecorder, Trajectory, csv_text};
 
 use super::film::FRAMES;
 use super::options::{RobotOptions, RowOptions};
 use super::text::{self, distance, names};
 use super::{End, ToolError, check_at_rest, write};
+
+/// The method of the search.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Method {
+    /// RRT-Connect first; if the problem is hard, both methods in turn
+    Alternate,
+    /// Two trees that grow towards random configurations and each other
+    RrtConnect,
+    /// Freeways of largest clearance in slices
+    Opportunistic,
+}
+
+impl From<Method> for PlanMethod {
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Alternate => Self::Alternate,
+            Method::RrtConnect => Self::RrtConnect,
+            Method::Opportunistic => Self::Opportunistic,
+        }
+    }
+}
 
 #[derive(Args)]
 pub(super) struct PlanArguments {
@@ -28,6 +49,9 @@ pub(super) struct PlanArguments {
     /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     margin: Option<f64>,
+    /// Method of the search
+    #[arg(long, value_enum, default_value = "alternate")]
+    method: Method,
     /// Random seed
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -57,9 +81,9 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
     checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
     let began = Instant::now();
     let search = PlanOptions::default()
+        .method(options.method.into())
         .seed(options.seed)
-        .slices(u64::MAX)
-        .queries(u64::MAX);
+        .unlimited();
     let found = checker.plan_with_progress(start, goal, &search, &mut |_| {
         Progress::stop_if(began.elapsed() > options.seconds)
     });

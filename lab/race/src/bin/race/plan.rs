@@ -14,7 +14,7 @@ use lin_canny::broad::{Aabb, BodyOptions, SweepAndPrune};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{BoxHint, RelativePose, Tracker};
-use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, RigidSpace, Verdict};
+use lin_canny_plan::{Checker, ConfigurationSpace, PlanMethod, PlanOptions, RigidSpace, Verdict};
 use race::progress::Progress;
 use truth::cells::Cell;
 use truth::rng::Rng;
@@ -197,24 +197,28 @@ impl Searches {
     }
 }
 
-/// Runs one search per seed between two configurations, and RRT-Connect at steps of 0.01 for
-/// comparison.
+/// Runs one search per seed and method between two configurations, and RRT-Connect at steps of 0.01
+/// for comparison.
 fn search(scene: &str, room: Room, space: &RigidSpace, ends: [Vec<f64>; 2], seeds: u64, rows: &mut Rows) {
-    let engines = ["opportunistic", "oxmpl step 0.01"];
-    let mut searches = [Searches::default(), Searches::default()];
+    let [first, second, third] = PlanMethod::ALL.map(PlanMethod::name);
+    let engines = [first, second, third, "oxmpl step 0.01"];
+    let mut searches = [(); 4].map(|()| Searches::default());
     // The checker of `oxmpl` needs a `'static` lifetime.
     let room: &'static Room = Box::leak(Box::new(room));
     let [start, goal] = &ends;
     for seed in 0..seeds {
-        let mut checker = Checker::new(space.clone(), room.world()).expect("a room");
-        let options = PlanOptions::default().seed(seed);
-        let began = ThreadTime::now();
-        let mut stop = |_| lin_canny::Progress::stop_if(began.elapsed() > LIMIT);
-        let plan = checker
-            .plan_with_progress(start, goal, &options, &mut stop)
-            .expect("free ends");
-        let took = began.elapsed();
-        searches[0].push(took, plan.path.as_deref().map(|path| (path, &mut checker)));
+        let fresh = || Checker::new(space.clone(), room.world()).expect("a room");
+        for (method, searches) in PlanMethod::ALL.into_iter().zip(&mut searches) {
+            let mut checker = fresh();
+            let options = PlanOptions::default().method(method).seed(seed);
+            let began = ThreadTime::now();
+            let mut stop = |_| lin_canny::Progress::stop_if(began.elapsed() > LIMIT);
+            let plan = checker
+                .plan_with_progress(start, goal, &options, &mut stop)
+                .expect("free ends");
+            let took = began.elapsed();
+            searches.push(took, plan.path.as_deref().map(|path| (path, &mut checker)));
+        }
         let (mut fixed, mut poses) = (Fixed::new(room), Vec::new());
         let is_clear = move |q: &[f64]| {
             fixed.space.place(q, &mut poses);
@@ -223,7 +227,7 @@ fn search(scene: &str, room: Room, space: &RigidSpace, ends: [Vec<f64>; 2], seed
         let began = ThreadTime::now();
         let path = rrt::search(space, [start, goal], 0.01, seed, LIMIT, is_clear);
         let took = began.elapsed();
-        searches[1].push(took, path.as_deref().map(|path| (path, &mut checker)));
+        searches[3].push(took, path.as_deref().map(|path| (path, &mut fresh())));
     }
     println!(
         "{scene}\n  {:<16}{:>14}{:>6}{:>12}{:>12}",

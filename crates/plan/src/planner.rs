@@ -1,4 +1,8 @@
-//! The opportunistic global path planner of Canny and Lin: options, result and entry points.
+//! The search for a path: methods, options, result and entry points.
+//!
+//! [`PlanMethod::Alternate`] gives a step to the method that has done less work. The work of a step
+//! is the number of configurations, segments and samples that it tests. These counts do not depend
+//! on the state of the trackers, so the path depends on the seed and the steps alone.
 
 use core::ops::ControlFlow;
 use std::string::ToString;
@@ -12,6 +16,8 @@ use crate::extremes::Extremes;
 use crate::path::Path;
 use crate::random::Random;
 use crate::roadmap::Roadmap;
+use crate::rrt_connect::TreeSearch;
+use crate::search::{GOAL, START};
 use crate::space::ConfigurationSpace;
 use crate::verdict::CheckWork;
 
@@ -20,18 +26,69 @@ use crate::verdict::CheckWork;
 const LONGEST: f64 = 1.0 / 16.0;
 const SHORTEST: f64 = 1.0 / 32_768.0;
 
-/// Budget and seed of a search.
+/// Work that RRT-Connect does alone before [`PlanMethod::Alternate`] starts the opportunistic
+/// planner: configurations, segments and samples. @MEASURED@
+const HEAD_START: u64 = 512;
+
+/// The method of [`Checker::plan`].
+///
+/// Every segment of a path is proven free, whatever the method. The [crate](crate) explains both
+/// methods.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum PlanMethod {
+    /// RRT-Connect at first, then both methods in turn, until one of them finds a path (the
+    /// default).
+    ///
+    /// Each method makes the steps that it makes alone. So the search does at most about twice the
+    /// work of the method that needs less, plus the first steps of RRT-Connect.
+    #[default]
+    Alternate,
+    /// Two trees of segments, from start and goal, that grow towards random configurations and
+    /// towards each other (Kuffner and LaValle 2000).
+    RrtConnect,
+    /// Freeways of largest clearance in slices (Canny and Lin 1993).
+    Opportunistic,
+}
+
+impl PlanMethod {
+    /// All methods.
+    pub const ALL: [Self; 3] = [Self::Alternate, Self::RrtConnect, Self::Opportunistic];
+
+    /// Returns the name: `alternate`, `rrt-connect` or `opportunistic`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Alternate => "alternate",
+            Self::RrtConnect => "rrt-connect",
+            Self::Opportunistic => "opportunistic",
+        }
+    }
+
+    /// Returns the method with a name, as [`name`](Self::name) returns it; `None` for any other.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|method| method.name() == name)
+    }
+}
+
+/// Method, budget and seed of a search. The search ends when the first budget is spent.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PlanOptions {
+    /// The method (default [`PlanMethod::Alternate`]).
+    pub method: PlanMethod,
     /// Random seed (default 0). The same seed gives the same result.
     pub seed: u64,
-    /// Maximum number of random slices (default 10,000).
+    /// Maximum number of random slices of the opportunistic planner (default 10,000).
     pub slices: u64,
-    /// Maximum number of pair queries, checked between freeways (default 1,000,000).
+    /// Maximum number of samples of RRT-Connect (default 100,000).
+    pub samples: u64,
+    /// Maximum number of pair queries, checked between steps (default 1,000,000).
     ///
-    /// The default takes seconds to tens of seconds, depending on the bodies. To stop by a clock,
-    /// set `u64::MAX` and call [`Checker::plan_with_progress`].
+    /// A step is a freeway or a sample. The default takes seconds to tens of seconds, depending on
+    /// the bodies. To stop by a clock, set all three budgets to `u64::MAX`
+    /// ([`unlimited`](Self::unlimited)) and call [`Checker::plan_with_progress`].
     pub queries: u64,
     /// Clearance at which an ascent ends, because more is no better. `None` is an eighth of the
     /// largest extent of the bounds.
@@ -41,8 +98,10 @@ pub struct PlanOptions {
 impl Default for PlanOptions {
     fn default() -> Self {
         Self {
+            method: PlanMethod::default(),
             seed: 0,
             slices: 10_000,
+            samples: 100_000,
             queries: 1_000_000,
             clearance_cap: None,
         }
@@ -50,6 +109,13 @@ impl Default for PlanOptions {
 }
 
 impl PlanOptions {
+    /// Sets the method.
+    #[must_use]
+    pub const fn method(mut self, method: PlanMethod) -> Self {
+        self.method = method;
+        self
+    }
+
     /// Sets the random seed.
     #[must_use]
     pub const fn seed(mut self, seed: u64) -> Self {
@@ -62,6 +128,19 @@ impl PlanOptions {
     pub const fn slices(mut self, slices: u64) -> Self {
         self.slices = slices;
         self
+    }
+
+    /// Sets the maximum number of samples.
+    #[must_use]
+    pub const fn samples(mut self, samples: u64) -> Self {
+        self.samples = samples;
+        self
+    }
+
+    /// Removes the budgets of slices, samples and queries, for a search that a callback stops.
+    #[must_use]
+    pub const fn unlimited(self) -> Self {
+        self.slices(u64::MAX).samples(u64::MAX).queries(u64::MAX)
     }
 
     /// Sets the maximum number of pair queries.
@@ -89,8 +168,13 @@ pub struct PlanWork {
     pub freeways: u64,
     /// Number of bridges traced (freeways within slices).
     pub bridges: u64,
-    /// Number of straight segments tried between components, and number proven free.
+    /// Number of straight segments tried between components, and number proven free. The segment
+    /// from start to goal, which every method tries first, is one of them.
     pub links: [u64; 2],
+    /// Number of samples of RRT-Connect.
+    pub samples: u64,
+    /// Number of segments tried by RRT-Connect, and number proven free.
+    pub extensions: [u64; 2],
     /// Counts of the checker.
     pub checks: CheckWork,
 }
@@ -111,7 +195,7 @@ pub struct Plan {
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
-    /// Searches for a path from `start` to `goal`; the [crate](crate) explains the method.
+    /// Searches for a path from `start` to `goal`; [`PlanOptions::method`] is how.
     ///
     /// # Errors
     /// Returns an error if a configuration is invalid or closer to contact than the margin, or if
@@ -122,8 +206,8 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Searches for a path as [`plan`](Self::plan) does, with a progress callback.
     ///
-    /// The callback receives the number of queries between two freeways. If it stops the search,
-    /// for example at a time limit, `path` is `None`.
+    /// The callback receives the number of queries between two steps: freeways or samples. If it
+    /// stops the search, for example at a time limit, `path` is `None`.
     ///
     /// # Errors
     /// As [`plan`](Self::plan).
@@ -146,22 +230,27 @@ impl<C: ConfigurationSpace> Checker<C> {
                 return Err(PlanError::Contact { end, a, b });
             }
         }
-        let lengths = self.lengths(options)?;
+        let extent = self.extent()?;
+        let lengths = self.lengths(extent, options)?;
         let before = self.work;
         let mut search = PathSearch {
             checker: self,
-            roadmap: Roadmap::default(),
+            roadmap: Roadmap::new(start, goal),
             work: PlanWork::default(),
             random: Random::new(options.seed),
             lengths,
             queries: options.queries,
+            explored: 0,
             before,
             progress,
         };
-        search.run(start, goal, options.slices)?;
-        let found = search.path();
-        let (roadmap, mut work) = (search.roadmap, search.work);
-        // The roadmap has proven each segment in one of its two directions.
+        let mut trees = TreeSearch::new(start, goal, options.seed, extent);
+        search.run(&mut trees, options)?;
+        let solved = if trees.is_solved() { &trees.roadmap } else { &search.roadmap };
+        let found = search.path(solved);
+        let (mut roadmap, mut work) = (search.roadmap, search.work);
+        roadmap.absorb(trees.roadmap);
+        // The opportunistic planner has proven each segment in one of its two directions.
         let path = match found {
             Some(path) if self.certify_path(&path)?.1.is_free() => Some(path),
             _ => None,
@@ -170,8 +259,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(Plan { path, roadmap, work })
     }
 
-    /// Returns the lengths of steps, from the extent of the bounds.
-    fn lengths(&self, options: &PlanOptions) -> Result<Slice, PlanError> {
+    /// Returns the largest extent of the bounds, as a length.
+    fn extent(&self) -> Result<f64, PlanError> {
         let bounds = self.space.bounds().iter().zip(self.space.scales());
         let extents = bounds.map(|([low, high], scale)| (high - low) * scale);
         let extent = extents.fold(0.0, f64::larger);
@@ -179,6 +268,11 @@ impl<C: ConfigurationSpace> Checker<C> {
             let what = "extent of the bounds";
             return Err(PlanError::Value { what, value: extent });
         }
+        Ok(extent)
+    }
+
+    /// Returns the lengths of steps of the opportunistic planner, from the extent of the bounds.
+    fn lengths(&self, extent: f64, options: &PlanOptions) -> Result<Slice, PlanError> {
         let clearance_cap = options.clearance_cap.unwrap_or(0.125 * extent);
         if !(clearance_cap > 0.0) {
             let what = "option `clearance_cap`";
@@ -211,7 +305,7 @@ impl CheckWork {
     }
 }
 
-/// State of a search.
+/// State of a search, and of the opportunistic planner.
 pub(crate) struct PathSearch<'a, C> {
     pub(crate) checker: &'a mut Checker<C>,
     pub(crate) roadmap: Roadmap,
@@ -220,6 +314,41 @@ pub(crate) struct PathSearch<'a, C> {
     /// A slice without fixed components.
     pub(crate) lengths: Slice,
     pub(crate) queries: u64,
+    /// Number of slices through start and goal that are explored.
+    pub(crate) explored: usize,
     pub(crate) before: CheckWork,
     pub(crate) progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
+}
+
+impl<C: ConfigurationSpace> PathSearch<'_, C> {
+    /// Makes steps of the method until there is a path or the first budget is spent.
+    fn run(&mut self, trees: &mut TreeSearch, options: &PlanOptions) -> Result<(), PlanError> {
+        if self.tried(START, GOAL)? {
+            return Ok(());
+        }
+        let (mut of_trees, mut of_slices) = (0, 0);
+        while !trees.is_solved() && !self.is_over() {
+            let is_tree = match options.method {
+                PlanMethod::Alternate => of_trees < HEAD_START + of_slices,
+                method => method == PlanMethod::RrtConnect,
+            };
+            let before = self.steps();
+            if is_tree && self.work.samples < options.samples {
+                trees.grow(self.checker, &mut self.work)?;
+                of_trees += self.steps() - before;
+            } else if !is_tree && self.has_slices(options.slices) {
+                self.next_slice()?;
+                of_slices += self.steps() - before;
+            } else {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the number of configurations, segments and samples that were tested.
+    fn steps(&self) -> u64 {
+        let checks = &self.checker.work;
+        checks.configurations + checks.segments + self.work.samples
+    }
 }

@@ -1,0 +1,176 @@
+//! The methods of the planner: each makes paths of proven segments, and their turns depend on steps alone.
+
+use lin_canny::Progress;
+use lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny_plan::{Checker, EdgeKind, Plan, PlanMethod, PlanOptions, PlanarSpace, RigidSpace, World};
+
+/// A rectangle in the plane, and two walls with a gap in which it fits lengthwise only.
+fn gap(half: f64) -> (Checker<PlanarSpace>, [[f64; 3]; 2]) {
+    let mut world = World::new();
+    let rectangle = solids::cuboid(Vector3::new(0.5, 0.1, 0.1)).expect("a box");
+    world.robot_body("rectangle", rectangle);
+    for side in [1.0, -1.0] {
+        let wall = solids::cuboid(Vector3::new(0.3, 1.0, 1.0)).expect("a box");
+        world.obstacle("wall", wall, Isometry3::translation(0.0, side * (1.0 + half), 0.0));
+    }
+    let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
+    let checker = Checker::new(space, world).expect("a world");
+    (checker, [[-1.5, 0.5, 1.57], [1.5, -0.5, 1.57]])
+}
+
+fn plan(half: f64, options: &PlanOptions) -> Plan {
+    let (mut checker, [start, goal]) = gap(half);
+    checker.plan(&start, &goal, options).expect("free ends")
+}
+
+fn options(method: PlanMethod, seed: u64) -> PlanOptions {
+    PlanOptions::default().method(method).seed(seed)
+}
+
+/// The work of a search, in the unit by which the methods take turns.
+fn steps(plan: &Plan) -> u64 {
+    plan.work.samples + plan.work.checks.segments + plan.work.checks.configurations
+}
+
+#[test]
+fn every_method_makes_paths_of_proven_segments() {
+    for method in PlanMethod::ALL {
+        assert_eq!(PlanMethod::from_name(method.name()), Some(method));
+        for seed in 0..4 {
+            let found = plan(0.14, &options(method, seed));
+            let path = found.path.as_ref().expect("there is a way");
+            let (mut judge, [start, goal]) = gap(0.14);
+            assert_eq!([&path[0], &path[path.len() - 1]], [&start.to_vec(), &goal.to_vec()]);
+            assert!(judge.certify_path(path).expect("a path").1.is_free());
+            let work = &found.work;
+            match method {
+                PlanMethod::RrtConnect => assert!(work.samples > 0 && work.freeways + work.slices == 0, "{work:?}"),
+                PlanMethod::Opportunistic => assert!(work.samples == 0 && work.extensions == [0, 0], "{work:?}"),
+                _ => assert!(work.samples > 0, "{work:?}"),
+            }
+            assert_eq!(found, plan(0.14, &options(method, seed)), "the same seed");
+        }
+    }
+    assert_eq!(PlanMethod::from_name("RRT-Connect"), None);
+}
+
+#[test]
+fn edges_of_the_trees_are_proven() {
+    let found = plan(0.14, &options(PlanMethod::RrtConnect, 3));
+    let (mut judge, [start, goal]) = gap(0.14);
+    let roadmap = &found.roadmap;
+    assert_eq!([&roadmap.nodes[0][..], &roadmap.nodes[1][..]], [&start[..], &goal[..]]);
+    assert_eq!(roadmap.component(0), roadmap.component(1));
+    assert_eq!(roadmap.edges.len() as u64, found.work.extensions[1]);
+    // Two trees that are joined by one edge, which hold every configuration.
+    assert_eq!(roadmap.edges.len() + 1, roadmap.nodes.len());
+    for edge in &roadmap.edges {
+        assert_eq!(edge.kind, EdgeKind::Tree);
+        let [a, b] = edge.ends.map(|node| &roadmap.nodes[node]);
+        assert!(judge.certify(a, b).expect("a segment").is_free());
+    }
+    for q in found.path.iter().flatten() {
+        assert!(roadmap.nodes.contains(q));
+    }
+}
+
+/// The alternating search finds the path of the method that needs fewer steps, and takes at most twice as many.
+#[test]
+fn the_methods_take_turns_on_hard_problems() {
+    let (mut by_trees, mut by_freeways) = (0, 0);
+    for (half, seed) in [0.14, 0.104].into_iter().flat_map(|half| (0..8).map(move |seed| (half, seed))) {
+        let each = [PlanMethod::RrtConnect, PlanMethod::Opportunistic].map(|method| plan(half, &options(method, seed)));
+        let both = plan(half, &options(PlanMethod::Alternate, seed));
+        let least = each.iter().filter(|plan| plan.path.is_some()).map(steps).min();
+        println!("gap {half} seed {seed}: {} of {:?}", steps(&both), each.each_ref().map(steps));
+        let path = both.path.as_ref().expect("one of the methods finds a path");
+        let found = each.iter().position(|plan| plan.path.as_ref() == Some(path));
+        match found.expect("the path is that of one of the methods") {
+            0 => by_trees += 1,
+            _ => by_freeways += 1,
+        }
+        // A slice that has begun is explored to its end.
+        let most = 512 + 2 * least.expect("a path") + 1500;
+        assert!(steps(&both) <= most, "{} above {most}", steps(&both));
+        let freeways = both.work.freeways + both.work.bridges;
+        assert_eq!(steps(&both) > 600 && freeways == 0, false, "{:?}", both.work);
+    }
+    println!("{by_trees} by trees, {by_freeways} by freeways");
+    assert!(by_trees > 0 && by_freeways > 0, "{by_trees} {by_freeways}");
+}
+
+/// Trackers, boxes and recent collisions of a checker that was used change the time only.
+#[test]
+fn the_state_of_a_checker_does_not_change_the_path() {
+    let (mut used, [start, goal]) = gap(0.14);
+    for seed in 0..6 {
+        let options = options(PlanMethod::RrtConnect, seed);
+        let warm = used.plan(&start, &goal, &options).expect("free ends");
+        let cold = plan(0.14, &options);
+        assert_eq!((&warm.path, &warm.roadmap), (&cold.path, &cold.roadmap), "seed {seed}");
+        assert_eq!(steps(&warm), steps(&cold), "seed {seed}");
+    }
+}
+
+#[test]
+fn budgets_end_every_method() {
+    // The gap is closed.
+    let closed = |options: &PlanOptions| {
+        let found = plan(0.05, options);
+        assert_eq!(found.path, None, "{options:?}");
+        found.work
+    };
+    let trees = options(PlanMethod::RrtConnect, 1);
+    assert_eq!(closed(&trees.clone().samples(0)).samples, 0);
+    assert_eq!(closed(&trees.clone().samples(70)).samples, 70);
+    let work = closed(&trees.clone().unlimited().queries(2000));
+    assert!(work.samples > 0 && work.freeways == 0, "{work:?}");
+    let work = closed(&options(PlanMethod::Opportunistic, 1).samples(0).slices(2));
+    assert!(work.slices == 2 && work.samples == 0, "{work:?}");
+    let work = closed(&options(PlanMethod::Alternate, 1).slices(2));
+    assert!(work.slices == 2 && work.samples > 0, "{work:?}");
+    let work = closed(&options(PlanMethod::Alternate, 1).samples(100));
+    assert!(work.samples == 100, "{work:?}");
+}
+
+#[test]
+fn a_callback_stops_every_method() {
+    for method in PlanMethod::ALL {
+        let (mut checker, [start, goal]) = gap(0.05);
+        let (mut calls, mut last) = (0, 0);
+        let endless = options(method, 2).unlimited();
+        let found = checker.plan_with_progress(&start, &goal, &endless, &mut |now| {
+            assert!(now.done >= last, "{now:?}");
+            (calls, last) = (calls + 1, now.done);
+            Progress::stop_if(calls == 20)
+        });
+        assert_eq!(found.expect("free ends").path, None, "{method:?}");
+        assert_eq!(calls, 20, "{method:?}");
+    }
+}
+
+/// No pair is near: growth costs no query, and still ends.
+#[test]
+fn a_search_without_queries_ends() {
+    let mut world = World::new();
+    let die = solids::cuboid(Vector3::repeat(0.1)).expect("a box");
+    world.robot_body("die", die);
+    // A closed box of thin walls around the goal.
+    for axis in 0..3 {
+        let mut half = Vector3::repeat(0.4);
+        half[axis] = 0.02;
+        let wall = solids::cuboid(half).expect("a box");
+        for side in [-0.4, 0.4] {
+            let mut at = Vector3::new(3.0, 0.0, 0.0);
+            at[axis] += side;
+            world.obstacle("wall", wall.clone(), Isometry3::translation(at.x, at.y, at.z));
+        }
+    }
+    let space = RigidSpace::new([[-50.0, 50.0]; 3], 0.2, 1).expect("a space");
+    let mut checker = Checker::new(space, world).expect("a world");
+    let at = |x: f64| RigidSpace::configuration(&Isometry3::translation(x, 0.0, 0.0));
+    let trees = options(PlanMethod::RrtConnect, 1).samples(3000);
+    let found = checker.plan(&at(-3.0), &at(3.0), &trees).expect("free ends");
+    assert_eq!((found.path, found.work.samples), (None, 3000));
+}
