@@ -18,7 +18,7 @@ use lin_canny::broad::Aabb;
 use lin_canny::impact::{Cast, CastOptions, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
 use lin_canny::motion::{Motion, MotionModel};
 use lin_canny::separation::{Measurement, Separation};
-use lin_canny::{EXTENT_MAX, Operand, RelativePose};
+use lin_canny::{EXTENT_MAX, MovingPair, Operand, RelativePose};
 
 /// Width of the bracket of a contact, in units of the sum of both radii. Free segments that come
 /// closer than this need more queries. Not measured.
@@ -640,11 +640,17 @@ impl<C: ConfigurationSpace> Checker<C> {
                 break;
             }
             let (k, end) = (stretch.pair, stretch.until.smaller(until));
-            let interval = stretch.from..end;
             let is_start = stretch.from == 0.0 && !self.is_moving(k);
             let start_contact = self.start_contact_margin.filter(|_| is_start);
             let kept = self.kept_along(k, segment, &(stretch.from..stretch.until));
-            let found = self.cast(k, segment, interval, kept, start_contact, None)?;
+            let from = match start_contact {
+                None => self.hulls_meet(k, segment, &(stretch.from..end), kept)?,
+                Some(_) => Some(stretch.from),
+            };
+            let Some(from) = from else {
+                continue;
+            };
+            let found = self.cast(k, segment, from..end, kept, start_contact, None)?;
             self.work.queries += u64::from(found.queries + found.proofs);
             let (safe, hit) = match found.impact {
                 Impact::Miss => {
@@ -652,7 +658,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                     start_contacts.extend(found.start_contact.map(|contact| LeavingPair { pair, contact }));
                     continue;
                 }
-                Impact::AtStart { seen } => (stretch.from, Some((stretch.from, seen))),
+                Impact::AtStart { seen } => (from, Some((from, seen))),
                 Impact::Hit { safe, hit, seen } => (safe, Some((hit, seen))),
                 Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => {
                     // The contact may be at the end of the interval, where the motion is at rest.
@@ -660,7 +666,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                     (safe, seen.map(|seen| (end, seen)))
                 }
                 // A variant that is unknown here proves nothing.
-                _ => (stretch.from, None),
+                _ => (from, None),
             };
             blocked = Some(match hit {
                 Some((t, seen)) => {
@@ -698,25 +704,11 @@ impl<C: ConfigurationSpace> Checker<C> {
         trail: Option<&mut Vec<Certificate>>,
     ) -> Result<Cast, PlanError> {
         let (tracked, places) = self.pairs.tracked(index);
-        let [body, other] = [tracked.pair.a, tracked.pair.b].map(|id| places.mover(id));
-        let body = body.unwrap_or_default();
         // Certificates must be in the world frame; other results may be in any frame.
-        let stem = match other {
-            Some(other) if trail.is_none() => segment.stem(places.carrier(body).0, places.carrier(other).0),
-            _ => 0,
-        };
-        let partner = match (other, tracked.pair.b) {
-            (None, WorldId::Obstacle(k)) => match places.part(k, interval.start) {
-                Some(part) => PartMotion::Moving(part),
-                None => PartMotion::Obstacle(&places.resting[k]),
-            },
-            _ => PartMotion::Robot(moving(segment, places, other.unwrap_or_default(), stem)),
-        };
-        let motion = moving(segment, places, body, stem);
+        let (motion, partner) = motions(segment, places, tracked.pair, interval.start, trail.is_some());
         let [a, b] = self.world.shapes(tracked.pair);
         let mut pair = tracked.tracker.pair(a, b);
-        let radii = pair.ball(Operand::A).1 + pair.ball(Operand::B).1;
-        let tolerance = Tolerance::Distance(CONTACT * radii);
+        let tolerance = contact_tolerance(&pair);
         let found = match (start_contact, trail) {
             (Some(contact), trail) => {
                 let options = CastOptions::new(tolerance)
@@ -758,6 +750,37 @@ impl<C: ConfigurationSpace> Checker<C> {
         let places = &self.pairs.places;
         [(pair.a, points[0]), (pair.b, points[1])].map(|(part, point)| pose_of(segment, places, part, time) * point)
     }
+}
+
+/// Returns the width of the bracket of a contact.
+pub(crate) fn contact_tolerance(pair: &MovingPair<'_>) -> Tolerance {
+    let radii = pair.ball(Operand::A).1 + pair.ball(Operand::B).1;
+    Tolerance::Distance(CONTACT * radii)
+}
+
+/// Returns the motions of both bodies of a pair from a time on: in the world, or relative to the
+/// last link that carries both.
+pub(crate) fn motions<'a, M: SegmentMotion>(
+    segment: &'a M,
+    places: &'a Places,
+    pair: WorldPair,
+    start: f64,
+    in_world: bool,
+) -> (CarriedMotion<'a, M>, PartMotion<'a, M>) {
+    let [body, other] = [pair.a, pair.b].map(|id| places.mover(id));
+    let body = body.unwrap_or_default();
+    let stem = match other {
+        Some(other) if !in_world => segment.stem(places.carrier(body).0, places.carrier(other).0),
+        _ => 0,
+    };
+    let partner = match (other, pair.b) {
+        (None, WorldId::Obstacle(k)) => match places.part(k, start) {
+            Some(part) => PartMotion::Moving(part),
+            None => PartMotion::Obstacle(&places.resting[k]),
+        },
+        _ => PartMotion::Robot(moving(segment, places, other.unwrap_or_default(), stem)),
+    };
+    (moving(segment, places, body, stem), partner)
 }
 
 /// Returns the pose of a body at a time.

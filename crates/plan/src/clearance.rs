@@ -1,5 +1,6 @@
 //! The clearance at a configuration and along a segment.
 
+use core::cmp::Ordering;
 use core::fmt;
 use std::vec::Vec;
 
@@ -88,6 +89,23 @@ struct MeasuredPair {
     gap: f64,
     key: PairKey,
     near: NearPair,
+}
+
+/// A pair that may be the closest.
+#[derive(Clone, Copy)]
+struct Candidate {
+    /// Lower bound of the distance, by balls or by hulls.
+    bound: f64,
+    key: PairKey,
+    index: usize,
+    /// Distance of the balls.
+    gap: f64,
+}
+
+impl Candidate {
+    fn order(&self, other: &Self) -> Ordering {
+        self.bound.total_cmp(&other.bound).then(self.key.cmp(&other.key))
+    }
 }
 
 /// The clearance along a segment: a proven lower bound, and a distance that is attained.
@@ -228,20 +246,43 @@ impl<C: ConfigurationSpace> Checker<C> {
         found: &mut Vec<MeasuredPair>,
     ) -> Result<(), PlanError> {
         let candidates = self.candidates.iter();
-        let keyed = candidates.map(|&k| (self.ball_gap(k, poses), self.pairs.all[k].key, k));
-        let mut order: Vec<(f64, PairKey, usize)> = keyed.collect();
-        order.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-        for (gap, key, index) in order {
-            if gap > *least + slack {
+        let keyed = candidates.map(|&index| {
+            let (gap, key) = (self.ball_gap(index, poses), self.pairs.all[index].key);
+            Candidate { bound: gap, key, index, gap }
+        });
+        // By falling bound: the nearest candidate is the last.
+        let mut by_balls: Vec<Candidate> = keyed.collect();
+        by_balls.sort_unstable_by(|x, y| y.order(x));
+        let mut by_hulls: Vec<Candidate> = Vec::new();
+        let now = self.work.configurations;
+        loop {
+            let is_hull = match (by_balls.last(), by_hulls.last()) {
+                (Some(ball), Some(hull)) => hull.order(ball).is_lt(),
+                (ball, _) => ball.is_none(),
+            };
+            let next = if is_hull { by_hulls.pop() } else { by_balls.pop() };
+            let Some(next) = next.filter(|next| next.bound <= *least + slack) else {
                 break;
+            };
+            if !is_hull {
+                if core::mem::replace(&mut self.pairs.all[next.index].measured, now) == now {
+                    continue;
+                }
+                if let Some(gap) = self.hull_gap(next.index, poses)? {
+                    let bound = next.bound.larger(gap);
+                    let next = Candidate { bound, ..next };
+                    let at = by_hulls.partition_point(|other| next.order(other).is_lt());
+                    by_hulls.insert(at, next);
+                    continue;
+                }
             }
-            let now = self.work.configurations;
-            if core::mem::replace(&mut self.pairs.all[index].measured, now) == now {
-                continue;
-            }
-            let near = self.measure(index, poses)?;
+            let near = self.measure(next.index, poses)?;
             *least = least.smaller(near.distance);
-            found.push(MeasuredPair { gap, key, near });
+            found.push(MeasuredPair {
+                gap: next.gap,
+                key: next.key,
+                near,
+            });
         }
         Ok(())
     }
@@ -385,7 +426,9 @@ impl<C: ConfigurationSpace> Checker<C> {
         found: &mut SegmentClearance,
     ) -> Result<Option<f64>, PlanError> {
         for part in self.intervals(index, segment.parts()) {
-            let mut time = part.start;
+            let Some(mut time) = self.hulls_meet(index, segment, &part, keep)? else {
+                continue;
+            };
             let mut is_kept = false;
             for _ in 0..LOWERED {
                 let cast = self.cast(index, segment, time..part.end, keep, None, None)?;

@@ -194,6 +194,7 @@ mod extremes;
 mod free;
 mod freeway;
 mod links;
+mod mesh_hull;
 mod names;
 mod pairs;
 mod path;

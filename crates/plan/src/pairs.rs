@@ -1,5 +1,6 @@
 //! The pairs of a checker, each with a tracker, and the boxes of the obstacles.
 
+use std::boxed::Box;
 use std::collections::BTreeMap;
 use std::vec::Vec;
 
@@ -27,6 +28,8 @@ pub(crate) struct TrackedPair {
     /// Orders the pairs: pairs with obstacles come first.
     pub(crate) key: PairKey,
     pub(crate) tracker: PairTracker,
+    /// The tracker of the hulls of both bodies, once one of them is a mesh and was queried.
+    pub(crate) hull_tracker: Option<Box<PairTracker>>,
     /// Number of the configuration at which the pair was last measured.
     pub(crate) measured: u64,
     /// Index of the last stretch of the pair; belongs to another pair if there is none.
@@ -385,6 +388,7 @@ impl Pairs {
             }
             (Some(index), None) => {
                 self.all[index].tracker = PairTracker::new();
+                self.all[index].hull_tracker = None;
                 self.vacant.push(index);
                 Err(index)
             }
@@ -395,6 +399,7 @@ impl Pairs {
                     kept,
                     key: (is_own, pair),
                     tracker: PairTracker::new(),
+                    hull_tracker: None,
                     measured: 0,
                     stretch: usize::MAX,
                     begun: self.forgotten,
@@ -470,6 +475,7 @@ impl Pairs {
         let tracked = &mut self.all[index];
         if core::mem::replace(&mut tracked.begun, self.forgotten) != self.forgotten {
             tracked.tracker.reset();
+            tracked.hull_tracker = None;
         }
         (tracked, &self.places)
     }

@@ -1,6 +1,7 @@
 //! The serialised forms of worlds and curves (feature `serde`): lists, checked when they are read.
 //! No field is left out: formats without field names need all of them.
 
+use std::collections::BTreeMap;
 use std::string::String;
 use std::vec::Vec;
 
@@ -48,18 +49,21 @@ impl TryFrom<StoredWorld> for World {
     type Error = PlanError;
 
     fn try_from(stored: StoredWorld) -> Result<Self, PlanError> {
-        let world = Self {
+        let mut world = Self {
             robot: stored.robot,
             frames: stored.frames,
             attached: stored.attached,
             obstacles: stored.obstacles,
             motions: stored.motions.into_iter().collect(),
+            hulls: BTreeMap::new(),
             excluded: stored.excluded.into_iter().collect(),
             margin: stored.margin,
             paddings: stored.paddings.into_iter().collect(),
             margins: stored.margins.into_iter().collect(),
         };
         world.validate()?;
+        let bodies: Vec<WorldId> = world.bodies().map(|body| body.0).collect();
+        bodies.into_iter().for_each(|id| world.note_hull(id));
         Ok(world)
     }
 }

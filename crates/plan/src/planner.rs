@@ -300,6 +300,7 @@ impl CheckWork {
             configurations: self.configurations - before.configurations,
             measures: self.measures - before.measures,
             decisions: self.decisions - before.decisions,
+            hulls: self.hulls - before.hulls,
             pairs_made: self.pairs_made - before.pairs_made,
         }
     }

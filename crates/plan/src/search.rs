@@ -66,7 +66,7 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
     /// search.
     pub(crate) fn is_over(&mut self) -> bool {
         let spent = self.checker.work.since(&self.before);
-        let queries = spent.queries + spent.measures + spent.decisions;
+        let queries = spent.queries + spent.measures + spent.decisions + spent.hulls;
         if self.is_solved() || queries >= self.queries {
             return true;
         }

@@ -115,6 +115,9 @@ pub struct CheckWork {
     pub measures: u64,
     /// Number of margin predicates at single configurations.
     pub decisions: u64,
+    /// Number of queries of convex hulls that stood for meshes, on segments and at single
+    /// configurations. Hulls that are proven apart save the query of the meshes.
+    pub hulls: u64,
     /// Number of pairs that were made: all pairs at first, and those that changes added.
     pub pairs_made: u64,
 }
@@ -130,6 +133,7 @@ impl std::ops::AddAssign for CheckWork {
             (&mut self.configurations, o.configurations),
             (&mut self.measures, o.measures),
             (&mut self.decisions, o.decisions),
+            (&mut self.hulls, o.hulls),
             (&mut self.pairs_made, o.pairs_made),
         ];
         for (sum, count) in counts {

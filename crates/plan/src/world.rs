@@ -9,6 +9,7 @@ use nalgebra::Isometry3;
 
 use crate::error::PlanError;
 use crate::extremes::Extremes;
+use crate::mesh_hull::MeshHull;
 use crate::names::nearest_name;
 use crate::timed_poses::TimedPoses;
 use lin_canny::{EXTENT_MAX, Geometry, GeometryKind, RelativePose, normalize_rotation};
@@ -37,6 +38,8 @@ pub struct World {
     pub(crate) obstacles: Vec<Option<(String, Geometry, Isometry3<f64>)>>,
     /// The poses of the obstacles that move; their poses in `obstacles` are the first.
     pub(crate) motions: BTreeMap<WorldId, TimedPoses>,
+    /// The hulls of the bodies that are meshes.
+    pub(crate) hulls: BTreeMap<WorldId, MeshHull>,
     pub(crate) excluded: BTreeSet<WorldPair>,
     pub(crate) margin: f64,
     pub(crate) paddings: BTreeMap<WorldId, f64>,
@@ -180,7 +183,9 @@ impl World {
     /// Adds a robot body.
     pub fn robot_body(&mut self, name: impl ToString, shape: impl Into<Geometry>) -> WorldId {
         self.robot.push((name.to_string(), shape.into()));
-        WorldId::Robot(self.robot.len() - 1)
+        let id = WorldId::Robot(self.robot.len() - 1);
+        self.note_hull(id);
+        id
     }
 
     /// Names the frame of a body of the space that has no geometry, such as the tool flange.
@@ -208,7 +213,9 @@ impl World {
     /// Adds an obstacle at a pose in the world.
     pub fn obstacle(&mut self, name: impl ToString, shape: impl Into<Geometry>, pose: Isometry3<f64>) -> WorldId {
         self.obstacles.push(Some((name.to_string(), shape.into(), pose)));
-        WorldId::Obstacle(self.obstacles.len() - 1)
+        let id = WorldId::Obstacle(self.obstacles.len() - 1);
+        self.note_hull(id);
+        id
     }
 
     /// Adds an obstacle that moves: it has these poses in the world at times on a clock.
@@ -300,6 +307,7 @@ impl World {
             if let Some(obstacle) = self.obstacle_mut(*id) {
                 obstacle.1 = geometry.clone();
             }
+            self.note_hull(*id);
         }
         Ok(found)
     }
@@ -361,6 +369,7 @@ impl World {
             pose: normalized_once(&pose),
             frame,
         }));
+        self.note_hull(id);
         self.excluded
             .extend(touched.into_iter().filter_map(|body| WorldPair::new(id, body)));
         Ok(id)
@@ -417,6 +426,7 @@ impl World {
     fn forget_body(&mut self, id: WorldId) {
         self.paddings.remove(&id);
         self.motions.remove(&id);
+        self.hulls.remove(&id);
         let robot = (0..self.robot.len()).map(WorldId::Robot);
         let attached = (0..self.attached.len()).map(WorldId::Attached);
         let mut partners: Vec<WorldId> = robot.chain(attached).collect();
@@ -592,14 +602,30 @@ impl World {
         }
     }
 
+    /// Prepares the hull of a body that is new or has a new geometry, if it is a mesh.
+    pub(crate) fn note_hull(&mut self, id: WorldId) {
+        match self.geometry(id).is_some_and(|body| body.kind() == GeometryKind::Mesh) {
+            true => self.hulls.insert(id, MeshHull::default()),
+            false => self.hulls.remove(&id),
+        };
+    }
+
+    /// Returns the convex bodies that contain those of a pair, with hulls in place of meshes; `None`
+    /// if no body is a mesh, or if a body has no hull and is not convex.
+    pub(crate) fn hulls(&self, pair: WorldPair) -> Option<[&Geometry; 2]> {
+        if self.hulls.is_empty() {
+            return None;
+        }
+        let meshes = [pair.a, pair.b].map(|id| self.hulls.get(&id));
+        if meshes.iter().all(Option::is_none) {
+            return None;
+        }
+        let [a, b] = self.shapes(pair);
+        Some([hull(meshes[0], a)?, hull(meshes[1], b)?])
+    }
+
     /// Returns whether a body is not convex, so that a distance costs many times a predicate.
     pub(crate) fn has_parts(&self) -> bool {
-        let is_convex = |shape: &Geometry| {
-            matches!(
-                shape,
-                Geometry::Polyhedron(_) | Geometry::Convex(_) | Geometry::HalfSpace(_)
-            )
-        };
         let attached = self.attached.iter().flatten().map(|o| &o.geometry);
         let obstacles = self.obstacles.iter().flatten().map(|o| &o.1);
         !self
@@ -878,6 +904,21 @@ impl World {
         let pad = pads.map(|(_, pad)| *pad).fold(0.0, f64::larger);
         (most + pad, margins().fold(self.margin, f64::smaller))
     }
+}
+
+/// Returns the convex body that contains a body: itself or its hull.
+fn hull<'a>(mesh: Option<&'a MeshHull>, shape: &'a Geometry) -> Option<&'a Geometry> {
+    match mesh {
+        Some(hull) => hull.of(shape),
+        None => Some(shape).filter(|shape| is_convex(shape)),
+    }
+}
+
+fn is_convex(shape: &Geometry) -> bool {
+    matches!(
+        shape,
+        Geometry::Polyhedron(_) | Geometry::Convex(_) | Geometry::HalfSpace(_)
+    )
 }
 
 /// Returns the pose with a normalised rotation. A rotation that was normalised before keeps its

@@ -9,6 +9,7 @@ mod curves;
 mod far;
 mod forget;
 mod free;
+mod hulls;
 mod judge;
 mod leave;
 mod methods;

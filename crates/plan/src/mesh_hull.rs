@@ -1,0 +1,103 @@
+//! The convex hulls of meshes, which answer before the meshes.
+//!
+//! A hull contains its mesh exactly, because it is made by exact decisions. So if the hulls of two
+//! bodies are proven farther apart than a distance, the bodies are too, and the meshes are not
+//! queried. In all other cases the meshes decide.
+
+use core::ops::Range;
+use std::boxed::Box;
+use std::sync::{Arc, OnceLock};
+
+use nalgebra::Isometry3;
+
+use crate::checker::{Checker, contact_tolerance, motions};
+use crate::error::PlanError;
+use crate::space::ConfigurationSpace;
+use lin_canny::impact::{Impact, cast_within};
+use lin_canny::{Geometry, PairTracker, RelativePose};
+
+/// The hull of a mesh. It is made when a query needs it, and all copies share it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MeshHull(Arc<OnceLock<Option<Geometry>>>);
+
+impl MeshHull {
+    /// Returns the hull of a mesh; `None` if the mesh is flat.
+    pub(crate) fn of(&self, geometry: &Geometry) -> Option<&Geometry> {
+        let hull = || match geometry {
+            Geometry::Mesh(mesh) => mesh.hull().ok().map(Geometry::from),
+            _ => None,
+        };
+        self.0.get_or_init(hull).as_ref()
+    }
+}
+
+impl<C: ConfigurationSpace> Checker<C> {
+    /// Returns whether a pair with a mesh is proven farther apart than a distance by hulls.
+    pub(crate) fn hulls_apart(
+        &mut self,
+        index: usize,
+        poses: &[Isometry3<f64>],
+        distance: f64,
+    ) -> Result<bool, PlanError> {
+        let Some((tracker, [a, b], relative)) = self.posed_hulls(index, poses)? else {
+            return Ok(false);
+        };
+        Ok(!tracker.within(a, b, &relative, distance))
+    }
+
+    /// Returns a lower bound of the distance of a pair with a mesh by hulls; `None` if there are no
+    /// hulls, or if they overlap.
+    pub(crate) fn hull_gap(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<Option<f64>, PlanError> {
+        let Some((tracker, [a, b], relative)) = self.posed_hulls(index, poses)? else {
+            return Ok(None);
+        };
+        // The depth of hulls that overlap would cost more than it saves.
+        let is_apart = !tracker.within(a, b, &relative, 0.0);
+        Ok(is_apart.then(|| tracker.lower_bound(a, b, &relative)))
+    }
+
+    /// Returns the hulls of a pair with a mesh, with their tracker, and counts a query of them.
+    fn posed_hulls(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<Option<HullQuery<'_>>, PlanError> {
+        let pair = self.pairs.all[index].pair;
+        let Some(hulls) = self.world.hulls(pair) else {
+            return Ok(None);
+        };
+        self.work.hulls += 1;
+        let (tracked, places) = self.pairs.tracked(index);
+        let relative = RelativePose::new(places.pose(pair.a, poses), places.pose(pair.b, poses))?;
+        let tracker = tracked.hull_tracker.get_or_insert_default();
+        Ok(Some((tracker, hulls, relative)))
+    }
+
+    /// Returns the time of an interval up to which a pair is proven farther apart than a distance by
+    /// hulls: the start if there are no hulls. Returns `None` if this is proven for the whole
+    /// interval.
+    pub(crate) fn hulls_meet(
+        &mut self,
+        index: usize,
+        segment: &C::Segment,
+        interval: &Range<f64>,
+        distance: f64,
+    ) -> Result<Option<f64>, PlanError> {
+        let pair = self.pairs.all[index].pair;
+        let Some(hulls) = self.world.hulls(pair) else {
+            return Ok(Some(interval.start));
+        };
+        let (tracked, places) = self.pairs.tracked(index);
+        let tracker = tracked.hull_tracker.get_or_insert_default();
+        let (motion, partner) = motions(segment, places, pair, interval.start, false);
+        let mut hulls = tracker.pair(hulls[0], hulls[1]);
+        let tolerance = contact_tolerance(&hulls);
+        let found = cast_within(&mut hulls, &motion, &partner, interval.clone(), tolerance, distance)?;
+        self.work.hulls += u64::from(found.queries + found.proofs);
+        Ok(match found.impact {
+            Impact::Miss => None,
+            Impact::Hit { safe, .. } | Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => Some(safe),
+            // A variant that is unknown here proves nothing.
+            _ => Some(interval.start),
+        })
+    }
+}
+
+/// A tracker, the hulls and their relative pose.
+type HullQuery<'a> = (&'a mut Box<PairTracker>, [&'a Geometry; 2], RelativePose);

@@ -1,0 +1,162 @@
+//! Hulls of meshes answer first: the same verdicts as the meshes alone, by fewer queries of the meshes.
+
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Mesh, PairTracker, RelativePose};
+use lin_canny_plan::{Checker, ConfigurationSpace, RigidSpace, Verdict, World, WorldId};
+use truth::rng::Rng;
+
+/// An L of arms 2 long and 0.5 wide and thick, as a closed mesh about its inner corner.
+fn angle() -> Mesh {
+    let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [0.5, 0.5], [0.5, 2.0], [0.0, 2.0]];
+    let at = |z: f64| outline.map(|[x, y]| Point3::new(x - 0.5, y - 0.5, z));
+    let points: Vec<Point3<f64>> = at(-0.25).into_iter().chain(at(0.25)).collect();
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    for k in 1..5 {
+        triangles.extend([[0, k + 1, k], [6, 6 + k, 7 + k]]);
+    }
+    for k in 0..6 {
+        let next = (k + 1) % 6;
+        triangles.extend([[k, next, next + 6], [k, next + 6, k + 6]]);
+    }
+    Mesh::new(&points, &triangles).expect("a closed mesh")
+}
+
+/// A mesh among meshes and hulls; with a flat mesh, which has no hull.
+fn room(seed: u64) -> Checker<RigidSpace> {
+    let mut rng = Rng::new(seed);
+    let mut world = World::new();
+    world.robot_body("angle", angle());
+    let block = solids::cuboid(Vector3::new(0.3, 0.4, 0.5)).expect("a box");
+    let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from);
+    let sheet = Mesh::new(&corners, &[[0, 1, 2]]).expect("a triangle");
+    for k in 0..12 {
+        let at = Vector3::from([0; 3].map(|_| rng.range(-4.0, 4.0)));
+        let turn = Vector3::from(rng.unit()) * rng.range(0.0, 3.0);
+        let pose = Isometry3::from_parts(at.into(), UnitQuaternion::from_scaled_axis(turn));
+        match k % 4 {
+            0 => world.obstacle(k, block.clone(), pose),
+            1 => world.obstacle(k, sheet.clone(), pose),
+            _ => world.obstacle(k, angle(), pose),
+        };
+    }
+    let space = RigidSpace::new([[-5.0, 5.0]; 3], 1.6, 1).expect("a space");
+    Checker::new(space, world).expect("a world")
+}
+
+fn sample(checker: &Checker<RigidSpace>, rng: &mut Rng) -> Vec<f64> {
+    checker.space().sample(&mut || rng.range(0.0, 1.0))
+}
+
+/// The distances of all pairs at a configuration by the meshes alone; 0 in contact.
+fn distances(checker: &Checker<RigidSpace>, q: &[f64]) -> Vec<f64> {
+    let mut poses = Vec::new();
+    checker.space().place(q, &mut poses);
+    let world = checker.world();
+    let robot = world.geometry(WorldId::Robot(0)).expect("the angle");
+    let of = |(_, shape, pose)| {
+        let relative = RelativePose::new(&poses[0], pose).expect("poses are poses");
+        PairTracker::new().closest(robot, shape, &relative).distance.max(0.0)
+    };
+    world.obstacles().map(of).collect()
+}
+
+#[test]
+fn configurations_have_the_answers_of_the_meshes() {
+    let (mut hulls, mut meshes, mut free) = (0, 0, 0);
+    for seed in 0..4 {
+        let mut checker = room(seed);
+        let mut rng = Rng::new(100 + seed);
+        for margin in [0.0, 0.2] {
+            checker.set_margin(margin).expect("a margin");
+            for _ in 0..60 {
+                let q = sample(&checker, &mut rng);
+                let all = distances(&checker, &q);
+                let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+                let is_free = checker.is_free_at(&q).expect("a configuration");
+                assert_eq!(is_free, least > margin, "{least}");
+                free += u32::from(is_free);
+                let near = checker.clearance(&q).expect("a configuration").expect("a pair");
+                assert!((near.distance.max(0.0) - least).abs() < 1e-12, "{near:?} {least}");
+                let within = all.iter().filter(|d| **d <= least + 0.5).count();
+                assert_eq!(checker.nearest(&q, 0.5).expect("a configuration").len(), within);
+                let touching = all.iter().filter(|d| **d == 0.0).count();
+                assert_eq!(checker.in_contact(&q).expect("a configuration").len(), touching);
+            }
+        }
+        hulls += checker.work().hulls;
+        meshes += checker.work().measures + checker.work().decisions;
+    }
+    println!("{free} free, {hulls} queries of hulls, {meshes} of other bodies");
+    assert!(free > 60 && hulls > 0, "{free} {hulls}");
+}
+
+/// `prove` asks no hull: its certificates are those of the meshes.
+#[test]
+fn segments_have_the_verdicts_of_the_meshes() {
+    let (mut free, mut blocked) = (0, 0);
+    for seed in 0..4 {
+        let (mut checker, mut judge) = (room(seed), room(seed));
+        let mut rng = Rng::new(200 + seed);
+        for _ in 0..30 {
+            let from = sample(&checker, &mut rng);
+            let to = sample(&checker, &mut rng);
+            let to = checker.space().between(&from, &to, 0.3);
+            let verdict = checker.certify(&from, &to).expect("a segment");
+            let proof = judge.prove(&from, &to).expect("a segment");
+            assert_eq!(verdict.is_free(), proof.is_some(), "{verdict:?}");
+            assert_eq!(checker.is_free(&from, &to).expect("a segment"), proof.is_some());
+            let Verdict::Blocked { safe, t, pair, .. } = verdict else {
+                free += 1;
+                continue;
+            };
+            blocked += 1;
+            let at = |t: f64| checker.space().between(&from, &to, t);
+            let all = distances(&checker, &at(t));
+            let WorldId::Obstacle(k) = pair.b else { panic!("{pair:?}") };
+            assert!(all[k] < 1e-9, "{pair:?} at {t}: {}", all[k]);
+            for k in 0..=20 {
+                let all = distances(&checker, &at(safe * 0.999_999 * f64::from(k) / 20.0));
+                assert!(safe == 0.0 || all.iter().all(|d| *d > 0.0), "free up to {safe}: {all:?}");
+            }
+        }
+        assert_eq!(judge.work().hulls, 0);
+    }
+    println!("{free} free, {blocked} blocked");
+    assert!(free > 15 && blocked > 15, "{free} {blocked}");
+}
+
+/// Two meshes whose boxes overlap, but not their hulls: no query of the meshes. In the notch of the other, the meshes decide.
+#[test]
+fn meshes_are_not_queried_where_their_hulls_are_apart() {
+    let mut world = World::new();
+    world.robot_body("angle", angle());
+    let turned = UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::PI);
+    let other = world.obstacle("other", angle(), Isometry3::from_parts(Vector3::zeros().into(), turned));
+    let space = RigidSpace::new([[-5.0, 5.0]; 3], 1.6, 1).expect("a space");
+    let mut checker = Checker::new(space.clone(), world.clone()).expect("a world");
+    let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, 0.0));
+    // The notches face each other. In the third place an arm of each is in the notch of the other.
+    let [far, near, notch] = [at(-1.6, -1.6), at(-1.7, -1.55), at(-1.4, -1.51)];
+    let apart = |checker: &mut Checker<RigidSpace>| {
+        assert!(checker.is_free_at(&far).expect("a configuration"));
+        assert!(checker.certify(&far, &near).expect("a segment").is_free());
+        assert!(checker.is_free(&near, &far).expect("a segment"));
+        let work = checker.work();
+        assert_eq!((work.decisions, work.queries, work.measures), (0, 0, 0), "{work:?}");
+        assert!(work.hulls >= 3, "{work:?}");
+    };
+    apart(&mut checker);
+    // A copy of the world shares the hulls.
+    apart(&mut Checker::new(space, checker.world().clone()).expect("a world"));
+    let before = checker.work();
+    assert!(!checker.is_free_at(&at(-0.2, 0.2)).expect("a configuration"));
+    assert_eq!(checker.work().decisions, before.decisions + 1);
+    assert!(checker.is_free_at(&notch).expect("a configuration"));
+    assert!(checker.work().decisions > before.decisions + 1);
+    // The hull of a geometry that is replaced goes with it.
+    let block = solids::cuboid(Vector3::repeat(4.0)).expect("a box");
+    let large = Mesh::from_convex(&block).expect("a mesh");
+    checker.replace_obstacle(other, large).expect("the obstacle");
+    assert!(!checker.is_free_at(&far).expect("a configuration"));
+}
