@@ -330,12 +330,18 @@ impl<C: ConfigurationSpace> Checker<C> {
 
 /// What a change of the world changes in the pairs.
 impl<C: ConfigurationSpace> Checker<C> {
+    /// Measures all pairs of a new checker, each set once.
     pub(crate) fn set_all_pairs(&mut self) {
-        for k in 0..self.world.robot.len() {
-            self.set_pairs(WorldId::Robot(k));
-        }
-        for k in 0..self.world.attached.len() {
-            self.set_pairs(WorldId::Attached(k));
+        let ids = |count, id: fn(usize) -> WorldId| (0..count).map(id);
+        let mut all: Vec<WorldId> = ids(self.world.robot.len(), WorldId::Robot).collect();
+        all.extend(ids(self.world.attached.len(), WorldId::Attached));
+        let movers = all.len();
+        all.extend(ids(self.world.obstacles.len(), WorldId::Obstacle));
+        self.pairs.all.reserve(movers * all.len() - movers * (movers + 1) / 2);
+        for (k, &a) in all[..movers].iter().enumerate() {
+            for &b in &all[k + 1..] {
+                self.set_pair(WorldPair { a, b });
+            }
         }
     }
 

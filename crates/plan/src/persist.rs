@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::string::String;
+use std::sync::Arc;
 use std::vec::Vec;
 
 use nalgebra::Isometry3;
@@ -32,8 +33,8 @@ pub(crate) struct StoredWorld {
 impl From<World> for StoredWorld {
     fn from(world: World) -> Self {
         Self {
-            robot: world.robot,
-            frames: world.frames,
+            robot: Arc::unwrap_or_clone(world.robot),
+            frames: Arc::unwrap_or_clone(world.frames),
             attached: world.attached,
             obstacles: world.obstacles,
             motions: world.motions.into_iter().collect(),
@@ -50,8 +51,8 @@ impl TryFrom<StoredWorld> for World {
 
     fn try_from(stored: StoredWorld) -> Result<Self, PlanError> {
         let mut world = Self {
-            robot: stored.robot,
-            frames: stored.frames,
+            robot: stored.robot.into(),
+            frames: stored.frames.into(),
             attached: stored.attached,
             obstacles: stored.obstacles,
             motions: stored.motions.into_iter().collect(),

@@ -3,6 +3,7 @@
 use core::fmt;
 use std::collections::{BTreeMap, BTreeSet};
 use std::string::{String, ToString};
+use std::sync::Arc;
 use std::vec::Vec;
 
 use nalgebra::Isometry3;
@@ -29,9 +30,10 @@ use lin_canny::{EXTENT_MAX, Geometry, GeometryKind, RelativePose, normalize_rota
     serde(try_from = "crate::persist::StoredWorld", into = "crate::persist::StoredWorld")
 )]
 pub struct World {
-    pub(crate) robot: Vec<(String, Geometry)>,
+    /// Shared by all copies of the world, as the geometries are.
+    pub(crate) robot: Arc<Vec<(String, Geometry)>>,
     /// Names of frames. A body of the space has each of them.
-    pub(crate) frames: Vec<(String, Frame)>,
+    pub(crate) frames: Arc<Vec<(String, Frame)>>,
     /// `None` for an object that was detached.
     pub(crate) attached: Vec<Option<AttachedObject>>,
     /// `None` for an obstacle that was removed.
@@ -182,7 +184,7 @@ impl World {
 
     /// Adds a robot body.
     pub fn robot_body(&mut self, name: impl ToString, shape: impl Into<Geometry>) -> WorldId {
-        self.robot.push((name.to_string(), shape.into()));
+        Arc::make_mut(&mut self.robot).push((name.to_string(), shape.into()));
         let id = WorldId::Robot(self.robot.len() - 1);
         self.note_hull(id);
         id
@@ -194,14 +196,55 @@ impl World {
     /// bodies, in the order of these calls.
     pub fn bare_frame(&mut self, name: impl ToString) {
         let bare = self.bare_frames();
-        self.frames.push((name.to_string(), Frame::Bare(bare)));
+        Arc::make_mut(&mut self.frames).push((name.to_string(), Frame::Bare(bare)));
     }
 
     /// Names the frame of a robot body, if it differs from the body's name.
     ///
     /// Without this call, a name stands for the frame of the first robot body that has it.
     pub fn body_frame(&mut self, name: impl ToString, body: usize) {
-        self.frames.push((name.to_string(), Frame::Robot(body)));
+        Arc::make_mut(&mut self.frames).push((name.to_string(), Frame::Robot(body)));
+    }
+
+    /// Returns this world without its obstacles: the robot, its attached objects, and what their pairs
+    /// must keep.
+    ///
+    /// The result shares all shapes with this world, so that checkers of many cells need the robot
+    /// only once.
+    ///
+    /// ```
+    /// use lin_canny::Shape;
+    /// use lin_canny::nalgebra::Isometry3;
+    /// use lin_canny_plan::{Checker, TranslationSpace, World};
+    ///
+    /// let mut world = World::new();
+    /// world.robot_body("drone", Shape::ball(0.1)?);
+    /// world.obstacle("mast", Shape::ball(0.1)?, Isometry3::identity());
+    /// let space = TranslationSpace::new([[-4.0, 4.0]; 3], Default::default(), 1)?;
+    /// let mut first = Checker::new(space.clone(), world)?;
+    /// assert!(!first.is_free_at(&[0.0; 3])?);
+    ///
+    /// let mut world = first.world().without_obstacles();
+    /// world.obstacle("wall", Shape::ball(0.5)?, Isometry3::translation(2.0, 0.0, 0.0));
+    /// let mut second = Checker::new(space, world)?;
+    /// assert!(second.is_free_at(&[0.0; 3])?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn without_obstacles(&self) -> Self {
+        let is_kept = |id: &WorldId| !matches!(id, WorldId::Obstacle(_));
+        Self {
+            robot: self.robot.clone(),
+            frames: self.frames.clone(),
+            attached: self.attached.clone(),
+            obstacles: Vec::new(),
+            motions: BTreeMap::new(),
+            hulls: entries(&self.hulls, is_kept),
+            excluded: self.excluded.iter().filter(|pair| is_kept(&pair.b)).copied().collect(),
+            margin: self.margin,
+            paddings: entries(&self.paddings, is_kept),
+            margins: entries(&self.margins, |pair: &WorldPair| is_kept(&pair.b)),
+        }
     }
 
     /// Returns the number of bodies of the space without geometry.
@@ -640,7 +683,11 @@ impl World {
     /// Returns an error if something refers to a body or frame that does not exist, or if a length
     /// is out of range.
     pub(crate) fn validate(&self) -> Result<(), PlanError> {
-        let has = |id: WorldId| self.select(id).map(|_| ());
+        let has = |id: WorldId| match self.contains(id) {
+            true => Ok(()),
+            // The error says why.
+            false => self.select(id).map(|_| ()),
+        };
         let bare = self.bare_frames();
         let objects = self.attached().map(|(_, object)| (&object.name, &object.geometry));
         let moving = self
@@ -664,7 +711,7 @@ impl World {
                 }
             }
         }
-        for (_, frame) in &self.frames {
+        for (_, frame) in self.frames.iter() {
             if let Frame::Robot(k) = *frame {
                 has(WorldId::Robot(k))?;
             }
@@ -912,6 +959,12 @@ fn hull<'a>(mesh: Option<&'a MeshHull>, shape: &'a Geometry) -> Option<&'a Geome
         Some(hull) => hull.of(shape),
         None => Some(shape).filter(|shape| is_convex(shape)),
     }
+}
+
+/// Returns the entries of a map whose keys are kept.
+fn entries<K: Copy + Ord, V: Clone>(map: &BTreeMap<K, V>, is_kept: impl Fn(&K) -> bool) -> BTreeMap<K, V> {
+    let kept = map.iter().filter(|(key, _)| is_kept(key));
+    kept.map(|(key, value)| (*key, value.clone())).collect()
 }
 
 fn is_convex(shape: &Geometry) -> bool {

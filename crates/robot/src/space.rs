@@ -1,6 +1,7 @@
 //! Setups: robots in a cell as one configuration space and one world.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, OnceLock};
 
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::{Geometry, GeometryKind};
@@ -21,6 +22,10 @@ use crate::turn::from_z;
 ///
 /// A configuration holds the coordinates of the robots, one robot after another. Names of links and
 /// coordinates start with the prefix of the robot.
+///
+/// For many cells, make one setup of the robots and their pairs, and clone it for each cell before
+/// its obstacles are added. The checkers then share the space of the robots, their shapes and the
+/// hulls of their meshes.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -73,6 +78,18 @@ pub struct Setup {
     paddings: Vec<(BodyName, f64)>,
     margins: Vec<([BodyName; 2], f64)>,
     pub(crate) skipped: Vec<Skipped>,
+    /// What all checkers share: made by the first one, dropped when the robots or their pairs change.
+    shared: Arc<OnceLock<RobotPart>>,
+}
+
+/// The robots of a setup without obstacles.
+#[derive(Clone, Debug)]
+struct RobotPart {
+    space: JointTree,
+    /// The bodies of the robots; pairs of their names are excluded.
+    world: World,
+    /// The names of the bodies.
+    names: BTreeSet<String>,
 }
 
 /// Where the frame of a link is.
@@ -110,6 +127,7 @@ impl Setup {
     /// A half-space of a link that no joint moves, such as the floor of an MJCF file, becomes an
     /// obstacle with the name of the link. Its pairs with other links at rest are excluded.
     pub fn robot(&mut self, prefix: &str, robot: &Robot, pose: Isometry3<f64>) {
+        self.shared = Arc::default();
         self.skipped.extend(robot.skipped.iter().cloned());
         let first = self.coordinates.len();
         let named = |name: &str| format!("{prefix}{name}");
@@ -222,6 +240,7 @@ impl Setup {
     /// Excludes the pairs of a cell and sets its margins.
     pub(crate) fn pairs_and_margins_of(&mut self, cell: &Cell) {
         if cell.excludes_exactly {
+            self.shared = Arc::default();
             self.excluded.clear();
             self.excluded_bodies.clear();
             self.excluded_single.clear();
@@ -286,6 +305,7 @@ impl Setup {
     }
 
     fn exclude_because(&mut self, a: &str, b: &str, reason: &str) {
+        self.shared = Arc::default();
         let is_known = self.excluded.contains_key(&[b.to_owned(), a.to_owned()]);
         let pair = if is_known { [b, a] } else { [a, b] };
         self.excluded.insert(pair.map(str::to_owned), reason.to_owned());
@@ -294,6 +314,7 @@ impl Setup {
     /// Includes all pairs of two links, or of a link and an obstacle, again. Pairs that the file of
     /// a robot excludes stay excluded.
     pub fn include(&mut self, a: &str, b: &str) {
+        self.shared = Arc::default();
         self.excluded.remove(&[a.to_owned(), b.to_owned()]);
         self.excluded.remove(&[b.to_owned(), a.to_owned()]);
     }
@@ -330,6 +351,7 @@ impl Setup {
     ///
     /// Recorded values often exceed a limit by their rounding.
     pub fn widen_limits(&mut self, slack: f64) {
+        self.shared = Arc::default();
         for coordinate in &mut self.coordinates {
             let [low, high] = coordinate.limits;
             coordinate.limits = [low - slack, high + slack];
@@ -400,16 +422,8 @@ impl Setup {
     /// Returns an error if a number of a robot or an obstacle is out of range, or if a name of an
     /// excluded pair, of a padding or of an attached object does not exist.
     pub fn checker(&self) -> Result<Checker<JointTree>, PlanError> {
-        let mut world = World::new();
-        for body in &self.bodies {
-            world.robot_body(&body.name, body.geometry.clone());
-        }
-        for (name, frame) in &self.link_frames {
-            match *frame {
-                LinkFrame::Body(body) => world.body_frame(name, body),
-                LinkFrame::Link(_) => world.bare_frame(name),
-            }
-        }
+        let shared = self.robot_part()?;
+        let mut world = shared.world.clone();
         for (k, (name, geometry, pose)) in self.obstacles.iter().enumerate() {
             match self.motions.get(&k) {
                 Some(poses) => world.moving_obstacle(name, geometry.clone(), poses.clone()),
@@ -422,13 +436,16 @@ impl Setup {
             }
             _ => false,
         };
-        world.exclude_if(|pair| self.excluded_bodies.contains(&pair) || is_at_rest(pair));
+        if !(self.excluded_bodies.is_empty() && self.half_spaces.is_empty()) {
+            world.exclude_if(|pair| self.excluded_bodies.contains(&pair) || is_at_rest(pair));
+        }
         for (link, object) in &self.attached {
             let touch: Vec<&str> = object.touch_links.iter().map(String::as_str).collect();
             world.attach(link, &object.name, object.geometry.clone(), object.pose, &touch)?;
         }
         world.set_margin(self.margin.unwrap_or(world.margin()))?;
-        let named = NamedBodies::new(&world);
+        let has_names = !(self.paddings.is_empty() && self.margins.is_empty() && self.excluded_single.is_empty());
+        let named = NamedBodies::new(has_names.then_some(&world));
         for (name, padding) in &self.paddings {
             for id in named.select(&world, name)? {
                 world.pad(id, *padding)?;
@@ -440,7 +457,12 @@ impl Setup {
             }
         }
         let is_frame = |name: &String| self.frames.contains(name) && !self.has_body(name);
-        for [a, b] in self.excluded.keys().filter(|pair| !pair.iter().any(is_frame)) {
+        let is_of_robots = |pair: &[String; 2]| pair.iter().all(|name| shared.names.contains(name));
+        let others = self.obstacles.iter().map(|o| &o.0);
+        let others: BTreeSet<&String> = others.chain(self.attached.iter().map(|(_, o)| &o.name)).collect();
+        let is_shared = |pair: &[String; 2]| is_of_robots(pair) && !pair.iter().any(|name| others.contains(name));
+        let excluded = self.excluded.keys().filter(|pair| !is_shared(pair));
+        for [a, b] in excluded.filter(|pair| !pair.iter().any(is_frame)) {
             world.exclude(a, b)?;
         }
         for [a, b] in &self.excluded_single {
@@ -448,12 +470,36 @@ impl Setup {
                 world.exclude(a, b)?;
             }
         }
+        Checker::new(shared.space.clone(), world)
+    }
+
+    /// Returns what all checkers share, made now if this is the first one.
+    fn robot_part(&self) -> Result<&RobotPart, PlanError> {
+        if let Some(known) = self.shared.get() {
+            return Ok(known);
+        }
+        let mut world = World::new();
+        for body in &self.bodies {
+            world.robot_body(&body.name, body.geometry.clone());
+        }
+        for (name, frame) in &self.link_frames {
+            match *frame {
+                LinkFrame::Body(body) => world.body_frame(name, body),
+                LinkFrame::Link(_) => world.bare_frame(name),
+            }
+        }
+        let names: BTreeSet<String> = self.bodies.iter().map(|body| body.name.clone()).collect();
+        let is_of_bodies = |pair: &&[String; 2]| pair.iter().all(|name| names.contains(name));
+        for [a, b] in self.excluded.keys().filter(is_of_bodies) {
+            world.exclude(a, b)?;
+        }
         let bare = self.link_frames.iter().filter_map(|(_, frame)| match frame {
             LinkFrame::Link(link) => Some(*link),
             LinkFrame::Body(_) => None,
         });
         let links = self.bodies.iter().map(|b| b.link).chain(bare).collect();
-        Checker::new(self.space_of(links)?, world)
+        let space = self.space_of(links)?;
+        Ok(self.shared.get_or_init(|| RobotPart { space, world, names }))
     }
 }
 
@@ -461,9 +507,10 @@ impl Setup {
 struct NamedBodies(BTreeMap<String, Vec<WorldId>>);
 
 impl NamedBodies {
-    fn new(world: &World) -> Self {
+    /// Returns the bodies of a world, or none.
+    fn new(world: Option<&World>) -> Self {
         let mut named: BTreeMap<String, Vec<WorldId>> = BTreeMap::new();
-        for (id, name) in world.bodies() {
+        for (id, name) in world.into_iter().flat_map(World::bodies) {
             named.entry(name.to_owned()).or_default().push(id);
         }
         Self(named)
