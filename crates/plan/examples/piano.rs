@@ -7,7 +7,9 @@ use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Progress};
-use lin_canny_plan::{Checker, ConfigurationSpace, EdgeKind, FreewayEnd, Plan, PlanMethod, PlanOptions, PlanarSpace, World};
+use lin_canny_plan::{
+    Checker, ConfigurationSpace, EdgeKind, FreewayEnd, Plan, PlanMethod, PlanOptions, PlanarSpace, World,
+};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};

@@ -248,7 +248,12 @@ impl<C: ConfigurationSpace> Checker<C> {
         let candidates = self.candidates.iter();
         let keyed = candidates.map(|&index| {
             let (gap, key) = (self.ball_gap(index, poses), self.pairs.all[index].key);
-            Candidate { bound: gap, key, index, gap }
+            Candidate {
+                bound: gap,
+                key,
+                index,
+                gap,
+            }
         });
         // By falling bound: the nearest candidate is the last.
         let mut by_balls: Vec<Candidate> = keyed.collect();

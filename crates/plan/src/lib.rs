@@ -103,8 +103,9 @@
 //!
 //! # The search for a path
 //!
-//! [`PlanMethod`] names the methods. By default, RRT-Connect searches first. If the problem turns out
-//! to be hard, the opportunistic planner searches in turn with it, until one of them finds a path.
+//! [`PlanMethod`] names the methods. By default, RRT-Connect searches first. If the problem turns
+//! out to be hard, the opportunistic planner searches in turn with it, until one of them finds a
+//! path.
 //!
 //! | | RRT-Connect | opportunistic planner |
 //! |---|---|---|
@@ -156,9 +157,10 @@
 //!
 //! * The spaces are geometric. For dynamics or closed chains use another planner. Curves are proven
 //!   among moving obstacles, but the search of a path has no clock.
-//! * Six free axes in tight clutter take seconds. An arm through a window of 0.5 m height takes at
-//!   most 0.5 s over 20 seeds, through 0.35 m at most 4.1 s. A plank 0.2 thick through a hole of
-//!   0.3 takes at most 0.7 s (`crates/plan/tests`, ignored tests).
+//! * Six free axes in tight clutter take seconds. With the opportunistic planner alone, an arm
+//!   through a window of 0.5 m height takes at most 0.5 s over 20 seeds, through 0.35 m at most 4.1
+//!   s. A plank 0.2 thick through a hole of 0.3 takes at most 0.7 s (`crates/plan/tests`, ignored
+//!   tests).
 //! * A planner with a tuned sampler and fixed steps may be faster, but may miss a collision.
 //!
 //! To use another sampling planner, call [`Checker::is_free_at`] for its configurations and
@@ -168,8 +170,9 @@
 //!
 //! Canny and Lin 1993, "An opportunistic global path planner", Algorithmica 10 (the thesis, chapter
 //! 6); Schwarzer, Saha and Latombe 2005, "Adaptive dynamic collision checking" (segments proven by
-//! bounds of displacements); Kuffner and LaValle 2000, "RRT-Connect" (and feelers); Yershova, Jaillet,
-//! Simeon and LaValle 2005, "Dynamic-domain RRTs". Departures:
+//! bounds of displacements); Kuffner and LaValle 2000, "RRT-Connect" (and feelers); Yershova,
+//! Jaillet, Simeon and LaValle 2005, "Dynamic-domain RRTs". Departures of the opportunistic
+//! planner:
 //!
 //! 1. Segments are proven by separating planes over an interval instead of displacements, so the
 //!    steps are longer.

@@ -69,8 +69,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(Some((tracker, hulls, relative)))
     }
 
-    /// Returns the time of an interval up to which a pair is proven farther apart than a distance by
-    /// hulls: the start if there are no hulls. Returns `None` if this is proven for the whole
+    /// Returns the time of an interval up to which a pair is proven farther apart than a distance
+    /// by hulls: the start if there are no hulls. Returns `None` if this is proven for the whole
     /// interval.
     pub(crate) fn hulls_meet(
         &mut self,

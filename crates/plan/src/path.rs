@@ -252,7 +252,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns whether the segment between two points of a free path is proven free.
     ///
-    /// Most shortcuts are blocked inside, and a predicate costs far less than the proof of a segment.
+    /// Most shortcuts are blocked inside, and a predicate costs far less than a proof.
     fn is_shortcut_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
         let segment = self.segment(from, to)?;
         if self.start_contact_margin.is_none() {
@@ -354,8 +354,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 }
 
-/// A path, and for each configuration whether its neighbours may be joined: they were not tried since
-/// one of the three changed.
+/// A path, and for each configuration whether its neighbours may be joined: they were not tried
+/// since one of the three changed.
 struct Corners {
     nodes: Path,
     is_open: Vec<bool>,

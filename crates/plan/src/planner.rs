@@ -27,7 +27,7 @@ const LONGEST: f64 = 1.0 / 16.0;
 const SHORTEST: f64 = 1.0 / 32_768.0;
 
 /// Work that RRT-Connect does alone before [`PlanMethod::Alternate`] starts the opportunistic
-/// planner: configurations, segments and samples. @MEASURED@
+/// planner: configurations, segments and samples. Not measured.
 const HEAD_START: u64 = 512;
 
 /// The method of [`Checker::plan`].
@@ -246,7 +246,11 @@ impl<C: ConfigurationSpace> Checker<C> {
         };
         let mut trees = TreeSearch::new(start, goal, options.seed, extent);
         search.run(&mut trees, options)?;
-        let solved = if trees.is_solved() { &trees.roadmap } else { &search.roadmap };
+        let solved = if trees.is_solved() {
+            &trees.roadmap
+        } else {
+            &search.roadmap
+        };
         let found = search.path(solved);
         let (mut roadmap, mut work) = (search.roadmap, search.work);
         roadmap.absorb(trees.roadmap);

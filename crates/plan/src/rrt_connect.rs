@@ -9,9 +9,9 @@
 //!
 //! 1. A step is proven free over its whole length, in the direction of travel, instead of sampled.
 //!    The cheap predicate of its new end comes first.
-//! 2. A node whose step was blocked is passed over for samples farther than [`REACH`] steps, because
-//!    most of them lead into the same obstacle (dynamic domain: Yershova, Jaillet, Simeon and
-//!    LaValle 2005).
+//! 2. A node whose step was blocked is passed over for samples farther than [`REACH`] steps,
+//!    because most of them lead into the same obstacle (dynamic domain: Yershova, Jaillet, Simeon
+//!    and LaValle 2005).
 //! 3. In a large tree, the nearest of [`MANY`] random nodes stands for the nearest node.
 
 use std::vec::Vec;
@@ -26,14 +26,14 @@ use crate::roadmap::{EdgeKind, Roadmap};
 use crate::search::{GOAL, START};
 use crate::space::ConfigurationSpace;
 
-/// Length of a step, as a fraction of the largest extent of the bounds. @MEASURED@
+/// Length of a step, as a fraction of the largest extent of the bounds. Not measured.
 const STEP: f64 = 1.0 / 6.0;
 
-/// Steps within which a node takes samples after a step of it was blocked. @MEASURED@
+/// Steps within which a node takes samples after a step of it was blocked. Not measured.
 const REACH: f64 = 4.0;
 
 /// Maximum number of nodes of a tree among which the nearest is searched. Not measured.
-const MANY: usize = 4096;
+const MANY: usize = 512;
 
 /// Maximum number of steps from a new node to the other tree. Not measured.
 const STEPS: f64 = 1024.0;
@@ -103,7 +103,9 @@ impl TreeSearch {
         }
         let parent = self.trees[side].nodes[entry];
         let new = match far > self.step {
-            true => checker.space.between(&self.roadmap.nodes[parent], &sample, self.step / far),
+            true => checker
+                .space
+                .between(&self.roadmap.nodes[parent], &sample, self.step / far),
             false => sample,
         };
         let Some(new) = self.extended(checker, work, side, parent, new)? else {
@@ -187,12 +189,16 @@ impl TreeSearch {
         self.last
     }
 
-    /// Returns the entry of the node of a tree that is nearest to a configuration, and its distance.
+    /// Returns the entry of the node of a tree nearest to a configuration, and its distance.
     fn nearest<C: ConfigurationSpace>(&mut self, checker: &Checker<C>, side: usize, q: &[f64]) -> (usize, f64) {
         let nodes = &self.trees[side].nodes;
         let mut best = (0, f64::INFINITY);
         for k in 0..nodes.len().min(MANY) {
-            let entry = if nodes.len() > MANY { self.random.below(nodes.len()) } else { k };
+            let entry = if nodes.len() > MANY {
+                self.random.below(nodes.len())
+            } else {
+                k
+            };
             let other = &self.roadmap.nodes[nodes[entry]];
             if apart(&checker.space, q, other) >= best.1 {
                 continue;

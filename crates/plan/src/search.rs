@@ -10,8 +10,8 @@ use crate::error::PlanError;
 use crate::freeway::CLOSED;
 use crate::freeway::FreewayEnd;
 use crate::links::{apart, spaced};
-use crate::planner::PathSearch;
 use crate::path::Path;
+use crate::planner::PathSearch;
 use crate::roadmap::{EdgeKind, Freeway, Roadmap};
 use crate::space::ConfigurationSpace;
 

@@ -206,8 +206,9 @@ impl World {
         Arc::make_mut(&mut self.frames).push((name.to_string(), Frame::Robot(body)));
     }
 
-    /// Returns this world without its obstacles: the robot, its attached objects, and what their pairs
-    /// must keep.
+    /// Returns this world without its obstacles.
+    ///
+    /// The robot, its attached objects, and what their pairs must keep are the same.
     ///
     /// The result shares all shapes with this world, so that checkers of many cells need the robot
     /// only once.
@@ -653,8 +654,9 @@ impl World {
         };
     }
 
-    /// Returns the convex bodies that contain those of a pair, with hulls in place of meshes; `None`
-    /// if no body is a mesh, or if a body has no hull and is not convex.
+    /// Returns the convex bodies that contain those of a pair, with hulls in place of meshes.
+    ///
+    /// Returns `None` if no body is a mesh, or if a body has no hull and is not convex.
     pub(crate) fn hulls(&self, pair: WorldPair) -> Option<[&Geometry; 2]> {
         if self.hulls.is_empty() {
             return None;

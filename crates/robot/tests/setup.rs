@@ -615,3 +615,61 @@ fn excluded_pairs_are_written_as_an_srdf_and_read_again() {
     let of_world = Srdf::from_world(a.world(), "r/", &robot, "User");
     assert_eq!(of_world.excluded.len(), srdf.excluded.len());
 }
+
+/// The robot's part of the checkers is made once, and again after each change of the robots, their limits or their pairs.
+#[test]
+fn checkers_of_one_setup_share_the_robot() {
+    let robot = gripper(MeshUse::Hull);
+    let of_robot = || {
+        let mut setup = Setup::new();
+        setup.robot("", &robot, Isometry3::identity());
+        setup.exclude_adjacent();
+        setup
+    };
+    let excluded = |setup: &Setup| {
+        let checker = setup.checker().expect("a setup");
+        let names = checker.world().excluded_names();
+        names.iter().map(|pair| pair.map(str::to_owned)).collect::<Vec<_>>()
+    };
+    let base = of_robot();
+    let adjacent = excluded(&base);
+    assert!(!adjacent.is_empty());
+    let ball = lin_canny::Shape::ball(0.05).expect("a ball");
+    let far = shift(Vector3::new(3.0, 0.0, 0.0));
+    // Cells of clones and of fresh setups are equal; an obstacle may have the name of a link.
+    let [link, other] = [adjacent[0][0].clone(), adjacent[0][1].clone()];
+    for name in ["ball", link.as_str()] {
+        let [mut cell, mut fresh] = [base.clone(), of_robot()];
+        for setup in [&mut cell, &mut fresh] {
+            setup.obstacle(name, ball.clone(), far);
+        }
+        let [cell, fresh] = [&cell, &fresh].map(|setup| setup.checker().expect("a setup"));
+        assert!(cell.world().excluded().eq(fresh.world().excluded()), "{name}");
+        let count = cell.world().excluded().len();
+        assert_eq!(
+            count > base.checker().expect("a setup").world().excluded().len(),
+            name == link
+        );
+    }
+    assert_eq!(excluded(&base), adjacent);
+    // Changes after the first checker.
+    let mut changed = base.clone();
+    changed.include(&link, &other);
+    assert_eq!(excluded(&changed).len(), adjacent.len() - 1);
+    changed.exclude(&other, &link);
+    assert_eq!(excluded(&changed), adjacent);
+    let width = |setup: &Setup| {
+        let checker = setup.checker().expect("a setup");
+        let [low, high] = checker.space().bounds()[0];
+        high - low
+    };
+    let before = width(&changed);
+    changed.widen_limits(0.25);
+    assert_eq!(width(&changed), before + 0.5);
+    changed.robot("b_", &robot, far);
+    let bodies = changed.checker().expect("a setup").world().robot_bodies().len();
+    assert_eq!(
+        bodies,
+        2 * base.checker().expect("a setup").world().robot_bodies().len()
+    );
+}

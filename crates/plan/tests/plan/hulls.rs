@@ -113,11 +113,16 @@ fn segments_have_the_verdicts_of_the_meshes() {
             blocked += 1;
             let at = |t: f64| checker.space().between(&from, &to, t);
             let all = distances(&checker, &at(t));
-            let WorldId::Obstacle(k) = pair.b else { panic!("{pair:?}") };
+            let WorldId::Obstacle(k) = pair.b else {
+                panic!("{pair:?}")
+            };
             assert!(all[k] < 1e-9, "{pair:?} at {t}: {}", all[k]);
             for k in 0..=20 {
                 let all = distances(&checker, &at(safe * 0.999_999 * f64::from(k) / 20.0));
-                assert!(safe == 0.0 || all.iter().all(|d| *d > 0.0), "free up to {safe}: {all:?}");
+                assert!(
+                    safe == 0.0 || all.iter().all(|d| *d > 0.0),
+                    "free up to {safe}: {all:?}"
+                );
             }
         }
         assert_eq!(judge.work().hulls, 0);

@@ -6,7 +6,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Piece, Progress};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, FreewayEnd, PlanError, PlanMethod, PlanOptions, PlanarSpace, RigidSpace, TranslationSpace, World,
+    Checker, ConfigurationSpace, FreewayEnd, PlanError, PlanMethod, PlanOptions, PlanarSpace, RigidSpace,
+    TranslationSpace, World,
 };
 use std::time::Duration;
 use truth::rooms::wall;
