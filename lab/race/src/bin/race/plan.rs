@@ -227,7 +227,8 @@ fn search(scene: &str, room: Room, space: &RigidSpace, ends: [Vec<f64>; 2], seed
         let began = ThreadTime::now();
         let path = rrt::search(space, [start, goal], 0.01, seed, LIMIT, is_clear);
         let took = began.elapsed();
-        searches[3].push(took, path.as_deref().map(|path| (path, &mut fresh())));
+        let mut checker = fresh();
+        searches[3].push(took, path.as_deref().map(|path| (path, &mut checker)));
     }
     println!(
         "{scene}\n  {:<16}{:>14}{:>6}{:>12}{:>12}",
