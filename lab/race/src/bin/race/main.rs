@@ -24,6 +24,7 @@ mod rrt;
 
 use clap::{Parser, ValueEnum};
 use race::common::{Options, Rows, boxes, scene};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use truth::boxes::Kind;
 
@@ -44,6 +45,9 @@ struct Command {
     /// Write the results of `gate` to `benches/record/gate.csv`
     #[arg(long)]
     save: bool,
+    /// Folder of robots for `curves`: `resources` of the source package vamp-planner
+    #[arg(long, value_name = "FOLDER")]
+    data: Option<PathBuf>,
     /// One cell of the table of instructions, run in its own process
     #[arg(long, hide = true)]
     cell: Option<String>,
@@ -78,6 +82,7 @@ fn race(
         race,
         options,
         save,
+        data,
         cell,
     }: &Command,
 ) -> Result<(), String> {
@@ -87,12 +92,15 @@ fn race(
     if *save && !matches!(race, Race::Gate) {
         return Err("--save belongs to gate".into());
     }
+    if data.is_some() && !matches!(race, Race::Curves) {
+        return Err("--data belongs to curves".into());
+    }
     let (scenes, run): (Vec<&str>, fn(&Options) -> Rows) = match race {
         Race::Pairs => (pairs::SCENES.into(), pairs::run),
         Race::Curved => (curved::SCENES.into(), curved::run),
         Race::Curves => {
             options.check(&curves::SCENES)?;
-            return options.save(&curves::run(options)?);
+            return options.save(&curves::run(options, data.as_deref())?);
         }
         Race::Contact => (truth::contacts::SCENES.into(), contact::run),
         Race::Boxes => (boxes::RACED.map(Kind::name).into(), |o| boxes::run(o, &[])),
