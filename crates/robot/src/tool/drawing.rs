@@ -1,4 +1,4 @@
-//! Drawings of two links as SVG: their triangles from back to front, seen across the closest points.
+//! Drawings of two links as SVG: triangles from back to front, seen across the closest points.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

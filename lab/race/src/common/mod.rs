@@ -7,7 +7,7 @@ pub mod scene;
 mod tree;
 
 use std::fmt::{self, Display, Formatter};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
@@ -33,10 +33,6 @@ pub struct Options {
     /// Greatest number of bodies or triangles
     #[arg(long, value_name = "N")]
     upto: Option<usize>,
-    /// Folder of robots that a race reads: `curves` takes panda/panda.urdf and ur5/ur5.urdf, each with
-    /// its SRDF beside it, as `resources` of the source package `vamp-planner` has them
-    #[arg(long, value_name = "FOLDER")]
-    data: Option<PathBuf>,
     /// Cells to which the run is restricted: scene, shape and number; all cells if empty.
     #[arg(skip)]
     cells: Vec<(&'static str, &'static str, usize)>,
@@ -50,7 +46,6 @@ impl Options {
             quick: true,
             only: None,
             upto: None,
-            data: None,
             cells,
         }
     }
@@ -63,11 +58,6 @@ impl Options {
             }
             _ => Ok(()),
         }
-    }
-
-    /// Returns the folder of robots.
-    pub fn data(&self) -> Option<&Path> {
-        self.data.as_deref()
     }
 
     /// Returns whether a scene is raced.

@@ -152,7 +152,7 @@ fn from_folder(folder: &Path, name: &str, posts: f64) -> Result<(JointTree, Worl
     Ok((checker.space().clone(), world))
 }
 
-pub(crate) fn run(o: &Options) -> Result<Rows, String> {
+pub(crate) fn run(o: &Options, data: Option<&Path>) -> Result<Rows, String> {
     let mut rows = Rows::default();
     let mut robots = vec![
         ("six-axes", arm_in_cell()),
@@ -160,8 +160,10 @@ pub(crate) fn run(o: &Options) -> Result<Rows, String> {
         ("chain-14", chain(14, [-LIMIT, LIMIT])),
         ("two-arms", two_arms()),
     ];
-    let folder = o.data().into_iter();
-    robots.extend(folder.flat_map(|folder| FILES.map(|(name, posts)| (name, from_folder(folder, name, posts)))));
+    robots.extend(
+        data.into_iter()
+            .flat_map(|folder| FILES.map(|(name, posts)| (name, from_folder(folder, name, posts)))),
+    );
     println!("median us of free curves, queries of one on average; curves that `bisect` wrongly reports free");
     println!("  robot      degree  free  ours  queries  straight  queries  bisect  wrong");
     for (name, robot) in robots {

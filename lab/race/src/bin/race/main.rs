@@ -48,7 +48,7 @@ struct Command {
     /// Write the results of `gate` to `benches/record/gate.csv`
     #[arg(long)]
     save: bool,
-    /// Folder of `mbm`: `resources` of the source package vamp-planner, problems unpacked
+    /// Folder of `mbm`, or of robots for `curves`: `resources` of the source package vamp-planner, problems unpacked
     #[arg(long, value_name = "FOLDER")]
     data: Option<PathBuf>,
     /// Paths of another planner that `mbm` certifies: JSON lines with robot, set, index and path
@@ -100,15 +100,15 @@ fn race(
     if *save && !matches!(race, Race::Gate) {
         return Err("--save belongs to gate".into());
     }
-    if data.is_some() && !matches!(race, Race::Mbm) {
-        return Err("--data belongs to mbm".into());
+    if data.is_some() && !matches!(race, Race::Curves | Race::Mbm) {
+        return Err("--data belongs to curves and mbm".into());
     }
     let (scenes, run): (Vec<&str>, fn(&Options) -> Rows) = match race {
         Race::Pairs => (pairs::SCENES.into(), pairs::run),
         Race::Curved => (curved::SCENES.into(), curved::run),
         Race::Curves => {
             options.check(&curves::SCENES)?;
-            return options.save(&curves::run(options)?);
+            return options.save(&curves::run(options, data.as_deref())?);
         }
         Race::Contact => (truth::contacts::SCENES.into(), contact::run),
         Race::Boxes => (boxes::RACED.map(Kind::name).into(), |o| boxes::run(o, &[])),
