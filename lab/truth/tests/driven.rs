@@ -1,6 +1,7 @@
 //! Promise: the worlds of the soak hold for some seeds, and their draws contain every ingredient.
 
-use truth::driven::{clouds, distances, planner, surfaces, throws};
+use truth::driven::{clouds, curves, distances, planner, surfaces, throws};
+use truth::rng::Rng;
 
 /// Plays sequences and returns the sum of their counts.
 fn played<M: Default>(seeds: u64, play: fn(u64) -> Result<M, String>, add: fn(&mut M, &M)) -> M {
@@ -52,4 +53,17 @@ fn clouds_agree_with_their_elements() {
 fn no_two_points_of_surfaces_are_closer_than_a_lower_bound() {
     let mix = played(12, surfaces::play, surfaces::Mix::add);
     assert!(mix.frames[0] > 10 && mix.reached > 10, "{mix:?}");
+}
+
+#[test]
+fn curves_of_random_bytes_are_curves_or_errors() {
+    let mut rng = Rng::new(1);
+    let (mut made, mut followed) = ([0; 2], [0; 2]);
+    for _ in 0..2_000 {
+        let bytes: Vec<u8> = (0..400).map(|_| rng.bits() as u8).collect();
+        let tally = curves::drive(&bytes);
+        made = [0, 1].map(|k| made[k] + tally.curves[k]);
+        followed = [0, 1].map(|k| followed[k] + tally.followed[k]);
+    }
+    assert!(made.iter().chain(&followed).all(|n| *n > 50), "{made:?} {followed:?}");
 }

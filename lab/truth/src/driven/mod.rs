@@ -4,6 +4,7 @@
 pub mod bytes;
 pub mod calls;
 pub mod clouds;
+pub mod curves;
 pub mod distances;
 pub mod exact_place;
 pub mod lattice;
