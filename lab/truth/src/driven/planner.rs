@@ -24,6 +24,9 @@ const TIE: f64 = 1e-9;
 /// Rounds of a world: each a change and all questions.
 const ROUNDS: usize = 4;
 
+/// Configurations of a round: a pair that is lost is often not the only one in contact.
+const CONFIGURATIONS: usize = 8;
+
 /// Times at which a motion is judged.
 const TIMES: u32 = 24;
 
@@ -213,8 +216,11 @@ impl Play {
     fn rounds(mut self) -> Result<Mix, String> {
         for _ in 0..ROUNDS {
             self.change()?;
+            for _ in 0..CONFIGURATIONS {
+                let q = self.sample();
+                self.configuration(&q)?;
+            }
             let q = self.sample();
-            self.configuration(&q)?;
             let far = if self.rng.chance(0.5) { 0.3 } else { 2.0 };
             let p = self.near(&q, far);
             self.segment(&q, &p)?;
