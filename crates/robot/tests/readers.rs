@@ -1,4 +1,4 @@
-//! The seeds of the fuzz targets `meshes`, `points` and `robots`, and mutants of them: see `truth::driven::readers`.
+//! The seeds of the fuzz targets `meshes`, `points`, `robots` and `stored`, and mutants of them: see `truth::driven::readers`.
 
 use std::path::Path;
 
@@ -385,6 +385,7 @@ fn files_are_read_or_refused_within_time_and_memory() {
         ("meshes", readers::meshes as fn(&[u8])),
         ("points", readers::points),
         ("robots", readers::robots),
+        ("stored", readers::stored),
     ];
     for (folder, check) in checks {
         let seeds = files(&fuzz.join("seeds").join(folder));

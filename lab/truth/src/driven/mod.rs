@@ -3,8 +3,12 @@
 
 pub mod bytes;
 pub mod calls;
+pub mod clouds;
+pub mod curves;
+pub mod distances;
 pub mod exact_place;
 pub mod lattice;
+pub mod planner;
 pub mod points;
 #[cfg(feature = "readers")]
 pub mod readers;
@@ -13,6 +17,8 @@ pub mod slivers;
 pub mod slots;
 pub mod solids;
 pub mod stand_ins;
+pub mod surfaces;
+pub mod throws;
 
 /// The input of a byte-driven test: bytes are read from the front; after the end they are zero.
 #[derive(Debug)]

@@ -7,8 +7,11 @@
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
+use lin_canny::scene::Scene;
+use lin_canny::{Geometry, PairTracker, QueryOptions, RelativePose, Replay};
 use lin_canny_formats::{Grid, Invalid, MeshFile, PointFile};
-use lin_canny_plan::ConfigurationSpace;
+use lin_canny_plan::{ConfigurationSpace, JointCurve, RangeAnswer, World};
+use lin_canny_robot::record::{Cursor, Recording};
 use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory, csv_text};
 use nalgebra::Isometry3;
 pub use peak_alloc::PeakAlloc;
@@ -181,6 +184,91 @@ pub fn robots(data: &[u8]) {
         b'y' => timed(text, "yaml"),
         _ => {}
     }
+}
+
+/// Reads what was saved: `l` a recording, `r` a replay; as JSON `g` a geometry, `s` a scene, `q` a
+/// curve, `w` a world of the planner, `a` an answer over a range.
+///
+/// # Panics
+/// Panics if what was read is inconsistent, if what is written is not read again as it was, or if
+/// time or memory are out of bounds.
+pub fn stored(data: &[u8]) {
+    let Some((first, bytes)) = data.split_first() else {
+        return;
+    };
+    let text = &String::from_utf8_lossy(bytes);
+    match first {
+        b'l' => recording(bytes),
+        b'r' => replay(text),
+        b'g' => {
+            if let Some(geometry) = again::<Geometry>(text) {
+                measured(&geometry);
+            }
+        }
+        b's' => {
+            if let Some(mut scene) = again::<Scene>(text) {
+                assert_eq!(scene.check(), Ok(()));
+                scene.step();
+                assert_eq!(scene.check(), Ok(()));
+            }
+        }
+        b'q' => {
+            if let Some(curve) = again::<JointCurve>(text) {
+                let at = [curve.at(0.3), curve.velocity(0.3), curve.acceleration(0.3)];
+                assert!(at.iter().all(|row| row.len() == curve.coordinates()));
+                assert!(at[0].iter().all(|x| x.is_finite()));
+            }
+        }
+        b'w' => {
+            again::<World>(text);
+        }
+        b'a' => {
+            again::<RangeAnswer>(text);
+        }
+        _ => {}
+    }
+}
+
+/// Returns what JSON holds, if it is valid; what is written is read again as it was.
+fn again<T: serde::Serialize + serde::de::DeserializeOwned>(text: &str) -> Option<T> {
+    let value: T = parsed(text, || serde_json::from_str(text))?;
+    let written = serde_json::to_string(&value).expect("what was read is written");
+    let read: T = serde_json::from_str(&written).expect("what was written is read");
+    assert_eq!(serde_json::to_string(&read).expect("what was read is written"), written);
+    Some(value)
+}
+
+/// Measures a geometry and itself.
+fn measured(geometry: &Geometry) {
+    let (_, radius) = geometry.bounding_ball();
+    let pose = RelativePose::from_isometry(&Isometry3::translation(radius.min(1e99), 0.0, 0.0));
+    let Ok(pose) = pose else { return };
+    // Surfaces that coincide use up any budget.
+    let few = QueryOptions::new().splits(50);
+    let found = PairTracker::new().closest_with(geometry, geometry, &pose, &few);
+    assert!(found.lower <= found.upper && !found.distance.is_nan(), "{found:?}");
+}
+
+fn recording(bytes: &[u8]) {
+    let Ok(recording) = bounded(bytes, || Recording::read(bytes)) else {
+        return;
+    };
+    let mut cursor = Cursor::default();
+    for frame in 0..recording.frames.len() {
+        cursor.seek(&recording, frame);
+    }
+}
+
+fn replay(text: &str) {
+    let Some(replay) = parsed(text, || text.parse::<Replay>()) else {
+        return;
+    };
+    let written = replay.to_string();
+    let again: Replay = written.parse().expect("what was written is read");
+    assert_eq!(again.to_string(), written);
+    let [a, b] = replay.shapes();
+    let found = replay.pair_tracker().closest(&a, &b, &replay.pose);
+    assert!(found.lower <= found.upper && !found.distance.is_nan(), "{found:?}");
 }
 
 /// The root element decides the format: URDF, MJCF or SDFormat.

@@ -33,7 +33,9 @@ use lin_canny::{Accuracy, ContactState, Manifold, ManifoldOptions, Outcome, Rela
 use race::progress::Progress;
 use tally::Tally;
 use truth::command::{count, number};
-use truth::driven::{lattice, points, scenes, slivers, solids, stand_ins};
+use truth::driven::{
+    clouds, distances, lattice, planner, points, scenes, slivers, solids, stand_ins, surfaces, throws,
+};
 use truth::motion::Frame;
 use truth::rng::Rng;
 use truth::support;
@@ -41,7 +43,8 @@ use truth::support;
 /// Test random bodies in random motions and check every frame with independent arithmetic
 ///
 /// Bodies are polyhedra of every hard family, curved shapes, meshes with the errors of real files,
-/// worlds of boxes, and scenes with bodies of every kind. A failure is written to DIR as a text for
+/// meshes that bend, clouds and surfaces. Worlds are of boxes, scenes with bodies of every kind, and
+/// worlds of the planner with segments, curves and ranges. A failure is written to DIR as a text for
 /// the example replay, and the program then ends with status 1.
 #[derive(Parser)]
 struct Options {
@@ -239,7 +242,7 @@ struct Driver {
 /// Bytes of the calls of a scene.
 const CALLS: usize = 1500;
 
-const DRIVERS: [Driver; 8] = [
+const DRIVERS: [Driver; 13] = [
     // Lattices, bricks and stacks combine equal bounds, reused indices and slow motion. Brute force
     // checks each step.
     Driver {
@@ -292,6 +295,42 @@ const DRIVERS: [Driver; 8] = [
         salt: 0x57a9,
         count: 1,
         play: |seed, tally| stand_ins::play(seed).map(|mix| tally.stand_ins.add(&mix)),
+    },
+    // Casts of convex and other bodies, judged at many times; planes of certificates by all vertices.
+    Driver {
+        name: "throw of two bodies",
+        salt: 0x7420,
+        count: 6,
+        play: |seed, tally| throws::play(seed).map(|mix| tally.throws.add(&mix)),
+    },
+    // Signed distances of points on, within rounding of and away from closed meshes, judged over the
+    // rationals.
+    Driver {
+        name: "signed distances of points",
+        salt: 0xd157,
+        count: 1,
+        play: |seed, tally| distances::play(seed).map(|mix| tally.distances.add(&mix)),
+    },
+    // Clouds, judged element by element.
+    Driver {
+        name: "cloud and body",
+        salt: 0xc10d,
+        count: 2,
+        play: |seed, tally| clouds::play(seed).map(|mix| tally.clouds.add(&mix)),
+    },
+    // Bézier surfaces, judged by points of both.
+    Driver {
+        name: "pair of surfaces",
+        salt: 0x5a4f,
+        count: 1,
+        play: |seed, tally| surfaces::play(seed).map(|mix| tally.surfaces.add(&mix)),
+    },
+    // Changing worlds of the planner; segments, curves and ranges through them.
+    Driver {
+        name: "world of the planner",
+        salt: 0x91a7,
+        count: 1,
+        play: |seed, tally| planner::play(seed).map(|mix| tally.planner.add(&mix)),
     },
     // Bodies without velocities, ticks, jumps and files are combined. Brute force checks each step.
     Driver {

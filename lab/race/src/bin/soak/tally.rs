@@ -6,7 +6,7 @@ use crate::curved;
 use crate::faulty;
 use lin_canny::Outcome;
 use truth::driven::lattice::Mix;
-use truth::driven::{points, scenes, slivers, solids, stand_ins};
+use truth::driven::{clouds, distances, planner, points, scenes, slivers, solids, stand_ins, surfaces, throws};
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
 const LAYERS: [&str; 7] = [
@@ -49,6 +49,16 @@ pub(crate) struct Tally {
     pub(crate) points: points::Mix,
     /// Stand-in bodies.
     pub(crate) stand_ins: stand_ins::Mix,
+    /// Bodies thrown at each other.
+    pub(crate) throws: throws::Mix,
+    /// Signed distances of points.
+    pub(crate) distances: distances::Mix,
+    /// Clouds.
+    pub(crate) clouds: clouds::Mix,
+    /// Pairs of surfaces.
+    pub(crate) surfaces: surfaces::Mix,
+    /// Worlds of the planner.
+    pub(crate) planner: planner::Mix,
     /// Nanoseconds of the slowest query, and its trial.
     pub(crate) slowest: (u128, u64),
     classes: [u64; 4],
@@ -85,6 +95,11 @@ impl Tally {
         self.solids.add(&o.solids);
         self.points.add(&o.points);
         self.stand_ins.add(&o.stand_ins);
+        self.throws.add(&o.throws);
+        self.distances.add(&o.distances);
+        self.clouds.add(&o.clouds);
+        self.surfaces.add(&o.surfaces);
+        self.planner.add(&o.planner);
         self.scenes.add(&o.scenes);
         self.slowest = self.slowest.max(o.slowest);
         self.classes.iter_mut().zip(o.classes).for_each(|(s, n)| *s += n);
@@ -115,6 +130,11 @@ impl Tally {
         println!("solids with faces in common: {:?}", self.solids);
         println!("points and rays next to a mesh: {:?}", self.points);
         println!("bodies that stand in for others: {:?}", self.stand_ins);
+        println!("throws of two bodies: {:?}", self.throws);
+        println!("signed distances of points: {:?}", self.distances);
+        println!("clouds: {:?}", self.clouds);
+        println!("pairs of surfaces: {:?}", self.surfaces);
+        println!("worlds of the planner: {:?}", self.planner);
         let c = &self.curves;
         println!(
             "{} frames of curved shapes, {} queries: {}; {} of rounded shapes, {} separated beyond the first solver, bounds at most {:.1e} L wide",
