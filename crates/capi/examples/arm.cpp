@@ -22,18 +22,18 @@ static int run(const std::string &folder) {
   const lc_verdict verdict = checker.certify(home.data(), other.data());
   std::printf("home to other: %s, proven up to %.3f\n", verdict.state == LC_FREE ? "free" : "not free", verdict.safe);
 
-  // A ball where the arm passes halfway: the verdict names the pair and brackets the time.
+  // A ball where the gripper passes halfway: the verdict names the pair and brackets the time.
   std::vector<double> middle = home;
   middle[1] = 0.2;
-  const lc_near halfway = checker.clearance(middle.data());
-  const double *p = halfway.point_on_a;
-  const lc_world_body ball = checker.add_obstacle("ball", Geometry::ball(0.02), at(p[0], p[1], p[2]));
+  const lc_pose hand = checker.pose(checker.find("gripper").at(0), middle.data());
+  const lc_world_body ball = checker.add_obstacle("ball", Geometry::ball(0.02), hand);
   const lc_verdict blocked = checker.certify(home.data(), other.data());
   const bool was_blocked = blocked.state == LC_BLOCKED && blocked.b.id == ball.id && blocked.safe < blocked.hit;
   if (was_blocked) {
     std::printf("with a ball on the way: %s meets %s between %.9f and %.9f\n", checker.name(blocked.a).c_str(),
                 checker.name(blocked.b).c_str(), blocked.safe, blocked.hit);
   }
+  checker.remove(ball);
 
   // A path of segments that are proven free, and the same path certified again.
   lc_plan_options options{};

@@ -416,6 +416,12 @@ class Checker : public Owner<lc_checker, lc_checker_free> {
   void exclude(lc_world_body a, lc_world_body b, bool excluded = true) {
     check(lc_checker_exclude(get(), a, b, excluded));
   }
+  /// The pose of a body in the world at a configuration.
+  lc_pose pose(lc_world_body body, const double *q) const {
+    lc_pose found;
+    check(lc_checker_pose(get(), body, q, coordinates(), &found));
+    return found;
+  }
   void set_margin(double margin) { check(lc_checker_set_margin(get(), margin)); }
   /// Proven by exact predicates.
   bool is_free(const double *q) {

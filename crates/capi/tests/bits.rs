@@ -47,13 +47,11 @@ fn of(pose: &Isometry3<f64>) -> lc_pose {
 }
 
 fn ok(status: lc_status) {
-    // SAFETY: the message is a text of the library.
-    let message = || {
-        unsafe { std::ffi::CStr::from_ptr(lc_last_error()) }
-            .to_string_lossy()
-            .into_owned()
-    };
-    assert!(status == lc_status::LC_OK, "{status:?}: {}", message());
+    if status != lc_status::LC_OK {
+        // SAFETY: the message is a text of the library.
+        let message = unsafe { std::ffi::CStr::from_ptr(lc_last_error()) };
+        panic!("{status:?}: {}", message.to_string_lossy());
+    }
 }
 
 /// Returns what a call writes to a place, which starts as bytes that are no answer.

@@ -8,10 +8,8 @@ use lin_canny_c::*;
 fn pair() -> (lc_geometry, lc_pair) {
     let (mut geometry, mut pair) = (lc_geometry { id: 0 }, lc_pair { id: 0 });
     // SAFETY: an array of three numbers and a place for a handle.
-    assert_eq!(
-        unsafe { lc_shape_new(LC_BOX, [0.5; 3].as_ptr(), 3, &mut geometry) },
-        LC_OK
-    );
+    let status = unsafe { lc_shape_new(LC_BOX, [0.5; 3].as_ptr(), 3, &mut geometry) };
+    assert_eq!(status, LC_OK);
     // SAFETY: a place for a handle.
     assert_eq!(unsafe { lc_pair_new(geometry, geometry, &mut pair) }, LC_OK);
     (geometry, pair)
@@ -25,10 +23,8 @@ fn ask(pair: lc_pair, x: f64) -> lc_answer {
     let mut answer = std::mem::MaybeUninit::<lc_answer>::uninit();
     let place = answer.as_mut_ptr();
     // SAFETY: two poses and a place for an answer.
-    assert_eq!(
-        unsafe { lc_pair_ask(pair, &pose(0.0), &pose(x), 7, place, size_of::<lc_answer>()) },
-        LC_OK
-    );
+    let status = unsafe { lc_pair_ask(pair, &pose(0.0), &pose(x), 7, place, size_of::<lc_answer>()) };
+    assert_eq!(status, LC_OK);
     // SAFETY: `LC_OK` says that the answer is written.
     unsafe { answer.assume_init() }
 }
