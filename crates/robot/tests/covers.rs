@@ -5,7 +5,7 @@ use std::process::Command;
 
 use lin_canny_robot::lin_canny::cover::{Ball, CoverGoal};
 use lin_canny_robot::lin_canny::nalgebra::Point3;
-use lin_canny_robot::lin_canny::{Geometry, GeometryKind, PointQuery};
+use lin_canny_robot::lin_canny::{Geometry, PointQuery};
 use lin_canny_robot::{LinkCover, LoadOptions, MeshUse, Packages, Robot, cover_links, json_of_balls, urdf_of_balls};
 use truth::covers::contain;
 
@@ -86,8 +86,8 @@ fn files_hold_the_balls() {
         assert_eq!(link.bodies.len(), cover.outside.balls.len(), "{}", link.name);
         for (body, ball) in link.bodies.iter().zip(&cover.outside.balls) {
             assert_eq!(body.origin.translation.vector, ball.center.coords);
-            assert_eq!(body.geometry.kind(), GeometryKind::Rounded);
-            assert_eq!(body.geometry.bounding_ball().1, ball.radius);
+            let shape = body.geometry.as_convex().expect("a ball");
+            assert_eq!(shape.rounding_radius(), ball.radius);
         }
     }
     let json: serde_json::Value = serde_json::from_str(&json_of_balls(&robot, &covers)).expect("JSON");
