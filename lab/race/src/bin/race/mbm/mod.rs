@@ -18,7 +18,7 @@ use std::path::Path;
 
 use cpu_time::ThreadTime;
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_plan::{Checker, ConfigurationSpace, JointTree, PlanOptions};
+use lin_canny_plan::{Checker, ConfigurationSpace, JointTree, PlanMethod, PlanOptions};
 use lin_canny_robot::{Cell, LoadOptions, MeshUse, Packages, Robot, Setup, Srdf};
 use race::common::Options;
 use race::progress::Progress;
@@ -40,8 +40,14 @@ const SINGLE: f64 = 1e-5;
 /// The name and the options of a planner.
 type Engine = (&'static str, fn() -> PlanOptions);
 
-/// The planners.
-const ENGINES: [Engine; 1] = [("plan", PlanOptions::default)];
+/// The planners: the default, and each method alone.
+const ENGINES: [Engine; 3] = [
+    ("plan", PlanOptions::default),
+    ("rrt-connect", || PlanOptions::default().method(PlanMethod::RrtConnect)),
+    ("opportunistic", || {
+        PlanOptions::default().method(PlanMethod::Opportunistic)
+    }),
+];
 
 /// The result of an engine and a problem.
 struct Row {
