@@ -1,4 +1,5 @@
-//! Balls around a body and inside it, for programs that know only balls: what they decide is proven.
+//! Balls around a body and inside it, for programs that know only balls: what they decide is
+//! proven.
 
 use lin_canny::cover::{Ball, CoverGoal, cover_inside, cover_outside};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};

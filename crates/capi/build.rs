@@ -1,5 +1,5 @@
-//! Sets the name by which the loader knows the library, and keeps the library loaded: threads of the
-//! host may hold thread-local values of it.
+//! Sets the name by which the loader knows the library, and keeps the library loaded: threads of
+//! the host may hold thread-local values of it.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");

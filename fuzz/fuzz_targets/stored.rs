@@ -1,4 +1,5 @@
-//! Arbitrary bytes are a recording, a replay or saved JSON, or are refused: the entry of the test `readers`.
+//! Arbitrary bytes are a recording, a replay or saved JSON, or are refused: the entry of the test
+//! `readers`.
 #![no_main]
 
 use truth::driven::readers::{self, PeakAlloc};

@@ -1,4 +1,5 @@
-//! Writes the proof that an arm moves a part freely from bin to bin as a file that anybody can check, and checks it.
+//! Writes the proof that an arm moves a part freely from bin to bin as a file that anybody can
+//! check, and checks it.
 //!
 //! `cargo run --release -p lin-canny-plan --example receipt -- --out FILE.jsonl`
 

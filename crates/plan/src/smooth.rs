@@ -508,7 +508,8 @@ mod tests {
                 // Twice the time is a half of the velocities and a quarter of the accelerations.
                 assert!(count <= halvings && (count > 0) == (halvings > 0), "{faster}: {count}");
                 if !is_smooth {
-                    // The product of velocity and duration does not change, so the curves have the same bits.
+                    // The product of velocity and duration does not change, so the curves have the
+                    // same bits.
                     assert_eq!(curves(&rows, &options).expect("curves"), before);
                 }
                 let go = &mut |_| ControlFlow::Continue(());

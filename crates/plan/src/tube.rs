@@ -25,12 +25,12 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns a time of a curve, and a configuration of its tube at this time at which a pair is
     /// closer than it must be, if one is found.
     ///
-    /// [`certify_curve_tube`](Self::certify_curve_tube) compares distances on the curve with a bound,
-    /// so a tube that is not free need not contain a contact. This call searches for one: at `from`,
-    /// such as [`Verdict::safe`](crate::Verdict::safe), and at 64 later times, at corners of the tube
-    /// against the gradients of the distances. Deviations are cut at the bounds of the coordinates.
-    /// The predicate of [`is_free_at`](Self::is_free_at) decides about what is returned. `None`
-    /// proves nothing.
+    /// [`certify_curve_tube`](Self::certify_curve_tube) compares distances on the curve with a
+    /// bound, so a tube that is not free need not contain a contact. This call searches for one: at
+    /// `from`, such as [`Verdict::safe`](crate::Verdict::safe), and at 64 later times, at corners
+    /// of the tube against the gradients of the distances. Deviations are cut at the bounds of the
+    /// coordinates. The predicate of [`is_free_at`](Self::is_free_at) decides about what is
+    /// returned. `None` proves nothing.
     ///
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -57,8 +57,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     ///
     /// # Errors
-    /// Returns an error as [`certify_curve_tube`](Self::certify_curve_tube) does, or if `from` is not
-    /// between 0 and 1.
+    /// Returns an error as [`certify_curve_tube`](Self::certify_curve_tube) does, or if `from` is
+    /// not between 0 and 1.
     pub fn tube_contact(
         &mut self,
         curve: &JointCurve,

@@ -1,4 +1,5 @@
-//! Receipts: what the writers write holds for a checker that shares no code with them, and a wrong proof does not.
+//! Receipts: what the writers write holds for a checker that shares no code with them, and a wrong
+//! proof does not.
 
 use lin_canny::impact::Tolerance;
 use lin_canny::motion::Steady;
@@ -44,7 +45,8 @@ fn arm() -> Checker<SerialArm> {
     Checker::new(arm, world).expect("a cell")
 }
 
-/// Writes and checks the receipt of a segment; returns whether it is free, blocked later (1), at the start (2) or undecided.
+/// Writes and checks the receipt of a segment; returns whether it is free, blocked later (1), at
+/// the start (2) or undecided.
 fn judge<C: ConfigurationSpace>(checker: &mut Checker<C>, from: &[f64], to: &[f64]) -> usize {
     let verdict = checker.certify(from, to).expect("a segment");
     let receipt = Receipt::segment(checker, from, to);
@@ -234,7 +236,8 @@ fn bodies_that_move_as_one_have_receipts() {
     assert!(counts[0] > 10 && counts[1] > 10 && counts[2] > 5, "{counts:?}");
 }
 
-/// A slide, a turn and a joint that mimics it, an attached object, a padding and a margin of a pair.
+/// A slide, a turn and a joint that mimics it, an attached object, a padding and a margin of a
+/// pair.
 #[test]
 fn a_tree_with_attached_objects_and_margins_has_receipts() {
     let joint = |parent: usize, kind, origin: Isometry3<f64>, axis, drive| TreeJoint {
@@ -306,7 +309,8 @@ fn a_tree_with_attached_objects_and_margins_has_receipts() {
         let is_free = checker.certify(&from, &to).expect("a segment").is_free();
         let receipt = match Receipt::segment(&mut checker, &from, &to) {
             Ok(receipt) => receipt,
-            // The polyhedron around a cylinder or a cone is larger than the body, and proves no contact.
+            // The polyhedron around a cylinder or a cone is larger than the body, and proves no
+            // contact.
             Err(ReceiptError::Pair { a, b, why, .. }) if !is_free => {
                 assert!(a == "part" || b == "part" || b == "cone", "{a} {b}: {why}");
                 continue;

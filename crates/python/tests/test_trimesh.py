@@ -80,7 +80,8 @@ def test_contacts_of_convex_meshes():
         assert np.allclose(trimesh.triangles.closest_point(triangle, [point]), point)
     with pytest.raises(KeyError):
         contact.index("far")
-    # Within a manager the normal points from the first name to the second, whatever the order of insertion.
+    # Within a manager the normal points from the first name to the second, whatever the order of
+    # insertion.
     m = manager(z=(CUBE, None), b=(CUBE, at(0.75)))
     _, names, (contact,) = m.in_collision_internal(return_names=True, return_data=True)
     assert names == {("b", "z")} and np.allclose(contact.normal, [-1, 0, 0])

@@ -78,7 +78,8 @@ pub struct Setup {
     paddings: Vec<(BodyName, f64)>,
     margins: Vec<([BodyName; 2], f64)>,
     pub(crate) skipped: Vec<Skipped>,
-    /// What all checkers share: made by the first one, dropped when the robots or their pairs change.
+    /// What all checkers share: made by the first one, dropped when the robots or their pairs
+    /// change.
     shared: Arc<OnceLock<RobotPart>>,
 }
 

@@ -1,4 +1,5 @@
-//! Audits of pairs over parts of the joint limits: together they say what an audit over all limits says.
+//! Audits of pairs over parts of the joint limits: together they say what an audit over all limits
+//! says.
 
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;

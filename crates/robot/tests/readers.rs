@@ -1,4 +1,5 @@
-//! The seeds of the fuzz targets `meshes`, `points`, `robots` and `stored`, and mutants of them: see `truth::driven::readers`.
+//! The seeds of the fuzz targets `meshes`, `points`, `robots` and `stored`, and mutants of them:
+//! see `truth::driven::readers`.
 
 use std::path::Path;
 

@@ -616,7 +616,8 @@ fn excluded_pairs_are_written_as_an_srdf_and_read_again() {
     assert_eq!(of_world.excluded.len(), srdf.excluded.len());
 }
 
-/// The robot's part of the checkers is made once, and again after each change of the robots, their limits or their pairs.
+/// The robot's part of the checkers is made once, and again after each change of the robots, their
+/// limits or their pairs.
 #[test]
 fn checkers_of_one_setup_share_the_robot() {
     let robot = gripper(MeshUse::Hull);

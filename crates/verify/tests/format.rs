@@ -1,4 +1,5 @@
-//! Promise: what is not of the format is an error with its line, never a panic; limits of the format.
+//! Promise: what is not of the format is an error with its line, never a panic; limits of the
+//! format.
 
 mod support;
 
@@ -85,7 +86,8 @@ fn one_written_form_for_each_number() {
         assert_eq!(line, 4, "{number}");
         assert!(why.contains("number"), "{number}: {why}");
     }
-    // Subnormal numbers, the least and the greatest, are numbers. This normal proves nothing, but is read.
+    // Subnormal numbers, the least and the greatest, are numbers. This normal proves nothing, but
+    // is read.
     for number in ["0x0.0000000000001p-1022", "-0x1.fffffffffffffp1023", "0x0.8p-1022"] {
         verify(with(4, "0x1p0", number).as_bytes()).unwrap();
     }

@@ -210,7 +210,8 @@ fn rounded_bodies_touch_without_their_hulls() {
     assert!(!verify(receipt.text().as_bytes()).unwrap().holds());
 }
 
-/// Two boxes at rest that share a face, an edge or a vertex share a point; one unit farther they do not.
+/// Two boxes at rest that share a face, an edge or a vertex share a point; one unit farther they do
+/// not.
 #[test]
 fn touching_at_rest_is_proven() {
     let half = cuboid([0.5; 3]);

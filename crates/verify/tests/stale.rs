@@ -1,4 +1,5 @@
-//! Promise: on another scene each certificate is evaluated again, and the first that fails is named.
+//! Promise: on another scene each certificate is evaluated again, and the first that fails is
+//! named.
 
 mod support;
 

@@ -1,4 +1,5 @@
-//! Promise: a changed receipt is refused, unless what it says is still true. A renewed hash changes nothing.
+//! Promise: a changed receipt is refused, unless what it says is still true. A renewed hash changes
+//! nothing.
 
 mod support;
 

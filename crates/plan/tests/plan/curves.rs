@@ -762,8 +762,8 @@ fn tubes_of_joints_hold_at_their_corners() {
     }
 }
 
-/// What is returned from a tube that is not free is within the tube and the limits, and not free, by predicates of another
-/// checker. A tube that is free contains none.
+/// What is returned from a tube that is not free is within the tube and the limits, and not free,
+/// by predicates of another checker. A tube that is free contains none.
 #[test]
 fn contacts_in_tubes_are_within_the_tube() {
     let mut rng = Rng::new(22);

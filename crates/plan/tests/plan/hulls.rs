@@ -1,4 +1,5 @@
-//! Hulls of meshes answer first: the same verdicts as the meshes alone, by fewer queries of the meshes.
+//! Hulls of meshes answer first: the same verdicts as the meshes alone, by fewer queries of the
+//! meshes.
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
@@ -131,7 +132,8 @@ fn segments_have_the_verdicts_of_the_meshes() {
     assert!(free > 15 && blocked > 15, "{free} {blocked}");
 }
 
-/// Two meshes whose boxes overlap, but not their hulls: no query of the meshes. In the notch of the other, the meshes decide.
+/// Two meshes whose boxes overlap, but not their hulls: no query of the meshes. In the notch of the
+/// other, the meshes decide.
 #[test]
 fn meshes_are_not_queried_where_their_hulls_are_apart() {
     let mut world = World::new();

@@ -21,7 +21,8 @@ mod ranges;
 mod smooth;
 mod spaces;
 
-/// The numbers of the robots that an ignored test judges: all, or a part as `LIN_CANNY_ROBOTS=100..200`.
+/// The numbers of the robots that an ignored test judges: all, or a part as
+/// `LIN_CANNY_ROBOTS=100..200`.
 pub(crate) fn chosen_robots(all: core::ops::Range<u64>) -> core::ops::Range<u64> {
     std::env::var("LIN_CANNY_ROBOTS").map_or(all, |text| {
         let (from, to) = text.split_once("..").expect("LIN_CANNY_ROBOTS is a range");

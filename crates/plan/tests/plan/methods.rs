@@ -1,4 +1,5 @@
-//! The methods of the planner: each makes paths of proven segments, and their turns depend on steps alone.
+//! The methods of the planner: each makes paths of proven segments, and their turns depend on steps
+//! alone.
 
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -77,7 +78,8 @@ fn edges_of_the_trees_are_proven() {
     }
 }
 
-/// The alternating search finds the path of the method that needs fewer steps, and takes at most twice as many.
+/// The alternating search finds the path of the method that needs fewer steps, and takes at most
+/// twice as many.
 #[test]
 fn the_methods_take_turns_on_hard_problems() {
     let (mut by_trees, mut by_freeways) = (0, 0);

@@ -1,5 +1,5 @@
-//! Proofs over ranges of joints in hard cases: contacts at one configuration, round bodies, hollow bodies, joints that move
-//! nothing, many joints, and answers that go on.
+//! Proofs over ranges of joints in hard cases: contacts at one configuration, round bodies, hollow
+//! bodies, joints that move nothing, many joints, and answers that go on.
 
 use core::ops::ControlFlow;
 
@@ -20,7 +20,8 @@ fn turn(axis: Vector3<f64>, limits: [f64; 2]) -> Joint {
     Joint::revolute(Isometry3::identity(), axis, limits)
 }
 
-/// A ball of radius 1 swings on a rod past a wall: the distance is least at the angle 0, and is `gap` there.
+/// A ball of radius 1 swings on a rod past a wall: the distance is least at the angle 0, and is
+/// `gap` there.
 fn swing(gap: f64) -> Checker<SerialArm> {
     let wall = HalfSpace::new(-Vector3::x(), -(4.0 + gap)).expect("a wall");
     let joints = vec![turn(Vector3::z(), [-1.0, 1.0]), slide(Vector3::x_axis(), [0.0, 3.0])];
@@ -132,7 +133,8 @@ fn joints_that_change_no_distance_cost_few_cells() {
     assert!(answer.is_never() && answer.cells == 1, "{answer:?}");
 }
 
-/// The axis of a turn passes through the place where the bodies overlap: a body that ends in a point stays in contact.
+/// The axis of a turn passes through the place where the bodies overlap: a body that ends in a
+/// point stays in contact.
 #[test]
 fn a_turn_about_the_place_of_contact_keeps_it() {
     let needle = solids::cuboid(Vector3::new(1.0, 0.05, 0.05)).expect("a box");
@@ -190,14 +192,15 @@ fn twenty_joints_are_bounded_together() {
     }
 }
 
-/// A cylinder or cone is proven as a prism or pyramid with 32 sides, and beyond its error by distances: a width is reached,
-/// at a price.
+/// A cylinder or cone is proven as a prism or pyramid with 32 sides, and beyond its error by
+/// distances: a width is reached, at a price.
 #[test]
 fn round_bodies_reach_a_width_below_the_error_of_their_prisms() {
     let wall = cube(1.0)
         .transformed(&Isometry3::translation(0.0, 3.0, 0.0))
         .expect("a wall");
-    // The wall is between the directions of a corner and of a side, so that the prism is 3 mm too near.
+    // The wall is between the directions of a corner and of a side, so that the prism is 3 mm too
+    // near.
     let spin = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), PI / 64.0 + 0.01);
     let origin = Isometry3::from_parts(Translation3::identity(), spin);
     for shape in [Shape::cylinder(0.5, 1.0), Shape::cone(0.5, 1.0)] {
@@ -230,7 +233,8 @@ fn round_bodies_reach_a_width_below_the_error_of_their_prisms() {
     );
 }
 
-/// A closed mesh with a cavity: the walls of a box, and those of a smaller box inside that face inwards.
+/// A closed mesh with a cavity: the walls of a box, and those of a smaller box inside that face
+/// inwards.
 fn hollow(outer: f64, inner: f64) -> Mesh {
     let [shell, cavity] = [outer, inner].map(|half| Mesh::from_convex(&cube(half)).expect("a mesh"));
     let mut points: Vec<Point3<f64>> = Vec::new();
@@ -276,7 +280,8 @@ fn a_mesh_in_a_hollow_mesh_keeps_off_its_walls() {
     }
 }
 
-/// With an obstacle that moves, every call over a range needs a time, that of an answer which goes on as well.
+/// With an obstacle that moves, every call over a range needs a time, that of an answer which goes
+/// on as well.
 #[test]
 fn an_answer_goes_on_only_at_a_time() {
     let x = |x: f64| Isometry3::translation(x, 0.0, 0.0);

@@ -59,7 +59,8 @@ impl Drawing {
     /// Adds a body of the first link (0) or of the second (1).
     ///
     /// A body with many triangles is drawn with fewer: its vertices are merged in the cubes of a
-    /// grid (Rossignac and Borrel 1993). A half-space is drawn as a square about the foot of `near`.
+    /// grid (Rossignac and Borrel 1993). A half-space is drawn as a square about the foot of
+    /// `near`.
     pub(super) fn body(&mut self, geometry: &Geometry, pose: &Isometry3<f64>, link: usize, near: (Point3<f64>, f64)) {
         let mesh = match geometry {
             Geometry::HalfSpace(space) => square(space, pose, near),

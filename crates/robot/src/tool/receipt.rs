@@ -16,8 +16,8 @@ pub(super) fn refused(file: &Path, reason: impl ToString) -> ToolError {
     }
 }
 
-/// Writes a receipt with the files of the options and the reasons of excluded pairs, and returns the
-/// number of pieces of evidence.
+/// Writes a receipt with the files of the options and the reasons of excluded pairs, and returns
+/// the number of pieces of evidence.
 pub(super) fn write(
     file: &Path,
     robot: &RobotOptions,

@@ -1,6 +1,6 @@
-//! Receipts made without the library: bodies of eight points, motions by `f64`, planes by search. The
-//! generator proves nothing. What it writes is for the checker to judge, and what the checker accepts is
-//! judged by [`Receipt::is_false`], which samples distances.
+//! Receipts made without the library: bodies of eight points, motions by `f64`, planes by search.
+//! The generator proves nothing. What it writes is for the checker to judge, and what the checker
+//! accepts is judged by [`Receipt::is_false`], which samples distances.
 #![allow(dead_code)]
 
 #[path = "../../src/sha256.rs"]
@@ -793,7 +793,8 @@ pub(crate) fn overlap(rng: &mut Rng) -> Receipt {
     }
 }
 
-/// A box and a vertex of another one above a triangle of its face: bounds by features and by a normal.
+/// A box and a vertex of another one above a triangle of its face: bounds by features and by a
+/// normal.
 pub(crate) fn above(rng: &mut Rng) -> Receipt {
     let h = rng.range(0.2, 0.5);
     let flat = body(cuboid([0.5, 0.5, h]), Move::Rest(REST));

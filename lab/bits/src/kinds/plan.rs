@@ -1,4 +1,5 @@
-//! Configuration spaces: clearances, segments, paths, curves, ranges, moving obstacles, worlds that change.
+//! Configuration spaces: clearances, segments, paths, curves, ranges, moving obstacles, worlds that
+//! change.
 
 use crate::make::*;
 use crate::{Random, Teller};

@@ -33,9 +33,9 @@ use truth::boxes::Kind;
 ///
 /// Each race measures one kind of query: closest points of polyhedra or curved shapes, contacts,
 /// broad phases, whole scenes, casts, meshes, segments of planners, curves of joints, Bézier
-/// surfaces, rays, hulls, clouds and points. The race `mbm` plans the problems of MotionBenchMaker in
-/// the folder of `--data`; `--only` names a robot, and `--upto` the number of problems of a set. The
-/// race `instructions` counts the instructions of queries. The race `gate` runs 30 cells of the
+/// surfaces, rays, hulls, clouds and points. The race `mbm` plans the problems of MotionBenchMaker
+/// in the folder of `--data`; `--only` names a robot, and `--upto` the number of problems of a set.
+/// The race `instructions` counts the instructions of queries. The race `gate` runs 30 cells of the
 /// others in two minutes, and names the cells that are more than 5 % slower than in
 /// `benches/record/gate.csv`.
 #[derive(Parser)]
@@ -48,7 +48,8 @@ struct Command {
     /// Write the results of `gate` to `benches/record/gate.csv`
     #[arg(long)]
     save: bool,
-    /// Folder of `mbm`, or of robots for `curves`: `resources` of the source package vamp-planner, problems unpacked
+    /// Folder of `mbm`, or of robots for `curves`: `resources` of the source package vamp-planner,
+    /// problems unpacked
     #[arg(long, value_name = "FOLDER")]
     data: Option<PathBuf>,
     /// Paths of another planner that `mbm` certifies: JSON lines with robot, set, index and path

@@ -43,9 +43,9 @@ use truth::support;
 /// Test random bodies in random motions and check every frame with independent arithmetic
 ///
 /// Bodies are polyhedra of every hard family, curved shapes, meshes with the errors of real files,
-/// meshes that bend, clouds and surfaces. Worlds are of boxes, scenes with bodies of every kind, and
-/// worlds of the planner with segments, curves and ranges. A failure is written to DIR as a text for
-/// the example replay, and the program then ends with status 1.
+/// meshes that bend, clouds and surfaces. Worlds are of boxes, scenes with bodies of every kind,
+/// and worlds of the planner with segments, curves and ranges. A failure is written to DIR as a
+/// text for the example replay, and the program then ends with status 1.
 #[derive(Parser)]
 struct Options {
     /// Duration in minutes
@@ -296,15 +296,16 @@ const DRIVERS: [Driver; 13] = [
         count: 1,
         play: |seed, tally| stand_ins::play(seed).map(|mix| tally.stand_ins.add(&mix)),
     },
-    // Casts of convex and other bodies, judged at many times; planes of certificates by all vertices.
+    // Casts of convex and other bodies, judged at many times; planes of certificates by all
+    // vertices.
     Driver {
         name: "throw of two bodies",
         salt: 0x7420,
         count: 6,
         play: |seed, tally| throws::play(seed).map(|mix| tally.throws.add(&mix)),
     },
-    // Signed distances of points on, within rounding of and away from closed meshes, judged over the
-    // rationals.
+    // Signed distances of points on, within rounding of and away from closed meshes, judged over
+    // the rationals.
     Driver {
         name: "signed distances of points",
         salt: 0xd157,
