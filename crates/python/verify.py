@@ -722,7 +722,7 @@ def nearest(moment, placed, line):
     parts = [x / d for x, d in parts]
     for side in (0, 1):
         own = [x for x, s in zip(parts, sides) if s == side]
-        prove(all(x >= 0 for x in own) and sum(own) <= 1, f"{moment.text()}: a closest point beside its feature")
+        prove(all(x >= 0 for x in own) and sum(own) <= 1, f"{moment.text()}: a closest point outside its feature")
     return [w + sum(t * e[k] for t, e in zip(parts, edges)) for k, w in enumerate(way)]
 
 
@@ -779,7 +779,7 @@ def holds_ball(moment, placed, line, radius):
     truth = bool(facets) and radius >= 0
     for facet in facets:
         corners = array(facet, 3)
-        need(all(whole(k) < len(points) for k in corners), "a facet names a point that is not there")
+        need(all(whole(k) < len(points) for k in corners), "a facet names a point that does not exist")
         for k in range(3):
             u, v = corners[k], corners[(k + 1) % 3]
             key = min(u, v), max(u, v)

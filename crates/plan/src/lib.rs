@@ -82,8 +82,8 @@
 //!    millionth of its size.
 //!
 //! A curve is checked in the same way: a straight segment of a tree of joints is a curve of degree
-//! 1. Bounds of a curve hold for a span, so casts of a curve are cut where joints turn far. Casts with
-//!    a moving obstacle are cut at its rows.
+//! one. Bounds of a curve hold for a span, so casts of a curve are cut where joints turn far. Casts
+//! with a moving obstacle are cut at its rows.
 //!
 //! The motion of two links is measured relative to the last link that carries both. Every proof
 //! includes the rounding of the motion, of the poses and of the distances. It holds for the motion
@@ -159,9 +159,9 @@
 //! * The spaces are geometric. For dynamics or closed chains use another planner. Curves are proven
 //!   among moving obstacles, but the search of a path has no clock.
 //! * Six free axes in tight clutter take seconds. With the opportunistic planner alone, an arm
-//!   through a window of 0.5 m height takes at most 0.5 s over 20 seeds, through 0.35 m at most 4.1
-//!   s. A plank 0.2 thick through a hole of 0.3 takes at most 0.7 s (`crates/plan/tests`, ignored
-//!   tests).
+//!   through a window of 0.5 m height takes at most 0.5 s over 20 seeds, through 0.35 m at most
+//!   4.1 s. A plank 0.2 thick through a hole of 0.3 takes at most 0.7 s (`crates/plan/tests`,
+//!   ignored tests).
 //! * A planner with a tuned sampler and fixed steps may be faster, but may miss a collision.
 //!
 //! To use another sampling planner, call [`Checker::is_free_at`] for its configurations and

@@ -12,7 +12,7 @@
 //! 2. A node whose step was blocked is passed over for samples farther than [`REACH`] steps,
 //!    because most of them lead into the same obstacle (dynamic domain: Yershova, Jaillet, Simeon
 //!    and LaValle 2005).
-//! 3. In a large tree, the nearest of [`MANY`] random nodes stands for the nearest node.
+//! 3. In a large tree, the nearest of [`MANY`] random nodes replaces the nearest node.
 
 use std::vec::Vec;
 

@@ -1,4 +1,4 @@
-//! Bounds of the depth of two bodies at rest: the shortest translation that parts them.
+//! Bounds of the depth of two bodies at rest: the shortest translation that separates them.
 //!
 //! **Lemma 7, upper.** If max over A of n . a - min over B of n . b <= s |n|, moving B by s along
 //! n leaves all of A below all of B: they are apart or touch. So the depth of the hulls is at
@@ -76,7 +76,7 @@ fn ball(scene: &Scene, moment: &Moment, placed: &[Placed; 2], line: &Json, radiu
         for (corner, json) in corners.iter_mut().zip(facet.list::<3>()?) {
             *corner = json.whole()?;
             if *corner >= points.len() {
-                return Stop::bad("a facet names a point that is not there");
+                return Stop::bad("a facet names a point that does not exist");
             }
         }
         for k in 0..3 {

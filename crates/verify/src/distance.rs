@@ -97,7 +97,7 @@ fn nearest(scene: &Scene, moment: &Moment, placed: &[Placed; 2], line: &Json) ->
         let own = || parts.iter().zip(&sides).filter(|x| *x.1 == side).map(|x| x.0);
         if own().any(|x| *x < RBig::ZERO) || own().fold(RBig::ZERO, |sum, x| sum + x) > RBig::ONE {
             return Stop::fails(format!(
-                "{}: a closest point beside its feature",
+                "{}: a closest point outside its feature",
                 scene.names(moment.pair)
             ));
         }

@@ -29,7 +29,7 @@ pub(super) struct Body<'a> {
     tracker: PointTracker,
     pub(super) kind: GeometryKind,
     pub(super) root: BoxCell,
-    /// A cell stands for its box enlarged by this on each side.
+    /// A cell is its box enlarged by this on each side.
     pub(super) slack: f64,
 }
 

@@ -117,11 +117,11 @@ pub enum CoverError {
 ///
 /// The union of the balls contains the whole body: a polyhedron, shape or closed mesh with its
 /// inside, and each triangle of an open mesh. This is proven, including rounding, and not sampled.
-/// So a body that is clear of all balls is clear of the body, and its distance from the balls is
-/// less than that from the body by at most [`BallCover::gap`].
+/// So an obstacle that is clear of all balls is clear of the body, and its distance from the balls
+/// is less than its distance from the body by at most [`BallCover::gap`].
 ///
 /// The balls depend on nothing but the geometry and the goal. The number of balls is at most that
-/// of the goal, not the least possible one. With n balls the call asks about `10,000 + 100 n`
+/// of the goal, not the least possible one. With n balls the call computes about `10,000 + 100 n`
 /// distances of points.
 ///
 /// ```
@@ -151,12 +151,12 @@ pub fn cover_outside<'a>(geometry: impl Into<GeometryRef<'a>>, goal: CoverGoal) 
 /// Returns balls inside a body, with a proven bound of what they leave out.
 ///
 /// Each ball is inside the body: this is proven by the bounds of the signed distance of its centre.
-/// So a body that meets a ball meets the body. No point of the body is farther from the balls than
-/// [`BallCover::gap`].
+/// So an obstacle that meets a ball meets the body. No point of the body is farther from the balls
+/// than [`BallCover::gap`].
 ///
-/// The first ball is about the largest one inside. Each further ball is the one that contains most
-/// samples which the balls before it leave out. There are fewer balls than requested if no sample
-/// is left. Each ball of a compound or cloud is inside one of its pieces.
+/// The first ball is about the largest one inside. Each further ball contains the most samples of
+/// those that the balls before it leave out. There are fewer balls than requested if no sample is
+/// left. Each ball of a compound or cloud is inside one of its pieces.
 ///
 /// ```
 /// use lin_canny::Shape;

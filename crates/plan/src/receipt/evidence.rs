@@ -114,7 +114,7 @@ impl PairJudge<'_> {
         let mut pieces = Vec::new();
         let mut at = from;
         for certificate in certificates {
-            // The cast of a pair may go on after the interval, or start anew.
+            // The cast of a pair may go on after the interval, or start again.
             let piece = Piece {
                 from: at,
                 until: certificate.until.smaller(until),
@@ -151,8 +151,8 @@ impl PairJudge<'_> {
         }
         if left == 0 || !(from < middle && middle < until) {
             let why = match self.measured(from).and(self.measured(until)) {
-                Some(_) => "no plane parts them by more than rounding",
-                None => "they are not apart at its end",
+                Some(_) => "no plane separates them by more than rounding",
+                None => "they are not separated at its start or end",
             };
             return Err(Missing { from, until, why });
         }
@@ -213,7 +213,7 @@ impl PairJudge<'_> {
         Some(Proof::Plane { normal, spin })
     }
 
-    /// Returns whether a plane parts the bodies, as a checker sees it.
+    /// Returns whether a plane separates the bodies, as a checker sees it.
     fn by_plane(&self, normal: &Vector3<f64>, spin: &Vector3<f64>, from: f64, until: f64) -> bool {
         let span = until - from;
         let mut direction = constant(normal);

@@ -1,4 +1,4 @@
-//! The polyhedron that stands for a body.
+//! The polyhedron that represents a body.
 
 use core::f64::consts::PI;
 use std::sync::Arc;

@@ -1,9 +1,10 @@
 //! Receipts: proofs in a file that anybody can check without this library.
 //!
 //! A verdict "free" rests on planes and balls that exist in memory for a moment. A [`Receipt`]
-//! writes them down: the bodies, how they move, the pairs that nobody looked at, and one piece of
+//! writes them down: the bodies, how they move, the pairs that were not checked, and one piece of
 //! evidence for each pair and interval of time. A checker evaluates the evidence in exact
-//! arithmetic and never searches: the crate `lin-canny-verify`, or a page of Python.
+//! arithmetic and never searches: the crate `lin-canny-verify`, or the Python script
+//! `crates/python/verify.py`.
 //!
 //! ```
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -47,7 +48,7 @@
 //! [`Receipt::scene`] writes bodies and a path without a proof. A checker evaluates an older
 //! receipt on it, and says whether the proof still holds after an obstacle has moved.
 //!
-//! # What has none
+//! # What has no receipt
 //!
 //! * Bodies that are not convex polyhedra, rounded or not: ellipsoids, superquadrics, compounds,
 //!   meshes, clouds, surfaces and half-spaces. A cylinder or a cone is stated as a polyhedron of 32
@@ -62,9 +63,9 @@
 //!
 //! # What a receipt says, and what it does not
 //!
-//! * It is about the bodies and motions that it states, to the last bit. Whether they are those of
-//!   a real robot is not its matter: a controller that is off by a tenth of a degree runs another
-//!   motion.
+//! * It proves something about the bodies and motions that it states, to the last bit. It does not
+//!   say whether they are those of a real robot: a controller that is off by a tenth of a degree
+//!   runs another motion.
 //! * The motion is that over the real numbers. Poses that
 //!   [`SegmentMotion::pose`](crate::SegmentMotion::pose) rounds differ from it by some units in the
 //!   last place.
@@ -72,11 +73,11 @@
 //! * Pairs that are excluded, or that keep their relative pose, are listed with the reason. Pairs
 //!   of two bodies that rest are not looked at.
 //!
-//! The evidence is not the certificates of the library, but made from them: a checker sees a motion
-//! as polynomials, so the writer halves what is too long for it, rounds normals to few bits while
-//! they prove the same, and takes one pair of balls or one plane for the whole time where that is
-//! enough. The writer decides this in double precision. If it errs, a checker refuses the receipt,
-//! and never accepts a wrong one.
+//! The writer makes the evidence from the certificates of the library. A checker sees a motion as
+//! polynomials, so the writer halves intervals that are too long for it, and rounds normals to few
+//! bits while they prove the same. It writes one pair of balls or one plane for the whole time if
+//! that is enough. The writer decides this in double precision. If it errs, a checker rejects the
+//! receipt; it never accepts a wrong one.
 //!
 //! [`Steady::with_acceleration_bounds`]: lin_canny::motion::Steady::with_acceleration_bounds
 
@@ -132,16 +133,14 @@ struct Leg {
 }
 
 impl Receipt {
-    /// Names a file of which the bodies were made, with its content; a checker prints the name and
-    /// the hash.
+    /// Adds the name and the hash of a file from which bodies were made; a checker prints both.
     pub fn add_file(&mut self, name: &str, content: &[u8]) {
         self.files.push([plain(name), sha256(content)]);
     }
 
-    /// Sets the reason of each pair that is not looked at, for which `why` returns one for the
-    /// names of its bodies.
+    /// Sets the reasons of the pairs that are not looked at: `why` gets the names of both bodies.
     ///
-    /// Otherwise the reason is that the pair is excluded, or that it keeps its relative pose.
+    /// If it returns `None`, the reason stays: the pair is excluded, or keeps its relative pose.
     pub fn set_reasons(&mut self, why: impl Fn([&str; 2]) -> Option<String>) {
         for ignored in &mut self.scene.ignored {
             let names = ignored.pair.map(|k| self.scene.bodies[k].name.as_str());

@@ -193,7 +193,7 @@ impl Stated {
                     .bodies
                     .first()
                     .map_or(String::new(), |body| body.name.clone()),
-                why: "no joint moves it, so each segment has a receipt of its own",
+                why: "no joint moves it, so each segment needs a separate receipt",
             });
         }
         Ok(stated)

@@ -139,7 +139,7 @@ fn line(one: &LinkAudit) -> String {
     let [a, b] = &one.names;
     let told = match one.verdict {
         AuditVerdict::Never => format!(", {}", distance(one.lower, one.upper)),
-        AuditVerdict::Open => format!(", {:.1e} left, at least {}", one.open, distance(one.lower, one.lower)),
+        AuditVerdict::Open => format!(", {:.1e} open, at least {}", one.open, distance(one.lower, one.lower)),
         _ => String::new(),
     };
     let joints = if one.joints == 1 { "joint" } else { "joints" };

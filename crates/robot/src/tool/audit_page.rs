@@ -123,7 +123,7 @@ fn picture(one: &LinkAudit, checker: &Checker<JointTree>, title: &str) -> Result
             points = Some([first * found.point_on_a, second * found.point_on_b]);
         }
     }
-    // A half-space is drawn below or beside the other link.
+    // A half-space is drawn below or next to the other link.
     let mut near = (Point3::origin(), 1.0);
     for id in links.keys() {
         let ball = checker.world().geometry(*id).map(|geometry| geometry.bounding_ball());
@@ -149,7 +149,7 @@ fn title(one: &LinkAudit) -> String {
 fn clearance(one: &LinkAudit) -> String {
     match one.verdict {
         AuditVerdict::Never => distance(one.lower, one.upper),
-        AuditVerdict::Open => format!("{:.1e} left, at least {}", one.open, distance(one.lower, one.lower)),
+        AuditVerdict::Open => format!("{:.1e} open, at least {}", one.open, distance(one.lower, one.lower)),
         _ => "meet".to_owned(),
     }
 }

@@ -44,11 +44,11 @@ pub(super) struct CertifyOptions {
     /// Output recording for the viewer: the motion, its closest pairs, and verdict and time in each frame
     #[arg(long, value_name = "OUT.jsonl")]
     record: Option<PathBuf>,
-    /// Output proof that `verify` checks without this program: of all segments if they are free,
-    /// or else of the first that is blocked
+    /// Output receipt, a proof that `verify` checks: of all segments if they are free, otherwise of
+    /// the first that is blocked
     #[arg(long, value_name = "OUT.jsonl", conflicts_with_all = ["tube", "start_contact"])]
     receipt: Option<PathBuf>,
-    /// Output file of the bodies and the motion without a proof: `verify --on` checks an older
+    /// Output scene, the bodies and the motion without a proof: `verify --on` checks an older
     /// receipt on it
     #[arg(long, value_name = "OUT.jsonl", conflicts_with_all = ["tube", "start_contact"])]
     scene: Option<PathBuf>,
@@ -214,7 +214,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
             let written = Receipt::segment(&mut checker, &path.rows[k], &path.rows[k + 1]);
             receipt::write(file, &options.robot, &setup, written)?;
             let (from, to) = (path.lines[k], path.lines[k + 1]);
-            say!("{}: what blocks {unit} {from} to {to}", file.display());
+            say!("{}: proof of what blocks {unit} {from} to {to}", file.display());
         }
         (Some(file), ..) => warn!(
             "warning: {}: not written, because a segment is undecided",

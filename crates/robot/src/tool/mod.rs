@@ -75,7 +75,7 @@ enum Command {
     Smooth(smooth::SmoothArguments),
     /// Write the cell with attached objects, paddings, margin and excluded pairs as one cell file
     Cell(cell::CellOptions),
-    /// Compute balls that contain the links and balls inside, proven, as URDF and JSON
+    /// Compute balls around and inside the links, with proven gaps, as URDF and JSON
     Cover(cover::CoverOptions),
     /// Find link pairs that always or never collide, and write them as SRDF
     Ignorable(ignorable::IgnorableOptions),

@@ -15,8 +15,8 @@ pub(super) struct VerifyOptions {
     /// Receipt, as `certify --receipt` writes it
     #[arg(value_name = "RECEIPT")]
     receipt: PathBuf,
-    /// Receipt or scene (`certify --scene`) whose bodies and motion take the place of those of the
-    /// receipt: does the proof hold after a change?
+    /// Receipt or scene (`certify --scene`) with bodies and motion after a change, on which the
+    /// proof is checked
     #[arg(long, value_name = "FILE")]
     on: Option<PathBuf>,
 }
