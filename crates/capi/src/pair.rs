@@ -386,8 +386,8 @@ pub unsafe extern "C" fn lc_pair_ask(
 /// Writes the answers about a pair at `count` pairs of poses, as `lc_pair_ask` does for each.
 ///
 /// A stride is the number of bytes from one element to the next; zero repeats one pose.
-/// `out_stride` is also the size of an answer that the caller knows. The call ends at the first
-/// pose that is refused; `done` is the number of answers.
+/// `out_stride` is also the size of an answer that the caller knows, and all of these bytes are
+/// written. The call ends at the first pose that is refused; `done` is the number of answers.
 ///
 /// # Safety
 /// The arrays have `count` elements at their strides; `done` points to a number.
@@ -427,8 +427,9 @@ pub unsafe extern "C" fn lc_pair_ask_many(
 /// Writes whether the geometries of a pair are at most `distance` apart: 0 no, 1 yes,
 /// `LC_UNDECIDED` unknown.
 ///
-/// With a distance of zero: whether they share a point. Exact for polyhedra and meshes; only a
-/// Bézier surface leaves it undecided.
+/// With a distance of zero: whether they share a point. For a negative distance and for NaN the
+/// answer is no. Exact for polyhedra and meshes; only a Bézier surface leaves it undecided. For
+/// other curved geometries, what the bounds do not decide is yes.
 ///
 /// # Safety
 /// `pose_a` and `pose_b` point to poses, `out` to a number.

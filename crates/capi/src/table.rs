@@ -193,7 +193,7 @@ impl<T> Table<T> {
         }
         vacant.fresh = vacant.fresh.max(k + 1);
         drop(vacant);
-        // No panic of a call is possible before the first object.
+        // A panic before the first object, such as in the call that makes it, is also printed.
         crate::border::set_hook();
         // SAFETY: as in `slot`.
         let slot = unsafe { slots.add(index) };
