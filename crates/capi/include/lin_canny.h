@@ -368,7 +368,7 @@ typedef struct lc_geometry_info {
   // 0 for open meshes and surfaces, which have no inside; 1 for all others.
   uint32_t is_solid;
   // The centre of a ball that contains the geometry, in its frame.
-  double centre[3];
+  double center[3];
   // The radius of the ball.
   double radius;
 } lc_geometry_info;

@@ -337,17 +337,22 @@ fn answer(found: &PairOutcome, pose: &RelativePose, wanted: u32) -> lc_answer {
     answer
 }
 
+/// Returns the options of the query that a mask asks for.
+#[inline(always)]
+fn query(wanted: u32) -> QueryOptions {
+    let depth = match wanted & (LC_NO_DEPTH | LC_LOCAL_DEPTH) {
+        0 => DepthMode::Full,
+        LC_LOCAL_DEPTH => DepthMode::Local,
+        _ => DepthMode::None,
+    };
+    QueryOptions::new().depth(depth)
+}
+
 impl Pair {
     #[inline(always)]
     fn ask(&mut self, pose_a: &lc_pose, pose_b: &lc_pose, wanted: u32) -> Result<lc_answer, lc_status> {
         let pose = relative(pose_a, pose_b)?;
-        let depth = match wanted & (LC_NO_DEPTH | LC_LOCAL_DEPTH) {
-            0 => DepthMode::Full,
-            LC_LOCAL_DEPTH => DepthMode::Local,
-            _ => DepthMode::None,
-        };
-        let options = QueryOptions::new().depth(depth);
-        let found = self.tracker.closest_with(&self.a, &self.b, &pose, &options);
+        let found = self.tracker.closest_with(&self.a, &self.b, &pose, &query(wanted));
         Ok(answer(&found, &pose, wanted))
     }
 }
@@ -690,7 +695,8 @@ pub unsafe extern "C" fn lc_replay_answer(
         let pose = replay.pose;
         let [a, b] = replay.shapes();
         let mut tracker = replay.pair_tracker();
-        out.write(0, answer(&tracker.closest(&a, &b, &pose), &pose, wanted));
+        let found = tracker.closest_with(&a, &b, &pose, &query(wanted));
+        out.write(0, answer(&found, &pose, wanted));
         Ok(())
     })
 }
