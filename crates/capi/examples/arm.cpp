@@ -15,19 +15,19 @@ static int run(const std::string &folder) {
 
   std::vector<double> home(n, 0.0), other(n, 0.0);
   other[1] = 0.4;
-  const lc_near near = checker.clearance(home.data());
+  const lc_near near = checker.clearance(home);
   std::printf("closest at home: %s and %s, %.6f in [%.12f, %.12f]\n", checker.name(near.a).c_str(),
               checker.name(near.b).c_str(), near.distance, near.lower, near.upper);
 
-  const lc_verdict verdict = checker.certify(home.data(), other.data());
+  const lc_verdict verdict = checker.certify(home, other);
   std::printf("home to other: %s, proven up to %.3f\n", verdict.state == LC_FREE ? "free" : "not free", verdict.safe);
 
   // A ball where the gripper passes halfway: the verdict names the pair and brackets the time.
   std::vector<double> middle = home;
   middle[1] = 0.2;
-  const lc_pose hand = checker.pose(checker.find("gripper").at(0), middle.data());
+  const lc_pose hand = checker.pose(checker.find("gripper").at(0), middle);
   const lc_world_body ball = checker.add_obstacle("ball", Geometry::ball(0.02), hand);
-  const lc_verdict blocked = checker.certify(home.data(), other.data());
+  const lc_verdict blocked = checker.certify(home, other);
   const bool was_blocked = blocked.state == LC_BLOCKED && blocked.b.id == ball.id && blocked.safe < blocked.hit;
   if (was_blocked) {
     std::printf("with a ball on the way: %s meets %s between %.9f and %.9f\n", checker.name(blocked.a).c_str(),
@@ -38,7 +38,7 @@ static int run(const std::string &folder) {
   // A path of segments that are proven free, and the same path certified again.
   lc_plan_options options{};
   options.shorten = 100;
-  const std::vector<double> path = checker.plan(home.data(), other.data(), options);
+  const std::vector<double> path = checker.plan(home, other, options);
   const bool is_proven = !path.empty() && checker.certify_path(path).state == LC_FREE;
   std::printf("path of %zu configurations, %s; %llu distance queries\n", path.size() / n,
               is_proven ? "proven free" : "not proven", static_cast<unsigned long long>(checker.work().queries));

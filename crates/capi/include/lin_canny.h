@@ -8,13 +8,16 @@
 //   answer is written, except where the function says so.
 // * Arrays are read during the call and never kept. Answers are written to memory of the caller.
 // * A size or a stride is the sizeof of the struct that the caller knows. A later version may add fields at the end.
+//   Bytes of an answer beyond the fields that this version knows are set to zero.
 //   A struct of options may be null; a field that is zero has its default.
 // * Every function may be called in any thread. Geometries are shared freely. A pair, a scene or a checker serves one
 //   call at a time: a second one returns LC_BUSY at once, and so does a callback that uses the object of its call.
 // * A function that returns a text says who frees it.
 //
 // Undefined, because C cannot check it: a pointer that is not null, aligned and wrong; a count larger than the array;
-// memory that another thread writes during the call; an exception or a longjmp out of a callback; a text without end.
+// memory that another thread or a callback writes during the call; an answer that overlaps an array or another answer
+// of the call, except where the function says so; a callback that does not return, because of an exception, a longjmp
+// or the end of its thread; a text without end.
 
 
 #ifndef LIN_CANNY_H
@@ -335,10 +338,11 @@ typedef struct lc_plan_options {
 
 // Reports how far a long call is; `total` is zero if it is unknown.
 //
-// The library calls it on the thread of the call, with the floating-point mode of the library. A
-// value other than zero stops the call with `LC_STOPPED`. The callback must return: an exception
-// or a `longjmp` out of it is undefined. It may call the library, with other objects than those of
-// the running call.
+// The library calls it on the thread of the call, with the floating-point mode of the library,
+// which is set again afterwards. `stage` ends with a zero and is valid until the callback returns.
+// A value other than zero stops the call with `LC_STOPPED`. The callback must return: an
+// exception, a `longjmp` or the end of its thread is undefined. It may call the library, with
+// other objects than those of the running call, but must not write to arrays of that call.
 typedef int32_t (*lc_progress)(void *context, const char *stage, uint64_t done, uint64_t total);
 
 // Counts of the work of a checker since it was made.
@@ -364,7 +368,7 @@ typedef struct lc_geometry_info {
   // 0 for open meshes and surfaces, which have no inside; 1 for all others.
   uint32_t is_solid;
   // The centre of a ball that contains the geometry, in its frame.
-  double centre[3];
+  double center[3];
   // The radius of the ball.
   double radius;
 } lc_geometry_info;
@@ -626,7 +630,8 @@ const char *lc_last_error(void);
 
 // Frees a text that a function of this library returned; null is no error.
 //
-// Contract: `text` is null, or is from this library and not freed. No check is possible.
+// Contract: `text` is null, or is from this library and not freed, and its length is unchanged. No check is
+// possible.
 void lc_text_free(char *text);
 
 // Returns the number of live objects of all kinds, for tests that look for leaks.
@@ -1022,8 +1027,8 @@ lc_status lc_pair_ask(struct lc_pair pair,
 // Writes the answers about a pair at `count` pairs of poses, as `lc_pair_ask` does for each.
 //
 // A stride is the number of bytes from one element to the next; zero repeats one pose.
-// `out_stride` is also the size of an answer that the caller knows. The call ends at the first
-// pose that is refused; `done` is the number of answers.
+// `out_stride` is also the size of an answer that the caller knows, and all of these bytes are
+// written. The call ends at the first pose that is refused; `done` is the number of answers.
 //
 // Contract: The arrays have `count` elements at their strides; `done` points to a number.
 lc_status lc_pair_ask_many(struct lc_pair pair,
@@ -1040,8 +1045,9 @@ lc_status lc_pair_ask_many(struct lc_pair pair,
 // Writes whether the geometries of a pair are at most `distance` apart: 0 no, 1 yes,
 // `LC_UNDECIDED` unknown.
 //
-// With a distance of zero: whether they share a point. Exact for polyhedra and meshes; only a
-// Bézier surface leaves it undecided.
+// With a distance of zero: whether they share a point. For a negative distance and for NaN the
+// answer is no. Exact for polyhedra and meshes; only a Bézier surface leaves it undecided. For
+// other curved geometries, what the bounds do not decide is yes.
 //
 // Contract: `pose_a` and `pose_b` point to poses, `out` to a number.
 lc_status lc_pair_within(struct lc_pair pair,
@@ -1228,7 +1234,8 @@ lc_status lc_scene_impacts(struct lc_scene scene,
 // Writes the pairs whose boxes overlap, with the answers of the last step, as `lc_scene_events`
 // does.
 //
-// Points are in the world if no pose was set since the last step.
+// Points are in the world if no pose was set since the last step. `LC_REFUSED` if a body of a
+// pair with points was removed since then.
 //
 // Contract: As for `lc_scene_events`.
 lc_status lc_scene_pairs(struct lc_scene scene,

@@ -1,6 +1,7 @@
 // C++17 over lin_canny.h: owners that move, views of arrays, exceptions. Header only.
 //
-// Every method is one call of the C interface, whose comments hold. An error throws lin_canny::Error.
+// A method calls the function of the C interface that its body names; the comments there hold. An error throws
+// lin_canny::Error. Functions without a method take the handle that get() returns.
 #pragma once
 
 #include <array>
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -57,7 +59,8 @@ class Span {
 
 using Point = std::array<double, 3>;
 using Triangle = std::array<std::uint32_t, 3>;
-static_assert(sizeof(Point) == 24 && sizeof(Triangle) == 12, "arrays of arrays are flat");
+using Cell = std::array<std::uint16_t, 3>;
+static_assert(sizeof(Point) == 24 && sizeof(Triangle) == 12 && sizeof(Cell) == 6, "arrays of arrays are flat");
 
 /// The pose of the world.
 inline constexpr lc_pose identity{{0, 0, 0}, {0, 0, 0, 1}};
@@ -132,8 +135,10 @@ class Owner {
   Owner() noexcept = default;
   explicit Owner(H handle) noexcept : handle_(handle) {}
   Owner(Owner &&other) noexcept : handle_(std::exchange(other.handle_, H{0})) {}
+  /// Frees the old handle. A move of an owner to itself changes nothing.
   Owner &operator=(Owner &&other) noexcept {
-    std::swap(handle_, other.handle_);
+    Owner taken(std::move(other));
+    std::swap(handle_, taken.handle_);
     return *this;
   }
   Owner(const Owner &) = delete;
@@ -202,6 +207,13 @@ class Geometry : public Owner<lc_geometry, lc_geometry_free> {
   static Geometry cloud(Span<Point> points, double radius = 0) {
     lc_geometry g{0};
     check(lc_cloud_new(detail::flat(points), points.size(), radius, nullptr, &g));
+    return Geometry(g);
+  }
+  /// Boxes of the sides `size` at the occupied cells of a grid whose cell 0, 0, 0 starts at `origin`.
+  static Geometry voxels(Point origin, Point size, Span<Cell> cells) {
+    lc_geometry g{0};
+    const std::uint16_t *data = cells.size() ? cells.data()->data() : nullptr;
+    check(lc_voxels_new(origin.data(), size.data(), data, cells.size(), &g));
     return Geometry(g);
   }
   static Geometry compound(Span<lc_geometry> pieces, Span<lc_pose> poses) {
@@ -353,7 +365,7 @@ class Scene : public Owner<lc_scene, lc_scene_free> {
   }
 };
 
-/// Configurations are arrays of as many numbers as `coordinates()`.
+/// A configuration has as many numbers as `coordinates()`.
 class Checker : public Owner<lc_checker, lc_checker_free> {
  public:
   Checker() noexcept = default;
@@ -417,30 +429,34 @@ class Checker : public Owner<lc_checker, lc_checker_free> {
     check(lc_checker_exclude(get(), a, b, excluded));
   }
   /// The pose of a body in the world at a configuration.
-  lc_pose pose(lc_world_body body, const double *q) const {
+  lc_pose pose(lc_world_body body, Span<double> q) const {
     lc_pose found;
-    check(lc_checker_pose(get(), body, q, coordinates(), &found));
+    check(lc_checker_pose(get(), body, q.data(), q.size(), &found));
     return found;
   }
   void set_margin(double margin) { check(lc_checker_set_margin(get(), margin)); }
+  void set_pair_margin(lc_world_body a, lc_world_body b, double margin) {
+    check(lc_checker_set_pair_margin(get(), a, b, margin));
+  }
+  void set_start_contact(double margin) { check(lc_checker_set_start_contact(get(), margin)); }
   /// Proven by exact predicates.
-  bool is_free(const double *q) {
+  bool is_free(Span<double> q) {
     std::uint8_t found = 0;
     std::size_t done = 0;
-    check(lc_checker_free_at_many(get(), q, coordinates(), 1, &found, &done));
+    check(lc_checker_free_at_many(get(), q.data(), q.size(), 1, &found, &done));
     return found != 0;
   }
-  lc_near clearance(const double *q) {
+  lc_near clearance(Span<double> q) {
     lc_near found;
     std::size_t done = 0;
-    check(lc_checker_clearance_many(get(), q, coordinates(), 1, &found, sizeof found, nullptr, &done));
+    check(lc_checker_clearance_many(get(), q.data(), q.size(), 1, &found, sizeof found, nullptr, &done));
     return found;
   }
   /// The straight segment between two configurations, over its whole length.
-  lc_verdict certify(const double *from, const double *to) {
+  lc_verdict certify(Span<double> from, Span<double> to) {
     lc_verdict found;
     std::size_t done = 0;
-    check(lc_checker_certify_many(get(), from, to, coordinates(), 1, &found, sizeof found, &done));
+    check(lc_checker_certify_many(get(), from.data(), to.data(), same(from, to), 1, &found, sizeof found, &done));
     return found;
   }
   /// `q` holds one configuration after another.
@@ -456,12 +472,12 @@ class Checker : public Owner<lc_checker, lc_checker_free> {
     return found;
   }
   /// A path of proven segments, one configuration after another; empty if a limit ended the search.
-  std::vector<double> plan(const double *start, const double *goal, const lc_plan_options &options = {},
+  std::vector<double> plan(Span<double> start, Span<double> goal, const lc_plan_options &options = {},
                            const Progress &progress = {}) {
     detail::Reporter reporter(progress);
     std::size_t count = 0;
-    reporter.finish(lc_checker_plan(get(), start, goal, coordinates(), &options, sizeof options, reporter.callback(),
-                                    &reporter, &count));
+    reporter.finish(lc_checker_plan(get(), start.data(), goal.data(), same(start, goal), &options, sizeof options,
+                                    reporter.callback(), &reporter, &count));
     std::vector<double> path(count * coordinates());
     check(lc_checker_path(get(), path.data(), coordinates(), count, &count));
     return path;
@@ -477,6 +493,11 @@ class Checker : public Owner<lc_checker, lc_checker_free> {
     lc_checker_info info{};
     check(lc_checker_get_info(handle, &info, sizeof info));
     return info;
+  }
+  /// The numbers of both configurations.
+  static std::size_t same(Span<double> a, Span<double> b) {
+    if (a.size() != b.size()) throw std::invalid_argument("two configurations have different sizes");
+    return a.size();
   }
   std::size_t rows(Span<double> q) const {
     if (coordinates() == 0 || q.size() % coordinates() != 0) {

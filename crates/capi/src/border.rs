@@ -179,6 +179,16 @@ fn in_plain_mode(mode: unit::Mode, call: impl FnOnce() -> Status) -> lc_status {
     status
 }
 
+/// Runs code of the host inside a call, and sets the mode of [`guarded`] again: the code may change
+/// it, for example by loading a library that was linked with `-ffast-math`.
+pub(crate) fn outside<R>(call: impl FnOnce() -> R) -> R {
+    let result = call();
+    if !unit::is_plain(unit::get()) {
+        unit::set(unit::PLAIN);
+    }
+    result
+}
+
 #[cfg(target_arch = "x86_64")]
 mod unit {
     use std::arch::asm;

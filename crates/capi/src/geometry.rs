@@ -72,7 +72,7 @@ pub struct lc_geometry_info {
     /// 0 for open meshes and surfaces, which have no inside; 1 for all others.
     pub is_solid: u32,
     /// The centre of a ball that contains the geometry, in its frame.
-    pub centre: [f64; 3],
+    pub center: [f64; 3],
     /// The radius of the ball.
     pub radius: f64,
 }
@@ -490,11 +490,11 @@ pub unsafe extern "C" fn lc_geometry_get_info(
             Geometry::BezierSurface(_) => false,
             _ => true,
         };
-        let (centre, radius) = geometry.bounding_ball();
+        let (center, radius) = geometry.bounding_ball();
         let info = lc_geometry_info {
             kind,
             is_solid: u32::from(is_solid),
-            centre: centre.into(),
+            center: center.into(),
             radius,
         };
         out.write(0, info);

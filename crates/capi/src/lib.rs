@@ -9,7 +9,8 @@
 //! * Every function returns a status, except those that cannot fail. The message of the last error
 //!   of a thread is [`lc_last_error`]. An error writes no answer, except where the function says
 //!   so.
-//! * Arrays are read during the call and never kept. Answers are structs that the caller owns.
+//! * Arrays are read during the call and never kept. Answers are structs that the caller owns. Nothing
+//!   writes to an array during the call: no other thread, no callback, and no answer that overlaps it.
 //! * The size of an answer is an argument: a later version may add fields at the end.
 //! * A panic becomes `LC_PANIC`. The floating-point mode of the caller is set to the one that the
 //!   proofs need, and set back afterwards.
@@ -79,7 +80,8 @@ pub extern "C" fn lc_last_error() -> *const c_char {
 /// Frees a text that a function of this library returned; null is no error.
 ///
 /// # Safety
-/// `text` is null, or is from this library and not freed. No check is possible.
+/// `text` is null, or is from this library and not freed, and its length is unchanged. No check is
+/// possible.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_text_free(text: *mut c_char) {
     if !text.is_null() {

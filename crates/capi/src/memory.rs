@@ -25,7 +25,8 @@ fn fits(count: usize, stride: usize) -> bool {
 /// Borrows an array of the caller.
 ///
 /// # Safety
-/// `data` is null, or points to `len` elements that nothing writes to during `'a`.
+/// `data` is null, or points to `len` elements that nothing writes to during `'a`: no other thread,
+/// no callback, and no answer that overlaps them.
 #[inline]
 pub(crate) unsafe fn array<'a, T>(data: *const T, len: usize, name: &str) -> Result<&'a [T], lc_status> {
     if len == 0 {
@@ -142,6 +143,7 @@ impl<T: Plain> Places<'_, T> {
     /// `data` is null, or points to `count` writable places at the stride, in bytes.
     #[inline(always)]
     pub(crate) unsafe fn new(data: *mut T, stride: usize, count: usize, name: &str) -> Result<Self, lc_status> {
+        const { assert!(T::FIRST <= size_of::<T>()) };
         let is_stride = stride >= T::FIRST && (count < 2 || stride.is_multiple_of(align_of::<T>()));
         if count > 0 && !is_sound(data.cast_const()) || !is_stride || !fits(count, stride) {
             return Err(bad_argument(name));
@@ -203,6 +205,7 @@ unsafe fn write_part<T: Plain>(place: *mut T, size: usize, answer: &T) {
 /// # Safety
 /// `options` is null, or points to `size` bytes.
 pub(crate) unsafe fn options<T: Plain>(options: *const T, size: usize, name: &str) -> Result<T, lc_status> {
+    const { assert!(T::FIRST <= size_of::<T>()) };
     let mut read = std::mem::MaybeUninit::<T>::zeroed();
     if !options.is_null() {
         if !is_sound(options) || size < T::FIRST || size > isize::MAX as usize {

@@ -337,17 +337,22 @@ fn answer(found: &PairOutcome, pose: &RelativePose, wanted: u32) -> lc_answer {
     answer
 }
 
+/// Returns the options of the query that a mask asks for.
+#[inline(always)]
+fn query(wanted: u32) -> QueryOptions {
+    let depth = match wanted & (LC_NO_DEPTH | LC_LOCAL_DEPTH) {
+        0 => DepthMode::Full,
+        LC_LOCAL_DEPTH => DepthMode::Local,
+        _ => DepthMode::None,
+    };
+    QueryOptions::new().depth(depth)
+}
+
 impl Pair {
     #[inline(always)]
     fn ask(&mut self, pose_a: &lc_pose, pose_b: &lc_pose, wanted: u32) -> Result<lc_answer, lc_status> {
         let pose = relative(pose_a, pose_b)?;
-        let depth = match wanted & (LC_NO_DEPTH | LC_LOCAL_DEPTH) {
-            0 => DepthMode::Full,
-            LC_LOCAL_DEPTH => DepthMode::Local,
-            _ => DepthMode::None,
-        };
-        let options = QueryOptions::new().depth(depth);
-        let found = self.tracker.closest_with(&self.a, &self.b, &pose, &options);
+        let found = self.tracker.closest_with(&self.a, &self.b, &pose, &query(wanted));
         Ok(answer(&found, &pose, wanted))
     }
 }
@@ -386,8 +391,8 @@ pub unsafe extern "C" fn lc_pair_ask(
 /// Writes the answers about a pair at `count` pairs of poses, as `lc_pair_ask` does for each.
 ///
 /// A stride is the number of bytes from one element to the next; zero repeats one pose.
-/// `out_stride` is also the size of an answer that the caller knows. The call ends at the first
-/// pose that is refused; `done` is the number of answers.
+/// `out_stride` is also the size of an answer that the caller knows, and all of these bytes are
+/// written. The call ends at the first pose that is refused; `done` is the number of answers.
 ///
 /// # Safety
 /// The arrays have `count` elements at their strides; `done` points to a number.
@@ -427,8 +432,9 @@ pub unsafe extern "C" fn lc_pair_ask_many(
 /// Writes whether the geometries of a pair are at most `distance` apart: 0 no, 1 yes,
 /// `LC_UNDECIDED` unknown.
 ///
-/// With a distance of zero: whether they share a point. Exact for polyhedra and meshes; only a
-/// Bézier surface leaves it undecided.
+/// With a distance of zero: whether they share a point. For a negative distance and for NaN the
+/// answer is no. Exact for polyhedra and meshes; only a Bézier surface leaves it undecided. For
+/// other curved geometries, what the bounds do not decide is yes.
 ///
 /// # Safety
 /// `pose_a` and `pose_b` point to poses, `out` to a number.
@@ -689,7 +695,8 @@ pub unsafe extern "C" fn lc_replay_answer(
         let pose = replay.pose;
         let [a, b] = replay.shapes();
         let mut tracker = replay.pair_tracker();
-        out.write(0, answer(&tracker.closest(&a, &b, &pose), &pose, wanted));
+        let found = tracker.closest_with(&a, &b, &pose, &query(wanted));
+        out.write(0, answer(&found, &pose, wanted));
         Ok(())
     })
 }

@@ -3,8 +3,6 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{ContactState, Feature, Velocity};
 
-use crate::memory::Plain;
-
 /// A pose: a translation, then a unit quaternion x, y, z, w.
 ///
 /// The squared norm of the quaternion must be within 1e-12 of 1.
@@ -15,11 +13,6 @@ pub struct lc_pose {
     pub translation: [f64; 3],
     /// The unit quaternion x, y, z, w.
     pub rotation: [f64; 4],
-}
-
-// SAFETY: numbers only, without padding.
-unsafe impl Plain for lc_pose {
-    const FIRST: usize = 56;
 }
 
 /// A body at a constant velocity, from time zero.

@@ -38,7 +38,7 @@ pub struct lc_robot_files {
 // SAFETY: pointers and numbers; every pattern of bits is a value, and pointers are checked when
 // they are read.
 unsafe impl Plain for lc_robot_files {
-    const FIRST: usize = 32 + size_of::<usize>() + 8;
+    const FIRST: usize = 5 * size_of::<usize>() + 8;
 }
 
 /// Makes the checker of a robot and its cell from files.

@@ -512,7 +512,8 @@ fn results(scene: &Scene, pair: &PairResults<'_>) -> Result<lc_scene_pair, lc_st
 /// Writes the pairs whose boxes overlap, with the answers of the last step, as `lc_scene_events`
 /// does.
 ///
-/// Points are in the world if no pose was set since the last step.
+/// Points are in the world if no pose was set since the last step. `LC_REFUSED` if a body of a
+/// pair with points was removed since then.
 ///
 /// # Safety
 /// As for `lc_scene_events`.
@@ -530,14 +531,12 @@ pub unsafe extern "C" fn lc_scene_pairs(
         // SAFETY: by the caller's contract.
         let count = unsafe { Place::new(count, "count") }?;
         with(scene, |scene| {
-            let mut written = 0;
-            for pair in scene.pairs() {
-                if written < capacity {
-                    out.write(written, results(scene, &pair)?);
-                }
-                written += 1;
-            }
-            count.write(written);
+            let scene: &Scene = scene;
+            // All are made before one is written: an error writes no answer.
+            let first = scene.pairs().take(capacity).map(|pair| results(scene, &pair));
+            let first = first.collect::<Result<Vec<_>, _>>()?;
+            out.fill(first.into_iter());
+            count.write(scene.pair_count());
             Ok(())
         })
     })

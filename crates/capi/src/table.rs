@@ -15,6 +15,7 @@
 use std::cell::UnsafeCell;
 use std::sync::atomic::{AtomicPtr, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use crate::border::{error, lc_status};
 
@@ -163,9 +164,16 @@ impl<T> Table<T> {
     ///
     /// For tables whose calls use an object for a few instructions only.
     pub(crate) fn claim_soon(&self, handle: u64) -> Result<Claim<'_, T>, Fault> {
-        loop {
+        for _ in 0..100 {
             match self.claim(handle) {
                 Err(fault) if fault.cause == Cause::Busy => std::thread::yield_now(),
+                other => return other,
+            }
+        }
+        // A real-time thread yields to no thread of a lower priority, which the other one may be.
+        loop {
+            match self.claim(handle) {
+                Err(fault) if fault.cause == Cause::Busy => std::thread::sleep(Duration::from_micros(50)),
                 other => return other,
             }
         }
@@ -193,7 +201,7 @@ impl<T> Table<T> {
         }
         vacant.fresh = vacant.fresh.max(k + 1);
         drop(vacant);
-        // No panic of a call is possible before the first object.
+        // A panic before the first object, such as in the call that makes it, is also printed.
         crate::border::set_hook();
         // SAFETY: as in `slot`.
         let slot = unsafe { slots.add(index) };

@@ -38,6 +38,8 @@ static void geometries() {
   const lc_pose poses[] = {identity, at(1, 0, 0)};
   TRUE(Geometry::compound(pieces, poses).info().kind == LC_KIND_COMPOUND);
   TRUE(Geometry::cloud(square, .1).info().kind == LC_KIND_CLOUD);
+  const std::vector<Cell> cells{{0, 0, 0}, {3, 0, 0}};
+  TRUE(Geometry::voxels({0, 0, 0}, {1, 1, 1}, cells).bounding_box()[1][0] >= 4);
   const double heights[] = {0, 1, 0, 1, 2, 1};
   TRUE(Geometry::heights(heights, 2, 3, 1, 1).info().is_solid == 0);
   TRUE(Geometry::heights(heights, 2, 3, 1, 1, -1.0).info().is_solid == 1);
@@ -84,6 +86,14 @@ static void pairs() {
   Pair other;
   other = std::move(pair);
   TRUE(other && status_of([&] { pair.reset(); }) == LC_HANDLE);
+  /* An assignment frees the old handle at once; one to itself changes nothing. */
+  const std::uint64_t live = lc_live();
+  Geometry first = Geometry::ball(1), second = Geometry::ball(2);
+  first = std::move(second);
+  TRUE(lc_live() == live + 1 && !second && first.bounding_box()[1][0] >= 2);
+  Geometry &same = first;
+  first = std::move(same);
+  TRUE(lc_live() == live + 1 && first);
 }
 
 static void checkers() {
@@ -101,6 +111,12 @@ static void checkers() {
   const lc_plan_options options{};
   TRUE(status_of([&] { copy.plan(a, b, options, [](const char *, std::uint64_t, std::uint64_t) { return false; }); }) == LC_STOPPED);
   TRUE(status_of([&] { checker.find("wal"); }) == LC_REFUSED);
+  TRUE(status_of([&] { checker.is_free(std::vector<double>(2)); }) == LC_ARGUMENT);
+  checker.set_pair_margin(blocked.a, blocked.b, 2.5);
+  TRUE(!checker.is_free(a));
+  checker.set_pair_margin(blocked.a, blocked.b, -1);
+  TRUE(checker.is_free(a));
+  checker.set_start_contact(.1);
   const std::vector<double> odd(4);
   bool is_thrown = false;
   try {

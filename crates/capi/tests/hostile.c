@@ -161,6 +161,11 @@ static void pairs(void) {
   EXPECT(lc_replay_answer(text, 7, &answers[0], sizeof *answers), LC_OK);
   TRUE(answers[0].lower <= o.upper && o.lower <= answers[0].upper);
   lc_text_free(text);
+  EXPECT(lc_pair_replay(p, &here, &touching, &text), LC_OK);
+  EXPECT(lc_replay_answer(text, LC_DISTANCE, &answers[0], sizeof *answers), LC_OK);
+  EXPECT(lc_replay_answer(text, LC_DISTANCE | LC_NO_DEPTH, &answers[1], sizeof *answers), LC_OK);
+  TRUE(answers[0].distance < 0 && answers[1].distance == 0);
+  lc_text_free(text);
   EXPECT(lc_replay_answer("no replay", 7, &answers[0], sizeof *answers), LC_REFUSED);
   EXPECT(lc_replay_answer("\xff\xfe", 7, &answers[0], sizeof *answers), LC_ARGUMENT);
   EXPECT(lc_replay_answer(NULL, 7, &answers[0], sizeof *answers), LC_ARGUMENT);
@@ -219,6 +224,21 @@ static void scenes_and_checkers(void) {
   EXPECT(lc_scene_step(s), LC_OK);
   EXPECT(lc_scene_pairs(s, &pair, sizeof pair, 1, &count), LC_OK);
   TRUE(count == 0);
+  /* Points of a pair whose body was removed: an error, and no answer before it. */
+  lc_queries points = {LC_QUERY_DISTANCE | LC_QUERY_FEATURES, 0, 0, 2, 0};
+  lc_body last = {0};
+  lc_scene_pair both[3];
+  EXPECT(lc_scene_set_queries(s, 0, 0, &points, sizeof points), LC_OK);
+  EXPECT(lc_scene_add(s, g, &there, 0, 0, &c), LC_OK);
+  EXPECT(lc_scene_add(s, g, &there, 0, 0, &last), LC_OK);
+  EXPECT(lc_scene_step(s), LC_OK);
+  EXPECT(lc_scene_pairs(s, both, sizeof *both, 3, &count), LC_OK);
+  TRUE(count == 3);
+  EXPECT(lc_scene_remove(s, last), LC_OK);
+  memset(both, 0xff, sizeof both);
+  count = 77;
+  EXPECT(lc_scene_pairs(s, both, sizeof *both, 3, &count), LC_REFUSED);
+  TRUE(count == 77 && both[0].a.id == ~0ull);
   EXPECT(lc_scene_free(s), LC_OK);
   EXPECT(lc_scene_step(s), LC_HANDLE);
   EXPECT(lc_scene_free(other), LC_OK);
@@ -290,6 +310,11 @@ static int32_t again(void *context, const char *stage, uint64_t done, uint64_t t
   }
   return ++b->calls >= b->stop_at;
 }
+/* A callback that changes the floating-point mode. */
+static int32_t upward(void *context, const char *stage, uint64_t done, uint64_t total) {
+  (void)context, (void)stage, (void)done, (void)total;
+  return fesetround(FE_UPWARD);
+}
 static void callbacks(void) {
   double *cloud = malloc(3 * 4000 * sizeof *cloud);
   for (int k = 0; k < 12000; ++k) cloud[k] = sin(k * 0.7 + k % 3);
@@ -297,6 +322,11 @@ static void callbacks(void) {
   lc_geometry g = {0};
   EXPECT(lc_hull_new(cloud, 4000, again, &b, &g), LC_STOPPED);
   TRUE(g.id == 0 && b.calls == 3 && lc_live() == 0);
+  EXPECT(lc_hull_new(cloud, 4000, upward, NULL, &g), LC_OK);
+  volatile double one = 1, tiny = 1e-30; /* fegetround reads another register than this sum */
+  TRUE(one + tiny == 1);
+  fesetround(FE_TONEAREST);
+  EXPECT(lc_geometry_free(g), LC_OK);
   free(cloud);
   const double bounds[6] = {-9, 9, -9, 9, -9, 9}, start[3] = {-5, 0, 0}, goal[3] = {5, 0, 0};
   g = box(.5);
