@@ -2,6 +2,7 @@
 
 use core::cmp::Ordering;
 use core::fmt;
+use std::collections::BinaryHeap;
 use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -91,7 +92,7 @@ struct MeasuredPair {
     near: NearPair,
 }
 
-/// A pair that may be the closest.
+/// A pair that may be the closest. The greatest candidate is the next: that of the least bound.
 #[derive(Clone, Copy)]
 struct Candidate {
     /// Lower bound of the distance, by balls or by hulls.
@@ -102,9 +103,23 @@ struct Candidate {
     gap: f64,
 }
 
-impl Candidate {
-    fn order(&self, other: &Self) -> Ordering {
-        self.bound.total_cmp(&other.bound).then(self.key.cmp(&other.key))
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Candidate {}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.bound.total_cmp(&self.bound).then(other.key.cmp(&self.key))
     }
 }
 
@@ -236,8 +251,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(())
     }
 
-    /// Measures candidates in the order of the distances of their balls, as long as one may be
-    /// within `slack` of the least.
+    /// Measures candidates in the order of the lower bounds of their distances, as long as one may
+    /// be within `slack` of the least. The bounds are those of balls first, then those of hulls.
     fn measure_nearest(
         &mut self,
         poses: &[Isometry3<f64>],
@@ -257,12 +272,12 @@ impl<C: ConfigurationSpace> Checker<C> {
         });
         // By falling bound: the nearest candidate is the last.
         let mut by_balls: Vec<Candidate> = keyed.collect();
-        by_balls.sort_unstable_by(|x, y| y.order(x));
-        let mut by_hulls: Vec<Candidate> = Vec::new();
+        by_balls.sort_unstable();
+        let mut by_hulls: BinaryHeap<Candidate> = BinaryHeap::new();
         let now = self.work.configurations;
         loop {
-            let is_hull = match (by_balls.last(), by_hulls.last()) {
-                (Some(ball), Some(hull)) => hull.order(ball).is_lt(),
+            let is_hull = match (by_balls.last(), by_hulls.peek()) {
+                (Some(ball), Some(hull)) => hull > ball,
                 (ball, _) => ball.is_none(),
             };
             let next = if is_hull { by_hulls.pop() } else { by_balls.pop() };
@@ -275,9 +290,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 }
                 if let Some(gap) = self.hull_gap(next.index, poses)? {
                     let bound = next.bound.larger(gap);
-                    let next = Candidate { bound, ..next };
-                    let at = by_hulls.partition_point(|other| next.order(other).is_lt());
-                    by_hulls.insert(at, next);
+                    by_hulls.push(Candidate { bound, ..next });
                     continue;
                 }
             }

@@ -1,8 +1,10 @@
 //! The search for a path: methods, options, result and entry points.
 //!
 //! [`PlanMethod::Alternate`] gives a step to the method that has done less work. The work of a step
-//! is the number of configurations, segments and samples that it tests. These counts do not depend
-//! on the state of the trackers, so the path depends on the seed and the steps alone.
+//! is the number of configurations, segments and samples that it tests. Beyond rounding, predicates
+//! and verdicts do not depend on the state of the trackers, so neither do the trees. An ascent of
+//! the opportunistic planner uses distances, whose last bits do, and a budget counts queries, whose
+//! number does.
 
 use core::ops::ControlFlow;
 use std::string::ToString;
@@ -78,7 +80,8 @@ impl PlanMethod {
 pub struct PlanOptions {
     /// The method (default [`PlanMethod::Alternate`]).
     pub method: PlanMethod,
-    /// Random seed (default 0). The same seed gives the same result.
+    /// Random seed (default 0). A new checker returns the same result for the same seed, and so
+    /// does any checker after [`Checker::forget`].
     pub seed: u64,
     /// Maximum number of random slices of the opportunistic planner (default 10,000).
     pub slices: u64,

@@ -11,7 +11,8 @@
 //!    The cheap predicate of its new end comes first.
 //! 2. A node whose step was blocked is passed over for samples farther than [`REACH`] steps,
 //!    because most of them lead into the same obstacle (dynamic domain: Yershova, Jaillet, Simeon
-//!    and LaValle 2005).
+//!    and LaValle 2005). After [`PASSED`] samples in a row, the next is taken in any case: with
+//!    many coordinates, nearly all samples are far from every node.
 //! 3. In a large tree, the nearest of [`MANY`] random nodes replaces the nearest node.
 
 use std::vec::Vec;
@@ -32,6 +33,9 @@ const STEP: f64 = 1.0 / 6.0;
 /// Steps within which a node takes samples after a step of it was blocked. Not measured.
 const REACH: f64 = 4.0;
 
+/// Maximum number of samples in a row that are passed over. Not measured.
+const PASSED: u32 = 32;
+
 /// Maximum number of nodes of a tree among which the nearest is searched. Not measured.
 const MANY: usize = 512;
 
@@ -47,6 +51,8 @@ pub(crate) struct TreeSearch {
     last: usize,
     random: Random,
     step: f64,
+    /// Number of samples that were passed over since one was taken.
+    passed: u32,
 }
 
 /// A tree: nodes of the roadmap, with the distance of samples that each takes.
@@ -80,6 +86,7 @@ impl TreeSearch {
             last: GOAL,
             random: Random::new(seed),
             step: STEP * extent,
+            passed: 0,
         }
     }
 
@@ -98,9 +105,11 @@ impl TreeSearch {
         let random = &mut self.random;
         let sample = checker.space.sample(&mut || random.uniform());
         let (entry, far) = self.nearest(checker, side, &sample);
-        if far > self.trees[side].reach[entry] {
+        if far > self.trees[side].reach[entry] && self.passed < PASSED {
+            self.passed += 1;
             return Ok(());
         }
+        self.passed = 0;
         let parent = self.trees[side].nodes[entry];
         let new = match far > self.step {
             true => checker

@@ -4,7 +4,10 @@
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Mesh, PairTracker, RelativePose};
-use lin_canny_plan::{Checker, ConfigurationSpace, RigidSpace, Verdict, World, WorldId};
+use lin_canny_plan::{
+    Checker, ConfigurationSpace, JointCurve, RigidSpace, TimedPoses, TranslationSpace, Verdict, World, WorldId,
+    WorldPair,
+};
 use truth::rng::Rng;
 
 /// An L of arms 2 long and 0.5 wide and thick, as a closed mesh about its inner corner.
@@ -166,4 +169,93 @@ fn meshes_are_not_queried_where_their_hulls_are_apart() {
     let large = Mesh::from_convex(&block).expect("a mesh");
     checker.replace_obstacle(other, large).expect("the obstacle");
     assert!(!checker.is_free_at(&far).expect("a configuration"));
+}
+
+/// Paddings, margins of pairs, an attached mesh and an open one: hulls are asked for what each pair must keep.
+#[test]
+fn hulls_keep_what_each_pair_must_keep() {
+    let (mut free, mut blocked, mut hulls) = (0, 0, 0);
+    for seed in 0..3 {
+        let mut checker = room(seed);
+        let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.7]].map(Point3::from);
+        let tent = Mesh::new(&corners, &[[0, 1, 3], [1, 2, 3]]).expect("an open mesh");
+        let pose = Isometry3::translation(1.0, -1.0, 0.5);
+        checker.add_obstacle("tent", tent, pose).expect("an obstacle");
+        let grip = Isometry3::translation(1.2, 0.0, 0.3);
+        let tool = checker.attach("angle", "tool", angle(), grip, &["angle"]);
+        let tool = tool.expect("a tool");
+        checker.set_margin(0.01).expect("a margin");
+        checker.pad(tool, 0.15).expect("the tool");
+        checker.pad("tent", 0.05).expect("the tent");
+        checker.set_pair_margin("angle", "2", Some(0.4)).expect("a pair");
+        // The least distance of a pair by the meshes alone, less what it must keep.
+        let excess = |checker: &Checker<RigidSpace>, q: &[f64]| {
+            let world = checker.world();
+            let mut least = f64::INFINITY;
+            for (other, _) in world.bodies().filter(|(id, _)| matches!(id, WorldId::Obstacle(_))) {
+                for mover in [WorldId::Robot(0), tool] {
+                    let pair = WorldPair::new(mover, other).expect("a pair");
+                    let [a, b] = [mover, other].map(|id| checker.pose(id, q).expect("a body"));
+                    let relative = RelativePose::new(&a, &b).expect("poses are poses");
+                    let [a, b] = [mover, other].map(|id| world.geometry(id).expect("a body"));
+                    let distance = PairTracker::new().closest(a, b, &relative).distance.max(0.0);
+                    least = least.min(distance - world.kept_distance(pair));
+                }
+            }
+            least
+        };
+        let mut judge = Checker::new(checker.space().clone(), checker.world().clone()).expect("a world");
+        let mut rng = Rng::new(400 + seed);
+        for _ in 0..60 {
+            let from = sample(&checker, &mut rng);
+            let to = sample(&checker, &mut rng);
+            let to = checker.space().between(&from, &to, 0.1);
+            let least = excess(&checker, &from);
+            if least.abs() > 1e-9 {
+                assert_eq!(
+                    checker.is_free_at(&from).expect("a configuration"),
+                    least > 0.0,
+                    "{least}"
+                );
+            }
+            let verdict = checker.certify(&from, &to).expect("a segment");
+            let proof = judge.prove(&from, &to).expect("a segment");
+            assert_eq!(verdict.is_free(), proof.is_some(), "{verdict:?}");
+            free += u32::from(verdict.is_free());
+            blocked += u32::from(!verdict.is_free());
+        }
+        hulls += checker.work().hulls;
+    }
+    println!("{free} free, {blocked} blocked, {hulls} queries of hulls");
+    assert!(free > 0 && blocked > 0 && hulls > 0, "{free} {blocked} {hulls}");
+}
+
+#[test]
+fn moving_meshes_have_the_verdicts_of_the_meshes() {
+    let (mut free, mut blocked, mut hulls) = (0, 0, 0);
+    for seed in 0..40 {
+        let mut rng = Rng::new(500 + seed);
+        let mut place = || Vector3::from([0; 3].map(|_| rng.range(-3.0, 3.0)));
+        let [from, to] = [place(), place()].map(|at| [at.x, at.y, at.z]);
+        let poses = [place(), place(), place()].map(|at| {
+            let turn = UnitQuaternion::from_scaled_axis(at * 0.2);
+            Isometry3::from_parts(at.into(), turn)
+        });
+        let mut world = World::new();
+        world.robot_body("angle", angle());
+        let poses = TimedPoses::new(&[0.0, 1.0, 3.0], &poses).expect("timed poses");
+        world.moving_obstacle("other", angle(), poses);
+        let space = TranslationSpace::new([[-5.0, 5.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
+        let mut checker = Checker::new(space, world).expect("a world");
+        let curve = JointCurve::bezier(&[from, to]).expect("a curve");
+        let curve = curve.with_times([0.5, 2.5]).expect("times");
+        let verdict = checker.certify_curve(&curve).expect("a curve");
+        hulls += checker.work().hulls;
+        let proof = checker.prove_curve(&curve).expect("a curve");
+        assert_eq!(verdict.is_free(), proof.is_some(), "{seed}: {verdict:?}");
+        free += u32::from(verdict.is_free());
+        blocked += u32::from(!verdict.is_free());
+    }
+    println!("{free} free, {blocked} blocked, {hulls} queries of hulls");
+    assert!(free > 0 && blocked > 0 && hulls > 0, "{free} {blocked} {hulls}");
 }
