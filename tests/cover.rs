@@ -6,7 +6,7 @@ use lin_canny::{
     Cloud, CloudElement, Compound, ConvexPolyhedron, Geometry, GeometryKind, HalfSpace, Mesh, MeshKind, Piece,
     PointQuery, Shape,
 };
-use truth::covers::contain;
+use truth::covers::{contain, is_inside};
 use truth::driven::exact_place::Place;
 use truth::near_points::{is_between, place};
 use truth::rng::Rng;
@@ -198,10 +198,9 @@ fn hulls_are_covered_with_their_inside() {
             }
             check_gap(&Geometry::from(body.clone()), &outer, &mut rng, &told);
             let inner = cover_inside(&body, count).expect("a cover");
-            let query = PointQuery::new(&body);
-            for ball in &inner.balls {
-                let found = query.signed_distance(&ball.center).expect("a point");
-                assert!(ball.radius > 0.0 && ball.radius <= -found.upper + 1e-15, "{told}");
+            let faces: Vec<[Point; 3]> = body.triangles().map(corners).collect();
+            for ball in plain(&inner.balls) {
+                assert!(ball.1 > 0.0 && is_inside(&ball, &faces), "{told}");
             }
             println!("{told}: {:.4} {:.4}", outer.gap, inner.gap);
         }

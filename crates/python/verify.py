@@ -13,16 +13,22 @@ import hashlib
 import json
 import re
 import sys
+from bisect import bisect
 from fractions import Fraction as Q
 from math import comb, isqrt, lcm
 
 P = 128  # bits after the point
-D = 5  # degree of the polynomials
 ONE = 1 << P
+DEGREES = 4, 5  # of the polynomials: those of the checker in Rust, in its order
 FACTORIAL = [1]
 for _k in range(1, 12):
     FACTORIAL.append(FACTORIAL[-1] * _k)
-W = lcm(*(comb(D, j) for j in range(D + 1)))
+
+
+def set_degree(degree):
+    """Sets the degree of the polynomials, and the least common multiple of its binomials."""
+    global D, W
+    D, W = degree, lcm(*(comb(degree, j) for j in range(degree + 1)))
 
 
 class Bad(Exception):
@@ -344,9 +350,9 @@ class Turn:
         self.axis, self.square, self.angle, self.known = fixed_all(axis), dot(axis, axis), angle, {}
 
     def parts(self, span):
-        if span not in self.known:
-            self.known[span] = turn(self.square, moved(self.angle, span))
-        return self.known[span]
+        if (D, span) not in self.known:
+            self.known[D, span] = turn(self.square, moved(self.angle, span))
+        return self.known[D, span]
 
     def plane(self, m, o, span):
         once = cross(m, self.axis)
@@ -589,6 +595,7 @@ class Placed:
 
 # Claims. Each is one lemma.
 
+
 def by_plane(scene, pair, span, keep, normal, spin):
     """Lemma 3."""
     n = fixed_all(normal)
@@ -625,6 +632,11 @@ class Moment:
         prove(found, f"{self.scene.names(self.pair)}: no such vertex, {k}")
         return k
 
+    def pair_of(self, value):
+        """Reads a vertex of each body."""
+        pair = [whole(k) for k in array(value, 2)]
+        return [self.has(side, k) for side, k in enumerate(pair)]
+
     def placed(self):
         return [self.scene.placed(k) for k in self.pair]
 
@@ -637,11 +649,13 @@ class Moment:
 
     def means(self, line):
         """Two points by weights of vertices, in the frames of the bodies."""
-        found = []
-        for side, entries in enumerate(array(get(line, "on"), 2)):
-            pairs = [(whole(k), number(w)) for k, w in (array(x, 2) for x in array(entries))]
+        found, on = [], []
+        for entries in array(get(line, "on"), 2):
+            on.append([(whole(k), number(w)) for k, w in (array(x, 2) for x in array(entries))])
+            truth = any(w > 0 for _, w in on[-1]) and all(w >= 0 for _, w in on[-1])
+            need(truth, "weights: one is negative, or none is positive")
+        for side, pairs in enumerate(on):
             total = sum(w for _, w in pairs)
-            need(total > 0 and all(w >= 0 for _, w in pairs), "weights: one is negative, or none is positive")
             points = self.scene.bodies[self.pair[side]].points
             mean = [sum(w * points[self.has(side, k)][i] for k, w in pairs) / total for i in range(3)]
             found.append(mean)
@@ -652,10 +666,7 @@ def meet(scene, line):
     """Lemma 4: zero lies in the tetrahedron of four differences."""
     only(line, "meet", "at", "points")
     moment = Moment(scene, line)
-    pairs = []
-    for entry in array(get(line, "points"), 4):
-        i, j = array(entry, 2)
-        pairs.append((moment.has(0, i), moment.has(1, j)))
+    pairs = [moment.pair_of(entry) for entry in array(get(line, "points"), 4)]
     if moment.time is None:
         a, b = moment.placed()
         d = [minus(a.vertex(i), b.vertex(j)) for i, j in pairs]
@@ -773,8 +784,8 @@ def holds_ball(moment, placed, line, radius):
     """Whether the facets enclose the ball of this radius."""
     points = []
     for entry in array(line["points"]):
-        i, j = array(entry, 2)
-        points.append(minus(placed[0].vertex(moment.has(0, i)), placed[1].vertex(moment.has(1, j))))
+        i, j = moment.pair_of(entry)
+        points.append(minus(placed[0].vertex(i), placed[1].vertex(j)))
     edges, facets = {}, array(line["facets"])
     truth = bool(facets) and radius >= 0
     for facet in facets:
@@ -859,6 +870,7 @@ class Check:
 
     def run(self, hashed):
         """Returns the text; raises `Fails` at the first failure."""
+        set_degree(DEGREES[-1])
         self.scene.scaled()
         self.said, self.failure, self.more = [], None, 0
         self.leg, self.count, self.number, self.proven = None, 0, 0, {}
@@ -921,14 +933,18 @@ class Check:
             spin = numbers(line["spin"], 3) if "spin" in line else None
         failed, span = None, (start, until)
         for pair in pairs:
-            try:
-                more = (by_plane, normal, spin) if plane else (by_balls,)
-                holds = more[0](self.scene, pair, span, keep, *more[1:])
-            except Fails:
-                holds = False
+            more = (by_plane, normal, spin) if plane else (by_balls,)
+            holds = any(self.holds(degree, pair, span, keep, *more) for degree in DEGREES)
             failed = failed if holds else failed or pair
             self.proven[pair] = until
         prove(failed is None, f"{self.scene.names(failed or pairs[0])}, at t = {float(start)}{self.of_leg()}")
+
+    def holds(self, degree, pair, span, keep, lemma, *more):
+        set_degree(degree)
+        try:
+            return lemma(self.scene, pair, span, keep, *more)
+        except Fails:
+            return False
 
     def start_leg(self, line):
         need(self.count > 0 or self.number == 0, "evidence before the first leg")
@@ -958,10 +974,12 @@ class Check:
             return
         for pair, until in sorted(proven.items()):
             prove(until == self.until, f"{self.scene.names(pair)} is proven until t = {float(until)} only")
-        count = len(self.scene.bodies)
-        for pair in ((a, b) for a in range(count) for b in range(a + 1, count)):
-            done = pair in proven or pair in self.scene.ignored or not self.scene.moving(pair)
-            prove(done, f"no proof of {self.scene.names(pair)}")
+        moving = [b.moves for b in self.scene.bodies]
+        every, movers = range(len(moving)), [k for k, moves in enumerate(moving) if moves]
+        for a in every:
+            for b in every[a + 1 :] if moving[a] else movers[bisect(movers, a) :]:
+                done = (a, b) in proven or (a, b) in self.scene.ignored
+                prove(done, f"no proof of {self.scene.names((a, b))}")
 
     def tell(self):
         """Says what a claim of all pairs proves, and what it leaves out."""
@@ -1010,6 +1028,7 @@ def read_leg(scene, line, before):
     if scene:
         need(0 < scene.coordinates <= len(rows[0]), "a leg without a coordinate for each joint, or without joints")
         need(before is None or before[-1] == rows[0], "a leg does not start where the one before ends")
+        need(before is None or not any(b.steady for b in scene.bodies), "several legs, and a body that is steady")
     return rows
 
 

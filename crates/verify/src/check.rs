@@ -54,6 +54,9 @@ pub(crate) fn run(reader: impl BufRead, other: Option<(Scene, Vec<Leg>)>) -> Res
         }
         lines.count();
         let evidence = EVIDENCE.contains(&line.kind());
+        if !evidence && line.kind() != "leg" {
+            return Err(lines.bad("unknown kind of a line, or a line out of order"));
+        }
         check.report.certificates += usize::from(evidence);
         let result = check.line(&line);
         check.note(lines.number, evidence, result)?;
@@ -150,8 +153,8 @@ impl Check {
         if line.kind() == "leg" {
             return self.start_leg(line);
         }
-        if !EVIDENCE.contains(&line.kind()) || matches!(self.head, Head::Scene) {
-            return Stop::bad("unknown kind of a line, a line out of order, or evidence in a scene");
+        if matches!(self.head, Head::Scene) {
+            return Stop::bad("evidence in a scene");
         }
         if self.different.is_some() {
             return Ok(());
@@ -333,9 +336,22 @@ impl Check {
     /// Says what a claim of all pairs proves, and what it leaves out.
     fn tell(&mut self, apart: &Apart) {
         let (proven, resting) = needed(&self.scene);
-        if proven == 0 {
-            return;
+        if proven > 0 {
+            self.tell_proven(apart, proven);
         }
+        for (pair, why) in &self.scene.ignored {
+            let text = format!("{}: {}", self.scene.names(*pair), self.scene.reasons[*why]);
+            self.report.not_looked_at.push(text);
+        }
+        if resting > 0 {
+            self.report
+                .not_looked_at
+                .push(format!("{resting} pairs of bodies that both rest"));
+        }
+    }
+
+    /// Says that so many pairs stay apart, and of which bodies.
+    fn tell_proven(&mut self, apart: &Apart, proven: usize) {
         let [from, until, margin] = [apart.span.from, apart.span.until, apart.margin].map(Real::shown);
         let stay = if proven == 1 {
             "pair of bodies stays"
@@ -364,14 +380,5 @@ impl Check {
             names(true),
             names(false)
         ));
-        for (pair, why) in &self.scene.ignored {
-            let text = format!("{}: {}", self.scene.names(*pair), self.scene.reasons[*why]);
-            self.report.not_looked_at.push(text);
-        }
-        if resting > 0 {
-            self.report
-                .not_looked_at
-                .push(format!("{resting} pairs of bodies that both rest"));
-        }
     }
 }

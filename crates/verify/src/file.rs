@@ -7,7 +7,7 @@ use crate::cover::Apart;
 use crate::json::Json;
 use crate::lines::Lines;
 use crate::report::Unreadable;
-use crate::scene::{Leg, Scene, hash};
+use crate::scene::{Leg, Motion, Scene, hash};
 
 /// What the head claims.
 #[derive(Clone, Copy)]
@@ -93,8 +93,13 @@ pub(crate) fn follows(scene: &Scene, before: Option<&Leg>, leg: &Leg) -> Result<
     if scene.coordinates == 0 || leg.0[0].len() < scene.coordinates {
         return Stop::bad("a leg without a coordinate for each joint, or without joints");
     }
-    match before.is_none_or(|before| before.0.last() == leg.0.first()) {
-        true => Ok(()),
-        false => Stop::bad("a leg does not start where the one before ends"),
+    let Some(before) = before else { return Ok(()) };
+    if before.0.last() != leg.0.first() {
+        return Stop::bad("a leg does not start where the one before ends");
     }
+    // Its time would start again with the leg, and the body would jump back.
+    if scene.bodies.iter().any(|b| matches!(b.motion, Motion::Steady(_))) {
+        return Stop::bad("several legs, and a body that is steady");
+    }
+    Ok(())
 }

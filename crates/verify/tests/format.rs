@@ -235,6 +235,19 @@ fn times_of_legs_are_from_0_to_1() {
     );
 }
 
+/// The time of a steady body would start again with each leg.
+#[test]
+fn a_steady_body_has_one_leg() {
+    for (legs, reads) in [(1, true), (2, false)] {
+        let mut path = arm(&mut Rng(4), 0.0, legs, 1);
+        path.bodies[4].motion = Move::Steady(REST, [[0.0; 3]; 4]);
+        match verify(path.text().as_bytes()) {
+            Err(Unreadable::Line { why, .. }) => assert!(!reads && why.contains("several legs"), "{why}"),
+            other => assert!(reads && other.is_ok(), "{other:?}"),
+        }
+    }
+}
+
 #[test]
 fn a_receipt_that_claims_nothing_is_refused() {
     let mut receipt = overlap(&mut Rng(1));

@@ -75,10 +75,28 @@ fn code(receipt: &str, other: Option<&str>) -> i32 {
     }
 }
 
+/// A point turns past another one, so near that polynomials of degree 4 prove it, and those of
+/// degree 5 do not.
+fn proven_by_degree_4() -> String {
+    let [zero, spin] = [[0.0; 3], [0.0, 0.0, 1.0]].map(|v| hexes(&v));
+    let point = hexes(&[f64::cos(1.57), f64::sin(1.57), 0.0]);
+    let [rest, start] = [0.0, 0.842].map(|x| hexes(&[x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]));
+    sealed(&[
+        "{\"receipt\":1,\"claim\":\"apart\",\"from\":\"0x0p0\",\"until\":\"0x1p0\",\"margin\":\"0x0p0\"}".into(),
+        format!("{{\"body\":0,\"name\":\"wall\",\"points\":[{zero}],\"at\":{rest}}}"),
+        format!(
+            "{{\"body\":1,\"name\":\"rod\",\"points\":[{point}],\"at\":{start},\"steady\":{{\"pivot\":{zero},\
+             \"linear\":{zero},\"angular\":{spin},\"push\":{zero}}}}}"
+        ),
+        "{\"plane\":[0,1],\"normal\":[\"0x1p0\",\"0x0p0\",\"0x0p0\"]}".into(),
+    ])
+}
+
 #[test]
 fn both_checkers_agree() {
     let mut rng = Rng(31);
-    let mut cases = Vec::new();
+    let mut cases = vec![(proven_by_degree_4(), None)];
+    assert_eq!(code(&cases[0].0, None), 0);
     for k in 0..50 {
         let receipt = match k % 9 {
             0 => overlap(&mut rng),

@@ -73,6 +73,24 @@ fn the_text_says_what_is_proven_and_what_was_not_looked_at() {
     assert!(depth.contains("at least side not looked at, at most 0."), "{depth}");
 }
 
+/// A receipt that holds by other lines alone lists the pairs that it ignores, too.
+#[test]
+fn ignored_pairs_are_listed_if_no_pair_is_proven_apart() {
+    let die = |motion| body(cuboid([0.5; 3]), motion);
+    let still = Move::Steady(REST, [[0.0; 3]; 4]);
+    let bodies = vec![die(Move::Rest(REST)), die(Move::Rest(REST)), die(still)];
+    let mut receipt = Receipt::new(Some([0.0, 1.0, 0.0]), bodies);
+    receipt.ignored = vec![(2, vec![0, 1], "elsewhere")];
+    receipt.evidence = vec![Line::Near {
+        pair: [0, 1],
+        at: None,
+        within: 0.0,
+        on: [vec![(0, 1.0)], vec![(0, 1.0)]],
+    }];
+    let report = holds(&receipt.text());
+    assert_eq!((report.proven.len(), report.not_looked_at.len()), (1, 3), "{report}");
+}
+
 /// A gap of exactly the margin is not more than the margin.
 #[test]
 fn exactly_the_margin_is_refused() {

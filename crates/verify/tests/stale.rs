@@ -67,6 +67,15 @@ fn an_obstacle_that_moved() {
 }
 
 #[test]
+fn what_is_no_receipt_is_an_error_on_another_scene_too() {
+    let receipt = arm(&mut Rng(21), 0.0, 1, 1);
+    let mut lines: Vec<String> = receipt.text().lines().map(str::to_owned).collect();
+    lines.pop();
+    lines.push("{\"line\":[0,1]}".into());
+    assert!(verify_on(sealed(&lines).as_bytes(), scene(&receipt).as_bytes()).is_err());
+}
+
+#[test]
 fn another_motion() {
     let mut rng = Rng(22);
     let receipt = arm(&mut rng, 0.0, 1, 1);

@@ -49,6 +49,25 @@ pub fn contain<const N: usize>(balls: &[Ball], corners: &[Point; N]) -> bool {
     true
 }
 
+/// Returns whether a ball is inside a convex body, whose faces are triangles that are
+/// counter-clockwise seen from outside.
+pub fn is_inside((center, radius): &Ball, faces: &[[Point; 3]]) -> bool {
+    let (center, radius) = (center.map(exact), exact(*radius));
+    let square = &radius * &radius;
+    faces.iter().all(|face| {
+        let [a, b, c] = face.map(|p| p.map(exact));
+        let way = |p: &Exact3| -> Exact3 { std::array::from_fn(|k| &p[k] - &a[k]) };
+        let (u, v, w) = (way(&b), way(&c), way(&center));
+        let normal: Exact3 = std::array::from_fn(|k| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            &u[i] * &v[j] - &u[j] * &v[i]
+        });
+        let dot = |p: &Exact3, q: &Exact3| (0..3).fold(RBig::ZERO, |sum, k| sum + &p[k] * &q[k]);
+        let height = dot(&normal, &w);
+        height <= RBig::ZERO && &height * &height >= &square * dot(&normal, &normal)
+    })
+}
+
 /// Returns the distance of two points, for points whose squares leave the range too.
 fn distance(p: &Point, q: &Point) -> f64 {
     (p[0] - q[0]).hypot(p[1] - q[1]).hypot(p[2] - q[2])
@@ -62,6 +81,15 @@ fn squared(p: &Exact3, q: &Exact3) -> RBig {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_ball_is_inside_until_it_meets_a_face() {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].map(|f: [usize; 3]| f.map(|k| corners[k]));
+        assert!(is_inside(&([0.125; 3], 0.125), &faces));
+        assert!(!is_inside(&([0.125; 3], 0.125_f64.next_up()), &faces));
+        assert!(!is_inside(&([2.0; 3], 0.0), &faces));
+    }
 
     #[test]
     fn two_balls_contain_a_triangle_and_one_of_them_does_not() {

@@ -162,7 +162,8 @@ impl Scene {
     ///
     /// Returns `None` if the paths have different bases.
     pub(super) fn link(&mut self, path: &JointPath) -> Option<usize> {
-        if self.links.is_empty() && self.joints.is_empty() {
+        // Bodies without joints are on the base, too.
+        if !self.bodies.iter().any(|body| matches!(body.way, Way::Link(..))) {
             self.base = path.base;
         }
         if self.base != path.base {

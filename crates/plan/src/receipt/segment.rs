@@ -186,13 +186,13 @@ impl Stated {
         };
         let segment = checker.segment(first, second)?;
         let stated = Self::new(checker, &segment)?;
-        if !stated.scene.is_driven() && path.len() > 2 {
+        // Its motion is that of the first segment alone.
+        let is_steady = |body: &&Body| matches!(body.way, Way::Steady(_));
+        let steady = stated.scene.bodies.iter().find(is_steady);
+        if path.len() > 2 && (steady.is_some() || !stated.scene.is_driven()) {
+            let body = steady.or(stated.scene.bodies.first());
             return Err(ReceiptError::Motion {
-                name: stated
-                    .scene
-                    .bodies
-                    .first()
-                    .map_or(String::new(), |body| body.name.clone()),
+                name: body.map_or(String::new(), |body| body.name.clone()),
                 why: "no joint moves it, so each segment needs a separate receipt",
             });
         }
