@@ -384,7 +384,7 @@ def signed_distance_grid(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[_Vector, _Vector, _Vector]]: ...
 @overload
 def cover_outside(
-    geometry: Geometry, balls: int
+    geometry: Geometry, balls: int, *, gap: None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], float]: ...
 @overload
 def cover_outside(
