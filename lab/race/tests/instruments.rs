@@ -81,7 +81,7 @@ fn mbm_names_what_is_wrong() {
             "start_state: {}",
             "position is missing",
         ),
-        ("world: [", "start_state: {}", "scene0001.yaml: line 1"),
+        ("world: [", "", "scene0001.yaml: line 1"),
     ] {
         let request = if request.is_empty() {
             "start_state: {joint_state: {name: [j], position: [0]}}\ngoal_constraints: [{joint_constraints: [{joint_name: j, position: 1}]}]"

@@ -45,8 +45,8 @@ impl Receipt {
     /// let flight = Steady::new(&at(3.0), spin)?;
     /// let bodies = [("rest", &die), ("flight", &die)];
     /// let (motions, tolerance) = ([&rest, &flight], Tolerance::Distance(1e-6));
-    /// let receipt = Receipt::cast(bodies, motions, 0.0..4.0, tolerance, 0.0)?;
-    /// assert!(receipt.to_string().contains("{\"meet\":[0,1],\"at\":"));
+    /// let receipt = Receipt::cast(bodies, motions, 0.0..1.0, tolerance, 0.0)?;
+    /// assert!(receipt.to_string().contains("\"claim\":\"apart\""));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn cast(

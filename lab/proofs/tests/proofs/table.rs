@@ -28,6 +28,7 @@ const STEERS: &[&str] = &[
     "ONE_PLANE",
     "PARALLEL_SIDES",
     "PIVOT",
+    "RECEIPT",
     "SEAM",
     "STAY",
     "STEEP",
