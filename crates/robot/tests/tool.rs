@@ -173,7 +173,10 @@ fn motions_are_proven_or_blocked() {
     assert_eq!(code, 1, "{text}");
     let (code, said) = verified(&proof, &[]);
     assert_eq!(code, 0, "{said}");
-    assert!(said.contains("and fence at t = ") && said.contains("share a point"), "{said}");
+    assert!(
+        said.contains("and fence at t = ") && said.contains("share a point"),
+        "{said}"
+    );
     assert!(text.contains("fence") && text.contains("lines 2 to 3"), "{text}");
     assert!(
         std::fs::read_to_string(&out)

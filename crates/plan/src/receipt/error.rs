@@ -35,7 +35,7 @@ pub enum ReceiptError {
         why: &'static str,
     },
     /// Returned if nothing is claimed, because the answer is undecided.
-    #[error("the answer is undecided from time {time:?} on, so there is no claim")]
+    #[error("outcome is undecided from time {time:?} on: a receipt would claim nothing")]
     Undecided {
         /// Up to this time all pairs are proven apart.
         time: f64,
