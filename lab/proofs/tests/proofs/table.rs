@@ -22,6 +22,7 @@ const STEERS: &[&str] = &[
     "ASIDE",
     "DIRECTION",
     "HALF_TURN",
+    "INSIDE",
     "LEAST_MEAN",
     "LEAST_START",
     "LEAST_WIDTH",
