@@ -9,8 +9,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use lin_canny_plan::receipt::Receipt;
-use lin_canny_plan::{Checker, Verdict, World};
-use truth::arm::{cell, motion, robot};
+use lin_canny_plan::{Checker, Verdict};
+use truth::arm::{self, motion};
 
 /// Write the proof that an arm moves freely through its cell as a file, and check it
 #[derive(Parser)]
@@ -31,12 +31,7 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<(), Box<dyn Error>> {
-    let mut world = World::new();
-    let arm = robot::arm(&mut world)?;
-    for (name, shape, pose) in cell::things(&[])? {
-        world.obstacle(name, shape, pose);
-    }
-    robot::exclude(&mut world, true)?;
+    let (arm, mut world) = arm::in_cell()?;
     world.set_margin(options.margin)?;
     let mut checker = Checker::new(arm, world)?;
 

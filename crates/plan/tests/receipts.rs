@@ -12,7 +12,7 @@ use lin_canny_plan::{
     TreeJoint, Verdict, World,
 };
 use lin_canny_verify::verify;
-use truth::arm::{cell, motion, robot};
+use truth::arm::{self, motion};
 use truth::casts::{SHAPES, aimed, body, rotation};
 use truth::rng::Rng;
 
@@ -36,12 +36,7 @@ fn holds(receipt: &Receipt) -> [String; 2] {
 
 /// The built-in arm in its cell.
 fn arm() -> Checker<SerialArm> {
-    let mut world = World::new();
-    let arm = robot::arm(&mut world).expect("an arm");
-    for (name, shape, pose) in cell::things(&[]).expect("the built-in cell") {
-        world.obstacle(name, shape, pose);
-    }
-    robot::exclude(&mut world, true).expect("names of the arm");
+    let (arm, world) = arm::in_cell().expect("the built-in cell");
     Checker::new(arm, world).expect("a cell")
 }
 

@@ -850,6 +850,10 @@ fn missing_meshes_are_errors_or_warnings() {
     let (code, text) = run_of(&robot, "clearance", &["--joints", &rows, "--skip-missing-meshes"]);
     assert_eq!(code, 0, "{text}");
     assert_eq!(text.matches("warning: ").count(), 2, "{text}");
+    // Balls around a part of a link are no cover of it.
+    let (code, said) = run_of(&robot, "cover", &["--skip-missing-meshes"]);
+    assert_eq!(code, 3, "{said}");
+    assert!(said.contains("gone.urdf: a mesh is missing, and balls"), "{said}");
     for words in [
         "gone.urdf:2: link \"a\"",
         "gone a.obj is missing",

@@ -141,7 +141,7 @@ struct Solid<I> {
     pivot: Vector<I>,
     /// Radius of the ball around the vertices.
     reach: RBig,
-    /// Steps of its own, the one next to the world first.
+    /// The steps of the body itself, the one next to the world first.
     steps: Vec<Step<I>>,
     link: Option<usize>,
 }

@@ -102,7 +102,7 @@ use number::hex;
 use scene::{Scene, grouped, list, plain};
 use sha256::sha256;
 
-/// A proof as a text of lines: see the [module](self).
+/// A proof as a text of lines: see the [module](crate::receipt).
 ///
 /// [`Display`](fmt::Display) and [`write`](Self::write) give the text.
 #[derive(Clone, Debug)]

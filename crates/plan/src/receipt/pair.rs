@@ -28,7 +28,7 @@ impl Receipt {
     ///
     /// # Errors
     /// Returns an error if the cast is invalid or undecided, if a body or a motion has no receipt
-    /// ([module](self)), or if the pair has no evidence that a checker would accept.
+    /// ([module](crate::receipt)), or if the pair has no evidence that a checker would accept.
     ///
     /// ```
     /// use lin_canny::impact::Tolerance;
@@ -113,7 +113,7 @@ impl Receipt {
     /// of an overlap says nothing of its depth.
     ///
     /// # Errors
-    /// Returns an error if a body has no receipt ([module](self)), or if no evidence is certain,
+    /// Returns an error if a body has no receipt ([module](crate::receipt)), or if no evidence is certain,
     /// for example because the bodies touch.
     ///
     /// ```

@@ -34,14 +34,14 @@ impl Receipt {
     /// and blocked by a pair at a later one.
     ///
     /// Along a blocked segment, all pairs have evidence until `safe` of the
-    /// [`Verdict::Blocked`](crate::Verdict::Blocked), and the pair has four vertex pairs, or two
+    /// [`Verdict::Blocked`], and the pair has four vertex pairs, or two
     /// points, that prove the contact at `t`; if none are certain there, at most 32 times the
     /// bracket from `safe` to `t` later. A segment that is blocked at its start has the contact
     /// alone.
     ///
     /// # Errors
     /// Returns an error if a configuration is invalid, if the verdict is undecided, if a body or
-    /// the motion has no receipt ([module](self)), or if a pair has no evidence that a checker
+    /// the motion has no receipt ([module](crate::receipt)), or if a pair has no evidence that a checker
     /// would accept, for example because the pair is in contact at the start.
     pub fn segment<C: ConfigurationSpace>(
         checker: &mut Checker<C>,

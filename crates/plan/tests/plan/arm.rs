@@ -4,19 +4,15 @@ use cpu_time::ThreadTime;
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, SerialArm, World};
+use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, SerialArm};
 use std::time::Duration;
-use truth::arm::{cell, motion, robot};
+use truth::arm::{self, motion};
 
 /// The cell with a wall that the arm can pass through a window alone, so many metres high.
 fn checker(window: f64) -> Checker<SerialArm> {
     const TOP: f64 = 1.7;
     const SILL: f64 = 0.4;
-    let mut world = World::new();
-    let arm = robot::arm(&mut world).expect("an arm");
-    for (name, shape, pose) in cell::things(&[]).expect("the built-in cell") {
-        world.obstacle(name, shape, pose);
-    }
+    let (arm, mut world) = arm::in_cell().expect("the built-in cell");
     for (name, x, [low, high]) in [
         ("sill", 0.65, [0.0, SILL]),
         ("lintel", 0.65, [SILL + window, TOP]),
@@ -25,7 +21,6 @@ fn checker(window: f64) -> Checker<SerialArm> {
         let wall = solids::cuboid(Vector3::new(0.5, 0.01, 0.5 * (high - low))).expect("a box");
         world.obstacle(name, wall, Isometry3::translation(x, 0.0, 0.5 * (low + high)));
     }
-    robot::exclude(&mut world, true).expect("names of the arm");
     Checker::new(arm, world).expect("a cell")
 }
 

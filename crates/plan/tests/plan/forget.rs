@@ -1,7 +1,7 @@
 //! A checker that has forgotten answers as a new one, bit for bit.
 
-use lin_canny_plan::{Checker, ConfigurationSpace, SerialArm, World};
-use truth::arm::{cell, motion, robot};
+use lin_canny_plan::{Checker, ConfigurationSpace, SerialArm};
+use truth::arm::{self, motion};
 use truth::cells::Cell;
 use truth::rng::Rng;
 
@@ -11,12 +11,7 @@ fn of_meshes() -> Checker<SerialArm> {
 }
 
 fn of_hulls() -> Checker<SerialArm> {
-    let mut world = World::new();
-    let arm = robot::arm(&mut world).expect("an arm");
-    for (name, shape, pose) in cell::things(&[]).expect("the built-in cell") {
-        world.obstacle(name, shape, pose);
-    }
-    robot::exclude(&mut world, true).expect("names of the arm");
+    let (arm, world) = arm::in_cell().expect("the built-in cell");
     Checker::new(arm, world).expect("a cell")
 }
 

@@ -171,7 +171,7 @@ fn meshes_are_not_queried_where_their_hulls_are_apart() {
     assert!(!checker.is_free_at(&far).expect("a configuration"));
 }
 
-/// Paddings, margins of pairs, an attached mesh and an open one: hulls are asked for what each pair must keep.
+/// Hulls keep what each pair must keep: paddings, margins of pairs, an attached mesh and an open one.
 #[test]
 fn hulls_keep_what_each_pair_must_keep() {
     let (mut free, mut blocked, mut hulls) = (0, 0, 0);

@@ -17,7 +17,7 @@ td.w,th.w{text-align:left}.bad{color:#c00000;font-weight:bold}main{display:flex;
 figure{width:420px;margin:0;border:1px solid #ddd}svg{width:100%;height:auto;display:block}\
 figcaption{padding:.5em;overflow-wrap:anywhere}code{font-size:12px}";
 
-/// What the page says of.
+/// The content of the page.
 pub(super) struct AuditPage<'a> {
     pub(super) robot: &'a str,
     pub(super) coordinates: &'a [Coordinate],

@@ -38,6 +38,12 @@ fn output(name: &str) -> Result<PathBuf, String> {
 pub(super) fn run(options: &CoverOptions) -> Result<End, ToolError> {
     let (robot, _) = options.robot.load()?;
     let file = options.robot.file();
+    if options.robot.skips_meshes() && !robot.skipped().is_empty() {
+        return Err(ToolError::Input {
+            file: file.to_owned(),
+            reason: "a mesh is missing, and balls would not contain it".into(),
+        });
+    }
     let goal = options.gap.map_or(CoverGoal::Balls(options.balls), CoverGoal::Gap);
     let covers = cover_links(&robot, goal, options.inner).map_err(|error| ToolError::Input {
         file: file.to_owned(),

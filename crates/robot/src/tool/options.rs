@@ -314,6 +314,11 @@ impl RobotOptions {
         files.chain(others.map(|other| &other.1)).map(PathBuf::as_path)
     }
 
+    /// Returns whether collision elements without their mesh file are skipped.
+    pub(super) fn skips_meshes(&self) -> bool {
+        self.skip_missing_meshes
+    }
+
     /// Returns the file of the robot.
     pub(super) fn file(&self) -> &Path {
         &self.robot

@@ -15,7 +15,7 @@ use lin_canny_plan::{Checker, ConfigurationSpace, Drive, JointCurve, JointKind, 
 use lin_canny_robot::RobotFiles;
 use race::common::{Options, Rows, median};
 use truth::arm::chain::chain;
-use truth::arm::{Trouble, cell, robot};
+use truth::arm::{self, Trouble, robot};
 use truth::rng::Rng;
 
 pub(crate) const SCENES: [&str; 1] = ["certify"];
@@ -77,13 +77,8 @@ fn two_arms() -> Result<(JointTree, World), Trouble> {
 
 /// The arm of the example `arm` in its cell.
 pub(crate) fn arm_in_cell() -> Result<(JointTree, World), Trouble> {
-    let mut world = World::new();
+    let (_, world) = arm::in_cell()?;
     let links = robot::pieces()?.iter().map(|piece| piece.1).collect();
-    robot::arm(&mut world)?;
-    for (name, shape, pose) in cell::things(&[])? {
-        world.obstacle(name, shape, pose);
-    }
-    robot::exclude(&mut world, true)?;
     let joints = arm_joints(0, 0).collect();
     let radii = vec![0.15; 7];
     let space = JointTree::new(Isometry3::identity(), joints, vec![[-LIMIT, LIMIT]; 6], links, radii)?;
