@@ -116,7 +116,8 @@ pub(super) fn proven(
     if !matches!(found, RayCast::Hit(_) | RayCast::Undecided { .. }) || hull.face_count() == 0 {
         return None;
     }
-    let mut on_hull = in_body(GeometryRef::from(hull), 1.0, pose, ray, span, length, width)?;
+    // In the unit of the body, products of three lengths do not underflow.
+    let mut on_hull = in_body(GeometryRef::from(hull), hull.unit(), pose, ray, span, length, width)?;
     if let RayCast::Hit(RayHit {
         safe,
         hit,
@@ -135,7 +136,7 @@ pub(super) fn proven(
         return None;
     }
     let body = RayBody {
-        exponent: 0,
+        exponent: hull.exponent,
         is_closed: !hull.is_flat,
     };
     let mut met = Met::Nothing;
@@ -145,8 +146,9 @@ pub(super) fn proven(
     is_clear.then_some(met)
 }
 
+/// Returns three vertices as the caller passed them, in the unit of the body.
 fn corners_of(hull: &ConvexPolyhedron, vertices: [VertexId; 3]) -> [Vector3<f64>; 3] {
-    vertices.each(|v| hull.to_user(&hull.points[v.index()]).coords)
+    vertices.each(|v| hull.to_user(&hull.points[v.index()]).coords / hull.unit())
 }
 
 /// Returns whether the vertices of each face are in one plane.

@@ -107,7 +107,7 @@ fn casts_at_hulls_are_true_over_the_rationals() {
     ];
     let (mut hits, mut misses, mut starts, mut open) = (0, 0, 0, 0);
     for shape in &families {
-        for exponent in [0, 332, -332] {
+        for exponent in [0, 328, -330] {
             let unit = 2f64.powi(exponent);
             let points: Vec<_> = shape.points.iter().map(|p| Point3::from(*p) * unit).collect();
             let body = ConvexPolyhedron::from_points(&points).expect("a body");
@@ -146,7 +146,8 @@ fn casts_at_hulls_are_true_over_the_rationals() {
                         starts += 1;
                     }
                     (RayCast::Hit(hit), Some(from)) => {
-                        assert!(exact(hit.safe) < *from && *from <= exact(hit.hit), "{told}");
+                        let least = from.to_f64().value();
+                        assert!(exact(hit.safe) < *from && *from <= exact(hit.hit), "{told}, not {least:e}");
                         assert!(hit.hit <= length, "{told}");
                         hits += 1;
                     }
