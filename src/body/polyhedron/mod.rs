@@ -27,10 +27,7 @@ pub mod solids;
 pub(crate) mod support;
 pub(crate) mod topology;
 
-use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::Fingerprint;
-use crate::base::num::scalar::sqrt;
-use crate::base::tolerance::RADIUS_UP;
 pub use crate::body::polyhedron::aabb::BoxHint;
 pub use crate::body::polyhedron::build::BuildReport;
 pub(crate) use crate::body::polyhedron::build::cloud::{bounding_box, exponent_of, power_of_two};
@@ -100,6 +97,8 @@ pub struct ConvexPolyhedron {
     pub(crate) is_unscaled: bool,
     /// Largest distance of a vertex from the stored origin, rounded up, in stored units.
     pub(crate) radius: f64,
+    /// Radius of [`bounding_ball`](Self::bounding_ball), in the caller's unit.
+    pub(crate) ball_radius: f64,
     /// The mean of the vertices, in stored coordinates, with an error of at most 2 UNIT of each
     /// coordinate. Up to rounding it is always inside the body, unlike the centre of the bounding
     /// box.
@@ -319,14 +318,7 @@ impl ConvexPolyhedron {
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
         let (low, high) = self.aabb();
-        let centre = Point3::from(low.coords * 0.5 + high.coords * 0.5);
-        let scale = 1.0 / self.unit();
-        // Distances are measured from the rounded centre, in stored units so that squares stay in
-        // range.
-        let far = self.points.iter().fold(0.0f64, |r, p| {
-            r.larger(((self.to_user(p) - centre) * scale).norm_squared())
-        });
-        (centre, sqrt(far) * RADIUS_UP * self.unit())
+        (Point3::from(low.coords * 0.5 + high.coords * 0.5), self.ball_radius)
     }
 
     /// Converts a stored point to the caller's coordinates.

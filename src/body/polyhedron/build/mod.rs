@@ -17,7 +17,7 @@ use crate::base::num::extremes::{Bounded, Extremes, largest, smallest};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::{Scalar, sqrt};
 use crate::base::num::sign::side;
-use crate::base::tolerance::{COPLANAR, EXTENT_MIN, ROUND_UP};
+use crate::base::tolerance::{COPLANAR, EXTENT_MIN, RADIUS_UP, ROUND_UP};
 use crate::body::polyhedron::aabb::Scan;
 #[cfg(feature = "exact")]
 use crate::body::polyhedron::build::cloud::lowest_bit;
@@ -180,7 +180,7 @@ impl ConvexPolyhedron {
         let fans = Fans::new(&topology, &points, &planes);
         #[cfg(feature = "exact")]
         let given = points.iter().flat_map(|p| cloud.given_place(p).data.0[0]);
-        Self {
+        let mut body = Self {
             #[cfg(feature = "exact")]
             lowest_bit: lowest_bit(given),
             lookup: CubeMap::new(&topology, &points, &fans),
@@ -199,12 +199,22 @@ impl ConvexPolyhedron {
             exponent: cloud.exponent,
             is_unscaled: cloud.exponent == 0 && cloud.origin == Vector3::zeros(),
             radius,
+            ball_radius: 0.0,
             low,
             high,
             has_coplanar_neighbours,
             fingerprint: fingerprint_of(cloud, kept, loops),
             report,
-        }
+        };
+        let (centre, _) = body.bounding_ball();
+        let scale = 1.0 / body.unit();
+        // Distances are measured from the rounded centre, in stored units so that squares stay in
+        // range.
+        let far = body.points.iter().fold(0.0f64, |r, p| {
+            r.larger(((body.to_user(p) - centre) * scale).norm_squared())
+        });
+        body.ball_radius = sqrt(far) * RADIUS_UP * body.unit();
+        body
     }
 
     /// Adds the points that never became vertices of the hull's triangles to the report.
