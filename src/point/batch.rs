@@ -17,10 +17,11 @@ use crate::pair::point::PointOutcome;
 /// Number of points that are put in order at once. Not measured.
 const BLOCK: usize = 1 << 18;
 
-/// Number of points per triangle from which a batch tests whether the surface meets itself. Not
-/// measured.
+/// Number of points per triangle from which a batch tests whether the surface meets itself.
+///
+/// The test takes 3.3 us a triangle, the side of a point near the surface without it 0.4 us more.
 #[cfg(feature = "meshes")]
-const PREPARED: usize = 4;
+const PREPARED: usize = 16;
 
 /// Number of points of one task. Not measured.
 #[cfg(feature = "parallel")]
@@ -76,7 +77,9 @@ impl PointQuery<'_> {
     ///
     /// Returns an error with the index of the first point that is not finite or out of range.
     pub fn contains_each(&self, points: &[Point3<f64>]) -> Result<Vec<bool>, PointError> {
-        self.each(points, |query, p, room| query.holds(p, room))
+        check_all(points)?;
+        // The side alone comes from the winding number, for which nothing is prepared.
+        Ok(self.answers(points, |query, p, room| query.holds(p, room)))
     }
 
     /// Answers each point, in the order given.
@@ -85,8 +88,8 @@ impl PointQuery<'_> {
         points: &[Point3<f64>],
         answer: impl Fn(&Self, &Point3<f64>, &mut PointRoom) -> T + Sync,
     ) -> Result<Vec<T>, PointError> {
-        (0..).zip(points).try_for_each(|(index, p)| check(index, p))?;
-        let prepared = self.prepared_for(points.len());
+        check_all(points)?;
+        let prepared = self.if_worth_preparing(points.len());
         Ok(prepared.as_ref().unwrap_or(self).answers(points, answer))
     }
 
@@ -115,8 +118,20 @@ impl PointQuery<'_> {
         all
     }
 
+    /// Returns the queries, [`prepared`](Self::prepared) if so many points are worth it.
+    ///
+    /// A batch does this for its own points. Use the method to pass many points in several batches.
+    #[must_use]
+    pub fn prepared_for(self, count: usize) -> Self {
+        if self.is_worth_preparing(count) {
+            self.prepared()
+        } else {
+            self
+        }
+    }
+
     /// Returns the prepared queries if so many points are worth it.
-    pub(super) fn prepared_for(&self, count: usize) -> Option<Self> {
+    pub(super) fn if_worth_preparing(&self, count: usize) -> Option<Self> {
         self.is_worth_preparing(count).then(|| self.clone().prepared())
     }
 
@@ -141,4 +156,9 @@ impl PointQuery<'_> {
         }
         (0..points.len() as u32).collect()
     }
+}
+
+/// Returns an error for the first point that is out of range.
+fn check_all(points: &[Point3<f64>]) -> Result<(), PointError> {
+    (0..).zip(points).try_for_each(|(index, p)| check(index, p))
 }

@@ -274,7 +274,7 @@ impl PointQuery<'_> {
         DistanceGrid::checked_step(low, high, cells)?;
         let count = cells.iter().map(|n| n + 1).product();
         watch.stage("grid", Some(count))?;
-        let prepared = self.prepared_for(count);
+        let prepared = self.if_worth_preparing(count);
         let query = prepared.as_ref().unwrap_or(self);
         let answer = |query: &Self, p: &Point3<f64>, room: &mut PointRoom| Distance::from(&query.ask(p, room));
         let (mut done, mut reported) = (0, 0);

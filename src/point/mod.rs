@@ -158,7 +158,7 @@ impl<'g> PointQuery<'g> {
     ///
     /// The call tests whether the surface meets itself, in a few microseconds per triangle. If it
     /// is proven that it does not, the side of most points follows from the closest triangles. The
-    /// answers are the same with and without this call. Batches of more than four points per
+    /// answers are the same with and without this call. Batches of more than 16 points per
     /// triangle make it themselves. For other kinds of geometry the call does nothing.
     #[must_use]
     pub fn prepared(self) -> Self {

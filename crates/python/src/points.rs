@@ -9,7 +9,7 @@ pub(crate) use near::{nearest_features, within};
 pub(crate) use tracker::{ClosestPoint, PointTracker};
 
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Geometry as Body, PointOutcome, PointQuery};
+use lin_canny::{PointOutcome, PointQuery};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -77,15 +77,6 @@ impl Batch for Points<'_> {
     }
 }
 
-/// Returns the queries of a geometry, prepared if so many points are worth it.
-fn query_of<'g>(py: Python<'_>, body: &'g Body, count: usize) -> PointQuery<'g> {
-    let query = PointQuery::new(body);
-    match body {
-        Body::Mesh(mesh) if count / 4 >= mesh.triangle_count() => py.detach(|| query.prepared()),
-        _ => query,
-    }
-}
-
 fn rows(
     py: Python<'_>,
     geometry: &Bound<'_, Geometry>,
@@ -107,7 +98,7 @@ fn rows(
     let batch = Points {
         query: match is_side_alone {
             true => PointQuery::new(body),
-            false => query_of(py, body, given.len()),
+            false => py.detach(|| PointQuery::new(body).prepared_for(given.len())),
         },
         points: &given,
         is_side_alone,

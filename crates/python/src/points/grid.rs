@@ -6,7 +6,6 @@ use lin_canny::{Distance, DistanceGrid, Geometry as Body, PointError, PointQuery
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
-use super::query_of;
 use crate::array::{Argument, vector};
 use crate::batch::{BLOCK, Batch, Run};
 use crate::errors::refused;
@@ -121,7 +120,7 @@ pub(crate) fn signed_distance_grid<'py>(
     let each = cells.iter().map(|n| n.saturating_add(1));
     let total = each.fold(1, usize::saturating_mul);
     let run = Run::new(py, total, threads, progress)?;
-    let query = query_of(py, body, total);
+    let query = py.detach(|| PointQuery::new(body).prepared_for(total));
     let mut done = 0;
     let mut layer = |nodes: &[Point3<f64>]| -> PyResult<Vec<Distance>> {
         let mut rows = vec![None; nodes.len()];

@@ -57,10 +57,7 @@ pub(super) fn run(options: &PointOptions) -> Result<End, ToolError> {
 fn measure(file: &Path, options: &PointOptions, mesh: &Mesh) -> Result<(), ToolError> {
     let points = PointFile::read_with(file, Invalid::Refuse)?.points;
     let points: Vec<_> = points.to_f64().into_iter().map(Point3::from).collect();
-    let mut query = PointQuery::new(mesh);
-    if points.len() / 4 >= mesh.triangle_count() {
-        query = query.prepared();
-    }
+    let query = PointQuery::new(mesh).prepared_for(points.len());
     let bar = progress("points", points.len() as u64);
     let mut found: Vec<PointOutcome> = Vec::with_capacity(points.len());
     for block in points.chunks(BLOCK) {
