@@ -9,6 +9,7 @@ use crate::attached::{Carried, CarriedMotion};
 use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
+use crate::free::HITS_FIRST;
 use crate::pairs::{PairKey, Pairs, Places, Stretch, SweptBox, cut, cut_at_knots, even_span, span_at};
 use crate::space::{BodyBall, BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
 use crate::tolerance::ATTACHED;
@@ -600,9 +601,14 @@ impl<C: ConfigurationSpace> Checker<C> {
     pub(crate) fn judged(&mut self, segment: &C::Segment, any: bool) -> Result<Verdict, PlanError> {
         self.work.segments += 1;
         let mut stretches = core::mem::take(&mut self.stretches);
-        let found = self
-            .gather(segment, &mut stretches)
-            .and_then(|()| self.judge(segment, &stretches, any));
+        let found = self.gather(segment, &mut stretches).and_then(|()| {
+            if any {
+                // Any contact decides, so recent collisions come first.
+                let recent = &self.hits[..self.hits.len().min(HITS_FIRST)];
+                stretches.sort_by_key(|s| !recent.contains(&s.pair));
+            }
+            self.judge(segment, &stretches, any)
+        });
         self.stretches = stretches;
         if let Ok(Verdict::Free { .. }) = found {
             self.work.free += 1;
@@ -725,6 +731,9 @@ impl<C: ConfigurationSpace> Checker<C> {
                 None => Verdict::Undecided { t: safe },
             });
             until = safe;
+            if any {
+                self.remember_hit(k);
+            }
             if any || !(until > 0.0) {
                 break;
             }

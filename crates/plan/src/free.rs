@@ -11,7 +11,7 @@ use lin_canny::RelativePose;
 /// Number of recent collisions that are tested first at the next configuration. The first few of
 /// them are tested before any box. Not measured.
 const HITS: usize = 16;
-const HITS_FIRST: usize = 2;
+pub(crate) const HITS_FIRST: usize = 2;
 
 impl<C: ConfigurationSpace> Checker<C> {
     /// Returns whether every pair is proven farther apart than the margin at a configuration.
@@ -36,11 +36,16 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.poses = poses;
         let hit = hit?;
         if let Some(index) = hit {
-            self.hits.retain(|&k| k != index);
-            self.hits.insert(0, index);
-            self.hits.truncate(HITS);
+            self.remember_hit(index);
         }
         Ok(hit.is_none())
+    }
+
+    /// Puts a pair first among the recent collisions.
+    pub(crate) fn remember_hit(&mut self, index: usize) {
+        self.hits.retain(|&k| k != index);
+        self.hits.insert(0, index);
+        self.hits.truncate(HITS);
     }
 
     /// Returns the index of a pair that is not proven to keep the margin.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::vec::Vec;
 
-use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Quaternion, Unit, UnitQuaternion, Vector3};
 
 use crate::arm::JointKind;
 use crate::curve::JointCurve;
@@ -11,9 +11,8 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::space::{ConfigurationSpace, JointPath, check, check_bounds, within};
 use crate::tree_motion::{LinkTree, TreeBodies, TreeSegment};
-use lin_canny::motion::Velocity;
+use lin_canny::RelativePose;
 use lin_canny::{EXTENT_MAX, POSE_UNIT};
-use lin_canny::{RelativePose, normalize_rotation};
 
 /// Sets the value of a joint: `factor` times a coordinate of the configuration, plus `offset`.
 ///
@@ -74,18 +73,48 @@ impl TreeJoint {
             .map_or(0.0, |d| d.factor * configuration[d.coordinate] + d.offset)
     }
 
+    /// Returns the rotation by a value of a revolute joint.
+    fn turned(&self, value: f64) -> Quaternion<f64> {
+        let (sine, cosine) = libm::sincos(0.5 * value);
+        Quaternion::from_parts(cosine, self.axis.into_inner() * sine)
+    }
+
     /// Returns the pose of the link relative to the joint's frame.
     pub(crate) fn moved(&self, value: f64) -> Isometry3<f64> {
-        let way = self.axis.into_inner() * value;
         match self.kind {
-            JointKind::Revolute => Velocity::new(Vector3::zeros(), way).applied(&Isometry3::identity(), 1.0),
-            JointKind::Prismatic => Isometry3::from_parts(way.into(), UnitQuaternion::identity()),
+            JointKind::Revolute => {
+                let turn = UnitQuaternion::new_unchecked(self.turned(value));
+                Isometry3::from_parts(Vector3::zeros().into(), turn)
+            }
+            JointKind::Prismatic => {
+                let way = self.axis.into_inner() * value;
+                Isometry3::from_parts(way.into(), UnitQuaternion::identity())
+            }
         }
     }
 
-    /// Returns the pose of the joint's link from the pose of the parent link.
+    /// Returns the pose of the joint's link from the pose of the parent link, whose rotation has
+    /// unit length up to rounding.
     pub(crate) fn after(&self, parent: &Isometry3<f64>, value: f64) -> Isometry3<f64> {
-        normalize_rotation(&(parent * self.origin * self.moved(value)))
+        self.after_origin(parent, &(parent.rotation * self.origin.translation.vector), value)
+    }
+
+    /// Returns the pose of the joint's link from the pose of the parent link and the vector in the
+    /// world between their origins at the value 0.
+    #[inline]
+    pub(crate) fn after_origin(&self, parent: &Isometry3<f64>, apart: &Vector3<f64>, value: f64) -> Isometry3<f64> {
+        let mut place = parent.translation.vector + apart;
+        let frame = parent.rotation * self.origin.rotation;
+        let turned = match self.kind {
+            JointKind::Revolute => frame.into_inner() * self.turned(value),
+            JointKind::Prismatic => {
+                place += frame * (self.axis.into_inner() * value);
+                frame.into_inner()
+            }
+        };
+        // One step of Newton's method: the squared norm errs by a few units of rounding.
+        let unit = turned.coords * (1.5 - 0.5 * turned.norm_squared());
+        Isometry3::from_parts(place.into(), UnitQuaternion::new_unchecked(unit.into()))
     }
 
     fn check(&self, index: usize, limits: &[[f64; 2]]) -> Result<(), PlanError> {

@@ -498,19 +498,20 @@ impl LinkMotion {
     /// Passes a joint at a time, to the link that it moves. Its origin is at most `far` from that
     /// of the parent link.
     fn pass(&mut self, joint: &TreeJoint, far: f64, curve: &JointCurve, time: f64, span: f64) {
-        self.carry(&(self.pose.rotation * joint.origin.translation.vector));
+        let apart = self.pose.rotation * joint.origin.translation.vector;
+        self.carry(&apart);
         let used = used_parts(curve);
         for bounds in &mut self.bounds[..used] {
             bounds.carry(far);
         }
         let Some(drive) = joint.drive else {
-            self.pose = joint.after(&self.pose, 0.0);
+            self.pose = joint.after_origin(&self.pose, &apart, 0.0);
             return;
         };
         let c = drive.coordinate;
         let value = drive.factor * curve.value(c, 0, time) + drive.offset;
         let [rate, bend] = [1, 2].map(|order| drive.factor * curve.value(c, order, time));
-        self.pose = joint.after(&self.pose, value);
+        self.pose = joint.after_origin(&self.pose, &apart, value);
         let axis = self.pose.rotation * joint.axis.into_inner();
         match joint.kind {
             JointKind::Revolute => {
