@@ -30,7 +30,7 @@ const SHORTEST: f64 = 1.0 / 32_768.0;
 
 /// Work that RRT-Connect does alone before [`PlanMethod::Alternate`] starts the opportunistic
 /// planner: configurations, segments and samples. Not measured.
-const HEAD_START: u64 = 512;
+const HEAD_START: u64 = 2048;
 
 /// The method of [`Checker::plan`].
 ///
