@@ -5,13 +5,13 @@ use core::fmt;
 use std::collections::BinaryHeap;
 use std::vec::Vec;
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
 use crate::checker::Checker;
 use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::pairs::{PairKey, SweptBox};
+use crate::pairs::{OwnBox, PairKey, SweptBox};
 use crate::space::{ConfigurationSpace, SegmentMotion};
 use crate::tolerance::{PLACED, PLACED_BALL};
 use crate::world::{Named, WorldPair};
@@ -322,6 +322,32 @@ impl<C: ConfigurationSpace> Checker<C> {
             let (out, at) = (centre.coords.abs().sum(), pose.translation.vector.abs().sum());
             (pose * centre, radius + PLACED_BALL * out + PLACED * (radius + out + at))
         })
+    }
+
+    /// Returns whether the boxes around both bodies are proven farther apart than a distance.
+    ///
+    /// Along the axes of one box, the gaps between it and the extents of the other box are the
+    /// sides of a box that is nowhere wider than the gap between the bodies.
+    pub(crate) fn boxes_apart(&self, index: usize, poses: &[Isometry3<f64>], distance: f64) -> bool {
+        let pair = self.pairs.all[index].pair;
+        let [a, b] = [pair.a, pair.b].map(|part| {
+            let pose = self.pairs.places.pose(part, poses);
+            let OwnBox { middle, half } = self.pairs.own_box(part);
+            let (out, at) = (
+                middle.coords.abs().sum() + half.sum(),
+                pose.translation.vector.abs().sum(),
+            );
+            let axes = pose.rotation.to_rotation_matrix().into_inner();
+            (pose * middle, axes, half, PLACED_BALL * out + PLACED * (out + at))
+        });
+        let (apart, turn) = (b.0 - a.0, a.1.tr_mul(&b.1));
+        // The squared norms of the quaternions scale the heights.
+        let least = distance + a.3 + b.3 + PLACED_BALL * (apart.abs().sum() + a.2.sum() + b.2.sum());
+        let is_apart = |apart: &Vector3<f64>, half: &Vector3<f64>, turn: &Matrix3<f64>, other: &Vector3<f64>| {
+            let gaps = apart.abs() - half - turn.abs() * other;
+            gaps.map(|x| if x > 0.0 { x } else { 0.0 }).norm() > least
+        };
+        is_apart(&a.1.tr_mul(&apart), &a.2, &turn, &b.2) || is_apart(&b.1.tr_mul(&apart), &b.2, &turn.transpose(), &a.2)
     }
 
     /// Measures one pair without its gradient.

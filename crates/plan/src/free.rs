@@ -90,7 +90,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns whether a pair is proven farther apart than the margin.
     fn keeps_margin(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<bool, PlanError> {
         let kept = self.kept(index);
-        if self.hulls_apart(index, poses, kept)? {
+        if self.boxes_apart(index, poses, kept) || self.hulls_apart(index, poses, kept)? {
             return Ok(true);
         }
         self.work.decisions += 1;
@@ -130,7 +130,10 @@ impl<C: ConfigurationSpace> Checker<C> {
         let candidates = core::mem::take(&mut self.candidates);
         let mut found = Vec::new();
         for &index in &candidates {
-            if self.ball_gap(index, poses) > 0.0 || self.hulls_apart(index, poses, 0.0)? {
+            if self.ball_gap(index, poses) > 0.0
+                || self.boxes_apart(index, poses, 0.0)
+                || self.hulls_apart(index, poses, 0.0)?
+            {
                 continue;
             }
             self.work.decisions += 1;

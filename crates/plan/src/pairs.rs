@@ -111,6 +111,9 @@ pub(crate) struct Pairs {
     /// without geometry.
     pub(crate) mover_balls: Vec<Option<(Point3<f64>, f64)>>,
     pub(crate) obstacle_balls: Vec<(Point3<f64>, f64)>,
+    /// A box around each mover and each obstacle, along the axes of the frame of the shape.
+    mover_own_boxes: Vec<OwnBox>,
+    obstacle_own_boxes: Vec<OwnBox>,
     /// The greatest radius of a ball of a mover.
     pub(crate) robot_radius: f64,
     /// Whether all pairs must keep the margin of the world and nothing else.
@@ -205,6 +208,33 @@ impl Places {
 
 const NONE: u32 = u32::MAX;
 
+/// A box around a body, along the axes of the frame of its shape.
+#[derive(Clone, Copy)]
+pub(crate) struct OwnBox {
+    pub(crate) middle: Point3<f64>,
+    /// Half of each side; infinite if the body is unbounded.
+    pub(crate) half: Vector3<f64>,
+}
+
+impl OwnBox {
+    /// The box of a body that is not there.
+    const NONE: Self = Self {
+        middle: Point3::new(0.0, 0.0, 0.0),
+        half: Vector3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
+    };
+
+    fn of(shape: &Geometry) -> Self {
+        let (low, high) = shape.aabb_at(&Isometry3::identity(), &mut BoxHint::default());
+        if !low.iter().chain(high.iter()).all(|x| x.is_finite()) {
+            return Self::NONE;
+        }
+        Self {
+            middle: Point3::from(low.coords * 0.5 + high.coords * 0.5),
+            half: (high - low) * 0.5,
+        }
+    }
+}
+
 /// Returns the box of an obstacle that moves, at all times.
 pub(crate) fn swept(shape: &Geometry, poses: &TimedPoses) -> Result<Aabb, PlanError> {
     let aabb = poses.swept(shape.bounding_ball());
@@ -229,6 +259,8 @@ impl Pairs {
         let robot = world.robot.iter().map(|b| Some(b.1.bounding_ball()));
         let mut mover_balls: Vec<_> = robot.collect();
         mover_balls.resize(bodies, None);
+        let mut mover_own_boxes: Vec<_> = world.robot.iter().map(|b| OwnBox::of(&b.1)).collect();
+        mover_own_boxes.resize(bodies, OwnBox::NONE);
         let mut pairs = Self {
             rows: Vec::new(),
             all: Vec::new(),
@@ -248,6 +280,8 @@ impl Pairs {
             },
             mover_balls,
             obstacle_balls: Vec::new(),
+            mover_own_boxes,
+            obstacle_own_boxes: Vec::new(),
             robot_radius: 0.0,
             is_uniform: true,
             most_kept: Vec::new(),
@@ -274,6 +308,7 @@ impl Pairs {
                 middle: Point3::origin(),
             });
             self.mover_balls.push(None);
+            self.mover_own_boxes.push(OwnBox::NONE);
             for row in &mut self.rows {
                 row.push(NONE);
             }
@@ -283,6 +318,7 @@ impl Pairs {
         if let Some(object) = &world.attached[index] {
             let ball = object.geometry.bounding_ball();
             self.mover_balls[mover] = Some(ball);
+            self.mover_own_boxes[mover] = OwnBox::of(&object.geometry);
             self.places.carried[index] = Carried {
                 body: world.body_of(object.frame),
                 pose: object.pose,
@@ -304,6 +340,7 @@ impl Pairs {
             self.places.parts.push(Vec::new());
             self.obstacle_boxes.push(Aabb::new(Point3::origin(), Point3::origin()));
             self.obstacle_balls.push((Point3::origin(), 0.0));
+            self.obstacle_own_boxes.push(OwnBox::NONE);
             self.rows.push(std::vec![NONE; self.mover_balls.len()]);
         }
         self.places.parts[index].clear();
@@ -339,6 +376,7 @@ impl Pairs {
         self.places.obstacle_poses[index] = *pose;
         self.obstacle_boxes[index] = aabb;
         self.obstacle_balls[index] = shape.bounding_ball();
+        self.obstacle_own_boxes[index] = OwnBox::of(shape);
         Ok(())
     }
 
@@ -443,6 +481,15 @@ impl Pairs {
             (_, mover) => mover.and_then(|k| self.mover_balls[k]),
         };
         ball.unwrap_or((Point3::origin(), 0.0))
+    }
+
+    /// Returns the box around a body, along the axes of the frame of its shape.
+    pub(crate) fn own_box(&self, id: WorldId) -> OwnBox {
+        match (id, self.places.mover(id)) {
+            (WorldId::Obstacle(k), _) => self.obstacle_own_boxes[k],
+            (_, Some(mover)) => self.mover_own_boxes[mover],
+            (_, None) => OwnBox::NONE,
+        }
     }
 
     /// Returns the number of pairs.
