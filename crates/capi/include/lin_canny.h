@@ -29,6 +29,15 @@
 // The version of the interface. It grows by one with every change that breaks compiled callers.
 #define LC_ABI 0
 
+// RRT-Connect, and after its first steps the opportunistic planner in turn with it.
+#define LC_PLAN_ALTERNATE 0
+
+// RRT-Connect (Kuffner and LaValle 2000).
+#define LC_PLAN_RRT_CONNECT 1
+
+// The opportunistic planner (Canny and Lin 1993).
+#define LC_PLAN_OPPORTUNISTIC 2
+
 // A box about the origin: half extents along x, y and z.
 #define LC_BOX 1
 
@@ -328,12 +337,19 @@ typedef struct lc_verdict {
 typedef struct lc_plan_options {
   // The random seed; the same seed gives the same path.
   uint64_t seed;
-  // The largest number of random slices; zero is 10,000.
+  // The largest number of random slices of the opportunistic planner; zero is 10,000.
   uint64_t slices;
   // The largest number of pair queries; zero is 1,000,000.
   uint64_t queries;
-  // Attempts to shorten the path.
+  // The number of random shortcuts that are tried. Configurations without which the path is
+  // proven free and not longer are removed in any case.
   uint64_t shorten;
+  // The largest number of samples of RRT-Connect; zero is 100,000.
+  uint64_t samples;
+  // `LC_PLAN_ALTERNATE`, `LC_PLAN_RRT_CONNECT` or `LC_PLAN_OPPORTUNISTIC`.
+  uint32_t method;
+  // Zero.
+  uint32_t reserved;
 } lc_plan_options;
 
 // Reports how far a long call is; `total` is zero if it is unknown.
@@ -844,8 +860,9 @@ lc_status lc_checker_certify_curve(struct lc_checker checker,
 // Searches for a path between two configurations, of segments that are proven free.
 //
 // `count` is the number of configurations of the path, which `lc_checker_path` copies. Zero means
-// that a limit ended the search, which proves nothing. `progress` may be null; `options_size` is
-// `sizeof(lc_plan_options)`.
+// that a limit ended the search, which proves nothing. `progress` may be null; its stage is
+// "queries", then "shortcuts". If it stops the call in the second, `lc_checker_path` copies the path so
+// far. `options_size` is `sizeof(lc_plan_options)`.
 //
 // Contract: `start` and `goal` point to `coordinates` numbers, `options` is null or points to `options_size`
 // bytes, `count` to a number; `progress` may be called with `context`.
@@ -1045,9 +1062,9 @@ lc_status lc_pair_ask_many(struct lc_pair pair,
 // Writes whether the geometries of a pair are at most `distance` apart: 0 no, 1 yes,
 // `LC_UNDECIDED` unknown.
 //
-// With a distance of zero: whether they share a point. For a negative distance and for NaN the
-// answer is no. Exact for polyhedra and meshes; only a Bézier surface leaves it undecided. For
-// other curved geometries, what the bounds do not decide is yes.
+// With a distance of zero: whether they share a point. For a negative distance the answer is no,
+// and NaN is `LC_REFUSED`. Exact for polyhedra and meshes; only a Bézier surface leaves it
+// undecided. For other curved geometries, what the bounds do not decide is yes.
 //
 // Contract: `pose_a` and `pose_b` point to poses, `out` to a number.
 lc_status lc_pair_within(struct lc_pair pair,

@@ -397,6 +397,14 @@ class Checker : public Owner<lc_checker, lc_checker_free> {
   }
   std::size_t coordinates() const noexcept { return info_.coordinates; }
   std::size_t degrees_of_freedom() const noexcept { return info_.degrees_of_freedom; }
+  /// Least and greatest value of each coordinate of position; those of a turn are not limited and left out.
+  std::array<std::vector<double>, 2> limits() const {
+    std::array<std::vector<double>, 2> found{std::vector<double>(coordinates()), std::vector<double>(coordinates())};
+    std::size_t count = 0;
+    check(lc_checker_limits(get(), found[0].data(), found[1].data(), coordinates(), &count));
+    for (auto &side : found) side.resize(count);
+    return found;
+  }
   std::string coordinate_name(std::size_t index) const {
     char *text = nullptr;
     check(lc_checker_coordinate_name(get(), index, &text));
@@ -471,13 +479,20 @@ class Checker : public Owner<lc_checker, lc_checker_free> {
     check(lc_checker_certify_curve(get(), points.data(), coordinates(), rows(points), &found, sizeof found));
     return found;
   }
-  /// A path of proven segments, one configuration after another; empty if a limit ended the search.
+  /// A path of proven segments, one configuration after another; empty if a limit ended the search. If `progress` stops
+  /// the call while it shortens the path, path() is the path so far.
   std::vector<double> plan(Span<double> start, Span<double> goal, const lc_plan_options &options = {},
                            const Progress &progress = {}) {
     detail::Reporter reporter(progress);
     std::size_t count = 0;
     reporter.finish(lc_checker_plan(get(), start.data(), goal.data(), same(start, goal), &options, sizeof options,
                                     reporter.callback(), &reporter, &count));
+    return path();
+  }
+  /// The path of the last call of plan().
+  std::vector<double> path() const {
+    std::size_t count = 0;
+    check(lc_checker_path(get(), nullptr, coordinates(), 0, &count));
     std::vector<double> path(count * coordinates());
     check(lc_checker_path(get(), path.data(), coordinates(), count, &count));
     return path;

@@ -4,11 +4,11 @@ use std::ffi::{c_char, c_void};
 
 use lin_canny::nalgebra::UnitQuaternion;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, JointCurve, JointTree, Path, PlanError, PlanOptions, RigidSpace, TranslationSpace,
-    World,
+    Checker, ConfigurationSpace, JointCurve, JointTree, Path, PlanError, PlanMethod, PlanOptions, RigidSpace,
+    TranslationSpace, World,
 };
 
-use crate::border::{Status, bad_argument, guarded, lc_status, refused};
+use crate::border::{Status, bad_argument, error, guarded, lc_status, refused};
 use crate::geometry::{lc_geometry, shared};
 use crate::memory::{Given, Place, Places, Plain, array, options, table, text, written};
 use crate::pose::{isometry, lc_pose, pose_of};
@@ -46,18 +46,32 @@ unsafe impl Plain for lc_checker_info {
     const FIRST: usize = 3 * size_of::<usize>() + 8;
 }
 
+/// RRT-Connect, and after its first steps the opportunistic planner in turn with it.
+pub const LC_PLAN_ALTERNATE: u32 = 0;
+/// RRT-Connect (Kuffner and LaValle 2000).
+pub const LC_PLAN_RRT_CONNECT: u32 = 1;
+/// The opportunistic planner (Canny and Lin 1993).
+pub const LC_PLAN_OPPORTUNISTIC: u32 = 2;
+
 /// Options of a search for a path; all zero is the default.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct lc_plan_options {
     /// The random seed; the same seed gives the same path.
     pub seed: u64,
-    /// The largest number of random slices; zero is 10,000.
+    /// The largest number of random slices of the opportunistic planner; zero is 10,000.
     pub slices: u64,
     /// The largest number of pair queries; zero is 1,000,000.
     pub queries: u64,
-    /// Attempts to shorten the path.
+    /// The number of random shortcuts that are tried. Configurations without which the path is
+    /// proven free and not longer are removed in any case.
     pub shorten: u64,
+    /// The largest number of samples of RRT-Connect; zero is 100,000.
+    pub samples: u64,
+    /// `LC_PLAN_ALTERNATE`, `LC_PLAN_RRT_CONNECT` or `LC_PLAN_OPPORTUNISTIC`.
+    pub method: u32,
+    /// Zero.
+    pub reserved: u32,
 }
 
 // SAFETY: numbers only.
@@ -138,7 +152,7 @@ impl CheckerObject {
         let expected = self.coordinates();
         if coordinates != expected {
             let message = format_args!("a configuration has {coordinates} numbers (expected {expected})");
-            return Err(crate::border::error(lc_status::LC_ARGUMENT, &message));
+            return Err(error(lc_status::LC_ARGUMENT, &message));
         }
         Ok(())
     }
@@ -795,8 +809,9 @@ pub unsafe extern "C" fn lc_checker_certify_curve(
 /// Searches for a path between two configurations, of segments that are proven free.
 ///
 /// `count` is the number of configurations of the path, which `lc_checker_path` copies. Zero means
-/// that a limit ended the search, which proves nothing. `progress` may be null; `options_size` is
-/// `sizeof(lc_plan_options)`.
+/// that a limit ended the search, which proves nothing. `progress` may be null; its stage is
+/// "queries", then "shortcuts". If it stops the call in the second, `lc_checker_path` copies the path so
+/// far. `options_size` is `sizeof(lc_plan_options)`.
 ///
 /// # Safety
 /// `start` and `goal` point to `coordinates` numbers, `options` is null or points to `options_size`
@@ -824,12 +839,24 @@ pub unsafe extern "C" fn lc_checker_plan(
         let mut reporter = unsafe { Reporter::new(progress, context) };
         // SAFETY: by the caller's contract.
         let count = unsafe { Place::new(count, "count") }?;
-        let mut options = PlanOptions::default().seed(given.seed);
-        if given.slices > 0 {
-            options.slices = given.slices;
-        }
-        if given.queries > 0 {
-            options.queries = given.queries;
+        let method = match given.method {
+            LC_PLAN_ALTERNATE => PlanMethod::Alternate,
+            LC_PLAN_RRT_CONNECT => PlanMethod::RrtConnect,
+            LC_PLAN_OPPORTUNISTIC => PlanMethod::Opportunistic,
+            other => {
+                let message = format_args!("options.method is {other} (expected 0..=2)");
+                return Err(error(lc_status::LC_ARGUMENT, &message));
+            }
+        };
+        let mut options = PlanOptions::default().seed(given.seed).method(method);
+        for (budget, given) in [
+            (&mut options.slices, given.slices),
+            (&mut options.samples, given.samples),
+            (&mut options.queries, given.queries),
+        ] {
+            if given > 0 {
+                *budget = given;
+            }
         }
         let tries = usize::try_from(given.shorten).unwrap_or(usize::MAX);
         with(checker, |object| {
@@ -839,11 +866,14 @@ pub unsafe extern "C" fn lc_checker_plan(
                 let plan = c.plan_with_progress(start, goal, &options, &mut |p| reporter.report(p));
                 reporter.finish()?;
                 match plan.map_err(refused)?.path {
-                    Some(path) => c.shorten(&path, tries, given.seed).map_err(refused)?,
+                    Some(path) => c
+                        .shorten_with_progress(&path, tries, given.seed, &mut |p| reporter.report(p))
+                        .map_err(refused)?,
                     None => Path::new(),
                 }
             });
             object.path = path;
+            reporter.finish()?;
             count.write(object.path.len());
             Ok(())
         })

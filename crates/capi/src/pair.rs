@@ -432,9 +432,9 @@ pub unsafe extern "C" fn lc_pair_ask_many(
 /// Writes whether the geometries of a pair are at most `distance` apart: 0 no, 1 yes,
 /// `LC_UNDECIDED` unknown.
 ///
-/// With a distance of zero: whether they share a point. For a negative distance and for NaN the
-/// answer is no. Exact for polyhedra and meshes; only a Bézier surface leaves it undecided. For
-/// other curved geometries, what the bounds do not decide is yes.
+/// With a distance of zero: whether they share a point. For a negative distance the answer is no,
+/// and NaN is `LC_REFUSED`. Exact for polyhedra and meshes; only a Bézier surface leaves it
+/// undecided. For other curved geometries, what the bounds do not decide is yes.
 ///
 /// # Safety
 /// `pose_a` and `pose_b` point to poses, `out` to a number.
@@ -453,6 +453,9 @@ pub unsafe extern "C" fn lc_pair_within(
         let pose_b = unsafe { Given::one(pose_b, "pose_b") }?;
         // SAFETY: by the caller's contract.
         let out = unsafe { Place::new(out, "out") }?;
+        if distance.is_nan() {
+            return Err(refused("distance is NaN (expected a number)"));
+        }
         let pose = relative(&pose_a, &pose_b)?;
         PAIRS.with(pair.id, |Pair { a, b, tracker }| {
             let decision = tracker.decide_within(&*a, &*b, &pose, distance, &QueryOptions::new());

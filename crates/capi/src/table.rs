@@ -36,6 +36,8 @@ struct Slot<T> {
 struct Vacant {
     free: Vec<u32>,
     fresh: usize,
+    /// The slots whose generations ran out.
+    retired: usize,
 }
 
 /// The objects of one kind.
@@ -105,6 +107,7 @@ impl<T> Table<T> {
         let vacant = Vacant {
             free: Vec::new(),
             fresh: 0,
+            retired: 0,
         };
         Self {
             kind,
@@ -218,7 +221,7 @@ impl<T> Table<T> {
     /// Returns the number of objects.
     pub(crate) fn live(&self) -> usize {
         let vacant = self.vacant.lock().unwrap_or_else(PoisonError::into_inner);
-        vacant.fresh - vacant.free.len()
+        vacant.fresh - vacant.free.len() - vacant.retired
     }
 
     /// Returns the object of a claim, whose handle is stale from now on.
@@ -230,11 +233,14 @@ impl<T> Table<T> {
         let next = ((claim.idle >> 1) + 1) & GENERATIONS;
         claim.idle = next << 1;
         drop(claim);
-        // A slot whose generations ran out is never used again, so no handle comes back.
-        if next != self.first_generation() {
-            let mut vacant = self.vacant.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut vacant = self.vacant.lock().unwrap_or_else(PoisonError::into_inner);
+        if next == self.first_generation() {
+            // The generations of the slot ran out: no handle comes back.
+            vacant.retired += 1;
+        } else {
             vacant.free.push((handle & 0xff_ffff) as u32);
         }
+        drop(vacant);
         value
     }
 
@@ -335,6 +341,26 @@ mod tests {
         }
         assert!(old.iter().all(|&h| cause(TABLE.claim(h)) == Some(Cause::Stale)));
         assert_eq!(TABLE.vacant.lock().unwrap().fresh, 1);
+    }
+
+    #[test]
+    fn a_slot_whose_generations_ran_out_is_neither_live_nor_used_again() {
+        static TABLE: Table<u32> = Table::new(7, "number");
+        let first = TABLE.insert(1).unwrap();
+        TABLE.free(first).unwrap();
+        // The last generation but one, which is that of an unused slot.
+        let (slot, _) = TABLE.slot(first).unwrap();
+        let last_unused = TABLE.first_generation().wrapping_sub(2) & GENERATIONS;
+        slot.state.store(last_unused << 1, Ordering::Release);
+        let last = TABLE.insert(2).unwrap();
+        assert_eq!((last & 0xff_ffff, TABLE.live()), (first & 0xff_ffff, 1));
+        TABLE.free(last).unwrap();
+        assert_eq!(TABLE.live(), 0);
+        for h in [first, last] {
+            assert_eq!(cause(TABLE.claim(h)), Some(Cause::Stale));
+        }
+        let next = TABLE.insert(3).unwrap();
+        assert_eq!((next & 0xff_ffff, TABLE.live()), ((first & 0xff_ffff) + 1, 1));
     }
 
     #[test]

@@ -76,6 +76,7 @@ static void pairs() {
   const lc_answer local = pair.ask(at(1, 2, 3), at(2.5, 2, 3), LC_DISTANCE | LC_POINTS | LC_BODY_FRAMES);
   TRUE(std::fabs(local.point_on_b[0] + .5) < 1e-12);
   TRUE(pair.intersects(identity, at(1, 0, 0)) == true && pair.within(identity, at(1.5, 0, 0), .25) == false);
+  TRUE(status_of([&] { pair.within(identity, identity, std::nan("")); }) == LC_REFUSED);
   TRUE(pair.contacts(identity, at(.99, 0, 0), .1).size() == 4);
   const lc_penetration depth = pair.penetration(identity, at(.75, 0, 0));
   TRUE(depth.lower <= .25 && .25 <= depth.upper && depth.upper < .2500001);
@@ -110,6 +111,11 @@ static void checkers() {
   TRUE(path.size() >= 6 && copy.certify_path(path).state == LC_FREE);
   const lc_plan_options options{};
   TRUE(status_of([&] { copy.plan(a, b, options, [](const char *, std::uint64_t, std::uint64_t) { return false; }); }) == LC_STOPPED);
+  /* Stopped in the second stage: the path so far. */
+  const auto second = [](const char *stage, std::uint64_t, std::uint64_t) { return std::string(stage) != "shortcuts"; };
+  TRUE(status_of([&] { copy.plan(a, b, options, second); }) == LC_STOPPED);
+  TRUE(copy.path().size() >= path.size() && copy.certify_path(copy.path()).state == LC_FREE);
+  TRUE(checker.limits()[0] == std::vector<double>(3, -9) && checker.limits()[1] == std::vector<double>(3, 9));
   TRUE(status_of([&] { checker.find("wal"); }) == LC_REFUSED);
   TRUE(status_of([&] { checker.is_free(std::vector<double>(2)); }) == LC_ARGUMENT);
   checker.set_pair_margin(blocked.a, blocked.b, 2.5);

@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "lin_canny.h"
 #if defined(__x86_64__)
@@ -155,6 +157,14 @@ static void pairs(void) {
   EXPECT(lc_pair_contacts(p, &here, &touching, NAN, 0, contacts, sizeof *contacts, 2, &done), LC_REFUSED);
   EXPECT(lc_pair_contacts(p, &here, &touching, 0.1, 9, contacts, sizeof *contacts, 2, &done), LC_REFUSED);
   EXPECT(lc_pair_contacts(p, &here, &touching, 0.1, 0, contacts, 8, 2, &done), LC_ARGUMENT);
+  uint32_t within = 9;
+  EXPECT(lc_pair_within(p, &here, &there, NAN, &within), LC_REFUSED);
+  printf("within: %s\n", lc_last_error());
+  TRUE(within == 9);
+  EXPECT(lc_pair_within(p, &here, &there, INFINITY, &within), LC_OK);
+  TRUE(within == 1);
+  EXPECT(lc_pair_within(p, &here, &there, -INFINITY, &within), LC_OK);
+  TRUE(within == 0);
   /* A replay: the same answer again; a text that is none. */
   char *text = NULL;
   EXPECT(lc_pair_replay(p, &here, &there, &text), LC_OK);
@@ -299,6 +309,11 @@ struct back {
   lc_checker own;
   int calls, stop_at;
 };
+/* A callback that stops the call in its second stage. */
+static int32_t second(void *context, const char *stage, uint64_t done, uint64_t total) {
+  (void)context, (void)done, (void)total;
+  return strcmp(stage, "shortcuts") == 0;
+}
 static int32_t again(void *context, const char *stage, uint64_t done, uint64_t total) {
   struct back *b = context;
   (void)stage, (void)done, (void)total;
@@ -345,6 +360,24 @@ static void callbacks(void) {
   double path[3 * 64];
   EXPECT(lc_checker_path(b.own, path, 3, 64, &count), LC_OK);
   TRUE(count <= 64 && path[0] == -5 && path[3 * count - 3] == 5);
+  /* Stopped while the path is shortened: the path so far, whose segments are proven free. */
+  lc_plan_options options = {1, 0, 0, 1000, 0, LC_PLAN_RRT_CONNECT, 0};
+  lc_verdict verdict;
+  size_t length = count;
+  count = 7;
+  EXPECT(lc_checker_plan(b.own, start, goal, 3, &options, sizeof options, second, NULL, &count), LC_STOPPED);
+  TRUE(count == 7);
+  EXPECT(lc_checker_path(b.own, path, 3, 64, &count), LC_OK);
+  TRUE(count >= length && count <= 64 && path[0] == -5 && path[3 * count - 3] == 5);
+  EXPECT(lc_checker_certify_path(b.own, path, 3, count, &verdict, sizeof verdict), LC_OK);
+  TRUE(verdict.state == LC_FREE);
+  /* A caller that knows the first four options; a method that does not exist; too few options. */
+  EXPECT(lc_checker_plan(b.own, start, goal, 3, &options, 32, NULL, NULL, &count), LC_OK);
+  TRUE(count >= 2);
+  options.method = 3;
+  EXPECT(lc_checker_plan(b.own, start, goal, 3, &options, sizeof options, NULL, NULL, &count), LC_ARGUMENT);
+  printf("method: %s\n", lc_last_error());
+  EXPECT(lc_checker_plan(b.own, start, goal, 3, &options, 24, NULL, NULL, &count), LC_ARGUMENT);
   EXPECT(lc_checker_free(b.own), LC_OK);
   EXPECT(lc_geometry_free(g), LC_OK);
 }
@@ -381,6 +414,55 @@ static void modes(void) {
   EXPECT(lc_geometry_free(a), LC_OK);
   EXPECT(lc_geometry_free(b), LC_OK);
 }
+
+/* A system without memory for another thread: the call does the work alone, with the same bits. */
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define LIMITS 0
+#endif
+#elif defined(__SANITIZE_ADDRESS__)
+#define LIMITS 0
+#endif
+#ifndef LIMITS
+#define LIMITS 1
+#endif
+#if LIMITS
+static void *nothing(void *context) { return context; }
+static void no_threads(void) {
+  enum { ROWS = 64 };
+  const double bounds[6] = {-9, 9, -9, 9, -9, 9};
+  static double q[3 * ROWS];
+  static lc_near alone[ROWS], many[ROWS];
+  lc_geometry g = box(.5);
+  lc_checker check = {0};
+  lc_world_body wall;
+  memset(alone, 1, sizeof alone);
+  for (int k = 0; k < ROWS; ++k) q[3 * k] = 2 + .1 * k;
+  EXPECT(lc_checker_new_body(g, bounds, 0, &check), LC_OK);
+  EXPECT(lc_checker_obstacle_add(check, "wall", g, &here, &wall), LC_OK);
+  EXPECT(lc_checker_nearest_many(check, q, 3, ROWS, 1, 1, 1, alone, sizeof *alone, NULL), LC_OK);
+  unsigned long pages = 0;
+  FILE *file = fopen("/proc/self/statm", "r");
+  const int read = file ? fscanf(file, "%lu", &pages) : 0;
+  TRUE(read == 1);
+  if (file) fclose(file);
+  struct rlimit was, less;
+  TRUE(getrlimit(RLIMIT_AS, &was) == 0);
+  less = was;
+  less.rlim_cur = pages * (unsigned long)sysconf(_SC_PAGESIZE) + (1u << 20);
+  pthread_t thread;
+  TRUE(setrlimit(RLIMIT_AS, &less) == 0);
+  const int failed = pthread_create(&thread, NULL, nothing, NULL);
+  const lc_status status = lc_checker_nearest_many(check, q, 3, ROWS, 1, 1, 64, many, sizeof *many, NULL);
+  setrlimit(RLIMIT_AS, &was);
+  TRUE(failed != 0);
+  if (!failed) pthread_join(thread, NULL);
+  EXPECT(status, LC_OK);
+  TRUE(memcmp(alone, many, sizeof alone) == 0);
+  EXPECT(lc_checker_free(check), LC_OK);
+  EXPECT(lc_geometry_free(g), LC_OK);
+}
+#endif
 
 /* Threads: one pair by two of them, one geometry by all, a handle freed during calls. */
 static lc_pair shared;
@@ -535,7 +617,8 @@ static lc_status pair_call(int i, int j) {
   }
   lc_pose *pose = MAYBE(q);
   switch (any() % 12) {
-    case 0: case 1: return lc_pair_new(g[i], g[j], MAYBE(&p[any() % N]));
+    case 0: if (any() % 8 == 0) return lc_pair_reset(p[i]); /* fallthrough */
+    case 1: return lc_pair_new(g[i], g[j], MAYBE(&p[any() % N]));
     case 2: return lc_pair_free(p[i]);
     case 3: case 4: return lc_pair_ask(p[i], pose, &q[1], (uint32_t)any(), MAYBE(answers), size_of(sizeof *answers));
     case 5: {
@@ -610,12 +693,21 @@ static lc_status checker_call(int i, int j) {
   lc_world_body found[4];
   double low[8], high[8], gradients[64];
   uint8_t is_free[8];
-  size_t done, n = any() % 12 ? (any() % 2 ? 3 : 7) : any() % 9;
+  static const size_t coordinates[] = {2, 3, 3, 7};
+  size_t done, n = any() % 12 ? coordinates[any() % 4] : any() % 9;
   char *text = NULL;
   for (int m = 0; m < 3; ++m) q.translation[m] = 5 * v[m];
   if (any() % 32 == 0) q.rotation[any() % 4] = v[60];
   if (n == 7 && any() % 8) for (int k = 0; k < 4; ++k) v[7 * k + 3] = v[7 * k + 4] = v[7 * k + 5] = 0, v[7 * k + 6] = 1;
-  switch (any() % 22) {
+  switch (any() % 23) {
+    case 22: {
+      const char *packages[] = {".", "", "\xff"};
+      const char *paths[] = {"hostile.urdf", "hostile.srdf", "hostile.json", "hostile.urdf", "no such file", ".", "\xff"};
+      lc_robot_files files = {any() % 4 ? paths[0] : MAYBE(paths[any() % 7]), any() % 2 ? NULL : paths[any() % 7],
+                              any() % 2 ? NULL : paths[any() % 7], any() % 2 ? NULL : packages, any() % 4, any() % 8, 0};
+      if (!files.packages && any() % 8) files.package_count = 0;
+      return any() % 4 ? LC_OK : lc_checker_load(MAYBE(&files), size_of(sizeof files), MAYBE(&c[j]));
+    }
     case 0: return any() % 2 ? LC_OK : lc_checker_new_body(g[i], MAYBE(bounds), any() % 2 ? 0 : v[9], MAYBE(&c[j]));
     case 1: return any() % 8 ? LC_OK : lc_checker_free(c[i]);
     case 2: return any() % 4 ? LC_OK : lc_checker_copy(c[i], MAYBE(&c[j]));
@@ -639,7 +731,7 @@ static lc_status checker_call(int i, int j) {
     case 20: return any() % 2 ? lc_checker_certify_path(c[i], v, n, count_of(4), verdicts, size_of(sizeof *verdicts))
                               : lc_checker_certify_curve(c[i], v, n, count_of(4), verdicts, size_of(sizeof *verdicts));
     default: {
-      lc_plan_options o = {any(), 1 + any() % 3, 100, any() % 4};
+      lc_plan_options o = {any(), 1 + any() % 3, 100, any() % 4, 1 + any() % 9, any() % 16 ? any() % 3 : any(), 0};
       lc_status status = lc_checker_plan(c[i], v, MAYBE(v + 7), n, MAYBE(&o), size_of(sizeof o), NULL, NULL, &done);
       if (status == LC_OK) lc_checker_path(c[i], gradients, n, n ? 64 / n : 1, &done);
       return any() % 2 ? status : lc_checker_get_work(c[i], MAYBE(&work), size_of(sizeof work));
@@ -647,7 +739,24 @@ static lc_status checker_call(int i, int j) {
   }
 }
 
+static void file(const char *path, const char *text) {
+  FILE *out = fopen(path, "w");
+  TRUE(out && fputs(text, out) >= 0);
+  if (out) fclose(out);
+}
+
 static void fuzz(long calls) {
+  TRUE(lc_abi() == LC_ABI && strlen(lc_version()) > 4);
+  file("hostile.urdf",
+       "<robot name='two'><link name='body'><collision><geometry><box size='.2 .2 .2'/></geometry></collision></link>"
+       "<link name='upper'><collision><origin xyz='.5 0 0'/><geometry><box size='.5 .1 .1'/></geometry></collision></link>"
+       "<link name='lower'><collision><origin xyz='.5 0 0'/><geometry><sphere radius='.1'/></geometry></collision></link>"
+       "<joint name='one' type='revolute'><parent link='body'/><child link='upper'/><axis xyz='0 0 1'/>"
+       "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
+       "<joint name='two' type='prismatic'><parent link='upper'/><child link='lower'/><axis xyz='1 0 0'/>"
+       "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>");
+  file("hostile.srdf", "<robot name='two'><disable_collisions link1='body' link2='lower' reason='Never'/></robot>");
+  file("hostile.json", "{\"bodies\": [{\"name\": \"wall\", \"box\": {\"size\": [1, 1, 1]}, \"xyz\": [0, 2, 0]}]}");
   long by[8] = {0};
   for (int k = 0; k < N; ++k) g[k] = box(.25 + .01 * k);
   for (int k = 0; k < 4; ++k) EXPECT(lc_scene_new(&s[k]), LC_OK);
@@ -685,6 +794,9 @@ int main(int argc, char **argv) {
   scenes_and_checkers();
   callbacks();
   modes();
+#if LIMITS
+  if (!getenv("VALGRIND")) no_threads();
+#endif
   threads();
   copies(argv[1]);
   fuzz(atol(argv[2]));

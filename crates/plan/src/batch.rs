@@ -81,7 +81,7 @@ impl<C: ConfigurationSpace + Sync> Checker<C> {
     /// [`nearest`](Self::nearest), at most `columns`.
     ///
     /// `configurations` holds one configuration after another. The rows are shared among `threads`
-    /// threads, at least one. Each row has the bits that a new checker returns, for any number of
+    /// threads, at least one, and fewer if the system starts no more. Each row has the bits that a new checker returns, for any number of
     /// threads and any state of this checker.
     ///
     /// ```
@@ -122,12 +122,19 @@ impl<C: ConfigurationSpace + Sync> Checker<C> {
             let work = |(k, part): (usize, &'_ [f64])| self.near_rows(part, k * share, columns, slack);
             let mut parts = configurations.chunks(share * length).enumerate();
             let first = parts.next();
-            let others: Vec<_> = parts.map(|part| scope.spawn(move || work(part))).collect();
+            let others: Vec<_> = parts
+                .map(|part| {
+                    let thread = std::thread::Builder::new().spawn_scoped(scope, move || work(part));
+                    thread.map_err(|_| part)
+                })
+                .collect();
             let first = first.map(work);
-            // A thread that panics passes its panic on.
-            let joined = others
-                .into_iter()
-                .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+            let joined = others.into_iter().map(|thread| match thread {
+                // A thread that panics passes its panic on.
+                Ok(thread) => thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
+                // The system has no thread left: this one does the work.
+                Err(part) => work(part),
+            });
             first.into_iter().chain(joined).collect()
         });
         let mut all = NearPairs::with_rows(0, columns, self.space.degrees_of_freedom());

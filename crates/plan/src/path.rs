@@ -1,6 +1,6 @@
 //! Paths of straight segments: proof, length, shortening.
 
-use core::ops::Range;
+use core::ops::{ControlFlow, Range};
 use std::vec::Vec;
 
 use crate::checker::Checker;
@@ -10,7 +10,7 @@ use crate::extremes::Extremes;
 use crate::random::Random;
 use crate::space::{BodyBall, ConfigurationSpace, SegmentMotion};
 use crate::verdict::Verdict;
-use lin_canny::EXTENT_MAX;
+use lin_canny::{EXTENT_MAX, Progress};
 use nalgebra::Point3;
 
 /// A path: configurations that are joined by segments.
@@ -219,26 +219,57 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # Errors
     /// Returns an error if a configuration is invalid.
     pub fn shorten(&mut self, path: &[Vec<f64>], tries: usize, seed: u64) -> Result<Path, PlanError> {
+        self.shorten_with_progress(path, tries, seed, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Shortens a path as [`shorten`](Self::shorten) does, with a progress callback.
+    ///
+    /// The callback receives the number of shortcuts that were tried, before each one and between
+    /// the proofs that remove configurations. If it stops the call, the result is the path so far,
+    /// with the same guarantee.
+    ///
+    /// # Errors
+    /// As [`shorten`](Self::shorten).
+    pub fn shorten_with_progress(
+        &mut self,
+        path: &[Vec<f64>],
+        tries: usize,
+        seed: u64,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Path, PlanError> {
         let mut random = Random::new(seed);
         let mut path = Corners::new(path);
-        self.thin(&mut path)?;
-        for _ in 0..tries {
-            if path.nodes.len() < 3 {
-                break;
+        let mut report = |done| progress(Progress::new("shortcuts", done, Some(tries)));
+        if self.thin(&mut path, &mut || report(0))?.is_break() {
+            return Ok(path.nodes);
+        }
+        let mut done = 0;
+        while done < tries && path.nodes.len() > 2 {
+            if report(done).is_break() {
+                return Ok(path.nodes);
             }
             self.cut(&mut path, &mut random)?;
+            done += 1;
         }
-        self.thin(&mut path)?;
+        let _ = self.thin(&mut path, &mut || report(done))?;
         Ok(path.nodes)
     }
 
-    /// Removes configurations whose neighbours can be joined by a segment that is proven free.
-    fn thin(&mut self, path: &mut Corners) -> Result<(), PlanError> {
+    /// Removes configurations whose neighbours can be joined by a segment that is proven free, until
+    /// `report` stops it.
+    fn thin(
+        &mut self,
+        path: &mut Corners,
+        report: &mut dyn FnMut() -> ControlFlow<()>,
+    ) -> Result<ControlFlow<()>, PlanError> {
         let mut before = path.nodes.len() + 1;
         while path.nodes.len() < before {
             before = path.nodes.len();
             let mut k = 1;
             while k + 1 < path.nodes.len() {
+                if path.is_open[k] && report().is_break() {
+                    return Ok(ControlFlow::Break(()));
+                }
                 if path.is_open[k] && self.is_corner_spare(&path.nodes[k - 1..=k + 1])? {
                     path.replace(k..k + 1, []);
                 } else {
@@ -247,7 +278,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 }
             }
         }
-        Ok(())
+        Ok(ControlFlow::Continue(()))
     }
 
     /// Returns whether the first and the last of three configurations are joined by a segment that

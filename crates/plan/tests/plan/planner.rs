@@ -90,6 +90,51 @@ fn passages_are_found_for_twenty_seeds() {
     }
 }
 
+#[test]
+fn a_callback_follows_and_stops_the_shortening_of_a_path() {
+    let robot = cuboid(0.8, 0.1, 0.1);
+    let (space, [start, goal]) = truth::rooms::passage();
+    let mut checker = Checker::new(space, world(&robot, &wall(0.6))).expect("a world");
+    let path = checker.plan(&start, &goal, &options(0)).expect("free ends").path;
+    let path = path.expect("a wide passage");
+    checker.forget();
+    let whole = checker.shorten(&path, 60, 7).expect("a path");
+    let mut reports = Vec::new();
+    checker.forget();
+    let followed = checker.shorten_with_progress(&path, 60, 7, &mut |progress| {
+        reports.push(progress);
+        Progress::stop_if(false)
+    });
+    assert_eq!(followed.expect("a path"), whole);
+    assert!(
+        reports
+            .iter()
+            .all(|p| p.stage == "shortcuts" && p.total == Some(60) && p.done <= 60)
+    );
+    assert!(
+        reports.len() > 20 && reports.is_sorted_by_key(|p| p.done),
+        "{reports:?}"
+    );
+    let mut lengths = Vec::new();
+    for stop in (0..reports.len()).step_by(8) {
+        let mut calls = 0;
+        checker.forget();
+        let short = checker.shorten_with_progress(&path, 60, 7, &mut |_| {
+            calls += 1;
+            Progress::stop_if(calls > stop)
+        });
+        let short = short.expect("a path");
+        assert_eq!(calls, stop + 1);
+        assert!(checker.certify_path(&short).expect("a path").1.is_free());
+        assert_eq!((&short[0], &short[short.len() - 1]), (&start, &goal));
+        lengths.push(checker.path_length(&short));
+    }
+    assert!(
+        lengths.windows(2).all(|pair| pair[1] <= pair[0] * (1.0 + 1e-12)),
+        "{lengths:?}"
+    );
+}
+
 /// A closed wall, and a box with the goal inside: never a path.
 #[test]
 fn a_blocked_world_has_no_path() {
