@@ -18,7 +18,7 @@ use crate::world::{Named, World, WorldId, WorldPair};
 use lin_canny::broad::Aabb;
 use lin_canny::impact::{Cast, CastOptions, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
 use lin_canny::motion::{Motion, MotionModel};
-use lin_canny::separation::{Measurement, Separation};
+use lin_canny::separation::{Measurement, Proof, Separation};
 use lin_canny::{EXTENT_MAX, MovingPair, Operand, RelativePose};
 
 /// Width of the bracket of a contact, in units of the sum of both radii. Free segments that come
@@ -58,6 +58,8 @@ pub struct Checker<C> {
     pub(crate) candidates: Vec<usize>,
     stretches: Vec<Stretch>,
     placed: Vec<(Isometry3<f64>, MotionModel)>,
+    /// For each mover its swept boxes, each with the time at which it ends.
+    swept_boxes: Vec<Vec<(f64, Aabb)>>,
     pub(crate) poses: Vec<Isometry3<f64>>,
     /// Pairs that were not free at single configurations, the latest first.
     pub(crate) hits: Vec<usize>,
@@ -110,6 +112,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             candidates: Vec::new(),
             stretches: Vec::new(),
             placed: Vec::new(),
+            swept_boxes: Vec::new(),
             poses: Vec::new(),
             hits: Vec::new(),
             order: Vec::new(),
@@ -553,11 +556,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// queries.
     pub(crate) fn judged_curve(&mut self, curve: &JointCurve, any: bool) -> Result<Verdict, PlanError> {
         let motion = self.curve(curve)?;
-        // Contacts that are left have their times on the curve, and obstacles that move theirs.
-        let is_timeless = self.start_contact_margin.is_none() && self.world.motions.is_empty();
-        let straight = curve.straightened().filter(|_| is_timeless);
-        if let Some(straight) = straight {
-            let verdict = self.judged(&self.space.curve(&straight)?, true)?;
+        if let Some(straight) = self.straightened(curve)? {
+            let verdict = self.judged(&straight, true)?;
             if verdict.is_free() {
                 return Ok(verdict);
             }
@@ -566,17 +566,43 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.judged(&motion, any)
     }
 
+    /// Returns the motion along the straight segment on which a curve stays, if its proof is one of
+    /// the curve: contacts that are left have their times on the curve, and obstacles that move theirs.
+    fn straightened(&self, curve: &JointCurve) -> Result<Option<C::Segment>, PlanError> {
+        if self.start_contact_margin.is_some() || !self.world.motions.is_empty() {
+            return Ok(None);
+        }
+        let straight = curve.straightened();
+        straight.map(|straight| self.space.curve(&straight)).transpose()
+    }
+
     /// Returns the proof that a curve is free: see [`prove`](Self::prove).
     ///
     /// The certificates hold at the times of the curve. Very close to contact, a curve that stays on
-    /// a straight segment may be free without such a proof: then [`prove`](Self::prove) proves the
+    /// a straight segment may be proven only as the segment, whose times differ: then each pair has
+    /// one certificate of the kind [`Proof::Own`], and [`prove`](Self::prove) returns those of the
     /// segment between its ends.
     ///
     /// # Errors
     /// Returns an error as [`certify_curve`](Self::certify_curve) does.
     pub fn prove_curve(&mut self, curve: &JointCurve) -> Result<Option<Vec<PairProof>>, PlanError> {
         let motion = self.curve(curve)?;
-        self.proven(&motion, 1.0)
+        let proofs = self.proven(&motion, 1.0)?;
+        let None = proofs else { return Ok(proofs) };
+        let Some(straight) = self.straightened(curve)? else {
+            return Ok(None);
+        };
+        let mut proofs = self.proven(&straight, 1.0)?;
+        for proof in proofs.iter_mut().flatten() {
+            let distance = proof.certificates.iter().map(|c| c.distance);
+            let distance = distance.fold(f64::INFINITY, f64::smaller);
+            // The last certificate ends at 1.
+            if let Some(mut whole) = proof.certificates.pop() {
+                (whole.from, whole.distance, whole.proof) = (0.0, distance, Proof::Own);
+                proof.certificates = std::vec![whole];
+            }
+        }
+        Ok(proofs)
     }
 
     /// Returns the motion along a curve, after a check of the curve, and sets the motions of the
@@ -616,8 +642,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         found
     }
 
-    /// Collects the pairs whose swept boxes overlap, with their times; the earliest first. The boxes of
-    /// two bodies that move with the robot are those of the whole motion.
+    /// Collects the pairs whose swept boxes overlap, with their times; the earliest first.
     fn gather(&mut self, segment: &C::Segment, stretches: &mut Vec<Stretch>) -> Result<(), PlanError> {
         stretches.clear();
         let longest = 1.0 / f64::from(self.parts(segment));
@@ -629,21 +654,27 @@ impl<C: ConfigurationSpace> Checker<C> {
         // The time up to which each mover has boxes.
         let balls = self.pairs.mover_balls.iter();
         let mut reached: Vec<f64> = balls.map(|ball| if ball.is_some() { 0.0 } else { 1.0 }).collect();
-        // Boxes of the whole motion, grown by half of what pairs of movers must keep.
+        // Boxes of each mover are grown by half of what pairs of movers must keep.
         let kept = self.pairs.own.values().map(|&pair| self.pairs.all[pair].kept);
         let kept = 0.5 * (kept.fold(0.0, f64::larger) + self.start_contact_margin.unwrap_or_default());
-        let mut whole: Vec<Option<Aabb>> = std::vec![None; reached.len()];
+        let mut swept_boxes = core::mem::take(&mut self.swept_boxes);
+        swept_boxes.resize_with(reached.len(), Vec::new);
+        swept_boxes.iter_mut().for_each(Vec::clear);
         let mut time = 0.0;
+        let (mut due, mut bodies) = (Vec::new(), Vec::new());
         while time < 1.0 {
             let span = span_at(time).smaller(longest);
-            segment.placed_all(self.pairs.places.bodies, time, span, &mut self.placed);
-            for (mover, reached) in reached.iter_mut().enumerate() {
-                let Some(ball) = self.pairs.mover_balls[mover].filter(|_| *reached == time) else {
+            due.clear();
+            due.extend((0..reached.len()).filter(|&mover| reached[mover] == time));
+            bodies.clear();
+            bodies.extend(due.iter().map(|&mover| self.pairs.places.carrier(mover).0));
+            segment.placed_all(&bodies, time, span, &mut self.placed);
+            for (&mover, of_body) in due.iter().zip(&self.placed) {
+                let Some(ball) = self.pairs.mover_balls[mover] else {
                     continue;
                 };
                 let (body, carried) = self.pairs.places.carrier(mover);
-                let of_body = self.placed[body];
-                let (pose, model) = carried.map_or(of_body, |carried| carried.after(&of_body));
+                let (pose, model) = carried.map_or(*of_body, |carried| carried.after(of_body));
                 let until = time + even_span(ball, &model, span);
                 let swept = SweptBox::new(ball, &pose, &model, until - time);
                 let more = match self.joint_tube.is_empty() {
@@ -655,21 +686,27 @@ impl<C: ConfigurationSpace> Checker<C> {
                     }
                 };
                 self.pairs.near_within(mover, &swept, more, (time, until), stretches)?;
-                let grown = swept.grown(more + kept);
-                whole[mover] = Some(whole[mover].map_or(grown, |whole| whole.united(&grown)));
-                *reached = until;
+                if !self.pairs.own.is_empty() {
+                    swept_boxes[mover].push((until, swept.grown(more + kept)));
+                }
+                reached[mover] = until;
             }
             time = reached.iter().copied().fold(1.0, f64::smaller);
         }
         let pairs = &self.pairs;
-        let is_near = |a: usize, b: usize| whole[a].zip(whole[b]).is_none_or(|(a, b)| a.overlaps(&b));
-        let near = pairs.own.iter().filter(|((a, b), _)| is_near(*a, *b));
-        stretches.extend(near.map(|(_, &pair)| Stretch {
-            pair,
-            key: pairs.all[pair].key,
-            from: 0.0,
-            until: 1.0,
-        }));
+        let near = pairs.own.iter().filter_map(|(&(a, b), &pair)| {
+            let near = overlap_times(&swept_boxes[a], &swept_boxes[b])?;
+            // A pair that is in contact at the start is followed until the end.
+            let [from, until] = if self.start_contact_margin.is_none() {
+                near
+            } else {
+                [0.0, 1.0]
+            };
+            let key = pairs.all[pair].key;
+            Some(Stretch { pair, key, from, until })
+        });
+        stretches.extend(near);
+        self.swept_boxes = swept_boxes;
         if longest < 1.0 && self.start_contact_margin.is_none() {
             cut(stretches, longest);
         }
@@ -857,6 +894,29 @@ fn body_ball((centre, radius): (Point3<f64>, f64), body: usize, carried: Option<
         centre: carried.pose * centre,
         radius: radius + ATTACHED * length,
     }
+}
+
+/// Returns the start of the first and the end of the last interval in which the swept boxes of two
+/// bodies overlap. Each box is given with the time at which it ends; a body without boxes may be
+/// anywhere.
+fn overlap_times(a: &[(f64, Aabb)], b: &[(f64, Aabb)]) -> Option<[f64; 2]> {
+    if a.is_empty() || b.is_empty() {
+        return Some([0.0, 1.0]);
+    }
+    let (mut rest, mut from, mut found) = ([a, b], 0.0, None);
+    while let [[(end_a, box_a), ..], [(end_b, box_b), ..]] = rest {
+        let until = end_a.smaller(*end_b);
+        if box_a.overlaps(box_b) {
+            found = Some([found.map_or(from, |[first, _]: [f64; 2]| first), until]);
+        }
+        for (rest, end) in rest.iter_mut().zip([*end_a, *end_b]) {
+            if end == until {
+                *rest = &rest[1..];
+            }
+        }
+        from = until;
+    }
+    found
 }
 
 /// Returns equal parts of the times 0 to 1.

@@ -80,8 +80,18 @@ pub(crate) struct RowBounds {
     pub(crate) error: f64,
 }
 
+/// A coordinate of a curve at a time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CurveState {
+    /// Value and first two derivatives.
+    pub(crate) values: [f64; 3],
+    /// For each nested part of the span, upper bounds of the first three derivatives.
+    pub(crate) bounds: [[f64; 3]; PARTS],
+}
+
 /// Makes one round after the other of de Casteljau's algorithm in place: leaves the control points
 /// of the part from `t` on, so the first is the value at `t`.
+#[inline(always)]
 fn later(row: &mut [f64], t: f64) {
     for last in (1..row.len()).rev() {
         for k in 0..last {
@@ -91,6 +101,7 @@ fn later(row: &mut [f64], t: f64) {
 }
 
 /// Leaves the control points of the part up to `t`.
+#[inline(always)]
 fn earlier(row: &mut [f64], t: f64) {
     for first in 1..row.len() {
         for k in (first..row.len()).rev() {
@@ -99,6 +110,34 @@ fn earlier(row: &mut [f64], t: f64) {
     }
 }
 
+#[inline(always)]
+fn value_at(row: &mut [f64], time: f64) -> f64 {
+    later(row, time);
+    row[0]
+}
+
+/// Returns the value at a time, and the greatest absolute control points of the part behind it, of
+/// its first half and of its first quarter. The part is a fraction of what is left.
+#[inline(always)]
+fn part_of(row: &mut [f64], [time, part]: [f64; 2], used: usize) -> (f64, [f64; PARTS]) {
+    let last = row[row.len() - 1];
+    if time > 0.0 {
+        later(row, time);
+    }
+    // The end is the last control point, without rounding.
+    let value = if time == 1.0 { last } else { row[0] };
+    if part < 1.0 {
+        earlier(row, part);
+    }
+    let mut all = [most(row); PARTS];
+    for bound in &mut all[1..used] {
+        earlier(row, 0.5);
+        *bound = most(row);
+    }
+    (value, all)
+}
+
+#[inline(always)]
 fn most(row: &[f64]) -> f64 {
     row.iter().fold(0.0, |most, x| most.larger(x.abs()))
 }
@@ -576,12 +615,13 @@ impl JointCurve {
             // The end is the last control point, without rounding.
             [.., last] if time == 1.0 => last,
             [from, to] => from + (to - from) * time,
+            [a, b, c, d] => value_at(&mut [a, b, c, d], time),
+            [a, b, c, d, e, f] => value_at(&mut [a, b, c, d, e, f], time),
             _ => {
                 let mut row: Row = [0.0; DEGREE_MAX + 1];
                 let row = &mut row[..points.len()];
                 row.copy_from_slice(points);
-                later(row, time);
-                row[0]
+                value_at(row, time)
             }
         }
     }
@@ -592,41 +632,41 @@ impl JointCurve {
         ARM_VALUE * self.degree as f64
     }
 
-    /// Returns upper bounds of the first three derivatives of a coordinate over nested parts of a
-    /// span: all of it, its first half, its first quarter.
-    pub(crate) fn nested(&self, c: usize, time: f64, span: f64) -> [[f64; 3]; PARTS] {
-        let mut all = [[0.0; 3]; PARTS];
+    /// Returns a coordinate at a time: its value, its first two derivatives, and upper bounds of its
+    /// first three derivatives over the first `used` nested parts of a span.
+    pub(crate) fn state(&self, c: usize, time: f64, span: f64, used: usize) -> CurveState {
+        let mut state = CurveState {
+            values: [self.value(c, 0, time), 0.0, 0.0],
+            bounds: [[0.0; 3]; PARTS],
+        };
         let of = &self.bounds[c];
         let n = self.degree as f64;
         let until = (time + span).smaller(1.0);
         let part = if time < 1.0 { (until - time) / (1.0 - time) } else { 1.0 };
+        let times = [time, if until < 1.0 { part } else { 1.0 }];
         for order in 1..4.min(self.degree + 1) {
             let powers = [0.0, 0.0, n, n * n][order];
             let error = CURVE_PART * n * of.most[order] + CURVE_DIFFERENCE * powers * of.most[1];
-            let points = self.row(c, order);
-            if let [only] = *points {
-                for bounds in &mut all {
-                    bounds[order - 1] = only.abs() + error;
+            let (value, most) = match *self.row(c, order) {
+                [only] => (only, [only.abs(); PARTS]),
+                [a, b] => part_of(&mut [a, b], times, used),
+                [a, b, c] => part_of(&mut [a, b, c], times, used),
+                [a, b, c, d] => part_of(&mut [a, b, c, d], times, used),
+                [a, b, c, d, e] => part_of(&mut [a, b, c, d, e], times, used),
+                ref points => {
+                    let mut row: Row = [0.0; DEGREE_MAX + 1];
+                    row[..points.len()].copy_from_slice(points);
+                    part_of(&mut row[..points.len()], times, used)
                 }
-                continue;
+            };
+            if order < 3 {
+                state.values[order] = value;
             }
-            let mut row: Row = [0.0; DEGREE_MAX + 1];
-            let row = &mut row[..points.len()];
-            row.copy_from_slice(points);
-            if time > 0.0 {
-                later(row, time);
-            }
-            if until < 1.0 {
-                earlier(row, part);
-            }
-            for (k, bounds) in all.iter_mut().enumerate() {
-                if k > 0 {
-                    earlier(row, 0.5);
-                }
-                bounds[order - 1] = most(row) + error;
+            for (bounds, most) in state.bounds[..used].iter_mut().zip(most) {
+                bounds[order - 1] = most + error;
             }
         }
-        all
+        state
     }
 
     /// Returns the straight segment between the ends, if the curve stays on it up to rounding and does

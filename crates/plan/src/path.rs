@@ -25,25 +25,55 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # Errors
     /// Returns an error if the path is empty or a configuration is invalid.
     pub fn certify_path(&mut self, path: &[Vec<f64>]) -> Result<(usize, Verdict), PlanError> {
-        let first = path.first().ok_or(PlanError::Empty)?;
-        if path.len() == 1 {
-            return Ok((0, self.certify(first, first)?));
-        }
+        let found = self.certify_path_with_progress(path, &mut |_| ControlFlow::Continue(()))?;
+        found.ok_or(PlanError::Empty)
+    }
+
+    /// Returns the verdict on a path as [`certify_path`](Self::certify_path) does, with a progress
+    /// callback.
+    ///
+    /// The callback is called before each segment. If it stops the call, the result is `None`.
+    ///
+    /// # Errors
+    /// Returns an error as [`certify_path`](Self::certify_path) does.
+    pub fn certify_path_with_progress(
+        &mut self,
+        path: &[Vec<f64>],
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Option<(usize, Verdict)>, PlanError> {
+        let last = path.len().checked_sub(1).ok_or(PlanError::Empty)?;
+        self.first_not_free("segments", last.max(1), progress, |checker, k| {
+            checker.certify(&path[k], &path[last.min(k + 1)])
+        })
+    }
+
+    /// Returns the index of the first motion that is not free, with its verdict, or the verdict on
+    /// all; `None` if the callback stops the call.
+    fn first_not_free(
+        &mut self,
+        what: &'static str,
+        count: usize,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+        mut certify: impl FnMut(&mut Self, usize) -> Result<Verdict, PlanError>,
+    ) -> Result<Option<(usize, Verdict)>, PlanError> {
         let mut contacts = Vec::new();
-        for (k, ends) in path.windows(2).enumerate() {
-            match self.certify(&ends[0], &ends[1])? {
+        for k in 0..count {
+            if progress(Progress::new(what, k, Some(count))).is_break() {
+                return Ok(None);
+            }
+            match certify(self, k)? {
                 Verdict::Free { start_contacts, .. } => contacts.extend(start_contacts),
-                verdict => return Ok((k, verdict)),
+                verdict => return Ok(Some((k, verdict))),
             }
         }
         let (clearance, start_contacts) = (self.pairs.least_kept, contacts);
-        Ok((
+        Ok(Some((
             0,
             Verdict::Free {
                 clearance,
                 start_contacts,
             },
-        ))
+        )))
     }
 
     /// Returns the verdict for a tube around a segment.
@@ -102,6 +132,22 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns an error if there is no curve, if a curve does not start where and when the one before
     /// ends ([`PlanError::CurveJump`], [`PlanError::CurveTime`]), or as [`certify_curve`](Self::certify_curve) does.
     pub fn certify_spline(&mut self, curves: &[JointCurve]) -> Result<(usize, Verdict), PlanError> {
+        let found = self.certify_spline_with_progress(curves, &mut |_| ControlFlow::Continue(()))?;
+        found.ok_or(PlanError::Empty)
+    }
+
+    /// Returns the verdict on a spline as [`certify_spline`](Self::certify_spline) does, with a
+    /// progress callback.
+    ///
+    /// The callback is called before each curve. If it stops the call, the result is `None`.
+    ///
+    /// # Errors
+    /// Returns an error as [`certify_spline`](Self::certify_spline) does.
+    pub fn certify_spline_with_progress(
+        &mut self,
+        curves: &[JointCurve],
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Option<(usize, Verdict)>, PlanError> {
         if curves.is_empty() {
             return Err(PlanError::Empty);
         }
@@ -118,21 +164,9 @@ impl<C: ConfigurationSpace> Checker<C> {
                 return Err(PlanError::CurveTime { index, start, end });
             }
         }
-        let mut contacts = Vec::new();
-        for (k, curve) in curves.iter().enumerate() {
-            match self.certify_curve(curve)? {
-                Verdict::Free { start_contacts, .. } => contacts.extend(start_contacts),
-                verdict => return Ok((k, verdict)),
-            }
-        }
-        let (clearance, start_contacts) = (self.pairs.least_kept, contacts);
-        Ok((
-            0,
-            Verdict::Free {
-                clearance,
-                start_contacts,
-            },
-        ))
+        self.first_not_free("curves", curves.len(), progress, |checker, k| {
+            checker.certify_curve(&curves[k])
+        })
     }
 
     /// Returns the verdict for a tube of joints around a curve.

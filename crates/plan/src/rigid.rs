@@ -103,7 +103,7 @@ impl SegmentMotion for RigidSegment {
         }
     }
 
-    fn placed_all(&self, bodies: usize, time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
+    fn placed_all(&self, bodies: &[usize], time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
         match &self.0 {
             Way::Straight(motion) => motion.placed_all(bodies, time, span, placed),
             Way::Curve(motion) => motion.placed_all(bodies, time, span, placed),

@@ -227,11 +227,10 @@ pub trait SegmentMotion {
         (self.pose(body, time), self.model(body, time, span))
     }
 
-    /// Writes the pose of each of the first `bodies` bodies in the world, and its motion model from
-    /// this time on.
-    fn placed_all(&self, bodies: usize, time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
+    /// Writes the pose of each of these bodies in the world, and its motion model from this time on.
+    fn placed_all(&self, bodies: &[usize], time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
         placed.clear();
-        placed.extend((0..bodies).map(|body| self.placed(0, body, time, span)));
+        placed.extend(bodies.iter().map(|&body| self.placed(0, body, time, span)));
     }
 
     /// Returns the number of equal parts of the time in each of which bounds are worth asking for,

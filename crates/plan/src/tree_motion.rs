@@ -34,7 +34,7 @@
 //! `ARM_VALUE`. They are bounded once for the whole curve. The bounds in the world are used for all
 //! frames, where they are larger.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
@@ -55,6 +55,9 @@ const TURNED: f64 = 1.0;
 /// Rotation of all joints, in radians at the greatest rate, beyond which a curve is cut for casts.
 /// On 14 joints from rest to rest, a proof takes 857 queries without cuts, and 43 with them.
 const CUT: f64 = 8.0;
+
+/// Product of span and degree up to which bounds are those of the whole span, not of nested parts.
+const EVEN: f64 = 1.0;
 
 /// Largest number of parts of a curve for casts. Not measured.
 const CUTS: u32 = 32;
@@ -151,77 +154,90 @@ pub struct TreeSegment {
     tree: LinkTree,
     bodies: Arc<TreeBodies>,
     curve: JointCurve,
-    parts: u32,
     /// Bounds of each link over the whole curve.
     whole: Vec<WholeBounds>,
-    /// Pose and motion model of each body over the first part, where the first query of every pair
-    /// is.
-    begin: Vec<(Isometry3<f64>, MotionModel)>,
+    /// For each part of the curve, once it is needed, pose and motion model of each body at the
+    /// start of the part, where the first queries of most pairs are.
+    starts: Vec<OnceLock<Vec<(Isometry3<f64>, MotionModel)>>>,
 }
 
 impl TreeSegment {
     pub(crate) fn new(tree: &LinkTree, bodies: &Arc<TreeBodies>, curve: JointCurve) -> Self {
-        let mut segment = Self {
-            parts: parts(tree, &curve),
-            whole: Vec::with_capacity(tree.joints().len() + 1),
-            begin: Vec::with_capacity(bodies.links.len()),
+        let mut whole = Vec::with_capacity(tree.joints().len() + 1);
+        whole.push(WholeBounds::new(tree.base()));
+        for (index, joint) in tree.joints().iter().enumerate() {
+            let mut link: WholeBounds = whole[joint.parent];
+            link.pass(joint, tree.0.lengths[index], &curve);
+            whole.push(link);
+        }
+        let turned = whole.iter().map(|link| link.turned).fold(0.0, f64::larger);
+        Self {
+            starts: std::vec![OnceLock::new(); parts(&curve, turned)],
+            whole,
             tree: tree.clone(),
             bodies: bodies.clone(),
             curve,
-        };
-        segment.whole.push(WholeBounds::new(tree.base()));
-        for (index, joint) in tree.joints().iter().enumerate() {
-            let mut link = segment.whole[joint.parent];
-            link.pass(joint, tree.0.lengths[index], &segment.curve);
-            segment.whole.push(link);
         }
-        let mut begin = core::mem::take(&mut segment.begin);
-        segment.outward(bodies.links.len(), 0.0, segment.first_span(), &mut begin);
-        segment.begin = begin;
-        segment
     }
 
-    /// Returns the longest span over which the models at the start hold.
-    fn first_span(&self) -> f64 {
-        (1.0 / f64::from(self.parts)).next_up()
+    /// Returns pose and motion model of each body if they are shared by all queries of this span: at
+    /// the start of a part. Bounds of a straight segment hold for all spans; others are too large for
+    /// a much shorter span.
+    fn start(&self, time: f64, span: f64) -> Option<&[(Isometry3<f64>, MotionModel)]> {
+        let parts = self.starts.len() as f64;
+        let first = (1.0 / parts).next_up();
+        let is_whole = span <= first && span > 0.5 * first;
+        if !(is_whole || (time == 0.0 && self.curve.degree() == 1)) {
+            return None;
+        }
+        let part = (time * parts) as usize;
+        if part as f64 != time * parts {
+            return None;
+        }
+        let all = || {
+            let bodies: Vec<usize> = (0..self.bodies.links.len()).collect();
+            let mut placed = Vec::with_capacity(bodies.len());
+            self.outward(&bodies, time, first, &mut placed);
+            placed
+        };
+        Some(self.starts.get(part)?.get_or_init(all))
     }
 
-    /// Returns whether to use the models at the start for a span. Bounds of a straight segment hold
-    /// for all spans; others are too large for a much shorter span.
-    fn is_begin(&self, time: f64, span: f64) -> bool {
-        let first = self.first_span();
-        time == 0.0 && (self.curve.degree() == 1 || (span <= first && span > 0.5 * first))
-    }
-
-    /// Writes pose and model of each body in the world, by one recursion over all links.
-    fn outward(&self, bodies: usize, time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
+    /// Writes pose and model of bodies in the world, by one recursion over the links that move them.
+    fn outward(&self, bodies: &[usize], time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
         placed.clear();
         let joints = self.tree.joints();
+        let mut is_needed = std::vec![false; joints.len() + 1];
+        for &body in bodies {
+            is_needed[self.bodies.links[body]] = true;
+        }
+        for (index, joint) in joints.iter().enumerate().rev() {
+            is_needed[joint.parent] |= is_needed[index + 1];
+        }
         let mut links = Vec::with_capacity(joints.len() + 1);
-        links.push(LinkMotion::new(*self.tree.base()));
+        links.push(LinkMotion::new(*self.tree.base(), used_parts(&self.curve, span)));
         for (index, joint) in joints.iter().enumerate() {
             let mut link: LinkMotion = links[joint.parent];
-            link.pass(joint, self.tree.0.lengths[index], &self.curve, time, span);
+            if is_needed[index + 1] {
+                link.pass(joint, self.tree.0.lengths[index], &self.curve, time, span);
+            }
             links.push(link);
         }
-        placed.extend((0..bodies).map(|body| {
+        placed.extend(bodies.iter().map(|&body| {
             let link = &links[self.bodies.links[body]];
             (link.pose, link.model(self, body, span))
         }));
     }
 }
 
-/// Returns the number of parts into which casts along a curve are cut.
-fn parts(tree: &LinkTree, curve: &JointCurve) -> u32 {
-    if curve.degree() == 1 {
-        return 1;
-    }
-    let turned: f64 = tree.joints().iter().map(|joint| turned(joint, curve)).sum();
+/// Returns the number of parts into which casts along a curve are cut, if no body is rotated by more
+/// than `turned` at the greatest rates.
+fn parts(curve: &JointCurve, turned: f64) -> usize {
     let mut parts = 1;
-    while parts < CUTS && turned > CUT * f64::from(parts) {
+    while curve.degree() > 1 && parts < CUTS && turned > CUT * f64::from(parts) {
         parts *= 2;
     }
-    parts
+    parts as usize
 }
 
 /// Returns the rotation by a joint at its greatest rate.
@@ -243,15 +259,23 @@ fn farthest(joint: &TreeJoint, curve: &JointCurve) -> f64 {
     }
 }
 
-/// Returns the number of nested parts whose bounds differ: one along a straight segment.
-fn used_parts(curve: &JointCurve) -> usize {
-    if curve.degree() == 1 { 1 } else { PARTS }
+/// Returns the number of nested parts whose bounds are worth their cost: one along a straight segment
+/// or over a short span, on which derivatives change little.
+fn used_parts(curve: &JointCurve, span: f64) -> usize {
+    let degree = curve.degree();
+    if degree == 1 || span * degree as f64 <= EVEN {
+        1
+    } else {
+        PARTS
+    }
 }
 
 impl SegmentMotion for TreeSegment {
     fn pose(&self, body: usize, time: f64) -> Isometry3<f64> {
-        if time == 0.0 {
-            return self.begin[body].0;
+        if time == 0.0
+            && let Some(start) = self.start(0.0, 1.0 / self.starts.len() as f64)
+        {
+            return start[body].0;
         }
         let path = self.tree.path(self.bodies.links[body]);
         path.fold(*self.tree.base(), |pose, (_, joint)| {
@@ -267,36 +291,38 @@ impl SegmentMotion for TreeSegment {
     fn stem(&self, a: usize, b: usize) -> usize {
         let stem = self.tree.stem(self.bodies.links[a], self.bodies.links[b]);
         // If the stem hardly rotates, use the world frame, whose start is cached.
-        let each = self.tree.path(stem).map(|(_, joint)| turned(joint, &self.curve));
-        if each.sum::<f64>() > TURNED { stem } else { 0 }
+        if self.whole[stem].turned > TURNED { stem } else { 0 }
     }
 
     fn placed(&self, stem: usize, body: usize, time: f64, span: f64) -> (Isometry3<f64>, MotionModel) {
-        if stem == 0 && self.is_begin(time, span) {
-            return self.begin[body];
+        if stem == 0
+            && let Some(start) = self.start(time, span)
+        {
+            return start[body];
         }
         let (start, shared) = match stem {
             0 => (*self.tree.base(), 0),
             _ => (Isometry3::identity(), self.tree.path(stem).len()),
         };
-        let mut motion = LinkMotion::new(start);
+        let mut motion = LinkMotion::new(start, used_parts(&self.curve, span));
         for (index, joint) in self.tree.path(self.bodies.links[body]).skip(shared) {
             motion.pass(joint, self.tree.0.lengths[index], &self.curve, time, span);
         }
         (motion.pose, motion.model(self, body, span))
     }
 
-    fn placed_all(&self, bodies: usize, time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
-        if self.is_begin(time, span) {
-            placed.clear();
-            placed.extend(&self.begin[..bodies]);
-        } else {
-            self.outward(bodies, time, span, placed);
+    fn placed_all(&self, bodies: &[usize], time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
+        match self.start(time, span) {
+            Some(start) => {
+                placed.clear();
+                placed.extend(bodies.iter().map(|&body| start[body]));
+            }
+            None => self.outward(bodies, time, span, placed),
         }
     }
 
     fn parts(&self) -> u32 {
-        self.parts
+        self.starts.len() as u32
     }
 
     fn spread(&self, a: BodyBall, b: Option<BodyBall>, time: f64, span: f64, tube: &[f64]) -> Option<f64> {
@@ -350,7 +376,7 @@ impl TreeSegment {
             if let Some(drive) = joint.drive {
                 let factor = drive.factor.abs();
                 let off = factor * tube[drive.coordinate];
-                let rate = factor * self.curve.nested(drive.coordinate, time, span)[0][0];
+                let rate = factor * self.curve.state(drive.coordinate, time, span, 1).bounds[0][0];
                 match joint.kind {
                     JointKind::Revolute => {
                         let lever = axis.cross(&(centre - at)).norm() + error + speed * span;
@@ -422,6 +448,8 @@ impl PathBounds {
 struct WholeBounds {
     /// Bounds that include what rounding adds to derivatives.
     path: PathBounds,
+    /// Sum of the rotations by the joints at their greatest rates.
+    turned: f64,
     /// Sum of the lengths from the world's origin.
     length: f64,
     /// Rounding errors of the angle and of the position.
@@ -434,6 +462,7 @@ impl WholeBounds {
         let length = base.translation.vector.abs().sum();
         Self {
             path: PathBounds::default(),
+            turned: 0.0,
             length,
             turn: ARM_TURN,
             place: ARM_PLACE * length,
@@ -451,6 +480,7 @@ impl WholeBounds {
         self.reach_on(joint.origin.translation.vector.abs().sum());
         self.path.carry(far);
         self.turn += ARM_TURN;
+        self.turned += turned(joint, curve);
         let Some(drive) = joint.drive else { return };
         let of = curve.bounds(drive.coordinate);
         let factor = drive.factor.abs();
@@ -479,12 +509,13 @@ struct LinkMotion {
     acceleration: Vector3<f64>,
     angular: Vector3<f64>,
     angular_acceleration: Vector3<f64>,
-    /// Bounds over the nested parts of the span.
+    /// Bounds over the nested parts of the span, of which so many are used.
     bounds: [PathBounds; PARTS],
+    used: usize,
 }
 
 impl LinkMotion {
-    fn new(pose: Isometry3<f64>) -> Self {
+    fn new(pose: Isometry3<f64>, used: usize) -> Self {
         Self {
             pose,
             linear: Vector3::zeros(),
@@ -492,6 +523,7 @@ impl LinkMotion {
             angular: Vector3::zeros(),
             angular_acceleration: Vector3::zeros(),
             bounds: [PathBounds::default(); PARTS],
+            used,
         }
     }
 
@@ -500,17 +532,16 @@ impl LinkMotion {
     fn pass(&mut self, joint: &TreeJoint, far: f64, curve: &JointCurve, time: f64, span: f64) {
         let apart = self.pose.rotation * joint.origin.translation.vector;
         self.carry(&apart);
-        let used = used_parts(curve);
-        for bounds in &mut self.bounds[..used] {
+        for bounds in &mut self.bounds[..self.used] {
             bounds.carry(far);
         }
         let Some(drive) = joint.drive else {
             self.pose = joint.after_origin(&self.pose, &apart, 0.0);
             return;
         };
-        let c = drive.coordinate;
-        let value = drive.factor * curve.value(c, 0, time) + drive.offset;
-        let [rate, bend] = [1, 2].map(|order| drive.factor * curve.value(c, order, time));
+        let state = curve.state(drive.coordinate, time, span, self.used);
+        let [value, rate, bend] = state.values.map(|x| drive.factor * x);
+        let value = value + drive.offset;
         self.pose = joint.after_origin(&self.pose, &apart, value);
         let axis = self.pose.rotation * joint.axis.into_inner();
         match joint.kind {
@@ -525,8 +556,7 @@ impl LinkMotion {
             }
         }
         let (factor, most) = (drive.factor.abs(), farthest(joint, curve));
-        let nested = curve.nested(c, time, span);
-        for (bounds, rates) in self.bounds[..used].iter_mut().zip(nested) {
+        for (bounds, rates) in self.bounds[..self.used].iter_mut().zip(state.bounds) {
             bounds.pass(joint.kind, rates.map(|x| factor * x), most);
         }
     }
@@ -544,7 +574,7 @@ impl LinkMotion {
     fn model(mut self, segment: &TreeSegment, body: usize, span: f64) -> MotionModel {
         let (middle, curve) = (segment.bodies.middles[body], &segment.curve);
         let mut whole = segment.whole[segment.bodies.links[body]];
-        let used = used_parts(curve);
+        let used = self.used;
         if middle != Point3::origin() {
             self.carry(&(self.pose.rotation * middle.coords));
             let far = length(&middle.coords);

@@ -639,6 +639,40 @@ fn proofs_and_clearances_of_curves_agree_with_verdicts() {
 }
 
 #[test]
+fn paths_and_splines_report_progress_and_stop() {
+    use std::ops::ControlFlow::{Break, Continue};
+    let mut checker = slider();
+    let path: Vec<Vec<f64>> = [[-2.0, 2.0], [-1.0, 1.5], [1.0, 1.5], [2.0, 2.0]]
+        .map(|[x, y]| vec![x, y, 0.0])
+        .into();
+    let curves: Vec<JointCurve> = path
+        .windows(2)
+        .map(|ends| JointCurve::bezier(&[&ends[0], &ends[0], &ends[1]]).expect("a curve"))
+        .collect();
+    let one = checker.certify_path(&path[..1]);
+    assert_eq!(one, checker.certify(&path[0], &path[0]).map(|verdict| (0, verdict)));
+    for upto in [0, 1, 9] {
+        let mut seen = Vec::new();
+        let mut note = |name: &str, progress: lin_canny::Progress| {
+            assert_eq!((progress.stage, progress.total), (name, Some(3)));
+            seen.push(progress.done);
+            if progress.done == upto { Break(()) } else { Continue(()) }
+        };
+        let found = checker.certify_path_with_progress(&path, &mut |p| note("segments", p));
+        let spline = checker.certify_spline_with_progress(&curves, &mut |p| note("curves", p));
+        let (last, is_stopped) = if upto < 3 { (upto, true) } else { (2, false) };
+        let each = (0..=last).chain(0..=last).collect::<Vec<_>>();
+        assert_eq!(seen, each);
+        let [found, spline] = [found, spline].map(|found| found.expect("within limits"));
+        assert_eq!((found.is_none(), spline.is_none()), (is_stopped, is_stopped));
+        if !is_stopped {
+            assert_eq!(found, Some(checker.certify_path(&path).expect("within limits")));
+            assert_eq!(spline, Some(checker.certify_spline(&curves).expect("within limits")));
+        }
+    }
+}
+
+#[test]
 fn curves_have_the_same_bits_on_every_thread_and_after_forget() {
     let ask = |checker: &mut Checker<JointTree>| -> Vec<String> {
         let mut rng = Rng::new(9);

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
+use lin_canny::separation::Proof;
 use lin_canny_plan::{
     Checker, ConfigurationSpace, Joint, JointCurve, Path, PlanError, PlanarSpace, RigidSpace, SerialArm, SmoothOptions,
     SmoothPath, TranslationSpace, World,
@@ -352,13 +353,15 @@ fn corridor(scale: f64, gap: f64) -> impl FnOnce(&mut World) {
     }
 }
 
-/// A curve that has a proof is free; one that is free has a proof, or is straight, and its segment has one.
+/// A curve has a proof if and only if it is free. A proof without planes is that of the segment on which the curve stays.
 fn proofs_agree(checker: &mut Checker<SerialArm>, smooth: &SmoothPath) {
     for (k, curve) in smooth.curves.iter().enumerate() {
         let verdict = checker.certify_curve(curve).expect("within limits");
         let proof = checker.prove_curve(curve).expect("within limits");
-        assert!(proof.is_none() || verdict.is_free(), "piece {k}: {verdict:?}");
-        if proof.is_none() && verdict.is_free() {
+        assert_eq!(proof.is_some(), verdict.is_free(), "piece {k}: {verdict:?}");
+        let each = || proof.iter().flatten().map(|pair| &pair.certificates[..]);
+        if proof.is_some() && each().all(|all| matches!(all, [one] if one.proof == Proof::Own)) {
+            assert!(each().all(|all| all[0].from == 0.0 && all[0].until == 1.0), "piece {k}");
             let [from, to] = [curve.at(0.0), curve.at(1.0)];
             for i in 0..=16 {
                 let q = curve.at(f64::from(i) / 16.0);

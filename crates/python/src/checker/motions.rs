@@ -308,7 +308,8 @@ impl Checker {
     ///     times between which the pair is proven more than `distance` apart; `normal` and `spin`
     ///     of shape (3,), in the world: a plane with the normal `normal` at `start`, which rotates
     ///     by the rotation vector `spin * (t - start)`, is between both bodies. Both are zero if
-    ///     balls around the bodies, or another bound, prove it.
+    ///     balls around the bodies, or another bound, prove it; so they are for a curve that is
+    ///     proven only as the straight segment on which it stays (see `prove`).
     fn prove_curve<'py>(&mut self, py: Python<'py>, curve: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let curve = curve_of(curve)?;
         let found = py.detach(|| self.checker.prove_curve(&curve));

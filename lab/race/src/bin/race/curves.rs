@@ -1,18 +1,22 @@
 //! Races proofs of curves: random Bezier curves of several degrees of robots with six to fourteen
-//! joints. With `--data FOLDER` Panda and UR5 of that folder race, too, among twelve posts.
+//! joints. With `--data FOLDER` the robots that are in this folder race, too: those of the source
+//! package vamp-planner (`resources`) or of the package example-robot-data (`robots`).
 //!
 //! `ours` certifies the curve, `straight` the straight segment with the same ends, and `bisect`
 //! tests configurations of the curve: halving after halving, down to the step of MoveIt's default,
 //! 0.5 % of the extent of the space. The predicates of `bisect` are those of the checker. A curve is
-//! wrong if `bisect` reports it free and the checker finds it blocked or undecided.
+//! wrong if `bisect` reports it free and the checker finds it blocked or undecided. The columns `/m`
+//! are times of `ours` and `bisect` for each metre of the path of the body that moves farthest, on
+//! average over the free curves.
 
 use std::hint::black_box;
-use std::path::Path;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
 
 use cpu_time::ThreadTime;
-use lin_canny::nalgebra::Isometry3;
+use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny_plan::{Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, TreeJoint, Verdict, World};
-use lin_canny_robot::RobotFiles;
+use lin_canny_robot::{ExcludeReason, RobotFiles, find_excludable};
 use race::common::{Options, Rows, median};
 use truth::arm::chain::chain;
 use truth::arm::{self, Trouble, robot};
@@ -22,8 +26,25 @@ pub(crate) const SCENES: [&str; 1] = ["certify"];
 
 const DEGREES: [usize; 4] = [1, 3, 5, 7];
 
-/// Largest way of a joint in radians.
-const WAY: f64 = 0.5;
+/// Number of places of a curve at which the path of a body is measured.
+const PLACES: u32 = 64;
+
+/// Random configurations of a robot of a folder; pairs that meet at all of them are not checked.
+const SAMPLES: u64 = 1000;
+
+/// How curves of a robot are drawn.
+#[derive(Clone, Copy)]
+struct Draw {
+    /// Limit of a coordinate at which curves start.
+    start: f64,
+    /// Largest way of a joint in radians.
+    way: f64,
+}
+
+const DRAW: Draw = Draw { start: 1.5, way: 0.5 };
+
+/// With more joints, of which some are always near their limits, most curves would be blocked.
+const DRAW_BODY: Draw = Draw { start: 0.3, way: 0.1 };
 
 /// Largest deviation of an inner control point from the straight segment, as a part of the way.
 const WILD: f64 = 0.3;
@@ -34,11 +55,42 @@ const STEP: f64 = 0.005;
 /// Half the range of a joint of the built-in robots.
 const LIMIT: f64 = 3.2;
 
-/// Limit of a coordinate at which curves start.
-const START: f64 = 1.5;
+/// A robot of a folder.
+struct FolderRobot {
+    name: &'static str,
+    /// Paths below the folder, of which the first is taken that exists.
+    files: [&'static str; 2],
+    /// Distance of the twelve posts around it in metres, if it has posts.
+    posts: Option<f64>,
+    draw: Draw,
+}
 
-/// Robots of a folder, and the distance of the posts around them in metres.
-const FILES: [(&str, f64); 2] = [("panda", 0.75), ("ur5", 0.75)];
+const FILES: [FolderRobot; 4] = [
+    FolderRobot {
+        name: "ur5",
+        files: ["ur5/ur5.urdf", "ur_description/urdf/ur5_robot.urdf"],
+        posts: Some(0.75),
+        draw: DRAW,
+    },
+    FolderRobot {
+        name: "panda",
+        files: ["panda/panda.urdf", "panda_description/urdf/panda.urdf"],
+        posts: Some(0.75),
+        draw: DRAW,
+    },
+    FolderRobot {
+        name: "solo12",
+        files: ["solo12/solo12.urdf", "solo_description/robots/solo12.urdf"],
+        posts: None,
+        draw: DRAW,
+    },
+    FolderRobot {
+        name: "talos",
+        files: ["talos/talos.urdf", "talos_data/robots/talos_reduced.urdf"],
+        posts: Some(1.0),
+        draw: DRAW_BODY,
+    },
+];
 
 /// The joints of the arm, from a link and a coordinate on.
 fn arm_joints(base: usize, first: usize) -> impl Iterator<Item = TreeJoint> {
@@ -91,8 +143,8 @@ struct Proven {
     verdict: Verdict,
 }
 
-fn random_curve(rng: &mut Rng, from: &[f64], degree: usize) -> JointCurve {
-    let way: Vec<f64> = from.iter().map(|_| rng.range(-WAY, WAY)).collect();
+fn random_curve(rng: &mut Rng, from: &[f64], degree: usize, most: f64) -> JointCurve {
+    let way: Vec<f64> = from.iter().map(|_| rng.range(-most, most)).collect();
     let mut points = Vec::new();
     for j in 0..=degree {
         let x = j as f64 / degree as f64;
@@ -124,8 +176,8 @@ fn bisect(checker: &mut Checker<JointTree>, curve: &JointCurve) -> bool {
     true
 }
 
-/// Returns the median of the least of some times of each item, in nanoseconds.
-fn times<T>(items: &[T], passes: usize, mut work: impl FnMut(&T)) -> f64 {
+/// Returns the least of some times of each item, in nanoseconds.
+fn times<T>(items: &[T], passes: usize, mut work: impl FnMut(&T)) -> Vec<f64> {
     let mut least = vec![f64::INFINITY; items.len()];
     for _ in 0..passes {
         for (item, least) in items.iter().zip(&mut least) {
@@ -134,38 +186,72 @@ fn times<T>(items: &[T], passes: usize, mut work: impl FnMut(&T)) -> f64 {
             *least = least.min(began.elapsed().as_nanos() as f64);
         }
     }
-    if least.is_empty() { 0.0 } else { median(&mut least) }
+    least
 }
 
-/// Loads a robot of a folder, with posts around it.
-fn from_folder(folder: &Path, name: &str, posts: f64) -> Result<(JointTree, World), Trouble> {
-    let mut files = RobotFiles::new(folder.join(name).join(format!("{name}.urdf")));
-    files.srdf = Some(folder.join(name).join(format!("{name}.srdf")));
-    let checker = files.load()?.1.checker()?;
+fn middle(mut times: Vec<f64>) -> f64 {
+    if times.is_empty() { 0.0 } else { median(&mut times) }
+}
+
+/// Loads a robot, with posts around it.
+fn from_file(robot: PathBuf, posts: Option<f64>) -> Result<(JointTree, World), Trouble> {
+    let mut setup = RobotFiles::new(robot).load()?.1;
+    let mut counts = find_excludable(&setup, SAMPLES, 1, &mut |_| ControlFlow::Continue(()))?;
+    counts.retain(|pair| pair.reason != Some(ExcludeReason::Never));
+    setup.exclude_counts(&counts);
+    let checker = setup.checker()?;
     let mut world = checker.world().clone();
-    truth::arm::chain::posts(&mut world, posts)?;
+    if let Some(posts) = posts {
+        truth::arm::chain::posts(&mut world, posts)?;
+    }
     Ok((checker.space().clone(), world))
+}
+
+/// Returns the length of the path of the body that moves farthest along a curve.
+fn path_length(space: &JointTree, curve: &JointCurve) -> f64 {
+    let (mut poses, mut before): (_, Vec<Vector3<f64>>) = (Vec::new(), Vec::new());
+    let mut lengths = vec![0.0; space.bodies()];
+    for k in 0..=PLACES {
+        space.place(&curve.at(f64::from(k) / f64::from(PLACES)), &mut poses);
+        let places: Vec<Vector3<f64>> = poses.iter().map(|pose| pose.translation.vector).collect();
+        for (length, (now, before)) in lengths.iter_mut().zip(places.iter().zip(&before)) {
+            *length += (now - before).norm();
+        }
+        before = places;
+    }
+    lengths.into_iter().fold(0.0, f64::max)
 }
 
 pub(crate) fn run(o: &Options, data: Option<&Path>) -> Result<Rows, String> {
     let mut rows = Rows::default();
     let mut robots = vec![
-        ("six-axes", arm_in_cell()),
-        ("chain-6", chain(6, [-LIMIT, LIMIT])),
-        ("chain-14", chain(14, [-LIMIT, LIMIT])),
-        ("two-arms", two_arms()),
+        ("six-axes", arm_in_cell(), DRAW),
+        ("chain-6", chain(6, [-LIMIT, LIMIT]), DRAW),
+        ("chain-14", chain(14, [-LIMIT, LIMIT]), DRAW),
+        ("two-arms", two_arms(), DRAW),
     ];
-    robots.extend(
-        data.into_iter()
-            .flat_map(|folder| FILES.map(|(name, posts)| (name, from_folder(folder, name, posts)))),
-    );
+    if let Some(folder) = data {
+        let of_folder = FILES.iter().filter_map(|robot| {
+            let file = robot
+                .files
+                .iter()
+                .map(|file| folder.join(file))
+                .find(|file| file.is_file())?;
+            Some((robot.name, from_file(file, robot.posts), robot.draw))
+        });
+        let before = robots.len();
+        robots.extend(of_folder);
+        if robots.len() == before {
+            return Err(format!("--data: no robot in {}", folder.display()));
+        }
+    }
     println!("median us of free curves, queries of one on average; curves that `bisect` wrongly reports free");
-    println!("  robot      degree  free  ours  queries  straight  queries  bisect  wrong");
-    for (name, robot) in robots {
+    println!("  robot      degree  free  ours  queries  straight  queries  bisect  wrong  ours/m  bisect/m");
+    for (name, robot, draw) in robots {
         let (space, world) = robot.map_err(|error| format!("robot {name}: {error}"))?;
         let mut checker = Checker::new(space, world).map_err(|error| format!("robot {name}: {error}"))?;
         for degree in DEGREES {
-            certify(o, name, degree, &mut checker, &mut rows);
+            certify(o, (name, degree), draw, &mut checker, &mut rows);
         }
     }
     Ok(rows)
@@ -173,9 +259,9 @@ pub(crate) fn run(o: &Options, data: Option<&Path>) -> Result<Rows, String> {
 
 /// Returns the ends between which the coordinate of a curve starts, so that the curve keeps its
 /// limits.
-fn starts([low, high]: [f64; 2]) -> [f64; 2] {
-    let way = (1.0 + WILD) * WAY;
-    let ends = [(low + way).max(-START), (high - way).min(START)];
+fn starts([low, high]: [f64; 2], draw: Draw) -> [f64; 2] {
+    let way = (1.0 + WILD) * draw.way;
+    let ends = [(low + way).max(-draw.start), (high - way).min(draw.start)];
     // Limits beyond the usual starts, as those of an elbow that bends to one side.
     if ends[0] <= ends[1] {
         ends
@@ -184,15 +270,20 @@ fn starts([low, high]: [f64; 2]) -> [f64; 2] {
     }
 }
 
-fn certify(o: &Options, name: &str, degree: usize, checker: &mut Checker<JointTree>, rows: &mut Rows) {
+fn certify(o: &Options, (name, degree): (&str, usize), draw: Draw, checker: &mut Checker<JointTree>, rows: &mut Rows) {
     let (count, passes) = if o.quick { (60, 2) } else { (1000, 3) };
-    let ends: Vec<[f64; 2]> = checker.space().bounds().iter().map(|limits| starts(*limits)).collect();
+    let ends: Vec<[f64; 2]> = checker
+        .space()
+        .bounds()
+        .iter()
+        .map(|limits| starts(*limits, draw))
+        .collect();
     let mut rng = Rng::new(1);
     let mut all = Vec::new();
     while all.len() < count {
         let from: Vec<f64> = ends.iter().map(|[low, high]| rng.range(*low, *high)).collect();
         if checker.is_free_at(&from).expect("within limits") {
-            let curve = random_curve(&mut rng, &from, degree);
+            let curve = random_curve(&mut rng, &from, degree, draw.way);
             let verdict = checker.certify_curve(&curve).expect("within limits");
             all.push(Proven { curve, verdict });
         }
@@ -217,15 +308,21 @@ fn certify(o: &Options, name: &str, degree: usize, checker: &mut Checker<JointTr
             let _ = black_box(checker.certify(from, to));
         }
     });
+    let metres: f64 = all.iter().map(|one| path_length(checker.space(), &one.curve)).sum();
     let ours = times(&all, passes, |one| _ = black_box(checker.certify_curve(&one.curve)));
     let straight = times(&segments, passes, |[from, to]| _ = black_box(checker.certify(from, to)));
     let bisected = times(&all, passes, |one| _ = black_box(bisect(checker, &one.curve)));
+    let by_metre = |times: &[f64]| times.iter().sum::<f64>() / metres / 1e3;
+    let by_metre = [&ours, &bisected].map(|times| by_metre(times));
+    let [ours, straight, bisected] = [ours, straight, bisected].map(middle);
     println!(
-        "  {name:<10}{degree:>7}{:>6}{:>6.0}{of_curves:>9.2}{:>10.0}{of_segments:>9.2}{:>8.0}{wrong:>7}",
+        "  {name:<10}{degree:>7}{:>6}{:>6.0}{of_curves:>9.2}{:>10.0}{of_segments:>9.2}{:>8.0}{wrong:>7}{:>8.0}{:>10.0}",
         all.len(),
         ours / 1e3,
         straight / 1e3,
         bisected / 1e3,
+        by_metre[0],
+        by_metre[1],
     );
     for (engine, ns) in [("ours", ours), ("straight", straight), ("bisect", bisected)] {
         rows.push((SCENES[0], name, degree), engine, ns, 0);
