@@ -3,7 +3,8 @@
 use super::outcome::DepthMode;
 
 /// Options of a query of two geometries:
-/// [`PairTracker::closest_with`](crate::PairTracker::closest_with).
+/// [`PairTracker::closest_with`](crate::PairTracker::closest_with) and
+/// [`penetration_with`](crate::PairTracker::penetration_with).
 ///
 /// ```
 /// use lin_canny::{QueryOptions, DepthMode};
@@ -20,9 +21,10 @@ pub struct QueryOptions {
     ///
     /// For other geometries the query computes no depth.
     pub depth: DepthMode,
-    /// Largest distance between the bounds of a pair with a Bézier surface.
+    /// Largest distance between the bounds of a pair with a Bézier surface, or of a penetration
+    /// depth.
     ///
-    /// A length in the caller's unit.
+    /// A length in the caller's unit. For depths, `None` asks for no width.
     ///
     /// `None` means `2^-30` of the sum of the radii of both bounding balls, but at least `2^-38` of
     /// the largest coordinate of the translation. Rounding keeps the bounds about `2^-42 L` apart:
@@ -32,6 +34,9 @@ pub struct QueryOptions {
     pub width: Option<f64>,
     /// Budget of a query with a Bézier surface: how many pairs of nodes it may split, at most
     /// `2^22`.
+    ///
+    /// A depth is narrowed by as many splits of cells of translations, at most `2^20`; `None` means
+    /// 1,000 there.
     ///
     /// `None` means 20,000. For a compound the budget applies to each piece. A query that uses up
     /// its budget returns wider bounds. A query of two surfaces also returns wider bounds if it

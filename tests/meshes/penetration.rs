@@ -2,9 +2,11 @@
 //! against shifts by brute force.
 
 use super::{mesh, relative, shapes};
-use lin_canny::nalgebra::Vector3;
+use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Compound, ContactState, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape, Tracker};
+use lin_canny::{
+    Compound, ContactState, Mesh, PairTracker, PenetrationBounds, Piece, QueryOptions, RelativePose, Shape, Tracker,
+};
 use truth::Pose;
 use truth::pose::{add, scale, unit_quat};
 use truth::rng::Rng;
@@ -117,7 +119,7 @@ fn bounds_of_meshes_hold_and_meet_for_shallow_overlaps() {
 #[test]
 fn bounds_of_pieces_hold_and_surfaces_have_none() {
     let beam = |x: f64, turn: f64| Piece {
-        pose: lin_canny::nalgebra::Isometry3::new(Vector3::new(x, 0.0, 0.0), Vector3::z() * turn),
+        pose: Isometry3::new(Vector3::new(x, 0.0, 0.0), Vector3::z() * turn),
         ..Piece::new(Shape::cuboid(Vector3::new(0.8, 0.15, 0.2)).unwrap())
     };
     let cross = Compound::new(vec![beam(0.0, 0.0), beam(0.1, 1.4), beam(-0.5, 0.7)]).unwrap();
@@ -144,4 +146,101 @@ fn bounds_of_pieces_hold_and_surfaces_have_none() {
     let (solid, surface) = (mesh(&soups::sphere(1)), mesh(&open));
     let at = relative(&Pose::shift([0.5, 0.0, 0.0]));
     assert_eq!(PairTracker::new().penetration(&solid, &surface, &at), None);
+}
+
+/// Half extents and centres of boxes.
+type Boxes = Vec<([f64; 3], [f64; 3])>;
+
+/// Returns the exact depth of two bodies of boxes: a corner of the sums of boxes, or a foot on a
+/// face or an edge of them, is the shortest translation out of all sums.
+fn depth_of_boxes(a: &Boxes, b: &Boxes) -> f64 {
+    let sums: Vec<[(f64, f64); 3]> = a
+        .iter()
+        .flat_map(|(half, at)| {
+            b.iter().map(move |(more, to)| {
+                std::array::from_fn(|k| {
+                    let (reach, middle) = (half[k] + more[k], at[k] - to[k]);
+                    (middle - reach, middle + reach)
+                })
+            })
+        })
+        .collect();
+    let ends = |k: usize| -> Vec<f64> { sums.iter().flat_map(|s| [s[k].0, s[k].1]).chain([0.0]).collect() };
+    let mut least = f64::INFINITY;
+    for x in ends(0) {
+        for y in ends(1) {
+            for z in ends(2) {
+                let t = [x, y, z];
+                let is_in = sums
+                    .iter()
+                    .any(|s| (0..3).all(|k| s[k].0 + 1e-12 < t[k] && t[k] < s[k].1 - 1e-12));
+                if !is_in {
+                    least = least.min(t.iter().map(|c| c * c).sum::<f64>().sqrt());
+                }
+            }
+        }
+    }
+    least
+}
+
+/// Returns the body of boxes, rotated about the origin.
+fn compound_of_boxes(boxes: &Boxes, turn: &Pose) -> Compound {
+    let piece = |(half, at): &([f64; 3], [f64; 3])| Piece {
+        pose: turn.isometry() * Isometry3::translation(at[0], at[1], at[2]),
+        ..Piece::new(Shape::cuboid(Vector3::from(*half)).unwrap())
+    };
+    Compound::new(boxes.iter().map(piece).collect()).unwrap()
+}
+
+#[test]
+fn narrowed_bounds_hold_the_depth_of_boxes_to_the_width() {
+    let mut rng = Rng::new(31);
+    let mut wide = 0;
+    for k in 0..12 {
+        let mut boxes = |count: usize| -> Boxes {
+            let mut one = || std::array::from_fn(|_| rng.range(0.2, 0.7));
+            let halves: Vec<[f64; 3]> = (0..count).map(|_| one()).collect();
+            let mut at = || std::array::from_fn(|_| rng.range(-0.8, 0.8));
+            halves.into_iter().map(|half| (half, at())).collect()
+        };
+        let (in_a, in_b) = (boxes(3), boxes(2));
+        let truth = depth_of_boxes(&in_a, &in_b);
+        // No box is along the axes.
+        let turn = Pose {
+            q: unit_quat(rng.quat()),
+            t: [0.0; 3],
+        };
+        let (a, b) = (compound_of_boxes(&in_a, &turn), compound_of_boxes(&in_b, &turn));
+        let at = relative(&Pose::shift([0.0; 3]));
+        let first = PairTracker::new().penetration(&a, &b, &at).unwrap();
+        wide += usize::from(first.upper - first.lower > 0.02 * truth);
+        let options = QueryOptions::new().width(0.02 * truth).splits(20_000);
+        let found = PairTracker::new().penetration_with(&a, &b, &at, &options).unwrap();
+        let holds = |found: &PenetrationBounds| found.lower <= truth + 1e-9 && truth <= found.upper + 1e-9;
+        assert!(holds(&found), "{k}: {found:?} {truth}");
+        assert!(found.upper - found.lower <= 0.02 * truth, "{k}: {found:?} {truth}");
+        assert!(
+            first.lower <= found.lower && found.upper <= first.upper,
+            "{first:?} {found:?}"
+        );
+        // Faces inside of the union keep the convex regions of the meshes small: the budget may end first.
+        if k < 4 {
+            let (a, b) = (a.to_mesh().unwrap(), b.to_mesh().unwrap());
+            let first = PairTracker::new().penetration(&a, &b, &at).unwrap();
+            let found = PairTracker::new()
+                .penetration_with(&a, &b, &at, &options.splits(500))
+                .unwrap();
+            assert!(holds(&found), "{k}: {found:?} {truth}");
+            assert!(
+                first.lower <= found.lower && found.upper <= first.upper,
+                "{first:?} {found:?}"
+            );
+            // Without a width, nothing is searched.
+            let same = PairTracker::new()
+                .penetration_with(&a, &b, &at, &QueryOptions::new())
+                .unwrap();
+            assert_eq!(first, same);
+        }
+    }
+    assert!(wide > 3, "{wide}");
 }

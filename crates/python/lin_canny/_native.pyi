@@ -215,6 +215,10 @@ class Closest:
     def point_b(self) -> _Vector: ...
     @property
     def normal(self) -> _Vector: ...
+    @property
+    def gradient_a(self) -> _Vector: ...
+    @property
+    def gradient_b(self) -> _Vector: ...
     @staticmethod
     def _from_bytes(bytes: bytes) -> Closest: ...
     def __reduce__(self) -> tuple[Any, tuple[bytes]]: ...
@@ -286,6 +290,7 @@ class PairTracker:
         pose_b: _Pose = None,
         *,
         tolerance: float | None = None,
+        budget: int | None = None,
     ) -> Penetration | None: ...
     def cast(
         self,
@@ -327,15 +332,18 @@ class RayCaster:
     ) -> RayCast: ...
     def __reduce__(self) -> tuple[Any, tuple[()]]: ...
 
+_Geometries: TypeAlias = Geometry | Sequence[Geometry]
+"""One for all poses, or one for each pose."""
+
 def distances(
-    a: Geometry, b: Geometry, poses: _Poses, *, threads: int = 1, progress: _Progress = None
+    a: _Geometries, b: _Geometries, poses: _Poses, *, threads: int = 1, progress: _Progress = None
 ) -> _Records: ...
 def closest_batch(
-    a: Geometry, b: Geometry, poses: _Poses, *, threads: int = 1, progress: _Progress = None
+    a: _Geometries, b: _Geometries, poses: _Poses, *, threads: int = 1, progress: _Progress = None
 ) -> _Records: ...
 def contacts_batch(
-    a: Geometry,
-    b: Geometry,
+    a: _Geometries,
+    b: _Geometries,
     poses: _Poses,
     *,
     prediction: float = 0.0,
@@ -344,7 +352,14 @@ def contacts_batch(
     progress: _Progress = None,
 ) -> tuple[_Records, NDArray[np.int64]]: ...
 def penetration_batch(
-    a: Geometry, b: Geometry, poses: _Poses, *, threads: int = 1, progress: _Progress = None
+    a: _Geometries,
+    b: _Geometries,
+    poses: _Poses,
+    *,
+    tolerance: float | None = None,
+    budget: int | None = None,
+    threads: int = 1,
+    progress: _Progress = None,
 ) -> _Records: ...
 
 @overload

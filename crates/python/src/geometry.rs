@@ -72,7 +72,7 @@ impl Geometry {
         let shape = self.0.as_convex();
         let shape = shape.ok_or_else(|| {
             geometry_error(format!(
-                "a {} cannot be rounded (expected a convex geometry)",
+                "a {} cannot be rounded (expected a convex geometry); round its pieces, or query `within`",
                 self.0.kind()
             ))
         })?;

@@ -1,6 +1,7 @@
 //! Queries of two geometries.
 
 mod at_poses;
+mod bodies;
 mod cast;
 mod closest;
 mod contacts;

@@ -76,10 +76,64 @@ def test_closest_points_are_those_of_the_loop(other):
     for row, one in zip(found, loop, strict=True):
         for name in ("distance", "lower", "upper", "state", "features"):
             assert row[name] == getattr(one, name)
-        for name in ("parts", "point_a", "point_b", "normal"):
+        for name in ("parts", "point_a", "point_b", "normal", "gradient_a", "gradient_b"):
             assert np.array_equal(row[name], getattr(one, name))
     assert {"separated", "overlapping"} <= set(found["state"])
     assert found[["distance", "lower", "upper"]].tolist() == lc.distances(first, other, at).tolist()
+
+
+def test_a_pair_for_each_pose_is_the_loop():
+    kinds = [BOX, MESH, lc.Geometry.ball(0.8), lc.Geometry.capsule(half_length=1, radius=0.4)]
+    rng = np.random.default_rng(4)
+    count = 1500
+    at = poses(count, 5, 1.2)
+    first, second = ([kinds[k] for k in rng.integers(0, 4, count)] for _ in range(2))
+    pairs = list(zip(first, second, strict=True))
+
+    def loop(query):
+        for k, ((a, b), pose) in enumerate(zip(pairs, at, strict=True)):
+            if k % 1024 == 0:
+                tracker = lc.PairTracker()
+            yield query(tracker, a, b, pose)
+
+    found = lc.closest_batch(first, second, at)
+    assert found.tobytes() == lc.closest_batch(first, tuple(second), at, threads=2).tobytes()
+    for row, one in zip(found, loop(lambda t, a, b, pose: t.closest(a, b, None, pose)), strict=True):
+        assert (row["distance"], row["lower"], row["upper"]) == (one.distance, one.lower, one.upper)
+        assert np.array_equal(row["point_b"], one.point_b) and np.array_equal(row["gradient_b"], one.gradient_b)
+    near = lc.distances(first, second, at)
+    for row, one in zip(near, loop(lambda t, a, b, pose: t.closest(a, b, None, pose)), strict=True):
+        assert row.tolist() == (one.distance, one.lower, one.upper)
+    contacts, start = lc.contacts_batch(first, second, at, prediction=0.1)
+    for k, one in enumerate(loop(lambda t, a, b, pose: t.contacts(a, b, None, pose, prediction=0.1))):
+        assert contacts[start[k] : start[k + 1]].tobytes() == one.tobytes()
+    depths = lc.penetration_batch(first, second[0], at[:count])
+    assert depths.shape == (count,)
+    # One geometry for all, and one for each.
+    assert lc.distances(BOX, second, at).tobytes() == lc.distances([BOX] * count, second, at).tobytes()
+
+
+def test_refused_pairs_of_batches():
+    at = poses(3)
+    for call in (lc.distances, lc.closest_batch, lc.contacts_batch, lc.penetration_batch):
+        with pytest.raises(lc.PairError, match=r"b: there are 2 geometries \(expected one, or one for each of 3 poses"):
+            call(BOX, [BOX, BOX], at)
+        with pytest.raises(lc.PairError, match=r"a: entry 1 is a str \(expected a Geometry\)"):
+            call([BOX, "box", BOX], BOX, at)
+        with pytest.raises(lc.PairError, match=r"a is a int \(expected a Geometry, or one for each pose\)"):
+            call(3, BOX, at)
+
+
+@pytest.mark.parametrize("geometry", [BOX, MESH, lc.Geometry.capsule(half_length=1, radius=0.4)])
+def test_batches_of_points_are_the_single_calls(geometry):
+    points = np.random.default_rng(8).uniform(-2, 2, (400, 3))
+    columns = [*lc.signed_distance(geometry, points, bounds=True), lc.contains(geometry, points)]
+    columns += lc.closest_points(geometry, points)
+    for k, point in enumerate(points):
+        one = [*lc.signed_distance(geometry, point[None], bounds=True), lc.contains(geometry, point[None])]
+        one += lc.closest_points(geometry, point[None])
+        for all_of_them, alone in zip(columns, one, strict=True):
+            assert np.array_equal(all_of_them[k], alone[0])
 
 
 @pytest.mark.parametrize("other", [BOX, MESH])
@@ -100,6 +154,18 @@ def test_contacts_and_depths_are_those_of_the_loop(other):
         assert np.array_equal(row["shift"], one.shift)
 
 
+def test_narrow_depths_are_those_of_the_loop():
+    u = lc.Geometry.pieces([(BOX, ((x, 0, 0), (0, 0, 0, 1))) for x in (-1.5, 1.5)])
+    at = poses(12, 9, 0.1)
+    depths = lc.penetration_batch(u, BOX, at, tolerance=0.2, budget=3000)
+    tracker = lc.PairTracker()
+    assert depths.tobytes() == lc.penetration_batch(u, BOX, at, tolerance=0.2, budget=3000, threads=2).tobytes()
+    for pose, row, wide in zip(at, depths, lc.penetration_batch(u, BOX, at), strict=True):
+        one = tracker.penetration(u, BOX, None, pose, tolerance=0.2, budget=3000)
+        assert (one.lower, one.upper) == (row["lower"], row["upper"]) and one.upper - one.lower <= 0.2
+        assert wide["lower"] <= one.lower and one.upper <= wide["upper"]
+
+
 def test_faults_of_batches_of_poses():
     at = poses(3000)
     at[2345, 3:] = 0
@@ -110,6 +176,8 @@ def test_faults_of_batches_of_poses():
         assert len(call(BOX, BOX, at[:0])) in (0, 2)
     with pytest.raises(lc.LinCannyError, match="max_points is 9"):
         lc.contacts_batch(BOX, BOX, at, max_points=9)
+    with pytest.raises(lc.LinCannyError, match=r"tolerance is nan \(expected at least 0\)"):
+        lc.penetration_batch(BOX, BOX, at, tolerance=np.nan)
     triangle = lc.Geometry.mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     assert np.isnan(lc.penetration_batch(BOX, triangle, at[:2])["shift"]).all()
 

@@ -158,8 +158,12 @@ def test_penetration_to_a_tolerance():
     u, bar = lc.Geometry.pieces(cubes), lc.Geometry.pieces([(BOX, ((0, 0, 0.5), (0.3, 0.1, 0.2, math.sqrt(0.86))))])
     wide = lc.PairTracker().penetration(u, bar)
     assert wide.upper - wide.lower > 0.1
-    with pytest.raises(lc.UndecidedError, match="the depth is from .* wider than the tolerance 0.001, and cannot"):
-        lc.PairTracker().penetration(u, bar, tolerance=1e-3)
+    narrow = lc.PairTracker().penetration(u, bar, tolerance=0.1, budget=20_000)
+    assert wide.lower <= narrow.lower <= narrow.upper <= wide.upper and narrow.upper - narrow.lower <= 0.1
+    assert lc.PairTracker().distance(u, bar, None, (1.001 * narrow.shift, ONE)) > 0
+    words = "the depth is from .* wider than the tolerance 0.0001 at the end of the budget"
+    with pytest.raises(lc.UndecidedError, match=words):
+        lc.PairTracker().penetration(u, bar, tolerance=1e-4, budget=10)
     with pytest.raises(lc.LinCannyError, match=r"tolerance is -1 \(expected at least 0\)"):
         lc.PairTracker().penetration(cube, BOX, tolerance=-1)
 

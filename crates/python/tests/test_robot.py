@@ -70,6 +70,12 @@ def test_clearances_by_hand(checker):
     free = checker.are_free(q)
     assert free.dtype == bool and np.array_equal(free, by_hand > 0) and 0 < free.sum() < 3000
     assert np.array_equal(free, checker.are_free(q, threads=2))
+    for k, row in enumerate(found[:2000]):
+        if k % 1024 == 0:
+            checker.forget()
+        near = checker.clearance(q[k])
+        assert (near.distance, near.lower, near.upper) == (row["distance"], row["lower"], row["upper"])
+        assert (near.a, near.b) == (checker.bodies[row["a"]], checker.bodies[row["b"]])
     single = checker.clearance(q[0])
     assert single.distance == pytest.approx(by_hand[0], abs=1e-9)
     assert (single.a, single.b) == tuple(checker.bodies[k] for k in found[0][["a", "b"]])

@@ -269,7 +269,7 @@ impl From<Arc<ConvexPolyhedron>> for Shape {
 #[non_exhaustive]
 pub enum ShapeError {
     /// A parameter is not finite, or outside the range of its constructor.
-    #[error("{what} of the shape is out of range: {value:e}")]
+    #[error("{what} of the shape is out of range: {value:?}")]
     BadParameter {
         /// Name of the parameter.
         what: &'static str,
@@ -277,7 +277,7 @@ pub enum ShapeError {
         value: f64,
     },
     /// The half length of a capsule is zero.
-    #[error("half length of the capsule is zero; use `Shape::ball`")]
+    #[error("half length of the capsule is zero; use a ball")]
     NoLength,
     /// The points of a core have no hull with volume.
     #[error(transparent)]

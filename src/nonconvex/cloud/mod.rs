@@ -82,7 +82,7 @@ pub enum CloudError {
         extent: f64,
     },
     /// A radius is negative, not finite, or out of the range of a ball.
-    #[error("radius of point {point} is out of range: {radius:e}")]
+    #[error("radius of point {point} is out of range: {radius:?}")]
     Radius {
         /// Index of the point; zero if all points have this radius.
         point: usize,

@@ -264,7 +264,7 @@ const WAY_BACK: usize = 64;
 fn parting(query: &PatchQuery, size: f64) -> Option<PatchContact> {
     let (a, b) = (query.a.parts(), query.b.parts());
     let mut tracker = CompoundTracker::new();
-    let shift = tracker.penetration(&a, &b, query.pose)?.shift;
+    let shift = tracker.penetration(&a, &b, query.pose, None)?.shift;
     let mut length = sqrt(shift.norm_squared());
     if !(length > 0.0) {
         return None;

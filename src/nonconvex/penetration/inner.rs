@@ -124,12 +124,17 @@ pub(super) fn deepest<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -
         depth,
         way: rotation * -way,
     });
-    let found = in_a.into_iter().chain(in_b).reduce(deeper);
+    let found = deeper_of(in_a, in_b);
     (found, b_in_a.windings + a_in_b.windings)
 }
 
 fn deeper(x: ProvenDepth, y: ProvenDepth) -> ProvenDepth {
     if x.depth < y.depth { y } else { x }
+}
+
+/// Returns the deeper of two overlaps, if there is one.
+pub(super) fn deeper_of(x: Option<ProvenDepth>, y: Option<ProvenDepth>) -> Option<ProvenDepth> {
+    x.into_iter().chain(y).reduce(deeper)
 }
 
 /// Keeps an overlap if it is valid and deeper than the previous one.
@@ -304,10 +309,12 @@ fn overlap(found: &Outcome) -> Option<ProvenDepth> {
     })
 }
 
+/// Convex regions inside A and inside B, each with its pose in the frame of its body.
+pub(super) type Regions = [Vec<(Shape, Isometry3<f64>)>; 2];
+
 /// Returns the overlap of convex regions of both bodies around a point, and its translation of B.
 ///
-/// The point is in A's frame. Regions of meshes extend at most `reach`. All lengths are in the
-/// caller's unit.
+/// See [`regions`].
 pub(super) fn of_parts<A: Parted, B: Parted>(
     a: &A,
     b: &B,
@@ -315,11 +322,40 @@ pub(super) fn of_parts<A: Parted, B: Parted>(
     point: &Point3<f64>,
     reach: f64,
 ) -> Option<ProvenDepth> {
+    of_regions(a, b, &regions(a, b, pose, point, reach)?, pose)
+}
+
+/// Returns convex regions of both bodies around a point.
+///
+/// The point is in A's frame. Regions of meshes extend at most `reach`. All lengths are in the
+/// caller's unit.
+pub(super) fn regions<A: Parted, B: Parted>(
+    a: &A,
+    b: &B,
+    pose: &RelativePose,
+    point: &Point3<f64>,
+    reach: f64,
+) -> Option<Regions> {
     let posed = PosedTrees::new(a, b, pose)?;
-    let (placed, place) = (Placed::of(pose, a, b), point.coords / a.stored_unit());
+    let place = point.coords / a.stored_unit();
     let of_a = about(a.by_kind(), &place, reach / a.stored_unit());
     let of_b = about(b.by_kind(), &posed.back(&place), reach / b.stored_unit());
-    of_pairs(&of_a, &of_b, &placed)
+    Some([of_a, of_b])
+}
+
+/// Returns the overlap of regions of both bodies at a pose, and its translation of B.
+pub(super) fn of_regions<A: Parted, B: Parted>(
+    a: &A,
+    b: &B,
+    [of_a, of_b]: &Regions,
+    pose: &RelativePose,
+) -> Option<ProvenDepth> {
+    of_pairs(of_a, of_b, &Placed::of(pose, a, b))
+}
+
+/// Returns the convex regions around the centres of meshes, and all pieces of compounds.
+pub(super) fn whole_regions<A: Parted, B: Parted>(a: &A, b: &B) -> Regions {
+    [wholes(a.by_kind()), wholes(b.by_kind())]
 }
 
 /// Returns the overlap of the convex region around the centre of a mesh with the other body.

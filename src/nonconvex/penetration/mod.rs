@@ -25,7 +25,8 @@
 //!    regions around a point of an edge that is inside the other body (`inner`). An example is a
 //!    pin in a slot: edges cross, and the hull of the slotted body fills the slot.
 //!
-//! No step is certain to find the shortest translation. If none does, the bounds are not tight.
+//! No step is certain to find the shortest translation. If none does, the bounds are not tight. The
+//! caller may ask for a width of the interval, to which `narrow` narrows it within a budget.
 //!
 //! Source: both bounds are from Zhang, Kim, Varadhan and Manocha 2007, "Generalized penetration
 //! depth computation" (there for convex containers and pieces). Translations by local depths are
@@ -33,6 +34,9 @@
 
 mod cell;
 mod inner;
+mod narrow;
+
+pub(crate) use narrow::Narrowing;
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
@@ -278,7 +282,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         }
     }
 
-    fn run(mut self, pose: &RelativePose) -> (PenetrationBounds, u64) {
+    fn run(mut self, pose: &RelativePose, narrowing: Option<Narrowing>) -> (PenetrationBounds, u64) {
         let deepest = self.deepest(pose);
         let mut lower = deepest.map_or(0.0, |d| (d.depth - self.noise).at_least(0.0));
         // Convex regions around the centres contain all of a convex body.
@@ -301,6 +305,9 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
                 self.improve(pose, &start, &mut lower, &mut best);
             }
         }
+        if let Some(narrowing) = narrowing {
+            self.narrow(narrowing, &mut lower, &mut best);
+        }
         let bounds = PenetrationBounds {
             lower: lower.smaller(sqrt(best.norm_squared())),
             upper: sqrt(best.norm_squared()) * (1.0 + 4.0 * UNIT),
@@ -321,6 +328,7 @@ fn bounds<A: Parted, B: Parted>(
     b: &B,
     (boxes, noise): WholeBodies,
     pose: &RelativePose,
+    narrowing: Option<Narrowing>,
     query: impl FnMut(&RelativePose) -> FoundAtPose,
 ) -> Option<(PenetrationBounds, u64)> {
     if !(a.is_solid() && b.is_solid()) {
@@ -345,7 +353,7 @@ fn bounds<A: Parted, B: Parted>(
         windings: 0,
         parted: None,
     };
-    Some(search.run(pose))
+    Some(search.run(pose, narrowing))
 }
 
 /// The corners of the boxes of two bodies, and a bound of the rounding error of a translated pose.
@@ -375,10 +383,16 @@ fn near_elements(body: PartsRef, other: (Point3<f64>, f64)) -> Option<Compound> 
 impl MeshTracker {
     /// Returns bounds of the penetration depth of two solids; `None` if a mesh is open.
     ///
-    /// See `PairTracker::penetration`.
-    pub(crate) fn penetration(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Option<PenetrationBounds> {
+    /// See `PairTracker::penetration_with`.
+    pub(crate) fn penetration(
+        &mut self,
+        a: &Mesh,
+        b: &Mesh,
+        a_from_b: &RelativePose,
+        narrowing: Option<Narrowing>,
+    ) -> Option<PenetrationBounds> {
         let whole = whole(a, b, a_from_b)?;
-        let (found, windings) = bounds(a, b, whole, a_from_b, |pose| {
+        let (found, windings) = bounds(a, b, whole, a_from_b, narrowing, |pose| {
             let found = self.closest(a, b, pose);
             (found.state, found.lower, found.point_on_a)
         })?;
@@ -390,12 +404,13 @@ impl MeshTracker {
 impl CompoundTracker {
     /// Returns bounds of the penetration depth of two solids: meshes, compounds or clouds.
     ///
-    /// Returns `None` if a mesh is open. See `PairTracker::penetration`.
+    /// Returns `None` if a mesh is open. See `PairTracker::penetration_with`.
     pub(crate) fn penetration<A: Parted, B: Parted>(
         &mut self,
         a: &A,
         b: &B,
         a_from_b: &RelativePose,
+        narrowing: Option<Narrowing>,
     ) -> Option<PenetrationBounds> {
         let whole = whole(a, b, a_from_b)?;
         let (at, balls) = (relative(a_from_b), whole.0.each(|(low, high)| ball_about(low, high)));
@@ -403,7 +418,7 @@ impl CompoundTracker {
         let of_b = near_elements(b.by_kind(), (at.inverse_transform_point(&balls[0].0), balls[0].1));
         let near_a = of_a.as_ref().map_or(a.by_kind(), PartsRef::Pieces);
         let near_b = of_b.as_ref().map_or(b.by_kind(), PartsRef::Pieces);
-        let (found, windings) = bounds(&near_a, &near_b, whole, a_from_b, |pose| {
+        let (found, windings) = bounds(&near_a, &near_b, whole, a_from_b, narrowing, |pose| {
             let found = self.closest(a, b, pose);
             (found.state, found.lower, found.point_on_a)
         })?;

@@ -84,7 +84,7 @@ pub enum CoverError {
         balls: usize,
     },
     /// The requested gap is not a positive number.
-    #[error("gap of the cover is out of range: {gap:e} (expected a positive length)")]
+    #[error("gap of the cover is out of range: {gap:?} (expected a positive length)")]
     Gap {
         /// The length.
         gap: f64,

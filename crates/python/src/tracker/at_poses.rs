@@ -1,12 +1,12 @@
 //! Distances at many poses.
 
-use lin_canny::{Distance, Geometry as Body, PairTracker, RelativePose, Tracker};
+use lin_canny::{ConvexPolyhedron, Distance, PairTracker, RelativePose, Tracker};
 use pyo3::prelude::*;
 
+use super::bodies::{Bodies, BodiesView};
 use crate::array::structured;
 use crate::batch::{Batch, Run};
 use crate::errors::pose_error;
-use crate::geometry::Geometry;
 use crate::pose::{PoseView, Poses};
 
 /// A row of the answer: distance, lower and upper bound.
@@ -14,9 +14,16 @@ type Row = [f64; 3];
 
 /// Distances of two geometries at many poses.
 struct Distances<'a> {
-    a: &'a Body,
-    b: &'a Body,
+    a: BodiesView<'a>,
+    b: BodiesView<'a>,
     poses: PoseView<'a>,
+}
+
+impl Distances<'_> {
+    /// Returns the pair of all poses if it is one of polyhedra.
+    fn polyhedra(&self) -> Option<[&ConvexPolyhedron; 2]> {
+        Some([self.a.one()?.as_polyhedron()?, self.b.one()?.as_polyhedron()?])
+    }
 }
 
 /// The tracker of a block, and its poses. All poses are converted before the first query, so that
@@ -41,9 +48,9 @@ impl Batch for Distances<'_> {
     type Row = Row;
 
     fn start(&self) -> PyResult<Block> {
-        let tracker = match (self.a.as_polyhedron(), self.b.as_polyhedron()) {
-            (Some(_), Some(_)) => AnyTracker::Polyhedra(Box::default()),
-            _ => AnyTracker::Pair(Box::default()),
+        let tracker = match self.polyhedra() {
+            Some(_) => AnyTracker::Polyhedra(Box::default()),
+            None => AnyTracker::Pair(Box::default()),
         };
         let poses = Vec::with_capacity(Self::LOOK);
         Ok(Block { tracker, poses })
@@ -53,12 +60,13 @@ impl Batch for Distances<'_> {
         let read = self.poses.read(first..first + rows.len(), &mut block.poses);
         read.map_err(|k| pose_error(self.poses.fault(k)))?;
         let each = rows.iter_mut().zip(&block.poses);
-        match (&mut block.tracker, self.a.as_polyhedron(), self.b.as_polyhedron()) {
-            (AnyTracker::Polyhedra(tracker), Some(a), Some(b)) => {
+        match (&mut block.tracker, self.polyhedra()) {
+            (AnyTracker::Polyhedra(tracker), Some([a, b])) => {
                 each.for_each(|(to, pose)| *to = row(tracker.distance(a, b, pose)));
             }
-            (AnyTracker::Pair(tracker), ..) => {
-                each.for_each(|(to, pose)| *to = row(tracker.distance(self.a, self.b, pose)));
+            (AnyTracker::Pair(tracker), _) => {
+                let each = (first..).zip(each);
+                each.for_each(|(k, (to, pose))| *to = row(tracker.distance(self.a.at(k), self.b.at(k), pose)));
             }
             _ => {}
         }
@@ -67,6 +75,8 @@ impl Batch for Distances<'_> {
 }
 
 /// Returns the signed distances of two geometries at many poses of B in the frame of A.
+///
+/// a, b: a Geometry, or a sequence of N of them, one for each pose.
 ///
 /// The result is a structured array of shape (N,) with the fields `distance`, `lower` and `upper`.
 /// It has the same bits for any number of threads. Ctrl-C ends the call.
@@ -78,17 +88,19 @@ impl Batch for Distances<'_> {
 #[pyo3(signature = (a, b, poses, *, threads=1, progress=None))]
 pub(crate) fn distances<'py>(
     py: Python<'py>,
-    a: &Bound<'py, Geometry>,
-    b: &Bound<'py, Geometry>,
+    a: &Bound<'py, PyAny>,
+    b: &Bound<'py, PyAny>,
     poses: &Bound<'py, PyAny>,
     threads: usize,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let poses = Poses::new(poses)?;
+    let view = poses.view()?;
+    let [a, b] = [Bodies::new("a", a, view.len())?, Bodies::new("b", b, view.len())?];
     let batch = Distances {
-        a: &a.get().0,
-        b: &b.get().0,
-        poses: poses.view()?,
+        a: a.view(),
+        b: b.view(),
+        poses: view,
     };
     let mut rows = vec![[0.0; 3]; batch.poses.len()];
     Run::new(py, rows.len(), threads, progress)?.rows(py, &batch, &mut rows)?;
@@ -106,8 +118,8 @@ pub(crate) fn distances<'py>(
 #[pyo3(name = "_rust_loop")]
 pub(crate) fn rust_loop(
     py: Python<'_>,
-    a: &Bound<'_, Geometry>,
-    b: &Bound<'_, Geometry>,
+    a: &Bound<'_, crate::geometry::Geometry>,
+    b: &Bound<'_, crate::geometry::Geometry>,
     poses: &Bound<'_, PyAny>,
 ) -> PyResult<(f64, f64)> {
     let poses = Poses::new(poses)?;

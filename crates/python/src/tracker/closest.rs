@@ -18,6 +18,24 @@ pub(crate) fn state_name(state: ContactState) -> &'static str {
     }
 }
 
+/// Returns the gradients of the distance by motions of A and of B: six numbers each, linear and
+/// angular, along the axes of the world, about the origins of the bodies; zero if the depth of an
+/// overlap is unknown.
+pub(crate) fn gradients(answer: &PairOutcome, pose: &RelativePose) -> [[f64; 6]; 2] {
+    if answer.lower == f64::NEG_INFINITY {
+        return [[0.0; 6]; 2];
+    }
+    let (pose_a, pose_b) = pose.poses();
+    let by_body = [
+        (answer.gradient_a(), pose_a.rotation),
+        (answer.gradient_b(pose), pose_b.rotation),
+    ];
+    by_body.map(|(gradient, rotation)| {
+        let [linear, angular] = [gradient.linear, gradient.angular].map(|v| rotation * v);
+        [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
+    })
+}
+
 /// The closest points of two geometries, with proven bounds of the signed distance.
 ///
 /// Points and normal are in the frame of the poses, the world. For convex geometries, separated or
@@ -96,6 +114,25 @@ impl Closest {
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         triple(py, (self.pose.poses().0.rotation * *self.answer.normal).into())
+    }
+
+    /// The derivative of the distance by a motion of A, shape (6,): by the velocity of its origin,
+    /// then by its angular velocity, both in the world.
+    ///
+    /// If A moves with the velocity v and the angular velocity w, the distance changes at the rate
+    /// `gradient_a @ [*v, *w]`. If several pairs of points are equally close, or an overlap is
+    /// equally deep along several normals, the distance has a kink: the gradient is that of the
+    /// witnesses returned. Then the true rate is at most that of the gradient (points), or at
+    /// least (normals). It is zero if the depth of an overlap is unknown.
+    #[getter]
+    fn gradient_a<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &gradients(&self.answer, &self.pose)[0])
+    }
+
+    /// The derivative of the distance by a motion of B, shape (6,); see `gradient_a`.
+    #[getter]
+    fn gradient_b<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &gradients(&self.answer, &self.pose)[1])
     }
 
     fn __repr__(&self) -> String {

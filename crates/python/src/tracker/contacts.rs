@@ -1,6 +1,6 @@
 //! Contact points, and the depth of solids of any kind.
 
-use lin_canny::{ManifoldOptions, PatchContact, PenetrationBounds, RelativePose};
+use lin_canny::{ManifoldOptions, PatchContact, PenetrationBounds, QueryOptions, RelativePose};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -32,6 +32,19 @@ pub(super) fn manifold_options(prediction: f64, max_points: usize) -> PyResult<M
         )));
     }
     Ok(ManifoldOptions::with_prediction(prediction).max_points(max_points))
+}
+
+/// Returns the options of a depth, or what is wrong with them.
+pub(super) fn depth_options(tolerance: Option<f64>, budget: Option<usize>) -> PyResult<QueryOptions> {
+    let mut options = QueryOptions::new();
+    if let Some(tolerance) = tolerance {
+        if !(tolerance >= 0.0) {
+            return Err(refused(format!("tolerance is {tolerance} (expected at least 0)")));
+        }
+        options = options.width(tolerance);
+    }
+    options.splits = budget;
+    Ok(options)
 }
 
 /// Returns the row of a contact, in the world.
@@ -130,10 +143,22 @@ impl PairTracker {
     /// Returns None if one of them has no inside: an open mesh or a Bézier surface. For two convex
     /// geometries, `closest` returns the depth itself.
     ///
-    /// tolerance: the largest width of the interval, a length. The search is of fixed effort, and
-    /// no call narrows the interval of two bodies that interlock: a wider interval then is an
-    /// UndecidedError, which states it.
-    #[pyo3(signature = (a, b, pose_a=None, pose_b=None, *, tolerance=None))]
+    /// Parameters
+    /// ----------
+    /// a, b : Geometry
+    /// pose_a, pose_b : pose, optional
+    /// tolerance : float, optional
+    ///     The largest width of the interval, a length. A search over translations narrows the
+    ///     interval to it; its work grows with the depth divided by the tolerance. By default
+    ///     nothing is narrowed, and the interval may be wide for bodies that interlock.
+    /// budget : int, optional
+    ///     How many cells of translations the search may split; 1000 by default, and at most 2**20.
+    ///
+    /// Raises
+    /// ------
+    /// UndecidedError
+    ///     If the interval is still wider than the tolerance at the end of the budget: states it.
+    #[pyo3(signature = (a, b, pose_a=None, pose_b=None, *, tolerance=None, budget=None))]
     #[allow(clippy::too_many_arguments)] // the signature in Python
     fn penetration(
         &mut self,
@@ -143,18 +168,17 @@ impl PairTracker {
         pose_a: Option<Pose>,
         pose_b: Option<Pose>,
         tolerance: Option<f64>,
+        budget: Option<usize>,
     ) -> PyResult<Option<Penetration>> {
-        if let Some(tolerance) = tolerance.filter(|t| !(*t >= 0.0)) {
-            return Err(refused(format!("tolerance is {tolerance} (expected at least 0)")));
-        }
+        let options = depth_options(tolerance, budget)?;
         let pose = relative(pose_a, pose_b)?;
         let (a, b) = (&a.get().0, &b.get().0);
-        let found = py.detach(|| self.tracker.penetration(a, b, &pose));
+        let found = py.detach(|| self.tracker.penetration_with(a, b, &pose, &options));
         if let (Some(PenetrationBounds { lower, upper, .. }), Some(tolerance)) = (found, tolerance)
             && upper - lower > tolerance
         {
             return Err(undecided_error(format!(
-                "the depth is from {lower:.6} to {upper:.6}: wider than the tolerance {tolerance}, and cannot be narrowed"
+                "the depth is from {lower:.6} to {upper:.6}: wider than the tolerance {tolerance} at the end of the budget"
             )));
         }
         Ok(found.map(|bounds| Penetration { bounds, pose }))

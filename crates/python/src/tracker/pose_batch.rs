@@ -1,25 +1,30 @@
 //! Closest points, contacts and depths at many poses.
 
-use lin_canny::{Geometry as Body, ManifoldOptions, PairOutcome, PairTracker, RelativePose};
+use lin_canny::{Geometry as Body, ManifoldOptions, PairOutcome, PairTracker, QueryOptions, RelativePose};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 
-use super::closest::state_name;
-use super::contacts::{FIELDS, Row as Contact, manifold_options, row};
+use super::bodies::{Bodies, BodiesView};
+use super::closest::{gradients, state_name};
+use super::contacts::{FIELDS, Row as Contact, depth_options, manifold_options, row};
 use crate::array::{filled, of_triples, structured, words};
 use crate::batch::{Batch, Run};
 use crate::errors::{pair_error, pose_error};
-use crate::geometry::Geometry;
 use crate::pose::{PoseView, Poses};
 
-/// Two geometries, and poses of B in the frame of A.
+/// Two geometries, or two for each pose, and poses of B in the frame of A.
 struct Pair<'a> {
-    a: &'a Body,
-    b: &'a Body,
+    a: BodiesView<'a>,
+    b: BodiesView<'a>,
     poses: PoseView<'a>,
 }
 
-impl Pair<'_> {
+impl<'a> Pair<'a> {
+    fn new(a: &'a Bodies<'_>, b: &'a Bodies<'_>, poses: PoseView<'a>) -> Self {
+        let (a, b) = (a.view(), b.view());
+        Self { a, b, poses }
+    }
+
     fn pose(&self, k: usize) -> PyResult<RelativePose> {
         let pose = self.poses.isometry(k);
         let pose = pose.and_then(|pose| RelativePose::from_isometry(&pose).ok());
@@ -31,10 +36,10 @@ impl Pair<'_> {
         &self,
         first: usize,
         rows: &mut [T],
-        mut answer: impl FnMut(&RelativePose) -> PyResult<T>,
+        mut answer: impl FnMut(&Body, &Body, &RelativePose) -> PyResult<T>,
     ) -> PyResult<()> {
         for (k, to) in (first..).zip(rows) {
-            *to = answer(&self.pose(k)?)?;
+            *to = answer(self.a.at(k), self.b.at(k), &self.pose(k)?)?;
         }
         Ok(())
     }
@@ -51,8 +56,8 @@ impl Batch for ClosestPoints<'_> {
     }
 
     fn answer(&self, tracker: &mut PairTracker, first: usize, rows: &mut [Self::Row]) -> PyResult<()> {
-        let Pair { a, b, .. } = self.0;
-        self.0.each(first, rows, |pose| Ok(Some(tracker.closest(a, b, pose))))
+        self.0
+            .each(first, rows, |a, b, pose| Ok(Some(tracker.closest(a, b, pose))))
     }
 }
 
@@ -67,8 +72,7 @@ impl Batch for Contacts<'_> {
     }
 
     fn answer(&self, tracker: &mut PairTracker, first: usize, rows: &mut [Self::Row]) -> PyResult<()> {
-        let Pair { a, b, .. } = self.0;
-        self.0.each(first, rows, |pose| {
+        self.0.each(first, rows, |a, b, pose| {
             let groups = tracker.contacts(a, b, pose, &self.1).map_err(pair_error)?;
             let groups = groups.iter().enumerate();
             Ok(groups
@@ -78,7 +82,7 @@ impl Batch for Contacts<'_> {
     }
 }
 
-struct Depths<'a>(Pair<'a>);
+struct Depths<'a>(Pair<'a>, QueryOptions);
 
 impl Batch for Depths<'_> {
     type State = PairTracker;
@@ -90,9 +94,8 @@ impl Batch for Depths<'_> {
     }
 
     fn answer(&self, tracker: &mut PairTracker, first: usize, rows: &mut [Self::Row]) -> PyResult<()> {
-        let Pair { a, b, .. } = self.0;
-        self.0.each(first, rows, |pose| {
-            let found = tracker.penetration(a, b, pose);
+        self.0.each(first, rows, |a, b, pose| {
+            let found = tracker.penetration_with(a, b, pose, &self.1);
             Ok(found.map_or([f64::NAN; 5], |bounds| {
                 let [x, y, z] = (pose.poses().0.rotation * bounds.shift).into();
                 [bounds.lower, bounds.upper, x, y, z]
@@ -108,7 +111,8 @@ impl Batch for Depths<'_> {
 ///
 /// Parameters
 /// ----------
-/// a, b : Geometry
+/// a, b : Geometry, or a sequence of N of them
+///     The pair of all poses, or one for each pose.
 /// poses : array_like
 ///     As for `distances`.
 /// threads : int
@@ -119,32 +123,38 @@ impl Batch for Depths<'_> {
 /// -------
 /// numpy.ndarray, shape (N,)
 ///     A structured array with the fields `distance`, `lower`, `upper`, `state`, `features`, `parts`
-///     of shape (2,), and `point_a`, `point_b` and `normal` of shape (3,), in the frame of A. See
-///     Closest.
+///     of shape (2,), `point_a`, `point_b` and `normal` of shape (3,), and `gradient_a` and
+///     `gradient_b` of shape (6,), in the frame of A. See Closest.
 #[pyfunction]
 #[pyo3(signature = (a, b, poses, *, threads=1, progress=None))]
 pub(crate) fn closest_batch<'py>(
     py: Python<'py>,
-    a: &Bound<'py, Geometry>,
-    b: &Bound<'py, Geometry>,
+    a: &Bound<'py, PyAny>,
+    b: &Bound<'py, PyAny>,
     poses: &Bound<'py, PyAny>,
     threads: usize,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let poses = Poses::new(poses)?;
     let view = poses.view()?;
-    let (a, b) = (&a.get().0, &b.get().0);
+    let [a, b] = [Bodies::new("a", a, view.len())?, Bodies::new("b", b, view.len())?];
     let mut rows = vec![None; view.len()];
-    let batch = ClosestPoints(Pair { a, b, poses: view });
+    let batch = ClosestPoints(Pair::new(&a, &b, view));
     Run::new(py, rows.len(), threads, progress)?.rows(py, &batch, &mut rows)?;
     let found: Vec<PairOutcome> = rows.into_iter().flatten().collect();
     let number = |of: fn(&PairOutcome) -> f64| PyArray1::from_iter(py, found.iter().map(of)).into_any();
     let parts = found.iter().flat_map(|o| o.locations.map(|at| i64::from(at.subshape)));
     let parts = PyArray1::from_iter(py, parts).reshape([found.len(), 2])?;
-    let point_b = |(k, o): (usize, &PairOutcome)| -> PyResult<[f64; 3]> {
-        Ok((batch.0.pose(k)?.poses().1 * o.point_on_b).into())
-    };
-    let points_b: PyResult<Vec<[f64; 3]>> = found.iter().enumerate().map(point_b).collect();
+    let (mut points_b, mut turns) = (Vec::new(), [Vec::new(), Vec::new()]);
+    for (k, o) in found.iter().enumerate() {
+        let pose = batch.0.pose(k)?;
+        points_b.push((pose.poses().1 * o.point_on_b).into());
+        turns
+            .iter_mut()
+            .zip(gradients(o, &pose))
+            .for_each(|(to, row)| to.extend(row));
+    }
+    let [gradient_a, gradient_b] = turns.map(|rows| PyArray1::from_vec(py, rows).reshape([found.len(), 6]));
     let vector = |of: fn(&PairOutcome) -> [f64; 3]| of_triples(py, found.iter().map(of).collect()).map(Bound::into_any);
     let columns = vec![
         (("distance", "f8", None), number(|o| o.distance)),
@@ -160,8 +170,10 @@ pub(crate) fn closest_batch<'py>(
         ),
         (("parts", "i8", Some(2)), parts.into_any()),
         (("point_a", "f8", Some(3)), vector(|o| o.point_on_a.into())?),
-        (("point_b", "f8", Some(3)), of_triples(py, points_b?)?.into_any()),
+        (("point_b", "f8", Some(3)), of_triples(py, points_b)?.into_any()),
         (("normal", "f8", Some(3)), vector(|o| (*o.normal).into())?),
+        (("gradient_a", "f8", Some(6)), gradient_a?.into_any()),
+        (("gradient_b", "f8", Some(6)), gradient_b?.into_any()),
     ];
     filled(py, found.len(), columns)
 }
@@ -181,8 +193,8 @@ pub(crate) fn closest_batch<'py>(
 #[allow(clippy::too_many_arguments)] // the signature in Python
 pub(crate) fn contacts_batch<'py>(
     py: Python<'py>,
-    a: &Bound<'py, Geometry>,
-    b: &Bound<'py, Geometry>,
+    a: &Bound<'py, PyAny>,
+    b: &Bound<'py, PyAny>,
     poses: &Bound<'py, PyAny>,
     prediction: f64,
     max_points: usize,
@@ -192,9 +204,9 @@ pub(crate) fn contacts_batch<'py>(
     let options = manifold_options(prediction, max_points)?;
     let poses = Poses::new(poses)?;
     let view = poses.view()?;
-    let (a, b) = (&a.get().0, &b.get().0);
+    let [a, b] = [Bodies::new("a", a, view.len())?, Bodies::new("b", b, view.len())?];
     let mut rows = vec![Vec::new(); view.len()];
-    let batch = Contacts(Pair { a, b, poses: view }, options);
+    let batch = Contacts(Pair::new(&a, &b, view), options);
     Run::new(py, rows.len(), threads, progress)?.rows(py, &batch, &mut rows)?;
     let counted = rows.iter().scan(0, |sum, row| {
         *sum += row.len() as i64;
@@ -211,22 +223,27 @@ pub(crate) fn contacts_batch<'py>(
 ///
 /// The result is a structured array of shape (N,) with the fields `lower`, `upper`, and `shift` of
 /// shape (3,), in the frame of A. All are NaN if one of the geometries has no inside. For the
-/// parameters see `distances`.
+/// parameters see `distances` and `PairTracker.penetration`; an interval that stays wider than
+/// `tolerance` is returned as it is.
 #[pyfunction]
-#[pyo3(signature = (a, b, poses, *, threads=1, progress=None))]
+#[pyo3(signature = (a, b, poses, *, tolerance=None, budget=None, threads=1, progress=None))]
+#[allow(clippy::too_many_arguments)] // the signature in Python
 pub(crate) fn penetration_batch<'py>(
     py: Python<'py>,
-    a: &Bound<'py, Geometry>,
-    b: &Bound<'py, Geometry>,
+    a: &Bound<'py, PyAny>,
+    b: &Bound<'py, PyAny>,
     poses: &Bound<'py, PyAny>,
+    tolerance: Option<f64>,
+    budget: Option<usize>,
     threads: usize,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
+    let options = depth_options(tolerance, budget)?;
     let poses = Poses::new(poses)?;
     let view = poses.view()?;
-    let (a, b) = (&a.get().0, &b.get().0);
+    let [a, b] = [Bodies::new("a", a, view.len())?, Bodies::new("b", b, view.len())?];
     let mut rows = vec![[0.0; 5]; view.len()];
-    let batch = Depths(Pair { a, b, poses: view });
+    let batch = Depths(Pair::new(&a, &b, view), options);
     Run::new(py, rows.len(), threads, progress)?.rows(py, &batch, &mut rows)?;
     structured(py, rows, &[("lower", "f8", 1), ("upper", "f8", 1), ("shift", "f8", 3)])
 }
