@@ -6,6 +6,7 @@
 mod casts;
 mod contact;
 mod hero;
+mod mbm;
 mod plane;
 mod records;
 mod ulps;
@@ -39,6 +40,7 @@ fn run(folder: &Path) -> Result<(), Trouble> {
         ("regions.svg", plane::regions()?),
         ("walk.svg", plane::walk()?),
         ("ulps.svg", ulps::picture()?),
+        ("mbm.svg", mbm::picture(&records)?),
     ];
     pictures.extend(records::pictures(&records)?);
     for (name, text) in pictures {

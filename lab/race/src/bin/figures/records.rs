@@ -9,7 +9,7 @@ use race::record;
 use crate::Trouble;
 
 /// Returns the newest file with an ending; names sort by date.
-fn newest(folder: &Path, ending: &str) -> Result<PathBuf, Trouble> {
+pub(crate) fn newest(folder: &Path, ending: &str) -> Result<PathBuf, Trouble> {
     let files = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let name = |p: &PathBuf| p.file_name().is_some_and(|n| n.to_string_lossy().ends_with(ending));
     let mut records: Vec<PathBuf> = files.filter_map(|f| Some(f.ok()?.path())).filter(name).collect();
