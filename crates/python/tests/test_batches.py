@@ -176,7 +176,7 @@ def test_faults_of_batches_of_poses():
         assert len(call(BOX, BOX, at[:0])) in (0, 2)
     with pytest.raises(lc.LinCannyError, match="max_points is 9"):
         lc.contacts_batch(BOX, BOX, at, max_points=9)
-    with pytest.raises(lc.LinCannyError, match=r"tolerance is nan \(expected at least 0\)"):
+    with pytest.raises(lc.LinCannyError, match=r"tolerance is NaN \(expected at least 0\)"):
         lc.penetration_batch(BOX, BOX, at, tolerance=np.nan)
     triangle = lc.Geometry.mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     assert np.isnan(lc.penetration_batch(BOX, triangle, at[:2])["shift"]).all()
