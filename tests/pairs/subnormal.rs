@@ -5,36 +5,9 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::scene::{Body, Group, PairQueries, Scene};
 use lin_canny::{ContactState, ConvexPolyhedron, RelativePose, Tracker};
-use std::cmp::Ordering;
 use std::sync::Arc;
+use truth::driven::underflow;
 use truth::rng::Rng;
-
-/// Returns a tetrahedron with three edges of length `e` along the axes, all ascending or all
-/// descending, from a vertex at the origin.
-fn corner(e: f64) -> ConvexPolyhedron {
-    let o = Point3::origin();
-    let points = [
-        o,
-        Point3::new(e, 0.0, 0.0),
-        Point3::new(0.0, e, 0.0),
-        Point3::new(0.0, 0.0, e),
-    ];
-    ConvexPolyhedron::from_points(&points).unwrap()
-}
-
-/// Returns two such tetrahedra tip to tip, the second moved by `t`, which is the vector between
-/// them.
-fn tips(extents: [f64; 2], t: [f64; 3]) -> (ConvexPolyhedron, ConvexPolyhedron, RelativePose) {
-    let pose = RelativePose::from_isometry(&Isometry3::translation(t[0], t[1], t[2])).unwrap();
-    (corner(-extents[0]), corner(extents[1]), pose)
-}
-
-/// Compares `x`, a small multiple of the least `f64`, with the root of `n` in units of it.
-fn against_root(x: f64, n: u64) -> Ordering {
-    let units = if x <= 0.0 { 0 } else { x.to_bits() };
-    assert!(units < 1 << 31, "{x:e} is not subnormal");
-    (units * units).cmp(&n)
-}
 
 /// Bounds and predicates of bodies of any size hold if the distance is a few units of the least
 /// `f64`.
@@ -42,33 +15,10 @@ fn against_root(x: f64, n: u64) -> Ordering {
 fn a_distance_of_a_few_least_numbers_is_bounded() {
     let mut rng = Rng::new(701);
     let mut asked = 0;
-    for e in [1e-31, 1e-33, 1e-60, 1e-95, 1e-100, 1.0, 1e33, 1e98] {
+    for e in underflow::EXTENTS {
         for f in [e, 1e-33, 1e-100, 1.0] {
             for _ in 0..20 {
-                let units = [0; 3].map(|_| rng.below(9) as u64);
-                let n = units.iter().map(|u| u * u).sum::<u64>();
-                let (a, b, pose) = tips([e, f], units.map(f64::from_bits));
-                let told = format!("{e:e} {f:e} {units:?}");
-                let mut t = Tracker::new();
-                for (k, o) in [t.closest(&a, &b, &pose), t.closest_exact(&a, &b, &pose)]
-                    .into_iter()
-                    .enumerate()
-                {
-                    assert_eq!(o.state == ContactState::Separated, n > 0, "{told} {o:?}");
-                    assert_ne!(against_root(o.lower, n), Ordering::Greater, "{told} {o:?}");
-                    // The root of a sum of squares below 2^53 that is not a square is not a whole
-                    // number.
-                    if o.upper.to_bits() < 1 << 31 {
-                        assert_ne!(against_root(o.upper, n), Ordering::Less, "{told} {o:?}");
-                    }
-                    assert!(k == 0 || o.upper.to_bits() <= o.distance.to_bits() + 1, "{told} {o:?}");
-                }
-                let d = t.distance(&b, &a, &pose.swapped());
-                assert_ne!(against_root(d.lower, n), Ordering::Greater, "{told} {d:?}");
-                assert_eq!(t.intersects(&a, &b, &pose), n == 0, "{told}");
-                for d in 0..18u64 {
-                    assert_eq!(t.within(&a, &b, &pose, f64::from_bits(d)), d * d >= n, "{told} {d}");
-                }
+                underflow::corners([e, f], &mut rng).unwrap();
                 asked += 1;
             }
         }
@@ -115,7 +65,7 @@ fn an_exact_distance_of_large_bodies_is_right_to_the_last_bit() {
             for _ in 0..10 {
                 // A distance that `f64` can represent: 2^2 + 3^2 + 6^2 = 7^2.
                 let m = (1 + rng.below(1 << 40)) as f64 * 2f64.powi(exponent - 40);
-                let (a, b, pose) = tips([e, e], [2.0 * m, 3.0 * m, 6.0 * m]);
+                let (a, b, pose) = underflow::tip_to_tip([e, e], [2.0 * m, 3.0 * m, 6.0 * m]);
                 let o = Tracker::new().closest_exact(&a, &b, &pose);
                 let near = |x: f64| (x.to_bits() as i64 - (7.0 * m).to_bits() as i64).abs() <= 1;
                 assert!(

@@ -19,6 +19,7 @@ pub mod solids;
 pub mod stand_ins;
 pub mod surfaces;
 pub mod throws;
+pub mod underflow;
 
 /// The input of a byte-driven test: bytes are read from the front; after the end they are zero.
 #[derive(Debug)]

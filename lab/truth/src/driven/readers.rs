@@ -187,7 +187,7 @@ pub fn robots(data: &[u8]) {
 }
 
 /// Reads what was saved: `l` a recording, `r` a replay; as JSON `g` a geometry, `s` a scene, `q` a
-/// curve, `w` a world of the planner, `a` an answer over a range.
+/// curve, `w` a world of the planner, `a` an answer over a range; `v` a receipt, which is checked.
 ///
 /// # Panics
 /// Panics if what was read is inconsistent, if what is written is not read again as it was, or if
@@ -224,6 +224,9 @@ pub fn stored(data: &[u8]) {
         }
         b'a' => {
             again::<RangeAnswer>(text);
+        }
+        b'v' => {
+            parsed(text, || lin_canny_verify::verify(bytes));
         }
         _ => {}
     }

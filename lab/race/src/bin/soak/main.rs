@@ -34,7 +34,7 @@ use race::progress::Progress;
 use tally::Tally;
 use truth::command::{count, number};
 use truth::driven::{
-    clouds, distances, lattice, planner, points, scenes, slivers, solids, stand_ins, surfaces, throws,
+    clouds, distances, lattice, planner, points, scenes, slivers, solids, stand_ins, surfaces, throws, underflow,
 };
 use truth::motion::Frame;
 use truth::rng::Rng;
@@ -242,7 +242,7 @@ struct Driver {
 /// Bytes of the calls of a scene.
 const CALLS: usize = 1500;
 
-const DRIVERS: [Driver; 13] = [
+const DRIVERS: [Driver; 14] = [
     // Lattices, bricks and stacks combine equal bounds, reused indices and slow motion. Brute force
     // checks each step.
     Driver {
@@ -311,6 +311,13 @@ const DRIVERS: [Driver; 13] = [
         salt: 0xd157,
         count: 1,
         play: |seed, tally| distances::play(seed).map(|mix| tally.distances.add(&mix)),
+    },
+    // Polyhedra so close that products and directions underflow, judged by whole numbers.
+    Driver {
+        name: "distance that underflows",
+        salt: 0x0f10,
+        count: 2,
+        play: |seed, tally| underflow::play(seed).map(|mix| tally.underflows.add(&mix)),
     },
     // Clouds, judged element by element.
     Driver {

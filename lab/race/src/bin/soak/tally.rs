@@ -6,7 +6,9 @@ use crate::curved;
 use crate::faulty;
 use lin_canny::Outcome;
 use truth::driven::lattice::Mix;
-use truth::driven::{clouds, distances, planner, points, scenes, slivers, solids, stand_ins, surfaces, throws};
+use truth::driven::{
+    clouds, distances, planner, points, scenes, slivers, solids, stand_ins, surfaces, throws, underflow,
+};
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
 const LAYERS: [&str; 7] = [
@@ -53,6 +55,8 @@ pub(crate) struct Tally {
     pub(crate) throws: throws::Mix,
     /// Signed distances of points.
     pub(crate) distances: distances::Mix,
+    /// Polyhedra whose distance underflows.
+    pub(crate) underflows: underflow::Mix,
     /// Clouds.
     pub(crate) clouds: clouds::Mix,
     /// Pairs of surfaces.
@@ -97,6 +101,7 @@ impl Tally {
         self.stand_ins.add(&o.stand_ins);
         self.throws.add(&o.throws);
         self.distances.add(&o.distances);
+        self.underflows.add(&o.underflows);
         self.clouds.add(&o.clouds);
         self.surfaces.add(&o.surfaces);
         self.planner.add(&o.planner);
@@ -132,6 +137,7 @@ impl Tally {
         println!("bodies that stand in for others: {:?}", self.stand_ins);
         println!("throws of two bodies: {:?}", self.throws);
         println!("signed distances of points: {:?}", self.distances);
+        println!("distances that underflow: {:?}", self.underflows);
         println!("clouds: {:?}", self.clouds);
         println!("pairs of surfaces: {:?}", self.surfaces);
         println!("worlds of the planner: {:?}", self.planner);
