@@ -223,7 +223,7 @@ fn narrowed_bounds_hold_the_depth_of_boxes_to_the_width() {
             first.lower <= found.lower && found.upper <= first.upper,
             "{first:?} {found:?}"
         );
-        // Faces inside of the union keep the convex regions of the meshes small: the budget may end first.
+        // Faces inside of the union keep the convex regions small: the budget may end first.
         if k < 4 {
             let (a, b) = (a.to_mesh().unwrap(), b.to_mesh().unwrap());
             let first = PairTracker::new().penetration(&a, &b, &at).unwrap();
