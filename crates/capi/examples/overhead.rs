@@ -110,9 +110,11 @@ fn median(times: &mut [f64]) -> f64 {
     times[times.len() / 2]
 }
 
-/// Times queries on both sides, prints a row, and returns whether the border costs too much.
+/// Times queries on both sides, prints a row, and returns whether the border costs too much. A count
+/// of one is a batch of `QUERIES`.
 fn race(name: &str, count: usize, mut rust: impl FnMut(usize) -> f64, mut c: impl FnMut(usize) -> f64) -> bool {
     let (mut of_rust, mut of_c) = (Vec::new(), Vec::new());
+    let queries = if count == 1 { QUERIES } else { count } as f64;
     for round in 0..rounds() {
         let (mut sum_rust, mut sum_c) = (0.0, 0.0);
         let start = now();
@@ -129,8 +131,8 @@ fn race(name: &str, count: usize, mut rust: impl FnMut(usize) -> f64, mut c: imp
             sum_c.to_bits(),
             "{name}, round {round}: {sum_rust} and {sum_c}"
         );
-        of_rust.push((middle - start) / count as f64);
-        of_c.push((end - middle) / count as f64);
+        of_rust.push((middle - start) / queries);
+        of_c.push((end - middle) / queries);
     }
     let (rust, c) = (median(&mut of_rust), median(&mut of_c));
     let more = c - rust;
@@ -367,7 +369,7 @@ fn of_pair(library: &Library, name: &str, [a, b]: [&Geometry; 2], pair: lc_pair)
     let mut manifold = |k: usize| {
         let pose = RelativePose::new(black_box(&here), &deep[k]).expect("a pose");
         let groups = tracker.contacts(a, b, &pose, &options).expect("contacts");
-        let world = |point: Point3<f64>| pose.poses().0 * point;
+        let world = |point: Point3<f64>| deep[k] * point;
         groups
             .iter()
             .flat_map(|group| &group.contacts)

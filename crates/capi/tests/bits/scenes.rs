@@ -24,7 +24,7 @@ impl Both {
         let c = written(|out| unsafe { lc_scene_new(out) });
         let groups = [Group::default(), Group::new(1).unwrap()];
         for other in [0, 1] {
-            rust.set_queries(groups[0], groups[other], queries.clone()).unwrap();
+            rust.set_queries(groups[0], groups[other], queries).unwrap();
             // SAFETY: queries of the stated size.
             ok(unsafe { lc_scene_set_queries(c, 0, other as u32, &of_c, size_of::<lc_queries>()) });
         }
