@@ -381,6 +381,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     fn obstacles_changed(&mut self, ids: &[WorldId]) -> Result<(), PlanError> {
         for id in ids {
+            self.range_bodies.remove(id);
             if let WorldId::Obstacle(k) = *id {
                 self.pairs.set_obstacle(&self.world, k)?;
             }

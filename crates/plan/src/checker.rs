@@ -11,6 +11,7 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::free::HITS_FIRST;
 use crate::pairs::{PairKey, Pairs, Places, Stretch, SweptBox, cut, cut_at_knots, even_span, span_at};
+use crate::range::RangeBodies;
 use crate::space::{BodyBall, BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
 use crate::tolerance::ATTACHED;
 use crate::verdict::{CheckWork, LeavingPair, Verdict};
@@ -69,6 +70,8 @@ pub struct Checker<C> {
     pub(crate) reach: f64,
     /// Whether predicates run before distances.
     pub(crate) has_parts: bool,
+    /// Bodies that proofs over ranges have prepared.
+    pub(crate) range_bodies: RangeBodies,
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
@@ -116,6 +119,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             poses: Vec::new(),
             hits: Vec::new(),
             order: Vec::new(),
+            range_bodies: RangeBodies::new(),
         };
         checker.set_all_pairs();
         Ok(checker)
@@ -395,6 +399,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     pub fn forget(&mut self) {
         self.pairs.forget();
         self.hits.clear();
+        self.range_bodies.clear();
         self.reach = self.pairs.robot_radius;
     }
 

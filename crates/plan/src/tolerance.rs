@@ -111,7 +111,9 @@ pub(crate) const RANGE_FRAME: f64 = 512.0 * UNIT;
 /// A second derivative has one product more: 400 UNIT. Weighted by half-widths, all derivatives of
 /// one order have the error of one, times S or S^2. The sum of m + m^2 / 2 terms and of the
 /// remainders errs by UNIT of `L (1 + S)^3` for each term. Two bodies double this: 2 (400 + m + m^2
-/// / 2) UNIT, which is below 512 (m + 2) UNIT for up to 500 joints.
+/// / 2) UNIT. A swept joint multiplies a matrix of norm 1 or less and adds a distance from its axis:
+/// 120 UNIT of L each, and once more times S and S^2 in the derivatives of the joints beyond it. All
+/// in all this is below 512 (m + 2) UNIT for up to 350 joints.
 pub(crate) const RANGE_TERM: f64 = 512.0 * UNIT;
 
 /// Error of the angle of a body between two timed poses.

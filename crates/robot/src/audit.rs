@@ -63,6 +63,11 @@ pub struct LinkAudit {
     pub time: Duration,
 }
 
+/// Cells of each pair in the first round of an audit, and growth from round to round: pairs that few
+/// cells decide come first, if the time is limited. Not measured.
+const FIRST_ROUND: u64 = 256;
+const GROWTH: u64 = 4;
+
 /// Proves for each two links, and each link and obstacle, whether they can ever meet.
 ///
 /// All pairs are answered, excluded ones too, without those that keep their relative pose. The
@@ -86,30 +91,49 @@ pub fn audit(
             .map(|ends| ends[k])
             .collect::<Vec<f64>>()
     });
+    let has_other_range = |answer: &&RangeAnswer| {
+        let ends = low.iter().zip(&high).map(|(low, high)| [*low, *high]);
+        !ends.eq(answer.range.iter().copied())
+    };
+    if let Some(answer) = earlier.iter().find(has_other_range) {
+        return Err(PlanError::OtherRange(answer.pair));
+    }
     let known: BTreeMap<WorldPair, &RangeAnswer> = earlier.iter().map(|answer| (answer.pair, answer)).collect();
+    let mut rows: Vec<(WorldPair, [String; 2], Option<RangeAnswer>, Duration)> = pairs(checker)
+        .into_iter()
+        .map(|(pair, names)| (pair, names, known.get(&pair).copied().cloned(), Duration::ZERO))
+        .collect();
+    let (mut left, mut budget, mut is_stopped) = (options.cells, FIRST_ROUND, false);
+    loop {
+        let round = options.cells(left.min(budget));
+        // The first round recognises the bodies of earlier answers.
+        let is_first = left == options.cells;
+        let is_left = |answer: &RangeAnswer| is_first || matches!(answer.verdict, RangeVerdict::Open { .. });
+        for (pair, _, answer, time) in &mut rows {
+            if !answer.as_ref().is_none_or(is_left) {
+                continue;
+            }
+            let began = Instant::now();
+            let mut watch = |now| {
+                is_stopped = is_stopped || progress(now).is_break();
+                Progress::stop_if(is_stopped)
+            };
+            *answer = Some(match answer.take() {
+                Some(answer) => checker.resume_range(&answer, &round, &mut watch)?,
+                None => checker.prove_pair_with_progress(pair.a, pair.b, &low, &high, &round, &mut watch)?,
+            });
+            *time += began.elapsed();
+        }
+        left = left.saturating_sub(budget);
+        budget = budget.saturating_mul(GROWTH);
+        rows.retain(|(_, _, answer, _)| answer.as_ref().is_none_or(|answer| !answer.coordinates.is_empty()));
+        if left == 0 || is_stopped {
+            break;
+        }
+    }
     let mut found: Vec<LinkAudit> = Vec::new();
-    let mut is_stopped = false;
-    for (pair, names) in pairs(checker) {
-        let began = Instant::now();
-        let mut watch = |now| {
-            is_stopped = is_stopped || progress(now).is_break();
-            Progress::stop_if(is_stopped)
-        };
-        let has_other_range = |answer: &&RangeAnswer| {
-            let ends = low.iter().zip(&high).map(|(low, high)| [*low, *high]);
-            !ends.eq(answer.range.iter().copied())
-        };
-        if known.get(&pair).is_some_and(has_other_range) {
-            return Err(PlanError::OtherRange(pair));
-        }
-        let answer = match known.get(&pair) {
-            Some(answer) => checker.resume_range(answer, options, &mut watch)?,
-            None => checker.prove_pair_with_progress(pair.a, pair.b, &low, &high, options, &mut watch)?,
-        };
-        if answer.coordinates.is_empty() {
-            continue;
-        }
-        let time = began.elapsed();
+    for (_, names, answer, time) in rows {
+        let Some(answer) = answer else { continue };
         match found.iter_mut().find(|one| one.names == names) {
             Some(one) => one.add(answer, time),
             None => {
@@ -125,8 +149,7 @@ pub fn audit(
 /// Proves whether two links, or a link and an obstacle, can meet at any configuration of a range.
 ///
 /// `low` and `high` hold the least and the greatest value of each coordinate. This is one row of
-/// [`audit`] over a part of the limits: a large audit may be divided into cells that run apart. Two
-/// links never meet if they never do in any cell, and always if they do in every cell.
+/// [`audit`] over a part of the limits: a large audit may be divided into cells that run apart. Two links never meet if they never do in any cell, and always if they do in every cell.
 ///
 /// # Errors
 /// Returns an error if a name does not exist, or as [`Checker::prove_pair`] does.

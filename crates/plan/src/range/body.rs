@@ -1,15 +1,16 @@
 //! Bodies as bounds over ranges see them: a convex outer part, and for bodies that are not convex a
 //! tree of parts.
 
+use std::collections::BTreeSet;
 use std::vec::Vec;
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
 use super::fingerprint::Fingerprint;
 use crate::extremes::Extremes;
 use lin_canny::polyhedron::BoxHint;
 use lin_canny::shape::Core;
-use lin_canny::{ConvexPolyhedron, Geometry, Shape};
+use lin_canny::{ConvexPolyhedron, Geometry, PointQuery, Shape};
 
 /// Steps of the search for a small ball. Not measured.
 const BALL_STEPS: usize = 64;
@@ -19,6 +20,9 @@ const SIDES: usize = 32;
 
 /// Most triangles of a leaf of a tree. Not measured.
 const LEAF: usize = 4;
+
+/// Directions whose support vertices stand for a body of more points. Not measured.
+const DIRECTIONS: usize = 48;
 
 /// Most points of a part that is not replaced by its box. Not measured.
 const MOST_POINTS: usize = 48;
@@ -32,12 +36,16 @@ impl Points {
         Self([0, 1, 2].map(|k| points.iter().map(|p| p[k]).collect()))
     }
 
+    pub(super) fn len(&self) -> usize {
+        self.0[0].len()
+    }
+
     pub(super) fn get(&self, k: usize) -> Vector3<f64> {
         Vector3::new(self.0[0][k], self.0[1][k], self.0[2][k])
     }
 
     pub(super) fn each(&self) -> impl Iterator<Item = Point3<f64>> + '_ {
-        (0..self.0[0].len()).map(|k| self.get(k).into())
+        (0..self.len()).map(|k| self.get(k).into())
     }
 
     /// Writes `n . x + b` for each point.
@@ -46,6 +54,18 @@ impl Points {
         values.clear();
         let each = x.iter().zip(y).zip(z);
         values.extend(each.map(|((x, y), z)| n.x * x + n.y * y + n.z * z + b));
+    }
+
+    /// Adds `factor |matrix x + offset|` to the value of each point.
+    pub(super) fn add_norms(&self, matrix: &Matrix3<f64>, offset: &Vector3<f64>, factor: f64, values: &mut [f64]) {
+        let [x, y, z] = &self.0;
+        let row = |k: usize| (matrix[(k, 0)], matrix[(k, 1)], matrix[(k, 2)], offset[k]);
+        let (first, second, third) = (row(0), row(1), row(2));
+        for (((value, x), y), z) in values.iter_mut().zip(x).zip(y).zip(z) {
+            let at = |r: (f64, f64, f64, f64)| r.0 * x + r.1 * y + r.2 * z + r.3;
+            let (u, v, w) = (at(first), at(second), at(third));
+            *value += factor * (u * u + v * v + w * w).sqrt();
+        }
     }
 
     /// Takes `h |n . x + b|` off the value of each point.
@@ -65,6 +85,8 @@ pub(super) struct Part {
     pub(super) ball: (Point3<f64>, f64),
     /// The parts that it is made of: first and last.
     pub(super) children: [usize; 2],
+    /// Few of the points, and a distance: all points are within it of the hull of the few.
+    pub(super) coarse: Option<(Points, f64)>,
 }
 
 impl Part {
@@ -74,7 +96,21 @@ impl Part {
             points: Points::new(points),
             radius,
             children: [0; 2],
+            coarse: None,
         }
+    }
+
+    /// Returns a part of a body of its own, with few points if it has many.
+    fn whole(points: &[Point3<f64>], radius: f64) -> Self {
+        Self {
+            coarse: coarse(points),
+            ..Self::new(points, radius)
+        }
+    }
+
+    /// Returns by how much few points bound less than all.
+    pub(super) fn slack(&self) -> f64 {
+        self.coarse.as_ref().map_or(0.0, |coarse| coarse.1)
     }
 
     pub(super) fn has_children(&self) -> bool {
@@ -83,7 +119,7 @@ impl Part {
 }
 
 /// A body of a pair.
-pub(super) struct RangeBody {
+pub(crate) struct RangeBody {
     /// The first part contains the body; the leaves together are its surface, if it is not convex.
     pub(super) parts: Vec<Part>,
     /// A convex body around a body that is not convex.
@@ -92,21 +128,30 @@ pub(super) struct RangeBody {
     pub(super) plane: Option<Vector3<f64>>,
     /// Points of a cloud, which its parts do not hold.
     cloud: Vec<Point3<f64>>,
+    /// A hash of all parts and of the points of a cloud.
+    pub(super) fingerprint: u64,
 }
 
 impl RangeBody {
     pub(super) fn new(geometry: &Geometry) -> Self {
+        let mut body = Self::unmarked(geometry);
+        body.fingerprint = body.hash();
+        body
+    }
+
+    fn unmarked(geometry: &Geometry) -> Self {
         let one = |part| Self {
             parts: std::vec![part],
             outer: None,
             plane: None,
             cloud: Vec::new(),
+            fingerprint: 0,
         };
         match geometry {
-            Geometry::Polyhedron(body) => one(Part::new(&vertices(body), 0.0)),
+            Geometry::Polyhedron(body) => one(Part::whole(&vertices(body), 0.0)),
             Geometry::Convex(shape) => {
                 let (points, radius) = of_shape(shape);
-                one(Part::new(&points, radius))
+                one(Part::whole(&points, radius))
             }
             Geometry::Mesh(mesh) => {
                 let triangles: Vec<Vec<Point3<f64>>> = mesh.triangles().map(|(_, t)| t.to_vec()).collect();
@@ -142,8 +187,7 @@ impl RangeBody {
         }
     }
 
-    /// Returns a hash of all parts and of the points of a cloud.
-    pub(super) fn fingerprint(&self) -> u64 {
+    fn hash(&self) -> u64 {
         let mut all = Fingerprint::new();
         let normal = self.plane.iter().map(|n| Point3::from(*n));
         let points = self.parts.iter().flat_map(|part| part.points.each());
@@ -169,10 +213,11 @@ impl RangeBody {
     /// Returns a body made of pieces, below a part that contains all of them.
     fn tree(hull: &[Point3<f64>], radius: f64, pieces: Vec<(Vec<Point3<f64>>, f64)>) -> Self {
         let mut body = Self {
-            parts: std::vec![Part::new(hull, radius)],
+            parts: std::vec![Part::whole(hull, radius)],
             outer: outer(hull, radius),
             plane: None,
             cloud: Vec::new(),
+            fingerprint: 0,
         };
         let mut order: Vec<usize> = (0..pieces.len()).collect();
         body.split(0, &mut order, &pieces);
@@ -279,6 +324,38 @@ fn of_shape(shape: &Shape) -> (Vec<Point3<f64>>, f64) {
         }
     };
     (points, shape.rounding_radius())
+}
+
+/// Returns few of many points, and an upper bound of the distance of all points from their hull;
+/// `None` if the points are few or flat.
+fn coarse(points: &[Point3<f64>]) -> Option<(Points, f64)> {
+    if points.len() <= 2 * DIRECTIONS {
+        return None;
+    }
+    // Even directions: heights in equal steps, turned by the golden angle.
+    let turn = core::f64::consts::PI * (3.0 - 5.0f64.sqrt());
+    let support = |k: usize| {
+        let z = (2 * k + 1) as f64 / DIRECTIONS as f64 - 1.0;
+        let (sine, cosine) = libm::sincos(turn * k as f64);
+        let across = (1.0 - z * z).sqrt();
+        let n = Vector3::new(cosine * across, sine * across, z);
+        let each = points.iter().enumerate().map(|(k, p)| (k, n.dot(&p.coords)));
+        each.fold(
+            (0, f64::NEG_INFINITY),
+            |best, next| if next.1 > best.1 { next } else { best },
+        )
+        .0
+    };
+    let few: BTreeSet<usize> = (0..DIRECTIONS).map(support).collect();
+    let few: Vec<Point3<f64>> = few.into_iter().map(|k| points[k]).collect();
+    let hull = Geometry::from(ConvexPolyhedron::from_points(&few).ok()?);
+    let query = PointQuery::new(&hull);
+    let mut radius = 0.0;
+    for point in points {
+        let found = query.closest_point(point).ok()?;
+        radius = found.upper.larger(radius);
+    }
+    Some((Points::new(&few), radius))
 }
 
 /// Returns a small ball around points: steps towards the farthest point (Badoiu and Clarkson 2003).

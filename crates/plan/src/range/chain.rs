@@ -67,6 +67,11 @@ pub(super) struct Screw {
     pub(super) place: usize,
     /// Half the width of the range of the joint.
     pub(super) half: f64,
+    /// Of a turn: the longest way of a point at distance 1 from the axis; sine and cosine of the
+    /// half-width up to a quarter turn, both rounded to the safe side.
+    pub(super) chord: f64,
+    pub(super) sine: f64,
+    pub(super) cosine: f64,
     /// Upper bounds of the distance of all points of A, and of B, from the axis.
     pub(super) reach: [f64; 2],
 }
@@ -207,6 +212,7 @@ impl Chain {
             let at = normalize_rotation(&(frame * one.joint.origin));
             let is_turn = one.joint.kind == JointKind::Revolute;
             let half = half[one.place] * one.drive.factor.abs() * (1.0 + 4.0 * f64::EPSILON);
+            let [chord, sine, cosine] = if is_turn { arc(half) } else { [0.0, 0.0, 1.0] };
             posed.screws.push(Screw {
                 is_turn,
                 axis: at.rotation * one.joint.axis.into_inner(),
@@ -214,6 +220,9 @@ impl Chain {
                 factor: one.drive.factor,
                 place: one.place,
                 half,
+                chord,
+                sine,
+                cosine,
                 reach: one.reach,
             });
             spread += match (is_turn, self.length > 0.0) {
@@ -286,6 +295,25 @@ impl Builder<'_> {
             rounding: frames * length + of_world,
         }
     }
+}
+
+/// Returns upper bounds of the way of a point at distance 1 from the axis of a turn and of the radius
+/// of the ball around its arc, and the distance of the ball's centre from the axis.
+fn arc(half: f64) -> [f64; 3] {
+    use core::f64::consts::{FRAC_PI_2, PI};
+    const UP: f64 = 1.0 + 8.0 * f64::EPSILON;
+    let chord = if half >= PI {
+        2.0
+    } else {
+        2.0 * libm::sin(0.5 * half) * UP
+    };
+    let [sine, cosine] = if half >= FRAC_PI_2 {
+        [1.0, 0.0]
+    } else {
+        // A cosine that is off by an error e adds e^2 to the square of the radius.
+        [libm::sin(half) * UP, libm::cos(half)]
+    };
+    [chord, sine, cosine]
 }
 
 /// Returns an upper bound of the distance of a frame's origin.

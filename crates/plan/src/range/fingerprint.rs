@@ -46,7 +46,7 @@ pub(super) fn of_pair(shapes: [&Geometry; 2], bodies: [&RangeBody; 2], chain: &C
     for (shape, body) in shapes.into_iter().zip(bodies) {
         // Writing to a hash never fails.
         let _ = write!(all, "{:?}", shape.kind());
-        all.word(body.fingerprint());
+        all.word(body.fingerprint);
     }
     let _ = write!(all, "{chain:?}");
     all.number(kept);

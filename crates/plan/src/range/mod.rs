@@ -6,8 +6,9 @@
 //!    to B; the joints on A's side count in reverse.
 //! 2. The range is a box of coordinates, divided into cells. A cell is free if a plane fixed to any
 //!    link between the bodies separates them over the whole cell. The bound is a Taylor polynomial
-//!    of first or second degree about the centre of the cell, with its remainder.
-//! 3. Balls are tried first, then the plane of the parent cell, then the plane of the closest points
+//!    of first or second degree about the centre of the cell, with its remainder. Joints next to a
+//!    body that turn far are swept instead: each point of the body stays in a ball.
+//! 3. Swept balls are tried first, then the plane of the parent cell, then the plane of the closest points
 //!    at the centre, in the frame of each link, at last the distance at the centre less the greatest
 //!    displacement.
 //! 4. A cell is blocked if a point fixed to a link stays inside both bodies. Points on the axes of
@@ -56,8 +57,8 @@ use search::Search;
 
 pub use verdict::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};
 
-/// The bodies that a call has prepared.
-type Bodies = BTreeMap<WorldId, RangeBody>;
+/// Bodies that calls have prepared.
+pub(crate) type RangeBodies = BTreeMap<WorldId, RangeBody>;
 
 impl<C: ConfigurationSpace> Checker<C> {
     /// Returns whether two bodies can meet at any configuration of a range, with proof.
@@ -167,7 +168,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let pair = WorldPair::new(a, b).ok_or(PlanError::NoBody(b))?;
         let range = low.iter().zip(high).map(|(low, high)| [*low, *high]).collect();
         let answer = RangeAnswer::new(pair, range);
-        self.proved(&mut Bodies::new(), answer, options, progress)
+        self.proved(answer, options, progress)
     }
 
     /// Returns the answers about all pairs that are measured, in ascending order: see
@@ -202,7 +203,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let range: Vec<[f64; 2]> = low.iter().zip(high).map(|(low, high)| [*low, *high]).collect();
         let mut pairs: Vec<WorldPair> = self.pairs.ordered().iter().map(|k| self.pairs.all[*k].pair).collect();
         pairs.sort_unstable();
-        let (mut bodies, mut is_stopped) = (Bodies::new(), false);
+        let mut is_stopped = false;
         let mut answers = Vec::with_capacity(pairs.len());
         for pair in pairs {
             let answer = RangeAnswer::new(pair, range.clone());
@@ -210,7 +211,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 is_stopped |= progress(now).is_break();
                 Progress::stop_if(is_stopped)
             };
-            answers.push(self.proved(&mut bodies, answer, options, &mut watch)?);
+            answers.push(self.proved(answer, options, &mut watch)?);
         }
         Ok(answers)
     }
@@ -232,7 +233,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ) -> Result<RangeAnswer, PlanError> {
         let [low, high] = [0, 1].map(|k| answer.range.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
         self.check_range(&low, &high)?;
-        self.proved(&mut Bodies::new(), answer.clone(), options, progress)
+        self.proved(answer.clone(), options, progress)
     }
 
     fn check_range(&self, low: &[f64], high: &[f64]) -> Result<(), PlanError> {
@@ -248,7 +249,6 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     fn proved(
         &mut self,
-        bodies: &mut Bodies,
         answer: RangeAnswer,
         options: &RangeOptions,
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
@@ -259,9 +259,11 @@ impl<C: ConfigurationSpace> Checker<C> {
         }
         let [low, high] = [0, 1].map(|k| answer.range.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
         let shapes = self.world.shapes(pair);
+        let bodies = &mut self.range_bodies;
         for (id, shape) in [pair.a, pair.b].into_iter().zip(shapes) {
             bodies.entry(id).or_insert_with(|| RangeBody::new(shape));
         }
+        let bodies = &self.range_bodies;
         let [a, b] = [pair.a, pair.b].map(|id| self.chain_end(id, bodies[&id].reach()));
         let chain = Chain::new(&a?, &b?, &low, &high);
         let kept = self.world.kept_distance(pair);

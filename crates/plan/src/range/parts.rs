@@ -81,13 +81,8 @@ impl Search<'_> {
         let apart = between.norm();
         let frames = self.frames();
         let room = &mut self.room;
-        let moved = room.bounds.moved(
-            &room.posed,
-            frames.clone(),
-            centres.map(|c| (c, 0.0)),
-            &mut room.part_levers,
-        );
-        let mut best = apart - radii - moved - room.posed.rounding;
+        let balls = centres.map(|centre| (centre, 0.0));
+        let mut best = room.bounds.balls_apart(&room.posed, balls).0 - radii - room.posed.rounding;
         if best > target {
             return best;
         }
@@ -98,9 +93,10 @@ impl Search<'_> {
         if !parts.iter().any(|part| part.has_children()) {
             normals.extend(leaf_normal(leaves, pair, parts, &room.posed.b));
         }
+        room.bounds.prepare(&room.posed, parts);
         for n in normals.iter().rev() {
             for frame in frames.clone() {
-                let found = room.bounds.gap(&room.posed, parts, frame, n, &room.half, true);
+                let found = room.bounds.gap(parts, false, frame, n, &room.half, true);
                 best = best.larger(found.gap - room.posed.rounding);
                 if best > target {
                     return best;

@@ -68,8 +68,9 @@ pub(super) struct Room {
     /// The half-widths of a single configuration.
     none: Vec<f64>,
     levers: Vec<f64>,
-    pub(super) part_levers: Vec<f64>,
     pub(super) bounds: Scratch,
+    /// The frame of the best ball bound, and the vector between the balls there.
+    between: (usize, Vector3<f64>),
     poses: Vec<Isometry3<f64>>,
     queue: BinaryHeap<Queued>,
     number: u64,
@@ -422,10 +423,14 @@ impl Search<'_> {
         };
         self.room.half = (0..count).map(half).collect();
         self.room.levers.resize(count, 0.0);
-        self.room.part_levers.resize(count, 0.0);
         self.chain.pose_at(centre, &self.room.half, &mut self.room.posed);
         let lower = cell.lower;
-        if self.is_free(&mut cell, lower)? || self.by_balls(&mut cell)? || self.by_parent(&mut cell)? {
+        if self.is_free(&mut cell, lower)? || self.by_balls(&mut cell)? {
+            return Ok(());
+        }
+        let parts = self.bodies.map(|body| &body.parts[0]);
+        self.room.bounds.prepare(&self.room.posed, parts);
+        if self.by_parent(&mut cell)? || self.by_swept_balls(&mut cell)? {
             return Ok(());
         }
         let pose = RelativePose::from_isometry(&self.room.posed.b)?;
@@ -493,11 +498,10 @@ impl Search<'_> {
             return Ok(false);
         }
         let [a, b] = self.balls();
-        let Room {
-            posed, bounds, levers, ..
-        } = &mut self.room;
-        let moved = bounds.moved(posed, 0..=self.chain.len(), [(a.0, 0.0), (b.0, 0.0)], levers);
-        let bound = (b.0 - a.0).norm() - a.1 - b.1 - moved - posed.rounding;
+        let Room { posed, bounds, .. } = &mut self.room;
+        let (bound, frame, between) = bounds.balls_apart(posed, [a, b]);
+        let bound = bound - posed.rounding;
+        self.room.between = (frame, between);
         self.is_free(cell, bound)
     }
 
@@ -510,13 +514,31 @@ impl Search<'_> {
         self.is_free(cell, bound)
     }
 
+    /// Tries the plane between the swept balls.
+    fn by_swept_balls(&mut self, cell: &mut RangeCell) -> Result<bool, PlanError> {
+        let (frame, between) = self.room.between;
+        let length = between.norm();
+        if self.bodies[1].plane.is_some() || !(length > 0.0) {
+            return Ok(false);
+        }
+        let bound = self.gap(frame, &(between / length), false).0;
+        self.is_free(cell, bound)
+    }
+
     /// Returns the bound of a plane of the outer bodies, and what a higher order may reach.
     fn gap(&mut self, frame: usize, normal: &Vector3<f64>, is_second: bool) -> (f64, f64) {
         let parts = [0, 1].map(|k| &self.bodies[k].parts[0]);
+        let target = self.target();
         let Room {
             posed, bounds, half, ..
         } = &mut self.room;
-        let found = bounds.gap(posed, parts, frame, normal, half, is_second);
+        let slack = parts[0].slack() + parts[1].slack();
+        let mut found = bounds.gap(parts, true, frame, normal, half, is_second);
+        // All points are worth their time where few of them leave the cell undecided.
+        let lacks = target - (found.gap - posed.rounding);
+        if slack > 0.0 && lacks >= 0.0 && lacks < slack {
+            found = bounds.gap(parts, false, frame, normal, half, is_second);
+        }
         let gap = found.gap - posed.rounding;
         (gap, gap + found.remainder)
     }
