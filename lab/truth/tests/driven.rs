@@ -1,6 +1,6 @@
 //! Promise: the worlds of the soak hold for some seeds, and their draws contain every ingredient.
 
-use truth::driven::{clouds, curves, distances, planner, surfaces, throws};
+use truth::driven::{clouds, curves, distances, planner, surfaces, throws, underflow};
 use truth::rng::Rng;
 
 /// Plays sequences and returns the sum of their counts.
@@ -41,6 +41,12 @@ fn casts_agree_with_queries_at_many_times() {
 fn signed_distances_of_points_are_those_of_rational_arithmetic() {
     let mix = played(30, distances::play, distances::Mix::add);
     assert!(mix.places.iter().all(|n| *n > 10), "{mix:?}");
+}
+
+#[test]
+fn signs_that_underflow_are_those_of_whole_numbers() {
+    let mix = played(60, underflow::play, underflow::Mix::add);
+    assert!(mix.tips.iter().all(|n| *n > 10) && mix.corners[0] > 30, "{mix:?}");
 }
 
 #[test]

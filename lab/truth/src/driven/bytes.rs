@@ -1,7 +1,7 @@
 //! Bodies, poses and queries from arbitrary bytes: every query runs, and nothing may panic, hang or
 //! return NaN.
 //!
-//! The test `files` and the target `bytes` of `fuzz/` share this module.
+//! The test `files`, the target `bytes` of `fuzz/` and the instrument `soak` share this module.
 
 use super::Bytes;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
@@ -16,6 +16,20 @@ pub struct Tally {
     pub poses: [u32; 2],
     /// Queries by contact state: separated, touching, overlapping, undecided.
     pub classes: [u32; 4],
+}
+
+impl Tally {
+    /// Adds the counts of other bodies.
+    pub fn add(&mut self, o: &Self) {
+        let lists = [
+            (&mut self.bodies[..], &o.bodies[..]),
+            (&mut self.poses, &o.poses),
+            (&mut self.classes, &o.classes),
+        ];
+        for (mine, theirs) in lists {
+            mine.iter_mut().zip(theirs).for_each(|(x, y)| *x += y);
+        }
+    }
 }
 
 impl Bytes<'_> {

@@ -1,7 +1,7 @@
 //! Sequences of broad-phase calls from arbitrary bytes: no panic, the pairs of brute force, and
 //! events that match their changes.
 //!
-//! The test `broad` and the target `calls` of `fuzz/` share this module.
+//! The test `broad`, the target `calls` of `fuzz/` and the instrument `soak` share this module.
 
 use super::Bytes;
 use lin_canny::broad::*;
@@ -19,6 +19,16 @@ pub struct Tally {
     pub events: u32,
     /// Pairs of all steps.
     pub pairs: u32,
+}
+
+impl Tally {
+    /// Adds the counts of other calls.
+    pub fn add(&mut self, o: &Self) {
+        self.calls.iter_mut().zip(o.calls).for_each(|(x, y)| *x += y);
+        self.steps += o.steps;
+        self.events += o.events;
+        self.pairs += o.pairs;
+    }
 }
 
 /// Largest number of calls of one input: brute force is quadratic.
@@ -197,6 +207,23 @@ impl Fed {
     fn insert(&mut self, aabb: &Aabb, body: BodyOptions) {
         let id = self.broad.insert(aabb, body);
         self.given(&id);
+        if let Ok(id) = id {
+            self.covers(id, aabb);
+        }
+    }
+
+    /// Asserts that the stored box of a body contains the given box, which `f32` cannot hold.
+    fn covers(&self, id: BodyId, given: &Aabb) {
+        let stored = self.broad.stored_box(id).expect("a body has a box");
+        for k in 0..3 {
+            let (low, high) = (f64::from(stored.lo[k]), f64::from(stored.hi[k]));
+            // Boxes beyond the range of stored boxes end there.
+            let is_covered = |x: f64, is_in: bool| is_in || x.abs() > 1e30;
+            assert!(
+                is_covered(given.min[k], low <= given.min[k]) && is_covered(given.max[k], given.max[k] <= high),
+                "{stored:?} {given:?}"
+            );
+        }
     }
 
     /// Returns the stored box of a body.
@@ -252,6 +279,7 @@ impl Fed {
         match done {
             Err(_) => assert_eq!(self.broad.stored_box(id), before),
             Ok(()) => {
+                self.covers(id, &aabb);
                 let given = StoredBox::outward(&aabb, &Point3::origin());
                 assert!(self.broad.stored_box(id).is_some_and(|b| b.contains(&given)));
             }

@@ -34,7 +34,8 @@ use race::progress::Progress;
 use tally::Tally;
 use truth::command::{count, number};
 use truth::driven::{
-    clouds, distances, lattice, planner, points, scenes, slivers, solids, stand_ins, surfaces, throws, underflow,
+    bytes, calls, clouds, distances, lattice, planner, points, scenes, slivers, solids, stand_ins, surfaces, throws,
+    underflow,
 };
 use truth::motion::Frame;
 use truth::rng::Rng;
@@ -239,10 +240,18 @@ struct Driver {
     play: fn(u64, &mut Tally) -> Result<(), String>,
 }
 
-/// Bytes of the calls of a scene.
+/// Bytes of the calls of a scene or a broad phase.
 const CALLS: usize = 1500;
 
-const DRIVERS: [Driver; 14] = [
+/// Bytes of three bodies and their poses.
+const BODIES: usize = 1200;
+
+fn random_bytes(seed: u64, count: usize) -> Vec<u8> {
+    let mut rng = Rng::new(seed);
+    (0..count).map(|_| rng.bits() as u8).collect()
+}
+
+const DRIVERS: [Driver; 16] = [
     // Lattices, bricks and stacks combine equal bounds, reused indices and slow motion. Brute force
     // checks each step.
     Driver {
@@ -250,6 +259,26 @@ const DRIVERS: [Driver; 14] = [
         salt: 0x1a77,
         count: 16,
         play: |seed, tally| lattice::sequence(seed, SweepAndPrune::new()).map(|mix| tally.worlds.add(&mix)),
+    },
+    // Walls, slides, replaced bodies and hostile numbers; brute force checks each step.
+    Driver {
+        name: "calls of the broad phase",
+        salt: 0xca11,
+        count: 4,
+        play: |seed, tally| {
+            tally.calls.add(&calls::drive(&random_bytes(seed, CALLS)));
+            Ok(())
+        },
+    },
+    // Polyhedra of any numbers, by every query.
+    Driver {
+        name: "bodies of random bytes",
+        salt: 0xb17e,
+        count: 16,
+        play: |seed, tally| {
+            tally.bytes.add(&bytes::drive(&random_bytes(seed, BODIES)));
+            Ok(())
+        },
     },
     // A failure is written as the numbers of the pair, because only polyhedra can be replayed.
     Driver {
@@ -346,9 +375,7 @@ const DRIVERS: [Driver; 14] = [
         salt: 0x5ce2,
         count: 3,
         play: |seed, tally| {
-            let mut rng = Rng::new(seed);
-            let bytes: Vec<u8> = (0..CALLS).map(|_| rng.bits() as u8).collect();
-            tally.scenes.add(&scenes::drive(&bytes, read_back));
+            tally.scenes.add(&scenes::drive(&random_bytes(seed, CALLS), read_back));
             Ok(())
         },
     },

@@ -7,7 +7,7 @@ use crate::faulty;
 use lin_canny::Outcome;
 use truth::driven::lattice::Mix;
 use truth::driven::{
-    clouds, distances, planner, points, scenes, slivers, solids, stand_ins, surfaces, throws, underflow,
+    bytes, calls, clouds, distances, planner, points, scenes, slivers, solids, stand_ins, surfaces, throws, underflow,
 };
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
@@ -37,6 +37,10 @@ pub(crate) struct Tally {
     pub(crate) manifolds: u64,
     /// Worlds of equal boxes.
     pub(crate) worlds: Mix,
+    /// Calls of the broad phase.
+    pub(crate) calls: calls::Tally,
+    /// Bodies of random bytes.
+    pub(crate) bytes: bytes::Tally,
     /// Scenes of bodies of every kind.
     pub(crate) scenes: scenes::Mix,
     /// Motions of curved shapes.
@@ -93,6 +97,8 @@ impl Tally {
         self.failures += o.failures;
         self.manifolds += o.manifolds;
         self.worlds.add(&o.worlds);
+        self.calls.add(&o.calls);
+        self.bytes.add(&o.bytes);
         self.curves.add(&o.curves);
         self.faulty.add(&o.faulty);
         self.slivers.add(&o.slivers);
@@ -129,6 +135,8 @@ impl Tally {
             self.queries as f64 / seconds
         );
         println!("worlds of equal boxes: {:?}", self.worlds);
+        println!("calls of the broad phase: {:?}", self.calls);
+        println!("bodies of random bytes: {:?}", self.bytes);
         println!("scenes of bodies of every kind: {:?}", self.scenes);
         println!("meshes with faults: {:?}", self.faulty);
         println!("meshes of slivers: {:?}", self.slivers);
