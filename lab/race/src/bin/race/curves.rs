@@ -41,6 +41,9 @@ struct Draw {
     way: f64,
 }
 
+/// Largest way as a part of the range of a joint: less than half of it, deviations included.
+const SHARE: f64 = 0.3;
+
 const DRAW: Draw = Draw { start: 1.5, way: 0.5 };
 
 /// With more joints, of which some are always near their limits, most curves would be blocked.
@@ -143,8 +146,8 @@ struct Proven {
     verdict: Verdict,
 }
 
-fn random_curve(rng: &mut Rng, from: &[f64], degree: usize, most: f64) -> JointCurve {
-    let way: Vec<f64> = from.iter().map(|_| rng.range(-most, most)).collect();
+fn random_curve(rng: &mut Rng, from: &[f64], degree: usize, most: &[f64]) -> JointCurve {
+    let way: Vec<f64> = most.iter().map(|most| rng.range(-most, *most)).collect();
     let mut points = Vec::new();
     for j in 0..=degree {
         let x = j as f64 / degree as f64;
@@ -259,9 +262,9 @@ pub(crate) fn run(o: &Options, data: Option<&Path>) -> Result<Rows, String> {
 
 /// Returns the ends between which the coordinate of a curve starts, so that the curve keeps its
 /// limits.
-fn starts([low, high]: [f64; 2], draw: Draw) -> [f64; 2] {
-    let way = (1.0 + WILD) * draw.way;
-    let ends = [(low + way).max(-draw.start), (high - way).min(draw.start)];
+fn starts([low, high]: [f64; 2], start: f64, way: f64) -> [f64; 2] {
+    let reach = (1.0 + WILD) * way;
+    let ends = [(low + reach).max(-start), (high - reach).min(start)];
     // Limits beyond the usual starts, as those of an elbow that bends to one side.
     if ends[0] <= ends[1] {
         ends
@@ -272,18 +275,18 @@ fn starts([low, high]: [f64; 2], draw: Draw) -> [f64; 2] {
 
 fn certify(o: &Options, (name, degree): (&str, usize), draw: Draw, checker: &mut Checker<JointTree>, rows: &mut Rows) {
     let (count, passes) = if o.quick { (60, 2) } else { (1000, 3) };
-    let ends: Vec<[f64; 2]> = checker
-        .space()
-        .bounds()
-        .iter()
-        .map(|limits| starts(*limits, draw))
-        .collect();
+    let limits = checker.space().bounds();
+    // Fingers slide by less than the way of a joint.
+    let share = |[low, high]: &[f64; 2]| draw.way.min(SHARE * (high - low));
+    let ways: Vec<f64> = limits.iter().map(share).collect();
+    let each = limits.iter().zip(&ways);
+    let ends: Vec<[f64; 2]> = each.map(|(limits, way)| starts(*limits, draw.start, *way)).collect();
     let mut rng = Rng::new(1);
     let mut all = Vec::new();
     while all.len() < count {
         let from: Vec<f64> = ends.iter().map(|[low, high]| rng.range(*low, *high)).collect();
         if checker.is_free_at(&from).expect("within limits") {
-            let curve = random_curve(&mut rng, &from, degree, draw.way);
+            let curve = random_curve(&mut rng, &from, degree, &ways);
             let verdict = checker.certify_curve(&curve).expect("within limits");
             all.push(Proven { curve, verdict });
         }
