@@ -132,7 +132,7 @@ fn bad_parameters_are_refused_by_name() {
         Shape::ball(1.0).and_then(|s| s.rounded(f64::INFINITY)),
         "rounding radius",
     );
-    refused(Shape::capsule(0.0, 1.0), "Shape::ball");
+    refused(Shape::capsule(0.0, 1.0), "use a ball");
     refused(Shape::cuboid(Vector3::new(1.0, 0.0, 1.0)), "half extent");
     refused(Shape::cylinder(1.0, 0.0), "radius");
     refused(Shape::cone(1e200, 1.0), "half height");

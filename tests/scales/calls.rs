@@ -179,6 +179,7 @@ fn hulls(scene: &mut Scene, rng: &mut Rng) {
         }
         for tracker in [&mut local, &mut Tracker::new()] {
             scene.outcome("local depth", &tracker.closest_with_local_depth(&a, &b, &pose));
+            scene.plain("overlap proof", tracker.overlap_proof(&a, &b, &pose));
         }
         for local_depth in [false, true] {
             options.local_depth = local_depth;
@@ -359,6 +360,8 @@ fn meshes(scene: &mut Scene, rng: &mut Rng) {
             let lower = tracker.lower_bound(&a, &b, &pose);
             scene.lengths("lower bound", [lower]);
             scene.penetration(tracker.penetration(&a, &b, &pose));
+            let narrow = QueryOptions::new().width(0.1 * scene.unit).splits(8);
+            scene.penetration(tracker.penetration_with(&a, &b, &pose, &narrow));
         }
     }
 }

@@ -4,6 +4,8 @@
 //! `f64::clamp` panics if its bounds cross. The functions here are comparisons and selections, so
 //! they have one result on every target and never panic.
 
+use core::cmp::Ordering;
+
 use nalgebra::{Point3, Vector3};
 
 /// Choices between two numbers.
@@ -15,6 +17,14 @@ pub(crate) trait Extremes: Copy {
     /// Returns the smaller number; the other one if one is NaN; the first of two zeros.
     #[must_use]
     fn smaller(self, other: Self) -> Self;
+}
+
+/// The order of numbers.
+pub(crate) trait ByValue: Copy {
+    /// Returns the order of `total_cmp`, but two zeros are equal: the sign of a zero may depend on
+    /// the target.
+    #[must_use]
+    fn by_value(self, other: Self) -> Ordering;
 }
 
 /// Choices between a number and its bounds.
@@ -50,6 +60,14 @@ macro_rules! choices {
             #[inline(always)]
             fn smaller(self, other: Self) -> Self {
                 if other < self || self.is_nan() { other } else { self }
+            }
+        }
+
+        impl ByValue for $float {
+            #[inline(always)]
+            fn by_value(self, other: Self) -> Ordering {
+                // Zero of either sign plus zero is a positive zero.
+                (self + 0.0).total_cmp(&(other + 0.0))
             }
         }
 

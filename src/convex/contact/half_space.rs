@@ -20,7 +20,7 @@ use super::clip::{Candidates, Location};
 use super::reduce::reduce;
 use super::{MOST_POINTS, ManifoldOptions, tangents_of};
 use crate::base::num::each::Each;
-use crate::base::num::extremes::Extremes;
+use crate::base::num::extremes::{ByValue, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{RelativePose, rotation_matrix};
@@ -393,7 +393,7 @@ impl<'a> PlacedPlane<'a> {
         let t = &self.body.topology;
         let along = |f: FaceId| self.body.planes[f.index()].normal.dot(&self.down);
         let faces = t.fan(self.lowest).iter().map(|h| t.half_edge(h).face);
-        let face = faces.max_by(|f, g| along(*f).total_cmp(&along(*g)))?;
+        let face = faces.max_by(|f, g| along(*f).by_value(along(*g)))?;
         // The null face of a segment has no normal.
         let cosine = along(face);
         (cosine > STEEP && cosine * cosine >= 1.0 - sine * sine).then_some(face)
@@ -407,9 +407,7 @@ impl<'a> PlacedPlane<'a> {
             let e = points[v.index()] - points[self.lowest.index()];
             -self.down.dot(&e) / sqrt(e.norm_squared())
         };
-        let end = t
-            .neighbours(self.lowest)
-            .min_by(|v, w| slope(*v).total_cmp(&slope(*w)))?;
+        let end = t.neighbours(self.lowest).min_by(|v, w| slope(*v).by_value(slope(*w)))?;
         (slope(end) <= sine).then_some(end)
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use crate::base::motion::BallAtPose;
 use crate::base::num::each::Each;
-use crate::base::num::extremes::Extremes;
+use crate::base::num::extremes::{ByValue, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::{Operand, RelativePose};
 use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
@@ -200,7 +200,7 @@ impl Manifold {
     /// Returns the deepest contact.
     #[must_use]
     pub fn deepest(&self) -> Option<&ContactPoint> {
-        let deeper = |x: &&ContactPoint, y: &&ContactPoint| x.separation.total_cmp(&y.separation);
+        let deeper = |x: &&ContactPoint, y: &&ContactPoint| x.separation.by_value(y.separation);
         self.points().iter().min_by(deeper)
     }
 

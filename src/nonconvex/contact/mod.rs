@@ -31,7 +31,7 @@ use nalgebra::{Translation3, Unit, Vector3};
 
 pub use body::ConvexPatches;
 
-use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::extremes::{Bounded, ByValue, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
@@ -196,7 +196,7 @@ impl ContactTracker {
 /// The first `old` contacts are those of the last query.
 fn groups(all: &[PatchContact], old: usize, most: usize, merge: f64, tie: f64) -> Vec<ContactGroup> {
     let mut deepest: Vec<usize> = (0..all.len()).collect();
-    deepest.sort_by(|&i, &j| all[i].point.separation.total_cmp(&all[j].point.separation));
+    deepest.sort_by(|&i, &j| all[i].point.separation.by_value(all[j].point.separation));
     let mut groups: Vec<(Unit<Vector3<f64>>, Vec<usize>)> = Vec::new();
     for k in deepest {
         let n = all[k].normal;

@@ -16,7 +16,7 @@ use super::body::{ConvexPatches, Under, is_in};
 use super::patches::Borne;
 use super::{PatchContact, PatchQuery};
 use crate::base::num::each::Each;
-use crate::base::num::extremes::Extremes;
+use crate::base::num::extremes::{ByValue, Extremes};
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, Feature};
 use crate::body::shape::{Core, Shape};
@@ -310,7 +310,7 @@ impl PosedPatches<'_> {
         let of_b = faces(q.core(), p.core(), &back);
         let mut all: alloc::vec::Vec<(bool, Outcome)> =
             of_a.map(|o| (true, o)).chain(of_b.map(|o| (false, o))).collect();
-        all.sort_by(|x, y| y.1.distance.total_cmp(&x.1.distance));
+        all.sort_by(|x, y| y.1.distance.by_value(x.1.distance));
         let most = self.query.options.prediction + p.rounding_radius() + q.rounding_radius();
         let is_real = move |(of_a, o): &(bool, Outcome)| {
             o.distance <= most
@@ -382,7 +382,7 @@ impl PosedPatches<'_> {
         };
         let places = body.vertex_edges(vertex).filter_map(along);
         let places = places.filter(|place| self.is_nearest(is_of_a, place));
-        places.min_by(|x, y| x.distance.total_cmp(&y.distance))
+        places.min_by(|x, y| x.distance.by_value(y.distance))
     }
 
     /// Returns what is at the foot of an outcome's vertex on the plane of the face.

@@ -21,7 +21,7 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use crate::base::callbacks::Watch;
-use crate::base::num::extremes::Extremes;
+use crate::base::num::extremes::{ByValue, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::ACROSS;
 use crate::body::polyhedron::{ConvexPolyhedron, bounding_box};
@@ -427,7 +427,7 @@ fn flat_corners(mesh: &Mesh, n: &Vector3<f64>, tolerance: f64, vertices: &mut Ve
     };
     vertices.sort_by(|&j, &k| {
         let (p, q) = (at(j), at(k));
-        p.0.total_cmp(&q.0).then(p.1.total_cmp(&q.1))
+        p.0.by_value(q.0).then(p.1.by_value(q.1))
     });
     // Twice, because of the lengths of u and v, which are at least the square root of two thirds.
     let is_corner = |a: u32, b: u32, c: u32| {

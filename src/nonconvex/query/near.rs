@@ -71,21 +71,24 @@ impl<'a> TreePoint<'a> {
 
     /// Returns lower bounds of the squared distances of eight nodes, in units of the tree, and the
     /// mask of those that are not above a level.
+    ///
+    /// Far from the tree, single precision would hide which node is nearer.
     #[inline(always)]
-    fn squares(&self, nodes: [u32; 8], most: f32) -> ([f32; 8], u32) {
-        let squares = if self.is_far {
-            f32x8::from(nodes.each(|node| -up(-self.square_of_far(node))))
-        } else {
-            let EightBoxes { axes, centre, half } = EightBoxes::new(nodes.each(|n| &self.tree.boxes[n as usize]), 1.0);
-            let (slack, zero) = (f32x8::splat(self.slack), f32x8::splat(0.0));
-            let from = self.single.each(f32x8::splat);
-            let apart = [from[0] - centre[0], from[1] - centre[1], from[2] - centre[2]];
-            let over = |k: usize| (dot(&axes[k], &apart).abs() - half[k] - slack).fast_max(zero);
-            let [x, y, z] = [over(0), over(1), over(2)];
-            (x * x + y * y + z * z) * f32x8::splat(1.0 - POINT_BOX_SQUARE as f32)
-        };
-        let open = squares.simd_le(f32x8::splat(most));
-        (squares.to_array(), open.to_bitmask())
+    fn squares(&self, nodes: [u32; 8], most: f64) -> ([f64; 8], u32) {
+        if self.is_far {
+            let squares = nodes.each(|node| self.square_of_far(node));
+            let open = (0..8).fold(0, |open, k| open | u32::from(squares[k] <= most) << k);
+            return (squares, open);
+        }
+        let EightBoxes { axes, centre, half } = EightBoxes::new(nodes.each(|n| &self.tree.boxes[n as usize]), 1.0);
+        let (slack, zero) = (f32x8::splat(self.slack), f32x8::splat(0.0));
+        let from = self.single.each(f32x8::splat);
+        let apart = [from[0] - centre[0], from[1] - centre[1], from[2] - centre[2]];
+        let over = |k: usize| (dot(&axes[k], &apart).abs() - half[k] - slack).fast_max(zero);
+        let [x, y, z] = [over(0), over(1), over(2)];
+        let squares = (x * x + y * y + z * z) * f32x8::splat(1.0 - POINT_BOX_SQUARE as f32);
+        let open = squares.simd_le(f32x8::splat(up(most))).to_bitmask();
+        (squares.to_array().each(f64::from), open)
     }
 
     /// Returns a lower bound of the squared distance of a node, by the height of its box along the
@@ -106,14 +109,14 @@ impl<'a> TreePoint<'a> {
     /// The level is the distance that the last call returned, at the start `level`, in stored units
     /// of the body. Leaves farther than the level are skipped; so are all after a negative level.
     #[inline(always)]
-    pub(crate) fn descend(&self, stack: &mut Vec<(f32, u32)>, level: f64, mut leaf: impl FnMut(Range<u32>) -> f64) {
+    pub(crate) fn descend(&self, stack: &mut Vec<(f64, u32)>, level: f64, mut leaf: impl FnMut(Range<u32>) -> f64) {
         let per_unit = 1.0 / self.tree.unit();
         let most_at = |level: f64| {
             let most = level * per_unit;
             if most < 0.0 {
                 -1.0
             } else {
-                up(most * most * (1.0 + 8.0 * UNIT))
+                most * most * (1.0 + 8.0 * UNIT)
             }
         };
         let mut most = most_at(level);
@@ -131,7 +134,7 @@ impl<'a> TreePoint<'a> {
             let (squares, open) = self.squares(nodes, most);
             let mut open = open & ((1 << count) - 1);
             // The nearest comes on top. To sort the others takes longer than it saves.
-            let (first, mut nearest) = (stack.len(), f32::INFINITY);
+            let (first, mut nearest) = (stack.len(), f64::INFINITY);
             while open != 0 {
                 let k = open.trailing_zeros() as usize;
                 open &= open - 1;
@@ -242,7 +245,7 @@ impl NearTriangle {
 /// Room of searches from points, reused from search to search.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NearRoom {
-    stack: Vec<(f32, u32)>,
+    stack: Vec<(f64, u32)>,
     /// The triangles that may be closest, after a search.
     pub(crate) found: Vec<NearTriangle>,
     /// Number of leaves that the last search visited.
