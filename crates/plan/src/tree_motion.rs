@@ -148,6 +148,9 @@ pub(crate) struct TreeBodies {
     pub(crate) middles: Vec<Point3<f64>>,
 }
 
+/// Pose and motion model of each body at a time.
+type PlacedBodies = Vec<(Isometry3<f64>, MotionModel)>;
+
 /// The motion of the bodies of a [`JointTree`](super::JointTree) along a curve or a segment.
 #[derive(Clone, Debug)]
 pub struct TreeSegment {
@@ -158,7 +161,7 @@ pub struct TreeSegment {
     whole: Vec<WholeBounds>,
     /// For each part of the curve, once it is needed, pose and motion model of each body at the
     /// start of the part, where the first queries of most pairs are.
-    starts: Vec<OnceLock<Vec<(Isometry3<f64>, MotionModel)>>>,
+    starts: Vec<OnceLock<PlacedBodies>>,
 }
 
 impl TreeSegment {
