@@ -182,8 +182,7 @@
 //!   bound. Debug builds check the closest points of two polyhedra, and panic with a
 //!   replay if the crate has a defect.
 //! * **The same bits everywhere.** Answers have the same bits on every target with IEEE 754
-//!   arithmetic and for any number of threads. One difference is known: the last bits of some
-//!   contacts of two meshes on wasm32. 32-bit x86 without SSE2 does not compile.
+//!   arithmetic and for any number of threads. 32-bit x86 without SSE2 does not compile.
 //! * **Safe.** The crate contains no `unsafe` code. Bodies are [`Send`] and [`Sync`]. No query
 //!   changes a body; only calls such as [`Mesh::set_vertices`] do. A tracker belongs to one pair at
 //!   a time and owns no body.

@@ -2,7 +2,7 @@
 
 use core::cmp::Ordering;
 
-use dashu_base::{BitTest, DivRem, SquareRoot};
+use dashu_base::{BitTest, DivRem, SquareRoot, UnsignedAbs};
 use dashu_int::{IBig, UBig};
 use nalgebra::Vector3;
 
@@ -72,7 +72,20 @@ pub(super) fn direction(a: &Big3) -> Vector3<f64> {
 /// Returns `num / den` in f64, for `0 <= num <= den`, rounded at most three times.
 pub(super) fn fraction(num: &IBig, den: &IBig) -> f64 {
     let shift = den.bit_len().saturating_sub(1000);
-    (num >> shift).to_f64().value() / (den >> shift).to_f64().value()
+    let [num, den] = [num, den].map(|x| nearest(&(x >> shift).unsigned_abs()));
+    num / den
+}
+
+/// Returns the number in f64, rounded to nearest, for less than 1,024 bits.
+///
+/// `UBig::to_f64` rounds numbers that fill two words in another way, so the length of a word would
+/// change the result.
+fn nearest(x: &UBig) -> f64 {
+    let cut = x.bit_len().saturating_sub(64);
+    let is_cut = x.trailing_zeros().is_some_and(|zeros| zeros < cut);
+    // The last of 64 bits represents all bits that are cut off.
+    let top = u64::try_from(x >> cut).unwrap_or(u64::MAX) | u64::from(is_cut);
+    top as f64 * power_of_two(cut as i32)
 }
 
 /// Returns `sqrt(num / den) 2^e` for `num >= 0` and `den > 0`, correctly rounded if the result is
@@ -101,7 +114,7 @@ pub(super) fn root(num: &UBig, den: &UBig, e: i32) -> f64 {
     };
     let exponent = e - h as i32 - 1 + cut as i32;
     // Two half exponents, so that each factor is within the range of powers of two.
-    mantissa.to_f64().value() * power_of_two(exponent / 2) * power_of_two(exponent - exponent / 2)
+    nearest(&mantissa) * power_of_two(exponent / 2) * power_of_two(exponent - exponent / 2)
 }
 
 #[cfg(test)]
@@ -111,6 +124,22 @@ mod tests {
     use crate::body::polyhedron::highest::steeper;
     use crate::body::polyhedron::lowest_bit;
     use crate::rng::Rng;
+
+    #[test]
+    fn numbers_round_to_nearest_even() {
+        let even = 1u64 << 53;
+        for cut in (0..200).chain([300, 600, 900]) {
+            let size = power_of_two(cut as i32);
+            for (above, rounded) in [(1, 0), (3, 4), (5, 4)] {
+                let tie = UBig::from(even + above) << cut;
+                assert_eq!(nearest(&tie), (even + rounded) as f64 * size, "{above} << {cut}");
+                if cut > 0 {
+                    let beyond = &tie + UBig::ONE;
+                    assert_eq!(nearest(&beyond), (even + above + 1) as f64 * size, "{above} << {cut}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn numbers_go_in_and_out_exactly() {
