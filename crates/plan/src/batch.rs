@@ -81,8 +81,8 @@ impl<C: ConfigurationSpace + Sync> Checker<C> {
     /// [`nearest`](Self::nearest), at most `columns`.
     ///
     /// `configurations` holds one configuration after another. The rows are shared among `threads`
-    /// threads, at least one, and fewer if the system starts no more. Each row has the bits that a new checker returns, for any number of
-    /// threads and any state of this checker.
+    /// threads, at least one, or fewer if the system cannot start them. Each row has the bits that a
+    /// new checker returns, for any number of threads and any state of this checker.
     ///
     /// ```
     /// # use lin_canny::nalgebra::Isometry3;

@@ -326,8 +326,8 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns whether the boxes around both bodies are proven farther apart than a distance.
     ///
-    /// Along the axes of one box, the gaps between it and the extents of the other box are the
-    /// sides of a box that is nowhere wider than the gap between the bodies.
+    /// Along each axis of a box there is a gap between it and the extent of the other box, or none.
+    /// The root of the sum of the squared gaps is at most the distance of the bodies.
     pub(crate) fn boxes_apart(&self, index: usize, poses: &[Isometry3<f64>], distance: f64) -> bool {
         let pair = self.pairs.all[index].pair;
         let [a, b] = [pair.a, pair.b].map(|part| {

@@ -78,8 +78,8 @@ pub(super) fn fraction(num: &IBig, den: &IBig) -> f64 {
 
 /// Returns the number in f64, rounded to nearest, for less than 1,024 bits.
 ///
-/// `UBig::to_f64` rounds numbers that fill two words in another way, so the length of a word would
-/// change the result.
+/// `UBig::to_f64` of dashu-int 0.6 does not round every number beyond two words to nearest, so the
+/// result would depend on the length of a word.
 fn nearest(x: &UBig) -> f64 {
     let cut = x.bit_len().saturating_sub(64);
     let is_cut = x.trailing_zeros().is_some_and(|zeros| zeros < cut);
@@ -139,6 +139,9 @@ mod tests {
                 }
             }
         }
+        // `UBig::to_f64` returns the number below.
+        let long = UBig::from(0x45a827999fcef3u128) << 104;
+        assert_eq!(nearest(&long), 3.976703380349734e47);
     }
 
     #[test]

@@ -100,7 +100,7 @@ impl Part {
         }
     }
 
-    /// Returns a part of a body of its own, with few points if it has many.
+    /// Returns a convex part that is a whole body. If it has many points, a few of them bound it first.
     fn whole(points: &[Point3<f64>], radius: f64) -> Self {
         Self {
             coarse: coarse(points),
