@@ -14,6 +14,7 @@ use crate::pairs::{PairKey, Pairs, Places, Stretch, SweptBox, cut, cut_at_knots,
 use crate::range::RangeBodies;
 use crate::space::{BodyBall, BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
 use crate::tolerance::ATTACHED;
+use crate::tube::JointTube;
 use crate::verdict::{CheckWork, LeavingPair, Verdict};
 use crate::world::{Named, World, WorldId, WorldPair};
 use lin_canny::broad::Aabb;
@@ -49,8 +50,8 @@ pub struct Checker<C> {
     pub(crate) pairs: Pairs,
     /// What all pairs must keep in addition: inside a tube.
     pub(crate) tube: f64,
-    /// How much each coordinate may deviate: inside a tube of joints; empty outside.
-    pub(crate) joint_tube: Vec<f64>,
+    /// How much each coordinate may deviate: inside a tube of joints.
+    pub(crate) joint_tube: Option<JointTube>,
     pub(crate) start_contact_margin: Option<f64>,
     /// The time at which configurations are queried.
     pub(crate) time: Option<f64>,
@@ -108,7 +109,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             world,
             pairs,
             tube: 0.0,
-            joint_tube: Vec::new(),
+            joint_tube: None,
             start_contact_margin: None,
             time: None,
             work: CheckWork::default(),
@@ -213,9 +214,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// well.
     fn kept_along(&self, index: usize, segment: &C::Segment, interval: &Range<f64>) -> f64 {
         let kept = self.kept(index);
-        if self.joint_tube.is_empty() {
-            return kept;
-        }
+        let Some(tube) = &self.joint_tube else { return kept };
         let ball = |part: WorldId| {
             let mover = self.pairs.places.mover(part)?;
             let (body, carried) = self.pairs.places.carrier(mover);
@@ -223,14 +222,15 @@ impl<C: ConfigurationSpace> Checker<C> {
         };
         let pair = self.pairs.all[index].pair;
         let span = (interval.end - interval.start).next_up();
-        let spread = ball(pair.a).and_then(|a| segment.spread(a, ball(pair.b), interval.start, span, &self.joint_tube));
+        let tube = tube.over(interval.start, span);
+        let spread = ball(pair.a).and_then(|a| segment.spread(a, ball(pair.b), interval.start, span, &tube));
         kept + spread.unwrap_or(f64::INFINITY)
     }
 
     /// Returns the number of parts in which pairs are cast: more in a tube of joints, whose width
     /// depends on the configuration.
     fn parts(&self, segment: &C::Segment) -> u32 {
-        let least = if self.joint_tube.is_empty() { 1 } else { TUBE_PARTS };
+        let least = if self.joint_tube.is_none() { 1 } else { TUBE_PARTS };
         segment.parts().max(least)
     }
 
@@ -682,11 +682,12 @@ impl<C: ConfigurationSpace> Checker<C> {
                 let (pose, model) = carried.map_or(*of_body, |carried| carried.after(of_body));
                 let until = time + even_span(ball, &model, span);
                 let swept = SweptBox::new(ball, &pose, &model, until - time);
-                let more = match self.joint_tube.is_empty() {
-                    true => radius,
-                    false => {
+                let more = match &self.joint_tube {
+                    None => radius,
+                    Some(tube) => {
                         let mover = body_ball(ball, body, carried);
-                        let spread = segment.spread(mover, None, time, until - time, &self.joint_tube);
+                        let tube = tube.over(time, until - time);
+                        let spread = segment.spread(mover, None, time, until - time, &tube);
                         radius + spread.unwrap_or(f64::INFINITY)
                     }
                 };

@@ -669,6 +669,26 @@ impl JointCurve {
         state
     }
 
+    /// Returns an upper bound of a coordinate at all times of a span.
+    pub(crate) fn greatest(&self, c: usize, time: f64, span: f64) -> f64 {
+        let of = &self.bounds[c];
+        if of.hull[0] == of.hull[1] {
+            return of.hull[1] + of.error;
+        }
+        let mut row: Row = [0.0; DEGREE_MAX + 1];
+        let row = &mut row[..=self.degree];
+        row.copy_from_slice(self.row(c, 0));
+        let until = (time + span).smaller(1.0);
+        if time < 1.0 {
+            later(row, time);
+            earlier(row, (until - time) / (1.0 - time));
+        } else {
+            row.fill(self.row(c, 0)[self.degree]);
+        }
+        let greatest = row.iter().copied().fold(f64::NEG_INFINITY, f64::larger);
+        greatest + CURVE_PART * self.degree as f64 * of.most[0] + of.error
+    }
+
     /// Returns the straight segment between the ends, if the curve stays on it up to rounding and does
     /// not pass the ends. The distance from it is part of the result, so a proof that the segment is
     /// free holds for the curve, although the times along both differ.

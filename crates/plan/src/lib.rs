@@ -241,6 +241,7 @@ pub use space::{BodyBall, BodyMotion, ConfigurationSpace, JointPath, SegmentMoti
 pub use timed_poses::TimedPoses;
 pub use tree::{Drive, JointTree, TreeJoint};
 pub use tree_motion::TreeSegment;
+pub use tube::JointTube;
 pub use verdict::{CheckWork, LeavingPair, Verdict};
 pub use world::{AttachedObject, Named, Select, World, WorldId, WorldPair};
 

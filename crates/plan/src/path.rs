@@ -8,10 +8,9 @@ use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::random::Random;
-use crate::space::{BodyBall, ConfigurationSpace, SegmentMotion};
+use crate::space::ConfigurationSpace;
 use crate::verdict::Verdict;
 use lin_canny::{EXTENT_MAX, Progress};
-use nalgebra::Point3;
 
 /// A path: configurations that are joined by segments.
 pub type Path = Vec<Vec<f64>>;
@@ -167,75 +166,6 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.first_not_free("curves", curves.len(), progress, |checker, k| {
             checker.certify_curve(&curves[k])
         })
-    }
-
-    /// Returns the verdict for a tube of joints around a curve.
-    ///
-    /// The tube contains all motions whose coordinates deviate from the curve by at most the
-    /// entries of `tube` at every time, for example by the tracking error of a controller. The
-    /// margin of the checker holds inside the tube.
-    ///
-    /// `Blocked` and `Undecided` mean that a pair comes closer on the curve than the margin plus a
-    /// bound of what the tube moves. A free motion may still exist in such a tube;
-    /// [`tube_contact`](Self::tube_contact) searches for a configuration that is in contact.
-    ///
-    /// ```
-    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// # use lin_canny::polyhedron::solids;
-    /// # use lin_canny_plan::{Checker, Joint, JointCurve, SerialArm, World};
-    /// # let origin = Isometry3::identity();
-    /// # let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
-    /// # let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
-    /// # let block = SerialArm::new(origin, rails, vec![2], 0.1)?;
-    /// # let mut world = World::new();
-    /// # world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
-    /// # let post = solids::cuboid(Vector3::repeat(0.5))?;
-    /// # world.obstacle("post", post, origin);
-    /// # let mut checker = Checker::new(block, world)?;
-    /// // The lowest point of this parabola is 0.1 above contact.
-    /// let curve = JointCurve::bezier(&[[-1.0, 1.6], [0.0, -0.2], [1.0, 1.6]])?;
-    /// assert!(checker.certify_curve_tube(&curve, &[0.0, 0.09])?.is_free());
-    /// assert!(!checker.certify_curve_tube(&curve, &[0.0, 0.11])?.is_free());
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// Returns an error as [`certify_curve`](Self::certify_curve) does, or if `tube` has a wrong
-    /// length or an entry that is negative or not finite, or if the space has no tubes.
-    pub fn certify_curve_tube(&mut self, curve: &JointCurve, tube: &[f64]) -> Result<Verdict, PlanError> {
-        let motion = self.check_tube(curve, tube)?;
-        self.joint_tube = if tube.iter().all(|x| *x == 0.0) {
-            Vec::new()
-        } else {
-            tube.into()
-        };
-        let start_contact = self.start_contact_margin.take();
-        let verdict = self.judged(&motion, false);
-        self.start_contact_margin = start_contact;
-        self.joint_tube = Vec::new();
-        verdict
-    }
-
-    /// Returns the motion along a curve, after a check of the curve and of a tube of joints.
-    pub(crate) fn check_tube(&mut self, curve: &JointCurve, tube: &[f64]) -> Result<C::Segment, PlanError> {
-        let refused = |what, value| Err(PlanError::Value { what, value });
-        let (expected, found) = (self.space.coordinates(), tube.len());
-        if found != expected {
-            return Err(PlanError::Length { expected, found });
-        }
-        if let Some(&value) = tube.iter().find(|x| !(0.0..=EXTENT_MAX).contains(*x)) {
-            return refused("entry of a tube", value);
-        }
-        let motion = self.curve(curve)?;
-        let ball = BodyBall {
-            body: 0,
-            centre: Point3::origin(),
-            radius: 0.0,
-        };
-        if self.space.bodies() > 0 && motion.spread(ball, None, 0.0, 1.0, tube).is_none() {
-            return refused("length of a tube in a space without joints", expected as f64);
-        }
-        Ok(motion)
     }
 
     /// Returns the length of a path, the sum of [`ConfigurationSpace::distance`].

@@ -1,5 +1,7 @@
-//! Configurations in a tube of joints at which a pair is closer than it must be.
+//! Tubes of joints around curves, and configurations in them at which a pair is closer than it must
+//! be.
 
+use std::borrow::Cow;
 use std::vec::Vec;
 
 use crate::checker::Checker;
@@ -7,8 +9,11 @@ use crate::clearance::NearPair;
 use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::space::ConfigurationSpace;
+use crate::space::{BodyBall, ConfigurationSpace, SegmentMotion};
+use crate::verdict::Verdict;
 use crate::world::WorldPair;
+use lin_canny::EXTENT_MAX;
+use nalgebra::Point3;
 
 /// Number of times after the first at which a contact is searched for. Not measured.
 const TIMES: u32 = 64;
@@ -21,7 +26,186 @@ const CORNERS: usize = 4;
 /// measured.
 const HOPE: f64 = 2.0;
 
+/// How much each coordinate may deviate from a curve, such as the tracking error of a controller.
+///
+/// The entries are in the units of the coordinates: radians, or lengths. They are numbers, which hold
+/// at all times, or a [`JointCurve`], whose values are the entries at the same times. The control
+/// points of this curve must not be negative. Calls take anything that converts into a tube.
+///
+/// ```
+/// use lin_canny_plan::{JointCurve, JointTube};
+///
+/// let even = JointTube::from(&[0.0, 0.01]);
+/// // The error grows to the middle of the motion, and then falls.
+/// let swelling = JointTube::from(JointCurve::bezier(&[[0.0, 0.0], [0.0, 0.02], [0.0, 0.0]])?);
+/// assert_eq!((even.at(0.5), swelling.at(0.5)), (vec![0.0, 0.01], vec![0.0, 0.01]));
+/// # Ok::<(), lin_canny_plan::PlanError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointTube(Entries);
+
+#[derive(Clone, Debug, PartialEq)]
+enum Entries {
+    Constant(Vec<f64>),
+    Along(JointCurve),
+}
+
+impl JointTube {
+    /// Returns the number of coordinates.
+    #[must_use]
+    pub fn coordinates(&self) -> usize {
+        match &self.0 {
+            Entries::Constant(entries) => entries.len(),
+            Entries::Along(curve) => curve.coordinates(),
+        }
+    }
+
+    /// Returns the entries at a time from 0 to 1.
+    #[must_use]
+    pub fn at(&self, time: f64) -> Vec<f64> {
+        match &self.0 {
+            Entries::Constant(entries) => entries.clone(),
+            Entries::Along(curve) => curve.at(time),
+        }
+    }
+
+    /// Returns upper bounds of the entries at all times of a span.
+    pub(crate) fn over(&self, time: f64, span: f64) -> Cow<'_, [f64]> {
+        match &self.0 {
+            Entries::Constant(entries) => entries.into(),
+            Entries::Along(curve) => (0..curve.coordinates())
+                .map(|c| curve.greatest(c, time, span))
+                .collect(),
+        }
+    }
+
+    /// Returns whether no coordinate deviates.
+    fn is_zero(&self) -> bool {
+        match &self.0 {
+            Entries::Constant(entries) => entries.iter().all(|x| *x == 0.0),
+            Entries::Along(curve) => (0..curve.coordinates()).all(|c| {
+                let of = curve.bounds(c);
+                of.hull[1] == 0.0 && of.error == 0.0
+            }),
+        }
+    }
+
+    /// Returns a number that is no entry of a tube.
+    fn wrong_entry(&self) -> Option<f64> {
+        let wrong = |x: &f64| !(0.0..=EXTENT_MAX).contains(x);
+        match &self.0 {
+            Entries::Constant(entries) => entries.iter().copied().find(wrong),
+            Entries::Along(curve) => (0..curve.coordinates()).flat_map(|c| curve.bounds(c).hull).find(wrong),
+        }
+    }
+}
+
+impl From<&[f64]> for JointTube {
+    fn from(entries: &[f64]) -> Self {
+        Self(Entries::Constant(entries.into()))
+    }
+}
+
+impl<const N: usize> From<&[f64; N]> for JointTube {
+    fn from(entries: &[f64; N]) -> Self {
+        entries[..].into()
+    }
+}
+
+impl From<&Vec<f64>> for JointTube {
+    fn from(entries: &Vec<f64>) -> Self {
+        entries[..].into()
+    }
+}
+
+impl From<JointCurve> for JointTube {
+    fn from(entries: JointCurve) -> Self {
+        Self(Entries::Along(entries))
+    }
+}
+
+impl From<&JointCurve> for JointTube {
+    fn from(entries: &JointCurve) -> Self {
+        entries.clone().into()
+    }
+}
+
+impl From<&JointTube> for JointTube {
+    fn from(tube: &JointTube) -> Self {
+        tube.clone()
+    }
+}
+
 impl<C: ConfigurationSpace> Checker<C> {
+    /// Returns the verdict for a tube of joints around a curve.
+    ///
+    /// The tube contains all motions whose coordinates deviate from the curve by at most the
+    /// entries of `tube` at every time, for example by the tracking error of a controller: numbers,
+    /// or a curve of them (see [`JointTube`]). The margin of the checker holds inside the tube.
+    ///
+    /// `Blocked` and `Undecided` mean that a pair comes closer on the curve than the margin plus a
+    /// bound of what the tube moves. A free motion may still exist in such a tube;
+    /// [`tube_contact`](Self::tube_contact) searches for a configuration that is in contact.
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// # use lin_canny::polyhedron::solids;
+    /// # use lin_canny_plan::{Checker, Joint, JointCurve, SerialArm, World};
+    /// # let origin = Isometry3::identity();
+    /// # let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
+    /// # let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
+    /// # let block = SerialArm::new(origin, rails, vec![2], 0.1)?;
+    /// # let mut world = World::new();
+    /// # world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
+    /// # let post = solids::cuboid(Vector3::repeat(0.5))?;
+    /// # world.obstacle("post", post, origin);
+    /// # let mut checker = Checker::new(block, world)?;
+    /// // The lowest point of this parabola is 0.1 above contact.
+    /// let curve = JointCurve::bezier(&[[-1.0, 1.6], [0.0, -0.2], [1.0, 1.6]])?;
+    /// assert!(checker.certify_curve_tube(&curve, &[0.0, 0.09])?.is_free());
+    /// assert!(!checker.certify_curve_tube(&curve, &[0.0, 0.11])?.is_free());
+    /// // The error falls from 0.4 to 0.05 at the lowest point, and grows again.
+    /// let error = JointCurve::bezier(&[[0.0, 0.4], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.4]])?;
+    /// assert!(checker.certify_curve_tube(&curve, error)?.is_free());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error as [`certify_curve`](Self::certify_curve) does, or if `tube` has a wrong
+    /// length or an entry that is negative or not finite, or if the space has no tubes.
+    pub fn certify_curve_tube(&mut self, curve: &JointCurve, tube: impl Into<JointTube>) -> Result<Verdict, PlanError> {
+        let tube = tube.into();
+        let motion = self.check_tube(curve, &tube)?;
+        self.joint_tube = Some(tube).filter(|tube| !tube.is_zero());
+        let start_contact = self.start_contact_margin.take();
+        let verdict = self.judged(&motion, false);
+        self.start_contact_margin = start_contact;
+        self.joint_tube = None;
+        verdict
+    }
+
+    /// Returns the motion along a curve, after a check of the curve and of a tube of joints.
+    fn check_tube(&mut self, curve: &JointCurve, tube: &JointTube) -> Result<C::Segment, PlanError> {
+        let refused = |what, value| Err(PlanError::Value { what, value });
+        let (expected, found) = (self.space.coordinates(), tube.coordinates());
+        if found != expected {
+            return Err(PlanError::Length { expected, found });
+        }
+        if let Some(value) = tube.wrong_entry() {
+            return refused("entry of a tube", value);
+        }
+        let motion = self.curve(curve)?;
+        let ball = BodyBall {
+            body: 0,
+            centre: Point3::origin(),
+            radius: 0.0,
+        };
+        if self.space.bodies() > 0 && motion.spread(ball, None, 0.0, 1.0, &tube.over(0.0, 1.0)).is_none() {
+            return refused("length of a tube in a space without joints", expected as f64);
+        }
+        Ok(motion)
+    }
+
     /// Returns a time of a curve, and a configuration of its tube at this time at which a pair is
     /// closer than it must be, if one is found.
     ///
@@ -62,10 +246,11 @@ impl<C: ConfigurationSpace> Checker<C> {
     pub fn tube_contact(
         &mut self,
         curve: &JointCurve,
-        tube: &[f64],
+        tube: impl Into<JointTube>,
         from: f64,
     ) -> Result<Option<(f64, Vec<f64>)>, PlanError> {
-        self.check_tube(curve, tube)?;
+        let tube = tube.into();
+        self.check_tube(curve, &tube)?;
         if !(0.0..=1.0).contains(&from) {
             let (what, value) = ("time of a curve", from);
             return Err(PlanError::Value { what, value });
@@ -74,7 +259,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let mut found = Ok(None);
         for k in 0..=TIMES {
             let time = (from + (1.0 - from) * (f64::from(k) / f64::from(TIMES))).at_most(1.0);
-            found = self.tube_contact_at(curve, tube, time);
+            found = self.tube_contact_at(curve, &tube.at(time), time);
             if !matches!(found, Ok(None)) {
                 break;
             }

@@ -675,6 +675,7 @@ class Trajectory:
         velocities: ArrayLike | None = None,
         accelerations: ArrayLike | None = None,
         *,
+        deviations: ArrayLike | None = None,
         names: Sequence[str] | None = None,
     ) -> Trajectory: ...
     @staticmethod
@@ -689,6 +690,8 @@ class Trajectory:
     def velocities(self) -> NDArray[np.float64] | None: ...
     @property
     def accelerations(self) -> NDArray[np.float64] | None: ...
+    @property
+    def deviations(self) -> NDArray[np.float64] | None: ...
     @property
     def stops(self) -> list[int] | None: ...
     def curves(self, robot: Robot | Checker | None = None) -> list[JointCurve]: ...
@@ -811,9 +814,13 @@ class Checker:
     def clearance_along(
         self, start: ArrayLike, goal: ArrayLike, *, relative: float = 1e-3
     ) -> tuple[float, float, float, tuple[str, str] | None]: ...
-    def certify_curve(self, curve: _Curve, *, tube: ArrayLike | None = None) -> Verdict: ...
+    def certify_curve(self, curve: _Curve, *, tube: _Curve | None = None) -> Verdict: ...
     def certify_spline(
-        self, curves: Sequence[_Curve] | ArrayLike, *, tube: ArrayLike | None = None, progress: _Progress = None
+        self,
+        curves: Sequence[_Curve] | ArrayLike,
+        *,
+        tube: Sequence[_Curve] | ArrayLike | None = None,
+        progress: _Progress = None,
     ) -> Verdict: ...
     def certify_trajectory(
         self, trajectory: Trajectory, *, tube: ArrayLike | None = None, progress: _Progress = None
@@ -822,7 +829,7 @@ class Checker:
         self,
         curves: Sequence[_Curve] | ArrayLike,
         *,
-        tube: ArrayLike | None = None,
+        tube: Sequence[_Curve] | ArrayLike | None = None,
         threads: int = 1,
         progress: _Progress = None,
     ) -> _Records: ...

@@ -30,6 +30,10 @@ const ACCELERATIONS: Argument = Argument {
     name: "accelerations",
     ..TIMES
 };
+const DEVIATIONS: Argument = Argument {
+    name: "deviations",
+    ..TIMES
+};
 
 /// What has coordinates.
 #[derive(FromPyObject)]
@@ -60,6 +64,9 @@ impl Coordinates<'_> {
 /// positions : array_like, shape (N, dof)
 /// velocities, accelerations : array_like, shape (N, dof), optional
 ///     In the unit of the times. Accelerations need velocities.
+/// deviations : array_like, shape (N, dof), optional
+///     How much each joint may deviate at each point, linear between points: the tube of
+///     `Checker.certify_trajectory`.
 /// names : sequence of str, optional
 ///     The joints of the columns, in any order. By default the columns are in the order of
 ///     `Checker.coordinates`.
@@ -81,22 +88,24 @@ pub(crate) struct Trajectory {
     stops: Option<Vec<usize>>,
 }
 
-/// The numbers of a trajectory: names, times, positions, velocities, accelerations.
+/// The numbers of a trajectory: names, times, positions, velocities, accelerations, deviations.
 type Parts = (
     Option<Vec<String>>,
     Vec<f64>,
     Vec<Vec<f64>>,
     Vec<Vec<f64>>,
     Vec<Vec<f64>>,
+    Vec<Vec<f64>>,
 );
 
 impl Trajectory {
-    fn of_parts((names, times, rows, velocities, accelerations): Parts) -> Self {
+    fn of_parts((names, times, rows, velocities, accelerations, deviations): Parts) -> Self {
         let mut points = Loaded::default();
         points.rows = rows;
         points.times = Some(times.clone());
         points.velocities = velocities;
         points.accelerations = accelerations;
+        points.deviations = deviations;
         Self {
             names,
             times,
@@ -105,18 +114,28 @@ impl Trajectory {
         }
     }
 
-    /// Returns a smooth motion, which stops at rows of its path.
-    pub(crate) fn smooth(names: Vec<String>, mut points: Loaded, stops: Vec<usize>) -> Self {
+    fn of_points(names: Vec<String>, mut points: Loaded) -> Self {
         let times = points.times.take().unwrap_or_default();
-        let parts = (Some(names), times, points.rows, points.velocities, points.accelerations);
+        let Loaded {
+            rows,
+            velocities,
+            accelerations,
+            deviations,
+            ..
+        } = points;
+        Self::of_parts((Some(names), times, rows, velocities, accelerations, deviations))
+    }
+
+    /// Returns a smooth motion, which stops at rows of its path.
+    pub(crate) fn smooth(names: Vec<String>, points: Loaded, stops: Vec<usize>) -> Self {
         Self {
             stops: Some(stops),
-            ..Self::of_parts(parts)
+            ..Self::of_points(names, points)
         }
     }
 
     /// Returns the number of points.
-    fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.times.len()
     }
 
@@ -140,22 +159,25 @@ impl Trajectory {
     /// is a curve that stays there.
     pub(crate) fn curves_in_order(&self, coordinates: &[Coordinate]) -> PyResult<Vec<Curve>> {
         let order = self.order(coordinates)?;
-        let ordered = |rows: &[Vec<f64>]| -> Vec<Vec<f64>> {
-            let each = |row: &Vec<f64>| match row.is_empty() {
-                true => Vec::new(),
-                false => order.iter().map(|k| row[*k]).collect(),
-            };
-            rows.iter().map(each).collect()
-        };
         let Loaded {
             rows,
             velocities,
             accelerations,
             ..
         } = &self.points;
-        let [rows, velocities, accelerations] = [rows, velocities, accelerations].map(|of| ordered(of));
-        let points = Self::of_parts((None, self.times.clone(), rows, velocities, accelerations)).points;
-        curves(&points)
+        let [rows, velocities, accelerations] = [rows, velocities, accelerations].map(|of| ordered(of, &order));
+        let parts = (None, self.times.clone(), rows, velocities, accelerations, Vec::new());
+        curves(&Self::of_parts(parts).points)
+    }
+
+    /// Returns the deviations of the points, in the order of the coordinates; none if the trajectory
+    /// has none.
+    pub(crate) fn deviations_in_order(&self, coordinates: &[Coordinate]) -> PyResult<Vec<Vec<f64>>> {
+        let rows = &self.points.deviations;
+        match rows.iter().all(Vec::is_empty) {
+            true => Ok(Vec::new()),
+            false => Ok(ordered(rows, &self.order(coordinates)?)),
+        }
     }
 
     /// Returns the column of each coordinate.
@@ -183,7 +205,7 @@ impl Trajectory {
         coordinates.iter().map(column).collect()
     }
 
-    /// Returns velocities or accelerations as an array, NaN in rows without; `None` if no row has
+    /// Returns velocities, accelerations or deviations as an array, NaN in rows without; `None` if no row has
     /// them.
     fn derivative<'py>(&self, py: Python<'py>, rows: &[Vec<f64>]) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         if rows.iter().all(Vec::is_empty) {
@@ -197,6 +219,15 @@ impl Trajectory {
         let full: Vec<Vec<f64>> = rows.iter().map(full).collect();
         of_table(py, &full, width).map(Some)
     }
+}
+
+/// Returns rows whose columns are in this order; empty rows stay.
+fn ordered(rows: &[Vec<f64>], order: &[usize]) -> Vec<Vec<f64>> {
+    let each = |row: &Vec<f64>| match row.is_empty() {
+        true => Vec::new(),
+        false => order.iter().map(|k| row[*k]).collect(),
+    };
+    rows.iter().map(each).collect()
 }
 
 fn curves(points: &Loaded) -> PyResult<Vec<Curve>> {
@@ -247,12 +278,13 @@ fn like_positions(
 #[pymethods]
 impl Trajectory {
     #[new]
-    #[pyo3(signature = (times, positions, velocities=None, accelerations=None, *, names=None))]
+    #[pyo3(signature = (times, positions, velocities=None, accelerations=None, *, deviations=None, names=None))]
     fn new(
         times: &Bound<'_, PyAny>,
         positions: &Bound<'_, PyAny>,
         velocities: Option<&Bound<'_, PyAny>>,
         accelerations: Option<&Bound<'_, PyAny>>,
+        deviations: Option<&Bound<'_, PyAny>>,
         names: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let times = numbers(times, TIMES)?;
@@ -270,6 +302,10 @@ impl Trajectory {
         }
         let velocities = like_positions(velocities, VELOCITIES, shape)?;
         let accelerations = like_positions(accelerations, ACCELERATIONS, shape)?;
+        let deviations = like_positions(deviations, DEVIATIONS, shape)?;
+        if let Some(value) = deviations.iter().flatten().find(|x| !(**x >= 0.0)) {
+            return Err(plan_error(format!("deviations: entry is {value} (expected at least 0)")));
+        }
         if let Some(names) = &names {
             if names.len() != shape[1] {
                 let (count, expected) = (names.len(), shape[1]);
@@ -279,7 +315,7 @@ impl Trajectory {
                 return Err(plan_error(format!("names: joint {:?} is given twice", names[k])));
             }
         }
-        let made = Self::of_parts((names, times, rows, velocities, accelerations));
+        let made = Self::of_parts((names, times, rows, velocities, accelerations, deviations));
         curves(&made.points)?;
         Ok(made)
     }
@@ -287,7 +323,8 @@ impl Trajectory {
     /// Returns the trajectory of a CSV, JSON or YAML file; the extension decides.
     ///
     /// A CSV file has the columns `time` and one for each joint, in any order. Joint `elbow` has the
-    /// optional columns `elbow.velocity` and `elbow.acceleration`. JSON and YAML files hold a message
+    /// optional columns `elbow.velocity`, `elbow.acceleration` and `elbow.tube`, how much it may
+    /// deviate. JSON and YAML files hold a message
     /// `JointTrajectory` of ROS 1 or 2, alone or in a message around it.
     ///
     /// Parameters
@@ -320,11 +357,9 @@ impl Trajectory {
             }
             values[at] = Some(value);
         }
-        let mut points = Loaded::load_timed(path, coordinates, &values).map_err(file_error)?;
-        let times = points.times.take().unwrap_or_default();
+        let points = Loaded::load_timed(path, coordinates, &values).map_err(file_error)?;
         let names = coordinates.iter().map(|c| c.name.clone()).collect();
-        let parts = (Some(names), times, points.rows, points.velocities, points.accelerations);
-        Ok(Self::of_parts(parts))
+        Ok(Self::of_points(names, points))
     }
 
     /// The joints of the columns; None if they are those of the checker.
@@ -355,6 +390,13 @@ impl Trajectory {
     #[getter]
     fn accelerations<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         self.derivative(py, &self.points.accelerations)
+    }
+
+    /// How much each joint may deviate at each point, shape (N, dof); None if the trajectory has no
+    /// tube.
+    #[getter]
+    fn deviations<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        self.derivative(py, &self.points.deviations)
     }
 
     /// The inner rows of the path at which a motion of `Checker.smooth` stops; None for others.
@@ -420,9 +462,10 @@ impl Trajectory {
             rows,
             velocities,
             accelerations,
+            deviations,
             ..
         } = &self.points;
-        let parts = (&self.names, &self.times, rows, velocities, accelerations);
+        let parts = (&self.names, &self.times, rows, velocities, accelerations, deviations);
         let parts = (parts, &self.stops);
         let bytes = postcard::to_stdvec(&parts).map_err(refused)?;
         let make = py.get_type::<Self>().getattr("_from_bytes")?;

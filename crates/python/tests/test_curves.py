@@ -168,6 +168,31 @@ def test_tubes(checker):
         if checker.certify_curve(points, tube=tube).is_free:
             q = bernstein(points, np.linspace(0, 1, 500)) + tube * rng.choice([-1, 1], size=(500, 2))
             assert checker.are_free(np.clip(q, *checker.limits.T)).all()
+    # A tube that changes along the curve, as a curve or as its control points.
+    wide = [[0, 0.3], [0, 0]]
+    level = [[0.5, -0.5], [0.5, TOUCH - 0.1]]
+    assert checker.certify_curve(level, tube=wide).is_free
+    assert checker.certify_curve(level, tube=lc.JointCurve.bezier(wide)).is_free
+    assert not checker.certify_curve(level, tube=wide[::-1]).is_free
+    assert not checker.certify_curve(level, tube=0.3).is_free
+    assert checker.certify_spline([level, level[::-1]], tube=[wide, wide[::-1]]).is_free
+    states = checker.certify_batch([level] * 3, tube=[lc.JointCurve.bezier(x) for x in (wide, wide[::-1], wide)])
+    assert list(states["state"] == "free") == [True, False, True]
+    motion = lc.Trajectory([0, 1], level, deviations=wide)
+    assert checker.certify_trajectory(motion).is_free
+    assert np.array_equal(pickle.loads(pickle.dumps(motion)).deviations, wide)
+    assert not checker.certify_trajectory(motion, tube=[0, 0.3]).is_free
+    assert not checker.certify_trajectory(motion, tube=wide[::-1]).is_free
+    assert checker.certify_trajectory(lc.Trajectory([0, 1], level)).is_free
+    for call, why in (
+        (lambda: checker.certify_spline([level], tube=[wide, wide]), "tube: number of curves is 2"),
+        (lambda: checker.certify_curve(level, tube=[[0, -0.1], [0, 0]]), "tube: entry of turn is -0.1"),
+        (lambda: checker.certify_trajectory(motion, tube=[wide[0]] * 3), "tube: number of rows is 3"),
+        (lambda: checker.certify_curve(level, tube=[[0.1], [0.1]]), "tube: number of columns is 1"),
+        (lambda: lc.Trajectory([0, 1], level, deviations=[[0, 0], [0, -1]]), "deviations: entry is -1"),
+    ):
+        with pytest.raises(lc.PlanError, match=why):
+            call()
     for tube, why in ((-1, "lift is -1"), ([0, np.nan], "turn is NaN"), ([1], r"shape is \(1,\)")):
         with pytest.raises(lc.PlanError, match=f"tube: .*{why}"):
             checker.certify_curve(ends, tube=tube)

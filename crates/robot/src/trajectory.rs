@@ -7,7 +7,7 @@ use crate::error::{FileError, FileErrorKind};
 use crate::message;
 use crate::robot::Coordinate;
 use crate::yaml;
-use lin_canny_plan::{JointCurve, PlanError, SmoothPath, nearest_name as nearest};
+use lin_canny_plan::{JointCurve, JointTube, PlanError, SmoothPath, nearest_name as nearest};
 
 /// A sequence of configurations.
 ///
@@ -23,6 +23,8 @@ pub struct Trajectory {
     pub velocities: Vec<Vec<f64>>,
     /// The accelerations of each row; empty where the file has none.
     pub accelerations: Vec<Vec<f64>>,
+    /// How much each coordinate may deviate at each row; empty where the file has no tubes.
+    pub deviations: Vec<Vec<f64>>,
     /// Line of each row in a CSV file, or number of each point in a file of another format.
     pub lines: Vec<u32>,
 }
@@ -33,6 +35,9 @@ const TIME: &str = "time";
 /// What the name of a column adds to that of a coordinate.
 const DERIVATIVES: [&str; 2] = [".velocity", ".acceleration"];
 
+/// What the name of a column of deviations adds to that of a coordinate.
+const TUBE: &str = ".tube";
+
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Column {
@@ -41,6 +46,8 @@ enum Column {
     Value(usize),
     /// First (0) or second (1) derivative of a coordinate.
     Derivative(usize, usize),
+    /// How much a coordinate may deviate.
+    Tube(usize),
 }
 
 impl Trajectory {
@@ -73,13 +80,14 @@ impl Trajectory {
         Self::read(&FileError::read(path)?, path, coordinates, rest, false)
     }
 
-    /// Returns a trajectory with times, and optionally velocities and accelerations.
+    /// Returns a trajectory with times, and optionally velocities, accelerations and tubes.
     ///
     /// The extension of the file decides its format:
     ///
     /// * `csv`: the columns of [`load`](Self::load) with `time`. Joint `elbow` has the optional
     ///   columns `elbow.velocity` and `elbow.acceleration`. All joints have velocities if one has,
-    ///   and likewise accelerations, which need velocities.
+    ///   and likewise accelerations, which need velocities. A joint may have a column `elbow.tube`:
+    ///   how much it may deviate from the motion, at least 0, linear between the rows.
     /// * `json`, `yaml` or `yml`: a message `JointTrajectory` of ROS 1 or 2, alone or as the
     ///   `joint_trajectory` of another message. Names may be in any order. Of YAML, everything but
     ///   anchors, tags and block scalars is read.
@@ -156,11 +164,22 @@ impl Trajectory {
         each.collect()
     }
 
+    /// Returns the tube around the motion from each row to the next, for
+    /// [`Checker::certify_curve_tube`](lin_canny_plan::Checker::certify_curve_tube). Its entries are
+    /// linear between those of the rows. There are none if no row has deviations.
+    ///
+    /// # Errors
+    /// Returns an error if a number is out of range, or if rows have different lengths.
+    pub fn tubes(&self) -> Result<Vec<JointTube>, PlanError> {
+        let each = self.deviations.windows(2).filter(|rows| !rows[0].is_empty());
+        each.map(|rows| Ok(JointCurve::bezier(rows)?.into())).collect()
+    }
+
     /// Returns the trajectory as the text of a CSV file, which [`load_timed`](Self::load_timed) reads
     /// with the same bits.
     ///
-    /// `coordinates` are those of the rows. Velocities and accelerations are written if all rows have
-    /// them.
+    /// `coordinates` are those of the rows. Velocities, accelerations and deviations are written if all
+    /// rows have them.
     #[must_use]
     pub fn csv_text(&self, coordinates: &[Coordinate]) -> String {
         let count = self.rows.len();
@@ -168,7 +187,13 @@ impl Trajectory {
         let mut names: Vec<String> = self.times.iter().map(|_| TIME.into()).collect();
         names.extend(coordinates.iter().map(|c| c.name.clone()));
         let mut parts = vec![&self.rows];
-        for (rows, suffix) in [&self.velocities, &self.accelerations].into_iter().zip(DERIVATIVES) {
+        let [velocity, acceleration] = DERIVATIVES;
+        let more = [
+            (&self.velocities, velocity),
+            (&self.accelerations, acceleration),
+            (&self.deviations, TUBE),
+        ];
+        for (rows, suffix) in more {
             if given(rows) {
                 names.extend(coordinates.iter().map(|c| format!("{}{suffix}", c.name)));
                 parts.push(rows);
@@ -221,6 +246,7 @@ impl Trajectory {
             .map_err(|(column, reason)| FileError::new(path, Some(records.line), column, reason))?;
         let is_derivative = |order: usize| move |c: &Column| matches!(c, Column::Derivative(o, _) if *o == order);
         let has = [0, 1].map(|order| columns.iter().any(is_derivative(order)));
+        let has_tube = columns.iter().any(|c| matches!(c, Column::Tube(_)));
         let mut trajectory = Self::default();
         let mut times = Vec::new();
         while let Some((line, record)) = records.next_row()? {
@@ -228,6 +254,7 @@ impl Trajectory {
             let mut row: Vec<f64> = rest.iter().map(|value| value.unwrap_or_default()).collect();
             row.resize(coordinates.len(), 0.0);
             let mut derivatives = has.map(|has| vec![0.0; if has { row.len() } else { 0 }]);
+            let mut deviations = vec![0.0; if has_tube { row.len() } else { 0 }];
             for ((text, name), column) in record.iter().zip(&records.names).zip(&columns) {
                 let value = number(text, name).map_err(|reason| wrong(name, reason))?;
                 match *column {
@@ -240,6 +267,11 @@ impl Trajectory {
                         row[k] = value;
                     }
                     Column::Derivative(order, k) => derivatives[order][k] = value,
+                    Column::Tube(k) if value >= 0.0 => deviations[k] = value,
+                    Column::Tube(_) => {
+                        let reason = format!("deviation is {value} (expected at least 0)");
+                        return Err(wrong(name, FileErrorKind::Malformed(reason)));
+                    }
                 }
             }
             trajectory.rows.push(row);
@@ -247,6 +279,7 @@ impl Trajectory {
                 let [velocities, accelerations] = derivatives;
                 trajectory.velocities.push(velocities);
                 trajectory.accelerations.push(accelerations);
+                trajectory.deviations.push(deviations);
             }
             trajectory.lines.push(line);
         }
@@ -272,6 +305,7 @@ impl From<SmoothPath> for Trajectory {
                 true => vec![Vec::new(); count],
                 false => smooth.accelerations,
             },
+            deviations: vec![Vec::new(); count],
             rows: smooth.positions,
         }
     }
@@ -350,7 +384,11 @@ fn columns(
             let k = coordinate(name.strip_suffix(suffix)?, coordinates).ok()?;
             is_timed.then_some(Column::Derivative(order, k))
         });
-        let column = match (derivative, name == TIME) {
+        let tube = || {
+            let k = coordinate(name.strip_suffix(TUBE)?, coordinates).ok()?;
+            is_timed.then_some(Column::Tube(k))
+        };
+        let column = match (derivative.or_else(tube), name == TIME) {
             (Some(derivative), _) => derivative,
             (None, is_time) => match (coordinate(name, coordinates), is_time) {
                 (Ok(k), _) => Column::Value(k),

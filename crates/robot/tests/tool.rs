@@ -1118,6 +1118,36 @@ fn trajectories_are_certified() {
         text.contains("not free in the tube at ") && text.contains(" lift="),
         "{text}"
     );
+    // A tube of a column, and an option that replaces it.
+    let head = "time,lift,turn,turn.tube,lift.tube";
+    let tubed = |end: &str| {
+        scratch(
+            "tubed.csv",
+            &format!("{head}\n0,0.3,0,0,0.001\n2,0.3,0.4,0.001,{end}\n"),
+        )
+    };
+    let narrow = tubed("0.002");
+    let given = ["--trajectory", &narrow, "--rest", &others];
+    assert_eq!(run("certify", &with(&given)).0, 0);
+    let (code, text) = run("certify", &with(&[&given[..], &["--start-contact", "0.1"]].concat()));
+    assert!(
+        code == 3 && text.contains("cannot be used with --start-contact"),
+        "{text}"
+    );
+    let wide = tubed("0.9");
+    let given = ["--trajectory", &wide, "--rest", &others];
+    let (code, text) = run("certify", &with(&given));
+    assert!(code == 1 && text.contains("not free in the tube at "), "{text}");
+    assert_eq!(
+        run("certify", &with(&[&given[..], &["--tube", "lift=0.001"]].concat())).0,
+        0
+    );
+    let below = tubed("-0.1");
+    let (code, text) = run("certify", &with(&["--trajectory", &below, "--rest", &others]));
+    assert!(
+        code == 3 && text.contains("tubed.csv:3: column \"lift.tube\": deviation is -0.1"),
+        "{text}"
+    );
     let both = ["--trajectory", "carry.csv", "--joints", "carry.csv"];
     assert_eq!(run("certify", &with(&both)).0, 2);
     assert_eq!(run("certify", &with(&[])).0, 2);

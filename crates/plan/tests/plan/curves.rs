@@ -4,8 +4,8 @@
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, Joint, JointCurve, JointKind, JointTree, PlanError, PlanarSpace, RigidSpace,
-    SerialArm, TranslationSpace, TreeJoint, Verdict, World,
+    Checker, ConfigurationSpace, Drive, Joint, JointCurve, JointKind, JointTree, JointTube, PlanError, PlanarSpace,
+    RigidSpace, SerialArm, TranslationSpace, TreeJoint, Verdict, World,
 };
 use truth::arm::chain::posts;
 use truth::rng::Rng;
@@ -743,6 +743,18 @@ fn curves_keep_the_contract_of_motions() {
     }
 }
 
+/// Returns a tube of numbers, or of curves of this degree.
+fn random_tube(rng: &mut Rng, dims: usize, degree: usize, [low, high]: [f64; 2]) -> JointTube {
+    let mut row = || -> Vec<f64> { (0..dims).map(|_| rng.log_range(low, high)).collect() };
+    match degree {
+        0 => (&row()).into(),
+        _ => {
+            let points: Vec<Vec<f64>> = (0..=degree).map(|_| row()).collect();
+            JointCurve::bezier(&points).expect("a curve").into()
+        }
+    }
+}
+
 /// No configuration within a tube that is called free meets anything: corners and random places of the tube, by predicates.
 #[test]
 fn tubes_of_joints_hold_at_their_corners() {
@@ -757,7 +769,7 @@ fn tubes_of_joints_hold_at_their_corners() {
             let to: Vec<f64> = from.iter().map(|x| x + rng.range(-0.5, 0.5)).collect();
             let points = control_points(&mut rng, &from, &to, 1 + k % 7, 1.0);
             let curve = JointCurve::bezier(&points).expect("a curve");
-            let tube: Vec<f64> = (0..dims).map(|_| rng.log_range(1e-4, 0.02)).collect();
+            let tube = random_tube(&mut rng, dims, k % 4, [1e-4, 0.02]);
             let without = checker.certify_curve(&curve).expect("within limits").is_free();
             let verdict = checker.certify_curve_tube(&curve, &tube).expect("within limits");
             assert!(without || !verdict.is_free());
@@ -772,7 +784,7 @@ fn tubes_of_joints_hold_at_their_corners() {
                 let q: Vec<f64> = curve
                     .at(t)
                     .iter()
-                    .zip(&tube)
+                    .zip(&tube.at(t))
                     .map(|(x, e)| off(x, e, &mut rng))
                     .collect();
                 assert!(
@@ -814,7 +826,7 @@ fn contacts_in_tubes_are_within_the_tube() {
             if !checker.certify_curve(&curve).expect("within limits").is_free() {
                 continue;
             }
-            let tube: Vec<f64> = (0..dims).map(|_| rng.log_range(1e-3, 0.05)).collect();
+            let tube = random_tube(&mut rng, dims, k % 4, [1e-3, 0.05]);
             let verdict = checker.certify_curve_tube(&curve, &tube).expect("within limits");
             let contact = checker.tube_contact(&curve, &tube, verdict.safe()).expect("a tube");
             let Some((t, q)) = contact else {
@@ -822,7 +834,7 @@ fn contacts_in_tubes_are_within_the_tube() {
                 continue;
             };
             assert!(!verdict.is_free() && t >= verdict.safe() && t <= 1.0, "{name} {k}");
-            for ((x, y), e) in q.iter().zip(curve.at(t)).zip(&tube) {
+            for ((x, y), e) in q.iter().zip(curve.at(t)).zip(tube.at(t)) {
                 assert!(
                     (x - y).abs() <= e + 1e-15 * y.abs().max(1.0),
                     "{name} {k} at {t}: {q:?}"
@@ -837,6 +849,47 @@ fn contacts_in_tubes_are_within_the_tube() {
     }
     println!("{found} contacts in tubes, {missed} tubes without one");
     assert!(found > 5, "{found} {missed}");
+}
+
+#[test]
+fn a_tube_may_change_along_the_curve() {
+    // The block touches the box at the height 0.6, while x is within 0.6: at the times 0.35 to 0.65.
+    let mut checker = slider();
+    let level = JointCurve::bezier(&[[-2.0, 0.75, 0.0], [2.0, 0.75, 0.0]]).expect("a curve");
+    let of = |points: &[f64]| {
+        let points: Vec<[f64; 3]> = points.iter().map(|y| [0.0, *y, 0.0]).collect();
+        JointCurve::bezier(&points).expect("a curve")
+    };
+    for (points, is_free) in [
+        (&[0.1, 0.1][..], true),
+        (&[0.2, 0.2], false),
+        // 0.077 where x enters the box.
+        (&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], true),
+        // 0.218 where x enters the box.
+        (&[0.4, 0.0, 0.4], false),
+        // Linear: 0.13 where x enters the box, 0.07 where it leaves it.
+        (&[0.2, 0.0], true),
+        // 0.165 where x leaves it.
+        (&[0.06, 0.22], false),
+    ] {
+        let verdict = checker.certify_curve_tube(&level, of(points)).expect("a tube");
+        let contact = checker.tube_contact(&level, of(points), 0.0).expect("a tube");
+        assert_eq!(verdict.is_free(), is_free, "{points:?}: {verdict:?}");
+        assert_eq!(contact.is_none(), is_free, "{points:?}: {contact:?}");
+        // The same numbers in a constant tube have the same verdict, bit for bit.
+        if let [a, b] = points
+            && a == b
+        {
+            let same = checker.certify_curve_tube(&level, &[0.0, *a, 0.0]).expect("a tube");
+            assert_eq!(same, verdict);
+        }
+    }
+    for wrong in [
+        of(&[0.1, -0.1, 0.1]),
+        JointCurve::bezier(&[[0.1, 0.1]; 2]).expect("a curve"),
+    ] {
+        assert!(checker.certify_curve_tube(&level, wrong).is_err());
+    }
 }
 
 #[test]

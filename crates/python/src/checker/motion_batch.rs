@@ -1,6 +1,6 @@
 //! Many motions.
 
-use lin_canny_robot::plan::{Checker as Loaded, JointCurve as Curve, JointTree, Verdict as Judged};
+use lin_canny_robot::plan::{Checker as Loaded, JointCurve as Curve, JointTree, JointTube, Verdict as Judged};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -18,7 +18,8 @@ const LOOK: usize = 4;
 struct Motions<'a> {
     checker: &'a Checker,
     curves: &'a [Curve],
-    tube: Option<Vec<f64>>,
+    /// None, or one for each curve.
+    tubes: Vec<JointTube>,
 }
 
 impl Batch for Motions<'_> {
@@ -34,7 +35,7 @@ impl Batch for Motions<'_> {
         for (k, to) in (first..).zip(rows) {
             checker.forget();
             let curve = &self.curves[k];
-            let found = match &self.tube {
+            let found = match self.tubes.get(k) {
                 Some(tube) => checker.certify_curve_tube(curve, tube),
                 None => checker.certify_curve(curve),
             };
@@ -56,8 +57,8 @@ impl Checker {
     /// curves : array_like of shape (N, degree + 1, dof), or sequence of JointCurve
     ///     Segments between configurations are `np.stack([starts, goals], axis=1)`. Curves need not
     ///     meet.
-    /// tube : float or array_like, optional
-    ///     See `certify_curve`.
+    /// tube : float, array_like of shape (dof,), or sequence of JointCurve, optional
+    ///     See `certify_curve`; of a sequence, one for each curve.
     /// threads : int
     /// progress : callable or bool, optional
     ///     A callable that receives the number of certified motions and of all, or True for a tqdm
@@ -79,13 +80,13 @@ impl Checker {
         threads: usize,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (curves, tube) = (curves_of(curves)?, self.tube(tube)?);
+        let curves = curves_of(curves)?;
         let count = curves.len();
         let mut rows = vec![None; count];
         let batch = Motions {
             checker: self,
             curves: &curves,
-            tube,
+            tubes: self.tubes(tube, count)?,
         };
         Run::new(py, count, threads, progress)?.rows(py, &batch, &mut rows)?;
         let found: Vec<Judged> = rows.into_iter().flatten().collect();

@@ -2,16 +2,16 @@
 
 use lin_canny::separation::Proof;
 use lin_canny_robot::Coordinate;
-use lin_canny_robot::plan::{JointCurve as Curve, PairProof, PlanError, Verdict as Judged};
+use lin_canny_robot::plan::{JointCurve as Curve, JointTube, PairProof, PlanError, Verdict as Judged};
 use numpy::{PyArray1, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 use super::answers::{self, Pair, Verdict};
 use super::batches::Numbers;
 use super::{Checker, configuration};
-use crate::array::{Argument, contiguous, filled, is_number, of_triples, shape_text};
+use crate::array::{Argument, contiguous, filled, is_number, of_triples, shape_text, table};
 use crate::batch::Run;
-use crate::curve::{curve_of, curves_of};
+use crate::curve::{JointCurve, curve_of, curves_of};
 use crate::errors::plan_error;
 use crate::trajectory::Trajectory;
 
@@ -44,18 +44,95 @@ impl Checker {
         }
     }
 
-    /// Returns how much each coordinate may deviate: one number for all, or one for each.
-    pub(super) fn tube(&self, tube: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Vec<f64>>> {
-        let Some(tube) = tube else { return Ok(None) };
+    /// Returns a tube that is the same at all times; `None` unless it is one number for all
+    /// coordinates, or one for each.
+    fn constant_tube(&self, tube: &Bound<'_, PyAny>) -> PyResult<Option<JointTube>> {
+        if !is_number(tube)? && contiguous::<f64>(tube, TUBE).is_ok_and(|array| array.shape().len() > 1) {
+            return Ok(None);
+        }
         let values = self.of_each(tube, TUBE)?;
-        if let Some(k) = values.iter().position(|x| !(*x >= 0.0 && x.is_finite())) {
-            let name = &self.coordinate_list()[k].name;
+        self.check_tube(&values)?;
+        Ok(Some((&values).into()))
+    }
+
+    /// Returns a tube whose entries are a curve.
+    fn tube_along(&self, curve: Curve) -> PyResult<JointTube> {
+        let (dof, found) = (self.dof(), curve.coordinates());
+        if found != dof {
+            return Err(plan_error(format!("tube: number of columns is {found} (expected {dof})")));
+        }
+        (0..=curve.degree()).try_for_each(|k| self.check_tube(&curve.control_point(k)))?;
+        Ok(curve.into())
+    }
+
+    fn check_tube(&self, entries: &[f64]) -> PyResult<()> {
+        let Some(k) = entries.iter().position(|x| !(*x >= 0.0 && x.is_finite())) else {
+            return Ok(());
+        };
+        let name = &self.coordinate_list()[k].name;
+        Err(plan_error(format!(
+            "tube: entry of {name} is {} (expected at least 0)",
+            entries[k]
+        )))
+    }
+
+    /// Returns the tube around a curve.
+    fn tube(&self, tube: Option<&Bound<'_, PyAny>>) -> PyResult<Option<JointTube>> {
+        let Some(tube) = tube else { return Ok(None) };
+        if !tube.is_instance_of::<JointCurve>()
+            && let Some(found) = self.constant_tube(tube)?
+        {
+            return Ok(Some(found));
+        }
+        self.tube_along(curve_of(tube)?).map(Some)
+    }
+
+    /// Returns the tubes around curves: none, or one for each.
+    pub(super) fn tubes(&self, tube: Option<&Bound<'_, PyAny>>, count: usize) -> PyResult<Vec<JointTube>> {
+        let Some(tube) = tube else { return Ok(Vec::new()) };
+        let is_curves = tube.try_iter().is_ok_and(|mut items| {
+            let first = items.next().and_then(Result::ok);
+            first.is_some_and(|item| item.is_instance_of::<JointCurve>())
+        });
+        if !is_curves && let Some(found) = self.constant_tube(tube)? {
+            return Ok(vec![found; count]);
+        }
+        let curves = curves_of(tube)?;
+        if curves.len() != count {
+            let found = curves.len();
             return Err(plan_error(format!(
-                "tube: entry of {name} is {} (expected at least 0)",
-                values[k]
+                "tube: number of curves is {found} (expected {count}, one for each curve)"
             )));
         }
-        Ok(Some(values))
+        curves.into_iter().map(|curve| self.tube_along(curve)).collect()
+    }
+
+    /// Returns the tubes around the segments of a trajectory: those that are given, or its own.
+    fn trajectory_tubes(
+        &self,
+        tube: Option<&Bound<'_, PyAny>>,
+        trajectory: &Trajectory,
+        count: usize,
+    ) -> PyResult<Vec<JointTube>> {
+        let rows = match tube {
+            None => trajectory.deviations_in_order(self.coordinate_list())?,
+            Some(tube) => match self.constant_tube(tube)? {
+                Some(found) => return Ok(vec![found; count]),
+                None => table(tube, TUBE)?,
+            },
+        };
+        if rows.is_empty() {
+            return Ok(Vec::new());
+        }
+        let points = trajectory.len();
+        if rows.len() != points {
+            let found = rows.len();
+            return Err(plan_error(format!(
+                "tube: number of rows is {found} (expected {points}, one for each point)"
+            )));
+        }
+        let ends = |k: usize| Curve::bezier(&[&rows[k], &rows[(k + 1).min(points - 1)]]).map_err(plan_error);
+        (0..count).map(|k| self.tube_along(ends(k)?)).collect()
     }
 
     /// Returns an error about a motion, with the name of the joint that exceeds its limits.
@@ -84,7 +161,7 @@ impl Checker {
         self.motion_fault(&format!("curve {k}"), error, |t| format!("t = {t}"))
     }
 
-    fn judge(&mut self, curve: &Curve, tube: Option<&[f64]>) -> Result<Judged, PlanError> {
+    fn judge(&mut self, curve: &Curve, tube: Option<&JointTube>) -> Result<Judged, PlanError> {
         match tube {
             Some(tube) => self.checker.certify_curve_tube(curve, tube),
             None => self.checker.certify_curve(curve),
@@ -97,7 +174,7 @@ impl Checker {
         &mut self,
         py: Python<'_>,
         curves: &[Curve],
-        tube: Option<&[f64]>,
+        tubes: &[JointTube],
         progress: Option<&Bound<'_, PyAny>>,
         fault: impl Fn(&Self, usize, &PlanError) -> PyErr + Sync + Send,
     ) -> PyResult<(usize, Judged)> {
@@ -118,7 +195,7 @@ impl Checker {
         let mut all = None;
         let run = Run::new(py, curves.len(), 1, progress)?;
         run.steps(py, curves.len(), |k| {
-            let mut found = self.judge(&curves[k], tube).map_err(|e| fault(self, k, &e))?;
+            let mut found = self.judge(&curves[k], tubes.get(k)).map_err(|e| fault(self, k, &e))?;
             if !found.is_free() {
                 all = Some((k, found));
                 return Ok(false);
@@ -186,9 +263,10 @@ impl Checker {
     /// ----------
     /// curve : JointCurve or array_like, shape (degree + 1, dof)
     ///     A curve, or the control points of a Bézier curve.
-    /// tube : float or array_like, shape (dof,), optional
+    /// tube : float, array_like of shape (dof,), or JointCurve, optional
     ///     How much each coordinate may deviate from the curve at every time, such as the tracking
-    ///     error of a controller. Everything inside the tube is then proven. "blocked" means that a
+    ///     error of a controller: numbers, or a curve of them (or its control points), none of them
+    ///     negative. Everything inside the tube is then proven. "blocked" means that a
     ///     pair comes closer on the curve than its margin plus a bound of what the tube moves;
     ///     a free motion may still exist. `start_contact_margin` does not act.
     ///
@@ -205,7 +283,7 @@ impl Checker {
         tube: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Verdict> {
         let (curve, tube) = (curve_of(curve)?, self.tube(tube)?);
-        let found = py.detach(|| self.judge(&curve, tube.as_deref()));
+        let found = py.detach(|| self.judge(&curve, tube.as_ref()));
         let found = found.map_err(|e| self.curve_fault(&e))?;
         Ok(Verdict::new(0, found, &self.checker))
     }
@@ -218,8 +296,8 @@ impl Checker {
     /// Parameters
     /// ----------
     /// curves : sequence of JointCurve, or array_like of shape (N, degree + 1, dof)
-    /// tube : float or array_like, optional
-    ///     See `certify_curve`.
+    /// tube : float, array_like of shape (dof,), or sequence of JointCurve, optional
+    ///     See `certify_curve`; of a sequence, one for each curve.
     /// progress : callable or bool, optional
     ///     A callable that receives the number of certified curves and of all, or True for a tqdm
     ///     bar.
@@ -231,8 +309,9 @@ impl Checker {
         tube: Option<&Bound<'_, PyAny>>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Verdict> {
-        let (curves, tube) = (curves_of(curves)?, self.tube(tube)?);
-        let (segment, verdict) = self.judge_all(py, &curves, tube.as_deref(), progress, Self::numbered_fault)?;
+        let curves = curves_of(curves)?;
+        let tubes = self.tubes(tube, curves.len())?;
+        let (segment, verdict) = self.judge_all(py, &curves, &tubes, progress, Self::numbered_fault)?;
         Ok(Verdict::new(segment, verdict, &self.checker))
     }
 
@@ -246,8 +325,9 @@ impl Checker {
     /// Parameters
     /// ----------
     /// trajectory : Trajectory
-    /// tube : float or array_like, optional
-    ///     See `certify_curve`.
+    /// tube : float, or array_like of shape (dof,) or (N, dof), optional
+    ///     See `certify_curve`. N rows are those of the N points, and linear between them. By
+    ///     default the `deviations` of the trajectory.
     /// progress : callable or bool, optional
     ///     As for `certify_spline`.
     ///
@@ -263,14 +343,15 @@ impl Checker {
         tube: Option<&Bound<'_, PyAny>>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Verdict> {
-        let (trajectory, tube) = (trajectory.get(), self.tube(tube)?);
+        let trajectory = trajectory.get();
         let curves = trajectory.curves_in_order(self.coordinate_list())?;
+        let tubes = self.trajectory_tubes(tube, trajectory, curves.len())?;
         let last = curves.len() - 1;
         let fault = |checker: &Self, k: usize, error: &PlanError| {
             let what = format!("trajectory, points {k} to {}", k + 1);
             checker.motion_fault(&what, error, |t| format!("time {}", trajectory.time_at(k, t)))
         };
-        let (segment, verdict) = self.judge_all(py, &curves, tube.as_deref(), progress, fault)?;
+        let (segment, verdict) = self.judge_all(py, &curves, &tubes, progress, fault)?;
         // A free verdict is about the end of the last segment.
         let timed = if verdict.is_free() { last } else { segment };
         let verdict = Verdict::new(segment, verdict, &self.checker);

@@ -22,13 +22,14 @@ pub(super) struct CertifyOptions {
     joints: Option<PathBuf>,
     /// Points with times, and optionally velocities and accelerations (columns `JOINT.velocity` and
     /// `JOINT.acceleration`): CSV, or a ROS JointTrajectory as JSON or YAML. The motion is linear, cubic
-    /// or quintic, as the joint trajectory controller of ROS 2 interpolates
+    /// or quintic, as the joint trajectory controller of ROS 2 interpolates. A column `JOINT.tube` says
+    /// how much the joint may deviate, linear between rows
     #[arg(long, value_name = "FILE", conflicts_with = "joints")]
     trajectory: Option<PathBuf>,
     #[command(flatten)]
     rest: RestOptions,
-    /// Let a joint deviate by this much, in radians or metres: everything in the tube is proven free;
-    /// may be repeated
+    /// Let a joint deviate by this much, in radians or metres, instead of by its column `JOINT.tube`:
+    /// everything in the tube is proven free; may be repeated
     #[arg(long, value_name = "JOINT=X", value_parser = deviation, conflicts_with = "start_contact")]
     tube: Vec<(String, f64)>,
     /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
@@ -61,9 +62,13 @@ fn deviation(text: &str) -> Result<(String, f64), String> {
     Ok((name.into(), not_negative(value)?))
 }
 
-/// Returns the deviation of each coordinate; `None` if no joint deviates.
-fn tube(given: &[(String, f64)], coordinates: &[Coordinate], file: &Path) -> Result<Option<Vec<f64>>, ToolError> {
-    let mut tube = vec![0.0; coordinates.len()];
+/// Lets joints deviate by as much at each row.
+fn deviate(
+    path: &mut Trajectory,
+    given: &[(String, f64)],
+    coordinates: &[Coordinate],
+    file: &Path,
+) -> Result<(), ToolError> {
     for (name, value) in given {
         let Some(k) = coordinates.iter().position(|c| c.name == *name) else {
             let near = nearest_name(name, coordinates.iter().map(|c| c.name.as_str()));
@@ -72,9 +77,13 @@ fn tube(given: &[(String, f64)], coordinates: &[Coordinate], file: &Path) -> Res
             let file = file.to_owned();
             return Err(ToolError::State { file, reason });
         };
-        tube[k] = *value;
+        path.deviations.resize(path.rows.len(), Vec::new());
+        for row in &mut path.deviations {
+            row.resize(coordinates.len(), 0.0);
+            row[k] = *value;
+        }
     }
-    Ok((!given.is_empty()).then_some(tube))
+    Ok(())
 }
 
 pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
@@ -85,8 +94,19 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
         (None, Some(file)) => (file, |file, of, rest| Trajectory::load_with_rest(file, of, rest)),
         (None, None) => return Ok(End::Unknown),
     };
-    let path = options.rest.load(file, files, 2, read)?;
-    let tube = tube(&options.tube, setup.coordinates(), file)?;
+    let mut path = options.rest.load(file, files, 2, read)?;
+    deviate(&mut path, &options.tube, setup.coordinates(), file)?;
+    let tubes = path.tubes()?;
+    let without = [
+        ("--start-contact", options.start_contact.is_some()),
+        ("--receipt", options.receipt.is_some()),
+        ("--scene", options.scene.is_some()),
+    ];
+    if let Some((option, _)) = without.iter().find(|(_, is_given)| *is_given && !tubes.is_empty()) {
+        let reason = format!("columns JOINT.tube cannot be used with {option}");
+        let file = file.clone();
+        return Err(ToolError::State { file, reason });
+    }
     // A file that is not CSV has no lines.
     let unit = match path.velocities.is_empty() || file.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
         true => "lines",
@@ -104,7 +124,8 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     let (curves, mut verdicts, mut blocked) = (path.curves()?, Vec::new(), None);
     for (k, curve) in curves.iter().enumerate() {
         let (from, to) = (path.lines[k], path.lines[k + 1]);
-        let verdict = match &tube {
+        let tube = tubes.get(k);
+        let verdict = match tube {
             Some(tube) => checker.certify_curve_tube(curve, tube),
             None => checker.certify_curve(curve),
         };
@@ -135,7 +156,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
             verdicts.push(verdict.clone());
         }
         let safe = verdict.safe();
-        let contact = match tube.as_ref().filter(|_| !verdict.is_free()) {
+        let contact = match tube.filter(|_| !verdict.is_free()) {
             Some(tube) => checker.tube_contact(curve, tube, safe)?,
             None => None,
         };
@@ -156,7 +177,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
             Verdict::Blocked { safe, t, pair, .. } => {
                 let [a, b] = names(&checker, pair);
                 let (time, at) = (time_at(&path, k, t), place(t, time_at(&path, k, t)));
-                let meet = match (checker.margin(), &tube) {
+                let meet = match (checker.margin(), tube) {
                     (0.0, None) => "meet".to_owned(),
                     (0.0, Some(_)) => "may meet in the tube".to_owned(),
                     (margin, None) => format!("come within {margin} m"),

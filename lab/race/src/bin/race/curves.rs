@@ -63,6 +63,8 @@ struct FolderRobot {
     name: &'static str,
     /// Paths below the folder, of which the first is taken that exists.
     files: [&'static str; 2],
+    /// Path of an SRDF below the folder, whose pairs are excluded; else those that 1,000 samples find.
+    srdf: Option<&'static str>,
     /// Distance of the twelve posts around it in metres, if it has posts.
     posts: Option<f64>,
     draw: Draw,
@@ -72,24 +74,29 @@ const FILES: [FolderRobot; 4] = [
     FolderRobot {
         name: "ur5",
         files: ["ur5/ur5.urdf", "ur_description/urdf/ur5_robot.urdf"],
+        srdf: None,
         posts: Some(0.75),
         draw: DRAW,
     },
     FolderRobot {
         name: "panda",
         files: ["panda/panda.urdf", "panda_description/urdf/panda.urdf"],
+        srdf: None,
         posts: Some(0.75),
         draw: DRAW,
     },
     FolderRobot {
         name: "solo12",
         files: ["solo12/solo12.urdf", "solo_description/robots/solo12.urdf"],
+        srdf: None,
         posts: None,
         draw: DRAW,
     },
     FolderRobot {
         name: "talos",
         files: ["talos/talos.urdf", "talos_data/robots/talos_reduced.urdf"],
+        // Samples exclude too few: its legs meet near the configuration of zeros.
+        srdf: Some("talos_data/srdf/talos.srdf"),
         posts: Some(1.0),
         draw: DRAW_BODY,
     },
@@ -197,11 +204,15 @@ fn middle(mut times: Vec<f64>) -> f64 {
 }
 
 /// Loads a robot, with posts around it.
-fn from_file(robot: PathBuf, posts: Option<f64>) -> Result<(JointTree, World), Trouble> {
-    let mut setup = RobotFiles::new(robot).load()?.1;
-    let mut counts = find_excludable(&setup, SAMPLES, 1, &mut |_| ControlFlow::Continue(()))?;
-    counts.retain(|pair| pair.reason != Some(ExcludeReason::Never));
-    setup.exclude_counts(&counts);
+fn from_file(robot: PathBuf, srdf: Option<PathBuf>, posts: Option<f64>) -> Result<(JointTree, World), Trouble> {
+    let mut files = RobotFiles::new(robot);
+    files.srdf = srdf;
+    let mut setup = files.load()?.1;
+    if files.srdf.is_none() {
+        let mut counts = find_excludable(&setup, SAMPLES, 1, &mut |_| ControlFlow::Continue(()))?;
+        counts.retain(|pair| pair.reason != Some(ExcludeReason::Never));
+        setup.exclude_counts(&counts);
+    }
     let checker = setup.checker()?;
     let mut world = checker.world().clone();
     if let Some(posts) = posts {
@@ -240,7 +251,8 @@ pub(crate) fn run(o: &Options, data: Option<&Path>) -> Result<Rows, String> {
                 .iter()
                 .map(|file| folder.join(file))
                 .find(|file| file.is_file())?;
-            Some((robot.name, from_file(file, robot.posts), robot.draw))
+            let srdf = robot.srdf.map(|srdf| folder.join(srdf)).filter(|file| file.is_file());
+            Some((robot.name, from_file(file, srdf, robot.posts), robot.draw))
         });
         let before = robots.len();
         robots.extend(of_folder);
