@@ -24,7 +24,7 @@ use crate::pair::location::PairOutcome;
 use crate::pair::options::QueryOptions;
 use crate::pair::outcome::{DepthMode, Outcome};
 use crate::pair_tracker::Engine;
-use crate::pair_tracker::geometry::GeometryRef;
+use crate::pair_tracker::geometry::{Geometry, GeometryRef};
 use crate::ray::{Ray, RayCast, RayCaster, placed_ball};
 use crate::scene::body::box_of;
 use crate::scene::body::{BodyTable, least_distance};
@@ -344,18 +344,19 @@ impl Scene {
         for &i in &few {
             let mut candidates = search.candidates(i, &many, these == those)?;
             let least = (0..candidates.len()).min_by(|&x, &y| by_bound(&candidates[x], &candidates[y]));
-            if let Some(least) = least {
+            if let Some(least) = least
+                && search.may_be_closer(&candidates[least])
+            {
                 search.measure(candidates.swap_remove(least));
             }
             left.append(&mut candidates);
         }
-        left.retain(|(bound, ..)| *bound <= search.upper());
+        left.retain(|candidate| search.may_be_closer(candidate));
         left.sort_unstable_by(by_bound);
         for candidate in left {
-            if candidate.0 > search.upper() {
-                break;
+            if search.may_be_closer(&candidate) {
+                search.measure(candidate);
             }
-            search.measure(candidate);
         }
         Ok((search.best, search.measured))
     }
@@ -369,6 +370,14 @@ impl ClosestSearch<'_> {
     /// Returns the least upper bound found so far.
     fn upper(&self) -> f64 {
         self.best.map_or(f64::INFINITY, |near| near.outcome.upper)
+    }
+
+    /// Returns whether a pair may come before the best one: it may be closer, or as close with lower
+    /// indices.
+    fn may_be_closer(&self, &(bound, a, b): &Candidate) -> bool {
+        self.best.is_none_or(|best| {
+            bound < best.outcome.upper || bound == best.outcome.upper && (a, b) < (best.a.index, best.b.index)
+        })
     }
 
     /// Returns the pairs of a body of the smaller group that may be as close as the closest pair
@@ -396,7 +405,18 @@ impl ClosestSearch<'_> {
         let balls = least_distance(&bodies.balls[i as usize], &bodies.balls[j as usize]);
         let boxes = stored(i).zip(stored(j)).map_or(0.0, |(x, y)| least_between(&x, &y));
         // Boxes that overlap give no bound.
-        let bound = if boxes > 0.0 { balls.larger(boxes) } else { balls };
+        let shape = |k: u32| bodies.solids[k as usize].as_ref().map(|solid| &solid.shape);
+        let has_depth = match (shape(i), shape(j)) {
+            (Some(Geometry::HalfSpace(_)), _) | (_, Some(Geometry::HalfSpace(_))) => true,
+            (Some(x), Some(y)) => is_convex(x) && is_convex(y),
+            _ => true,
+        };
+        let bound = match () {
+            () if boxes > 0.0 => balls.larger(boxes),
+            () if has_depth => balls,
+            // Overlaps of other bodies have the distance 0.
+            () => balls.larger(0.0),
+        };
         let (a, b) = if self.is_first_smaller { (i, j) } else { (j, i) };
         (bound, a, b)
     }
@@ -424,6 +444,10 @@ impl ClosestSearch<'_> {
             });
         }
     }
+}
+
+fn is_convex(shape: &Geometry) -> bool {
+    matches!(shape, Geometry::Polyhedron(_) | Geometry::Convex(_))
 }
 
 /// Returns a lower bound of the distance of the bodies in two boxes.

@@ -177,6 +177,16 @@ class _World:
         self.first = _Side(self.scene, 0)
         self.second = self.first if is_internal else _Side(self.scene, 1)
         self.scene.set_queries(self.first.group, self.second.group, overlap=True)
+        # The pair that was last found to touch, and its tracker: mostly it still touches.
+        self.last: tuple[Hashable, Hashable] = (None, None)
+        self.tracker = PairTracker()
+
+    def still_touches(self, first: dict[Hashable, _Object], second: dict[Hashable, _Object]) -> bool:
+        """Return whether the last pair that touched touches now."""
+        a, b = first.get(self.last[0]), second.get(self.last[1])
+        if a is None or b is None:
+            return False
+        return self.tracker.intersects(a.body.geometry, b.body.geometry, a.pose, b.pose)
 
     def step(self, first: dict[Hashable, _Object], second: dict[Hashable, _Object]) -> None:
         self.first.update(first)
@@ -331,7 +341,7 @@ class CollisionManager:
         With `return_names` also the set of names of all such objects, with `return_data` also a
         list of ContactData, in which the mesh is called "__external".
         """
-        world = self._step_single(mesh, transform)
+        world = self._with_single(mesh, transform)
         return self._collisions(world, self._single, lambda names: names[0], return_names, return_data)
 
     def in_collision_internal(self, return_names: bool = False, return_data: bool = False) -> Any:
@@ -340,8 +350,7 @@ class CollisionManager:
         With `return_names` also the set of sorted tuples of two names, with `return_data` also a
         list of ContactData.
         """
-        world = self._step_internal()
-        return self._collisions(world, self._objs, _sorted, return_names, return_data)
+        return self._collisions(self._internal(), self._objs, _sorted, return_names, return_data)
 
     def in_collision_other(
         self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
@@ -351,7 +360,7 @@ class CollisionManager:
         With `return_names` also the set of tuples of two names, first of this manager, then of the
         other; with `return_data` also a list of ContactData.
         """
-        world = self._step_other(other_manager)
+        world = self._with_other(other_manager)
         return self._collisions(world, other_manager._objs, lambda names: names, return_names, return_data)
 
     def min_distance_single(
@@ -362,7 +371,8 @@ class CollisionManager:
         With `return_name` also the name of that object, with `return_data` also a DistanceData, in
         which the mesh is called "__external".
         """
-        world = self._step_single(mesh, transform)
+        world = self._with_single(mesh, transform)
+        world.step(self._objs, self._single)
         found = world.scene.closest_pair(0, 1)
         return self._distance(world, self._single, found, lambda names: names[0], return_name, return_data)
 
@@ -375,7 +385,8 @@ class CollisionManager:
         DistanceData.
         """
         if name is None:
-            world = self._step_internal()
+            world = self._internal()
+            world.step(self._objs, self._objs)
             found = world.scene.closest_pair(0, 0)
         else:
             world = self._step_named(name)
@@ -390,7 +401,8 @@ class CollisionManager:
         With `return_names` also the tuple of two names, first of this manager, then of the other;
         with `return_data` also a DistanceData.
         """
-        world = self._step_other(other_manager)
+        world = self._with_other(other_manager)
+        world.step(self._objs, other_manager._objs)
         found = world.scene.closest_pair(0, 1)
         return self._distance(world, other_manager._objs, found, lambda names: names, return_names, return_data)
 
@@ -399,13 +411,12 @@ class CollisionManager:
             raise ValueError(f"{name} not in collision manager!")
         return self._objs[name]
 
-    def _step_internal(self) -> _World:
+    def _internal(self) -> _World:
         if self._internal_world is None:
             self._internal_world = _World(is_internal=True)
-        self._internal_world.step(self._objs, self._objs)
         return self._internal_world
 
-    def _step_single(self, mesh: Any, transform: ArrayLike | None) -> _World:
+    def _with_single(self, mesh: Any, transform: ArrayLike | None) -> _World:
         body = _body_of(mesh)
         known = self._single.get(_EXTERNAL)
         if known is not None and known.source is body:
@@ -414,7 +425,6 @@ class CollisionManager:
             self._single[_EXTERNAL] = _Object(body, transform, self._poses)
         if self._single_world is None:
             self._single_world = _World(is_internal=False)
-        self._single_world.step(self._objs, self._single)
         return self._single_world
 
     def _step_named(self, name: Hashable) -> _World:
@@ -424,19 +434,23 @@ class CollisionManager:
         self._named_world.step({other: each for other, each in self._objs.items() if other != name}, one)
         return self._named_world
 
-    def _step_other(self, other: CollisionManager) -> _World:
+    def _with_other(self, other: CollisionManager) -> _World:
         world = self._other_worlds.get(other)
         if world is None:
             world = self._other_worlds[other] = _World(is_internal=False)
-        world.step(self._objs, other._objs)
         return world
 
     def _collisions(
         self, world: _World, others: dict[Hashable, _Object], shown: Any, return_names: bool, return_data: bool
     ) -> Any:
+        if not (return_names or return_data) and world.still_touches(self._objs, others):
+            return True
+        world.step(self._objs, others)
         pairs = world.scene.pairs()
         hits = pairs[pairs["overlaps"] == 1]
         told: list[Any] = [len(hits) > 0]
+        if len(hits) > 0:
+            world.last = world.named(int(hits[0]["a"]), int(hits[0]["b"]))[1:]
         if return_names or return_data:
             named = [world.named(int(hit["a"]), int(hit["b"]))[1:] for hit in hits]
             if return_names:
