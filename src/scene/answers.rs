@@ -105,7 +105,7 @@ impl Scene {
         self.broad.pair_count()
     }
 
-    fn answer(&self, pair: &broad::Pair) -> PairResults<'_> {
+    pub(super) fn answer(&self, pair: &broad::Pair) -> PairResults<'_> {
         let [a, b] = bodies_of(&self.bodies, pair);
         let mut answer = PairResults {
             a: self.bodies.id(a),

@@ -411,11 +411,18 @@ impl ClosestSearch<'_> {
             (Some(x), Some(y)) => is_convex(x) && is_convex(y),
             _ => true,
         };
-        let bound = match () {
-            () if boxes > 0.0 => balls.larger(boxes),
-            () if has_depth => balls,
+        let pair = self
+            .scene
+            .broad
+            .pair(bodies.proxies[i as usize], bodies.proxies[j as usize]);
+        let overlaps = pair.and_then(|pair| self.scene.answer(&pair).overlaps);
+        let bound = match overlaps {
+            _ if boxes > 0.0 => balls.larger(boxes),
+            // The step proved them apart.
+            Some(false) => balls.larger(f64::MIN_POSITIVE),
+            _ if has_depth => balls,
             // Overlaps of other bodies have the distance 0.
-            () => balls.larger(0.0),
+            _ => balls.larger(0.0),
         };
         let (a, b) = if self.is_first_smaller { (i, j) } else { (j, i) };
         (bound, a, b)
