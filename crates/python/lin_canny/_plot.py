@@ -2,17 +2,37 @@
 
 from __future__ import annotations
 
+import pickle
 from typing import TYPE_CHECKING, Any
 
-from ._native import Checker, LinCannyError, Trajectory
+import numpy as np
+
+from ._native import Checker, LinCannyError, PlanError, Trajectory
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["plot_clearance"]
 
 # Change of a distance below which a pair counts as rigid, and is not drawn.
 _RIGID = 1e-6
+
+
+def _nearest(
+    checker: Checker, times: NDArray[np.float64], rows: NDArray[np.float64], pairs: int
+) -> NDArray[Any]:
+    """Return the nearest pairs of each row, with obstacles that move where they are at its time."""
+    if checker.time is None:
+        try:
+            return checker.nearest_batch(rows, pairs)
+        except PlanError:  # an obstacle moves
+            pass
+    timed: Checker = pickle.loads(pickle.dumps(checker))
+    found = []
+    for time, row in zip(times, rows):
+        timed.time = time
+        found.append(timed.nearest_batch(row[None], pairs))
+    return np.concatenate(found)
 
 
 def plot_clearance(
@@ -26,8 +46,9 @@ def plot_clearance(
     """Draw the distances of the closest pairs along a motion, and what is proven of each segment.
 
     The lines are samples. The black bars are lower bounds of the distance of all pairs over a whole
-    segment. Pairs whose distance does not change are not drawn. Needs matplotlib; obstacles that
-    move need a time, and are a PlanError.
+    segment, of pairs whose distance does not change too: `checker.exclude` leaves them out. Such
+    pairs have no line. Obstacles that move are where they are at the times of the motion. Call
+    `axes.legend()` for the names. Needs matplotlib.
 
     Parameters
     ----------
@@ -44,8 +65,6 @@ def plot_clearance(
     -------
     matplotlib.axes.Axes
     """
-    import numpy as np
-
     if axes is None:
         import matplotlib.pyplot as plt
 
@@ -58,7 +77,15 @@ def plot_clearance(
             )
         motion = Trajectory(np.arange(len(path)), path)
     times = np.linspace(motion.times[0], motion.times[-1], samples)
-    near = checker.nearest_batch(motion.at(times), pairs)
+    curves = motion.curves(checker)
+    # The segment of each sample, and its configuration in the order of the checker.
+    segments = np.clip(np.searchsorted(motion.times, times, side="right") - 1, 0, len(curves) - 1)
+    rows = np.empty((samples, checker.dof))
+    for k, curve in enumerate(curves):
+        chosen = segments == k
+        start, end = motion.times[k], motion.times[min(k + 1, len(motion.times) - 1)]
+        rows[chosen] = curve.at(np.clip((times[chosen] - start) / max(end - start, 1e-300), 0, 1))
+    near = _nearest(checker, times, rows, pairs)
     for a, b in sorted({(a, b) for a, b in zip(near["a"].ravel(), near["b"].ravel()) if a >= 0}):
         # NaN where other pairs are closer.
         each = np.where((near["a"] == a) & (near["b"] == b), near["distance"], np.nan)
@@ -66,9 +93,10 @@ def plot_clearance(
         distance[np.isinf(distance)] = np.nan
         if np.nanmax(distance) - np.nanmin(distance) > _RIGID:
             axes.plot(times, distance, label=f"{checker.bodies[a]} - {checker.bodies[b]}")
-    for k, curve in enumerate(motion.curves(checker)):
+    for k, curve in enumerate(curves):
         lower = checker.clearance_along_curve(curve)[0]
-        label = "proven of all pairs" if k == 0 else None
+        label = "lower bound of all pairs" if k == 0 else None
         axes.plot(motion.times[k : k + 2], [lower, lower], color="black", linewidth=2, label=label)
-    axes.set(xlabel="time", ylabel="distance", ylim=(0, None))
+    axes.set(xlabel="time", ylabel="distance")
+    axes.set_ylim(min(0.0, axes.get_ylim()[0]), None)
     return axes

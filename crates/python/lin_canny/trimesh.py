@@ -435,6 +435,9 @@ class CollisionManager:
         return self._named_world
 
     def _with_other(self, other: CollisionManager) -> _World:
+        if not isinstance(other, CollisionManager):
+            kind = f"{type(other).__module__}.{type(other).__name__}"
+            raise TypeError(f"other_manager is a {kind} (expected lin_canny.trimesh.CollisionManager)")
         world = self._other_worlds.get(other)
         if world is None:
             world = self._other_worlds[other] = _World(is_internal=False)

@@ -30,10 +30,7 @@ const ACCELERATIONS: Argument = Argument {
     name: "accelerations",
     ..TIMES
 };
-const DEVIATIONS: Argument = Argument {
-    name: "deviations",
-    ..TIMES
-};
+const TUBE: Argument = Argument { name: "tube", ..TIMES };
 
 /// What has coordinates.
 #[derive(FromPyObject)]
@@ -64,7 +61,7 @@ impl Coordinates<'_> {
 /// positions : array_like, shape (N, dof)
 /// velocities, accelerations : array_like, shape (N, dof), optional
 ///     In the unit of the times. Accelerations need velocities.
-/// deviations : array_like, shape (N, dof), optional
+/// tube : array_like, shape (N, dof), optional
 ///     How much each joint may deviate at each point, linear between points: the tube of
 ///     `Checker.certify_trajectory`.
 /// names : sequence of str, optional
@@ -88,7 +85,7 @@ pub(crate) struct Trajectory {
     stops: Option<Vec<usize>>,
 }
 
-/// The numbers of a trajectory: names, times, positions, velocities, accelerations, deviations.
+/// The numbers of a trajectory: names, times, positions, velocities, accelerations, tube.
 type Parts = (
     Option<Vec<String>>,
     Vec<f64>,
@@ -99,13 +96,13 @@ type Parts = (
 );
 
 impl Trajectory {
-    fn of_parts((names, times, rows, velocities, accelerations, deviations): Parts) -> Self {
+    fn of_parts((names, times, rows, velocities, accelerations, tube): Parts) -> Self {
         let mut points = Loaded::default();
         points.rows = rows;
         points.times = Some(times.clone());
         points.velocities = velocities;
         points.accelerations = accelerations;
-        points.deviations = deviations;
+        points.tube = tube;
         Self {
             names,
             times,
@@ -120,10 +117,10 @@ impl Trajectory {
             rows,
             velocities,
             accelerations,
-            deviations,
+            tube,
             ..
         } = points;
-        Self::of_parts((Some(names), times, rows, velocities, accelerations, deviations))
+        Self::of_parts((Some(names), times, rows, velocities, accelerations, tube))
     }
 
     /// Returns a smooth motion, which stops at rows of its path.
@@ -170,10 +167,10 @@ impl Trajectory {
         curves(&Self::of_parts(parts).points)
     }
 
-    /// Returns the deviations of the points, in the order of the coordinates; none if the trajectory
+    /// Returns the tube of the points, in the order of the coordinates; none if the trajectory
     /// has none.
-    pub(crate) fn deviations_in_order(&self, coordinates: &[Coordinate]) -> PyResult<Vec<Vec<f64>>> {
-        let rows = &self.points.deviations;
+    pub(crate) fn tube_in_order(&self, coordinates: &[Coordinate]) -> PyResult<Vec<Vec<f64>>> {
+        let rows = &self.points.tube;
         match rows.iter().all(Vec::is_empty) {
             true => Ok(Vec::new()),
             false => Ok(ordered(rows, &self.order(coordinates)?)),
@@ -205,7 +202,7 @@ impl Trajectory {
         coordinates.iter().map(column).collect()
     }
 
-    /// Returns velocities, accelerations or deviations as an array, NaN in rows without; `None` if no row has
+    /// Returns velocities, accelerations or tube as an array, NaN in rows without; `None` if no row has
     /// them.
     fn derivative<'py>(&self, py: Python<'py>, rows: &[Vec<f64>]) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         if rows.iter().all(Vec::is_empty) {
@@ -278,13 +275,13 @@ fn like_positions(
 #[pymethods]
 impl Trajectory {
     #[new]
-    #[pyo3(signature = (times, positions, velocities=None, accelerations=None, *, deviations=None, names=None))]
+    #[pyo3(signature = (times, positions, velocities=None, accelerations=None, *, tube=None, names=None))]
     fn new(
         times: &Bound<'_, PyAny>,
         positions: &Bound<'_, PyAny>,
         velocities: Option<&Bound<'_, PyAny>>,
         accelerations: Option<&Bound<'_, PyAny>>,
-        deviations: Option<&Bound<'_, PyAny>>,
+        tube: Option<&Bound<'_, PyAny>>,
         names: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let times = numbers(times, TIMES)?;
@@ -302,9 +299,9 @@ impl Trajectory {
         }
         let velocities = like_positions(velocities, VELOCITIES, shape)?;
         let accelerations = like_positions(accelerations, ACCELERATIONS, shape)?;
-        let deviations = like_positions(deviations, DEVIATIONS, shape)?;
-        if let Some(value) = deviations.iter().flatten().find(|x| !(**x >= 0.0)) {
-            return Err(plan_error(format!("deviations: entry is {value} (expected at least 0)")));
+        let tube = like_positions(tube, TUBE, shape)?;
+        if let Some(value) = tube.iter().flatten().find(|x| !(**x >= 0.0)) {
+            return Err(plan_error(format!("tube: entry is {value} (expected at least 0)")));
         }
         if let Some(names) = &names {
             if names.len() != shape[1] {
@@ -315,7 +312,7 @@ impl Trajectory {
                 return Err(plan_error(format!("names: joint {:?} is given twice", names[k])));
             }
         }
-        let made = Self::of_parts((names, times, rows, velocities, accelerations, deviations));
+        let made = Self::of_parts((names, times, rows, velocities, accelerations, tube));
         curves(&made.points)?;
         Ok(made)
     }
@@ -395,8 +392,8 @@ impl Trajectory {
     /// How much each joint may deviate at each point, shape (N, dof); None if the trajectory has no
     /// tube.
     #[getter]
-    fn deviations<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        self.derivative(py, &self.points.deviations)
+    fn tube<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        self.derivative(py, &self.points.tube)
     }
 
     /// The inner rows of the path at which a motion of `Checker.smooth` stops; None for others.
@@ -462,10 +459,10 @@ impl Trajectory {
             rows,
             velocities,
             accelerations,
-            deviations,
+            tube,
             ..
         } = &self.points;
-        let parts = (&self.names, &self.times, rows, velocities, accelerations, deviations);
+        let parts = (&self.names, &self.times, rows, velocities, accelerations, tube);
         let parts = (parts, &self.stops);
         let bytes = postcard::to_stdvec(&parts).map_err(refused)?;
         let make = py.get_type::<Self>().getattr("_from_bytes")?;

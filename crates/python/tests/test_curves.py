@@ -178,9 +178,9 @@ def test_tubes(checker):
     assert checker.certify_spline([level, level[::-1]], tube=[wide, wide[::-1]]).is_free
     states = checker.certify_batch([level] * 3, tube=[lc.JointCurve.bezier(x) for x in (wide, wide[::-1], wide)])
     assert list(states["state"] == "free") == [True, False, True]
-    motion = lc.Trajectory([0, 1], level, deviations=wide)
+    motion = lc.Trajectory([0, 1], level, tube=wide)
     assert checker.certify_trajectory(motion).is_free
-    assert np.array_equal(pickle.loads(pickle.dumps(motion)).deviations, wide)
+    assert np.array_equal(pickle.loads(pickle.dumps(motion)).tube, wide)
     assert not checker.certify_trajectory(motion, tube=[0, 0.3]).is_free
     assert not checker.certify_trajectory(motion, tube=wide[::-1]).is_free
     assert checker.certify_trajectory(lc.Trajectory([0, 1], level)).is_free
@@ -189,7 +189,7 @@ def test_tubes(checker):
         (lambda: checker.certify_curve(level, tube=[[0, -0.1], [0, 0]]), "tube: entry of turn is -0.1"),
         (lambda: checker.certify_trajectory(motion, tube=[wide[0]] * 3), "tube: number of rows is 3"),
         (lambda: checker.certify_curve(level, tube=[[0.1], [0.1]]), "tube: number of columns is 1"),
-        (lambda: lc.Trajectory([0, 1], level, deviations=[[0, 0], [0, -1]]), "deviations: entry is -1"),
+        (lambda: lc.Trajectory([0, 1], level, tube=[[0, 0], [0, -1]]), "tube: entry is -1"),
     ):
         with pytest.raises(lc.PlanError, match=why):
             call()

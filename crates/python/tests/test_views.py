@@ -280,6 +280,22 @@ def test_a_plot_of_clearance():
     assert {curve.get_label() for curve in curves} <= names
     again = lc.plot_clearance(checker, motion.positions, samples=11, axes=axes)
     assert again is axes
+    # Columns in another order, and an obstacle that moves: the bars are below the lines.
+    order = [*range(1, checker.dof), 0]
+    names = [checker.coordinates[k] for k in order]
+    motion = lc.Trajectory(motion.times, motion.positions[:, order], names=names)
+    ends = [[1, -2, 0.3, 0, 0, 0, 1], [1, 2, 0.3, 0, 0, 0, 1]]
+    checker.add_moving_obstacle("cart", lc.Geometry.box(0.1, 0.1, 0.1), [-1, 99], ends)
+    for time in (None, 50):
+        if time is not None:
+            checker.time = time
+        axes = lc.plot_clearance(checker, motion, samples=101)
+        bars = [line.get_data() for line in axes.lines if line.get_linewidth() == 2]
+        for curve in (line for line in axes.lines if line.get_linewidth() != 2):
+            times, distance = curve.get_data()
+            for (start, end), (lower, _) in bars:
+                assert np.nanmin(distance[(start <= times) & (times <= end)], initial=np.inf) >= lower - 1e-12
+        assert checker.time == time
     with pytest.raises(lc.LinCannyError, match=r"motion: shape is \(7,\) \(expected a Trajectory, or \(K, dof\)"):
         lc.plot_clearance(checker, motion.positions[0])
     matplotlib.pyplot.close("all")

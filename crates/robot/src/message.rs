@@ -98,7 +98,7 @@ pub(crate) fn read(
         found.rows.push(row);
         found.velocities.push(velocities);
         found.accelerations.push(accelerations);
-        found.deviations.push(Vec::new());
+        found.tube.push(Vec::new());
         found.lines.push(k as u32 + 1);
     }
     if found.rows.is_empty() {

@@ -24,7 +24,7 @@ pub struct Trajectory {
     /// The accelerations of each row; empty where the file has none.
     pub accelerations: Vec<Vec<f64>>,
     /// How much each coordinate may deviate at each row; empty where the file has no tubes.
-    pub deviations: Vec<Vec<f64>>,
+    pub tube: Vec<Vec<f64>>,
     /// Line of each row in a CSV file, or number of each point in a file of another format.
     pub lines: Vec<u32>,
 }
@@ -35,7 +35,7 @@ const TIME: &str = "time";
 /// What the name of a column adds to that of a coordinate.
 const DERIVATIVES: [&str; 2] = [".velocity", ".acceleration"];
 
-/// What the name of a column of deviations adds to that of a coordinate.
+/// What the name of a column of a tube adds to that of a coordinate.
 const TUBE: &str = ".tube";
 
 /// What a column holds.
@@ -166,19 +166,19 @@ impl Trajectory {
 
     /// Returns the tube around the motion from each row to the next, for
     /// [`Checker::certify_curve_tube`](lin_canny_plan::Checker::certify_curve_tube). Its entries are
-    /// linear between those of the rows. There are none if no row has deviations.
+    /// linear between those of the rows. There are none if no row has a tube.
     ///
     /// # Errors
     /// Returns an error if a number is out of range, or if rows have different lengths.
     pub fn tubes(&self) -> Result<Vec<JointTube>, PlanError> {
-        let each = self.deviations.windows(2).filter(|rows| !rows[0].is_empty());
+        let each = self.tube.windows(2).filter(|rows| !rows[0].is_empty());
         each.map(|rows| Ok(JointCurve::bezier(rows)?.into())).collect()
     }
 
     /// Returns the trajectory as the text of a CSV file, which [`load_timed`](Self::load_timed) reads
     /// with the same bits.
     ///
-    /// `coordinates` are those of the rows. Velocities, accelerations and deviations are written if all
+    /// `coordinates` are those of the rows. Velocities, accelerations and tubes are written if all
     /// rows have them.
     #[must_use]
     pub fn csv_text(&self, coordinates: &[Coordinate]) -> String {
@@ -191,7 +191,7 @@ impl Trajectory {
         let more = [
             (&self.velocities, velocity),
             (&self.accelerations, acceleration),
-            (&self.deviations, TUBE),
+            (&self.tube, TUBE),
         ];
         for (rows, suffix) in more {
             if given(rows) {
@@ -254,7 +254,7 @@ impl Trajectory {
             let mut row: Vec<f64> = rest.iter().map(|value| value.unwrap_or_default()).collect();
             row.resize(coordinates.len(), 0.0);
             let mut derivatives = has.map(|has| vec![0.0; if has { row.len() } else { 0 }]);
-            let mut deviations = vec![0.0; if has_tube { row.len() } else { 0 }];
+            let mut tube = vec![0.0; if has_tube { row.len() } else { 0 }];
             for ((text, name), column) in record.iter().zip(&records.names).zip(&columns) {
                 let value = number(text, name).map_err(|reason| wrong(name, reason))?;
                 match *column {
@@ -267,7 +267,7 @@ impl Trajectory {
                         row[k] = value;
                     }
                     Column::Derivative(order, k) => derivatives[order][k] = value,
-                    Column::Tube(k) if value >= 0.0 => deviations[k] = value,
+                    Column::Tube(k) if value >= 0.0 => tube[k] = value,
                     Column::Tube(_) => {
                         let reason = format!("deviation is {value} (expected at least 0)");
                         return Err(wrong(name, FileErrorKind::Malformed(reason)));
@@ -279,7 +279,7 @@ impl Trajectory {
                 let [velocities, accelerations] = derivatives;
                 trajectory.velocities.push(velocities);
                 trajectory.accelerations.push(accelerations);
-                trajectory.deviations.push(deviations);
+                trajectory.tube.push(tube);
             }
             trajectory.lines.push(line);
         }
@@ -305,7 +305,7 @@ impl From<SmoothPath> for Trajectory {
                 true => vec![Vec::new(); count],
                 false => smooth.accelerations,
             },
-            deviations: vec![Vec::new(); count],
+            tube: vec![Vec::new(); count],
             rows: smooth.positions,
         }
     }

@@ -175,6 +175,9 @@ impl Verdict {
 impl Verdict {
     /// "free" (every pair keeps its margin at every instant), "blocked" (a pair is proven not to)
     /// or "undecided" (rounding hides it).
+    ///
+    /// With a tube, "blocked" only means that the tube is not proven free: a free motion may exist
+    /// in it.
     #[getter]
     fn state(&self) -> &'static str {
         state_of(&self.verdict)
@@ -207,7 +210,8 @@ impl Verdict {
         self.verdict.safe()
     }
 
-    /// The time at which a pair is proven not to keep the margin; None unless blocked.
+    /// The time at which a pair is proven not to keep the margin, or with a tube the margin and what
+    /// the tube moves; None unless blocked.
     #[getter]
     fn blocked_at(&self) -> Option<f64> {
         match self.verdict {

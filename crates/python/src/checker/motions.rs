@@ -59,7 +59,9 @@ impl Checker {
     fn tube_along(&self, curve: Curve) -> PyResult<JointTube> {
         let (dof, found) = (self.dof(), curve.coordinates());
         if found != dof {
-            return Err(plan_error(format!("tube: number of columns is {found} (expected {dof})")));
+            return Err(plan_error(format!(
+                "tube: number of columns is {found} (expected {dof})"
+            )));
         }
         (0..=curve.degree()).try_for_each(|k| self.check_tube(&curve.control_point(k)))?;
         Ok(curve.into())
@@ -115,7 +117,7 @@ impl Checker {
         count: usize,
     ) -> PyResult<Vec<JointTube>> {
         let rows = match tube {
-            None => trajectory.deviations_in_order(self.coordinate_list())?,
+            None => trajectory.tube_in_order(self.coordinate_list())?,
             Some(tube) => match self.constant_tube(tube)? {
                 Some(found) => return Ok(vec![found; count]),
                 None => table(tube, TUBE)?,
@@ -327,7 +329,7 @@ impl Checker {
     /// trajectory : Trajectory
     /// tube : float, or array_like of shape (dof,) or (N, dof), optional
     ///     See `certify_curve`. N rows are those of the N points, and linear between them. By
-    ///     default the `deviations` of the trajectory.
+    ///     default the `tube` of the trajectory.
     /// progress : callable or bool, optional
     ///     As for `certify_spline`.
     ///

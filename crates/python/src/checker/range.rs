@@ -258,8 +258,8 @@ impl Checker {
     fn prove_pair(
         &mut self,
         py: Python<'_>,
-        a: Bodies<'_>,
-        b: Bodies<'_>,
+        a: Bodies,
+        b: Bodies,
         low: Option<&Bound<'_, PyAny>>,
         high: Option<&Bound<'_, PyAny>>,
         cells: u64,

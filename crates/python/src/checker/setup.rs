@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use lin_canny::nalgebra::Isometry3;
 use lin_canny_robot::{Cell, Setup};
+use pyo3::Borrowed;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -16,10 +18,29 @@ use crate::robot::Robot;
 pub(super) type Obstacle<'py> = (String, Bound<'py, Geometry>, Bound<'py, PyAny>);
 
 /// A robot, or several by prefix.
-#[derive(FromPyObject)]
 pub(super) enum RobotArgument<'py> {
     One(Bound<'py, Robot>),
     Several(Bound<'py, PyDict>),
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for RobotArgument<'py> {
+    type Error = PyErr;
+
+    fn extract(obj: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(robot) = obj.cast::<Robot>() {
+            return Ok(Self::One(robot.to_owned()));
+        }
+        let several = obj.cast::<PyDict>().map_err(|_| {
+            let kind = obj
+                .get_type()
+                .name()
+                .map_or_else(|_| "object".into(), |kind| kind.to_string());
+            PyTypeError::new_err(format!(
+                "robot is a {kind} (expected a Robot, as Robot.load returns it, or a dict of robots by prefix)"
+            ))
+        })?;
+        Ok(Self::Several(several.to_owned()))
+    }
 }
 
 impl<'py> RobotArgument<'py> {

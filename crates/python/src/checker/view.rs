@@ -10,7 +10,7 @@ use crate::array::{Argument, contiguous, numbers};
 use crate::errors::{file_error, plan_error};
 use crate::geometry::Geometry;
 
-use super::world::BodyId;
+use super::world::Bodies;
 
 const TIMES: Argument = Argument {
     name: "times",
@@ -20,12 +20,14 @@ const TIMES: Argument = Argument {
 #[pymethods]
 impl Checker {
     /// Returns the geometry of a body.
-    fn geometry(&self, body: &Bound<'_, BodyId>) -> PyResult<Geometry> {
-        let world = self.checker.world();
-        world.select(body.get().0).map_err(plan_error)?;
-        let geometry = world.geometry(body.get().0).cloned();
-        let missing = || plan_error(format!("{} has no geometry", body.get().0));
-        geometry.map(Geometry).ok_or_else(missing)
+    ///
+    /// body: a BodyId, or a name that stands for one body.
+    fn geometry(&self, body: Bodies) -> PyResult<Geometry> {
+        let id = self.one_body(&body)?;
+        let geometry = self.checker.world().geometry(id).cloned();
+        geometry
+            .map(Geometry)
+            .ok_or_else(|| plan_error(format!("{id} has no geometry")))
     }
 
     /// Returns a View of the robot in its cell with the closest pair. See `lin_canny.show`.

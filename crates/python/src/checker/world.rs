@@ -3,6 +3,8 @@
 use lin_canny::nalgebra::Isometry3;
 use lin_canny_robot::plan::{PlanError, Select, TimedPoses, WorldId, WorldPair};
 use numpy::PyArray2;
+use pyo3::Borrowed;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -73,17 +75,38 @@ impl BodyId {
 }
 
 /// Bodies as an argument: an id, a name, or several names.
-#[derive(FromPyObject)]
-pub(super) enum Bodies<'py> {
-    Id(Bound<'py, BodyId>),
+pub(super) enum Bodies {
+    Id(WorldId),
     Name(String),
     Names(Vec<String>),
 }
 
-impl Bodies<'_> {
+impl<'a, 'py> FromPyObject<'a, 'py> for Bodies {
+    type Error = PyErr;
+
+    fn extract(obj: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(id) = obj.cast::<BodyId>() {
+            return Ok(Self::Id(id.get().0));
+        }
+        if let Ok(name) = obj.extract::<String>() {
+            return Ok(Self::Name(name));
+        }
+        obj.extract().map(Self::Names).map_err(|_| {
+            let kind = obj
+                .get_type()
+                .name()
+                .map_or_else(|_| "object".into(), |kind| kind.to_string());
+            PyTypeError::new_err(format!(
+                "bodies: a {kind} is no body (expected a BodyId, a name, or a list of names)"
+            ))
+        })
+    }
+}
+
+impl Bodies {
     fn select(&self) -> Select<'_> {
         match self {
-            Self::Id(id) => id.get().0.into(),
+            Self::Id(id) => (*id).into(),
             Self::Name(name) => name.into(),
             Self::Names(names) => names.into(),
         }
@@ -106,7 +129,7 @@ impl Checker {
     }
 
     /// Returns the id of an argument that stands for one body.
-    pub(super) fn one_body(&self, body: &Bodies<'_>) -> PyResult<WorldId> {
+    pub(super) fn one_body(&self, body: &Bodies) -> PyResult<WorldId> {
         let ids = self.checker.world().select(body.select()).map_err(plan_error)?;
         match (&ids[..], body) {
             ([id], _) => Ok(*id),
@@ -115,7 +138,7 @@ impl Checker {
                 name: name.clone(),
                 count: ids.len(),
             })),
-            (_, Bodies::Id(id)) => Err(plan_error(PlanError::NoBody(id.get().0))),
+            (_, Bodies::Id(id)) => Err(plan_error(PlanError::NoBody(*id))),
         }
     }
 
@@ -185,20 +208,20 @@ impl Checker {
     }
 
     /// Moves obstacles to a pose in the world, and returns their ids.
-    fn move_obstacle(&mut self, bodies: Bodies<'_>, pose: Pose) -> PyResult<Vec<BodyId>> {
+    fn move_obstacle(&mut self, bodies: Bodies, pose: Pose) -> PyResult<Vec<BodyId>> {
         ids(self.checker.move_obstacle(bodies.select(), pose.0))
     }
 
     /// Replaces the geometry of obstacles, and returns their ids; poses, names and ids stay.
     ///
     /// This is the call for the next cloud of a camera.
-    fn replace_obstacle(&mut self, bodies: Bodies<'_>, geometry: &Bound<'_, Geometry>) -> PyResult<Vec<BodyId>> {
+    fn replace_obstacle(&mut self, bodies: Bodies, geometry: &Bound<'_, Geometry>) -> PyResult<Vec<BodyId>> {
         let geometry = geometry.get().0.clone();
         ids(self.checker.replace_obstacle(bodies.select(), geometry))
     }
 
     /// Removes obstacles, with their paddings, margins and excluded pairs, and returns their ids.
-    fn remove_obstacle(&mut self, bodies: Bodies<'_>) -> PyResult<Vec<BodyId>> {
+    fn remove_obstacle(&mut self, bodies: Bodies) -> PyResult<Vec<BodyId>> {
         ids(self.checker.remove_obstacle(bodies.select()))
     }
 
@@ -231,14 +254,14 @@ impl Checker {
     }
 
     /// Removes attached objects, and returns their ids.
-    fn detach(&mut self, bodies: Bodies<'_>) -> PyResult<Vec<BodyId>> {
+    fn detach(&mut self, bodies: Bodies) -> PyResult<Vec<BodyId>> {
         ids(self.checker.detach(bodies.select()))
     }
 
     /// Removes an attached object, and leaves it as an obstacle where it is at a configuration.
     ///
     /// Returns the id of the obstacle, which has the name and the padding of the object.
-    fn detach_at(&mut self, body: Bodies<'_>, q: &Bound<'_, PyAny>) -> PyResult<BodyId> {
+    fn detach_at(&mut self, body: Bodies, q: &Bound<'_, PyAny>) -> PyResult<BodyId> {
         let id = self.checker.detach_at(body.select(), &configuration(q)?);
         id.map(BodyId).map_err(plan_error)
     }
@@ -246,14 +269,14 @@ impl Checker {
     /// Sets the padding of bodies, a length: their pairs must keep so much more than the margin.
     ///
     /// Returns the ids. Distances do not change; `NearPair.excess` takes the padding off.
-    fn pad(&mut self, bodies: Bodies<'_>, padding: f64) -> PyResult<Vec<BodyId>> {
+    fn pad(&mut self, bodies: Bodies, padding: f64) -> PyResult<Vec<BodyId>> {
         ids(self.checker.pad(bodies.select(), padding))
     }
 
     /// Sets the distance that the pairs of two bodies must keep, instead of the margin of all pairs.
     ///
     /// None removes it. Returns the names of the pairs.
-    fn set_pair_margin(&mut self, a: Bodies<'_>, b: Bodies<'_>, margin: Option<f64>) -> PyResult<Vec<Pair>> {
+    fn set_pair_margin(&mut self, a: Bodies, b: Bodies, margin: Option<f64>) -> PyResult<Vec<Pair>> {
         let found = self.checker.set_pair_margin(a.select(), b.select(), margin);
         self.pair_names(found)
     }
@@ -261,7 +284,7 @@ impl Checker {
     /// Excludes the pairs of two bodies, which are then never checked.
     ///
     /// Returns the names of the pairs that were checked before.
-    fn exclude(&mut self, a: Bodies<'_>, b: Bodies<'_>) -> PyResult<Vec<Pair>> {
+    fn exclude(&mut self, a: Bodies, b: Bodies) -> PyResult<Vec<Pair>> {
         let found = self.checker.exclude(a.select(), b.select());
         self.pair_names(found)
     }
@@ -269,7 +292,7 @@ impl Checker {
     /// Includes the pairs of two bodies again.
     ///
     /// Returns the names of the pairs that were excluded.
-    fn include(&mut self, a: Bodies<'_>, b: Bodies<'_>) -> PyResult<Vec<Pair>> {
+    fn include(&mut self, a: Bodies, b: Bodies) -> PyResult<Vec<Pair>> {
         let found = self.checker.include(a.select(), b.select());
         self.pair_names(found)
     }
@@ -304,29 +327,25 @@ impl Checker {
     }
 
     /// Returns the padding of a body, a length.
-    fn padding(&self, body: &Bound<'_, BodyId>) -> PyResult<f64> {
-        let (id, world) = (body.get().0, self.checker.world());
-        world.select(id).map_err(plan_error)?;
-        Ok(world.padding(id))
+    ///
+    /// body: a BodyId, or a name that stands for one body.
+    fn padding(&self, body: Bodies) -> PyResult<f64> {
+        Ok(self.checker.world().padding(self.one_body(&body)?))
     }
 
     /// Returns the distance that two bodies must keep: their margin plus both paddings.
-    fn kept_distance(&self, a: &Bound<'_, BodyId>, b: &Bound<'_, BodyId>) -> PyResult<f64> {
-        let (a, b, world) = (a.get().0, b.get().0, self.checker.world());
-        for id in [a, b] {
-            world.select(id).map_err(plan_error)?;
-        }
-        Ok(world.kept_distance(self.pair_of(a, b)?))
+    ///
+    /// a, b: a BodyId each, or a name that stands for one body.
+    fn kept_distance(&self, a: Bodies, b: Bodies) -> PyResult<f64> {
+        let pair = self.pair_of(self.one_body(&a)?, self.one_body(&b)?)?;
+        Ok(self.checker.world().kept_distance(pair))
     }
 
     /// Returns the pose of a body in the world at a configuration, shape (4, 4).
-    fn pose<'py>(
-        &self,
-        py: Python<'py>,
-        body: &Bound<'py, BodyId>,
-        q: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let pose = self.checker.pose(body.get().0, &configuration(q)?);
+    ///
+    /// body: a BodyId, or a name that stands for one body.
+    fn pose<'py>(&self, py: Python<'py>, body: Bodies, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let pose = self.checker.pose(self.one_body(&body)?, &configuration(q)?);
         matrix_of_pose(py, &pose.map_err(plan_error)?)
     }
 

@@ -77,8 +77,8 @@ fn deviate(
             let file = file.to_owned();
             return Err(ToolError::State { file, reason });
         };
-        path.deviations.resize(path.rows.len(), Vec::new());
-        for row in &mut path.deviations {
+        path.tube.resize(path.rows.len(), Vec::new());
+        for row in &mut path.tube {
             row.resize(coordinates.len(), 0.0);
             row[k] = *value;
         }
