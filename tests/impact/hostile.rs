@@ -332,9 +332,10 @@ fn casts_end_at_any_numbers() {
     assert!(answers.iter().all(|&n| n > 3), "{answers:?}");
 }
 
-/// A pair alternately near and far, whose contact is never proven.
+/// A pair alternately near and far, whose contact is never proven, and which is free for `span`.
 struct Stubborn {
     is_near: bool,
+    span: f64,
 }
 
 impl Separation for Stubborn {
@@ -366,7 +367,7 @@ impl Separation for Stubborn {
 
     fn free_for(&mut self, _: &Measurement, _: &PairMotion) -> FreeSpan {
         FreeSpan {
-            span: 1e-6,
+            span: self.span,
             proof: Proof::Own,
         }
     }
@@ -376,7 +377,10 @@ impl Separation for Stubborn {
 /// tests count towards the limit.
 #[test]
 fn rounds_of_a_look_count_as_looks() {
-    let mut pair = Stubborn { is_near: false };
+    let mut pair = Stubborn {
+        is_near: false,
+        span: 1e-6,
+    };
     let huge = Tolerance::Distance(1e300);
     let found = cast(&mut pair, &Fall::still(), &towards(1.0, 1e-3), 0.0..1.0, huge).expect("a cast");
     assert!(
@@ -384,6 +388,19 @@ fn rounds_of_a_look_count_as_looks() {
         "{found:?}"
     );
     assert!(found.proofs > LOOKS / 2 && found.proofs <= LOOKS, "{found:?}");
+}
+
+/// From the time 1, a span of one unit in the last place ends at 1, rounded down: no progress.
+#[test]
+fn a_step_shorter_than_rounding_ends_the_cast() {
+    let mut pair = Stubborn {
+        is_near: false,
+        span: f64::EPSILON,
+    };
+    let fine = Tolerance::Distance(1e-12);
+    let found = cast(&mut pair, &Fall::still(), &towards(1.0, 1e-3), 1.0..2.0, fine).expect("a cast");
+    assert!(matches!(found.impact, Impact::Undecided { safe: 1.0, .. }), "{found:?}");
+    assert_eq!(found.queries, 1);
 }
 
 /// A motion that is at rest according to its models, but jumps from a time on.

@@ -18,6 +18,7 @@ mod ray_mesh;
 mod scales;
 mod shapes;
 mod spins;
+mod steps;
 
 use judge::{Judge, Tally};
 use lin_canny::ConvexPolyhedron;

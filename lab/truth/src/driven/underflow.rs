@@ -45,7 +45,9 @@ pub fn play(seed: u64) -> Result<Mix, String> {
 /// Judges a tetrahedron that is rotated by almost nothing about two axes, whose tip is as slightly
 /// inside or outside a wall. Returns whether the tip is inside.
 ///
-/// The coordinates of an exact direction differ by more than the range of `f64`.
+/// The coordinates of an exact direction differ by more than the range of `f64`. Two of them may
+/// be rounded to the same size, although one is far above the other, so that the rounded direction
+/// rises along an edge that falls.
 ///
 /// # Errors
 /// Returns the first wrong answer.
@@ -58,20 +60,25 @@ pub fn tip(rng: &mut Rng) -> Result<bool, String> {
         let points: Vec<_> = points.iter().map(|&p| Point3::from(place(p))).collect();
         ConvexPolyhedron::from_points(&points).expect("a solid")
     };
-    let thin = two(-(rng.below(120) as i32));
+    // The rounded direction rises along an edge that falls only if the slope is above 1.
+    let slope = two(if rng.chance(0.4) {
+        1 + rng.below(2) as i32
+    } else {
+        -(rng.below(120) as i32)
+    });
     let ends = [-8.0, 8.0];
     let corners = [-8.0, 0.0].map(|x| ends.map(|y| ends.map(|z| [x, y, z])));
     let a = solid(corners.as_flattened().as_flattened());
-    let b = solid(&[[0.0; 3], [0.0, -thin, -1.0], [1.0, 0.5, -0.625], [1.0, -0.5, -0.3125]]);
-    // The second vertex of B moves to `x = y - 2 y + 2 thin z`.
+    let b = solid(&[[0.0; 3], [0.0, -slope, -1.0], [1.0, 0.5, -0.625], [1.0, -0.5, -0.3125]]);
+    // The second vertex of B moves to `x = y - 2 y + 2 slope z`.
     let z = two(-880 - rng.below(60) as i32);
-    let y = (2.0 * thin * z * two(rng.below(5) as i32 - 3)) * rng.range(1.1, 1.9);
+    let y = (2.0 * slope * z * two(rng.below(5) as i32 - 3)) * rng.range(1.1, 1.9);
     let y = if rng.chance(0.6) {
         y
     } else {
         z * two(rng.below(8) as i32 - 6) * rng.range(1.1, 1.9)
     };
-    let is_in = thin * two(900) * z * 2.0 <= y * two(900);
+    let is_in = slope * two(900) * z * 2.0 <= y * two(900);
     let [i, j, k] = place([0.0, y, z]);
     let turn = UnitQuaternion::new_unchecked(Quaternion::new(1.0, i, j, k));
     let pose = Isometry3::from_parts(Translation3::from(place([y, 0.0, 0.0])), turn);
@@ -87,7 +94,7 @@ pub fn tip(rng: &mut Rng) -> Result<bool, String> {
         ];
         if found != [is_in; 4] {
             return Err(format!(
-                "a tip in a wall: {is_in}, not {found:?}, {thin:e} {y:e} {z:e} axis {first}"
+                "a tip in a wall: {is_in}, not {found:?}, {slope:e} {y:e} {z:e} axis {first}"
             ));
         }
     }

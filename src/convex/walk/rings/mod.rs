@@ -392,3 +392,37 @@ impl ConvexPolyhedron {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::TAU;
+    use nalgebra::Point3;
+
+    /// Every vertex of a regular ring has the same parabolas, at the first and last index too.
+    #[test]
+    fn parabolas_of_a_regular_ring_are_alike() {
+        let n = 200;
+        let rim = (0..n).map(|k| TAU * f64::from(k) / f64::from(n));
+        let rim = rim.map(|t| Point3::new(t.cos(), t.sin(), 0.0));
+        let points: alloc::vec::Vec<_> = rim.chain([Point3::new(0.0, 0.0, 1.0)]).collect();
+        let body = ConvexPolyhedron::from_points(&points).expect("a cone");
+        let apex = body
+            .vertices()
+            .find(|&v| body.topology.fan(v).len() > LARGE)
+            .expect("an apex");
+        let ring = RingCurve::of_link(&body, apex).expect("a large fan");
+        let lengths = |k: usize| {
+            let fit = ring.fit(k, true).expect("a parabola");
+            [fit.ring, fit.spoke_ends].map(|parabola| parabola.map(|v| v.norm()))
+        };
+        let middle = lengths(ring.len() / 2);
+        for k in 0..ring.len() {
+            let all = lengths(k)
+                .into_iter()
+                .zip(middle)
+                .flat_map(|(x, y)| [0, 1, 2].map(|i| x[i] - y[i]));
+            assert!(all.into_iter().all(|off| off.abs() < 1e-12), "{k}: {:?}", lengths(k));
+        }
+    }
+}

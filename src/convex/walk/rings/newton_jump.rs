@@ -535,6 +535,7 @@ impl System {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::body::polyhedron::fans::Cycle;
 
     #[test]
     fn the_solver_solves() {
@@ -565,5 +566,45 @@ mod tests {
         let mut bad = System::default();
         bad.push(2, [-1.0, 0.0, 0.0, 0.0], 1.0);
         assert_eq!(bad.solve(), None);
+        let mut flat = System::default();
+        flat.push(2, [0.0; 4], 1.0);
+        assert_eq!(flat.solve(), None);
+    }
+
+    /// The matrix of a step has the second derivatives of half the squared distance.
+    #[test]
+    fn the_system_has_the_second_derivatives() {
+        let n = 200;
+        let rim = (0..n).map(|k| core::f64::consts::TAU * f64::from(k) / f64::from(n));
+        let rim = rim.map(|t| nalgebra::Point3::new(t.cos(), t.sin(), 0.0));
+        let points: alloc::vec::Vec<_> = rim.chain([nalgebra::Point3::new(0.1, 0.2, 1.0)]).collect();
+        let body = ConvexPolyhedron::from_points(&points).expect("a cone");
+        let apex = body
+            .vertices()
+            .find(|&v| body.topology.fan(v).len() == 200)
+            .expect("an apex");
+        let spoke = body.topology.edge(body.topology.fan(apex).at(20));
+        let a = RingSide::of(&body, Feature::Edge(spoke)).expect("spokes");
+        assert!(a.is_curved() && a.has_lines());
+        let b = RingSide::Vertex(apex, Vector3::new(0.9, 1.3, 0.7));
+        let (at, free, h) = ([0.05, 0.4, 0.0, 0.5], [true, true, false, false], 1e-4);
+        let half = |x: f64, y: f64| {
+            0.5 * evaluate(&a, &b, &[at[0] + x * h, at[1] + y * h, 0.0, 0.5])
+                .0
+                .norm_squared()
+        };
+        let second = |terms: f64| terms / (h * h);
+        let truth = [
+            second(half(1.0, 0.0) - 2.0 * half(0.0, 0.0) + half(-1.0, 0.0)),
+            second(half(1.0, 1.0) - half(1.0, -1.0) - half(-1.0, 1.0) + half(-1.0, -1.0)) / 4.0,
+            second(half(0.0, 1.0) - 2.0 * half(0.0, 0.0) + half(0.0, -1.0)),
+        ];
+        let system = newton_system(&a, &b, &at, &evaluate(&a, &b, &at), free, true);
+        let found = [system.rows[0][0], system.rows[1][0], system.rows[1][1]];
+        for (x, y) in found.into_iter().zip(truth) {
+            assert!((x - y).abs() < 1e-5 * (1.0 + y.abs()), "{found:?} {truth:?}");
+        }
+        // The mixed derivative matters here.
+        assert!(truth[1].abs() > 1e-3, "{truth:?}");
     }
 }
