@@ -153,11 +153,7 @@ fn cells_cover_the_limits_and_say_together_what_the_audit_says() {
             decided += 1;
         }
     }
-    assert!(
-        divided > 2 && decided + 4 > all.len(),
-        "{divided} {decided} {}",
-        all.len()
-    );
+    assert!(divided > 2 && decided > 50, "{divided} {decided}");
     let names: BTreeSet<_> = cells.iter().map(|cell| &cell.names).collect();
     assert_eq!(names.len(), all.len());
 }
