@@ -1,6 +1,6 @@
 //! Proves for each two links, and each link and obstacle, whether they can ever meet.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
@@ -149,7 +149,8 @@ pub fn audit(
 /// Proves whether two links, or a link and an obstacle, can meet at any configuration of a range.
 ///
 /// `low` and `high` hold the least and the greatest value of each coordinate. This is one row of
-/// [`audit`] over a part of the limits: a large audit may be divided into cells that run apart. Two links never meet if they never do in any cell, and always if they do in every cell.
+/// [`audit`] over a part of the limits: [`audit_cells`] divides a large audit into cells that run
+/// apart. Two links never meet if they never do in any cell, and always if they do in every cell.
 ///
 /// # Errors
 /// Returns an error if a name does not exist, or as [`Checker::prove_pair`] does.
@@ -182,6 +183,65 @@ pub fn audit_pair(
         found.add(answer, began.elapsed());
     }
     Ok(found)
+}
+
+/// A part of an audit: two names, and a part of the limits.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct AuditCell {
+    /// Names of both.
+    pub names: [String; 2],
+    /// Least and greatest value of each coordinate.
+    pub range: [Vec<f64>; 2],
+}
+
+/// Divides an audit into cells for [`audit_pair`], at most `count` for each two names.
+///
+/// The cells of two names cover the limits up to full turns. A cell that its first bound decides is
+/// not divided. The cells depend on robot and cell alone, so any number of machines may prove them.
+///
+/// # Errors
+/// Returns an error if the world has an obstacle that moves and no time is set.
+pub fn audit_cells(checker: &mut Checker<JointTree>, count: usize) -> Result<Vec<AuditCell>, PlanError> {
+    let bounds = checker.space().bounds();
+    let limits = [0, 1].map(|k| bounds.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
+    let first = RangeOptions::default().cells(1).samples(0, 1);
+    let mut names: Vec<[String; 2]> = Vec::new();
+    for (_, pair) in pairs(checker) {
+        if !names.contains(&pair) {
+            names.push(pair);
+        }
+    }
+    let mut cells = Vec::new();
+    for names in names {
+        let [a, b] = names.each_ref().map(String::as_str);
+        let [low, high] = &limits;
+        if audit_pair(checker, [a, b], [low, high], &first.cells(0))?.joints == 0 {
+            continue;
+        }
+        let (mut waiting, mut decided) = (VecDeque::from([limits.clone()]), Vec::new());
+        while waiting.len() + decided.len() < count {
+            let Some(range) = waiting.pop_front() else { break };
+            let [low, high] = &range;
+            let found = audit_pair(checker, [a, b], [low, high], &first)?;
+            match found.answers.iter().find(|answer| answer.open.len() == 2) {
+                None => decided.push(range),
+                Some(answer) => waiting.extend(answer.open.iter().map(|half| {
+                    let mut range = range.clone();
+                    for (k, &coordinate) in answer.coordinates.iter().enumerate() {
+                        (range[0][coordinate], range[1][coordinate]) = (half.low[k], half.high[k]);
+                    }
+                    range
+                })),
+            }
+        }
+        decided.extend(waiting);
+        cells.extend(decided.into_iter().map(|range| AuditCell {
+            names: names.clone(),
+            range,
+        }));
+    }
+    Ok(cells)
 }
 
 /// Returns all pairs of bodies with their names.

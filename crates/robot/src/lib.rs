@@ -207,7 +207,7 @@ mod urdf;
 mod xml;
 mod yaml;
 
-pub use audit::{AuditVerdict, LinkAudit, audit, audit_pair};
+pub use audit::{AuditCell, AuditVerdict, LinkAudit, audit, audit_cells, audit_pair};
 pub use cell::{BodyName, Cell, Obstacle};
 pub use cell_body::AttachedBody;
 pub use cover::{LinkCover, LinkCoverError, cover_links, json_of_balls, urdf_of_balls};

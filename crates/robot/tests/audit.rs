@@ -1,11 +1,17 @@
 //! Audits of pairs over parts of the joint limits: together they say what an audit over all limits
 //! says.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
-use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanError, RangeOptions};
-use lin_canny_robot::{AuditVerdict, RobotFiles, audit, audit_pair};
+use lin_canny_robot::lin_canny::nalgebra::Isometry3;
+use lin_canny_robot::plan::{
+    Checker, ClearanceWidth, ConfigurationSpace, JointTree, PlanError, RangeOptions, RangeVerdict,
+};
+use lin_canny_robot::{
+    AuditCell, AuditVerdict, LoadOptions, Packages, Robot, RobotFiles, Setup, audit, audit_cells, audit_pair,
+};
 
 fn gripper() -> Checker<JointTree> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
@@ -96,4 +102,256 @@ fn pairs_and_ranges_that_do_not_exist_are_errors() {
     assert!(matches!(short, Err(PlanError::Length { .. })), "{short:?}");
     let same = audit_pair(&mut checker, ["base", "base"], [&low, &high], &options);
     assert!(same.is_err(), "{same:?}");
+}
+
+/// Volume of a range, in shares of the limits.
+fn volume([low, high]: &[Vec<f64>; 2], limits: &[Vec<f64>; 2]) -> f64 {
+    let share = |k: usize| (high[k] - low[k]) / (limits[1][k] - limits[0][k]);
+    (0..low.len()).map(share).product()
+}
+
+/// What the verdicts of cells that cover a range say about the range.
+fn together(cells: &BTreeSet<AuditVerdict>) -> AuditVerdict {
+    let has = |verdict| cells.contains(&verdict);
+    let (never, always) = (has(AuditVerdict::Never), has(AuditVerdict::Always));
+    if has(AuditVerdict::Both) || (never && always) {
+        AuditVerdict::Both
+    } else if has(AuditVerdict::Open) {
+        AuditVerdict::Open
+    } else if never {
+        AuditVerdict::Never
+    } else {
+        AuditVerdict::Always
+    }
+}
+
+#[test]
+fn cells_cover_the_limits_and_say_together_what_the_audit_says() {
+    let mut checker = gripper();
+    let limits = limits(&checker);
+    // The budget is that of a cell or of the whole: cells may decide what the audit leaves open.
+    let options = RangeOptions::default().cells(400);
+    let all = audit(&mut checker, &options, &[], &mut |_| ControlFlow::Continue(())).expect("an audit");
+    let cells = audit_cells(&mut checker, 6).expect("cells");
+    assert_eq!(cells, audit_cells(&mut checker, 6).expect("cells"));
+    let (mut divided, mut decided) = (0, 0);
+    for one in &all {
+        let of_pair: Vec<_> = cells.iter().filter(|cell| cell.names == one.names).collect();
+        assert!((1..=6).contains(&of_pair.len()), "{:?}", one.names);
+        let sum: f64 = of_pair.iter().map(|cell| volume(&cell.range, &limits)).sum();
+        assert!((sum - 1.0).abs() < 1e-12, "{sum} {:?}", one.names);
+        divided += usize::from(of_pair.len() > 1);
+        let verdict = |cell: &&AuditCell| {
+            let [low, high] = &cell.range;
+            let [a, b] = one.names.each_ref().map(String::as_str);
+            let found = audit_pair(&mut checker, [a, b], [low, high], &options).expect("a pair");
+            found.verdict
+        };
+        let found: BTreeSet<AuditVerdict> = of_pair.iter().map(verdict).collect();
+        if one.verdict != AuditVerdict::Open {
+            assert_eq!(together(&found), one.verdict, "{:?} {found:?}", one.names);
+            decided += 1;
+        }
+    }
+    assert!(divided > 2 && decided > 50, "{divided} {decided}");
+    let names: BTreeSet<_> = cells.iter().map(|cell| &cell.names).collect();
+    assert_eq!(names.len(), all.len());
+}
+
+#[test]
+fn an_audit_that_is_stopped_leaves_the_hard_pairs() {
+    let mut checker = gripper();
+    let options = RangeOptions::default().cells(3_000);
+    let all = audit(&mut checker, &options, &[], &mut |_| ControlFlow::Continue(())).expect("an audit");
+    let most = all.iter().map(|one| one.cells).max().expect("a pair");
+    // Every pair has its first cells before the hardest has all.
+    let mut cells = 0;
+    let mut stop = |_| {
+        cells += 1;
+        if cells > most {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    };
+    let stopped = audit(&mut checker, &options, &[], &mut stop).expect("an audit");
+    assert_eq!(stopped.len(), all.len());
+    let earlier: Vec<_> = stopped.iter().flat_map(|one| one.answers.clone()).collect();
+    let resumed = audit(&mut checker, &options, &earlier, &mut |_| ControlFlow::Continue(())).expect("an audit");
+    for (one, other) in resumed.iter().zip(&all) {
+        assert_eq!((&one.names, one.verdict), (&other.names, other.verdict));
+    }
+}
+
+/// A fixture is a second robot whose joints are its tolerances, and an error of a joint is a joint of
+/// the robot: clearances over all motions and all tolerances, against the closed form.
+#[test]
+fn tolerances_are_joints_of_the_robot_and_of_the_fixture() {
+    let rod = r#"<robot name="rod">
+        <link name="base"/><link name="motor"/>
+        <link name="rod"><collision><origin xyz="0.5 0 0"/><geometry><box size="1 0.1 0.1"/></geometry></collision></link>
+        <joint name="turn" type="revolute"><parent link="base"/><child link="motor"/><axis xyz="0 0 1"/>
+            <limit lower="0.5" upper="1.0" effort="1" velocity="1"/></joint>
+        <joint name="error" type="revolute"><parent link="motor"/><child link="rod"/><axis xyz="0 0 1"/>
+            <limit lower="-0.05" upper="0.05" effort="1" velocity="1"/></joint>
+    </robot>"#;
+    let fixture = r#"<robot name="fixture">
+        <link name="cell"/>
+        <link name="wall"><collision><geometry><box size="0.2 4 4"/></geometry></collision></link>
+        <joint name="place" type="prismatic"><parent link="cell"/><child link="wall"/><origin xyz="1.3 0 0"/><axis xyz="1 0 0"/>
+            <limit lower="-0.03" upper="0.03" effort="1" velocity="1"/></joint>
+    </robot>"#;
+    let mut setup = Setup::new();
+    for (prefix, text) in [("", rod), ("fixture/", fixture)] {
+        let robot = Robot::parse(text, "robot.urdf", &Packages::default(), &LoadOptions::default());
+        setup.robot(prefix, &robot.expect("a robot"), Isometry3::identity());
+    }
+    let mut checker = setup.checker().expect("a checker");
+    let options = RangeOptions::default().width(ClearanceWidth::Length(1e-6));
+    let all = audit(&mut checker, &options, &[], &mut |_| ControlFlow::Continue(())).expect("an audit");
+    let [one] = &all[..] else { panic!("{all:?}") };
+    assert_eq!(one.names, ["rod", "fixture/wall"]);
+    let truth = 1.2 - 0.03 - (0.45f64.cos() + 0.05 * 0.45f64.sin());
+    assert_eq!((one.verdict, one.joints), (AuditVerdict::Never, 3));
+    assert!(one.lower <= truth && truth <= one.lower + 1.1e-6, "{truth} {one:?}");
+}
+
+/// A fixture whose whole pose is uncertain: a planar or a floating joint, over a part of its limits.
+#[test]
+fn a_fixture_on_a_planar_or_floating_joint_has_a_pose_with_a_range() {
+    let rod = r#"<robot name="rod">
+        <link name="base"/>
+        <link name="rod"><collision><origin xyz="0.5 0 0"/><geometry><box size="1 0.1 0.1"/></geometry></collision></link>
+        <joint name="turn" type="revolute"><parent link="base"/><child link="rod"/><axis xyz="0 0 1"/>
+            <limit lower="0.5" upper="1.0" effort="1" velocity="1"/></joint>
+    </robot>"#;
+    let fixture = |kind: &str| {
+        format!(
+            r#"<robot name="fixture"><link name="cell"/>
+            <link name="wall"><collision><geometry><box size="0.2 4 4"/></geometry></collision></link>
+            <joint name="pose" type="{kind}"><parent link="cell"/><child link="wall"/><origin xyz="1.3 0 0"/><axis xyz="0 0 1"/></joint>
+            </robot>"#
+        )
+    };
+    let (place, tilt) = (0.03, 0.02);
+    for (kind, half) in [
+        ("planar", vec![place, place, tilt]),
+        ("floating", vec![place, place, place, tilt, tilt, tilt]),
+    ] {
+        let mut setup = Setup::new();
+        for (prefix, text) in [("", rod), ("fixture/", &fixture(kind))] {
+            let robot = Robot::parse(text, "robot.urdf", &Packages::default(), &LoadOptions::default());
+            setup.robot(prefix, &robot.expect("a robot"), Isometry3::identity());
+        }
+        let mut checker = setup.checker().expect("a checker");
+        let low: Vec<f64> = [0.5].into_iter().chain(half.iter().map(|h| -h)).collect();
+        let high: Vec<f64> = [1.0].into_iter().chain(half.iter().copied()).collect();
+        let options = RangeOptions::default().width(ClearanceWidth::Length(0.01));
+        let one = audit_pair(&mut checker, ["rod", "fixture/wall"], [&low, &high], &options).expect("a pair");
+        assert_eq!(
+            (one.verdict, one.joints),
+            (AuditVerdict::Never, half.len() + 1),
+            "{one:?}"
+        );
+        // The rod at rest at its nearest is 0.298 from a wall without tolerances.
+        assert!(
+            one.lower > 0.2 && one.upper < 0.3 && one.upper <= one.lower + 0.01,
+            "{one:?}"
+        );
+        let mut rng = truth::rng::Rng::new(7);
+        for _ in 0..2_000 {
+            let ends = low.iter().zip(&high);
+            let q: Vec<f64> = ends
+                .map(|(low, high)| match rng.range(0.0, 3.0) as u32 {
+                    0 => *low,
+                    1 => *high,
+                    _ => rng.range(*low, *high),
+                })
+                .collect();
+            let near = checker.clearance(&q).expect("a configuration").expect("a pair");
+            assert!(near.upper >= one.lower, "{near:?} {one:?}");
+        }
+    }
+}
+
+/// How much of a cell boxes of free configurations cover: largest first, halved along the coordinate
+/// that moves the pair of the least bound most. Pairs that are proven apart in a box are left out in
+/// its halves.
+#[test]
+#[ignore = "a measurement of a minute: cargo test --release -p lin-canny-robot --test audit free_boxes -- --ignored --nocapture"]
+fn free_boxes_of_a_six_axis_cell() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
+    let mut files = RobotFiles::new(format!("{folder}/six_axis.urdf"));
+    files.srdf = Some(format!("{folder}/six_axis.srdf").into());
+    files.cell = Some(format!("{folder}/six_axis_cell.json").into());
+    let mut checker = files.load().expect("the example").1.checker().expect("a checker");
+    let [low, high] = limits(&checker);
+    let once = RangeOptions::default().cells(1).samples(0, 1);
+    let answers = checker.prove_range(&low, &high, &once).expect("a range");
+    let pairs: Vec<_> = answers.iter().map(|answer| answer.pair).collect();
+    let all: Vec<u16> = (0..pairs.len() as u16).collect();
+    let mut waiting = VecDeque::from([(low.clone(), high.clone(), all, 1.0)]);
+    let (mut free, mut blocked, mut count, mut boxes) = (0.0, 0.0, 0u64, [0u64; 2]);
+    let (began, mut told) = (Instant::now(), 0);
+    let limit = std::env::var("LIN_CANNY_SECONDS").map_or(60, |text| text.parse().expect("seconds"));
+    while began.elapsed() < Duration::from_secs(limit) {
+        let Some((low, high, all, share)) = waiting.pop_front() else {
+            break;
+        };
+        let (mut left, mut is_blocked, mut least) = (Vec::new(), false, (f64::INFINITY, 0));
+        for k in all {
+            let pair = pairs[usize::from(k)];
+            let answer = checker.prove_pair(pair.a, pair.b, &low, &high, &once).expect("a range");
+            count += 1;
+            match answer.verdict {
+                RangeVerdict::Never => continue,
+                RangeVerdict::Always => is_blocked = true,
+                _ => left.push(k),
+            }
+            if is_blocked {
+                break;
+            }
+            let Some(half) = answer.open.first() else { continue };
+            let mut coordinates = answer.coordinates.iter().enumerate();
+            let divided = coordinates.find(|(k, c)| half.low[*k] != low[**c] || half.high[*k] != high[**c]);
+            if let Some((_, &coordinate)) = divided.filter(|_| half.lower <= least.0) {
+                least = (half.lower, coordinate);
+            }
+        }
+        if is_blocked {
+            (blocked, boxes[1]) = (blocked + share, boxes[1] + 1);
+        } else if left.is_empty() {
+            (free, boxes[0]) = (free + share, boxes[0] + 1);
+        } else {
+            let middle = 0.5 * (low[least.1] + high[least.1]);
+            let (mut low_of_upper, mut high_of_lower) = (low.clone(), high.clone());
+            (low_of_upper[least.1], high_of_lower[least.1]) = (middle, middle);
+            waiting.push_back((low, high_of_lower, left.clone(), 0.5 * share));
+            waiting.push_back((low_of_upper, high, left, 0.5 * share));
+        }
+        if began.elapsed().as_secs() / 10 > told {
+            told = began.elapsed().as_secs() / 10;
+            println!("{} s: free {free:.4}, blocked {blocked:.4}, {count} proofs", 10 * told);
+        }
+    }
+    let mut rng = truth::rng::Rng::new(1);
+    let (samples, mut hits) = (20_000, 0);
+    for _ in 0..samples {
+        let ends = low.iter().zip(&high);
+        let q: Vec<f64> = ends
+            .map(|(low, high)| rng.range(*low, *high).clamp(*low, *high))
+            .collect();
+        hits += u32::from(checker.is_free_at(&q).expect("a configuration"));
+    }
+    let of_free = f64::from(hits) / f64::from(samples);
+    println!(
+        "{} pairs, {count} proofs; boxes: {} free, {} blocked, {} left",
+        pairs.len(),
+        boxes[0],
+        boxes[1],
+        waiting.len()
+    );
+    println!("free {free:.4} and blocked {blocked:.4} of the volume; {of_free:.4} of {samples} samples are free");
+    println!("free boxes cover {:.4} of the free volume", free / of_free);
+    assert!(free <= of_free + 0.02 && blocked <= 1.0 - of_free + 0.02);
 }

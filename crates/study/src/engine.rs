@@ -35,6 +35,8 @@ pub fn local(study: &Arc<Study>, partitions: usize) -> SessionContext {
 pub async fn cluster(study: &Arc<Study>, scheduler: &str, partitions: usize) -> Result<SessionContext, StudyError> {
     let config = SessionConfig::new_with_ballista()
         .with_target_partitions(partitions.max(1))
+        // A small file may hold long work: rows that prove cells of ranges.
+        .with_repartition_file_min_size(0)
         .with_batch_size(BATCH);
     let state = study.session_state(config)?;
     let context = SessionContext::remote_with_state(&format!("df://{scheduler}"), state).await?;

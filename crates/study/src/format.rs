@@ -59,6 +59,21 @@ impl Format {
     /// # Errors
     /// Returns an error if the file cannot be written or the format does not support a column.
     pub fn write(self, schema: &SchemaRef, batches: &[RecordBatch], path: &Path) -> Result<(), StudyError> {
+        self.write_grouped(schema, batches, path, ROW_GROUP)
+    }
+
+    /// Writes rows as [`write`](Self::write) does, with at most `rows_per_group` rows in a row group
+    /// of a Parquet file. A cluster divides a file by its row groups.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn write_grouped(
+        self,
+        schema: &SchemaRef,
+        batches: &[RecordBatch],
+        path: &Path,
+        rows_per_group: usize,
+    ) -> Result<(), StudyError> {
         let batches: Vec<_> = batches.iter().map(flat).collect::<Result<_, _>>()?;
         let schema = match batches.first() {
             Some(batch) => batch.schema(),
@@ -66,12 +81,18 @@ impl Format {
         };
         let unfinished = unfinished(path);
         let file = File::create(&unfinished).map_err(StudyError::io(&unfinished))?;
-        self.write_to(file, &schema, &batches)
+        self.write_to(file, &schema, &batches, rows_per_group)
             .map_err(|e| StudyError::unfit(path.display(), e))?;
         std::fs::rename(&unfinished, path).map_err(StudyError::io(path))
     }
 
-    fn write_to(self, file: File, schema: &SchemaRef, batches: &[RecordBatch]) -> Result<(), StudyError> {
+    fn write_to(
+        self,
+        file: File,
+        schema: &SchemaRef,
+        batches: &[RecordBatch],
+        rows_per_group: usize,
+    ) -> Result<(), StudyError> {
         let file = match self {
             Self::Parquet => {
                 let level = ZstdLevel::try_new(1).unwrap_or_default();
@@ -82,7 +103,9 @@ impl Format {
                     properties = properties.set_column_dictionary_enabled(column, false);
                 }
                 // Readers divide a file by its row groups.
-                let properties = properties.set_max_row_group_row_count(Some(ROW_GROUP)).build();
+                let properties = properties
+                    .set_max_row_group_row_count(Some(rows_per_group.max(1)))
+                    .build();
                 let mut writer = ArrowWriter::try_new(file, Arc::clone(schema), Some(properties)).map_err(parquet)?;
                 for batch in batches {
                     writer.write(batch).map_err(parquet)?;

@@ -32,6 +32,7 @@
 //! | read and write files of rows | [`Input`], [`Format`] |
 //! | run a query part by part, and resume it after an interruption | [`Run`] |
 //! | make configurations | [`sampled`] |
+//! | make cells of ranges, to prove which links can ever meet | [`audited`] |
 //! | make the graph of a roadmap | [`roadmap`] |
 //! | start scheduler and executors | [`cluster`] |
 //!
@@ -39,6 +40,7 @@
 //! state before each row.
 #![forbid(unsafe_code)]
 
+pub mod audited;
 pub mod cluster;
 pub mod engine;
 mod error;

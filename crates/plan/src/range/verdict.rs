@@ -187,7 +187,13 @@ impl fmt::Display for Named<'_, RangeAnswer> {
             RangeVerdict::Never => write!(f, "{pair} never meet: {:?} to {:?} apart", answer.lower, answer.upper),
             RangeVerdict::Always => write!(f, "{pair} always meet"),
             RangeVerdict::Both { touching, .. } => write!(f, "{pair} meet at {touching:?}"),
-            RangeVerdict::Open { share } => write!(f, "{pair} are undecided on {share:?} of the range"),
+            RangeVerdict::Open { share } => {
+                let lower = answer.lower;
+                write!(
+                    f,
+                    "{pair} are undecided on {share:?} of the range, and at least {lower:?} apart"
+                )
+            }
         }
     }
 }

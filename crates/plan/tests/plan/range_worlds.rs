@@ -359,6 +359,51 @@ fn an_answer_about_other_bodies_is_not_resumed() {
     assert!(checker.resume_range(&answer, &options, go).is_err());
 }
 
+/// The error of a joint is a joint about the same axis, and the place of an obstacle is a joint of
+/// its own: both at once, against the closed form.
+#[test]
+fn errors_of_joints_and_places_of_obstacles_are_coordinates_with_a_range() {
+    let joint = |kind, parent, x: f64, axis, coordinate| TreeJoint {
+        parent,
+        kind,
+        origin: Isometry3::translation(x, 0.0, 0.0),
+        axis,
+        drive: Some(Drive::by(coordinate)),
+    };
+    let joints = vec![
+        joint(JointKind::Revolute, 0, 0.0, Vector3::z_axis(), 0),
+        joint(JointKind::Revolute, 1, 0.0, Vector3::z_axis(), 1),
+        joint(JointKind::Prismatic, 0, 1.3, Vector3::x_axis(), 2),
+    ];
+    let limits = vec![[0.5, 1.0], [-0.1, 0.1], [-0.1, 0.1]];
+    let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![2, 3], vec![1.0; 4]).expect("a tree");
+    let rod = solids::cuboid(Vector3::new(0.5, 0.05, 0.05)).expect("a box");
+    let mut world = World::new();
+    let rod = rod.transformed(&Isometry3::translation(0.5, 0.0, 0.0)).expect("a rod");
+    world.robot_body("rod", rod);
+    world.robot_body("wall", solids::cuboid(Vector3::new(0.1, 2.0, 2.0)).expect("a wall"));
+    let mut checker = Checker::new(tree, world).expect("a world");
+    let options = RangeOptions::default().width(ClearanceWidth::Length(1e-6));
+    for (error, place) in [(0.0, 0.0), (0.05, 0.0), (0.0, 0.03), (0.05, 0.03), (0.1, 0.1)] {
+        let (low, high) = ([0.5, -error, -place], [1.0, error, place]);
+        let answer = checker.prove_pair(A, B, &low, &high, &options).expect("a range");
+        let least = 0.5 - error;
+        let truth = 1.2 - place - (least.cos() + 0.05 * least.sin());
+        assert!(answer.is_never(), "{answer:?}");
+        assert!(
+            answer.lower <= truth && truth <= answer.lower + 1.1e-6,
+            "{truth} {answer:?}"
+        );
+    }
+    // The exact arm in the exact place keeps 0.298, which neither tolerance leaves.
+    checker.set_margin(0.27).expect("a margin");
+    for (error, place, is_never) in [(0.0, 0.0, true), (0.1, 0.0, false), (0.0, 0.1, false)] {
+        let (low, high) = ([0.5, -error, -place], [1.0, error, place]);
+        let answer = checker.prove_pair(A, B, &low, &high, &options).expect("a range");
+        assert_eq!(answer.is_never(), is_never, "{answer:?}");
+    }
+}
+
 /// A peg in a hole: the place of the part and its tilt are coordinates with a tolerance.
 #[test]
 fn tolerances_of_a_part_are_coordinates_with_a_range() {

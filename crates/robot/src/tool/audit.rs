@@ -137,9 +137,13 @@ fn state(file: &Path, reason: &str) -> ToolError {
 
 fn line(one: &LinkAudit) -> String {
     let [a, b] = &one.names;
+    let least = distance(one.lower, f64::INFINITY);
     let told = match one.verdict {
-        AuditVerdict::Never => format!(", {}", distance(one.lower, one.upper)),
-        AuditVerdict::Open => format!(", {:.1e} open, at least {}", one.open, distance(one.lower, one.lower)),
+        AuditVerdict::Never if one.upper.is_finite() => {
+            format!(", {least}, {}", distance(f64::NEG_INFINITY, one.upper))
+        }
+        AuditVerdict::Never => format!(", {least}"),
+        AuditVerdict::Open => format!(", {:.1e} open, {least}", one.open),
         _ => String::new(),
     };
     let joints = if one.joints == 1 { "joint" } else { "joints" };

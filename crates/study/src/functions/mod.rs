@@ -4,6 +4,7 @@ mod answers;
 mod certify;
 mod certify_curve;
 mod clearance;
+mod prove_pair;
 mod separation;
 mod signed_distance;
 
@@ -33,17 +34,19 @@ enum Question {
     CertifyCurve,
     Separation,
     SignedDistance,
+    ProvePair,
     Fault,
 }
 
 impl Question {
-    const ALL: [Self; 7] = [
+    const ALL: [Self; 8] = [
         Self::Clearance,
         Self::IsFree,
         Self::Certify,
         Self::CertifyCurve,
         Self::Separation,
         Self::SignedDistance,
+        Self::ProvePair,
         Self::Fault,
     ];
 
@@ -55,6 +58,7 @@ impl Question {
             Self::CertifyCurve => "certify_curve",
             Self::Separation => "separation",
             Self::SignedDistance => "signed_distance",
+            Self::ProvePair => "prove_pair",
             Self::Fault => "configuration_error",
         }
     }
@@ -65,6 +69,7 @@ impl Question {
             Self::Certify | Self::CertifyCurve => DataType::Struct(certify::fields()),
             Self::Separation => DataType::Struct(separation::fields()),
             Self::SignedDistance => DataType::Struct(signed_distance::fields()),
+            Self::ProvePair => DataType::Struct(prove_pair::fields()),
             Self::IsFree => DataType::Boolean,
             Self::Fault => DataType::Utf8,
         }
@@ -109,6 +114,7 @@ impl StudyFunction {
             Question::CertifyCurve => certify_curve::answer(study, arguments, rows),
             Question::Separation => separation::answer(study, arguments, rows),
             Question::SignedDistance => signed_distance::answer(study, arguments, rows),
+            Question::ProvePair => prove_pair::answer(study, arguments, rows),
             Question::Fault => Ok(faults(study, arguments, rows)),
         }
     }
@@ -170,6 +176,7 @@ impl ScalarUDFImpl for StudyFunction {
             Question::CertifyCurve => certify_curve::argument_types(types),
             Question::Separation => separation::argument_types(types),
             Question::SignedDistance => signed_distance::argument_types(types),
+            Question::ProvePair => prove_pair::argument_types(types, count),
         }
     }
 
@@ -187,7 +194,8 @@ impl ScalarUDFImpl for StudyFunction {
 
 impl Study {
     /// Returns the functions `clearance`, `is_free`, `certify`, `certify_curve`, `separation`,
-    /// `signed_distance` and `configuration_error`, to be registered with a context or an executor.
+    /// `signed_distance`, `prove_pair` and `configuration_error`, to be registered with a context or an
+    /// executor.
     #[must_use]
     pub fn functions(self: &Arc<Self>) -> Vec<Arc<ScalarUDF>> {
         let function = |question| Arc::new(ScalarUDF::from(StudyFunction::new(self, question)));

@@ -14,6 +14,7 @@ macro_rules! warn {
     };
 }
 
+mod cells;
 mod cluster;
 mod options;
 mod progress;
@@ -48,6 +49,8 @@ struct Arguments {
 enum Command {
     /// Write configurations to measure, from a Halton sequence or at random
     Sample(sample::SampleOptions),
+    /// Write cells of the joint limits, to prove in each whether two links can meet
+    Cells(cells::CellOptions),
     /// Compute the clearance of each row, or run your own query
     Run(run::RunArguments),
     /// Write a report of a run: clearances, worst rows, pairs, a map over two joints
@@ -80,6 +83,7 @@ fn done(command: Command) -> Result<(), StudyError> {
     runtime.block_on(async {
         match command {
             Command::Sample(options) => sample::run(&options),
+            Command::Cells(options) => cells::run(&options),
             Command::Run(options) => run::run(&options).await,
             Command::Report(options) => report::run(&options).await,
             Command::Roadmap(options) => roadmap::run(&options).await,

@@ -30,7 +30,8 @@ pub(super) struct RunArguments {
     #[arg(long, value_name = "COLUMNS", conflicts_with = "sql")]
     select: Option<String>,
     /// Your own query over the table `configs`, with the functions clearance, is_free, certify,
-    /// certify_curve, separation, signed_distance and configuration_error; it writes one file
+    /// certify_curve, separation, signed_distance, prove_pair and configuration_error; it writes one
+    /// file
     #[arg(long, value_name = "QUERY")]
     sql: Option<String>,
     /// Rows per part: an interrupted run repeats at most this number

@@ -128,6 +128,22 @@ fn a_cluster_answers_bit_for_bit_and_survives_a_kill() {
     assert_eq!(code, 0, "{text}");
     assert!(parts(&folder.join("two")) == expected, "two executors");
 
+    // Cells of an audit are rows like others.
+    let (code, text) = said(tool("cells").args(["--cells", "2", "--out", &at("cells")]));
+    assert_eq!(code, 0, "{text}");
+    let proofs = |out: &str| {
+        let mut command = tool("run");
+        command.args(["--in", &at("cells"), "--out", &at(out), "--partitions", "4"]);
+        command.args(["--select", "prove_pair(a, b, low, high, 4) AS proof"]);
+        command
+    };
+    let (code, text) = said(&mut proofs("proofs"));
+    assert_eq!(code, 0, "{text}");
+    let (code, text) = said(proofs("proofs of a cluster").args(["--scheduler", &scheduler]));
+    assert_eq!(code, 0, "{text}");
+    let part = |out: &str| std::fs::read(folder.join(out).join("part-00000.parquet")).expect("a part");
+    assert!(part("proofs") == part("proofs of a cluster"), "cells of an audit");
+
     let mut client = run("killed")
         .stdout(Stdio::null())
         .stderr(Stdio::null())

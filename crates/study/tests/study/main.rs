@@ -2,6 +2,7 @@
 //! before a stop is kept.
 
 mod bits;
+mod cells;
 mod cluster;
 mod functions;
 mod graph;

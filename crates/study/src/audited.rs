@@ -1,0 +1,48 @@
+//! Divides an audit of all pairs of links into rows for the function `prove_pair`.
+
+use std::sync::Arc;
+
+use datafusion::arrow::array::{ArrayRef, Float64Builder, Int64Array, ListBuilder, RecordBatch, StringArray};
+use datafusion::arrow::datatypes::{DataType, Field, Schema};
+use lin_canny_robot::{AuditCell, audit_cells};
+
+use crate::error::StudyError;
+use crate::input::ID;
+use crate::rows::list_type;
+use crate::study::Study;
+
+/// Rows per row group of a file of cells: each may take seconds.
+pub const ROWS_PER_GROUP: usize = 64;
+
+/// The query that puts the verdicts of the cells of each two names together.
+///
+/// Its table has the columns `a`, `b` and those of `prove_pair`. Two names never meet if they never
+/// do in any cell, and do both if they meet in one cell and are free in another.
+pub const VERDICTS: &str = "SELECT a, b, CASE \
+    WHEN bool_or(verdict = 'both') OR (bool_or(verdict = 'never') AND bool_or(verdict = 'always')) THEN 'both' \
+    WHEN bool_or(verdict = 'open') THEN 'open' ELSE min(verdict) END AS verdict, \
+    min(lower) AS lower, min(upper) AS upper, sum(cells) AS cells FROM configs GROUP BY a, b ORDER BY a, b";
+
+/// Returns rows with the columns `id`, `a`, `b`, `low` and `high`: at most `count` cells for each two
+/// links, and each link and obstacle, that move against each other.
+///
+/// # Errors
+/// Returns an error if the world cannot be audited.
+pub fn cells(study: &Study, count: usize) -> Result<RecordBatch, StudyError> {
+    let cells: Vec<AuditCell> = study.with_checker(|checker| audit_cells(checker, count))??;
+    let word = |name: &str| Field::new(name, DataType::Utf8, false);
+    let list = |name: &str| Field::new(name, list_type(), false);
+    let id = Field::new(ID, DataType::Int64, false);
+    let fields = vec![id, word("a"), word("b"), list("low"), list("high")];
+    let names = |k: usize| Arc::new(StringArray::from_iter_values(cells.iter().map(|cell| &cell.names[k]))) as ArrayRef;
+    let ends = |k: usize| {
+        let mut lists = ListBuilder::new(Float64Builder::new());
+        for cell in &cells {
+            lists.append_value(cell.range[k].iter().copied().map(Some));
+        }
+        Arc::new(lists.finish()) as ArrayRef
+    };
+    let ids = Arc::new(Int64Array::from_iter_values(0..cells.len() as i64));
+    let columns = vec![ids, names(0), names(1), ends(0), ends(1)];
+    Ok(RecordBatch::try_new(Arc::new(Schema::new(fields)), columns)?)
+}
