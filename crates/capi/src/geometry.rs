@@ -437,7 +437,9 @@ pub unsafe extern "C" fn lc_surface_new(
     guarded(|| {
         let degrees = [p as usize, q as usize];
         let count = |degree: usize| degree.checked_add(1);
-        let net = count(degrees[0]).zip(count(degrees[1])).and_then(|(a, b)| a.checked_mul(b));
+        let net = count(degrees[0])
+            .zip(count(degrees[1]))
+            .and_then(|(a, b)| a.checked_mul(b));
         let net = net.ok_or_else(|| bad_argument("p"))?;
         let columns = net.checked_mul(3).ok_or_else(|| bad_argument("p"))?;
         // SAFETY: by the caller's contract.
