@@ -15,8 +15,8 @@ use lin_canny::impact::{CastOptions, Impact, Tolerance};
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{
-    ConvexPolyhedron, Geometry, ManifoldOptions, PairTracker, QueryOptions, Ray, RayCast, RayCaster, RelativePose,
-    Shape, Tracker, Velocity,
+    ConvexPolyhedron, Geometry, ManifoldOptions, PairTracker, PatchContact, QueryOptions, Ray, RayCast, RayCaster,
+    RelativePose, Shape, Tracker, Velocity,
 };
 use lin_canny_c::*;
 use lin_canny_robot::RobotFiles;
@@ -378,12 +378,13 @@ fn of_pair(library: &Library, name: &str, [a, b]: [&Geometry; 2], pair: lc_pair)
     let mut manifold = |k: usize| {
         let pose = RelativePose::new(black_box(&here), &deep[k]).expect("a pose");
         let groups = tracker.contacts(a, b, &pose, &options).expect("contacts");
-        let world = |point: Point3<f64>| deep[k] * point;
-        groups
-            .iter()
-            .flat_map(|group| &group.contacts)
-            .map(|c| world(c.point.point_on_b).x)
-            .sum::<f64>()
+        // Points and normal in the world, as C has them.
+        let world = |c: &PatchContact| {
+            let point = &c.point;
+            black_box((here * point.point_on_a, deep[k] * point.point_on_b, here * c.normal)).1
+        };
+        let contacts = groups.iter().flat_map(|group| &group.contacts);
+        contacts.map(|c| world(c).x).sum::<f64>()
     };
     let mut places = Vec::<lc_contact>::with_capacity(64);
     let mut asked = |k: usize| {
