@@ -56,7 +56,7 @@ pub(crate) unsafe fn array<'a, T>(data: *const T, len: usize, name: &str) -> Res
 /// Borrows `count` rows of `columns` elements.
 ///
 /// # Safety
-/// As [`array`], for `count * columns` elements.
+/// As [`array()`], for `count * columns` elements.
 #[inline]
 pub(crate) unsafe fn table<'a, T>(
     data: *const T,
