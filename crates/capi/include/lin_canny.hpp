@@ -209,11 +209,29 @@ class Geometry : public Owner<lc_geometry, lc_geometry_free> {
     check(lc_cloud_new(detail::flat(points), points.size(), radius, nullptr, &g));
     return Geometry(g);
   }
+  /// A ball of its own radius at each point.
+  static Geometry cloud(Span<Point> points, Span<double> radii) {
+    if (points.size() != radii.size()) throw std::invalid_argument("number of points is not that of radii");
+    lc_geometry g{0};
+    check(lc_cloud_new(detail::flat(points), points.size(), 0, radii.data(), &g));
+    return Geometry(g);
+  }
   /// Boxes of the sides `size` at the occupied cells of a grid whose cell 0, 0, 0 starts at `origin`.
   static Geometry voxels(Point origin, Point size, Span<Cell> cells) {
     lc_geometry g{0};
     const std::uint16_t *data = cells.size() ? cells.data()->data() : nullptr;
     check(lc_voxels_new(origin.data(), size.data(), data, cells.size(), &g));
+    return Geometry(g);
+  }
+  /// Bézier patches of the degrees p and q, one after another; without weights they are polynomial.
+  static Geometry surface(std::uint32_t p, std::uint32_t q, Span<Point> points, Span<double> weights = {}) {
+    const std::uint64_t net = (std::uint64_t{p} + 1) * (std::uint64_t{q} + 1);
+    if (net == 0 || points.size() % net != 0) throw std::invalid_argument("number of points is not a multiple of (p + 1) (q + 1)");
+    if (weights.size() != 0 && weights.size() != points.size()) {
+      throw std::invalid_argument("number of points is not that of weights");
+    }
+    lc_geometry g{0};
+    check(lc_surface_new(p, q, detail::flat(points), weights.data(), static_cast<std::size_t>(points.size() / net), &g));
     return Geometry(g);
   }
   static Geometry compound(Span<lc_geometry> pieces, Span<lc_pose> poses) {
@@ -298,6 +316,12 @@ class Pair : public Owner<lc_pair, lc_pair_free> {
     char *text = nullptr;
     check(lc_pair_replay(get(), &a, &b, &text));
     return detail::taken(text);
+  }
+  /// The answer of a text of replay(), in this or another process.
+  static lc_answer answer_of(const std::string &replay, std::uint32_t wanted = LC_DISTANCE | LC_POINTS | LC_FEATURES) {
+    lc_answer found;
+    check(lc_replay_answer(replay.c_str(), wanted, &found, sizeof found));
+    return found;
   }
   void reset() { check(lc_pair_reset(get())); }
 
@@ -458,6 +482,20 @@ class Checker : public Owner<lc_checker, lc_checker_free> {
     lc_near found;
     std::size_t done = 0;
     check(lc_checker_clearance_many(get(), q.data(), q.size(), 1, &found, sizeof found, nullptr, &done));
+    return found;
+  }
+  struct Nearest {
+    /// `columns` entries for each configuration, the closest first; an entry without a pair has `a.id` zero.
+    std::vector<lc_near> pairs;
+    /// The derivatives of the distance of each entry by the degrees of freedom.
+    std::vector<double> gradients;
+  };
+  /// The closest pairs at many configurations, and no pair whose distance exceeds the least by more than `slack`.
+  Nearest nearest(Span<double> q, std::size_t columns, double slack, std::size_t threads = 1) {
+    const std::size_t count = rows(q);
+    Nearest found{std::vector<lc_near>(count * columns), std::vector<double>(count * columns * degrees_of_freedom())};
+    check(lc_checker_nearest_many(get(), q.data(), coordinates(), count, columns, slack, threads, found.pairs.data(),
+                                  sizeof(lc_near), found.gradients.data()));
     return found;
   }
   /// The straight segment between two configurations, over its whole length.

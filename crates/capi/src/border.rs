@@ -198,10 +198,11 @@ mod unit {
 
     #[inline(always)]
     pub(super) fn get() -> Mode {
-        let mut mode = 0_u32;
+        let mut mode = std::mem::MaybeUninit::<Mode>::uninit();
         // SAFETY: the instruction writes the four bytes of `mode` and nothing else.
-        unsafe { asm!("stmxcsr [{}]", in(reg) &mut mode, options(nostack, preserves_flags)) };
-        mode
+        unsafe { asm!("stmxcsr [{}]", in(reg) mode.as_mut_ptr(), options(nostack, preserves_flags)) };
+        // SAFETY: written by the instruction.
+        unsafe { mode.assume_init() }
     }
 
     #[inline(always)]

@@ -436,9 +436,11 @@ pub unsafe extern "C" fn lc_surface_new(
 ) -> lc_status {
     guarded(|| {
         let degrees = [p as usize, q as usize];
-        let net = (p as usize + 1)
-            .checked_mul(q as usize + 1)
-            .ok_or_else(|| bad_argument("p"))?;
+        let count = |degree: usize| degree.checked_add(1);
+        let net = count(degrees[0])
+            .zip(count(degrees[1]))
+            .and_then(|(a, b)| a.checked_mul(b));
+        let net = net.ok_or_else(|| bad_argument("p"))?;
         let columns = net.checked_mul(3).ok_or_else(|| bad_argument("p"))?;
         // SAFETY: by the caller's contract.
         let xyz = unsafe { table(xyz, patches, columns, "xyz") }?;

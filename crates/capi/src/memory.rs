@@ -22,6 +22,20 @@ fn fits(count: usize, stride: usize) -> bool {
         .is_some_and(|bytes| bytes <= isize::MAX as usize)
 }
 
+/// Panics unless an index is less than a count.
+#[inline(always)]
+fn check_index(index: usize, count: usize) {
+    if index >= count {
+        beyond(index, count);
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn beyond(index: usize, count: usize) -> ! {
+    panic!("element {index} of {count}")
+}
+
 /// Borrows an array of the caller.
 ///
 /// # Safety
@@ -42,7 +56,7 @@ pub(crate) unsafe fn array<'a, T>(data: *const T, len: usize, name: &str) -> Res
 /// Borrows `count` rows of `columns` elements.
 ///
 /// # Safety
-/// As [`array`], for `count * columns` elements.
+/// As [`array()`], for `count * columns` elements.
 #[inline]
 pub(crate) unsafe fn table<'a, T>(
     data: *const T,
@@ -110,7 +124,7 @@ impl<'a, T: Copy> Given<'a, T> {
     /// Copies an element, so that an answer may be written over it.
     #[inline(always)]
     pub(crate) fn get(&self, index: usize) -> T {
-        assert!(index < self.count, "element {index} of {}", self.count);
+        check_index(index, self.count);
         // SAFETY: the index is less than the count, so the element lies in the array of the caller.
         let element = unsafe { self.data.byte_add(index * self.stride) };
         // SAFETY: by the contract of `new`.
@@ -158,17 +172,22 @@ impl<T: Plain> Places<'_, T> {
 
     /// Writes an answer. What a shorter version lacks is left out; what a longer one has more is
     /// zero.
+    ///
+    /// A place of the usual size gets the fields at once. By way of the stack the copy would read
+    /// what stores still on their way hold in other pieces, which stops the processor.
     #[inline(always)]
     pub(crate) fn write(&self, index: usize, answer: T) {
-        assert!(index < self.count, "place {index} of {}", self.count);
+        check_index(index, self.count);
         // SAFETY: the index is less than the count, so the place lies in the array of the caller.
         let place = unsafe { self.data.byte_add(index * self.stride) };
-        if self.stride == size_of::<T>() {
-            // SAFETY: by the contract of `new`.
-            unsafe { place.write(answer) };
-        } else {
-            // SAFETY: the place has `stride` bytes by the contract of `new`.
-            unsafe { write_part(place, self.stride, &answer) };
+        let mut spare = std::mem::MaybeUninit::<T>::uninit();
+        let is_usual = self.stride == size_of::<T>();
+        let to = if is_usual { place } else { spare.as_mut_ptr() };
+        // SAFETY: by the contract of `new`, or because `spare` is a place.
+        unsafe { to.write(answer) };
+        if !is_usual {
+            // SAFETY: the place has `stride` bytes by the contract of `new`; `spare` was written.
+            unsafe { write_part(place, self.stride, spare.as_ptr()) };
         }
     }
 
@@ -186,13 +205,13 @@ impl<T: Plain> Places<'_, T> {
 }
 
 /// # Safety
-/// `place` has `size` writable bytes.
+/// `place` has `size` writable bytes; `answer` points to an answer that is not among them.
 #[cold]
 #[inline(never)]
-unsafe fn write_part<T: Plain>(place: *mut T, size: usize, answer: &T) {
+unsafe fn write_part<T: Plain>(place: *mut T, size: usize, answer: *const T) {
     let known = size.min(size_of::<T>());
-    let (from, to) = (std::ptr::from_ref(answer).cast::<u8>(), place.cast::<u8>());
-    // SAFETY: `known` is at most the size of both; the answer is not in the caller's memory.
+    let (from, to) = (answer.cast::<u8>(), place.cast::<u8>());
+    // SAFETY: `known` is at most the size of both, by the caller's contract.
     unsafe { std::ptr::copy_nonoverlapping(from, to, known) };
     // SAFETY: `known` is at most `size`.
     let rest = unsafe { to.add(known) };
@@ -289,7 +308,7 @@ pub(crate) struct Numbers<'a, T> {
 
 impl<T: Copy> Numbers<'_, T> {
     pub(crate) fn write(&self, index: usize, value: T) {
-        assert!(index < self.len, "number {index} of {}", self.len);
+        check_index(index, self.len);
         // SAFETY: the index is less than the length.
         let place = unsafe { self.data.add(index) };
         // SAFETY: by the contract of `written`; the memory may be uninitialised, and is not read.

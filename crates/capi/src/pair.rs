@@ -1,6 +1,7 @@
 //! Pairs of two geometries, and rays against one.
 
 use std::ffi::c_char;
+use std::hint::black_box;
 
 use lin_canny::impact::{CastOptions, Impact, Tolerance};
 use lin_canny::motion::{Motion, Steady};
@@ -307,6 +308,8 @@ fn relative(pose_a: &lc_pose, pose_b: &lc_pose) -> Result<RelativePose, lc_statu
 /// Returns the answer of an outcome; the fields of the mask are set.
 #[inline(always)]
 fn answer(found: &PairOutcome, pose: &RelativePose, wanted: u32) -> lc_answer {
+    // Dimension and index were stored apart a moment ago: one load of both would wait for the stores.
+    let apart = |[dimension, index]: [u32; 2]| [dimension, black_box(index)];
     let mut answer = lc_answer {
         answered: LC_DISTANCE | LC_POINTS | LC_FEATURES,
         state: state(found.state),
@@ -316,8 +319,8 @@ fn answer(found: &PairOutcome, pose: &RelativePose, wanted: u32) -> lc_answer {
         point_on_a: found.point_on_a.into(),
         point_on_b: found.point_on_b.into(),
         normal: found.normal.into_inner().into(),
-        feature_a: feature(found.features.a),
-        feature_b: feature(found.features.b),
+        feature_a: apart(feature(found.features.a)),
+        feature_b: apart(feature(found.features.b)),
         subshapes: found.locations.map(|location| location.subshape),
     };
     if wanted & (LC_BODY_FRAMES | LC_POINTS) == LC_POINTS {
@@ -350,10 +353,9 @@ fn query(wanted: u32) -> QueryOptions {
 
 impl Pair {
     #[inline(always)]
-    fn ask(&mut self, pose_a: &lc_pose, pose_b: &lc_pose, wanted: u32) -> Result<lc_answer, lc_status> {
-        let pose = relative(pose_a, pose_b)?;
-        let found = self.tracker.closest_with(&self.a, &self.b, &pose, &query(wanted));
-        Ok(answer(&found, &pose, wanted))
+    fn ask(&mut self, pose: &RelativePose, wanted: u32) -> lc_answer {
+        let found = self.tracker.closest_with(&self.a, &self.b, pose, &query(wanted));
+        answer(&found, pose, wanted)
     }
 }
 
@@ -381,8 +383,9 @@ pub unsafe extern "C" fn lc_pair_ask(
         let pose_b = unsafe { Given::one(pose_b, "pose_b") }?;
         // SAFETY: by the caller's contract.
         let out = unsafe { Places::new(out, out_size, 1, "out") }?;
+        let pose = relative(&pose_a, &pose_b)?;
         PAIRS.with(pair.id, |pair| {
-            out.write(0, pair.ask(&pose_a, &pose_b, wanted)?);
+            out.write(0, pair.ask(&pose, wanted));
             Ok(())
         })
     })
@@ -421,7 +424,8 @@ pub unsafe extern "C" fn lc_pair_ask_many(
         done.write(0);
         PAIRS.with(pair.id, |pair| {
             for k in 0..count {
-                out.write(k, pair.ask(&poses_a.get(k), &poses_b.get(k), wanted)?);
+                let pose = relative(&poses_a.get(k), &poses_b.get(k))?;
+                out.write(k, pair.ask(&pose, wanted));
                 done.write(k + 1);
             }
             Ok(())

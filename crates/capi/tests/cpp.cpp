@@ -38,6 +38,11 @@ static void geometries() {
   const lc_pose poses[] = {identity, at(1, 0, 0)};
   TRUE(Geometry::compound(pieces, poses).info().kind == LC_KIND_COMPOUND);
   TRUE(Geometry::cloud(square, .1).info().kind == LC_KIND_CLOUD);
+  const double radii[] = {.1, .1, .3, .1};
+  TRUE(Geometry::cloud(square, radii).bounding_box()[1][0] >= 1.3);
+  TRUE(Geometry::surface(1, 1, square).info().kind == LC_KIND_SURFACE);
+  const std::vector<double> weights(4, 1.0);
+  TRUE(Geometry::surface(1, 1, square, weights).info().is_solid == 0);
   const std::vector<Cell> cells{{0, 0, 0}, {3, 0, 0}};
   TRUE(Geometry::voxels({0, 0, 0}, {1, 1, 1}, cells).bounding_box()[1][0] >= 4);
   const double heights[] = {0, 1, 0, 1, 2, 1};
@@ -83,7 +88,8 @@ static void pairs() {
   const std::vector<lc_pose> poses(100, at(1.5, 0, 0));
   const auto all = pair.ask_many(identity, poses, LC_DISTANCE);
   TRUE(all.size() == 100 && all[99].lower <= .5 && .5 <= all[99].upper && (all[99].answered & LC_POINTS) == 0);
-  TRUE(!pair.replay(identity, at(3, 0, 0)).empty());
+  const std::string replay = pair.replay(identity, at(3, 0, 0));
+  TRUE(std::fabs(Pair::answer_of(replay).distance - 2) < 1e-12);
   Pair other;
   other = std::move(pair);
   TRUE(other && status_of([&] { pair.reset(); }) == LC_HANDLE);
@@ -123,6 +129,10 @@ static void checkers() {
   checker.set_pair_margin(blocked.a, blocked.b, -1);
   TRUE(checker.is_free(a));
   checker.set_start_contact(.1);
+  const double both[] = {0, 0, 0, 0, 2, 0};
+  const auto nearest = checker.nearest(both, 2, INFINITY, 2);
+  TRUE(nearest.pairs.size() == 4 && nearest.pairs[0].b.id == blocked.b.id && nearest.pairs[1].a.id == 0);
+  TRUE(nearest.gradients.size() == 12 && std::fabs(nearest.gradients[0] + 1) < 1e-9 && nearest.pairs[2].distance > 2);
   const std::vector<double> odd(4);
   bool is_thrown = false;
   try {

@@ -66,6 +66,95 @@ fn bits<const N: usize>(numbers: [f64; N]) -> [u64; N] {
     numbers.map(f64::to_bits)
 }
 
+/// Returns a geometry of each constructor that [`geometries`] leaves out, in Rust and in C.
+fn other_geometries() -> Vec<(Geometry, lc_geometry)> {
+    let mut random = Random(5);
+    let points = |v: &[[f64; 3]]| v.iter().map(|p| Point3::from(*p)).collect::<Vec<_>>();
+    let shape = |kind: u32, parameters: &[f64]| {
+        // SAFETY: an array of the stated length.
+        written(|out| unsafe { lc_shape_new(kind, parameters.as_ptr(), parameters.len(), out) })
+    };
+    let axes = Vector3::new(0.5, 0.25, 0.75);
+    let mut all: Vec<(Geometry, lc_geometry)> = vec![
+        (Shape::ball(0.5).unwrap().into(), shape(LC_BALL, &[0.5])),
+        (
+            Shape::capsule(0.5, 0.25).unwrap().into(),
+            shape(LC_CAPSULE, &[0.5, 0.25]),
+        ),
+        (Shape::cone(0.5, 0.25).unwrap().into(), shape(LC_CONE, &[0.5, 0.25])),
+        (
+            Shape::superquadric(axes, 0.5, 1.25).unwrap().into(),
+            shape(LC_SUPERQUADRIC, &[0.5, 0.25, 0.75, 0.5, 1.25]),
+        ),
+        (
+            ConvexPolyhedron::point(Point3::new(0.5, 0.25, 0.75)).unwrap().into(),
+            shape(LC_POINT, &[0.5, 0.25, 0.75]),
+        ),
+    ];
+
+    let pyramid = [
+        [-1.0, -1.0, 0.0],
+        [1.0, -1.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [-1.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+    ];
+    let base = &pyramid[..4];
+    // SAFETY: an array of the stated length.
+    let polygon = written(|out| unsafe { lc_polygon_new(base.as_ptr().cast(), 4, out) });
+    all.push((ConvexPolyhedron::polygon(&points(base)).unwrap().into(), polygon));
+    let (sizes, indices) = (
+        [4_u32, 3, 3, 3, 3],
+        [3_u32, 2, 1, 0, 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4],
+    );
+    let of_c = (pyramid.as_ptr().cast(), sizes.as_ptr(), indices.as_ptr());
+    // SAFETY: arrays of the stated lengths.
+    let faces = written(|out| unsafe { lc_faces_new(of_c.0, 5, of_c.1, 5, of_c.2, indices.len(), out) });
+    let (bottom, sides) = indices.split_at(4);
+    let all_faces: Vec<&[u32]> = std::iter::once(bottom).chain(sides.chunks(3)).collect();
+    let rust = ConvexPolyhedron::from_faces(&points(&pyramid), &all_faces).unwrap();
+    all.push((rust.into(), faces));
+
+    let heights: Vec<f64> = (0..12).map(|_| random.uniform()).collect();
+    for base in [None, Some(-2.0)] {
+        let given = base.as_ref().map_or(null(), |z: &f64| &raw const *z);
+        // SAFETY: arrays of the stated lengths, and a base or null.
+        let mesh = written(|out| unsafe { lc_heights_new(heights.as_ptr(), 3, 4, 0.5, 0.25, given, out) });
+        let rust = Mesh::from_heights(3, 4, [0.5, 0.25], &heights, base).unwrap();
+        all.push((rust.into(), mesh));
+    }
+
+    let places: Vec<[f64; 3]> = (0..30).map(|_| random.vector(1.0)).collect();
+    let radii: Vec<f64> = (1..=30).map(|k| 0.01 * f64::from(k)).collect();
+    // SAFETY: arrays of the stated lengths.
+    let cloud = written(|out| unsafe { lc_cloud_new(places.as_ptr().cast(), 30, 0.0, radii.as_ptr(), out) });
+    let rust = Cloud::new(&points(&places), CloudElement::Balls(radii)).unwrap();
+    all.push((rust.into(), cloud));
+    let (origin, size, cells) = (
+        [0.25, 0.5, -1.0],
+        [0.5, 0.25, 0.75],
+        [[0_u16, 0, 0], [3, 1, 2], [1, 2, 0]],
+    );
+    // SAFETY: arrays of the stated lengths.
+    let voxels = written(|out| unsafe { lc_voxels_new(origin.as_ptr(), size.as_ptr(), cells.as_ptr().cast(), 3, out) });
+    let rust = Cloud::from_cells(origin.into(), size.into(), &cells).unwrap();
+    all.push((rust.into(), voxels));
+
+    // Two rational patches of different degrees.
+    let net: Vec<[f64; 3]> = (0..12)
+        .map(|k| {
+            let (x, y) = (f64::from(k % 6 / 3) + f64::from(k / 6), f64::from(k % 3) - 1.0);
+            [x, y, 0.3 * x * y]
+        })
+        .collect();
+    let weights: Vec<f64> = (0..12).map(|k| 1.0 + 0.1 * f64::from(k % 5)).collect();
+    // SAFETY: arrays of two patches of six control points.
+    let surface = written(|out| unsafe { lc_surface_new(1, 2, net.as_ptr().cast(), weights.as_ptr(), 2, out) });
+    let patch = |k: usize| BezierPatch::rational([1, 2], &points(&net[6 * k..][..6]), &weights[6 * k..][..6]).unwrap();
+    all.push((BezierSurface::new(vec![patch(0), patch(1)]).unwrap().into(), surface));
+    all
+}
+
 /// Returns a geometry of every kind, in Rust and in C.
 fn geometries() -> Vec<(Geometry, lc_geometry)> {
     let mut random = Random(1);
@@ -194,7 +283,7 @@ fn same_hit(r: &RayCast, c: &lc_ray_hit) -> bool {
 #[test]
 fn boxes_have_the_bits_of_rust() {
     let mut random = Random(6);
-    for (geometry, handle) in geometries() {
+    for (geometry, handle) in geometries().into_iter().chain(other_geometries()) {
         for _ in 0..QUERIES / 10 {
             let pose = random.pose(5.0);
             let (low, high) = geometry.aabb_at(&pose, &mut BoxHint::default());

@@ -90,6 +90,26 @@ fn queries_of_pairs_have_the_bits_of_rust() {
 }
 
 #[test]
+fn geometries_of_other_constructors_have_the_bits_of_rust() {
+    let mut random = Random(21);
+    let (can, others) = (geometries().swap_remove(4), other_geometries());
+    for (k, (geometry, handle)) in others.iter().enumerate() {
+        let name = format!("{k}, a {}", geometry.kind());
+        // SAFETY: a place for a handle.
+        let pair = written(|out| unsafe { lc_pair_new(*handle, can.1, out) });
+        let mut tracker = PairTracker::new();
+        for _ in 0..QUERIES / others.len() + 1 {
+            let pose_b = random.pose(2.0);
+            let pose = relative(&pose_b);
+            let r = tracker.closest(geometry, &can.0, &pose);
+            let subshapes = r.locations.map(|location| location.subshape);
+            same(&r, subshapes, &pose, &ask(pair, &pose_b, ALL), &name);
+        }
+        ok(lc_pair_free(pair));
+    }
+}
+
+#[test]
 fn batches_have_the_bits_of_rust() {
     let mut random = Random(13);
     for_all_pairs(|tracker, pair, [a, b], name| {
