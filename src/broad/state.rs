@@ -3,6 +3,7 @@
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
+use crate::base::num::scalar::sqrt;
 use crate::broad::body::{Bodies, UNBOUNDED};
 use crate::broad::change::{Changes, pair_key};
 use crate::broad::pairs::PairSlots;
@@ -143,7 +144,7 @@ pub(super) fn nearest(
                 body: *id,
                 // The axes are in one order for any swept axis, so the sum is equal to the last
                 // bit.
-                distance: libm::sqrt(stored.rotated(back).distance_squared(&asked.rotated(back))),
+                distance: sqrt(stored.rotated(back).distance_squared(&asked.rotated(back))),
             }
         };
         out.clear();
