@@ -144,8 +144,26 @@ impl Engine {
     }
 
     /// Returns the closest points.
+    ///
+    /// Two polyhedra are queried in the code of the caller, where no outcome is copied; a call for
+    /// all kinds would be too long for that.
     #[inline]
     pub(super) fn closest_with(
+        &mut self,
+        bodies: [GeometryRef<'_>; 2],
+        pose: &RelativePose,
+        question: &QueryOptions,
+    ) -> PairOutcome {
+        if let Self::Polyhedra(engine) = self
+            && let Some(mut pair) = engine.pair(bodies)
+        {
+            return pair.closest_with(pose, question);
+        }
+        self.closest_of_others(bodies, pose, question)
+    }
+
+    #[inline(never)]
+    fn closest_of_others(
         &mut self,
         bodies: [GeometryRef<'_>; 2],
         pose: &RelativePose,

@@ -372,11 +372,11 @@ impl ClosestSearch<'_> {
         self.best.map_or(f64::INFINITY, |near| near.outcome.upper)
     }
 
-    /// Returns whether a pair may come before the best one: it may be closer, or as close with lower
-    /// indices.
+    /// Returns whether a pair may come before the best one: closer, or as close with lower indices.
     fn may_be_closer(&self, &(bound, a, b): &Candidate) -> bool {
         self.best.is_none_or(|best| {
-            bound < best.outcome.upper || bound == best.outcome.upper && (a, b) < (best.a.index, best.b.index)
+            let upper = best.outcome.upper;
+            bound < upper || bound == upper && (a, b) < (best.a.index, best.b.index)
         })
     }
 

@@ -3,8 +3,9 @@
 use std::path::Path;
 
 /// The packages of the workspace that have programs, examples or tests.
-const PACKAGES: [&str; 12] = [
+const PACKAGES: [&str; 13] = [
     ".",
+    "crates/capi",
     "crates/formats",
     "crates/parry",
     "crates/plan",

@@ -267,6 +267,7 @@ impl ConvexPolyhedron {
     }
 
     /// Returns the stored unit, `2^exponent`: stored lengths times this unit are the caller's.
+    #[inline]
     pub(crate) fn unit(&self) -> f64 {
         power_of_two(self.exponent)
     }
