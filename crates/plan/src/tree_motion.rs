@@ -159,6 +159,8 @@ pub struct TreeSegment {
     curve: JointCurve,
     /// Bounds of each link over the whole curve.
     whole: Vec<WholeBounds>,
+    /// Bounds of the model of each body along a straight segment, which hold at all times.
+    straight: Vec<ModelBounds>,
     /// For each part of the curve, once it is needed, pose and motion model of each body at the
     /// start of the part, where the first queries of most pairs are.
     starts: Vec<OnceLock<PlacedBodies>>,
@@ -174,13 +176,32 @@ impl TreeSegment {
             whole.push(link);
         }
         let turned = whole.iter().map(|link| link.turned).fold(0.0, f64::larger);
-        Self {
+        let mut segment = Self {
             starts: std::vec![OnceLock::new(); parts(&curve, turned)],
             whole,
+            straight: Vec::new(),
             tree: tree.clone(),
             bodies: bodies.clone(),
             curve,
+        };
+        if segment.curve.degree() == 1 {
+            segment.straight = segment.straight_bounds();
         }
+        segment
+    }
+
+    /// Returns the bounds of the model of each body along a straight segment.
+    fn straight_bounds(&self) -> Vec<ModelBounds> {
+        let mut links = Vec::with_capacity(self.tree.joints().len() + 1);
+        links.push(SpanBounds::new(1));
+        for (index, joint) in self.tree.joints().iter().enumerate() {
+            let mut link: SpanBounds = links[joint.parent];
+            let rates = joint.drive.map(|d| self.curve.state(d.coordinate, 0.0, 1.0, 1).bounds);
+            link.pass(joint, self.tree.0.lengths[index], &self.curve, rates);
+            links.push(link);
+        }
+        let bodies = self.bodies.links.iter().enumerate();
+        bodies.map(|(body, &link)| links[link].model(self, body)).collect()
     }
 
     /// Returns pose and motion model of each body if they are shared by all queries of this span: at
@@ -218,18 +239,56 @@ impl TreeSegment {
             is_needed[joint.parent] |= is_needed[index + 1];
         }
         let mut links = Vec::with_capacity(joints.len() + 1);
-        links.push(LinkMotion::new(*self.tree.base(), used_parts(&self.curve, span)));
+        links.push((LinkMotion::new(*self.tree.base()), self.span_bounds(span)));
         for (index, joint) in joints.iter().enumerate() {
-            let mut link: LinkMotion = links[joint.parent];
+            let (mut link, mut bounds) = links[joint.parent];
             if is_needed[index + 1] {
-                link.pass(joint, self.tree.0.lengths[index], &self.curve, time, span);
+                self.pass((index, joint), &mut link, &mut bounds, time, span);
             }
-            links.push(link);
+            links.push((link, bounds));
         }
         placed.extend(bodies.iter().map(|&body| {
-            let link = &links[self.bodies.links[body]];
-            (link.pose, link.model(self, body, span))
+            let (link, bounds) = &links[self.bodies.links[body]];
+            (link.pose, self.model_of(body, *link, bounds.as_ref(), span))
         }));
+    }
+
+    /// Returns the bounds of the base over a span; `None` along a straight segment, whose bounds are
+    /// known.
+    fn span_bounds(&self, span: f64) -> Option<SpanBounds> {
+        (self.curve.degree() > 1).then(|| SpanBounds::new(used_parts(&self.curve, span)))
+    }
+
+    /// Passes a joint at a time, to the link that it moves.
+    fn pass(
+        &self,
+        (index, joint): (usize, &TreeJoint),
+        link: &mut LinkMotion,
+        bounds: &mut Option<SpanBounds>,
+        time: f64,
+        span: f64,
+    ) {
+        let Some(bounds) = bounds else {
+            let values = joint.drive.map(|d| {
+                let of = |order| self.curve.value(d.coordinate, order, time);
+                [of(0), of(1), 0.0]
+            });
+            link.pass(joint, values);
+            return;
+        };
+        let state = joint.drive.map(|d| self.curve.state(d.coordinate, time, span, bounds.used));
+        link.pass(joint, state.map(|state| state.values));
+        let rates = state.map(|state| state.bounds);
+        bounds.pass(joint, self.tree.0.lengths[index], &self.curve, rates);
+    }
+
+    /// Returns the motion model of a body about its middle.
+    fn model_of(&self, body: usize, link: LinkMotion, bounds: Option<&SpanBounds>, span: f64) -> MotionModel {
+        let middle = self.bodies.middles[body];
+        match bounds {
+            None => link.model(middle, &self.straight[body], span),
+            Some(bounds) => link.model(middle, &bounds.model(self, body), span),
+        }
     }
 }
 
@@ -307,11 +366,16 @@ impl SegmentMotion for TreeSegment {
             0 => (*self.tree.base(), 0),
             _ => (Isometry3::identity(), self.tree.path(stem).len()),
         };
-        let mut motion = LinkMotion::new(start, used_parts(&self.curve, span));
-        for (index, joint) in self.tree.path(self.bodies.links[body]).skip(shared) {
-            motion.pass(joint, self.tree.0.lengths[index], &self.curve, time, span);
+        let mut motion = LinkMotion::new(start);
+        // Relative to a stem, bounds are smaller than in the world.
+        let mut bounds = match stem {
+            0 => self.span_bounds(span),
+            _ => Some(SpanBounds::new(used_parts(&self.curve, span))),
+        };
+        for passed in self.tree.path(self.bodies.links[body]).skip(shared) {
+            self.pass(passed, &mut motion, &mut bounds, time, span);
         }
-        (motion.pose, motion.model(self, body, span))
+        (motion.pose, self.model_of(body, motion, bounds.as_ref(), span))
     }
 
     fn placed_all(&self, bodies: &[usize], time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
@@ -504,6 +568,85 @@ impl WholeBounds {
     }
 }
 
+/// Bounds of the motion of a link over nested parts of a span, of which so many are used.
+#[derive(Clone, Copy, Debug)]
+struct SpanBounds {
+    parts: [PathBounds; PARTS],
+    used: usize,
+}
+
+impl SpanBounds {
+    fn new(used: usize) -> Self {
+        Self {
+            parts: [PathBounds::default(); PARTS],
+            used,
+        }
+    }
+
+    /// Passes a joint with bounds of the derivatives of its coordinate. Its origin is at most `far`
+    /// from that of the parent link.
+    fn pass(&mut self, joint: &TreeJoint, far: f64, curve: &JointCurve, rates: Option<[[f64; 3]; PARTS]>) {
+        let parts = &mut self.parts[..self.used];
+        parts.iter_mut().for_each(|bounds| bounds.carry(far));
+        let (Some(drive), Some(rates)) = (joint.drive, rates) else {
+            return;
+        };
+        let (factor, most) = (drive.factor.abs(), farthest(joint, curve));
+        for (bounds, rates) in parts.iter_mut().zip(rates) {
+            bounds.pass(joint.kind, rates.map(|x| factor * x), most);
+        }
+    }
+
+    /// Returns the bounds of the model of a body about its middle.
+    ///
+    /// Errors count twice, because a bound holds between two rounded poses.
+    fn model(mut self, segment: &TreeSegment, body: usize) -> ModelBounds {
+        let middle = segment.bodies.middles[body];
+        let mut whole = segment.whole[segment.bodies.links[body]];
+        let used = self.used;
+        if middle != Point3::origin() {
+            let far = length(&middle.coords);
+            for bounds in &mut self.parts[..used] {
+                bounds.carry(far);
+            }
+            whole.path.carry(far);
+            whole.reach_on(middle.coords.abs().sum());
+        }
+        let error = 2.0 * whole.turn + ARM_PLACE + segment.curve.value_error();
+        let graded = |parts: &[f64; PARTS], of: &dyn Fn(&PathBounds) -> f64| match used {
+            1 => of(&self.parts[0]) * GROWTH,
+            _ => self.parts.iter().zip(parts).map(|(b, part)| of(b) * part).sum::<f64>() * GROWTH,
+        };
+        let [still, even] = [2.0 * whole.turn, error * whole.path.rates[0]];
+        ModelBounds {
+            shift: Remainder([
+                2.0 * whole.place,
+                2.0 * error * whole.path.place[0],
+                4.0 * error * whole.path.place[1],
+                graded(&CUBIC, &|b| b.place[2]),
+            ]),
+            turn: Remainder([still, even, graded(&SQUARE, &|b| b.bend[0]), 0.0]),
+            bend: 4.0 * error * whole.path.bend[0],
+            jerk: graded(&CUBIC, &|b| b.bend[1]),
+        }
+    }
+}
+
+/// Growth of a bound by the rounding of its terms.
+const GROWTH: f64 = 1.0 + ARM_PLACE;
+
+/// Bounds of the model of a body.
+#[derive(Clone, Copy, Debug)]
+struct ModelBounds {
+    shift: Remainder,
+    /// Bound of the rotation without the angular acceleration.
+    turn: Remainder,
+    /// Rounding of the angular acceleration.
+    bend: f64,
+    /// Bound of the second derivative of the angular velocity.
+    jerk: f64,
+}
+
 /// State of the recursion from the base outward: one link.
 #[derive(Clone, Copy)]
 struct LinkMotion {
@@ -512,38 +655,29 @@ struct LinkMotion {
     acceleration: Vector3<f64>,
     angular: Vector3<f64>,
     angular_acceleration: Vector3<f64>,
-    /// Bounds over the nested parts of the span, of which so many are used.
-    bounds: [PathBounds; PARTS],
-    used: usize,
 }
 
 impl LinkMotion {
-    fn new(pose: Isometry3<f64>, used: usize) -> Self {
+    fn new(pose: Isometry3<f64>) -> Self {
         Self {
             pose,
             linear: Vector3::zeros(),
             acceleration: Vector3::zeros(),
             angular: Vector3::zeros(),
             angular_acceleration: Vector3::zeros(),
-            bounds: [PathBounds::default(); PARTS],
-            used,
         }
     }
 
-    /// Passes a joint at a time, to the link that it moves. Its origin is at most `far` from that
-    /// of the parent link.
-    fn pass(&mut self, joint: &TreeJoint, far: f64, curve: &JointCurve, time: f64, span: f64) {
+    /// Passes a joint, to the link that it moves, with the value of its coordinate and its first two
+    /// derivatives.
+    fn pass(&mut self, joint: &TreeJoint, values: Option<[f64; 3]>) {
         let apart = self.pose.rotation * joint.origin.translation.vector;
         self.carry(&apart);
-        for bounds in &mut self.bounds[..self.used] {
-            bounds.carry(far);
-        }
-        let Some(drive) = joint.drive else {
+        let (Some(drive), Some(values)) = (joint.drive, values) else {
             self.pose = joint.after_origin(&self.pose, &apart, 0.0);
             return;
         };
-        let state = curve.state(drive.coordinate, time, span, self.used);
-        let [value, rate, bend] = state.values.map(|x| drive.factor * x);
+        let [value, rate, bend] = values.map(|x| drive.factor * x);
         let value = value + drive.offset;
         self.pose = joint.after_origin(&self.pose, &apart, value);
         let axis = self.pose.rotation * joint.axis.into_inner();
@@ -558,10 +692,6 @@ impl LinkMotion {
                 self.acceleration += self.angular.cross(&axis) * (2.0 * rate) + axis * bend;
             }
         }
-        let (factor, most) = (drive.factor.abs(), farthest(joint, curve));
-        for (bounds, rates) in self.bounds[..self.used].iter_mut().zip(state.bounds) {
-            bounds.pass(joint.kind, rates.map(|x| factor * x), most);
-        }
     }
 
     /// Moves the origin along a vector that rotates with the link.
@@ -572,45 +702,22 @@ impl LinkMotion {
     }
 
     /// Returns the motion about the middle of a body.
-    ///
-    /// Errors count twice, because a bound holds between two rounded poses.
-    fn model(mut self, segment: &TreeSegment, body: usize, span: f64) -> MotionModel {
-        let (middle, curve) = (segment.bodies.middles[body], &segment.curve);
-        let mut whole = segment.whole[segment.bodies.links[body]];
-        let used = self.used;
+    fn model(mut self, middle: Point3<f64>, bounds: &ModelBounds, span: f64) -> MotionModel {
         if middle != Point3::origin() {
             self.carry(&(self.pose.rotation * middle.coords));
-            let far = length(&middle.coords);
-            for bounds in &mut self.bounds[..used] {
-                bounds.carry(far);
-            }
-            whole.path.carry(far);
-            whole.reach_on(middle.coords.abs().sum());
         }
-        let error = 2.0 * whole.turn + ARM_PLACE + curve.value_error();
-        let growth = 1.0 + ARM_PLACE;
-        let graded = |parts: &[f64; PARTS], of: &dyn Fn(&PathBounds) -> f64| match used {
-            1 => of(&self.bounds[0]) * growth,
-            _ => self.bounds.iter().zip(parts).map(|(b, part)| of(b) * part).sum::<f64>() * growth,
-        };
-        let [still, even] = [2.0 * whole.turn, error * whole.path.rates[0]];
-        let by_bound = Remainder([still, even, graded(&SQUARE, &|b| b.bend[0]), 0.0]);
-        let now = self.angular_acceleration.norm() * growth + 4.0 * error * whole.path.bend[0];
-        let by_instant = Remainder([still, even, now, graded(&CUBIC, &|b| b.bend[1])]);
+        let Remainder([still, even, ..]) = bounds.turn;
+        let now = self.angular_acceleration.norm() * GROWTH + bounds.bend;
+        let by_instant = Remainder([still, even, now, bounds.jerk]);
         let near = 0.25 * span;
-        let is_instant = by_instant.at(near) < by_bound.at(near);
+        let is_instant = by_instant.at(near) < bounds.turn.at(near);
         MotionModel {
             pivot: middle,
             linear: self.linear,
             angular: self.angular,
             acceleration: self.acceleration,
-            shift: Remainder([
-                2.0 * whole.place,
-                2.0 * error * whole.path.place[0],
-                4.0 * error * whole.path.place[1],
-                graded(&CUBIC, &|b| b.place[2]),
-            ]),
-            turn: if is_instant { by_instant } else { by_bound },
+            shift: bounds.shift,
+            turn: if is_instant { by_instant } else { bounds.turn },
         }
     }
 }
