@@ -28,7 +28,7 @@ use lin_canny::{EXTENT_MAX, MovingPair, Operand, RelativePose};
 const CONTACT: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// Factor by which the radius of a tube grows for swept boxes, more than sums round.
-const GROWN: f64 = 1.0 + 8.0 * f64::EPSILON;
+pub(crate) const GROWN: f64 = 1.0 + 8.0 * f64::EPSILON;
 
 /// Least number of parts of a curve with a tube of joints, a power of two. Not measured.
 const TUBE_PARTS: u32 = 16;
@@ -63,10 +63,12 @@ pub struct Checker<C> {
     /// For each mover its swept boxes, each with the time at which it ends.
     swept_boxes: Vec<Vec<(f64, Aabb)>>,
     pub(crate) poses: Vec<Isometry3<f64>>,
+    /// The balls around the movers at a configuration.
+    pub(crate) placed_balls: Vec<(Point3<f64>, f64)>,
     /// Pairs that were not free at single configurations, the latest first.
     pub(crate) hits: Vec<usize>,
-    /// Scratch memory: distances of balls, with their pairs.
-    pub(crate) order: Vec<(f64, PairKey, usize)>,
+    /// Scratch memory: ranks among the recent collisions and distances of balls, with their pairs.
+    pub(crate) order: Vec<(usize, f64, PairKey, usize)>,
     /// Distance within which the last clearance was found; the next search starts with it.
     pub(crate) reach: f64,
     /// Whether predicates run before distances.
@@ -118,6 +120,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             placed: Vec::new(),
             swept_boxes: Vec::new(),
             poses: Vec::new(),
+            placed_balls: Vec::new(),
             hits: Vec::new(),
             order: Vec::new(),
             range_bodies: RangeBodies::new(),

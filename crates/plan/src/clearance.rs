@@ -7,18 +7,18 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
-use crate::checker::Checker;
+use crate::checker::{Checker, GROWN};
 use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::pairs::{OwnBox, PairKey, SweptBox};
+use crate::pairs::{OwnBox, PairKey};
 use crate::space::{ConfigurationSpace, SegmentMotion};
 use crate::tolerance::{PLACED, PLACED_BALL};
 use crate::world::{Named, WorldPair};
+use lin_canny::broad::Aabb;
 use lin_canny::ContactState;
 use lin_canny::RelativePose;
 use lin_canny::impact::Impact;
-use lin_canny::motion::{Motion, Steady, Velocity};
 
 /// Configurations of a segment that are measured before its clearance is proven. Not measured.
 const SAMPLES: u32 = 8;
@@ -139,6 +139,16 @@ pub struct SegmentClearance {
     pub pair: Option<WorldPair>,
 }
 
+/// Returns a ball in the world, enlarged by the rounding of its position and of its distance from
+/// another one.
+fn placed_ball((centre, radius): (Point3<f64>, f64), pose: &Isometry3<f64>) -> (Point3<f64>, f64) {
+    let (out, at) = (centre.coords.abs().sum(), pose.translation.vector.abs().sum());
+    (
+        pose * centre,
+        radius + PLACED_BALL * out + PLACED * (radius + out + at),
+    )
+}
+
 impl<C: ConfigurationSpace> Checker<C> {
     /// Returns the pair of least signed distance at a configuration; `None` if there is no pair.
     ///
@@ -181,6 +191,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     fn measured(&mut self, q: &[f64], poses: &[Isometry3<f64>], slack: f64) -> Result<Vec<NearPair>, PlanError> {
         self.work.configurations += 1;
+        self.place_balls(poses);
         let mut found: Vec<MeasuredPair> = Vec::new();
         let mut least = f64::INFINITY;
         // Start with the distance of the last result. Pairs left out are farther than `reach`.
@@ -228,22 +239,22 @@ impl<C: ConfigurationSpace> Checker<C> {
         found
     }
 
-    /// Collects the pairs whose boxes overlap that of a mover, grown by a distance.
+    /// Collects the pairs whose boxes overlap that of the ball around a mover, grown by a distance.
     fn gather_about(&mut self, reach: impl Fn(usize) -> f64, poses: &[Isometry3<f64>]) -> Result<(), PlanError> {
         self.candidates.clear();
-        for (mover, pose) in poses.iter().enumerate() {
-            let Some(ball) = self.pairs.mover_balls[mover] else {
+        for mover in 0..poses.len() {
+            if self.pairs.mover_balls[mover].is_none() {
                 continue;
-            };
+            }
             let reach = reach(mover);
             if !(reach < f64::INFINITY) {
                 self.candidates.clear();
                 self.pairs.with_obstacles(&mut self.candidates);
                 break;
             }
-            let still = Steady::new(pose, Velocity::default())?;
-            let still = Motion::model(&still, 0.0, 1.0);
-            let about = SweptBox::new(ball, pose, &still, 0.0).grown(reach);
+            let (centre, radius) = self.placed_balls[mover];
+            let most = (radius + reach) * GROWN + PLACED * centre.coords.abs().sum();
+            let about = Aabb::new(centre, centre).grown(most);
             self.pairs.near(mover, &about, &mut self.candidates)?;
         }
         self.candidates.extend(self.pairs.own.values());
@@ -262,7 +273,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ) -> Result<(), PlanError> {
         let candidates = self.candidates.iter();
         let keyed = candidates.map(|&index| {
-            let (gap, key) = (self.ball_gap(index, poses), self.pairs.all[index].key);
+            let (gap, key) = (self.ball_gap(index), self.pairs.all[index].key);
             Candidate {
                 bound: gap,
                 key,
@@ -305,23 +316,25 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(())
     }
 
-    /// Returns a lower bound of the distance of the balls around both bodies; negative if they
-    /// overlap.
-    pub(crate) fn ball_gap(&self, index: usize, poses: &[Isometry3<f64>]) -> f64 {
-        let [(p, r), (q, s)] = self.balls(index, poses);
-        (q - p).norm() - r - s
+    /// Places the balls around all movers, for [`ball_gap`](Self::ball_gap).
+    pub(crate) fn place_balls(&mut self, poses: &[Isometry3<f64>]) {
+        let mut placed = core::mem::take(&mut self.placed_balls);
+        placed.clear();
+        let balls = self.pairs.mover_balls.iter().zip(poses);
+        placed.extend(balls.map(|(ball, pose)| placed_ball(ball.unwrap_or((Point3::origin(), 0.0)), pose)));
+        self.placed_balls = placed;
     }
 
-    /// Returns the balls around both bodies of a pair in the world, enlarged by the rounding of
-    /// their positions and of their distance.
-    fn balls(&self, index: usize, poses: &[Isometry3<f64>]) -> [(Point3<f64>, f64); 2] {
+    /// Returns a lower bound of the distance of the balls around both bodies; negative if they
+    /// overlap. [`place_balls`](Self::place_balls) comes first.
+    pub(crate) fn ball_gap(&self, index: usize) -> f64 {
         let pair = self.pairs.all[index].pair;
-        [pair.a, pair.b].map(|part| {
-            let pose = self.pairs.places.pose(part, poses);
-            let (centre, radius) = self.pairs.ball(part);
-            let (out, at) = (centre.coords.abs().sum(), pose.translation.vector.abs().sum());
-            (pose * centre, radius + PLACED_BALL * out + PLACED * (radius + out + at))
-        })
+        let places = &self.pairs.places;
+        let [(p, r), (q, s)] = [pair.a, pair.b].map(|part| match (places.mover(part), part) {
+            (Some(mover), _) => self.placed_balls[mover],
+            (None, _) => placed_ball(self.pairs.ball(part), places.pose(part, &[])),
+        });
+        (q - p).norm() - r - s
     }
 
     /// Returns whether the boxes around both bodies are proven farther apart than a distance.

@@ -50,26 +50,29 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the index of a pair that is not proven to keep the margin.
     fn first_hit(&mut self, poses: &[Isometry3<f64>]) -> Result<Option<usize>, PlanError> {
+        self.place_balls(poses);
         for k in 0..self.hits.len().min(HITS_FIRST) {
             let index = self.hits[k];
-            if self.near_by(index, poses).is_some() && !self.keeps_margin(index, poses)? {
+            if self.near_by(index).is_some() && !self.keeps_margin(index, poses)? {
                 return Ok(Some(index));
             }
         }
-        let asked = self.hits.len().min(HITS_FIRST);
         self.gather_kept(poses)?;
         let mut order = core::mem::take(&mut self.order);
         order.clear();
-        let candidates = self.candidates.iter().filter(|k| !self.hits[..asked].contains(k));
-        order.extend(candidates.filter_map(|&k| Some((self.near_by(k, poses)?, self.pairs.all[k].key, k))));
-        // Recent collisions come first.
-        let rank = |k: usize| self.hits.iter().position(|&h| h == k).unwrap_or(HITS);
+        order.extend(self.candidates.iter().filter_map(|&k| {
+            let gap = self.near_by(k)?;
+            // Recent collisions come first; the first few are known to be apart.
+            let rank = self.hits.iter().position(|&hit| hit == k);
+            let is_new = rank.is_none_or(|rank| rank >= HITS_FIRST);
+            is_new.then(|| (rank.unwrap_or(HITS), gap, self.pairs.all[k].key, k))
+        }));
         order.sort_unstable_by(|x, y| {
-            let by_rank = rank(x.2).cmp(&rank(y.2));
-            by_rank.then(x.0.total_cmp(&y.0)).then(x.1.cmp(&y.1))
+            let by_rank = x.0.cmp(&y.0);
+            by_rank.then(x.1.total_cmp(&y.1)).then(x.2.cmp(&y.2))
         });
         let mut found = Ok(None);
-        for &(_, _, index) in &order {
+        for &(_, _, _, index) in &order {
             match self.keeps_margin(index, poses) {
                 Ok(true) => continue,
                 Ok(false) => found = Ok(Some(index)),
@@ -82,8 +85,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Returns the distance of the balls around both bodies, unless it is beyond the margin.
-    fn near_by(&self, index: usize, poses: &[Isometry3<f64>]) -> Option<f64> {
-        let gap = self.ball_gap(index, poses);
+    fn near_by(&self, index: usize) -> Option<f64> {
+        let gap = self.ball_gap(index);
         (gap <= self.kept(index)).then_some(gap)
     }
 
@@ -126,11 +129,12 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     fn touching(&mut self, poses: &[Isometry3<f64>]) -> Result<Vec<WorldPair>, PlanError> {
+        self.place_balls(poses);
         self.gather_within(0.0, poses)?;
         let candidates = core::mem::take(&mut self.candidates);
         let mut found = Vec::new();
         for &index in &candidates {
-            if self.ball_gap(index, poses) > 0.0
+            if self.ball_gap(index) > 0.0
                 || self.boxes_apart(index, poses, 0.0)
                 || self.hulls_apart(index, poses, 0.0)?
             {
