@@ -421,15 +421,15 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns whether the segment between two configurations is proven free.
     ///
-    /// Does not search for the first contact. If a body is not convex, a predicate costs far less
-    /// than a distance, so the last and the middle configuration are tested first
-    /// ([`is_free_at`](Self::is_free_at)).
+    /// Does not search for the first contact. A predicate costs less than a proof, so the middle
+    /// configuration is tested first ([`is_free_at`](Self::is_free_at)), and the last one if a body
+    /// is not convex.
     ///
     /// # Errors
     /// Returns an error if a configuration is invalid.
     pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
         let segment = self.segment(from, to)?;
-        if self.samples_first() && !self.is_free_at(to)? {
+        if self.has_parts && self.samples_first() && !self.is_free_at(to)? {
             self.work.segments += 1;
             return Ok(false);
         }
@@ -447,7 +447,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns whether predicates at single configurations come before the proof of a segment.
     fn samples_first(&self) -> bool {
-        self.has_parts && self.start_contact_margin.is_none()
+        self.start_contact_margin.is_none()
     }
 
     /// Returns the proof that a segment is free: the certificates of all pairs.

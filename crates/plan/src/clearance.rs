@@ -15,9 +15,9 @@ use crate::pairs::{OwnBox, PairKey};
 use crate::space::{ConfigurationSpace, SegmentMotion};
 use crate::tolerance::{PLACED, PLACED_BALL};
 use crate::world::{Named, WorldPair};
-use lin_canny::broad::Aabb;
 use lin_canny::ContactState;
 use lin_canny::RelativePose;
+use lin_canny::broad::Aabb;
 use lin_canny::impact::Impact;
 
 /// Configurations of a segment that are measured before its clearance is proven. Not measured.
@@ -143,10 +143,7 @@ pub struct SegmentClearance {
 /// another one.
 fn placed_ball((centre, radius): (Point3<f64>, f64), pose: &Isometry3<f64>) -> (Point3<f64>, f64) {
     let (out, at) = (centre.coords.abs().sum(), pose.translation.vector.abs().sum());
-    (
-        pose * centre,
-        radius + PLACED_BALL * out + PLACED * (radius + out + at),
-    )
+    (pose * centre, radius + PLACED_BALL * out + PLACED * (radius + out + at))
 }
 
 impl<C: ConfigurationSpace> Checker<C> {

@@ -304,7 +304,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let to = self.space.between(&path[j], &path[j + 1], y);
         let way: f64 = lengths[i] * (1.0 - x) + lengths[i + 1..j].iter().sum::<f64>() + lengths[j] * y;
         // A shortcut that saves almost nothing only adds configurations.
-        if self.space.distance(&from, &to) > way * (1.0 - SAVED) {
+        if self.space.distance(&from, &to) > way - SAVED * whole {
             return Ok(());
         }
         let at_once = parts == Parts::ProveAtOnce;
@@ -423,8 +423,9 @@ impl Corners {
 /// Times at which a predicate tests a shortcut before it is proven. Not measured.
 const INSIDE: [f64; 3] = [0.5, 0.25, 0.75];
 
-/// Fraction of the length that a shortcut must save.
-const SAVED: f64 = 1.0 / 1024.0;
+/// Part of the length of the path that a shortcut must save. On 700 problems of Panda, paths are 0.1
+/// and 0.4 % longer than with half and with a quarter of this, and take 7 and 15 % less time.
+const SAVED: f64 = 1.0 / 512.0;
 
 /// Maximum number of parts of a divided segment.
 const PARTS: usize = 1024;

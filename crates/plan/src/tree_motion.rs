@@ -239,17 +239,24 @@ impl TreeSegment {
             is_needed[joint.parent] |= is_needed[index + 1];
         }
         let mut links = Vec::with_capacity(joints.len() + 1);
-        links.push((LinkMotion::new(*self.tree.base()), self.span_bounds(span)));
+        links.push(LinkMotion::new(*self.tree.base()));
+        // Empty along a straight segment.
+        let mut bounds: Vec<SpanBounds> = self.span_bounds(span).into_iter().collect();
         for (index, joint) in joints.iter().enumerate() {
-            let (mut link, mut bounds) = links[joint.parent];
+            let mut link: LinkMotion = links[joint.parent];
+            let mut of_link = bounds.get(joint.parent).copied();
             if is_needed[index + 1] {
-                self.pass((index, joint), &mut link, &mut bounds, time, span);
+                self.pass((index, joint), &mut link, of_link.as_mut(), time, span);
             }
-            links.push((link, bounds));
+            links.push(link);
+            bounds.extend(of_link);
         }
         placed.extend(bodies.iter().map(|&body| {
-            let (link, bounds) = &links[self.bodies.links[body]];
-            (link.pose, self.model_of(body, *link, bounds.as_ref(), span))
+            let link = self.bodies.links[body];
+            (
+                links[link].pose,
+                self.model_of(body, links[link], bounds.get(link), span),
+            )
         }));
     }
 
@@ -264,7 +271,7 @@ impl TreeSegment {
         &self,
         (index, joint): (usize, &TreeJoint),
         link: &mut LinkMotion,
-        bounds: &mut Option<SpanBounds>,
+        bounds: Option<&mut SpanBounds>,
         time: f64,
         span: f64,
     ) {
@@ -276,7 +283,9 @@ impl TreeSegment {
             link.pass(joint, values);
             return;
         };
-        let state = joint.drive.map(|d| self.curve.state(d.coordinate, time, span, bounds.used));
+        let state = joint
+            .drive
+            .map(|d| self.curve.state(d.coordinate, time, span, bounds.used));
         link.pass(joint, state.map(|state| state.values));
         let rates = state.map(|state| state.bounds);
         bounds.pass(joint, self.tree.0.lengths[index], &self.curve, rates);
@@ -373,7 +382,7 @@ impl SegmentMotion for TreeSegment {
             _ => Some(SpanBounds::new(used_parts(&self.curve, span))),
         };
         for passed in self.tree.path(self.bodies.links[body]).skip(shared) {
-            self.pass(passed, &mut motion, &mut bounds, time, span);
+            self.pass(passed, &mut motion, bounds.as_mut(), time, span);
         }
         (motion.pose, self.model_of(body, motion, bounds.as_ref(), span))
     }
