@@ -60,6 +60,7 @@ pub const KINDS: &[(&str, u64, Kind)] = &[
     ("arm-plan", 35, plan::arm_plan),
     ("curves", 47, plan::curves),
     ("ranges", 48, plan::ranges),
+    ("receipts", 54, plan::receipts),
     ("timed-obstacles", 49, plan::timed_obstacles),
     ("worlds", 50, plan::worlds),
     ("urdf", 37, robots::urdf),

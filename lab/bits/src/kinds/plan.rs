@@ -1,11 +1,13 @@
-//! Configuration spaces: clearances, segments, paths, curves, ranges, moving obstacles, worlds that
-//! change.
+//! Configuration spaces: clearances, segments, paths, curves, ranges, receipts, moving obstacles,
+//! worlds that change.
 
 use crate::make::*;
 use crate::{Random, Teller};
+use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Shape};
+use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Shape, Tracker};
+use lin_canny_plan::receipt::Receipt;
 use lin_canny_plan::{
     Checker, ClearanceWidth, ConfigurationSpace, Joint, JointCurve, PlanOptions, PlanarSpace, RangeOptions, RigidSpace,
     SerialArm, SmoothOptions, TimedPoses, TranslationSpace, World,
@@ -234,6 +236,31 @@ pub(super) fn ranges(t: &mut Teller, r: &mut Random) {
         let high: Vec<f64> = q.iter().map(|x| x + 0.1).collect();
         let options = RangeOptions::default().cells(40).samples(4, 1);
         t.tell("rigid", checker.prove_range(&low, &high, &options));
+    }
+}
+
+pub(super) fn receipts(t: &mut Teller, r: &mut Random) {
+    let text = |receipt: Result<Receipt, _>| receipt.map(|receipt| receipt.to_string());
+    let (arm, world) = six_axes();
+    let mut checker = Checker::new(arm, world).expect("a checker");
+    for k in 0..t.rounds(60) {
+        let q = near(r, checker.space(), 3, [0.02, 0.3][k as usize % 2]);
+        t.tell("segment", text(Receipt::segment(&mut checker, &q[0], &q[1])));
+        t.tell("path", text(Receipt::path(&mut checker, &q)));
+    }
+    for _ in 0..t.rounds(200) {
+        let bodies = [round(r, 16), hull(r, 14, 1)].map(Geometry::from);
+        let [a, b] = &bodies;
+        let named = [("a", a), ("b", b)];
+        let at = isometry(r, 1.6);
+        if let (Geometry::Polyhedron(a), Geometry::Polyhedron(b)) = (a, b) {
+            let outcome = Tracker::new().closest(a, b, &relative(&at));
+            t.tell("outcome", text(Receipt::outcome(named, &at, &outcome)));
+        }
+        let motions = [steady(r, 2.0), steady(r, 3.0)];
+        let [p, q] = motions.each_ref();
+        let tolerance = Tolerance::Distance(1e-4);
+        t.tell("cast", text(Receipt::cast(named, [p, q], 0.0..1.0, tolerance, 0.0)));
     }
 }
 
