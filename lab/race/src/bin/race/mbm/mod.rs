@@ -6,7 +6,8 @@
 //!
 //! A problem is valid if start and goal are within the limits and free. Meshes of the robot are
 //! used as hulls and as they are. Times are processor times of the thread, without the checker's
-//! construction; paths of a file have no time.
+//! construction; paths of a file have no time. The checkers of a robot share its bodies, so the hull
+//! of a mesh is made once.
 
 mod problem;
 #[path = "../../../../../../crates/robot/src/yaml.rs"]
@@ -103,11 +104,11 @@ pub(crate) fn run(options: &Options, data: Option<&Path>, paths: Option<&Path>) 
     options.save(&csv(&rows))
 }
 
-/// A robot, and what its checkers share.
+/// A robot, and what its checkers share: bodies, hulls of meshes and excluded pairs.
 struct Bench {
     name: &'static str,
     robot: Robot,
-    srdf: Srdf,
+    setup: Setup,
     packages: Packages,
     options: LoadOptions,
 }
@@ -119,10 +120,15 @@ impl Bench {
         let robot = Robot::load_with(folder.join(format!("{name}.urdf")), &packages, &options);
         let robot = robot.map_err(|e| e.to_string())?;
         let srdf = Srdf::load(folder.join(format!("{name}.srdf")), &robot).map_err(|e| e.to_string())?;
+        let mut setup = Setup::new();
+        setup.robot("", &robot, Isometry3::identity());
+        setup.exclude_adjacent();
+        setup.exclude_srdf("", &srdf);
+        setup.checker().map_err(|e| e.to_string())?;
         Ok(Self {
             name,
             robot,
-            srdf,
+            setup,
             packages,
             options,
         })
@@ -134,10 +140,7 @@ impl Bench {
     }
 
     fn checker(&self, problem: &Problem) -> Result<Checker<JointTree>, String> {
-        let mut setup = Setup::new();
-        setup.robot("", &self.robot, Isometry3::identity());
-        setup.exclude_adjacent();
-        setup.exclude_srdf("", &self.srdf);
+        let mut setup = self.setup.clone();
         let cell = Cell::parse(&problem.cell, "cell.json", &self.packages, &self.options);
         setup.cell(&cell.map_err(|e| e.to_string())?);
         setup.checker().map_err(|e| e.to_string())
