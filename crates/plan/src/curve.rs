@@ -608,9 +608,11 @@ impl JointCurve {
     }
 
     /// Returns the value of a coordinate, or its derivative of this order.
+    ///
+    /// A value is within the control points, as that of the curve is: rounding may exceed them.
     pub(crate) fn value(&self, c: usize, order: usize, time: f64) -> f64 {
         let points = self.row(c, order);
-        match *points {
+        let value = match *points {
             [only] => only,
             // The end is the last control point, without rounding.
             [.., last] if time == 1.0 => last,
@@ -623,6 +625,10 @@ impl JointCurve {
                 row.copy_from_slice(points);
                 value_at(row, time)
             }
+        };
+        match order {
+            0 => value.clamped(self.bounds[c].hull[0], self.bounds[c].hull[1]),
+            _ => value,
         }
     }
 

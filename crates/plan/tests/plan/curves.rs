@@ -339,6 +339,25 @@ fn a_straight_segment_has_the_same_verdict_at_every_degree() {
     assert_eq!(one, checker.certify(&ends[0], &ends[1]).expect("within limits"));
 }
 
+/// A joint at its limit along the whole curve stays within the limit, whatever the degree rounds.
+#[test]
+fn values_stay_within_the_control_points() {
+    let mut rng = Rng::new(78);
+    for degree in 1..=16 {
+        for _ in 0..200 {
+            let limit = rng.range(-3.0, 3.0);
+            let ends = [limit, limit + rng.range(0.0, 1.0)];
+            let points: Vec<Vec<f64>> = (0..=degree).map(|k| vec![limit, ends[k % 2]]).collect();
+            let curve = JointCurve::bezier(&points).expect("a curve");
+            let [still, other] = curve.at(rng.range(0.0, 1.0))[..] else {
+                panic!("two coordinates")
+            };
+            assert_eq!(still, limit, "{degree}");
+            assert!(ends[0] <= other && other <= ends[1], "{degree} {other} {ends:?}");
+        }
+    }
+}
+
 #[test]
 fn limits_hold_between_control_points() {
     let joints = vec![Joint::prismatic(Isometry3::identity(), Vector3::x_axis(), [-10.0, 1.0])];
