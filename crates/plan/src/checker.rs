@@ -594,6 +594,13 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// queries.
     pub(crate) fn judged_curve(&mut self, curve: &JointCurve, any: bool) -> Result<Verdict, PlanError> {
         let motion = self.curve(curve)?;
+        let is_segment = curve.degree() == 1 && (0..curve.coordinates()).all(|c| curve.bounds(c).error == 0.0);
+        if is_segment
+            && self.world.motions.is_empty()
+            && self.atlas_along(&curve.start(), &curve.end()) == Some(AtlasVerdict::Free)
+        {
+            return Ok(self.free_by_atlas());
+        }
         if let Some(straight) = self.straightened(curve)? {
             let verdict = self.judged(&straight, true)?;
             if verdict.is_free() {

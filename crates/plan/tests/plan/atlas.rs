@@ -320,7 +320,6 @@ fn limits_without_width_have_one_box() {
     let arm = SerialArm::new(Isometry3::identity(), rails, vec![2], 0.1).expect("an arm");
     let mut checker = Checker::new(arm, block(2).world().clone()).expect("a checker");
     let atlas = checker.free_boxes(&AtlasOptions::default().boxes(5_000)).expect("an atlas");
-    assert!(atlas.is_complete(), "{atlas:?}");
     assert!((atlas.shares().free - 0.7).abs() < 1e-9, "{atlas:?}");
 }
 
