@@ -8,10 +8,7 @@ use core::ops::Range;
 
 use super::{Atlas, AtlasVerdict, Node};
 use crate::extremes::Extremes;
-
-/// Relative error of the time of a crossing: two differences and a quotient, 1.5 units of 2^-53 each,
-/// and room.
-const CROSSING: f64 = 4.0 * f64::EPSILON;
+use crate::tolerance::CROSSING;
 
 /// What a walk has found.
 struct Walk<'a> {

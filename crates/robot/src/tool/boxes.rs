@@ -6,11 +6,12 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use lin_canny::Progress;
-use lin_canny_robot::plan::{Atlas, AtlasOptions, Checker, JointTree};
+use lin_canny_robot::plan::{AtlasOptions, Checker, JointTree};
+use lin_canny_robot::{load_atlas, save_atlas};
 
 use super::options::RobotOptions;
 use super::plan::duration;
-use super::{End, ToolError, progress, write};
+use super::{End, ToolError, progress};
 
 #[derive(Args)]
 pub(super) struct BoxesOptions {
@@ -48,7 +49,7 @@ impl AtlasArguments {
     /// Sets the boxes of a checker, after its margins.
     pub(super) fn set(&self, checker: &mut Checker<JointTree>) -> Result<(), ToolError> {
         let Some(file) = &self.atlas else { return Ok(()) };
-        let atlas = load(file)?;
+        let atlas = load_atlas(file)?;
         checker.set_atlas(atlas).map_err(|error| state(file, &error.to_string()))
     }
 }
@@ -68,15 +69,14 @@ pub(super) fn run(options: &BoxesOptions) -> Result<End, ToolError> {
     };
     let atlas = match &options.resume {
         Some(file) => {
-            let earlier = load(file)?;
+            let earlier = load_atlas(file)?;
             let found = checker.resume_boxes(&earlier, &search, &mut watch);
             found.map_err(|error| state(file, &error.to_string()))?
         }
         None => checker.free_boxes_with_progress(&search, &mut watch)?,
     };
     bar.finish_and_clear();
-    let text = serde_json::to_string(&atlas).map_err(|error| state(&options.out, &error.to_string()))?;
-    write(&options.out, &text)?;
+    save_atlas(&atlas, &options.out)?;
     let shares = atlas.shares();
     say!(
         "{} boxes searched: {:.2} % of the volume is free, {:.2} % in contact, {:.2} % left",
@@ -86,11 +86,6 @@ pub(super) fn run(options: &BoxesOptions) -> Result<End, ToolError> {
         100.0 * shares.left
     );
     Ok(End::Free)
-}
-
-fn load(file: &Path) -> Result<Atlas, ToolError> {
-    let text = std::fs::read_to_string(file).map_err(|error| state(file, &error.to_string()))?;
-    serde_json::from_str(&text).map_err(|error| state(file, &error.to_string()))
 }
 
 fn state(file: &Path, reason: &str) -> ToolError {
