@@ -8,8 +8,8 @@ use std::time::Instant;
 use lin_canny_robot::lin_canny::Progress;
 use lin_canny_robot::lin_canny::nalgebra::Isometry3;
 use lin_canny_robot::plan::{
-    AtlasOptions, AtlasVerdict, Checker, ClearanceWidth, ConfigurationSpace, JointTree, PlanError, PlanMethod, PlanOptions,
-    RangeOptions,
+    AtlasOptions, AtlasVerdict, Checker, ClearanceWidth, ConfigurationSpace, JointTree, PlanError, PlanMethod,
+    PlanOptions, RangeOptions,
 };
 use lin_canny_robot::{
     AuditCell, AuditVerdict, LoadOptions, Packages, Robot, RobotFiles, Setup, audit, audit_cells, audit_pair,
@@ -308,7 +308,8 @@ fn free_boxes_of_a_six_axis_cell() {
     let mut rng = truth::rng::Rng::new(1);
     let each = |rng: &mut truth::rng::Rng| -> Vec<f64> {
         let ends = low.iter().zip(&high);
-        ends.map(|(low, high)| rng.range(*low, *high).clamp(*low, *high)).collect()
+        ends.map(|(low, high)| rng.range(*low, *high).clamp(*low, *high))
+            .collect()
     };
     let samples: Vec<Vec<f64>> = (0..20_000).map(|_| each(&mut rng)).collect();
     time = cpu_time::ThreadTime::now();
@@ -321,7 +322,10 @@ fn free_boxes_of_a_six_axis_cell() {
         .collect();
     let of_query = spent(&time) / samples.len() as f64;
     for ((found, is_free), q) in found.iter().zip(&truth).zip(&samples) {
-        assert!(found.is_none_or(|found| (found == AtlasVerdict::Free) == *is_free), "{q:?}");
+        assert!(
+            found.is_none_or(|found| (found == AtlasVerdict::Free) == *is_free),
+            "{q:?}"
+        );
     }
     let count = |is: bool| truth.iter().filter(|free| **free == is).count() as f64 / samples.len() as f64;
     println!(
@@ -333,7 +337,12 @@ fn free_boxes_of_a_six_axis_cell() {
     );
     println!("lookup {:.0} ns, is_free_at {:.0} ns", 1e9 * of_lookup, 1e9 * of_query);
     // Plans between free samples, without the atlas and with it.
-    let free: Vec<&Vec<f64>> = samples.iter().zip(&truth).filter(|(_, free)| **free).map(|(q, _)| q).collect();
+    let free: Vec<&Vec<f64>> = samples
+        .iter()
+        .zip(&truth)
+        .filter(|(_, free)| **free)
+        .map(|(q, _)| q)
+        .collect();
     let atlas = std::sync::Arc::new(atlas);
     let mut times = [0.0; 2];
     let mut lookups = 0;
@@ -355,5 +364,9 @@ fn free_boxes_of_a_six_axis_cell() {
         }
         assert_eq!(paths[0], paths[1]);
     }
-    println!("200 plans: {:.2} ms each, with the atlas {:.2} ms, {lookups} lookups", 5.0 * times[0], 5.0 * times[1]);
+    println!(
+        "200 plans: {:.2} ms each, with the atlas {:.2} ms, {lookups} lookups",
+        5.0 * times[0],
+        5.0 * times[1]
+    );
 }

@@ -1224,11 +1224,20 @@ fn boxes_save_time_in_plan_and_certify_and_say_the_same() {
         let without = run(command, &arguments);
         let with_boxes = run(command, &[&arguments[..], &["--atlas", &whole]].concat());
         assert_eq!(with_boxes, without, "{command}");
-        let other = run(command, &[&arguments[..], &["--margin", "0.001", "--atlas", &whole]].concat());
+        let other = run(
+            command,
+            &[&arguments[..], &["--margin", "0.001", "--atlas", &whole]].concat(),
+        );
         assert_eq!(other.0, 3, "{other:?}");
-        assert!(other.1.contains("whole.json") && other.1.contains("does not belong"), "{other:?}");
+        assert!(
+            other.1.contains("whole.json") && other.1.contains("does not belong"),
+            "{other:?}"
+        );
     }
-    let broken = scratch("broken.json", &read(&whole).replacen("\"version\":1", "\"version\":9", 1));
+    let broken = scratch(
+        "broken.json",
+        &read(&whole).replacen("\"version\":1", "\"version\":9", 1),
+    );
     let (code, text) = run("boxes", &with(&["--resume", &broken, "--out", &part]));
     assert_eq!(code, 3, "{text}");
     assert!(text.contains("invalid atlas: version 9 (expected 1)"), "{text}");

@@ -155,7 +155,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     pub(super) fn check_atlas(&mut self, atlas: &Atlas) -> Result<(), PlanError> {
         let [low, high] = self.range_of_limits()?;
         if let Some(index) = (0..low.len().max(atlas.low.len())).find(|&k| {
-            let of = |own: &[f64], others: &[f64]| own.get(k).map(|x| x.to_bits()) != others.get(k).map(|x| x.to_bits());
+            let of =
+                |own: &[f64], others: &[f64]| own.get(k).map(|x| x.to_bits()) != others.get(k).map(|x| x.to_bits());
             of(&low, &atlas.low) || of(&high, &atlas.high)
         }) {
             let what = std::format!("the limits of coordinate {index} differ");
@@ -218,7 +219,9 @@ impl Atlas {
         let mut room = Room::default();
         while (self.next as u64) < most && self.proofs < proofs && !self.is_complete() && self.nodes.len() < MOST {
             self.search_box(provers, &mut room)?;
-            let total = usize::try_from(options.boxes).ok().and_then(|_| usize::try_from(most).ok());
+            let total = usize::try_from(options.boxes)
+                .ok()
+                .and_then(|_| usize::try_from(most).ok());
             if progress(Progress::new("boxes", self.next, total)).is_break() {
                 break;
             }

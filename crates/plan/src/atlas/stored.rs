@@ -134,8 +134,12 @@ impl Atlas {
             let found = waiting.len();
             return damaged(std::format!("{found} sets of pairs (expected {expected})"));
         }
-        let all = Self::new(Vec::new(), Vec::new(), self.pairs.clone()).waiting.remove(0).unwrap_or_default();
-        let is_subset = |set: &Vec<u64>| set.len() == all.len() && set.iter().zip(&all).all(|(own, all)| own & !all == 0);
+        let all = Self::new(Vec::new(), Vec::new(), self.pairs.clone())
+            .waiting
+            .remove(0)
+            .unwrap_or_default();
+        let is_subset =
+            |set: &Vec<u64>| set.len() == all.len() && set.iter().zip(&all).all(|(own, all)| own & !all == 0);
         if let Some(index) = waiting.iter().position(|set| !is_subset(set)) {
             return damaged(std::format!("set {index} has pairs that do not exist"));
         }

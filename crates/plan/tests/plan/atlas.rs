@@ -104,10 +104,18 @@ fn judge_segments(checker: &mut Checker<JointTree>, atlas: &Atlas, samples: u32,
             checker.is_free(&from, &to).expect("a segment"),
         );
         checker.set_atlas(atlas.clone()).expect("the atlas");
-        assert_eq!(checker.is_free(&from, &to).expect("a segment"), is_free, "{from:?} {to:?}");
+        assert_eq!(
+            checker.is_free(&from, &to).expect("a segment"),
+            is_free,
+            "{from:?} {to:?}"
+        );
         match atlas.verdict_along(&from, &to) {
             Some(AtlasVerdict::Free) => {
-                assert_eq!(checker.certify(&from, &to).expect("a segment"), without, "{from:?} {to:?}");
+                assert_eq!(
+                    checker.certify(&from, &to).expect("a segment"),
+                    without,
+                    "{from:?} {to:?}"
+                );
                 tally[1] += 1;
             }
             Some(AtlasVerdict::Contact) => {
@@ -125,7 +133,9 @@ fn random_robots(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
     for k in robots {
         let mut rng = Rng::new(seed + 1000 + k);
         let mut checker = random_checker(k, seed);
-        let atlas = checker.free_boxes(&AtlasOptions::default().boxes(400)).expect("an atlas");
+        let atlas = checker
+            .free_boxes(&AtlasOptions::default().boxes(400))
+            .expect("an atlas");
         let mut tally = judge(&mut checker, &atlas, samples, &mut rng);
         // A world without obstacles that move has segments.
         if k % 5 == 0 {
@@ -170,7 +180,9 @@ fn go(_: Progress) -> ControlFlow<()> {
 fn a_search_in_parts_gives_the_same_boxes() {
     for k in 0..6 {
         let mut checker = random_checker(k, 40);
-        let once = checker.free_boxes(&AtlasOptions::default().boxes(120)).expect("an atlas");
+        let once = checker
+            .free_boxes(&AtlasOptions::default().boxes(120))
+            .expect("an atlas");
         let mut parts = checker.free_boxes(&AtlasOptions::default().boxes(0)).expect("an atlas");
         for boxes in [1, 2, 30, 7, 80] {
             checker.forget();
@@ -195,11 +207,19 @@ fn a_search_in_parts_gives_the_same_boxes() {
 #[test]
 fn the_volume_of_a_square_is_known() {
     let mut checker = block(2);
-    let atlas = checker.free_boxes(&AtlasOptions::default().boxes(20_000)).expect("an atlas");
+    let atlas = checker
+        .free_boxes(&AtlasOptions::default().boxes(20_000))
+        .expect("an atlas");
     let shares = atlas.shares();
     let contact = 1.2 * 1.2 / 16.0;
-    assert!(shares.contact < contact && shares.contact > contact - 2e-3, "{shares:?}");
-    assert!(shares.free < 1.0 - contact && shares.free > 1.0 - contact - 2e-3, "{shares:?}");
+    assert!(
+        shares.contact < contact && shares.contact > contact - 2e-3,
+        "{shares:?}"
+    );
+    assert!(
+        shares.free < 1.0 - contact && shares.free > 1.0 - contact - 2e-3,
+        "{shares:?}"
+    );
 }
 
 #[test]
@@ -210,64 +230,102 @@ fn each_change_of_the_world_drops_the_atlas() {
     let changes: [(&str, Change); 12] = [
         ("margin", |c| c.set_margin(0.1)),
         ("padding", |c| c.pad("block", 0.1).map(drop)),
-        ("pair margin", |c| c.set_pair_margin("block", "post", Some(0.1)).map(drop)),
+        ("pair margin", |c| {
+            c.set_pair_margin("block", "post", Some(0.1)).map(drop)
+        }),
         ("exclude", |c| c.exclude("block", "post").map(drop)),
-        ("move", |c| c.move_obstacle("post", Isometry3::translation(1.0, 0.0, 0.0)).map(drop)),
+        ("move", |c| {
+            c.move_obstacle("post", Isometry3::translation(1.0, 0.0, 0.0)).map(drop)
+        }),
         ("remove", |c| c.remove_obstacle("post").map(drop)),
-        ("replace", |c| c.replace_obstacle("post", Shape::ball(0.1).expect("a ball")).map(drop)),
+        ("replace", |c| {
+            c.replace_obstacle("post", Shape::ball(0.1).expect("a ball")).map(drop)
+        }),
         ("add", |c| {
-            c.add_obstacle("new", Shape::ball(0.1).expect("a ball"), Isometry3::translation(1.0, 1.0, 0.0))
-                .map(drop)
+            c.add_obstacle(
+                "new",
+                Shape::ball(0.1).expect("a ball"),
+                Isometry3::translation(1.0, 1.0, 0.0),
+            )
+            .map(drop)
         }),
         ("attach", |c| {
             let pose = Isometry3::translation(1.0, 0.0, 0.0);
-            c.attach("block", "part", Shape::ball(0.1).expect("a ball"), pose, &["block"]).map(drop)
+            c.attach("block", "part", Shape::ball(0.1).expect("a ball"), pose, &["block"])
+                .map(drop)
         }),
         ("detach", |c| c.detach("load").map(drop)),
         ("detach_at", |c| c.detach_at("load", &[1.0, 1.0]).map(drop)),
         ("add moving", |c| {
-            let poses = TimedPoses::new(&[0.0, 1.0], &[Isometry3::identity(), Isometry3::translation(1.0, 0.0, 0.0)])?;
-            c.add_moving_obstacle("cart", Shape::ball(0.1).expect("a ball"), poses).map(drop)?;
+            let poses = TimedPoses::new(
+                &[0.0, 1.0],
+                &[Isometry3::identity(), Isometry3::translation(1.0, 0.0, 0.0)],
+            )?;
+            c.add_moving_obstacle("cart", Shape::ball(0.1).expect("a ball"), poses)
+                .map(drop)?;
             c.set_time(0.5)
         }),
     ];
     for (name, change) in changes {
         let mut checker = block(2);
         checker
-            .attach("block", "load", ball(), Isometry3::translation(0.0, 0.3, 0.0), &["block"])
+            .attach(
+                "block",
+                "load",
+                ball(),
+                Isometry3::translation(0.0, 0.3, 0.0),
+                &["block"],
+            )
             .expect("a load");
-        let atlas = checker.free_boxes(&AtlasOptions::default().boxes(300)).expect("an atlas");
+        let atlas = checker
+            .free_boxes(&AtlasOptions::default().boxes(300))
+            .expect("an atlas");
         checker.set_atlas(atlas.clone()).expect("the atlas");
         assert!(checker.atlas().is_some());
         change(&mut checker).expect(name);
         assert!(checker.atlas().is_none(), "{name}");
         let mut other = checker.set_atlas(atlas.clone());
         assert!(matches!(other, Err(PlanError::OtherAtlas(_))), "{name}: {other:?}");
-        other = checker.resume_boxes(&atlas, &AtlasOptions::default(), &mut go).map(drop);
+        other = checker
+            .resume_boxes(&atlas, &AtlasOptions::default(), &mut go)
+            .map(drop);
         assert!(matches!(other, Err(PlanError::OtherAtlas(_))), "{name}: {other:?}");
         // Its own atlas says what the changed world says.
-        let own = checker.free_boxes(&AtlasOptions::default().boxes(300)).expect("an atlas");
+        let own = checker
+            .free_boxes(&AtlasOptions::default().boxes(300))
+            .expect("an atlas");
         let mut rng = Rng::new(3);
         for _ in 0..200 {
             let q = at(&mut rng, own.range());
             let is_free = checker.is_free_at(&q).expect("a configuration");
             let found = own.verdict_at(&q);
-            assert!(found.is_none_or(|found| (found == AtlasVerdict::Free) == is_free), "{name} {q:?}");
+            assert!(
+                found.is_none_or(|found| (found == AtlasVerdict::Free) == is_free),
+                "{name} {q:?}"
+            );
         }
     }
     let mut checker = block(2);
-    let atlas = checker.free_boxes(&AtlasOptions::default().boxes(30)).expect("an atlas");
+    let atlas = checker
+        .free_boxes(&AtlasOptions::default().boxes(30))
+        .expect("an atlas");
     checker.set_atlas(atlas.clone()).expect("the atlas");
     checker.add_obstacle("far", ball(), far).expect("an obstacle");
     let said = checker.set_atlas(atlas).expect_err("another world").to_string();
-    assert!(said.starts_with("the atlas does not belong to this checker: block and far"), "{said}");
+    assert!(
+        said.starts_with("the atlas does not belong to this checker: block and far"),
+        "{said}"
+    );
     assert!(said.ends_with("does not measure the pair"), "{said}");
 }
 
 #[test]
 fn a_clock_that_moves_an_obstacle_drops_the_atlas() {
     let mut checker = block(2);
-    let poses = [Isometry3::translation(1.5, 0.0, 0.0), Isometry3::translation(1.5, 1.5, 0.0)];
+    let poses = [
+        Isometry3::translation(1.5, 0.0, 0.0),
+        Isometry3::translation(1.5, 1.5, 0.0),
+    ];
     let poses = TimedPoses::new(&[0.0, 1.0], &poses).expect("poses");
     let ball = Shape::ball(0.1).expect("a ball");
     checker.add_moving_obstacle("cart", ball, poses).expect("a cart");
@@ -287,7 +345,9 @@ fn a_clock_that_moves_an_obstacle_drops_the_atlas() {
 #[test]
 fn contacts_at_the_start_and_tubes_do_not_use_the_atlas() {
     let mut checker = block(2);
-    let atlas = checker.free_boxes(&AtlasOptions::default().boxes(2_000)).expect("an atlas");
+    let atlas = checker
+        .free_boxes(&AtlasOptions::default().boxes(2_000))
+        .expect("an atlas");
     checker.set_atlas(atlas).expect("the atlas");
     let (from, to) = ([-1.0, -1.0], [-1.0, 1.0]);
     assert!(checker.certify(&from, &to).expect("a segment").is_free());
@@ -312,21 +372,28 @@ fn limits_without_width_have_one_box() {
         assert_eq!((atlas.searched(), atlas.is_complete()), (1, true));
         assert_eq!(atlas.verdict_at(&[x, 0.0]), Some(verdict));
         assert_eq!(atlas.verdict_along(&[x, 0.0], &[x, 0.0]), Some(verdict));
-        assert_eq!(checker.is_free_at(&[x, 0.0]).expect("a configuration"), verdict == AtlasVerdict::Free);
+        assert_eq!(
+            checker.is_free_at(&[x, 0.0]).expect("a configuration"),
+            verdict == AtlasVerdict::Free
+        );
     }
     // One of two coordinates has a width, and the post ends a free box within rounding.
     let rail = |axis, limits| Joint::prismatic(Isometry3::identity(), axis, limits);
     let rails = vec![rail(Vector3::x_axis(), [-2.0, 2.0]), rail(Vector3::y_axis(), [0.0; 2])];
     let arm = SerialArm::new(Isometry3::identity(), rails, vec![2], 0.1).expect("an arm");
     let mut checker = Checker::new(arm, block(2).world().clone()).expect("a checker");
-    let atlas = checker.free_boxes(&AtlasOptions::default().boxes(5_000)).expect("an atlas");
+    let atlas = checker
+        .free_boxes(&AtlasOptions::default().boxes(5_000))
+        .expect("an atlas");
     assert!((atlas.shares().free - 0.7).abs() < 1e-9, "{atlas:?}");
 }
 
 #[test]
 fn configurations_outside_and_wrong_lengths_have_no_verdict() {
     let mut checker = block(3);
-    let atlas = checker.free_boxes(&AtlasOptions::default().boxes(100)).expect("an atlas");
+    let atlas = checker
+        .free_boxes(&AtlasOptions::default().boxes(100))
+        .expect("an atlas");
     assert_eq!(atlas.verdict_at(&[2.5, 0.0, 0.0]), None);
     assert_eq!(atlas.verdict_at(&[f64::NAN, 0.0, 0.0]), None);
     assert_eq!(atlas.verdict_at(&[2.0, 2.0]), None);
@@ -341,7 +408,9 @@ fn configurations_outside_and_wrong_lengths_have_no_verdict() {
 #[test]
 fn plans_with_an_atlas_are_those_without_it() {
     let mut checker = block(3);
-    let atlas = checker.free_boxes(&AtlasOptions::default().boxes(3_000)).expect("an atlas");
+    let atlas = checker
+        .free_boxes(&AtlasOptions::default().boxes(3_000))
+        .expect("an atlas");
     let mut fresh = block(3);
     let mut rng = Rng::new(5);
     let mut lookups = 0;
@@ -376,7 +445,9 @@ mod stored {
     fn a_stored_atlas_has_the_same_bits_and_goes_on() {
         for boxes in [0, 1, 2, 77, 300] {
             let mut checker = random_checker(1, 40);
-            let atlas = checker.free_boxes(&AtlasOptions::default().boxes(boxes)).expect("an atlas");
+            let atlas = checker
+                .free_boxes(&AtlasOptions::default().boxes(boxes))
+                .expect("an atlas");
             let text = serde_json::to_string(&atlas).expect("text");
             let read: Atlas = serde_json::from_str(&text).expect("the atlas");
             assert!(read == atlas, "{boxes}");
@@ -396,10 +467,14 @@ mod stored {
             ("version 2 (expected 1)", |v| v["version"] = 2.into()),
             ("2 lower and 1 upper limits", |v| v["high"] = serde_json::json!([2.0])),
             ("limits of coordinate 1: 3.0 to 2.0", |v| v["low"][1] = 3.0.into()),
-            ("box 0 cannot be halved along coordinate 7", |v| v["boxes"][0] = 7.into()),
+            ("box 0 cannot be halved along coordinate 7", |v| {
+                v["boxes"][0] = 7.into()
+            }),
             ("box 1 belongs to no halved box", |v| v["boxes"][0] = (-1).into()),
             ("0 boxes", |v| v["boxes"] = serde_json::json!([])),
-            ("comes after boxes that were not searched", |v| v["boxes"][0] = (-3).into()),
+            ("comes after boxes that were not searched", |v| {
+                v["boxes"][0] = (-3).into()
+            }),
             ("sets of pairs (expected", |v| v["waiting"] = serde_json::json!([])),
             ("set 0 has pairs that do not exist", |v| v["waiting"][0][0] = 2.into()),
         ];

@@ -50,7 +50,9 @@ impl AtlasArguments {
     pub(super) fn set(&self, checker: &mut Checker<JointTree>) -> Result<(), ToolError> {
         let Some(file) = &self.atlas else { return Ok(()) };
         let atlas = load_atlas(file)?;
-        checker.set_atlas(atlas).map_err(|error| state(file, &error.to_string()))
+        checker
+            .set_atlas(atlas)
+            .map_err(|error| state(file, &error.to_string()))
     }
 }
 
@@ -61,7 +63,9 @@ pub(super) fn run(options: &BoxesOptions) -> Result<End, ToolError> {
     let has_other = options.proofs.is_some() || options.seconds.is_some();
     let default = AtlasOptions::default().boxes;
     let boxes = options.boxes.unwrap_or(if has_other { u64::MAX } else { default });
-    let search = AtlasOptions::default().boxes(boxes).proofs(options.proofs.unwrap_or(u64::MAX));
+    let search = AtlasOptions::default()
+        .boxes(boxes)
+        .proofs(options.proofs.unwrap_or(u64::MAX));
     let (began, bar) = (Instant::now(), progress("boxes", boxes));
     let mut watch = |now: Progress| {
         bar.set_position(now.done as u64);
