@@ -40,7 +40,7 @@ pub(super) struct BoxesOptions {
 /// The boxes by which a command answers.
 #[derive(Args)]
 pub(super) struct AtlasArguments {
-    /// Boxes that `boxes` has proven for the same files and margin: they save time, verdicts stay
+    /// Boxes that `boxes` has proven for the same files and margin, looked up first: verdicts stay
     #[arg(long, value_name = "ATLAS.json")]
     atlas: Option<PathBuf>,
 }

@@ -72,7 +72,7 @@ enum Command {
     Plan(plan::PlanArguments),
     /// Prove which links can never meet each other or an obstacle, over the whole joint limits
     Audit(audit::AuditOptions),
-    /// Prove boxes of configurations free or in contact, which save time in `plan` and `certify`
+    /// Prove boxes of configurations free or in contact, which `plan` and `certify` look up
     Boxes(boxes::BoxesOptions),
     /// Turn a path of straight segments into a smooth trajectory within limits, proven free
     Smooth(smooth::SmoothArguments),
