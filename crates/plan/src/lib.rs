@@ -187,6 +187,7 @@
 
 mod arm;
 mod ascent;
+mod atlas;
 mod attached;
 mod batch;
 mod changes;
@@ -224,6 +225,7 @@ mod verdict;
 mod world;
 
 pub use arm::{Joint, JointKind, SerialArm};
+pub use atlas::{Atlas, AtlasBox, AtlasOptions, AtlasShares, AtlasVerdict};
 pub use batch::NearPairs;
 pub use checker::{Checker, PairProof};
 pub use clearance::{NearPair, SegmentClearance};

@@ -286,7 +286,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 }
             }
         }
-        Ok(self.judged(&segment, true)?.is_free())
+        self.is_proven_free(&segment, from, to)
     }
 
     /// Tries one shortcut between two points of a path.

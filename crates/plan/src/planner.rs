@@ -317,6 +317,7 @@ impl CheckWork {
             measures: self.measures - before.measures,
             decisions: self.decisions - before.decisions,
             hulls: self.hulls - before.hulls,
+            lookups: self.lookups - before.lookups,
             pairs_made: self.pairs_made - before.pairs_made,
         }
     }

@@ -118,6 +118,8 @@ pub struct CheckWork {
     /// Number of queries of convex hulls that stood for meshes, on segments and at single
     /// configurations. Hulls that are proven apart save the query of the meshes.
     pub hulls: u64,
+    /// Number of configurations and segments that the boxes of an atlas decided.
+    pub lookups: u64,
     /// Number of pairs that were made: all pairs at first, and those that changes added.
     pub pairs_made: u64,
 }
@@ -134,6 +136,7 @@ impl std::ops::AddAssign for CheckWork {
             (&mut self.measures, o.measures),
             (&mut self.decisions, o.decisions),
             (&mut self.hulls, o.hulls),
+            (&mut self.lookups, o.lookups),
             (&mut self.pairs_made, o.pairs_made),
         ];
         for (sum, count) in counts {

@@ -7,6 +7,7 @@ normals are in the world. Invalid input raises a subclass of LinCannyError, whic
 from ._native import (
     BodyId,
     Cast,
+    Atlas,
     Checker,
     Closest,
     ClosestPoint,
@@ -61,6 +62,7 @@ __all__ = [
     "__version__",
     "BodyId",
     "Cast",
+    "Atlas",
     "Checker",
     "Closest",
     "ClosestPoint",

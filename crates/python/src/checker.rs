@@ -1,6 +1,7 @@
 //! The class `Checker`: clearances, proven motions and paths of robots.
 
 mod answers;
+mod atlas;
 mod batches;
 mod motion_batch;
 mod motions;
@@ -11,6 +12,7 @@ mod view;
 mod world;
 
 pub(crate) use answers::{NearPair, Verdict};
+pub(crate) use atlas::Atlas;
 pub(crate) use range::RangeAnswer;
 pub(crate) use world::BodyId;
 

@@ -21,8 +21,12 @@ pub enum AuditVerdict {
     /// Two bodies meet at every configuration.
     Always,
     /// Two bodies meet at one configuration and are free at another.
+    ///
+    /// One such pair of bodies is enough, even if other bodies of the links are open: the links meet
+    /// at one configuration at least, so no exclusion may claim the contrary. Whether they are free as
+    /// a whole at some configuration is not said.
     Both,
-    /// The budget ended before a verdict.
+    /// The budget ended before a verdict, and no two bodies are proven to meet.
     Open,
 }
 

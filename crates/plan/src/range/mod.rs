@@ -37,6 +37,7 @@ mod chain;
 mod contact;
 mod fingerprint;
 mod parts;
+mod prover;
 mod search;
 mod verdict;
 
@@ -55,6 +56,7 @@ use chain::{Chain, ChainEnd};
 use lin_canny::{PairTracker, Progress, normalize_rotation};
 use search::Search;
 
+pub(crate) use prover::{BoxProof, PairProver};
 pub use verdict::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};
 
 /// Bodies that calls have prepared.
@@ -236,7 +238,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.proved(answer.clone(), options, progress)
     }
 
-    fn check_range(&self, low: &[f64], high: &[f64]) -> Result<(), PlanError> {
+    pub(crate) fn check_range(&self, low: &[f64], high: &[f64]) -> Result<(), PlanError> {
         self.check_time()?;
         self.space.check(low)?;
         self.space.check(high)?;
@@ -254,20 +256,12 @@ impl<C: ConfigurationSpace> Checker<C> {
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<RangeAnswer, PlanError> {
         let pair = answer.pair;
-        for id in [pair.a, pair.b] {
-            self.world.select(id)?;
-        }
         let [low, high] = [0, 1].map(|k| answer.range.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
+        self.prepare_pair(pair)?;
+        let chain = self.chain(pair, &low, &high)?;
         let shapes = self.world.shapes(pair);
-        let bodies = &mut self.range_bodies;
-        for (id, shape) in [pair.a, pair.b].into_iter().zip(shapes) {
-            bodies.entry(id).or_insert_with(|| RangeBody::new(shape));
-        }
-        let bodies = &self.range_bodies;
-        let [a, b] = [pair.a, pair.b].map(|id| self.chain_end(id, bodies[&id].reach()));
-        let chain = Chain::new(&a?, &b?, &low, &high);
+        let bodies = [pair.a, pair.b].map(|id| &self.range_bodies[&id]);
         let kept = self.world.kept_distance(pair);
-        let bodies = [&bodies[&pair.a], &bodies[&pair.b]];
         let fingerprint = fingerprint::of_pair(shapes, bodies, &chain, kept);
         let (space, places) = (&self.space, &self.pairs.places);
         let place = |q: &[f64], poses: &mut Vec<Isometry3<f64>>| {
@@ -288,6 +282,24 @@ impl<C: ConfigurationSpace> Checker<C> {
             room: Default::default(),
         };
         search.run(progress)
+    }
+
+    /// Prepares the bodies of a pair for proofs over ranges.
+    fn prepare_pair(&mut self, pair: WorldPair) -> Result<(), PlanError> {
+        for id in [pair.a, pair.b] {
+            self.world.select(id)?;
+        }
+        let shapes = self.world.shapes(pair);
+        for (id, shape) in [pair.a, pair.b].into_iter().zip(shapes) {
+            self.range_bodies.entry(id).or_insert_with(|| RangeBody::new(shape));
+        }
+        Ok(())
+    }
+
+    /// Returns the joints between two bodies that are prepared.
+    fn chain(&self, pair: WorldPair, low: &[f64], high: &[f64]) -> Result<Chain, PlanError> {
+        let [a, b] = [pair.a, pair.b].map(|id| self.chain_end(id, self.range_bodies[&id].reach()));
+        Ok(Chain::new(&a?, &b?, low, high))
     }
 
     fn chain_end(&self, id: WorldId, reach: f64) -> Result<ChainEnd, PlanError> {

@@ -8,7 +8,6 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use super::body::{Part, RangeBody};
 use super::search::Search;
 use super::verdict::RangeCell;
-use crate::error::PlanError;
 use crate::extremes::Extremes;
 use lin_canny::{ConvexPolyhedron, Outcome, RelativePose, Tracker};
 
@@ -27,14 +26,14 @@ impl Search<'_> {
     ///
     /// If the surfaces stay apart over the cell, the bodies meet nowhere in it or everywhere. The
     /// distance at the centre says which.
-    pub(super) fn by_parts(&mut self, cell: &mut RangeCell, found: &Outcome) -> Result<bool, PlanError> {
+    pub(super) fn by_parts(&mut self, cell: &mut RangeCell, found: &Outcome) -> bool {
         let has_parts = self.bodies.iter().any(|body| body.parts[0].has_children());
         if !has_parts || self.bodies[1].plane.is_some() || found.lower * NEAR < self.moved() {
-            return Ok(false);
+            return false;
         }
         match self.parts_apart(&found.normal) {
             Some(bound) => self.is_free(cell, bound),
-            None => Ok(false),
+            None => false,
         }
     }
 

@@ -64,10 +64,10 @@ impl Ord for Queued {
 pub(super) struct Room {
     pub(super) posed: PosedChain,
     pub(super) half: Vec<f64>,
-    centre: Vec<f64>,
+    pub(super) centre: Vec<f64>,
     /// The half-widths of a single configuration.
     none: Vec<f64>,
-    levers: Vec<f64>,
+    pub(super) levers: Vec<f64>,
     pub(super) bounds: Scratch,
     /// The frame of the best ball bound, and the vector between the balls there.
     between: (usize, Vector3<f64>),
@@ -78,8 +78,19 @@ pub(super) struct Room {
     stuck: Vec<RangeCell>,
 }
 
+/// What is proven about a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum CellProof {
+    /// The pair keeps its distance at each configuration of the cell.
+    Free,
+    /// At each configuration the pair is in contact or closer than it must keep.
+    Contact,
+    /// Neither; the levers are set.
+    Left,
+}
+
 /// Returns the poses of both bodies in the world at a configuration.
-type Place<'a> = dyn Fn(&[f64], &mut Vec<Isometry3<f64>>) -> [Isometry3<f64>; 2] + 'a;
+pub(super) type Place<'a> = dyn Fn(&[f64], &mut Vec<Isometry3<f64>>) -> [Isometry3<f64>; 2] + 'a;
 
 /// The search for a verdict about a pair.
 pub(super) struct Search<'a> {
@@ -293,7 +304,7 @@ impl Search<'_> {
     }
 
     /// Returns whether the pair is closer than it must be, by the predicate of single configurations.
-    fn is_within(&mut self, values: &[f64]) -> Result<bool, PlanError> {
+    pub(super) fn is_within(&mut self, values: &[f64]) -> Result<bool, PlanError> {
         let pose = self.pose(values)?;
         self.tracker.reset();
         let [a, b] = self.shapes;
@@ -396,71 +407,116 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Leaves a cell if a bound proves it free.
-    pub(super) fn is_free(&mut self, cell: &mut RangeCell, bound: f64) -> Result<bool, PlanError> {
+    /// Returns whether a bound proves a cell free.
+    pub(super) fn is_free(&self, cell: &mut RangeCell, bound: f64) -> bool {
         cell.lower = cell.lower.larger(bound);
-        if !(bound > self.target()) {
-            return Ok(false);
-        }
-        self.answer.least_free = self.answer.least_free.smaller(bound);
+        bound > self.target()
+    }
+
+    /// Leaves a cell that was proven free.
+    fn leave_free(&mut self, cell: &RangeCell) -> Result<(), PlanError> {
+        self.answer.least_free = self.answer.least_free.smaller(cell.lower);
         if self.answer.witnesses[0].is_none() {
-            let centre = core::mem::take(&mut self.room.centre);
-            self.witness(&centre, false)?;
-            self.room.centre = centre;
+            self.witness_centre(false)?;
         }
-        Ok(true)
+        Ok(())
+    }
+
+    fn witness_centre(&mut self, is_touching: bool) -> Result<(), PlanError> {
+        let centre = core::mem::take(&mut self.room.centre);
+        let found = self.witness(&centre, is_touching);
+        self.room.centre = centre;
+        found
     }
 
     /// Leaves a cell that is proven free or blocked, and halves any other.
     fn search_cell(&mut self, mut cell: RangeCell) -> Result<(), PlanError> {
         self.answer.cells += 1;
-        let count = cell.low.len();
-        self.room.centre = (0..count).map(|k| middle(cell.low[k], cell.high[k])).collect();
-        let centre = &self.room.centre;
-        let half = |k: usize| {
-            let half = (cell.high[k] - centre[k]).larger(centre[k] - cell.low[k]);
-            half * (1.0 + 4.0 * f64::EPSILON)
-        };
-        self.room.half = (0..count).map(half).collect();
-        self.room.levers.resize(count, 0.0);
-        self.chain.pose_at(centre, &self.room.half, &mut self.room.posed);
+        self.centre_on(&cell);
         let lower = cell.lower;
-        if self.is_free(&mut cell, lower)? || self.by_balls(&mut cell)? {
-            return Ok(());
+        if self.is_free(&mut cell, lower) {
+            return self.leave_free(&cell);
         }
-        let parts = self.bodies.map(|body| &body.parts[0]);
-        self.room.bounds.prepare(&self.room.posed, parts);
-        if self.by_parent(&mut cell)? || self.by_swept_balls(&mut cell)? {
-            return Ok(());
-        }
-        let pose = RelativePose::from_isometry(&self.room.posed.b)?;
-        let outer = self.bodies.map(RangeBody::is_outer);
-        let mut found = self.closest(&pose, outer);
-        if found.lower > 0.0 && self.by_planes(&mut cell, &found)? {
-            return Ok(());
-        }
-        if outer != [false; 2] {
-            found = self.closest(&pose, [false; 2]);
-        }
+        let Some(found) = self.by_planes_of_hulls(&mut cell)? else {
+            return self.leave_free(&cell);
+        };
         let rounding = self.room.posed.rounding;
         let centre = core::mem::take(&mut self.room.centre);
         self.note(&centre, &found, rounding)?;
         self.room.centre = centre;
         if found.lower > self.kept {
-            if self.by_distance(&mut cell, &found)? || self.by_parts(&mut cell, &found)? {
-                return Ok(());
+            if self.by_distance(&mut cell, &found) || self.by_parts(&mut cell, &found) {
+                return self.leave_free(&cell);
             }
         } else if self.answer.witnesses[0].is_none() && self.is_blocked(&found) {
             self.answer.has_blocked = true;
-            let centre = core::mem::take(&mut self.room.centre);
-            self.witness(&centre, true)?;
-            self.room.centre = centre;
-            return Ok(());
+            return self.witness_centre(true);
         }
         if !self.is_both() {
             self.divide(cell);
         }
         Ok(())
+    }
+
+    /// Proves a cell that stands alone: no witness is kept, nothing is divided.
+    pub(super) fn prove_cell(&mut self, cell: &mut RangeCell) -> Result<CellProof, PlanError> {
+        self.centre_on(cell);
+        let Some(found) = self.by_planes_of_hulls(cell)? else {
+            return Ok(CellProof::Free);
+        };
+        let is_apart = found.lower > self.kept;
+        if is_apart && (self.by_distance(cell, &found) || self.by_parts(cell, &found)) {
+            return Ok(CellProof::Free);
+        }
+        if !is_apart && self.is_blocked(&found) {
+            return Ok(CellProof::Contact);
+        }
+        self.moved();
+        Ok(CellProof::Left)
+    }
+
+    /// Poses the chain at the centre of a cell.
+    fn centre_on(&mut self, cell: &RangeCell) {
+        let count = cell.low.len();
+        let Room {
+            centre,
+            half,
+            levers,
+            posed,
+            ..
+        } = &mut self.room;
+        centre.clear();
+        centre.extend((0..count).map(|k| middle(cell.low[k], cell.high[k])));
+        half.clear();
+        half.extend((0..count).map(|k| {
+            let half = (cell.high[k] - centre[k]).larger(centre[k] - cell.low[k]);
+            half * (1.0 + 4.0 * f64::EPSILON)
+        }));
+        levers.resize(count, 0.0);
+        self.chain.pose_at(centre, half, posed);
+    }
+
+    /// Proves a cell by balls and by planes between the convex bodies around both; returns the closest
+    /// points of the bodies at the centre if it is not proven.
+    fn by_planes_of_hulls(&mut self, cell: &mut RangeCell) -> Result<Option<Outcome>, PlanError> {
+        if self.by_balls(cell) {
+            return Ok(None);
+        }
+        let parts = self.bodies.map(|body| &body.parts[0]);
+        self.room.bounds.prepare(&self.room.posed, parts);
+        if self.by_parent(cell) || self.by_swept_balls(cell) {
+            return Ok(None);
+        }
+        let pose = RelativePose::from_isometry(&self.room.posed.b)?;
+        let outer = self.bodies.map(RangeBody::is_outer);
+        let found = self.closest(&pose, outer);
+        if found.lower > 0.0 && self.by_planes(cell, &found) {
+            return Ok(None);
+        }
+        Ok(Some(match outer != [false; 2] {
+            true => self.closest(&pose, [false; 2]),
+            false => found,
+        }))
     }
 
     /// Returns the closest points of the bodies, or of the convex bodies around them.
@@ -493,9 +549,9 @@ impl Search<'_> {
         })
     }
 
-    fn by_balls(&mut self, cell: &mut RangeCell) -> Result<bool, PlanError> {
+    fn by_balls(&mut self, cell: &mut RangeCell) -> bool {
         if self.bodies[1].plane.is_some() {
-            return Ok(false);
+            return false;
         }
         let [a, b] = self.balls();
         let Room { posed, bounds, .. } = &mut self.room;
@@ -505,9 +561,9 @@ impl Search<'_> {
         self.is_free(cell, bound)
     }
 
-    fn by_parent(&mut self, cell: &mut RangeCell) -> Result<bool, PlanError> {
+    fn by_parent(&mut self, cell: &mut RangeCell) -> bool {
         let Some((frame, normal)) = cell.plane else {
-            return Ok(false);
+            return false;
         };
         let normal = self.room.posed.rotations[frame] * normal;
         let bound = self.gap(frame, &normal, true).0;
@@ -515,11 +571,11 @@ impl Search<'_> {
     }
 
     /// Tries the plane between the swept balls.
-    fn by_swept_balls(&mut self, cell: &mut RangeCell) -> Result<bool, PlanError> {
+    fn by_swept_balls(&mut self, cell: &mut RangeCell) -> bool {
         let (frame, between) = self.room.between;
         let length = between.norm();
         if self.bodies[1].plane.is_some() || !(length > 0.0) {
-            return Ok(false);
+            return false;
         }
         let bound = self.gap(frame, &(between / length), false).0;
         self.is_free(cell, bound)
@@ -545,7 +601,7 @@ impl Search<'_> {
 
     /// Tries the plane of the closest points: to first order in each frame, to second order in the
     /// two best.
-    fn by_planes(&mut self, cell: &mut RangeCell, found: &Outcome) -> Result<bool, PlanError> {
+    fn by_planes(&mut self, cell: &mut RangeCell, found: &Outcome) -> bool {
         let normal = match self.bodies[1].plane {
             Some(outward) => -(self.room.posed.b.rotation * outward),
             None => found.normal.into_inner(),
@@ -557,8 +613,8 @@ impl Search<'_> {
             if bound > best.0 {
                 best = (bound, frame);
             }
-            if self.is_free(cell, bound)? {
-                return Ok(true);
+            if self.is_free(cell, bound) {
+                return true;
             }
             hopes.push((hope, frame));
         }
@@ -571,17 +627,17 @@ impl Search<'_> {
             if bound > best.0 {
                 best = (bound, frame);
             }
-            if self.is_free(cell, bound)? {
-                return Ok(true);
+            if self.is_free(cell, bound) {
+                return true;
             }
         }
         let frame = best.1;
         cell.plane = Some((frame, self.room.posed.rotations[frame].inverse() * normal));
-        Ok(false)
+        false
     }
 
     /// Takes the greatest displacement off the distance at the centre; sets the levers.
-    fn by_distance(&mut self, cell: &mut RangeCell, found: &Outcome) -> Result<bool, PlanError> {
+    fn by_distance(&mut self, cell: &mut RangeCell, found: &Outcome) -> bool {
         let bound = found.lower - self.moved() - self.room.posed.rounding;
         self.is_free(cell, bound)
     }

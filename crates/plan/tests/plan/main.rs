@@ -3,6 +3,7 @@
 
 mod apart;
 mod arm;
+mod atlas;
 mod certify;
 mod changes;
 mod curves;

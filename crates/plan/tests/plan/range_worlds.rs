@@ -60,7 +60,7 @@ fn open_box(half: f64) -> Mesh {
 }
 
 /// Obstacles of each kind around a robot of a size.
-fn add_obstacles(world: &mut World, rng: &mut Rng, size: f64) {
+pub(crate) fn add_obstacles(world: &mut World, rng: &mut Rng, size: f64) {
     let scaled = |p: Point3<f64>| Point3::from(p.coords * size);
     let floor = HalfSpace::new(Vector3::z(), -1.5 * size).expect("a plane");
     world.obstacle("floor", floor, Isometry3::identity());

@@ -191,7 +191,7 @@ impl Checker {
     }
 
     /// Makes a proof with progress and Ctrl-C.
-    fn proved<T: Send>(
+    pub(super) fn proved<T: Send>(
         &mut self,
         py: Python<'_>,
         progress: Option<&Bound<'_, PyAny>>,

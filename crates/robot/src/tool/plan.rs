@@ -8,6 +8,7 @@ use lin_canny::Progress;
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanError, PlanMethod, PlanOptions};
 use lin_canny_robot::{RobotRecorder, Trajectory, csv_text};
 
+use super::boxes::AtlasArguments;
 use super::film::FRAMES;
 use super::options::{RobotOptions, RowOptions};
 use super::text::{self, distance, names};
@@ -49,6 +50,8 @@ pub(super) struct PlanArguments {
     /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     margin: Option<f64>,
+    #[command(flatten)]
+    atlas: AtlasArguments,
     /// Method of the search
     #[arg(long, value_enum, default_value = "alternate")]
     method: Method,
@@ -79,6 +82,7 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
         "obstacles at rest in the search for a path",
     )?;
     checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
+    options.atlas.set(&mut checker)?;
     let began = Instant::now();
     let search = PlanOptions::default()
         .method(options.method.into())

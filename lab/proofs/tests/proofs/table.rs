@@ -92,6 +92,7 @@ const BY_HAND: &[&str] = &[
     "CORE_REACH",
     "COVER",
     "COVER_CELL",
+    "CROSSING",
     "CURVE_DIFFERENCE",
     "CURVE_PART",
     "EXACT_PLACE",
