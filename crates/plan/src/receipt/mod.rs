@@ -124,11 +124,11 @@ enum Claim {
     Scene,
 }
 
-/// A segment of the joints, and its evidence.
+/// A segment or a curve of the joints, and its evidence.
 #[derive(Clone, Debug, Default)]
 struct Leg {
-    /// Both ends; none if no joint is driven.
-    ends: Option<[Vec<f64>; 2]>,
+    /// The control points; none if no joint is driven.
+    rows: Option<Vec<Vec<f64>>>,
     evidence: Vec<String>,
 }
 
@@ -188,9 +188,9 @@ impl fmt::Display for Receipt {
         lines.extend(files.map(|[name, hash]| format!("{{\"file\":\"{name}\",\"sha256\":\"{hash}\"}}")));
         lines.extend(self.scene.lines());
         for leg in &self.legs {
-            if let Some(ends) = &leg.ends {
-                let rows = ends.each_ref().map(|row| number::hexes(row)).join(",");
-                lines.push(format!("{{\"leg\":[{rows}]}}"));
+            if let Some(rows) = &leg.rows {
+                let rows: Vec<String> = rows.iter().map(|row| number::hexes(row)).collect();
+                lines.push(format!("{{\"leg\":[{}]}}", rows.join(",")));
             }
             lines.extend(leg.evidence.iter().cloned());
         }
@@ -211,12 +211,12 @@ struct Wanted<'a> {
 /// Returns the lines of evidence that pairs stay apart along a leg.
 fn apart(
     scene: &Scene,
-    ends: Option<[&[f64]; 2]>,
+    rows: Option<&[Vec<f64>]>,
     [from, until]: [f64; 2],
     margin: f64,
     wanted: &[Wanted<'_>],
 ) -> Result<Vec<String>, ReceiptError> {
-    let movers = Mover::all(scene, ends);
+    let movers = Mover::all(scene, rows);
     let size = scene.size();
     let (mut lines, mut balls) = (Vec::new(), std::collections::BTreeMap::<u64, Vec<[usize; 2]>>::new());
     for Wanted {

@@ -153,7 +153,7 @@ impl Receipt {
             claim,
             files: Vec::new(),
             scene,
-            legs: vec![Leg { ends: None, evidence }],
+            legs: vec![Leg { rows: None, evidence }],
         }
     }
 }
@@ -169,19 +169,19 @@ fn missing(scene: &Scene, [a, b]: [usize; 2], time: f64, why: &'static str) -> R
 /// most so many brackets later.
 pub(super) fn contact(
     scene: &Scene,
-    ends: Option<[&[f64]; 2]>,
+    rows: Option<&[Vec<f64>]>,
     pair: [usize; 2],
     [safe, hit]: [f64; 2],
     last: f64,
     kept: f64,
 ) -> Result<String, ReceiptError> {
-    let first = meeting(scene, ends, pair, Some(hit), kept);
+    let first = meeting(scene, rows, pair, Some(hit), kept);
     if first.is_ok() {
         return first;
     }
     let later = LATER.iter().map(|brackets| hit + brackets * (hit - safe));
     let mut later = later.filter(|time| *time <= last);
-    let found = later.find_map(|time| meeting(scene, ends, pair, Some(time), kept).ok());
+    let found = later.find_map(|time| meeting(scene, rows, pair, Some(time), kept).ok());
     found.map_or(first, Ok)
 }
 
@@ -189,7 +189,7 @@ pub(super) fn contact(
 /// time; without a time if they rest.
 pub(super) fn meeting(
     scene: &Scene,
-    ends: Option<[&[f64]; 2]>,
+    rows: Option<&[Vec<f64>]>,
     pair: [usize; 2],
     time: Option<f64>,
     kept: f64,
@@ -197,7 +197,7 @@ pub(super) fn meeting(
     let now = time.unwrap_or(0.0);
     let at = time.map_or(String::new(), |time| format!(",\"at\":\"{}\"", hex(time)));
     let [a, b] = pair;
-    let [x, y] = pair.map(|k| pose(&scene.steps(k, ends), now));
+    let [x, y] = pair.map(|k| pose(&scene.steps(k, rows), now));
     let [first, second] = pair.map(|k| &scene.bodies[k]);
     let refused = |why: &'static str| missing(scene, pair, now, why);
     if first.around.or(second.around).is_some() {
