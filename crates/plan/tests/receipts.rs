@@ -8,8 +8,8 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{ContactState, Geometry, HalfSpace, PairTracker, RelativePose, Shape, Tracker};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointKind, JointTree, PlanarSpace, RigidSpace, SerialArm, TranslationSpace,
-    TreeJoint, Verdict, World,
+    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, PlanarSpace, RigidSpace, SerialArm,
+    TranslationSpace, TreeJoint, Verdict, World,
 };
 use lin_canny_verify::verify;
 use truth::arm::{self, motion};
@@ -190,6 +190,47 @@ fn a_wrong_proof_is_refused() {
 }
 
 #[test]
+fn random_curves_of_an_arm_have_receipts() {
+    let mut checker = arm();
+    let mut rng = Rng::new(9);
+    let mut counts = [0; 3];
+    for k in 0..24 {
+        let start = match k % 2 {
+            0 => motion::carry(rng.uniform()),
+            _ => checker.space().sample(&mut || rng.uniform()),
+        };
+        let most = if k % 4 < 2 { 0.2 } else { 0.8 };
+        let mut points = vec![start];
+        for _ in 0..[2, 3, 5, 7][k % 4] {
+            let step: Vec<f64> = (0..6).map(|_| rng.range(-most, most)).collect();
+            points.push(checker.space().moved(&points[points.len() - 1], &step));
+        }
+        let Ok(curve) = JointCurve::bezier(&points) else {
+            panic!("{points:?}")
+        };
+        let Ok(verdict) = checker.certify_curve(&curve) else {
+            continue;
+        };
+        let receipt = Receipt::curve(&mut checker, &curve).unwrap_or_else(|error| panic!("{error} {verdict:?}"));
+        let [text, _] = holds(&receipt);
+        counts[usize::from(!verdict.is_free())] += 1;
+        // The control points matter: another curve has other legs, and needs another proof.
+        let line = text.lines().find(|line| line.starts_with("{\"leg\"")).expect("a leg");
+        assert_eq!(line.matches('[').count(), points.len() + 1);
+        if verdict.is_free() {
+            let spline = [
+                curve.clone(),
+                JointCurve::bezier(&[curve.at(1.0), curve.at(1.0)]).expect("a curve"),
+            ];
+            let spline = Receipt::spline(&mut checker, &spline).expect("a free spline");
+            counts[2] += usize::from(holds(&spline)[1].contains("each of 2 legs"));
+        }
+    }
+    println!("free, blocked, splines: {counts:?}");
+    assert!(counts[0] > 4 && counts[1] > 4 && counts[2] == counts[0], "{counts:?}");
+}
+
+#[test]
 fn bodies_that_move_as_one_have_receipts() {
     let mut rng = Rng::new(3);
     let mut counts = [0; 4];
@@ -352,7 +393,7 @@ fn casts_have_receipts() {
 #[test]
 fn distances_and_overlaps_have_receipts() {
     let mut rng = Rng::new(17);
-    let mut counts = [0; 3];
+    let (mut counts, mut depths) = ([0; 3], [0; 2]);
     for k in 0..300 {
         let bodies = [0, 1].map(|_| body(SHAPES[rng.below(SHAPES.len())], 20, &mut rng));
         let at = Isometry3::from_parts(
@@ -377,11 +418,17 @@ fn distances_and_overlaps_have_receipts() {
         let [text, _] = holds(&receipt);
         match outcome.state {
             ContactState::Separated => counts[usize::from(text.contains("normal"))] += 1,
-            _ => counts[2] += 1,
+            _ => {
+                counts[2] += 1;
+                let lines = text.lines().filter(|line| line.starts_with("{\"depth\""));
+                depths[0] += lines.clone().filter(|line| line.contains("\"upper\"")).count();
+                depths[1] += lines.filter(|line| line.contains("\"lower\"")).count();
+            }
         }
     }
-    println!("by features, by a normal, overlaps: {counts:?}");
+    println!("by features, by a normal, overlaps: {counts:?}; depths from above, from below: {depths:?}");
     assert!(counts[0] > 100 && counts[2] > 30, "{counts:?}");
+    assert!(depths[0] > 20 && depths[1] > 20, "{depths:?}");
 }
 
 #[test]

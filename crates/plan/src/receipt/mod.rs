@@ -39,11 +39,11 @@
 //! | answer | writer | the receipt proves |
 //! |---|---|---|
 //! | [`Verdict::Free`](crate::Verdict::Free) of a segment | [`Receipt::segment`] | every pair that is not ignored keeps more than the margin, at all times |
-//! | the same of a path of joints | [`Receipt::path`] | the same of each segment |
+//! | the same of a curve, a path or a spline of joints | [`Receipt::curve`], [`path`](Receipt::path), [`spline`](Receipt::spline) | the same of each segment or curve |
 //! | [`Verdict::Blocked`](crate::Verdict::Blocked) | [`Receipt::segment`] | the same up to `safe`, and that the pair meets, or is within what it must keep, at `t` |
 //! | a cast of two bodies | [`Receipt::cast`] | a miss, or apart up to `safe` and a contact at `hit` |
 //! | the distance of two convex bodies | [`Receipt::outcome`] | its lower and its upper bound |
-//! | an overlap of two convex bodies | [`Receipt::outcome`] | that they share a point |
+//! | an overlap of two convex bodies | [`Receipt::outcome`] | that they share a point, and bounds of the depth |
 //!
 //! [`Receipt::scene`] writes bodies and a path without a proof. A checker evaluates an older
 //! receipt on it, and says whether the proof still holds after an obstacle has moved.
@@ -54,10 +54,10 @@
 //!   meshes, clouds, surfaces and half-spaces. A cylinder or a cone is stated as a polyhedron of 32
 //!   sides around it, which its name says. So a receipt may prove it free, and never in contact;
 //!   where only the corners of the polyhedron are in contact, there is no receipt.
-//! * Curves of a degree above one, tubes, moving obstacles, contacts at the start that are left,
+//! * Tubes, moving obstacles, contacts at the start that are left,
 //!   motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]), and
 //!   proofs over ranges of joints.
-//! * Depths of overlaps, answers of scenes, and undecided answers.
+//! * Answers of scenes, and undecided answers.
 //!
 //! Each of these is an error that names the body, the pair or the motion.
 //!
@@ -81,6 +81,7 @@
 //!
 //! [`Steady::with_acceleration_bounds`]: lin_canny::motion::Steady::with_acceleration_bounds
 
+mod depth;
 mod error;
 mod evidence;
 mod hull;

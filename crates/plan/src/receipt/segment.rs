@@ -36,7 +36,7 @@ impl Receipt {
     ///
     /// Along a blocked segment, all pairs have evidence until `safe` of the
     /// [`Verdict::Blocked`], and the pair has four vertex pairs, or two
-    /// points, that prove the contact at `t`; if none are certain there, at most 32 times the
+    /// points, that prove the contact at `t`; if none are certain there, at most 4,096 times the
     /// bracket from `safe` to `t` later. A segment that is blocked at its start has the contact
     /// alone.
     ///
@@ -216,7 +216,10 @@ impl Receipt {
         curves: &[JointCurve],
     ) -> Result<Self, ReceiptError> {
         let stated = Stated::of_spline(checker, curves)?;
-        Ok(Self::of_scene_alone(stated, curves.iter().map(JointCurve::control_points)))
+        Ok(Self::of_scene_alone(
+            stated,
+            curves.iter().map(JointCurve::control_points),
+        ))
     }
 
     fn of_scene_alone(stated: Stated, all: impl Iterator<Item = Vec<Vec<f64>>>) -> Self {

@@ -11,6 +11,9 @@ use lin_canny::motion::Velocity;
 pub(super) const DEGREE: usize = 4;
 const TERMS: usize = DEGREE + 1;
 
+/// Angle within a piece of evidence from which on a checker refuses it.
+const FARTHEST: f64 = 31.0;
+
 /// Number of halvings of the interval in which a polynomial is bounded.
 const HALVINGS: u32 = 3;
 
@@ -226,7 +229,8 @@ fn turn(square: f64, angle: &[f64]) -> [Taylor; 2] {
     // Lagrange's bound: the next derivative, at most a power of the rate.
     let size = way.most() + way.rest;
     let turned = rate * size;
-    let mut rest = size;
+    // A checker refuses turns that are too far.
+    let mut rest = if turned < FARTHEST { size } else { f64::INFINITY };
     for k in 1..=DEGREE {
         rest *= turned / (k + 1) as f64;
     }
@@ -235,7 +239,9 @@ fn turn(square: f64, angle: &[f64]) -> [Taylor; 2] {
         let mut all = Taylor::constant(derivatives[first + DEGREE] / factorial);
         for k in (0..DEGREE).rev() {
             factorial /= (k + 1) as f64;
-            all = all.times(&way).plus(&Taylor::constant(derivatives[first + k] / factorial));
+            all = all
+                .times(&way)
+                .plus(&Taylor::constant(derivatives[first + k] / factorial));
         }
         all.rest += rest;
         all
