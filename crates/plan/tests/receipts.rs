@@ -8,8 +8,8 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{ContactState, Geometry, HalfSpace, PairTracker, RelativePose, Shape, Tracker};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, PlanarSpace, RigidSpace, SerialArm,
-    TranslationSpace, TreeJoint, Verdict, World,
+    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, PlanarSpace, RangeOptions, RigidSpace,
+    SerialArm, TranslationSpace, TreeJoint, Verdict, World,
 };
 use lin_canny_verify::verify;
 use truth::arm::{self, motion};
@@ -228,6 +228,50 @@ fn random_curves_of_an_arm_have_receipts() {
     }
     println!("free, blocked, splines: {counts:?}");
     assert!(counts[0] > 4 && counts[1] > 4 && counts[2] == counts[0], "{counts:?}");
+}
+
+/// A range around a configuration, of a width that grows with the number.
+fn range_around(q: &[f64], checker: &Checker<SerialArm>, half: f64) -> [Vec<f64>; 2] {
+    let step = vec![half; q.len()];
+    let back: Vec<f64> = step.iter().map(|x| -x).collect();
+    [checker.space().moved(q, &back), checker.space().moved(q, &step)]
+}
+
+#[test]
+fn ranges_of_an_arm_have_receipts() {
+    let mut checker = arm();
+    let mut rng = Rng::new(21);
+    let (mut proven, mut cells, mut bytes, mut refused) = (0, 0, 0, 0);
+    for k in 0..6 {
+        let q = motion::carry(rng.uniform());
+        let [low, high] = range_around(&q, &checker, [0.01, 0.03, 0.08][k % 3]);
+        let options = RangeOptions::default().cells(2000);
+        let answers = checker.prove_range(&low, &high, &options).expect("a range");
+        let never = answers.iter().filter(|answer| answer.is_never()).count();
+        let receipt = Receipt::range(&checker, &answers, 4000).expect("a receipt");
+        let [text, said] = holds(&receipt);
+        let stated = said
+            .lines()
+            .find(|line| line.contains("pairs of bodies stay"))
+            .expect("a claim");
+        let count: usize = stated.split(' ').nth(1).expect("a number").parse().expect("a number");
+        println!("{count} of {never} pairs that never meet, of {}", answers.len());
+        assert!(count <= never && count * 10 >= never * 9, "{said}");
+        proven += count;
+        cells += receipt.certificates();
+        bytes += text
+            .lines()
+            .filter(|line| line.starts_with("{\"cell\""))
+            .map(str::len)
+            .sum::<usize>();
+        // A wider range with the same evidence.
+        let lines: Vec<String> = text.lines().map(String::from).collect();
+        let mut lines = lines[..lines.len() - 1].to_vec();
+        lines.retain(|line| !line.starts_with("{\"cell\":[7,"));
+        refused += usize::from(checked(&sealed(&lines)).is_err());
+    }
+    println!("{proven} pairs, {cells} cells, {bytes} bytes");
+    assert_eq!(refused, 6);
 }
 
 #[test]

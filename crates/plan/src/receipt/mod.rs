@@ -41,6 +41,7 @@
 //! | [`Verdict::Free`](crate::Verdict::Free) of a segment | [`Receipt::segment`] | every pair that is not ignored keeps more than the margin, at all times |
 //! | the same of a curve, a path or a spline of joints | [`Receipt::curve`], [`path`](Receipt::path), [`spline`](Receipt::spline) | the same of each segment or curve |
 //! | [`Verdict::Blocked`](crate::Verdict::Blocked) | [`Receipt::segment`] | the same up to `safe`, and that the pair meets, or is within what it must keep, at `t` |
+//! | [`RangeAnswer`](crate::RangeAnswer)s that pairs never meet | [`Receipt::range`] | these pairs keep more than the margin at every configuration of the range |
 //! | a cast of two bodies | [`Receipt::cast`] | a miss, or apart up to `safe` and a contact at `hit` |
 //! | the distance of two convex bodies | [`Receipt::outcome`] | its lower and its upper bound |
 //! | an overlap of two convex bodies | [`Receipt::outcome`] | that they share a point, and bounds of the depth |
@@ -55,8 +56,7 @@
 //!   sides around it, which its name says. So a receipt may prove it free, and never in contact;
 //!   where only the corners of the polyhedron are in contact, there is no receipt.
 //! * Tubes, moving obstacles, contacts at the start that are left,
-//!   motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]), and
-//!   proofs over ranges of joints.
+//!   and motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]).
 //! * Answers of scenes, and undecided answers.
 //!
 //! Each of these is an error that names the body, the pair or the motion.
@@ -87,6 +87,7 @@ mod evidence;
 mod hull;
 mod number;
 mod pair;
+mod range;
 mod scene;
 mod segment;
 mod sha256;
@@ -115,10 +116,12 @@ pub struct Receipt {
 }
 
 /// What a receipt claims.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Claim {
     /// All pairs keep more than the margin from a time until another.
     Apart { span: [f64; 2], margin: f64 },
+    /// All pairs keep more than the margin at all configurations of a range.
+    Range { range: Vec<[f64; 2]>, margin: f64 },
     /// What the lines say.
     Lines,
     /// Nothing: the scene and the motion alone.
@@ -166,15 +169,20 @@ impl Receipt {
     }
 
     fn head(&self) -> String {
-        match self.claim {
+        match &self.claim {
             Claim::Apart {
                 span: [from, until],
                 margin,
             } => {
-                let [from, until, margin] = [from, until, margin].map(hex);
+                let [from, until, margin] = [*from, *until, *margin].map(hex);
                 format!(
                     "{{\"receipt\":1,\"claim\":\"apart\",\"from\":\"{from}\",\"until\":\"{until}\",\"margin\":\"{margin}\"}}"
                 )
+            }
+            Claim::Range { range, margin } => {
+                let range: Vec<String> = range.iter().map(|ends| number::hexes(ends)).collect();
+                let (range, margin) = (range.join(","), hex(*margin));
+                format!("{{\"receipt\":1,\"claim\":\"range\",\"range\":[{range}],\"margin\":\"{margin}\"}}")
             }
             Claim::Lines => "{\"receipt\":1,\"claim\":\"lines\"}".into(),
             Claim::Scene => "{\"receipt\":1,\"claim\":\"scene\"}".into(),

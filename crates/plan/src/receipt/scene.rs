@@ -196,6 +196,15 @@ impl Scene {
         }
     }
 
+    pub(super) fn base(&self) -> &Isometry3<f64> {
+        &self.base
+    }
+
+    /// Returns the joints; joint k carries link k + 1.
+    pub(super) fn joints(&self) -> &[TreeJoint] {
+        &self.joints
+    }
+
     /// Returns whether a coordinate drives a joint, so that a leg is needed.
     pub(super) fn is_driven(&self) -> bool {
         self.joints.iter().any(|joint| joint.drive.is_some())

@@ -18,15 +18,15 @@ use crate::world::{WorldId, WorldPair};
 use lin_canny::Geometry;
 
 /// The reasons of pairs that are not looked at.
-const EXCLUDED: &str = "excluded";
+pub(super) const EXCLUDED: &str = "excluded";
 const RIGID: &str = "the bodies keep their relative pose";
 
 /// The bodies of a world in a receipt.
-struct Stated {
-    scene: Scene,
+pub(super) struct Stated {
+    pub(super) scene: Scene,
     ids: Vec<WorldId>,
     /// The pairs that must have evidence, and what they must keep.
-    pairs: Vec<([usize; 2], f64)>,
+    pub(super) pairs: Vec<([usize; 2], f64)>,
     margin: f64,
 }
 
@@ -244,7 +244,7 @@ impl Leg {
 }
 
 impl Stated {
-    fn new<C: ConfigurationSpace>(checker: &Checker<C>, segment: &C::Segment) -> Result<Self, ReceiptError> {
+    pub(super) fn new<C: ConfigurationSpace>(checker: &Checker<C>, segment: &C::Segment) -> Result<Self, ReceiptError> {
         let world = &checker.world;
         let (mut scene, mut ids) = (Scene::default(), Vec::new());
         let identity = Isometry3::identity();
@@ -338,6 +338,11 @@ impl Stated {
         if least.is_finite() {
             self.margin = least;
         }
+    }
+
+    /// Returns the pair of two numbers of bodies.
+    pub(super) fn pair(&self, [a, b]: [usize; 2]) -> Option<WorldPair> {
+        WorldPair::new(self.ids[a], self.ids[b])
     }
 
     /// Returns the numbers of the bodies of a pair.
