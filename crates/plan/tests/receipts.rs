@@ -244,7 +244,7 @@ fn ranges_of_an_arm_have_receipts() {
     let (mut proven, mut cells, mut bytes, mut refused) = (0, 0, 0, 0);
     for k in 0..6 {
         let q = motion::carry(rng.uniform());
-        let [low, high] = range_around(&q, &checker, [0.01, 0.03, 0.08][k % 3]);
+        let [low, high] = range_around(&q, &checker, [0.03, 0.15, 0.4][k % 3]);
         let options = RangeOptions::default().cells(2000);
         let answers = checker.prove_range(&low, &high, &options).expect("a range");
         let never = answers.iter().filter(|answer| answer.is_never()).count();
@@ -256,7 +256,11 @@ fn ranges_of_an_arm_have_receipts() {
             .expect("a claim");
         let count: usize = stated.split(' ').nth(1).expect("a number").parse().expect("a number");
         println!("{count} of {never} pairs that never meet, of {}", answers.len());
-        assert!(count <= never && count * 10 >= never * 9, "{said}");
+        // What is missing are pairs of the base and an obstacle, which both rest.
+        assert!(
+            count <= never && count + 12 >= never && !said.contains("too many cells"),
+            "{said}"
+        );
         proven += count;
         cells += receipt.certificates();
         bytes += text
