@@ -9,7 +9,7 @@ use lin_canny::{ContactState, Geometry, HalfSpace, PairTracker, RelativePose, Sh
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
     Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, PlanarSpace, RangeOptions, RigidSpace,
-    SerialArm, TranslationSpace, TreeJoint, Verdict, World,
+    SerialArm, TranslationSpace, TreeJoint, Verdict, World, WorldId,
 };
 use lin_canny_verify::verify;
 use truth::arm::{self, motion};
@@ -276,6 +276,100 @@ fn ranges_of_an_arm_have_receipts() {
     }
     println!("{proven} pairs, {cells} cells, {bytes} bytes");
     assert_eq!(refused, 6);
+}
+
+/// A library that takes an obstacle to be elsewhere proves segments free that are not.
+#[test]
+fn a_proof_of_a_library_that_errs_is_refused() {
+    let mut rng = Rng::new(15);
+    let mut refused = 0;
+    for _ in 0..300 {
+        let from = motion::carry(rng.uniform());
+        let mut checker = arm();
+        let step: Vec<f64> = (0..6).map(|_| rng.range(-0.6, 0.6)).collect();
+        let to = checker.space().moved(&from, &step);
+        let Ok(Verdict::Blocked { pair, .. }) = checker.certify(&from, &to) else {
+            continue;
+        };
+        if !matches!(pair.b, WorldId::Obstacle(_)) {
+            continue;
+        }
+        let path = [from.clone(), to.clone()];
+        let truth = Receipt::scene(&checker, &path).expect("a scene").to_string();
+        let elsewhere = Isometry3::translation(0.0, 0.0, -3.0);
+        checker.move_obstacle(pair.b, elsewhere).expect("an obstacle");
+        if !checker.certify(&from, &to).expect("a segment").is_free() {
+            continue;
+        }
+        let receipt = Receipt::segment(&mut checker, &from, &to).expect("a receipt");
+        let [text, _] = holds(&receipt);
+        let is_body = |line: &&str| line.starts_with("{\"body\"");
+        let mut bodies = truth.lines().filter(is_body);
+        let lines = text.lines().map(|line| match is_body(&line) {
+            true => bodies.next().expect("as many bodies").to_string(),
+            false => line.to_string(),
+        });
+        let lines: Vec<String> = lines.collect();
+        let said = checked(&sealed(&lines[..lines.len() - 1])).expect_err("a false claim");
+        assert!(said.starts_with("does not hold"), "{said}");
+        refused += 1;
+    }
+    println!("{refused} refused");
+    assert!(refused > 4, "{refused}");
+}
+
+/// Sizes of a path's receipt and times to check it: run with `--ignored --nocapture`.
+#[test]
+#[ignore = "a measurement"]
+fn sizes_and_times() {
+    let mut checker = arm();
+    for segments in [1, 11, 20] {
+        let rows: Vec<Vec<f64>> = match segments {
+            1 => vec![motion::carry(0.0), motion::carry(1.0 / 11.0)],
+            _ => (0..=segments)
+                .map(|k| motion::carry(f64::from(k) / f64::from(segments)))
+                .collect(),
+        };
+        let receipt = Receipt::path(&mut checker, &rows).expect("a receipt");
+        let text = receipt.to_string();
+        let scene = Receipt::scene(&checker, &rows).expect("a scene").to_string();
+        let bytes = |kinds: &[&str]| -> usize {
+            let lines = text
+                .lines()
+                .filter(|line| kinds.iter().any(|kind| line.starts_with(kind)));
+            lines.map(|line| line.len() + 1).sum()
+        };
+        let evidence = bytes(&["{\"plane\"", "{\"balls\""]);
+        let count = |line: &str| match line.strip_prefix("{\"balls\":[") {
+            Some(rest) => rest[..rest.find(']').expect("a list")].matches(',').count(),
+            None => usize::from(line.starts_with("{\"plane\"")),
+        };
+        let pairs: usize = text.lines().map(count).sum();
+        let timed = |text: &str| {
+            let times = (0..10).map(|_| {
+                let started = std::time::Instant::now();
+                let found = verify(text.as_bytes()).expect("a receipt");
+                (started.elapsed().as_secs_f64(), found)
+            });
+            times.min_by(|x, y| x.0.total_cmp(&y.0)).expect("a time")
+        };
+        let ((time, found), (idle, _)) = (timed(&text), timed(&scene));
+        let lin_canny_verify::Verdict::Holds(report) = found else {
+            panic!("{found}")
+        };
+        println!(
+            "{segments} segments: {} bytes, legs {}, evidence {evidence} ({} a segment); {pairs} certificates of pairs in {} \
+             lines, {} wide; {:.2} ms, scene {:.2} ms, {:.1} us a certificate",
+            text.len(),
+            bytes(&["{\"leg\""]),
+            evidence / segments as usize,
+            report.certificates,
+            report.wide,
+            time * 1e3,
+            idle * 1e3,
+            (time - idle) * 1e6 / pairs as f64,
+        );
+    }
 }
 
 #[test]
