@@ -21,7 +21,7 @@ pub(crate) struct Hop<'a, I> {
 
 pub(crate) enum Held<'a, I> {
     Known(&'a Step<I>),
-    Made(Step<I>),
+    Made(Box<Step<I>>),
 }
 
 impl<I> Held<'_, I> {
@@ -61,7 +61,7 @@ impl<I: Int> Stage<I> {
             joint: None,
         };
         let made = |step| Hop {
-            step: Held::Made(step),
+            step: Held::Made(Box::new(step)),
             joint: None,
         };
         let solid = &self.solids[body];
@@ -80,14 +80,14 @@ impl<I: Int> Stage<I> {
             Some(match joint.kind {
                 Kind::Fixed => None,
                 Kind::Turn => Some(Hop {
-                    step: Held::Made(Step::Turn(Turn::new(&axis, vec![v])?)),
+                    step: Held::Made(Box::new(Step::Turn(Turn::new(&axis, vec![v])?))),
                     joint: Some((k, fixed3(&axis)?)),
                 }),
                 Kind::Slide => {
                     let axis = axis.map(|x| x * &self.unit);
                     let way = axis.each_ref().map(|x| vec![x * &v]);
                     Some(Hop {
-                        step: Held::Made(Step::Shift(way)),
+                        step: Held::Made(Box::new(Step::Shift(way))),
                         joint: Some((k, fixed3(&axis)?)),
                     })
                 }
