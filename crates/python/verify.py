@@ -309,6 +309,12 @@ def pose_of(values):
 IDENTITY = [[Q(int(i == j)) for j in range(3)] for i in range(3)], [Q(0)] * 3
 
 
+def inverse(pose):
+    rows, shift = pose
+    back = [list(column) for column in zip(*rows)]
+    return back, [-dot(row, shift) for row in back]
+
+
 def rows_times(n, rows):
     return [dot(n, column) for column in zip(*rows)]
 
@@ -367,6 +373,22 @@ class Turn:
         return [x[k] + s * once[k] + u * twice[k] for k in range(3)]
 
 
+def product(x, y):
+    """A number no less than the product of two numbers that are not negative, in units of 2^-P."""
+    return (x * y >> P) + 1
+
+
+def above(q):
+    """A fraction in units of 2^-P, rounded up."""
+    return -((-q.numerator << P) // q.denominator)
+
+
+def length(v):
+    """No length of a vector of constants is larger."""
+    square = dot(v, v)
+    return isqrt(max(square.c[0] + square.r, 0) << P) + 1
+
+
 # What a receipt states.
 
 
@@ -407,6 +429,10 @@ class Body:
         self.most = [max(abs(p[k]) for p in self.fixed) + 1 for k in range(3)]
         squares = (sum((x - c) ** 2 for x, c in zip(p, self.pivot)) for p in self.points)
         self.reach = root_above(max(squares) * unit * unit)
+        ends = [(min(p[k] for p in self.points), max(p[k] for p in self.points)) for k in range(3)]
+        middle = [(low + high) / 2 for low, high in ends]
+        squares = (sum((x - c) ** 2 for x, c in zip(p, middle)) for p in self.points)
+        self.middle, self.round = fixed_all([x * unit for x in middle]), root_above(max(squares) * unit * unit)
         self.own = [Place(self.at, unit)]
         if self.steady:
             rows, shift = self.at
@@ -525,9 +551,9 @@ class Scene:
     def moving(self, pair):
         return self.bodies[pair[0]].moves or self.bodies[pair[1]].moves
 
-    def chain(self, body):
-        """The joints between the base and a body, the base first."""
-        link, chain = body.link or 0, []
+    def chain(self, link):
+        """The joints between the base and a link, the base first."""
+        chain = []
         while link > 0:
             chain.insert(0, self.joints[link - 1])
             link = chain[0].parent
@@ -537,7 +563,7 @@ class Scene:
         """The steps from the world to a body."""
         if body.link is None:
             return body.own
-        chain = [step for joint in self.chain(body) for step in [joint.place] + joint.motion]
+        chain = [step for joint in self.chain(body.link) for step in [joint.place] + joint.motion]
         return self.base_step + chain + body.own
 
     def point(self, body, x, span):
@@ -565,7 +591,7 @@ class Scene:
         need(not body.moves, "the claim is about bodies at rest")
         poses = [body.at]
         if body.link is not None:
-            chain = self.chain(body)
+            chain = self.chain(body.link)
             need(len(chain) <= 16, "more than 16 joints between a body at rest and the base")
             poses = ([self.base] if self.base else []) + [joint.origin for joint in chain] + poses
         rows, shift = poses[-1]
@@ -615,6 +641,141 @@ def by_balls(scene, pair, span, keep):
     way = minus(ends[1], ends[0])
     square = dot(way, way)
     return Q(least(square.net()) - W * square.r, W << P) > reach * reach
+
+
+def hops(scene, link, body, middle):
+    """The steps from a body to a link at a configuration, each with its joint and signed axis or None (lemma 9)."""
+    body = scene.bodies[body]
+    down, up = scene.chain(body.link or 0), scene.chain(link)
+    while down and up and down[0] is up[0]:
+        down, up = down[1:], up[1:]
+
+    def motion(joint, sign):
+        if joint.kind == "fixed":
+            return []
+        coordinate, factor, offset = joint.drive
+        axis, value = [x * sign for x in joint.axis], middle[coordinate] * factor + offset
+        if joint.kind == "turn":
+            return [(Turn(axis, [value]), (joint, fixed_all(axis)))]
+        axis = [x * scene.unit for x in axis]
+        return [(Shift([[x * value] for x in axis]), (joint, fixed_all(axis)))]
+
+    steps = [(step, None) for step in reversed(body.own)]
+    if body.link is None and scene.base:
+        steps.append((Place(inverse(scene.base), scene.unit), None))
+    for joint in reversed(down):
+        steps += [*motion(joint, 1), (joint.place, None)]
+    for joint in up:
+        steps += [(Place(inverse(joint.origin), scene.unit), None), *motion(joint, -1)]
+    return steps
+
+
+def remainder(body, steps, half, normal):
+    """|n| R of lemma 9, in units of 2^-P."""
+    x, reach, moved_, rest = body.middle, above(body.round), 0, 0
+    for step, joint in steps:
+        if joint:
+            joint, axis = joint
+            size, turns = length(axis), joint.kind == "turn"
+            width = above(half[joint.drive[0]] * abs(joint.drive[1]))
+            speed = length(cross(axis, x)) + product(size, reach + moved_) if turns else size
+            way = product(speed, width)
+            if turns:
+                rest += product(product(size, width), moved_ + (way >> 1) + 1)
+            moved_ += way
+        x = step.point(x, INSTANT)
+    return product(rest, length(fixed_all(normal)))
+
+
+INSTANT = Q(0), Q(0)
+
+
+def over_cell(scene, link, body, cell, normal):
+    """The least and greatest heights of a body over a cell, in units of 2^-2P (lemma 9)."""
+    half = [(high - low) / 2 for low, high in cell]
+    steps = hops(scene, link, body, [(high + low) / 2 for low, high in cell])
+    body = scene.bodies[body]
+    rest = remainder(body, steps, half, normal)
+    zero = Taylor([0])
+    rows, slopes = [(fixed_all(normal), zero)], {}
+    owners = []
+    for step, joint in reversed(steps):
+        rows = [step.plane(m, o, INSTANT) for m, o in rows]
+        if joint:
+            joint, axis = joint
+            m, o = (cross(rows[0][0], axis), zero) if joint.kind == "turn" else ([zero] * 3, dot(rows[0][0], axis))
+            factor = fixed(joint.drive[1])
+            rows.append(([x * factor for x in m], o * factor))
+            owners.append(joint.drive[0])
+    for coordinate, (m, o) in zip(owners, rows[1:]):
+        n, p = slopes.get(coordinate, ([zero] * 3, zero))
+        slopes[coordinate] = [x + y for x, y in zip(m, n)], o + p
+
+    def off(m, o):
+        return (o.r << P) + sum(x.r * y + body.inexact * (x.most() + x.r) for x, y in zip(m, body.most))
+
+    def height(p, m, o):
+        return sum(x.c[0] * y for x, y in zip(m, p)) + (o.c[0] << P)
+
+    slack = off(*rows[0]) + (rest << P)
+    bends = [(m, o, off(m, o), above(half[c])) for c, (m, o) in slopes.items()]
+    low = high = None
+    for p in body.fixed:
+        loss = slack + sum(h * ((abs(height(p, m, o)) + e >> P) + 1) for m, o, e, h in bends)
+        at = height(p, *rows[0])
+        low = at - loss if low is None else min(low, at - loss)
+        high = at + loss if high is None else max(high, at + loss)
+    return low, high
+
+
+def in_cell(scene, pair, cell, link, normal, keep):
+    """Lemma 9."""
+    high, low = over_cell(scene, link, pair[0], cell, normal)[1], over_cell(scene, link, pair[1], cell, normal)[0]
+    gap, keep = Q(low - high, ONE * ONE), (keep + sum(scene.bodies[k].radius for k in pair)) * scene.unit
+    return gap > 0 and gap * gap > keep * keep * dot(normal, normal)
+
+
+class Cells:
+    """The cells of a range: lemma 10."""
+
+    def __init__(self, head):
+        self.range = [tuple(numbers(x, 2)) for x in array(get(head, "range"))]
+        self.margin = number(get(head, "margin"))
+        sane = self.margin >= 0 and len(self.range) <= 1024 and all(low <= high for low, high in self.range)
+        need(sane, "the margin is negative, or a range ends before its start, or more than 1024")
+        self.now, self.waiting, self.done = None, [], set()
+
+    def fits(self, scene):
+        need(len(self.range) >= scene.coordinates, "a range of each coordinate is expected")
+        need(not any(b.steady for b in scene.bodies), "a body that is steady, in a claim about configurations")
+
+    def next(self, scene, pair, line):
+        """The cell that a line proves, and what it keeps."""
+        name = scene.names(pair)
+        if self.now != pair:
+            self.end_pair(scene)
+            used = pair not in scene.ignored and scene.moving(pair)
+            prove(used, f"{name}: a proof of a pair that is ignored or rests")
+            prove(pair not in self.done, f"{name}: cells after the last cell")
+            self.done.add(pair)
+            self.now, self.waiting = pair, [self.range]
+        for cut in array(line.get("cut", [])):
+            coordinate, at = array(cut, 2)
+            coordinate, at = whole(coordinate), number(at)
+            cell = self.waiting.pop() if self.waiting else []
+            inside = coordinate < len(cell) and cell[coordinate][0] < at < cell[coordinate][1]
+            prove(inside, f"{name}: a cut outside its cell")
+            need(len(self.waiting) + 2 <= 4096, "more than 4096 cells wait")
+            for ends in ((at, cell[coordinate][1]), (cell[coordinate][0], at)):
+                self.waiting.append([*cell[:coordinate], ends, *cell[coordinate + 1 :]])
+        keep = number(line["keep"]) if "keep" in line else self.margin
+        prove(keep >= self.margin, f"{name}: keeps {float(keep)}, less than the margin")
+        prove(self.waiting, f"{name}: cells after the last cell")
+        return self.waiting.pop(), keep
+
+    def end_pair(self, scene):
+        pair, waiting, self.now, self.waiting = self.now, self.waiting, None, []
+        prove(not waiting, f"{scene.names(pair) if pair else ''}: {len(waiting)} cells without a proof")
 
 
 class Moment:
@@ -803,7 +964,7 @@ def holds_ball(moment, placed, line, radius):
 
 
 LINES = {"meet": meet, "near": near, "distance": distance, "depth": depth}
-EVIDENCE = ["plane", "balls", *LINES]
+EVIDENCE = ["plane", "balls", "cell", *LINES]
 
 
 # The file.
@@ -833,8 +994,10 @@ class Check:
     def __init__(self, lines):
         head = lines[0]
         self.lines, self.claim = lines, text(get(head, "claim"))
-        need(self.claim in ("apart", "lines", "scene"), "unknown claim")
-        only(head, "receipt", "claim", *(("from", "until", "margin") if self.claim == "apart" else ()))
+        fields = {"apart": ("from", "until", "margin"), "range": ("range", "margin"), "lines": (), "scene": ()}
+        need(self.claim in fields, "unknown claim")
+        only(head, "receipt", "claim", *fields[self.claim])
+        self.cells = Cells(head) if self.claim == "range" else None
         if self.claim == "apart":
             self.begin, self.until, self.margin = (number(get(head, k)) for k in ("from", "until", "margin"))
             need(self.margin >= 0 and self.begin <= self.until, "margin or interval")
@@ -842,6 +1005,8 @@ class Check:
         for k, line in enumerate(lines[1:], 2):
             with_line(k, self.read_scene, k, line)
         self.scene.end()
+        if self.cells:
+            self.cells.fits(self.scene)
         self.files = self.scene.files
 
     def read_scene(self, k, line):
@@ -883,7 +1048,13 @@ class Check:
         legs = self.legs is None or len(self.legs) == self.count
         self.note(last, None, lambda: prove(legs, "another scene: another number of legs"))
         if self.claim == "apart":
-            self.tell()
+            begin, until = float(self.begin), float(self.until)
+            legs = f" of each of {self.count} legs" if self.count > 1 else ""
+            self.tell(f"from t = {begin} until t = {until}{legs}")
+        elif self.cells:
+            self.margin = self.cells.margin
+            each = (f"[{float(low)}, {float(high)}]" for low, high in self.cells.range)
+            self.tell(f"at every configuration of {' x '.join(each)}")
         self.note(1, None, lambda: prove(self.said, "nothing is claimed"))
         if self.failure:
             raise Fails(self.failure + (f"; {self.more} further failures)" if self.more else ")"))
@@ -903,11 +1074,27 @@ class Check:
         if kind(line) == "leg":
             return self.start_leg(line)
         need(self.claim != "scene", "evidence in a scene")
+        alone = (kind(line) == "cell") == (self.claim == "range")
+        need(alone, "a claim about a range has cells alone, and no other claim has cells")
+        if self.cells:
+            return self.cell(line)
         need(self.count > 0 or self.scene.coordinates == 0, "evidence before the first leg")
         if kind(line) in LINES:
             return self.said.append(LINES[kind(line)](self.scene, line) + self.of_leg())
         need(self.claim == "apart", "this claim is of single lines")
         self.apart(line)
+
+    def cell(self, line):
+        """A plane over a cell of a range."""
+        only(line, "cell", "cut", "link", "normal", "keep")
+        scene, pair = self.scene, self.scene.pair(line["cell"])
+        cell, keep = self.cells.next(scene, pair, line)
+        link, normal = whole(get(line, "link")), numbers(get(line, "normal"), 3)
+        known = link <= len(scene.joints) and len(cell) >= scene.coordinates
+        need(known, f"unknown link {link}, or a coordinate without a range")
+        truth = in_cell(scene, pair, cell, link, normal, keep)
+        middle = [float((low + high) / 2) for low, high in cell]
+        prove(truth, f"{scene.names(pair)}, about {middle}")
 
     def of_leg(self):
         return f" of leg {self.count}" if self.count > 1 else ""
@@ -947,6 +1134,7 @@ class Check:
             return False
 
     def start_leg(self, line):
+        need(not self.cells, "a leg in a claim about configurations")
         need(self.count > 0 or self.number == 0, "evidence before the first leg")
         leg = read_leg(self.scene if self.legs is None else None, line, self.leg)
         failed = None
@@ -970,10 +1158,14 @@ class Check:
 
     def end_leg(self):
         proven, self.proven = self.proven, {}
-        if self.claim != "apart":
+        if self.cells:
+            self.cells.end_pair(self.scene)
+            proven = self.cells.done
+        elif self.claim == "apart":
+            for pair, until in sorted(proven.items()):
+                prove(until == self.until, f"{self.scene.names(pair)} is proven until t = {float(until)} only")
+        else:
             return
-        for pair, until in sorted(proven.items()):
-            prove(until == self.until, f"{self.scene.names(pair)} is proven until t = {float(until)} only")
         moving = [b.moves for b in self.scene.bodies]
         every, movers = range(len(moving)), [k for k, moves in enumerate(moving) if moves]
         for a in every:
@@ -981,18 +1173,16 @@ class Check:
                 done = (a, b) in proven or (a, b) in self.scene.ignored
                 prove(done, f"no proof of {self.scene.names((a, b))}")
 
-    def tell(self):
+    def tell(self, when):
         """Says what a claim of all pairs proves, and what it leaves out."""
         count, bodies = len(self.scene.bodies), self.scene.bodies
         pairs = [(a, b) for a in range(count) for b in range(a + 1, count) if (a, b) not in self.scene.ignored]
         moving = [pair for pair in pairs if self.scene.moving(pair)]
         if not moving:
             return
-        legs = f" of each of {self.count} legs" if self.count > 1 else ""
-        begin, until, margin = map(float, (self.begin, self.until, self.margin))
         stay = "pair of bodies stays" if len(moving) == 1 else "pairs of bodies stay"
         self.said += [
-            f"{len(moving)} {stay} more than {margin} apart from t = {begin} until t = {until}{legs}",
+            f"{len(moving)} {stay} more than {float(self.margin)} apart {when}",
             "these are all pairs with a body that moves, but for those listed below; moving: "
             + ", ".join(b.name for b in bodies if b.moves)
             + "; at rest: "
@@ -1003,7 +1193,7 @@ class Check:
         scene = self.scene
         yield f"holds: {self.number} certificates"
         yield from (f"proven: {x}" for x in self.said)
-        if self.claim == "apart":
+        if self.claim in ("apart", "range"):
             yield from (f"not looked at: {scene.names(pair)}: {why}" for pair, why in sorted(scene.ignored.items()))
             count = len(scene.bodies)
             pairs = ((a, b) for a in range(count) for b in range(a + 1, count))

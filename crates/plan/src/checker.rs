@@ -534,7 +534,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.proven(&segment, until)
     }
 
-    fn proven(&mut self, segment: &C::Segment, until: f64) -> Result<Option<Vec<PairProof>>, PlanError> {
+    pub(crate) fn proven(&mut self, segment: &C::Segment, until: f64) -> Result<Option<Vec<PairProof>>, PlanError> {
         let mut proofs = Vec::new();
         for k in self.pairs.ordered() {
             let mut certificates = Vec::new();

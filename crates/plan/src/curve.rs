@@ -583,6 +583,11 @@ impl JointCurve {
         (0..self.coordinates).map(|c| self.value(c, order, time)).collect()
     }
 
+    /// Returns all control points.
+    pub(crate) fn control_points(&self) -> Vec<Vec<f64>> {
+        (0..=self.degree).map(|k| self.control_point(k)).collect()
+    }
+
     /// Returns the first control point.
     pub(crate) fn start(&self) -> Vec<f64> {
         self.control_point(0)

@@ -83,7 +83,7 @@ pub(crate) struct StoredCurve {
 impl From<JointCurve> for StoredCurve {
     fn from(curve: JointCurve) -> Self {
         Self {
-            points: (0..=curve.degree()).map(|k| curve.control_point(k)).collect(),
+            points: curve.control_points(),
             errors: (0..curve.coordinates()).map(|c| curve.bounds(c).error).collect(),
             times: curve.times(),
         }

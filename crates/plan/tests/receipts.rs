@@ -8,8 +8,8 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{ContactState, Geometry, HalfSpace, PairTracker, RelativePose, Shape, Tracker};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointKind, JointTree, PlanarSpace, RigidSpace, SerialArm, TranslationSpace,
-    TreeJoint, Verdict, World,
+    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, PlanarSpace, RangeOptions, RigidSpace,
+    SerialArm, TranslationSpace, TreeJoint, Verdict, World, WorldId,
 };
 use lin_canny_verify::verify;
 use truth::arm::{self, motion};
@@ -190,6 +190,189 @@ fn a_wrong_proof_is_refused() {
 }
 
 #[test]
+fn random_curves_of_an_arm_have_receipts() {
+    let mut checker = arm();
+    let mut rng = Rng::new(9);
+    let mut counts = [0; 3];
+    for k in 0..24 {
+        let start = match k % 2 {
+            0 => motion::carry(rng.uniform()),
+            _ => checker.space().sample(&mut || rng.uniform()),
+        };
+        let most = if k % 4 < 2 { 0.2 } else { 0.8 };
+        let mut points = vec![start];
+        for _ in 0..[2, 3, 5, 7][k % 4] {
+            let step: Vec<f64> = (0..6).map(|_| rng.range(-most, most)).collect();
+            points.push(checker.space().moved(&points[points.len() - 1], &step));
+        }
+        let Ok(curve) = JointCurve::bezier(&points) else {
+            panic!("{points:?}")
+        };
+        let Ok(verdict) = checker.certify_curve(&curve) else {
+            continue;
+        };
+        let receipt = Receipt::curve(&mut checker, &curve).unwrap_or_else(|error| panic!("{error} {verdict:?}"));
+        let [text, _] = holds(&receipt);
+        counts[usize::from(!verdict.is_free())] += 1;
+        // The control points matter: another curve has other legs, and needs another proof.
+        let line = text.lines().find(|line| line.starts_with("{\"leg\"")).expect("a leg");
+        assert_eq!(line.matches('[').count(), points.len() + 1);
+        if verdict.is_free() {
+            let spline = [
+                curve.clone(),
+                JointCurve::bezier(&[curve.at(1.0), curve.at(1.0)]).expect("a curve"),
+            ];
+            let spline = Receipt::spline(&mut checker, &spline).expect("a free spline");
+            counts[2] += usize::from(holds(&spline)[1].contains("each of 2 legs"));
+        }
+    }
+    println!("free, blocked, splines: {counts:?}");
+    assert!(counts[0] > 4 && counts[1] > 4 && counts[2] == counts[0], "{counts:?}");
+}
+
+/// A range around a configuration, of a width that grows with the number.
+fn range_around(q: &[f64], checker: &Checker<SerialArm>, half: f64) -> [Vec<f64>; 2] {
+    let step = vec![half; q.len()];
+    let back: Vec<f64> = step.iter().map(|x| -x).collect();
+    [checker.space().moved(q, &back), checker.space().moved(q, &step)]
+}
+
+#[test]
+fn ranges_of_an_arm_have_receipts() {
+    let mut checker = arm();
+    let mut rng = Rng::new(21);
+    let (mut proven, mut cells, mut bytes, mut refused) = (0, 0, 0, 0);
+    for k in 0..6 {
+        let q = motion::carry(rng.uniform());
+        let [low, high] = range_around(&q, &checker, [0.03, 0.15, 0.4][k % 3]);
+        let options = RangeOptions::default().cells(2000);
+        let answers = checker.prove_range(&low, &high, &options).expect("a range");
+        let never = answers.iter().filter(|answer| answer.is_never()).count();
+        let receipt = Receipt::range(&checker, &answers, 4000).expect("a receipt");
+        let [text, said] = holds(&receipt);
+        let stated = said
+            .lines()
+            .find(|line| line.contains("pairs of bodies stay"))
+            .expect("a claim");
+        let count: usize = stated.split(' ').nth(1).expect("a number").parse().expect("a number");
+        println!("{count} of {never} pairs that never meet, of {}", answers.len());
+        // What is missing are pairs of the base and an obstacle, which both rest.
+        assert!(
+            count <= never && count + 12 >= never && !said.contains("too many cells"),
+            "{said}"
+        );
+        proven += count;
+        cells += receipt.certificates();
+        bytes += text
+            .lines()
+            .filter(|line| line.starts_with("{\"cell\""))
+            .map(str::len)
+            .sum::<usize>();
+        // A wider range with the same evidence.
+        let lines: Vec<String> = text.lines().map(String::from).collect();
+        let mut lines = lines[..lines.len() - 1].to_vec();
+        lines.retain(|line| !line.starts_with("{\"cell\":[7,"));
+        refused += usize::from(checked(&sealed(&lines)).is_err());
+    }
+    println!("{proven} pairs, {cells} cells, {bytes} bytes");
+    assert_eq!(refused, 6);
+}
+
+/// A library that takes an obstacle to be elsewhere proves segments free that are not.
+#[test]
+fn a_proof_of_a_library_that_errs_is_refused() {
+    let mut rng = Rng::new(15);
+    let mut refused = 0;
+    for _ in 0..300 {
+        let from = motion::carry(rng.uniform());
+        let mut checker = arm();
+        let step: Vec<f64> = (0..6).map(|_| rng.range(-0.6, 0.6)).collect();
+        let to = checker.space().moved(&from, &step);
+        let Ok(Verdict::Blocked { pair, .. }) = checker.certify(&from, &to) else {
+            continue;
+        };
+        if !matches!(pair.b, WorldId::Obstacle(_)) {
+            continue;
+        }
+        let path = [from.clone(), to.clone()];
+        let truth = Receipt::scene(&checker, &path).expect("a scene").to_string();
+        let elsewhere = Isometry3::translation(0.0, 0.0, -3.0);
+        checker.move_obstacle(pair.b, elsewhere).expect("an obstacle");
+        if !checker.certify(&from, &to).expect("a segment").is_free() {
+            continue;
+        }
+        let receipt = Receipt::segment(&mut checker, &from, &to).expect("a receipt");
+        let [text, _] = holds(&receipt);
+        let is_body = |line: &&str| line.starts_with("{\"body\"");
+        let mut bodies = truth.lines().filter(is_body);
+        let lines = text.lines().map(|line| match is_body(&line) {
+            true => bodies.next().expect("as many bodies").to_string(),
+            false => line.to_string(),
+        });
+        let lines: Vec<String> = lines.collect();
+        let said = checked(&sealed(&lines[..lines.len() - 1])).expect_err("a false claim");
+        assert!(said.starts_with("does not hold"), "{said}");
+        refused += 1;
+    }
+    println!("{refused} refused");
+    assert!(refused > 4, "{refused}");
+}
+
+/// Sizes of a path's receipt and times to check it: run with `--ignored --nocapture`.
+#[test]
+#[ignore = "a measurement"]
+fn sizes_and_times() {
+    let mut checker = arm();
+    for segments in [1, 11, 20] {
+        let rows: Vec<Vec<f64>> = match segments {
+            1 => vec![motion::carry(0.0), motion::carry(1.0 / 11.0)],
+            _ => (0..=segments)
+                .map(|k| motion::carry(f64::from(k) / f64::from(segments)))
+                .collect(),
+        };
+        let receipt = Receipt::path(&mut checker, &rows).expect("a receipt");
+        let text = receipt.to_string();
+        let scene = Receipt::scene(&checker, &rows).expect("a scene").to_string();
+        let bytes = |kinds: &[&str]| -> usize {
+            let lines = text
+                .lines()
+                .filter(|line| kinds.iter().any(|kind| line.starts_with(kind)));
+            lines.map(|line| line.len() + 1).sum()
+        };
+        let evidence = bytes(&["{\"plane\"", "{\"balls\""]);
+        let count = |line: &str| match line.strip_prefix("{\"balls\":[") {
+            Some(rest) => rest[..rest.find(']').expect("a list")].matches(',').count(),
+            None => usize::from(line.starts_with("{\"plane\"")),
+        };
+        let pairs: usize = text.lines().map(count).sum();
+        let timed = |text: &str| {
+            let times = (0..10).map(|_| {
+                let started = std::time::Instant::now();
+                let found = verify(text.as_bytes()).expect("a receipt");
+                (started.elapsed().as_secs_f64(), found)
+            });
+            times.min_by(|x, y| x.0.total_cmp(&y.0)).expect("a time")
+        };
+        let ((time, found), (idle, _)) = (timed(&text), timed(&scene));
+        let lin_canny_verify::Verdict::Holds(report) = found else {
+            panic!("{found}")
+        };
+        println!(
+            "{segments} segments: {} bytes, legs {}, evidence {evidence} ({} a segment); {pairs} certificates of pairs in {} \
+             lines, {} wide; {:.2} ms, scene {:.2} ms, {:.1} us a certificate",
+            text.len(),
+            bytes(&["{\"leg\""]),
+            evidence / segments as usize,
+            report.certificates,
+            report.wide,
+            time * 1e3,
+            idle * 1e3,
+            (time - idle) * 1e6 / pairs as f64,
+        );
+    }
+}
+
+#[test]
 fn bodies_that_move_as_one_have_receipts() {
     let mut rng = Rng::new(3);
     let mut counts = [0; 4];
@@ -352,7 +535,7 @@ fn casts_have_receipts() {
 #[test]
 fn distances_and_overlaps_have_receipts() {
     let mut rng = Rng::new(17);
-    let mut counts = [0; 3];
+    let (mut counts, mut depths) = ([0; 3], [0; 2]);
     for k in 0..300 {
         let bodies = [0, 1].map(|_| body(SHAPES[rng.below(SHAPES.len())], 20, &mut rng));
         let at = Isometry3::from_parts(
@@ -377,11 +560,17 @@ fn distances_and_overlaps_have_receipts() {
         let [text, _] = holds(&receipt);
         match outcome.state {
             ContactState::Separated => counts[usize::from(text.contains("normal"))] += 1,
-            _ => counts[2] += 1,
+            _ => {
+                counts[2] += 1;
+                let lines = text.lines().filter(|line| line.starts_with("{\"depth\""));
+                depths[0] += lines.clone().filter(|line| line.contains("\"upper\"")).count();
+                depths[1] += lines.filter(|line| line.contains("\"lower\"")).count();
+            }
         }
     }
-    println!("by features, by a normal, overlaps: {counts:?}");
+    println!("by features, by a normal, overlaps: {counts:?}; depths from above, from below: {depths:?}");
     assert!(counts[0] > 100 && counts[2] > 30, "{counts:?}");
+    assert!(depths[0] > 20 && depths[1] > 20, "{depths:?}");
 }
 
 #[test]

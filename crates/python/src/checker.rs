@@ -20,6 +20,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use lin_canny::Progress;
+use lin_canny_robot::plan::receipt::Receipt;
 use lin_canny_robot::plan::{Checker as Loaded, ConfigurationSpace, JointTree, Path, PlanMethod, PlanOptions, World};
 use lin_canny_robot::{Cell, Setup};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
@@ -282,6 +283,23 @@ impl Checker {
         let ends = [configuration(start)?, configuration(goal)?];
         let verdict = py.detach(|| self.checker.certify(&ends[0], &ends[1]));
         Ok(Verdict::new(0, verdict.map_err(plan_error)?, &self.checker))
+    }
+
+    /// Returns the receipt of a path, shape (K, dof), as a text: its proof, which `verify.py` checks.
+    ///
+    /// A path that is free has one proof for each segment. A segment (two rows) that is blocked has
+    /// the proof of its contact, and that all pairs are apart before. Write the text to a file without
+    /// changing line ends, and check it with `lin-canny-robot verify FILE` or `python3 verify.py FILE`.
+    ///
+    /// Raises PlanError if a longer path is not free, or if the motion or a body has no receipt:
+    /// meshes, half-spaces and curved shapes but cylinders, cones and balls.
+    fn receipt(&mut self, py: Python<'_>, path: &Bound<'_, PyAny>) -> PyResult<String> {
+        let path = self.path(path)?;
+        let written = py.detach(|| match &path[..] {
+            [from, to] => Receipt::segment(&mut self.checker, from, to),
+            _ => Receipt::path(&mut self.checker, &path),
+        });
+        Ok(written.map_err(plan_error)?.to_string())
     }
 
     /// Returns the verdict on a path, shape (K, dof).

@@ -2,7 +2,10 @@ import math
 import os
 import pickle
 import signal
+import subprocess
+import sys
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -107,6 +110,16 @@ def test_certified_segments(checker):
     assert checker.certify_path([[0, 0], [0, 1], [0, 2]]).segment == 1
     lower, upper, t, pair = checker.clearance_along([0, 0], [1, 1])
     assert lower <= clearance_by_hand(1) <= upper * 1.001 and t == 1 and pair == ("bar", "post")
+
+
+def test_receipts_hold(checker, tmp_path):
+    verify = Path(__file__).parents[1] / "verify.py"
+    file = tmp_path / "receipt.jsonl"
+    file.write_bytes(checker.receipt([[0, 0], [0.5, 0.5], [1, 0]]).encode())
+    found = subprocess.run([sys.executable, verify, file], capture_output=True, text=True)
+    assert found.returncode == 0 and "of each of 2 legs" in found.stdout, found.stdout
+    with pytest.raises(lc.PlanError, match="segment 1 of the path is not proven free"):
+        checker.receipt([[0, 0], [0, 1], [0, 2]])
 
 
 def test_a_planned_path_is_free(checker):

@@ -150,7 +150,17 @@ fn receipts_of_motions_are_verified() {
     let (code, said) = verified(&scratch("cut.jsonl", &text[..text.len() / 2]), &[]);
     assert_eq!(code, 3, "{said}");
     assert_eq!(verified("nowhere.jsonl", &[]).0, 3);
-    // Curves have none.
+    // Motions with velocities are curves.
+    let head = "time,lift,turn,lift.velocity,turn.velocity";
+    let rows = "0,0.6,0.6,0,0\n1,0.4,0.62,-0.2,0\n2,0.3,0.6,0,0\n";
+    let curved = scratch("curved.csv", &format!("{head}\n{rows}"));
+    let others = scratch("curved-others.csv", "elbow,roll,bend,twist,left\n1.2,0,0.8,0,0.01\n");
+    let given = ["--trajectory", &curved, "--rest", &others];
+    let (code, text) = run("certify", &with(&[&given[..], &outputs].concat()));
+    assert_eq!(code, 0, "{text}");
+    let (code, text) = verified(&proof, &["--on", &scene]);
+    assert!(code == 0 && text.contains("of each of 2 legs"), "{text}");
+    // Tubes have none.
     let (code, text) = run(
         "certify",
         &with(&["--trajectory", "carry.csv", "--tube", "elbow=0.01", "--receipt", &proof]),
@@ -1186,6 +1196,20 @@ fn an_audit_proves_pairs_and_refutes_an_srdf() {
         "{srdf}"
     );
     assert!(!srdf.contains(r#"link1="base" link2="gripper""#), "{srdf}");
+    // A receipt of the pairs that never meet.
+    let proof = scratch("audit.jsonl", "");
+    let (code, said) = run(
+        "audit",
+        &[&arguments[..], &["--receipt", &proof, "--receipt-cells", "2000"]].concat(),
+    );
+    assert!(code == 1 && said.contains("cells with a plane"), "{said}");
+    let (code, said) = verified(&proof, &[]);
+    assert_eq!(code, 0, "{said}");
+    assert!(
+        said.contains("at every configuration of [") && said.contains("upper arm"),
+        "{said}"
+    );
+    assert!(said.contains(" against gripper: excluded: Never"), "{said}");
     // A second run takes the answers over, and goes on with open pairs.
     let (code, again) = run("audit", &arguments);
     assert_eq!(code, 1, "{again}");

@@ -15,6 +15,7 @@ use crate::meet::Meet;
 use crate::motion::Stage;
 use crate::near::Near;
 use crate::plane::Plane;
+use crate::range::InCell;
 use crate::real::Real;
 use crate::report::{Failure, Report, StatedFile, Unreadable, Verdict};
 use crate::scene::{Leg, Scene};
@@ -34,6 +35,9 @@ pub(crate) fn run(reader: impl BufRead, other: Option<(Scene, Vec<Leg>)>) -> Res
         lines.count();
     };
     lines.whole(stated.end())?;
+    if let Head::Range(cells) = &head {
+        lines.whole(cells.fits(&stated))?;
+    }
     let mut check = Check::new(head, stated, other);
     check.start(lines.number);
     let mut text = Some(first);
@@ -159,11 +163,19 @@ impl Check {
         if self.different.is_some() {
             return Ok(());
         }
-        if self.scene.coordinates > 0 && self.count == 0 {
+        let is_range = matches!(self.head, Head::Range(_));
+        if is_range != (line.kind() == "cell") {
+            return Stop::bad("a claim about a range has cells alone, and no other claim has cells");
+        }
+        if self.scene.coordinates > 0 && self.count == 0 && !is_range {
             return Stop::bad("evidence before the first leg");
         }
-        match (line.kind(), self.head) {
-            ("plane" | "balls", Head::Apart(apart)) => self.apart(line, &apart),
+        match (line.kind(), &self.head) {
+            ("cell", _) => self.cell(line),
+            ("plane" | "balls", Head::Apart(apart)) => {
+                let apart = *apart;
+                self.apart(line, &apart)
+            }
             ("plane" | "balls", _) => Stop::bad("this claim is of single lines"),
             (kind, _) => {
                 let text = match kind {
@@ -252,6 +264,36 @@ impl Check {
         }
     }
 
+    /// A plane over a cell of a range.
+    fn cell(&mut self, line: &Json) -> Result<(), Stop> {
+        line.only(&["cell", "cut", "link", "normal", "keep"])?;
+        let pair = self.scene.pair(line.get("cell")?)?;
+        let Head::Range(cells) = &mut self.head else {
+            return Ok(());
+        };
+        let (cell, keep) = cells.next(&self.scene, pair, line)?;
+        let (link, normal) = (line.get("link")?.whole()?, line.get("normal")?.reals::<3>()?);
+        if link > self.scene.joints.len() || cell.len() < self.scene.coordinates {
+            return Stop::bad(format!("unknown link {link}, or a coordinate without a range"));
+        }
+        let middle: Vec<f64> = cell
+            .iter()
+            .map(|[low, high]| 0.5 * (low.shown() + high.shown()))
+            .collect();
+        let (normal, keep) = (normal.map(Real::exact), keep.exact());
+        let claim = InCell {
+            pair,
+            cell,
+            link,
+            normal,
+            keep,
+        };
+        if self.holds(&claim) {
+            return Ok(());
+        }
+        Stop::fails(format!("{}, about {middle:?}", self.scene.names(pair)))
+    }
+
     /// Narrow integers first; wide ones where they do not suffice.
     fn holds(&mut self, claim: &impl Claim) -> bool {
         let narrow = self.narrow.as_ref().and_then(|stage| claim.holds(&self.scene, stage));
@@ -260,7 +302,7 @@ impl Check {
         }
         self.report.wide += 1;
         let leg = self.now();
-        if leg.is_none() && self.scene.coordinates > 0 {
+        if leg.is_none() && self.scene.coordinates > 0 && !matches!(self.head, Head::Range(_)) {
             return false;
         }
         let wide = self.wide.get_or_init(|| Stage::new(&self.scene, leg));
@@ -281,13 +323,16 @@ impl Check {
         if self.count == 0 && self.report.certificates > 0 {
             return Stop::bad("evidence before the first leg");
         }
+        if matches!(self.head, Head::Range(_)) {
+            return Stop::bad("a leg in a claim about configurations");
+        }
         let leg = Leg::read(line)?;
         if self.legs.is_none() {
             follows(&self.scene, self.leg.as_ref(), &leg)?;
         }
         let before = if self.count > 0 { self.end_leg() } else { Ok(()) };
         (self.leg, self.count, self.wide) = (Some(leg), self.count + 1, OnceCell::new());
-        if let Head::Apart(apart) = self.head {
+        if let Head::Apart(apart) = &self.head {
             let (from, until) = (apart.span.from, apart.span.until);
             let whole = from == Real::ZERO && until == Real::ONE;
             if from < Real::ZERO || until > Real::ONE || self.count > 1 && !whole {
@@ -313,15 +358,33 @@ impl Check {
 
     fn end_leg(&mut self) -> Result<(), Stop> {
         let cover = std::mem::take(&mut self.cover);
-        match self.head {
-            Head::Apart(apart) if self.different.is_none() => cover.end(&self.scene, &apart),
+        match &mut self.head {
+            Head::Apart(apart) if self.different.is_none() => cover.end(&self.scene, apart),
+            Head::Range(cells) if self.different.is_none() => cells.end(&self.scene),
             _ => Ok(()),
         }
     }
 
     fn verdict(mut self) -> Verdict {
-        if let Head::Apart(apart) = self.head {
-            self.tell(&apart);
+        match self.head.clone() {
+            Head::Apart(Apart { span, margin }) => {
+                let [from, until] = [span.from, span.until].map(Real::shown);
+                let legs = if self.count > 1 {
+                    format!(" of each of {} legs", self.count)
+                } else {
+                    String::new()
+                };
+                self.tell(margin, &format!("from t = {from} until t = {until}{legs}"));
+            }
+            Head::Range(cells) => {
+                let each = cells
+                    .range
+                    .iter()
+                    .map(|[low, high]| format!("[{}, {}]", low.shown(), high.shown()));
+                let each: Vec<String> = each.collect();
+                self.tell(cells.margin, &format!("at every configuration of {}", each.join(" x ")));
+            }
+            _ => {}
         }
         if self.report.proven.is_empty() {
             let text = "nothing is claimed".into();
@@ -334,10 +397,10 @@ impl Check {
     }
 
     /// Says what a claim of all pairs proves, and what it leaves out.
-    fn tell(&mut self, apart: &Apart) {
+    fn tell(&mut self, margin: Real, when: &str) {
         let (proven, resting) = needed(&self.scene);
         if proven > 0 {
-            self.tell_proven(apart, proven);
+            self.tell_proven(margin.shown(), when, proven);
         }
         for (pair, why) in &self.scene.ignored {
             let text = format!("{}: {}", self.scene.names(*pair), self.scene.reasons[*why]);
@@ -351,19 +414,13 @@ impl Check {
     }
 
     /// Says that so many pairs stay apart, and of which bodies.
-    fn tell_proven(&mut self, apart: &Apart, proven: usize) {
-        let [from, until, margin] = [apart.span.from, apart.span.until, apart.margin].map(Real::shown);
+    fn tell_proven(&mut self, margin: f64, when: &str, proven: usize) {
         let stay = if proven == 1 {
             "pair of bodies stays"
         } else {
             "pairs of bodies stay"
         };
-        let legs = if self.count > 1 {
-            format!(" of each of {} legs", self.count)
-        } else {
-            String::new()
-        };
-        let text = format!("{proven} {stay} more than {margin} apart from t = {from} until t = {until}{legs}");
+        let text = format!("{proven} {stay} more than {margin} apart {when}");
         self.report.proven.push(text);
         let names = |moves: bool| {
             let all: Vec<_> = self

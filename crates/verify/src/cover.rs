@@ -93,19 +93,24 @@ impl Cover {
         if self.until.len() == needed(scene).0 {
             return Ok(());
         }
-        // Pairs of two bodies that rest are never visited: a file has many legs for few bytes.
-        let every: Vec<usize> = (0..scene.bodies.len()).collect();
-        let movers: Vec<usize> = every.iter().copied().filter(|k| scene.bodies[*k].moves).collect();
-        let all = every.iter().flat_map(|a| {
-            let others = if scene.bodies[*a].moves { &every } else { &movers };
-            let first = others.partition_point(|b| b <= a);
-            others[first..].iter().map(move |b| (*a, *b))
-        });
-        let mut missing = all.filter(|pair| !scene.ignored.contains_key(pair) && !self.until.contains_key(pair));
-        missing
-            .next()
-            .map_or(Ok(()), |pair| Stop::fails(format!("no proof of {}", scene.names(pair))))
+        missing(scene, |pair| self.until.contains_key(pair))
     }
+}
+
+/// Names the first pair that is neither ignored nor proven.
+pub(crate) fn missing(scene: &Scene, proven: impl Fn(&(usize, usize)) -> bool) -> Result<(), Stop> {
+    // Pairs of two bodies that rest are never visited: a file has many legs for few bytes.
+    let every: Vec<usize> = (0..scene.bodies.len()).collect();
+    let movers: Vec<usize> = every.iter().copied().filter(|k| scene.bodies[*k].moves).collect();
+    let all = every.iter().flat_map(|a| {
+        let others = if scene.bodies[*a].moves { &every } else { &movers };
+        let first = others.partition_point(|b| b <= a);
+        others[first..].iter().map(move |b| (*a, *b))
+    });
+    let mut missing = all.filter(|pair| !scene.ignored.contains_key(pair) && !proven(pair));
+    missing
+        .next()
+        .map_or(Ok(()), |pair| Stop::fails(format!("no proof of {}", scene.names(pair))))
 }
 
 /// Returns the number of pairs to prove, and of pairs that rest and are not ignored.

@@ -3,6 +3,7 @@
 use std::io::BufRead;
 
 use crate::Stop;
+use crate::cells::Cells;
 use crate::cover::Apart;
 use crate::json::Json;
 use crate::lines::Lines;
@@ -10,15 +11,16 @@ use crate::report::Unreadable;
 use crate::scene::{Leg, Motion, Scene, hash};
 
 /// What the head claims.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(crate) enum Head {
     Apart(Apart),
+    Range(Cells),
     Lines,
     Scene,
 }
 
 /// Lines of evidence, but for legs.
-pub(crate) const EVIDENCE: [&str; 6] = ["plane", "balls", "meet", "near", "distance", "depth"];
+pub(crate) const EVIDENCE: [&str; 7] = ["plane", "balls", "cell", "meet", "near", "distance", "depth"];
 
 impl Head {
     fn read(line: &Json) -> Result<Self, Stop> {
@@ -26,9 +28,14 @@ impl Head {
             return Stop::bad("not a receipt of version 1");
         }
         let claim = line.get("claim")?.text()?;
-        line.only(&["receipt", "claim", "from", "until", "margin"][..if claim == "apart" { 5 } else { 2 }])?;
+        line.only(match claim {
+            "apart" => &["receipt", "claim", "from", "until", "margin"],
+            "range" => &["receipt", "claim", "range", "margin"],
+            _ => &["receipt", "claim"],
+        })?;
         match claim {
             "apart" => Ok(Self::Apart(Apart::read(line)?)),
+            "range" => Ok(Self::Range(Cells::read(line)?)),
             "lines" => Ok(Self::Lines),
             "scene" => Ok(Self::Scene),
             _ => Stop::bad("unknown claim"),

@@ -1,12 +1,14 @@
 #![doc = include_str!("../README.md")]
 
 mod balls;
+mod cells;
 mod check;
 mod claim;
 mod cover;
 mod depth;
 mod distance;
 mod file;
+mod hops;
 mod int;
 mod json;
 mod lines;
@@ -15,6 +17,7 @@ mod motion;
 mod near;
 mod plane;
 mod points;
+mod range;
 mod real;
 mod report;
 mod scene;

@@ -44,7 +44,7 @@ impl Span {
 }
 
 /// One step of the way from the world to a body.
-enum Step<I> {
+pub(crate) enum Step<I> {
     Place([Vector<I>; 3], Vector<I>),
     /// Polynomials in time.
     Shift([Vec<RBig>; 3]),
@@ -100,12 +100,12 @@ impl<I: Int> Turn<I> {
 }
 
 impl<I: Int> Step<I> {
-    fn place(pose: &Pose, unit: &RBig) -> Option<Self> {
+    pub(crate) fn place(pose: &Pose, unit: &RBig) -> Option<Self> {
         let rows = each(|k| fixed3(&pose.rows[k]))?;
         Some(Self::Place(rows, fixed3(&pose.shift.each_ref().map(|x| x * unit))?))
     }
 
-    fn point(&self, x: &Vector<I>, span: &Span) -> Option<Vector<I>> {
+    pub(crate) fn point(&self, x: &Vector<I>, span: &Span) -> Option<Vector<I>> {
         match self {
             Self::Place(rows, shift) => each(|k| dot(&rows[k], x)?.plus(&shift[k])),
             Self::Shift(way) => each(|k| x[k].plus(&Taylor::polynomial(&span.moved(&way[k]))?)),
@@ -114,7 +114,7 @@ impl<I: Int> Step<I> {
     }
 
     /// Of m . (step of x) + o the new m and o.
-    fn plane(&self, m: &Vector<I>, o: &Taylor<I>, span: &Span) -> Option<(Vector<I>, Taylor<I>)> {
+    pub(crate) fn plane(&self, m: &Vector<I>, o: &Taylor<I>, span: &Span) -> Option<(Vector<I>, Taylor<I>)> {
         Some(match self {
             Self::Place(rows, shift) => {
                 let column = |k: usize| {
@@ -134,16 +134,19 @@ impl<I: Int> Step<I> {
 }
 
 /// The vertices of a body in fixed point, within `inexact` units.
-struct Solid<I> {
-    points: Vec<[I; 3]>,
+pub(crate) struct Solid<I> {
+    pub(crate) points: Vec<[I; 3]>,
     inexact: I,
     most: [I; 3],
     pivot: Vector<I>,
     /// Radius of the ball around the vertices.
     reach: RBig,
+    /// The middle of the box of the vertices, and the radius of a ball around it that holds them.
+    pub(crate) middle: Vector<I>,
+    pub(crate) round: RBig,
     /// The steps of the body itself, the one next to the world first.
-    steps: Vec<Step<I>>,
-    link: Option<usize>,
+    pub(crate) steps: Vec<Step<I>>,
+    pub(crate) link: Option<usize>,
 }
 
 impl<I: Int> Solid<I> {
@@ -200,8 +203,12 @@ impl<I: Int> Solid<I> {
             }
         };
         let (most, pivot) = (each(most)?, fixed3(&pivot)?);
-        let reach = root_above(&(points.reach_squared() * &unit * &unit));
+        let reach = root_above(&(points.reach_squared(&points.pivot) * &unit * &unit));
+        let round = root_above(&(points.reach_squared(&points.middle) * &unit * &unit));
+        let middle = fixed3(&points.exact(&points.middle).map(|x| x * &unit))?;
         Some(Self {
+            middle,
+            round,
             points: all,
             inexact: I::small(inexact.into()),
             most,
@@ -213,13 +220,27 @@ impl<I: Int> Solid<I> {
     }
 }
 
+impl<I: Int> Solid<I> {
+    /// By how much the height m . x + o of a vertex departs from that of the polynomials, in units of
+    /// 2^-2P.
+    pub(crate) fn off(&self, m: &Vector<I>, o: &Taylor<I>) -> Option<I> {
+        let mut off = o.r.up()?;
+        for (part, most) in m.iter().zip(&self.most) {
+            off = off
+                .add(&part.r.mul(most)?)?
+                .add(&self.inexact.mul(&part.most()?.add(&part.r)?)?)?;
+        }
+        Some(off)
+    }
+}
+
 /// All bodies in fixed point.
 pub(crate) struct Stage<I> {
     pub(crate) unit: RBig,
     base: Option<Step<I>>,
     /// For each joint its origin and its motion.
-    joints: Vec<[Option<Step<I>>; 2]>,
-    solids: Vec<Solid<I>>,
+    pub(crate) joints: Vec<[Option<Step<I>>; 2]>,
+    pub(crate) solids: Vec<Solid<I>>,
 }
 
 impl<I: Int> Stage<I> {
@@ -314,13 +335,7 @@ impl<I: Int> Stage<I> {
             (m, o) = step.plane(&m, &o, span)?;
         }
         let (nets, base) = ([m[0].net()?, m[1].net()?, m[2].net()?], o.net()?);
-        let mut off = o.r.up()?;
-        for (part, most) in m.iter().zip(&solid.most) {
-            off = off
-                .add(&part.r.mul(most)?)?
-                .add(&solid.inexact.mul(&part.most()?.add(&part.r)?)?)?;
-        }
-        off = off.mul(&I::small(I::W))?;
+        let off = solid.off(&m, &o)?.mul(&I::small(I::W))?;
         let mut both = [Vec::new(), Vec::new()];
         let mut ends: Option<[I; 2]> = None;
         for (k, b) in base.iter().enumerate() {

@@ -13,6 +13,8 @@ pub(crate) struct Points {
     pub(crate) all: Vec<[IBig; 3]>,
     /// The centre of the ball around the vertices.
     pub(crate) pivot: [IBig; 3],
+    /// About the middle of the box of the vertices.
+    pub(crate) middle: [IBig; 3],
     /// All coordinates are integers times 2^exponent.
     pub(crate) exponent: i64,
 }
@@ -48,8 +50,15 @@ impl Points {
                 }
             })
         };
+        let all: Vec<[IBig; 3]> = reals.iter().map(whole).collect();
+        let middle = |k: usize| {
+            let part = |p: &[IBig; 3]| p[k].clone();
+            let ends = all.iter().map(part).min().zip(all.iter().map(part).max());
+            ends.map_or(IBig::ZERO, |(low, high)| (low + high) >> 1usize)
+        };
         let points = Self {
-            all: reals.iter().map(whole).collect(),
+            middle: std::array::from_fn(middle),
+            all,
             pivot: whole(&pivot),
             exponent,
         };
@@ -62,11 +71,11 @@ impl Points {
         Ok((points, most))
     }
 
-    /// Returns the greatest square of a distance of a vertex from the pivot.
-    pub(crate) fn reach_squared(&self) -> RBig {
+    /// Returns the greatest square of a distance of a vertex from a point.
+    pub(crate) fn reach_squared(&self, from: &[IBig; 3]) -> RBig {
         let square = |p: &[IBig; 3]| {
             p.iter()
-                .zip(&self.pivot)
+                .zip(from)
                 .fold(IBig::ZERO, |sum, (x, c)| sum + (x - c) * (x - c))
         };
         let most = self.all.iter().map(square).max().unwrap_or_default();
@@ -74,8 +83,12 @@ impl Points {
     }
 
     pub(crate) fn get(&self, k: usize) -> Option<Exact> {
-        let (p, unit) = (self.all.get(k)?, two_to(self.exponent));
-        Some(p.each_ref().map(|x| RBig::from(x.clone()) * &unit))
+        Some(self.exact(self.all.get(k)?))
+    }
+
+    pub(crate) fn exact(&self, p: &[IBig; 3]) -> Exact {
+        let unit = two_to(self.exponent);
+        p.each_ref().map(|x| RBig::from(x.clone()) * &unit)
     }
 
     /// Returns the mean of vertices with weights, in the frame of the body.

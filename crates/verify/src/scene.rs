@@ -64,6 +64,22 @@ impl Joint {
         value[0] += &self.drive.2;
         value
     }
+
+    /// Returns the value of the joint at these values of the coordinates.
+    pub(crate) fn at(&self, coordinate: impl Fn(usize) -> RBig) -> RBig {
+        match self.kind {
+            Kind::Fixed => RBig::ZERO,
+            _ => coordinate(self.drive.0) * &self.drive.1 + &self.drive.2,
+        }
+    }
+
+    pub(crate) fn coordinate(&self) -> usize {
+        self.drive.0
+    }
+
+    pub(crate) fn factor(&self) -> &RBig {
+        &self.drive.1
+    }
 }
 
 /// Bezier control points of the coordinates, over the times 0 to 1.

@@ -39,9 +39,9 @@ pub(super) struct Mover<'a> {
 }
 
 impl<'a> Mover<'a> {
-    pub(super) fn all(scene: &'a Scene, ends: Option<[&[f64]; 2]>) -> Vec<Self> {
+    pub(super) fn all(scene: &'a Scene, rows: Option<&[Vec<f64>]>) -> Vec<Self> {
         let each = scene.bodies.iter().enumerate();
-        each.map(|(k, body)| Self::new(body, scene.steps(k, ends))).collect()
+        each.map(|(k, body)| Self::new(body, scene.steps(k, rows))).collect()
     }
 
     fn new(body: &'a Body, steps: Vec<Step>) -> Self {
@@ -220,8 +220,7 @@ impl PairJudge<'_> {
         if *spin != Vector3::zeros() {
             let turn = Step::Turn {
                 axis: *spin,
-                first: 0.0,
-                rate: 1.0,
+                angle: vec![0.0, 1.0],
             };
             direction = place(&[turn], normal, 0.0, span);
         }

@@ -39,11 +39,12 @@
 //! | answer | writer | the receipt proves |
 //! |---|---|---|
 //! | [`Verdict::Free`](crate::Verdict::Free) of a segment | [`Receipt::segment`] | every pair that is not ignored keeps more than the margin, at all times |
-//! | the same of a path of joints | [`Receipt::path`] | the same of each segment |
+//! | the same of a curve, a path or a spline of joints | [`Receipt::curve`], [`path`](Receipt::path), [`spline`](Receipt::spline) | the same of each segment or curve |
 //! | [`Verdict::Blocked`](crate::Verdict::Blocked) | [`Receipt::segment`] | the same up to `safe`, and that the pair meets, or is within what it must keep, at `t` |
+//! | [`RangeAnswer`](crate::RangeAnswer)s that pairs never meet | [`Receipt::range`] | these pairs keep more than the margin at every configuration of the range |
 //! | a cast of two bodies | [`Receipt::cast`] | a miss, or apart up to `safe` and a contact at `hit` |
 //! | the distance of two convex bodies | [`Receipt::outcome`] | its lower and its upper bound |
-//! | an overlap of two convex bodies | [`Receipt::outcome`] | that they share a point |
+//! | an overlap of two convex bodies | [`Receipt::outcome`] | that they share a point, and bounds of the depth |
 //!
 //! [`Receipt::scene`] writes bodies and a path without a proof. A checker evaluates an older
 //! receipt on it, and says whether the proof still holds after an obstacle has moved.
@@ -54,10 +55,9 @@
 //!   meshes, clouds, surfaces and half-spaces. A cylinder or a cone is stated as a polyhedron of 32
 //!   sides around it, which its name says. So a receipt may prove it free, and never in contact;
 //!   where only the corners of the polyhedron are in contact, there is no receipt.
-//! * Curves of a degree above one, tubes, moving obstacles, contacts at the start that are left,
-//!   motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]), and
-//!   proofs over ranges of joints.
-//! * Depths of overlaps, answers of scenes, and undecided answers.
+//! * Tubes, moving obstacles, contacts at the start that are left,
+//!   and motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]).
+//! * Answers of scenes, and undecided answers.
 //!
 //! Each of these is an error that names the body, the pair or the motion.
 //!
@@ -81,11 +81,13 @@
 //!
 //! [`Steady::with_acceleration_bounds`]: lin_canny::motion::Steady::with_acceleration_bounds
 
+mod depth;
 mod error;
 mod evidence;
 mod hull;
 mod number;
 mod pair;
+mod range;
 mod scene;
 mod segment;
 mod sha256;
@@ -114,21 +116,23 @@ pub struct Receipt {
 }
 
 /// What a receipt claims.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Claim {
     /// All pairs keep more than the margin from a time until another.
     Apart { span: [f64; 2], margin: f64 },
+    /// All pairs keep more than the margin at all configurations of a range.
+    Range { range: Vec<[f64; 2]>, margin: f64 },
     /// What the lines say.
     Lines,
     /// Nothing: the scene and the motion alone.
     Scene,
 }
 
-/// A segment of the joints, and its evidence.
+/// A segment or a curve of the joints, and its evidence.
 #[derive(Clone, Debug, Default)]
 struct Leg {
-    /// Both ends; none if no joint is driven.
-    ends: Option<[Vec<f64>; 2]>,
+    /// The control points; none if no joint is driven.
+    rows: Option<Vec<Vec<f64>>>,
     evidence: Vec<String>,
 }
 
@@ -165,15 +169,20 @@ impl Receipt {
     }
 
     fn head(&self) -> String {
-        match self.claim {
+        match &self.claim {
             Claim::Apart {
                 span: [from, until],
                 margin,
             } => {
-                let [from, until, margin] = [from, until, margin].map(hex);
+                let [from, until, margin] = [*from, *until, *margin].map(hex);
                 format!(
                     "{{\"receipt\":1,\"claim\":\"apart\",\"from\":\"{from}\",\"until\":\"{until}\",\"margin\":\"{margin}\"}}"
                 )
+            }
+            Claim::Range { range, margin } => {
+                let range: Vec<String> = range.iter().map(|ends| number::hexes(ends)).collect();
+                let (range, margin) = (range.join(","), hex(*margin));
+                format!("{{\"receipt\":1,\"claim\":\"range\",\"range\":[{range}],\"margin\":\"{margin}\"}}")
             }
             Claim::Lines => "{\"receipt\":1,\"claim\":\"lines\"}".into(),
             Claim::Scene => "{\"receipt\":1,\"claim\":\"scene\"}".into(),
@@ -188,9 +197,9 @@ impl fmt::Display for Receipt {
         lines.extend(files.map(|[name, hash]| format!("{{\"file\":\"{name}\",\"sha256\":\"{hash}\"}}")));
         lines.extend(self.scene.lines());
         for leg in &self.legs {
-            if let Some(ends) = &leg.ends {
-                let rows = ends.each_ref().map(|row| number::hexes(row)).join(",");
-                lines.push(format!("{{\"leg\":[{rows}]}}"));
+            if let Some(rows) = &leg.rows {
+                let rows: Vec<String> = rows.iter().map(|row| number::hexes(row)).collect();
+                lines.push(format!("{{\"leg\":[{}]}}", rows.join(",")));
             }
             lines.extend(leg.evidence.iter().cloned());
         }
@@ -211,12 +220,12 @@ struct Wanted<'a> {
 /// Returns the lines of evidence that pairs stay apart along a leg.
 fn apart(
     scene: &Scene,
-    ends: Option<[&[f64]; 2]>,
+    rows: Option<&[Vec<f64>]>,
     [from, until]: [f64; 2],
     margin: f64,
     wanted: &[Wanted<'_>],
 ) -> Result<Vec<String>, ReceiptError> {
-    let movers = Mover::all(scene, ends);
+    let movers = Mover::all(scene, rows);
     let size = scene.size();
     let (mut lines, mut balls) = (Vec::new(), std::collections::BTreeMap::<u64, Vec<[usize; 2]>>::new());
     for Wanted {

@@ -4,6 +4,7 @@ use core::ops::Range;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use super::depth::depth;
 use super::error::ReceiptError;
 use super::number::{hex, hexes};
 use super::scene::{Body, Scene, SteadyWay, Way, list};
@@ -17,7 +18,7 @@ use lin_canny::polyhedron::{ConvexPolyhedron, Feature};
 use lin_canny::{ContactState, Geometry, Outcome, PairTracker, RelativePose, Tracker};
 
 /// Times after a bracket at which a contact is proven if it is not certain at its end, in brackets.
-const LATER: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+const LATER: [f64; 10] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 256.0, 1024.0, 4096.0];
 
 impl Receipt {
     /// Returns the receipt of a cast: a miss, or apart up to a time and a contact at a later one.
@@ -107,10 +108,12 @@ impl Receipt {
     }
 
     /// Returns the receipt of an outcome of two convex bodies: both bounds of a distance, or that
-    /// they share a point.
+    /// they share a point, and bounds of their depth.
     ///
-    /// `b_in_a` is the pose of B in the frame of A, for which the outcome was computed. The receipt
-    /// of an overlap says nothing of its depth.
+    /// `b_in_a` is the pose of B in the frame of A, for which the outcome was computed. If the hulls
+    /// overlap by more than rounding, the receipt bounds their depth too: from above by the normal
+    /// of the outcome, from below by the surface of the Minkowski difference. The lower side is left
+    /// out if there are more than 4,096 pairs of vertices; a checker says so.
     ///
     /// # Errors
     /// Returns an error if a body has no receipt ([module](crate::receipt)), or if no evidence is certain,
@@ -145,7 +148,12 @@ impl Receipt {
             ContactState::Separated => distance(&scene, b_in_a, outcome),
             _ => meeting(&scene, None, [0, 1], None, 0.0),
         };
-        Ok(Self::of_scene(Claim::Lines, scene, vec![line?]))
+        let mut lines = vec![line?];
+        // Only if the hulls overlap is the depth that of the hulls, plus the radii.
+        if lines[0].starts_with("{\"meet\"") {
+            lines.extend(depth(&scene, b_in_a, outcome));
+        }
+        Ok(Self::of_scene(Claim::Lines, scene, lines))
     }
 
     fn of_scene(claim: Claim, scene: Scene, evidence: Vec<String>) -> Self {
@@ -153,7 +161,7 @@ impl Receipt {
             claim,
             files: Vec::new(),
             scene,
-            legs: vec![Leg { ends: None, evidence }],
+            legs: vec![Leg { rows: None, evidence }],
         }
     }
 }
@@ -169,19 +177,19 @@ fn missing(scene: &Scene, [a, b]: [usize; 2], time: f64, why: &'static str) -> R
 /// most so many brackets later.
 pub(super) fn contact(
     scene: &Scene,
-    ends: Option<[&[f64]; 2]>,
+    rows: Option<&[Vec<f64>]>,
     pair: [usize; 2],
     [safe, hit]: [f64; 2],
     last: f64,
     kept: f64,
 ) -> Result<String, ReceiptError> {
-    let first = meeting(scene, ends, pair, Some(hit), kept);
+    let first = meeting(scene, rows, pair, Some(hit), kept);
     if first.is_ok() {
         return first;
     }
     let later = LATER.iter().map(|brackets| hit + brackets * (hit - safe));
     let mut later = later.filter(|time| *time <= last);
-    let found = later.find_map(|time| meeting(scene, ends, pair, Some(time), kept).ok());
+    let found = later.find_map(|time| meeting(scene, rows, pair, Some(time), kept).ok());
     found.map_or(first, Ok)
 }
 
@@ -189,7 +197,7 @@ pub(super) fn contact(
 /// time; without a time if they rest.
 pub(super) fn meeting(
     scene: &Scene,
-    ends: Option<[&[f64]; 2]>,
+    rows: Option<&[Vec<f64>]>,
     pair: [usize; 2],
     time: Option<f64>,
     kept: f64,
@@ -197,7 +205,7 @@ pub(super) fn meeting(
     let now = time.unwrap_or(0.0);
     let at = time.map_or(String::new(), |time| format!(",\"at\":\"{}\"", hex(time)));
     let [a, b] = pair;
-    let [x, y] = pair.map(|k| pose(&scene.steps(k, ends), now));
+    let [x, y] = pair.map(|k| pose(&scene.steps(k, rows), now));
     let [first, second] = pair.map(|k| &scene.bodies[k]);
     let refused = |why: &'static str| missing(scene, pair, now, why);
     if first.around.or(second.around).is_some() {

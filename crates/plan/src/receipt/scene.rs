@@ -196,6 +196,15 @@ impl Scene {
         }
     }
 
+    pub(super) fn base(&self) -> &Isometry3<f64> {
+        &self.base
+    }
+
+    /// Returns the joints; joint k carries link k + 1.
+    pub(super) fn joints(&self) -> &[TreeJoint] {
+        &self.joints
+    }
+
     /// Returns whether a coordinate drives a joint, so that a leg is needed.
     pub(super) fn is_driven(&self) -> bool {
         self.joints.iter().any(|joint| joint.drive.is_some())
@@ -222,19 +231,18 @@ impl Scene {
         path
     }
 
-    /// Returns the steps from the world to a body, along a leg between two configurations.
-    pub(super) fn steps(&self, body: usize, ends: Option<[&[f64]; 2]>) -> Vec<Step> {
+    /// Returns the steps from the world to a body, along a leg of these control points.
+    pub(super) fn steps(&self, body: usize, rows: Option<&[Vec<f64>]>) -> Vec<Step> {
         let place = |at: &Isometry3<f64>| Step::place(at);
         match &self.bodies[body].way {
             Way::Rests(at) => vec![place(at)],
             Way::Steady(way) => {
                 let lever = way.at.rotation * way.pivot;
                 let start = way.at.translation.vector + lever;
-                let coefficients = |k: usize| [start[k], way.velocity.linear[k], 0.5 * way.push[k]];
+                let coefficients = |k: usize| vec![start[k], way.velocity.linear[k], 0.5 * way.push[k]];
                 let turn = Step::Turn {
                     axis: way.velocity.angular,
-                    first: 0.0,
-                    rate: 1.0,
+                    angle: vec![0.0, 1.0],
                 };
                 let own = Isometry3::from_parts(Translation3::from(-lever), way.at.rotation);
                 vec![Step::Shift([0, 1, 2].map(coefficients)), turn, place(&own)]
@@ -243,14 +251,16 @@ impl Scene {
                 let mut steps = vec![place(&self.base)];
                 for joint in self.path(*link) {
                     steps.push(place(&joint.origin));
-                    let (Some(drive), Some([from, to])) = (joint.drive, ends) else {
+                    let (Some(drive), Some(rows)) = (joint.drive, rows) else {
                         continue;
                     };
-                    let [first, last] = [from, to].map(|q| drive.factor * q[drive.coordinate] + drive.offset);
-                    let (axis, rate) = (joint.axis.into_inner(), last - first);
+                    let values = rows.iter().map(|q| drive.factor * q[drive.coordinate] + drive.offset);
+                    let (axis, angle) = (joint.axis.into_inner(), powers(values.collect()));
                     steps.push(match joint.kind {
-                        JointKind::Revolute => Step::Turn { axis, first, rate },
-                        JointKind::Prismatic => Step::Shift([0, 1, 2].map(|k| [axis[k] * first, axis[k] * rate, 0.0])),
+                        JointKind::Revolute => Step::Turn { axis, angle },
+                        JointKind::Prismatic => {
+                            Step::Shift([0, 1, 2].map(|k| angle.iter().map(|x| axis[k] * x).collect()))
+                        }
                     });
                 }
                 steps.extend(at.iter().map(place));
@@ -320,6 +330,22 @@ impl Scene {
         }
         lines
     }
+}
+
+/// Returns the coefficients by powers of t of Bezier control points.
+fn powers(mut points: Vec<f64>) -> Vec<f64> {
+    let n = points.len();
+    for first in 1..n {
+        for k in (first..n).rev() {
+            points[k] -= points[k - 1];
+        }
+    }
+    let mut choose = 1.0;
+    for (k, point) in points.iter_mut().enumerate() {
+        *point *= choose;
+        choose *= (n - 1 - k) as f64 / (k + 1) as f64;
+    }
+    points
 }
 
 /// Returns pairs as few lists: a body, and those that it is paired with.

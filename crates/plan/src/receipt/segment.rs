@@ -9,6 +9,7 @@ use super::pair::contact;
 use super::scene::{Body, Ignored, Scene, SteadyWay, Way};
 use super::{Claim, Leg, Receipt, Wanted, apart};
 use crate::checker::{Checker, PairProof};
+use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::space::{ConfigurationSpace, SegmentMotion};
@@ -17,15 +18,15 @@ use crate::world::{WorldId, WorldPair};
 use lin_canny::Geometry;
 
 /// The reasons of pairs that are not looked at.
-const EXCLUDED: &str = "excluded";
+pub(super) const EXCLUDED: &str = "excluded";
 const RIGID: &str = "the bodies keep their relative pose";
 
 /// The bodies of a world in a receipt.
-struct Stated {
-    scene: Scene,
+pub(super) struct Stated {
+    pub(super) scene: Scene,
     ids: Vec<WorldId>,
     /// The pairs that must have evidence, and what they must keep.
-    pairs: Vec<([usize; 2], f64)>,
+    pub(super) pairs: Vec<([usize; 2], f64)>,
     margin: f64,
 }
 
@@ -35,7 +36,7 @@ impl Receipt {
     ///
     /// Along a blocked segment, all pairs have evidence until `safe` of the
     /// [`Verdict::Blocked`], and the pair has four vertex pairs, or two
-    /// points, that prove the contact at `t`; if none are certain there, at most 32 times the
+    /// points, that prove the contact at `t`; if none are certain there, at most 4,096 times the
     /// bracket from `safe` to `t` later. A segment that is blocked at its start has the contact
     /// alone.
     ///
@@ -49,24 +50,70 @@ impl Receipt {
         to: &[f64],
     ) -> Result<Self, ReceiptError> {
         let segment = checker.segment(from, to)?;
-        let stated = Stated::new(checker, &segment)?;
         let verdict = checker.certify(from, to)?;
+        Self::judged(checker, &segment, verdict, vec![from.to_vec(), to.to_vec()])
+    }
+
+    /// Returns the receipt of [`Checker::certify_curve`], as [`segment`](Self::segment) does.
+    ///
+    /// The receipt states the control points of the curve ([`JointCurve::control_point`]). If the
+    /// curve was given in another form, they are rounded, and the receipt is about them.
+    ///
+    /// # Errors
+    /// Returns an error as [`segment`](Self::segment) does, if the curve is invalid
+    /// ([`Checker::certify_curve`]), or if an obstacle moves.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::polyhedron::solids;
+    /// use lin_canny_plan::receipt::Receipt;
+    /// use lin_canny_plan::{Checker, Joint, JointCurve, SerialArm, World};
+    ///
+    /// // A block on two rails flies over a post along a parabola.
+    /// let origin = Isometry3::identity();
+    /// let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
+    /// let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
+    /// let block = SerialArm::new(origin, rails, vec![2], 0.1)?;
+    /// let mut world = World::new();
+    /// world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
+    /// let post = solids::cuboid(Vector3::repeat(0.5))?;
+    /// world.obstacle("post", post, origin);
+    /// let mut checker = Checker::new(block, world)?;
+    ///
+    /// let curve = JointCurve::bezier(&[[-2.0, 0.0], [0.0, 1.7], [2.0, 0.0]])?;
+    /// let receipt = Receipt::curve(&mut checker, &curve)?;
+    /// assert!(receipt.to_string().contains("\"claim\":\"apart\""));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn curve<C: ConfigurationSpace>(checker: &mut Checker<C>, curve: &JointCurve) -> Result<Self, ReceiptError> {
+        checker.world.check_at_rest()?;
+        let motion = checker.curve(curve)?;
+        let verdict = checker.certify_curve(curve)?;
+        Self::judged(checker, &motion, verdict, curve.control_points())
+    }
+
+    fn judged<C: ConfigurationSpace>(
+        checker: &mut Checker<C>,
+        motion: &C::Segment,
+        verdict: Verdict,
+        rows: Vec<Vec<f64>>,
+    ) -> Result<Self, ReceiptError> {
+        let stated = Stated::new(checker, motion)?;
         let (until, blocked) = match verdict {
             Verdict::Free { .. } => (1.0, None),
             Verdict::Blocked { safe, t, pair, .. } => (safe, Some((t, pair))),
             Verdict::Undecided { t } => return Err(ReceiptError::Undecided { time: t }),
         };
-        let ends = stated.scene.is_driven().then(|| [from.to_vec(), to.to_vec()]);
         let mut leg = Leg {
-            ends,
+            rows: stated.scene.is_driven().then_some(rows),
             evidence: Vec::new(),
         };
         let margin = stated.margin;
         let claim = match blocked {
             Some((t, _)) if !(until > 0.0) || t == 0.0 => Claim::Lines,
             _ => {
-                let proofs = checker.prove_until(from, to, until)?.unwrap_or_default();
-                leg.evidence = stated.evidence(leg.ends(), until, &proofs)?;
+                let proofs = checker.proven(motion, until)?.unwrap_or_default();
+                leg.evidence = stated.evidence(leg.rows(), until, &proofs)?;
                 let span = [0.0, until];
                 Claim::Apart { span, margin }
             }
@@ -74,7 +121,7 @@ impl Receipt {
         if let Some((hit, pair)) = blocked {
             let numbers = stated.numbers(pair);
             let kept = checker.world.kept_distance(pair);
-            let line = contact(&stated.scene, leg.ends(), numbers, [until, hit], 1.0, kept)?;
+            let line = contact(&stated.scene, leg.rows(), numbers, [until, hit], 1.0, kept)?;
             leg.evidence.push(line);
         }
         Ok(Self {
@@ -93,16 +140,51 @@ impl Receipt {
     /// more in a space of a rigid body: such a path has one receipt for each segment.
     pub fn path<C: ConfigurationSpace>(checker: &mut Checker<C>, path: &[Vec<f64>]) -> Result<Self, ReceiptError> {
         let stated = Stated::of_path(checker, path)?;
-        let mut legs = Vec::new();
-        for (segment, ends) in path.windows(2).enumerate() {
-            let [from, to] = [&ends[0], &ends[1]];
-            if !checker.certify(from, to)?.is_free() {
-                return Err(ReceiptError::Blocked { segment });
+        let free = |checker: &mut Checker<C>, k: usize| {
+            let [from, to] = [&path[k], &path[k + 1]];
+            match checker.certify(from, to)?.is_free() {
+                true => Ok(checker.prove(from, to)?),
+                false => Err(ReceiptError::Blocked { segment: k }),
             }
-            let proofs = checker.prove(from, to)?.unwrap_or_default();
-            let ends = stated.scene.is_driven().then(|| [from.clone(), to.clone()]);
-            let evidence = stated.evidence(ends.as_ref().map(ends_of), 1.0, &proofs)?;
-            legs.push(Leg { ends, evidence });
+        };
+        let rows = path.windows(2).map(<[_]>::to_vec).collect();
+        Self::of_legs(checker, stated, rows, free)
+    }
+
+    /// Returns the receipt of a spline that is free, as [`path`](Self::path) does: one leg for each
+    /// curve. See [`curve`](Self::curve).
+    ///
+    /// # Errors
+    /// Returns an error as [`curve`](Self::curve) does; if a curve is not proven free
+    /// ([`ReceiptError::Blocked`]); or if a curve does not start where the one before ends.
+    pub fn spline<C: ConfigurationSpace>(
+        checker: &mut Checker<C>,
+        curves: &[JointCurve],
+    ) -> Result<Self, ReceiptError> {
+        let stated = Stated::of_spline(checker, curves)?;
+        let free = |checker: &mut Checker<C>, k: usize| match checker.certify_curve(&curves[k])?.is_free() {
+            true => Ok(checker.prove_curve(&curves[k])?),
+            false => Err(ReceiptError::Blocked { segment: k }),
+        };
+        let rows = curves.iter().map(JointCurve::control_points).collect();
+        Self::of_legs(checker, stated, rows, free)
+    }
+
+    fn of_legs<C: ConfigurationSpace>(
+        checker: &mut Checker<C>,
+        stated: Stated,
+        all: Vec<Vec<Vec<f64>>>,
+        free: impl Fn(&mut Checker<C>, usize) -> Result<Option<Vec<PairProof>>, ReceiptError>,
+    ) -> Result<Self, ReceiptError> {
+        let mut legs = Vec::new();
+        for (k, rows) in all.into_iter().enumerate() {
+            let proofs = free(checker, k)?.unwrap_or_default();
+            let mut leg = Leg {
+                rows: stated.scene.is_driven().then_some(rows),
+                evidence: Vec::new(),
+            };
+            leg.evidence = stated.evidence(leg.rows(), 1.0, &proofs)?;
+            legs.push(leg);
         }
         Ok(Self {
             claim: Claim::Apart {
@@ -122,32 +204,47 @@ impl Receipt {
     /// Returns an error as [`path`](Self::path) does, but for segments that are not free.
     pub fn scene<C: ConfigurationSpace>(checker: &Checker<C>, path: &[Vec<f64>]) -> Result<Self, ReceiptError> {
         let stated = Stated::of_path(checker, path)?;
-        let ends = path.windows(2).filter(|_| stated.scene.is_driven());
-        let legs = ends.map(|ends| Leg {
-            ends: Some([ends[0].clone(), ends[1].clone()]),
+        Ok(Self::of_scene_alone(stated, path.windows(2).map(<[_]>::to_vec)))
+    }
+
+    /// Returns the bodies and a spline without a proof: see [`scene`](Self::scene).
+    ///
+    /// # Errors
+    /// Returns an error as [`spline`](Self::spline) does, but for curves that are not free.
+    pub fn spline_scene<C: ConfigurationSpace>(
+        checker: &mut Checker<C>,
+        curves: &[JointCurve],
+    ) -> Result<Self, ReceiptError> {
+        let stated = Stated::of_spline(checker, curves)?;
+        Ok(Self::of_scene_alone(
+            stated,
+            curves.iter().map(JointCurve::control_points),
+        ))
+    }
+
+    fn of_scene_alone(stated: Stated, all: impl Iterator<Item = Vec<Vec<f64>>>) -> Self {
+        let is_driven = stated.scene.is_driven();
+        let legs = all.filter(|_| is_driven).map(|rows| Leg {
+            rows: Some(rows),
             evidence: Vec::new(),
         });
-        Ok(Self {
+        Self {
             claim: Claim::Scene,
             files: Vec::new(),
             legs: legs.collect(),
             scene: stated.scene,
-        })
+        }
     }
 }
 
-fn ends_of(ends: &[Vec<f64>; 2]) -> [&[f64]; 2] {
-    ends.each_ref().map(Vec::as_slice)
-}
-
 impl Leg {
-    fn ends(&self) -> Option<[&[f64]; 2]> {
-        self.ends.as_ref().map(ends_of)
+    fn rows(&self) -> Option<&[Vec<f64>]> {
+        self.rows.as_deref()
     }
 }
 
 impl Stated {
-    fn new<C: ConfigurationSpace>(checker: &Checker<C>, segment: &C::Segment) -> Result<Self, ReceiptError> {
+    pub(super) fn new<C: ConfigurationSpace>(checker: &Checker<C>, segment: &C::Segment) -> Result<Self, ReceiptError> {
         let world = &checker.world;
         let (mut scene, mut ids) = (Scene::default(), Vec::new());
         let identity = Isometry3::identity();
@@ -185,11 +282,30 @@ impl Stated {
             return Err(PlanError::Empty.into());
         };
         let segment = checker.segment(first, second)?;
-        let stated = Self::new(checker, &segment)?;
-        // Its motion is that of the first segment alone.
+        Self::new(checker, &segment)?.of_several(path.len() - 1)
+    }
+
+    /// Returns the bodies of a spline.
+    fn of_spline<C: ConfigurationSpace>(checker: &mut Checker<C>, curves: &[JointCurve]) -> Result<Self, ReceiptError> {
+        let first = curves.first().ok_or(PlanError::Empty)?;
+        for (k, pair) in curves.windows(2).enumerate() {
+            let (end, start) = (pair[0].end(), pair[1].start());
+            if let Some(coordinate) = end.iter().zip(&start).position(|(x, y)| x != y) {
+                let index = k + 1;
+                return Err(PlanError::CurveJump { index, coordinate }.into());
+            }
+        }
+        checker.world.check_at_rest()?;
+        let motion = checker.curve(first)?;
+        Self::new(checker, &motion)?.of_several(curves.len())
+    }
+
+    /// Refuses several legs of bodies whose motion is stated once, as that along the first.
+    fn of_several(self, legs: usize) -> Result<Self, ReceiptError> {
+        let stated = self;
         let is_steady = |body: &&Body| matches!(body.way, Way::Steady(_));
         let steady = stated.scene.bodies.iter().find(is_steady);
-        if path.len() > 2 && (steady.is_some() || !stated.scene.is_driven()) {
+        if legs > 1 && (steady.is_some() || !stated.scene.is_driven()) {
             let body = steady.or(stated.scene.bodies.first());
             return Err(ReceiptError::Motion {
                 name: body.map_or(String::new(), |body| body.name.clone()),
@@ -224,6 +340,11 @@ impl Stated {
         }
     }
 
+    /// Returns the pair of two numbers of bodies.
+    pub(super) fn pair(&self, [a, b]: [usize; 2]) -> Option<WorldPair> {
+        WorldPair::new(self.ids[a], self.ids[b])
+    }
+
     /// Returns the numbers of the bodies of a pair.
     fn numbers(&self, pair: WorldPair) -> [usize; 2] {
         [pair.a, pair.b].map(|id| self.ids.iter().position(|x| *x == id).unwrap_or_default())
@@ -232,7 +353,7 @@ impl Stated {
     /// Returns the lines that prove that all pairs stay apart from 0 until a time.
     fn evidence(
         &self,
-        ends: Option<[&[f64]; 2]>,
+        rows: Option<&[Vec<f64>]>,
         until: f64,
         proofs: &[PairProof],
     ) -> Result<Vec<String>, ReceiptError> {
@@ -247,7 +368,7 @@ impl Stated {
             }
         });
         let wanted: Vec<Wanted<'_>> = wanted.collect();
-        apart(&self.scene, ends, [0.0, until], self.margin, &wanted)
+        apart(&self.scene, rows, [0.0, until], self.margin, &wanted)
     }
 }
 

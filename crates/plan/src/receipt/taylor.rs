@@ -11,6 +11,9 @@ use lin_canny::motion::Velocity;
 pub(super) const DEGREE: usize = 4;
 const TERMS: usize = DEGREE + 1;
 
+/// Angle within a piece of evidence from which on a checker refuses it.
+const FARTHEST: f64 = 31.0;
+
 /// Number of halvings of the interval in which a polynomial is bounded.
 const HALVINGS: u32 = 3;
 
@@ -38,6 +41,14 @@ impl Taylor {
         let mut c = [0.0; TERMS];
         c[0] = value;
         Self { c, rest: 0.0 }
+    }
+
+    /// Returns a polynomial; what is beyond the degree counts as a rest.
+    fn polynomial(coefficients: &[f64]) -> Self {
+        Self {
+            c: core::array::from_fn(|k| coefficients.get(k).copied().unwrap_or_default()),
+            rest: coefficients.iter().skip(TERMS).map(|x| x.abs()).sum(),
+        }
     }
 
     pub(super) fn plus(&self, other: &Self) -> Self {
@@ -128,10 +139,10 @@ fn cross(u: &Moving, v: &Moving) -> Moving {
 pub(super) enum Step {
     /// A constant pose: its rotation, and the shift.
     Place(Matrix3<f64>, Vector3<f64>, Isometry3<f64>),
-    /// A shift: for each axis the coefficients of 1, t and t^2.
-    Shift([[f64; 3]; 3]),
-    /// A rotation by the vector `axis` times `first + rate t`.
-    Turn { axis: Vector3<f64>, first: f64, rate: f64 },
+    /// A shift: for each axis the coefficients of the powers of t.
+    Shift([Vec<f64>; 3]),
+    /// A rotation by the vector `axis` times the sum of `angle[k] t^k`.
+    Turn { axis: Vector3<f64>, angle: Vec<f64> },
 }
 
 /// A step over an interval.
@@ -153,11 +164,11 @@ impl Step {
         match self {
             Self::Place(_, _, at) => *at,
             Self::Shift(way) => {
-                let at = way.map(|[p, v, a]| p + time * (v + a * time));
+                let at = way.each_ref().map(|way| value(way, time));
                 Isometry3::translation(at[0], at[1], at[2])
             }
-            Self::Turn { axis, first, rate } => {
-                let turn = axis * (first + rate * time);
+            Self::Turn { axis, angle } => {
+                let turn = axis * value(angle, time);
                 Velocity::new(Vector3::zeros(), turn).applied(&Isometry3::identity(), 1.0)
             }
         }
@@ -166,24 +177,40 @@ impl Step {
     fn over(&self, start: f64, span: f64) -> Over<'_> {
         match self {
             Self::Place(rotation, shift, _) => Over::Place(rotation, shift),
-            Self::Shift(way) => Over::Shift(way.map(|[p, v, a]| {
-                let mut c = [0.0; TERMS];
-                c[0] = p + start * (v + a * start);
-                c[1] = span * (v + 2.0 * a * start);
-                c[2] = span * span * a;
-                Taylor { c, rest: 0.0 }
-            })),
-            Self::Turn { axis, first, rate } => {
-                let [sine, versine] = turn(axis.norm_squared(), first + rate * start, rate * span);
+            Self::Shift(way) => Over::Shift(way.each_ref().map(|way| Taylor::polynomial(&moved(way, start, span)))),
+            Self::Turn { axis, angle } => {
+                let [sine, versine] = turn(axis.norm_squared(), &moved(angle, start, span));
                 Over::Turn(constant(axis), sine, versine)
             }
         }
     }
 }
 
-/// Returns sin(|a| v) / |a| and (1 - cos(|a| v)) / |a|^2 at v = start + span x, for |a|^2 =
+/// Returns the value of a polynomial.
+fn value(coefficients: &[f64], time: f64) -> f64 {
+    coefficients.iter().rev().fold(0.0, |sum, c| sum * time + c)
+}
+
+/// Returns the coefficients of p(start + span x) in x.
+fn moved(p: &[f64], start: f64, span: f64) -> Vec<f64> {
+    let mut all = p.to_vec();
+    for first in 0..all.len() {
+        for k in (first..all.len().saturating_sub(1)).rev() {
+            all[k] += all[k + 1] * start;
+        }
+    }
+    let mut factor = 1.0;
+    for c in &mut all {
+        *c *= factor;
+        factor *= span;
+    }
+    all
+}
+
+/// Returns sin(|a| v) / |a| and (1 - cos(|a| v)) / |a|^2 at v = sum of angle[k] x^k, for |a|^2 =
 /// `square`.
-fn turn(square: f64, start: f64, span: f64) -> [Taylor; 2] {
+fn turn(square: f64, angle: &[f64]) -> [Taylor; 2] {
+    let start = angle.first().copied().unwrap_or_default();
     let rate = square.sqrt();
     let (sine, cosine) = libm::sincos(rate * start);
     let half = libm::sin(0.5 * rate * start);
@@ -197,24 +224,29 @@ fn turn(square: f64, start: f64, span: f64) -> [Taylor; 2] {
     for k in 3..=TERMS {
         derivatives[k] = -square * derivatives[k - 2];
     }
-    let (mut factor, mut parts) = (1.0, [0.0; TERMS]);
-    for (k, part) in parts.iter_mut().enumerate() {
-        if k > 0 {
-            factor *= span / k as f64;
-        }
-        *part = factor;
-    }
-    let (way, angle) = (span.abs(), rate * span.abs());
+    let mut way = Taylor::polynomial(angle);
+    way.c[0] = 0.0;
     // Lagrange's bound: the next derivative, at most a power of the rate.
-    let mut rest = way;
+    let size = way.most() + way.rest;
+    let turned = rate * size;
+    // A checker refuses turns that are too far.
+    let mut rest = if turned < FARTHEST { size } else { f64::INFINITY };
     for k in 1..=DEGREE {
-        rest *= angle / (k + 1) as f64;
+        rest *= turned / (k + 1) as f64;
     }
-    let of = |first: usize, rest: f64| Taylor {
-        c: core::array::from_fn(|k| derivatives[first + k] * parts[k]),
-        rest,
+    let of = |first: usize, rest: f64| {
+        let mut factorial: f64 = (1..=DEGREE).map(|k| k as f64).product();
+        let mut all = Taylor::constant(derivatives[first + DEGREE] / factorial);
+        for k in (0..DEGREE).rev() {
+            factorial /= (k + 1) as f64;
+            all = all
+                .times(&way)
+                .plus(&Taylor::constant(derivatives[first + k] / factorial));
+        }
+        all.rest += rest;
+        all
     };
-    let rest_of_versine = if angle > 0.0 { rest * way / angle } else { 0.0 };
+    let rest_of_versine = if turned > 0.0 { rest * size / turned } else { 0.0 };
     [of(1, rest), of(0, rest_of_versine)]
 }
 

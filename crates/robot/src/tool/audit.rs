@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use lin_canny::Progress;
+use lin_canny_robot::plan::receipt::Receipt;
 use lin_canny_robot::plan::{ClearanceWidth, RangeAnswer, RangeOptions};
 use lin_canny_robot::{AuditVerdict, LinkAudit, Srdf, audit};
 
@@ -13,7 +14,7 @@ use super::audit_page::AuditPage;
 use super::options::RobotOptions;
 use super::plan::duration;
 use super::text::{configuration, distance};
-use super::{End, ToolError, progress, write};
+use super::{End, ToolError, progress, receipt, write};
 
 #[derive(Args)]
 pub(super) struct AuditOptions {
@@ -37,6 +38,13 @@ pub(super) struct AuditOptions {
     /// Output file with the excluded pairs as SRDF: those that never meet with the reason `Proven`
     #[arg(long, value_name = "OUT.srdf")]
     out: Option<PathBuf>,
+    /// Output receipt, a proof that `verify` checks: of all pairs that never meet, but for those that
+    /// would need more cells than --receipt-cells
+    #[arg(long, value_name = "OUT.jsonl")]
+    receipt: Option<PathBuf>,
+    /// Most cells of each pair in the receipt
+    #[arg(long, value_name = "N", default_value_t = 20_000, requires = "receipt")]
+    receipt_cells: u64,
     /// File of the answers: open pairs of an earlier run go on, and the answers are written to it
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
@@ -110,6 +118,12 @@ pub(super) fn run(options: &AuditOptions) -> Result<End, ToolError> {
     if let Some(file) = &options.out {
         let srdf = Srdf::from_audit(&found, &|names| reason(names).map(str::to_owned));
         write(file, &srdf.text(robot.name()))?;
+    }
+    if let Some(file) = &options.receipt {
+        let answers: Vec<RangeAnswer> = found.iter().flat_map(|one| one.answers.iter().cloned()).collect();
+        let written = Receipt::range(&checker, &answers, options.receipt_cells);
+        let count = receipt::write(file, &options.robot, &setup, written)?;
+        say!("{}: {count} cells with a plane", file.display());
     }
     if let Some(file) = &options.resume {
         let answers: Vec<&RangeAnswer> = found.iter().flat_map(|one| &one.answers).collect();

@@ -216,27 +216,30 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     if let Some(file) = &options.record {
         film::record(file, &setup, &path, (&curves, &verdicts), unit)?;
     }
-    if let Some(file) = options.receipt.as_ref().or(options.scene.as_ref())
-        && curves.iter().any(|curve| curve.degree() > 1)
-    {
-        return Err(receipt::refused(
-            file,
-            "curves have no receipt (expected straight segments)",
-        ));
-    }
+    // A path of straight segments has no curves for spaces that follow segments alone.
+    let has_curves = curves.iter().any(|curve| curve.degree() > 1);
     if let Some(file) = &options.scene {
-        let scene = Receipt::scene(&checker, &path.rows);
+        let scene = match has_curves {
+            true => Receipt::spline_scene(&mut checker, &curves),
+            false => Receipt::scene(&checker, &path.rows),
+        };
         receipt::write(file, &options.robot, &setup, scene)?;
     }
     match (&options.receipt, end, blocked) {
         (None, ..) => {}
         (Some(file), End::Free, _) => {
-            let written = Receipt::path(&mut checker, &path.rows);
+            let written = match has_curves {
+                true => Receipt::spline(&mut checker, &curves),
+                false => Receipt::path(&mut checker, &path.rows),
+            };
             let count = receipt::write(file, &options.robot, &setup, written)?;
             say!("{}: {count} pieces of evidence", file.display());
         }
         (Some(file), _, Some(k)) => {
-            let written = Receipt::segment(&mut checker, &path.rows[k], &path.rows[k + 1]);
+            let written = match has_curves {
+                true => Receipt::curve(&mut checker, &curves[k]),
+                false => Receipt::segment(&mut checker, &path.rows[k], &path.rows[k + 1]),
+            };
             receipt::write(file, &options.robot, &setup, written)?;
             let (from, to) = (path.lines[k], path.lines[k + 1]);
             say!("{}: proof of what blocks {unit} {from} to {to}", file.display());

@@ -6,6 +6,9 @@
 #[path = "../../src/sha256.rs"]
 mod sha256;
 
+pub(crate) mod changes;
+pub(crate) mod ranged;
+
 use std::fmt::Write;
 
 pub(crate) type V = [f64; 3];

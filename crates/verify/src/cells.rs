@@ -1,0 +1,121 @@
+//! Every configuration of a range is proven, for every pair that is not ignored.
+//!
+//! **Lemma 10.** A cut divides a box into two boxes that share a face and together are the box. The
+//! cells of a pair start with the range. Each line first cuts the cell at hand as often as it says,
+//! where the lower part is at hand next and the upper part waits, then proves the cell at hand. If no
+//! cell waits after the last line of a pair, its proven cells together are the range. A file states
+//! no cells, so it cannot leave one out.
+
+use std::collections::BTreeSet;
+
+use crate::Stop;
+use crate::cover::needed;
+use crate::json::Json;
+use crate::real::Real;
+use crate::scene::{Motion, Scene};
+
+/// Least and greatest value of each coordinate.
+pub(crate) type Cell = Vec<[Real; 2]>;
+
+/// Most cells of a pair that wait.
+const WAITING: usize = 4096;
+
+/// The claim that pairs stay apart at all configurations, and what of it is proven.
+#[derive(Clone)]
+pub(crate) struct Cells {
+    pub(crate) range: Cell,
+    pub(crate) margin: Real,
+    /// The pair at hand, and its cells: the last one is at hand.
+    now: Option<(usize, usize)>,
+    waiting: Vec<Cell>,
+    done: BTreeSet<(usize, usize)>,
+}
+
+impl Cells {
+    pub(crate) fn read(head: &Json) -> Result<Self, Stop> {
+        let ends = |x: &Json| x.reals::<2>();
+        let range = head
+            .get("range")?
+            .array()?
+            .iter()
+            .map(ends)
+            .collect::<Result<Cell, _>>()?;
+        let margin = head.get("margin")?.real()?;
+        if margin < Real::ZERO || range.len() > 1024 || range.iter().any(|[low, high]| low > high) {
+            return Stop::bad("the margin is negative, or a range ends before its start, or more than 1024");
+        }
+        Ok(Self {
+            range,
+            margin,
+            now: None,
+            waiting: Vec::new(),
+            done: BTreeSet::new(),
+        })
+    }
+
+    /// Refuses a scene that the claim is not about.
+    pub(crate) fn fits(&self, scene: &Scene) -> Result<(), Stop> {
+        if self.range.len() < scene.coordinates {
+            return Stop::bad("a range of each coordinate is expected");
+        }
+        if scene.bodies.iter().any(|body| matches!(body.motion, Motion::Steady(_))) {
+            return Stop::bad("a body that is steady, in a claim about configurations");
+        }
+        Ok(())
+    }
+
+    /// Returns the cell that a line proves, and what it keeps.
+    pub(crate) fn next(&mut self, scene: &Scene, pair: (usize, usize), line: &Json) -> Result<(Cell, Real), Stop> {
+        let name = || scene.names(pair);
+        if self.now != Some(pair) {
+            self.end_pair(scene)?;
+            if scene.ignored.contains_key(&pair) || !(scene.bodies[pair.0].moves || scene.bodies[pair.1].moves) {
+                return Stop::fails(format!("{}: a proof of a pair that is ignored or rests", name()));
+            }
+            if !self.done.insert(pair) {
+                return Stop::fails(format!("{}: cells after the last cell", name()));
+            }
+            (self.now, self.waiting) = (Some(pair), vec![self.range.clone()]);
+        }
+        let cuts = line.find("cut").map_or(Ok(&[][..]), Json::array)?;
+        for cut in cuts {
+            let [coordinate, at] = cut.list::<2>()?;
+            let (coordinate, at) = (coordinate.whole()?, at.real()?);
+            let inside = |cell: &Cell| cell.get(coordinate).is_some_and(|[low, high]| *low < at && at < *high);
+            let Some(mut upper) = self.waiting.pop().filter(inside) else {
+                return Stop::fails(format!("{}: a cut outside its cell", name()));
+            };
+            if self.waiting.len() + 2 > WAITING {
+                return Stop::bad(format!("more than {WAITING} cells wait"));
+            }
+            let mut lower = upper.clone();
+            (lower[coordinate][1], upper[coordinate][0]) = (at, at);
+            self.waiting.extend([upper, lower]);
+        }
+        let keep = line.find("keep").map_or(Ok(self.margin), Json::real)?;
+        if keep < self.margin {
+            return Stop::fails(format!("{}: keeps {}, less than the margin", name(), keep.shown()));
+        }
+        match self.waiting.pop() {
+            Some(cell) => Ok((cell, keep)),
+            None => Stop::fails(format!("{}: cells after the last cell", name())),
+        }
+    }
+
+    fn end_pair(&mut self, scene: &Scene) -> Result<(), Stop> {
+        let waiting = std::mem::take(&mut self.waiting).len();
+        match self.now.take() {
+            Some(pair) if waiting > 0 => Stop::fails(format!("{}: {waiting} cells without a proof", scene.names(pair))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Checks that all pairs are proven.
+    pub(crate) fn end(&mut self, scene: &Scene) -> Result<(), Stop> {
+        self.end_pair(scene)?;
+        match needed(scene).0 == self.done.len() {
+            true => Ok(()),
+            false => crate::cover::missing(scene, |pair| self.done.contains(pair)),
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! A plane between two bodies over a cell: a box of configurations.
+//!
+//! **Lemma 9.** Let q be the middle of the cell, h_c its half width along coordinate c, and n fixed to
+//! a link. The height f = n . x of a vertex x of a body depends on the joints between link and body
+//! alone. Along the straight way from q to any configuration of the cell, by Taylor,
+//!
+//! |f - f(q)| <= sum over c of h_c |df/dc (q)| + |n| R, R = sum over turns i of t_i (S_i + W_i h_i / 2).
+//!
+//! Joints count from the body to the link; h_i is the half width of joint i, |factor| h_c, and t_i =
+//! |axis| h_i for a turn. W_i is no less than the speed |axis x (x - o_i)| of any vertex by a turn, or
+//! |axis| for a slide, over the whole cell, and S_i = sum of W_k h_k over the joints k before i. For a
+//! second derivative by joints k and i, k no later than i, is n times rotations of [axis_i] applied to
+//! the velocity by k, or 0 if i is a slide: at most |n| |axis_i| W_k. The way moves x in the frame of
+//! joint i by at most S_i, and W_i is the speed at q of the middle of the body's box, plus |axis| times
+//! the distance of any vertex from it, plus |axis| S_i.
+//!
+//! If the heights of all of B exceed those of all of A by g > 0 over the cell, and g^2 > (keep +
+//! radii)^2 |n|^2, the bodies are more than `keep` apart at every configuration of the cell.
+
+use std::collections::BTreeMap;
+
+use dashu_base::SquareRoot;
+use dashu_int::{IBig, UBig};
+use dashu_ratio::RBig;
+
+use crate::claim::{Claim, radii};
+use crate::hops::{Hop, at_once};
+use crate::int::Int;
+use crate::motion::{Solid, Stage};
+use crate::real::{Exact, Real, dot as exact_dot, two_to};
+use crate::scene::{Kind, Scene};
+use crate::taylor::{Taylor, Vector, below, cross, dot, each, fixed3};
+
+/// A plane fixed to a link keeps two bodies `keep` apart over a cell.
+pub(crate) struct InCell {
+    pub(crate) pair: (usize, usize),
+    pub(crate) cell: Vec<[Real; 2]>,
+    pub(crate) link: usize,
+    pub(crate) normal: Exact,
+    pub(crate) keep: RBig,
+}
+
+/// Rounded up, in units of 2^-P.
+fn above<I: Int>(q: &RBig) -> Option<I> {
+    let (whole, rest) = below(q, I::P);
+    I::of(whole + IBig::from(rest))
+}
+
+fn product<I: Int>(x: &I, y: &I) -> Option<I> {
+    x.mul(y)?.down().add(&I::small(1))
+}
+
+/// No length of a vector is larger.
+fn length<I: Int>(v: &Vector<I>) -> Option<I> {
+    let square = dot(v, v)?;
+    let square = square.c[0].add(&square.r)?.wide() << I::P;
+    let root = UBig::try_from(square).map_or(UBig::ZERO, |x| x.sqrt());
+    I::of(IBig::from(root) + IBig::ONE)
+}
+
+/// The height m . x + o of a vertex, all of them constants, in units of 2^-2P.
+fn height<I: Int>(p: &[I; 3], m: &Vector<I>, o: &Taylor<I>) -> Option<I> {
+    if o.c.len() != 1 || m.iter().any(|part| part.c.len() != 1) {
+        return None;
+    }
+    (0..3).try_fold(o.c[0].up()?, |sum, k| sum.add(&m[k].c[0].mul(&p[k])?))
+}
+
+impl InCell {
+    fn half(&self, coordinate: usize) -> RBig {
+        let [low, high] = self.cell[coordinate].map(Real::exact);
+        (high - low) / RBig::from(2)
+    }
+
+    fn middle(&self, coordinate: usize) -> RBig {
+        let [low, high] = self.cell[coordinate].map(Real::exact);
+        (high + low) / RBig::from(2)
+    }
+
+    /// Bounds the heights of a body from below and from above, in units of 2^-2P.
+    fn heights<I: Int>(&self, scene: &Scene, stage: &Stage<I>, body: usize) -> Option<[I; 2]> {
+        let value = |k: usize| scene.joints[k].at(|c| self.middle(c));
+        let hops = stage.hops(scene, self.link, body, value)?;
+        let solid = &stage.solids[body];
+        let rest = self.rest(scene, solid, &hops)?;
+        let mut rows = vec![(usize::MAX, fixed3(&self.normal)?, Taylor::whole(0)?)];
+        for hop in hops.iter().rev() {
+            for (_, m, o) in &mut rows {
+                (*m, *o) = hop.step.get().plane(m, o, &at_once())?;
+            }
+            let Some((joint, axis)) = &hop.joint else { continue };
+            let (joint, zero) = (&scene.joints[*joint], Taylor::whole(0)?);
+            let factor = Taylor::fixed(joint.factor())?;
+            let none = [zero.clone(), zero.clone(), zero.clone()];
+            let (m, o) = match joint.kind {
+                Kind::Turn => (cross(&rows[0].1, axis)?, zero),
+                _ => (none, dot(&rows[0].1, axis)?),
+            };
+            rows.push((joint.coordinate(), each(|k| m[k].times(&factor))?, o.times(&factor)?));
+        }
+        let mut slopes: BTreeMap<usize, (Vector<I>, Taylor<I>)> = BTreeMap::new();
+        for (coordinate, m, o) in rows.drain(1..) {
+            let sum = match slopes.remove(&coordinate) {
+                Some((n, p)) => (each(|k| m[k].plus(&n[k]))?, o.plus(&p)?),
+                None => (m, o),
+            };
+            slopes.insert(coordinate, sum);
+        }
+        let (_, m, o) = &rows[0];
+        let off = solid.off(m, o)?.add(&rest.up()?)?;
+        let mut bends = Vec::new();
+        for (coordinate, (m, o)) in &slopes {
+            bends.push((m, o, solid.off(m, o)?, above::<I>(&self.half(*coordinate))?));
+        }
+        let mut ends: Option<[I; 2]> = None;
+        for p in &solid.points {
+            let mut slack = off.clone();
+            for (m, o, off, half) in &bends {
+                let slope = height(p, m, o)?.size()?.add(off)?;
+                slack = slack.add(&half.mul(&slope.down().add(&I::small(1))?)?)?;
+            }
+            let height = height(p, m, o)?;
+            let [low, high] = [height.sub(&slack)?, height.add(&slack)?];
+            ends = Some(match ends {
+                Some([least, most]) => [least.min(low), most.max(high)],
+                None => [low, high],
+            });
+        }
+        ends
+    }
+
+    /// Returns |n| R of the lemma, in units of 2^-P.
+    fn rest<I: Int>(&self, scene: &Scene, solid: &Solid<I>, hops: &[Hop<'_, I>]) -> Option<I> {
+        let (mut x, reach) = (solid.middle.clone(), above::<I>(&solid.round)?);
+        let (mut moved, mut rest) = (I::small(0), I::small(0));
+        for hop in hops {
+            if let Some((joint, axis)) = &hop.joint {
+                let (joint, size) = (&scene.joints[*joint], length(axis)?);
+                let factor = joint.factor().clone();
+                let factor = if factor < RBig::ZERO { -factor } else { factor };
+                let half = above::<I>(&(self.half(joint.coordinate()) * factor))?;
+                let speed = match joint.kind {
+                    Kind::Turn => length(&cross(axis, &x)?)?.add(&product(&size, &reach.add(&moved)?)?)?,
+                    _ => size.clone(),
+                };
+                let way = product(&speed, &half)?;
+                if joint.kind == Kind::Turn {
+                    let between = moved.add(&way.half().add(&I::small(1))?)?;
+                    rest = rest.add(&product(&product(&size, &half)?, &between)?)?;
+                }
+                moved = moved.add(&way)?;
+            }
+            x = hop.step.get().point(&x, &at_once())?;
+        }
+        product(&rest, &length(&fixed3(&self.normal)?)?)
+    }
+}
+
+impl Claim for InCell {
+    fn holds<I: Int>(&self, scene: &Scene, stage: &Stage<I>) -> Option<bool> {
+        let [_, high] = self.heights(scene, stage, self.pair.0)?;
+        let [low, _] = self.heights(scene, stage, self.pair.1)?;
+        let gap = RBig::from(low.sub(&high)?.wide()) * two_to(-2 * I::P as i64);
+        let keep = (&self.keep + radii(scene, self.pair)) * &stage.unit;
+        Some(gap > RBig::ZERO && &gap * &gap > &keep * &keep * exact_dot(&self.normal, &self.normal))
+    }
+}
