@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::error::ReceiptError;
 use super::number::{hex, hexes, rounded};
@@ -22,6 +22,7 @@ use crate::range::{RangeAnswer, RangeVerdict};
 use crate::space::ConfigurationSpace;
 use crate::tolerance::RECEIPT;
 use crate::world::WorldPair;
+use lin_canny::motion::Velocity;
 use lin_canny::{ContactState, RelativePose, Tracker};
 
 /// Bits of the components of planes, few first.
@@ -150,6 +151,9 @@ enum Hop {
     },
 }
 
+/// The steps from a body to a link, each with the offset of its joint.
+type Hops = Vec<(Hop, f64)>;
+
 /// A body of a pair.
 struct Side {
     points: Vec<Vector3<f64>>,
@@ -165,7 +169,7 @@ struct Divided<'a> {
     pair: [usize; 2],
     sides: [Side; 2],
     /// The links between the bodies, and for each the steps from both bodies.
-    links: Vec<(usize, [Vec<(Hop, f64)>; 2])>,
+    links: Vec<(usize, [Hops; 2])>,
     kept: f64,
     room: f64,
     left: u64,
@@ -386,8 +390,8 @@ fn step(hop: &Hop, offset: f64, q: &[f64]) -> Isometry3<f64> {
             let value = factor * q[*coordinate] + offset;
             match is_turn {
                 true => {
-                    let turn = UnitQuaternion::from_axis_angle(&Unit::new_normalize(*axis), value);
-                    Isometry3::from_parts(Translation3::identity(), turn)
+                    let turn = Velocity::new(Vector3::zeros(), axis * value);
+                    turn.applied(&Isometry3::identity(), 1.0)
                 }
                 false => Isometry3::from(axis * value),
             }
@@ -412,7 +416,7 @@ fn chain(scene: &Scene, mut link: usize) -> Vec<usize> {
 }
 
 /// Returns the steps from a body to a link, as the checker takes them.
-fn hops(scene: &Scene, side: &Side, link: usize) -> Vec<(Hop, f64)> {
+fn hops(scene: &Scene, side: &Side, link: usize) -> Hops {
     let mut all = vec![(Hop::Place(side.own), 0.0)];
     let (mut down, mut up) = (side.link.map_or(Vec::new(), |on| chain(scene, on)), chain(scene, link));
     while down.last().is_some_and(|link| up.last() == Some(link)) {
@@ -432,11 +436,11 @@ fn hops(scene: &Scene, side: &Side, link: usize) -> Vec<(Hop, f64)> {
 }
 
 /// Returns the steps from link 0 to a link.
-fn hops_of_link(scene: &Scene, link: usize) -> Vec<(Hop, f64)> {
+fn hops_of_link(scene: &Scene, link: usize) -> Hops {
     upward(scene, &chain(scene, link))
 }
 
-fn upward(scene: &Scene, up: &[usize]) -> Vec<(Hop, f64)> {
+fn upward(scene: &Scene, up: &[usize]) -> Hops {
     let mut all = Vec::new();
     for k in up.iter().rev() {
         all.push((Hop::Place(scene.joints()[k - 1].origin.inverse()), 0.0));
