@@ -244,7 +244,7 @@ impl Atlas {
         }
         self.next += 1;
         // The second half is the last to need the pairs of both; the whole range has no other half.
-        if node % 2 == 0 {
+        if node.is_multiple_of(2) {
             self.waiting.pop_front();
         }
         Ok(())

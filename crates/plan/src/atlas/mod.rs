@@ -257,7 +257,8 @@ impl Atlas {
     fn prove(&mut self, node: usize, verdict: AtlasVerdict, level: i32) {
         self.nodes[node] = Node::Proven(verdict);
         let of = usize::from(verdict == AtlasVerdict::Contact);
-        self.shares[of] += 0.5f64.powi(level);
+        // A power of two, exactly; below the least number it is zero.
+        self.shares[of] += (0..level).fold(1.0, |share, _| 0.5 * share);
     }
 
     /// Halves a box.

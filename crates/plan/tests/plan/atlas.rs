@@ -19,7 +19,7 @@ fn random_checker(k: u64, seed: u64) -> Checker<JointTree> {
     let size = [1.0, 1e-6, 1e6][(k % 3) as usize];
     let (tree, mut world) = robot(&mut rng, size, seed + k);
     // Every fifth robot is alone.
-    if k % 5 > 0 {
+    if !k.is_multiple_of(5) {
         add_obstacles(&mut world, &mut rng, size);
         world.set_pair_margin("a", "cloud", Some(0.2 * size)).expect("a margin");
         world.set_pair_margin("b", "open box", Some(0.0)).expect("a margin");
