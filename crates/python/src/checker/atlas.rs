@@ -102,7 +102,9 @@ impl Atlas {
         let expected = self.0.range()[0].len();
         match found == expected {
             true => Ok(()),
-            false => Err(plan_error(format!("configuration has {found} numbers (expected {expected})"))),
+            false => Err(plan_error(format!(
+                "configuration has {found} numbers (expected {expected})"
+            ))),
         }
     }
 }
