@@ -40,6 +40,7 @@ _Records: TypeAlias = NDArray[np.void]
 
 __all__ = [
     "__version__",
+    "Atlas",
     "BodyId",
     "Cast",
     "Checker",
