@@ -456,9 +456,6 @@ impl<C: ConfigurationSpace> Checker<C> {
                 found.lower_to(near.upper, t, near.pair);
             }
         }
-        if let Some(time) = self.time {
-            self.place_moving(time)?;
-        }
         let mut keep = found.upper * (1.0 - relative);
         if found.pair.is_none() || !(keep > 0.0) {
             return Ok(found);

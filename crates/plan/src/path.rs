@@ -423,8 +423,8 @@ impl Corners {
 /// Times at which a predicate tests a shortcut before it is proven. Not measured.
 const INSIDE: [f64; 3] = [0.5, 0.25, 0.75];
 
-/// Part of the length of the path that a shortcut must save. On 700 problems of Panda, paths are 0.1
-/// and 0.4 % longer than with half and with a quarter of this, and take 7 and 15 % less time.
+/// Part of the length of the path that a shortcut must save. On 700 problems of Panda, paths are
+/// 0.1 % longer than with a thousandth and take 7 % less time; with 0.004 it is 0.3 and 8 % more.
 const SAVED: f64 = 1.0 / 512.0;
 
 /// Maximum number of parts of a divided segment.

@@ -320,7 +320,7 @@ fn a_proof_of_a_library_that_errs_is_refused() {
 
 /// Sizes of a path's receipt and times to check it: run with `--ignored --nocapture`.
 #[test]
-#[ignore = "a measurement"]
+#[ignore = "a measurement: cargo test -p lin-canny-plan --test receipts sizes -- --ignored --nocapture"]
 fn sizes_and_times() {
     let mut checker = arm();
     for segments in [1, 11, 20] {

@@ -4,18 +4,11 @@
 //! the crossing is rounded, so each half gets the outer of two times: together they cover the
 //! segment, whatever was rounded.
 
-use core::ops::Range;
+use std::vec::Vec;
 
 use super::{Atlas, AtlasVerdict, Node};
 use crate::extremes::Extremes;
 use crate::tolerance::CROSSING;
-
-/// A segment whose part is followed through the boxes.
-struct Walk<'a> {
-    atlas: &'a Atlas,
-    from: &'a [f64],
-    to: &'a [f64],
-}
 
 impl Atlas {
     /// Returns what is proven about the segment between two configurations: free if free boxes cover
@@ -30,32 +23,47 @@ impl Atlas {
                 return Some(AtlasVerdict::Contact);
             }
         }
-        let walk = Walk { atlas: self, from, to };
-        walk.is_free(0, 0.0..1.0).then_some(AtlasVerdict::Free)
+        self.is_free_along(from, to).then_some(AtlasVerdict::Free)
     }
-}
 
-impl Walk<'_> {
-    /// Returns whether free boxes cover the part of the segment in a box.
-    fn is_free(&self, node: usize, part: Range<f64>) -> bool {
-        let (coordinate, half, at) = match self.atlas.nodes[node] {
-            Node::Halved { coordinate, half, at } => (usize::from(coordinate), half as usize, at),
-            other => return other == Node::Proven(AtlasVerdict::Free),
-        };
-        let (from, to) = (self.from[coordinate], self.to[coordinate]);
-        let (low, high) = (half, half + 1);
-        if from <= at && to <= at {
-            return self.is_free(low, part);
+    /// Returns whether free boxes cover a segment.
+    fn is_free_along(&self, from: &[f64], to: &[f64]) -> bool {
+        // The box that is followed, the part of the segment in it, and those that wait.
+        let (mut node, mut part, mut waiting) = (0, 0.0..1.0, Vec::new());
+        loop {
+            if let Node::Halved { coordinate, half, at } = self.nodes[node] {
+                let (x, y) = (from[usize::from(coordinate)], to[usize::from(coordinate)]);
+                let (low, high) = (half as usize, half as usize + 1);
+                if x <= at && y <= at {
+                    node = low;
+                    continue;
+                }
+                if x >= at && y >= at {
+                    node = high;
+                    continue;
+                }
+                let time = (at - x) / (y - x);
+                let error = CROSSING * time + f64::MIN_POSITIVE;
+                let [first, second] = if x < at { [low, high] } else { [high, low] };
+                let before = part.start..part.end.smaller(time + error);
+                let after = part.start.larger(time - error)..part.end;
+                if before.start > before.end {
+                    (node, part) = (second, after);
+                    continue;
+                }
+                if after.start <= after.end {
+                    waiting.push((second, after));
+                }
+                (node, part) = (first, before);
+                continue;
+            }
+            if self.nodes[node] != Node::Proven(AtlasVerdict::Free) {
+                return false;
+            }
+            match waiting.pop() {
+                Some(next) => (node, part) = next,
+                None => return true,
+            }
         }
-        if from >= at && to >= at {
-            return self.is_free(high, part);
-        }
-        let time = (at - from) / (to - from);
-        let error = CROSSING * time + f64::MIN_POSITIVE;
-        let [first, second] = if from < at { [low, high] } else { [high, low] };
-        let before = part.start..part.end.smaller(time + error);
-        let after = part.start.larger(time - error)..part.end;
-        let is_covered = |node, part: Range<f64>| part.start > part.end || self.is_free(node, part);
-        is_covered(first, before) && is_covered(second, after)
     }
 }

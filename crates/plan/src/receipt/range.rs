@@ -36,7 +36,7 @@ impl Receipt {
     ///
     /// A pair that never meets has cells with planes, which together are the range. All other pairs
     /// are listed as not looked at, with the reason: pairs that meet or are undecided, and pairs that
-    /// would need more than `cells` cells. The writer divides the range anew, because a checker has
+    /// would need more than `cells` cells. The writer divides the range again, because a checker has
     /// simpler bounds than the search, so it may need more cells.
     ///
     /// # Errors

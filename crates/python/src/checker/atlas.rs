@@ -123,8 +123,8 @@ impl Checker {
     /// proofs : int, optional
     ///     The largest number of proofs of a pair over a box.
     /// resume : Atlas, optional
-    ///     An atlas of the same world that goes on. Two calls give the atlas of one call with the sum of
-    ///     both numbers of boxes.
+    ///     An atlas of the same world, from whose open boxes the search goes on. Two calls give the
+    ///     atlas of one call with the sum of both numbers of boxes.
     /// progress : callable or bool, optional
     ///     Receives the number of searched boxes and of all; True shows a tqdm bar.
     #[pyo3(signature = (*, boxes=20_000, proofs=None, resume=None, progress=None))]
@@ -147,8 +147,8 @@ impl Checker {
 
     /// Answers by the boxes of an atlas from now on, where they decide; None drops them.
     ///
-    /// Verdicts stay, `is_free`, `certify` and `plan` take less time. Any change of the world drops the
-    /// atlas: see `has_atlas`. An atlas of another robot or world is a PlanError that names what
+    /// Verdicts stay. `is_free` and `certify` take less time where a box decides; plans of six joints do
+    /// not. Any change of the world drops the atlas: see `has_atlas`. An atlas of another robot or world is a PlanError that names what
     /// differs. Batches do not use it.
     fn set_atlas(&mut self, atlas: Option<&Bound<'_, Atlas>>) -> PyResult<()> {
         match atlas {

@@ -32,7 +32,7 @@ pub(super) struct BoxesOptions {
     /// Output file with the boxes
     #[arg(long, value_name = "ATLAS.json")]
     out: PathBuf,
-    /// Boxes of an earlier run with the same files, which go on
+    /// Boxes of an earlier run with the same files, from which the search goes on
     #[arg(long, value_name = "ATLAS.json")]
     resume: Option<PathBuf>,
 }
