@@ -10,6 +10,7 @@
 //!    prove a sign.
 
 mod depth;
+mod flush;
 pub(crate) mod integer;
 pub(crate) mod place;
 mod simplex;
@@ -23,7 +24,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
-use crate::base::num::sign::edge_sign;
+use crate::base::num::sign::{edge_sign, is_level};
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::fans::Axis;
 use crate::body::polyhedron::highest::{Upward, steeper};
@@ -32,6 +33,7 @@ use crate::pair::draft::Draft;
 use crate::pair::outcome::{ContactState, Solver};
 use crate::pair::posed::PosedPair;
 pub(crate) use depth::deepest;
+pub(crate) use flush::touches;
 use integer::{Big3, direction, dot, fraction, integer, is_zero, neg, root, sign, sub};
 use simplex::{ExactPoint, NearestPoint, minimize};
 use simplex::{Origin, PointSet, locate};
@@ -152,7 +154,10 @@ impl Along<'_> {
 
 impl Upward for Along<'_> {
     fn rise(&self, p: VertexId, q: VertexId) -> i32 {
-        match edge_sign(&self.rounded, &self.rounded_edge(p, q)) {
+        let edge = self.rounded_edge(p, q);
+        match edge_sign(&self.rounded, &edge) {
+            // Rounding keeps zeros: coordinates that differ never round to a difference of zero.
+            0 if is_level(&self.rounded.into(), &edge.into()) => 0,
             0 => sign(&dot(&self.n, &self.edge(p, q))),
             sign => sign,
         }

@@ -113,6 +113,11 @@ pub(crate) fn solve(
 /// Bodies that touch up to the rounding of f64 go to double-double at once.
 #[cold]
 pub(crate) fn refine(posed: &PosedPair, warm: bool, draft: &mut Draft) {
+    #[cfg(feature = "exact")]
+    if crate::convex::exact::touches(posed, draft) {
+        draft.work.exacts += 1;
+        return;
+    }
     if warm && posed.same_scale() && draft.state != ContactState::Touching {
         draft.work.restarts += 1;
         draft.features = seed::cold(posed, &mut draft.work);
