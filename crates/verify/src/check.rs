@@ -1,22 +1,25 @@
 //! Reads a receipt line by line and evaluates its evidence.
 
 use std::cell::OnceCell;
+use std::collections::BTreeSet;
 use std::io::BufRead;
 
 use dashu_int::IBig;
+use dashu_ratio::RBig;
 
 use crate::balls::Balls;
 use crate::claim::{AtMoment, Claim};
-use crate::cover::{Apart, Cover, needed};
+use crate::cover::{Apart, Cover};
 use crate::file::{EVIDENCE, Head, follows, head, tail};
 use crate::json::Json;
 use crate::lines::Lines;
 use crate::meet::Meet;
-use crate::motion::Stage;
+use crate::motion::{Span, Stage};
 use crate::near::Near;
+use crate::pairs::needed;
 use crate::plane::Plane;
 use crate::range::InCell;
-use crate::real::Real;
+use crate::real::{Exact, Real};
 use crate::report::{Failure, Report, StatedFile, Unreadable, Verdict};
 use crate::scene::{Leg, Scene};
 use crate::{Stop, depth, distance};
@@ -69,6 +72,10 @@ pub(crate) fn run(reader: impl BufRead, other: Option<(Scene, Vec<Leg>)>) -> Res
     Err(lines.bad("the tail is missing"))
 }
 
+fn vector(json: &Json) -> Result<Exact, Stop> {
+    Ok(json.reals::<3>()?.map(Real::exact))
+}
+
 struct Check {
     head: Head,
     /// What is evaluated: the scene of the receipt, or the other one with the pairs ignored here.
@@ -80,6 +87,9 @@ struct Check {
     leg: Option<Leg>,
     count: usize,
     cover: Cover,
+    /// Pairs with a solid whose hulls are apart at some time, and those of which a cell was cut.
+    hulls_apart: BTreeSet<(usize, usize)>,
+    cut: BTreeSet<(usize, usize)>,
     failure: Option<Failure>,
     /// The scenes differ in their bodies: no certificate can be evaluated.
     different: Option<String>,
@@ -121,6 +131,8 @@ impl Check {
             leg,
             count: 0,
             cover,
+            hulls_apart: BTreeSet::new(),
+            cut: BTreeSet::new(),
             failure: None,
             different,
             report,
@@ -172,11 +184,15 @@ impl Check {
         }
         match (line.kind(), &self.head) {
             ("cell", _) => self.cell(line),
+            ("outside", Head::Apart(apart)) => {
+                let span = apart.span;
+                self.outside(line, span)
+            }
             ("plane" | "balls", Head::Apart(apart)) => {
                 let apart = *apart;
                 self.apart(line, &apart)
             }
-            ("plane" | "balls", _) => Stop::bad("this claim is of single lines"),
+            ("plane" | "balls" | "outside", _) => Stop::bad("this claim is of single lines"),
             (kind, _) => {
                 let text = match kind {
                     "meet" => self.moment(&Meet::read(&self.scene, line)?)?,
@@ -216,44 +232,60 @@ impl Check {
 
     /// A certificate of pairs that stay apart.
     fn apart(&mut self, line: &Json, apart: &Apart) -> Result<(), Stop> {
-        let plane = line.kind() == "plane";
-        let pairs = if plane {
-            line.only(&["plane", "normal", "spin", "from", "until", "keep"])?;
-            vec![self.scene.pair(line.get("plane")?)?]
-        } else {
-            line.only(&["balls", "from", "until", "keep"])?;
-            self.scene.star(line.get("balls")?)?
+        let real = |key, default| line.find(key).map_or(Ok(default), Json::real);
+        let span = Span {
+            from: real("from", apart.span.from)?,
+            until: real("until", apart.span.until)?,
         };
-        let (span, keep) = self.cover.next(&self.scene, apart, &pairs, line)?;
-        let vector = |json: &Json| Ok::<_, Stop>(json.reals::<3>()?.map(Real::exact));
-        let (mut normal, mut spin) = (crate::real::zero(), None);
-        if plane {
-            normal = vector(line.get("normal")?)?;
-            spin = line.find("spin").map(vector).transpose()?;
+        let keep = real("keep", apart.margin)?;
+        let (pairs, plane, cuts) = match line.kind() {
+            "plane" => {
+                line.only(&["plane", "normal", "spin", "from", "until", "keep", "cut"])?;
+                let cuts = line.find("cut").map_or(Ok(&[][..]), Json::array)?;
+                let normal = vector(line.get("normal")?)?;
+                let spin = line.find("spin").map(vector).transpose()?;
+                (vec![self.scene.pair(line.get("plane")?)?], Some((normal, spin)), cuts)
+            }
+            _ => {
+                line.only(&["balls", "from", "until", "keep"])?;
+                (self.scene.star(line.get("balls")?)?, None, &[][..])
+            }
+        };
+        if keep < apart.margin {
+            let name = pairs.first().map_or(String::new(), |pair| self.scene.names(*pair));
+            return Stop::fails(format!("{name}: keeps {}, less than the margin", keep.shown()));
         }
-        let mut failed = None;
+        let (keep, mut failed) = (keep.exact(), None);
         for pair in pairs {
-            let holds = if plane {
-                let (normal, spin) = (normal.clone(), spin.clone());
-                self.holds(&Plane {
+            let parts = self.cover.next(&self.scene, apart, pair, span, cuts)?;
+            let bodies = [pair.0, pair.1].map(|k| &self.scene.bodies[k]);
+            let some = [bodies[0].of_parts(parts[0]), bodies[1].of_parts(parts[1])];
+            let whole = plane.is_none() || some == [None, None];
+            let solid = bodies[0].solid || bodies[1].solid;
+            let holds = match plane.clone() {
+                Some((normal, spin)) => self.holds(&Plane {
                     pair,
+                    some,
                     span,
-                    keep: keep.exact(),
+                    keep: keep.clone(),
                     normal,
                     spin,
-                })
-            } else {
-                self.holds(&Balls {
+                }),
+                None => self.holds(&Balls {
                     pair,
                     span,
-                    keep: keep.exact(),
-                })
+                    keep: keep.clone(),
+                }),
             };
             if !holds && failed.is_none() {
                 failed = Some(pair);
             }
+            if solid {
+                let list = if whole { &mut self.hulls_apart } else { &mut self.cut };
+                list.insert(pair);
+            }
             // The interval counts even so: later certificates are judged by themselves.
-            self.cover.add(pair, span.until);
+            self.cover.add(apart, pair, span.until);
         }
         match failed {
             None => Ok(()),
@@ -262,6 +294,27 @@ impl Check {
                 Stop::fails(format!("{names}, at t = {from}{}", self.of_leg()))
             }
         }
+    }
+
+    /// The hulls of two bodies are apart at a time: neither body is inside the other.
+    fn outside(&mut self, line: &Json, span: Span) -> Result<(), Stop> {
+        line.only(&["outside", "at", "normal"])?;
+        let (pair, time) = (self.scene.pair(line.get("outside")?)?, line.get("at")?.real()?);
+        self.scene.must_prove(pair)?;
+        let plane = Plane {
+            pair,
+            some: [None, None],
+            span: Span::at(time),
+            keep: RBig::ZERO,
+            normal: vector(line.get("normal")?)?,
+            spin: None,
+        };
+        if !(span.from..=span.until).contains(&time) || !self.holds(&plane) {
+            let name = self.scene.names(pair);
+            return Stop::fails(format!("{name}: the hulls are not apart at t = {}", time.shown()));
+        }
+        self.hulls_apart.insert(pair);
+        Ok(())
     }
 
     /// A plane over a cell of a range.
@@ -359,7 +412,7 @@ impl Check {
     fn end_leg(&mut self) -> Result<(), Stop> {
         let cover = std::mem::take(&mut self.cover);
         match &mut self.head {
-            Head::Apart(apart) if self.different.is_none() => cover.end(&self.scene, apart),
+            Head::Apart(_) if self.different.is_none() => cover.end(&self.scene),
             Head::Range(cells) if self.different.is_none() => cells.end(&self.scene),
             _ => Ok(()),
         }
@@ -404,6 +457,11 @@ impl Check {
         }
         for (pair, why) in &self.scene.ignored {
             let text = format!("{}: {}", self.scene.names(*pair), self.scene.reasons[*why]);
+            self.report.not_looked_at.push(text);
+        }
+        for pair in self.cut.difference(&self.hulls_apart) {
+            let name = self.scene.names(*pair);
+            let text = format!("{name}: whether one is inside the other; their surfaces stay apart");
             self.report.not_looked_at.push(text);
         }
         if resting > 0 {

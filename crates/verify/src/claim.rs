@@ -52,6 +52,18 @@ impl Moment {
         Stop::fails(format!("{}: no such vertex, of {i} and {j}", scene.names(self.pair)))
     }
 
+    /// Refuses points that no single part of its body has: their hull may be outside of the body.
+    pub(crate) fn in_part(&self, scene: &Scene, points: [&[usize]; 2]) -> Result<(), Stop> {
+        for (body, points) in [self.pair.0, self.pair.1].into_iter().zip(points) {
+            let parts = &scene.bodies[body].parts;
+            let has = |part: &Vec<usize>| points.iter().all(|k| part.contains(k));
+            if !parts.is_empty() && !parts.iter().any(has) {
+                return Stop::fails(format!("{}: points of several parts", scene.names(self.pair)));
+            }
+        }
+        Ok(())
+    }
+
     pub(crate) fn span(&self) -> Span {
         Span::at(self.time.unwrap_or(Real::ZERO))
     }

@@ -15,6 +15,7 @@ mod lines;
 mod meet;
 mod motion;
 mod near;
+mod pairs;
 mod plane;
 mod points;
 mod range;

@@ -326,10 +326,19 @@ impl<I: Int> Stage<I> {
         self.point(scene, body, &solid.points[k].each_ref().map(part), span)
     }
 
-    /// Returns least and greatest Bernstein coefficients of the heights of all vertices along n,
-    /// in units of 2^-2P / W: lower and upper bounds.
-    pub(crate) fn heights(&self, scene: &Scene, body: usize, n: &Vector<I>, span: &Span) -> Option<[Vec<I>; 2]> {
+    /// Returns least and greatest Bernstein coefficients of the heights of some vertices along n, or of
+    /// all, in units of 2^-2P / W: lower and upper bounds.
+    pub(crate) fn heights(
+        &self,
+        scene: &Scene,
+        body: usize,
+        some: Option<&[usize]>,
+        n: &Vector<I>,
+        span: &Span,
+    ) -> Option<[Vec<I>; 2]> {
         let solid = &self.solids[body];
+        let chosen: Option<Vec<_>> = some.map(|some| some.iter().map(|k| solid.points[*k].clone()).collect());
+        let points = chosen.as_ref().unwrap_or(&solid.points);
         let (mut m, mut o) = (n.clone(), Taylor::whole(0)?);
         for step in self.steps(scene, solid).iter().rev() {
             (m, o) = step.plane(&m, &o, span)?;
@@ -343,7 +352,7 @@ impl<I: Int> Stage<I> {
             let same = k > 0 && nets.iter().all(|net| net[k] == net[k - 1]);
             let found = match ends.filter(|_| same) {
                 Some(ends) => ends,
-                None => extremes(&solid.points, &nets.each_ref().map(|net| net[k].clone()))?,
+                None => extremes(points, &nets.each_ref().map(|net| net[k].clone()))?,
             };
             let b = b.up()?;
             both[0].push(found[0].add(&b)?.sub(&off)?);

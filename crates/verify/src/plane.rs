@@ -19,9 +19,10 @@ use crate::real::{Exact, Real, dot, two_to};
 use crate::scene::Scene;
 use crate::taylor::fixed3;
 
-/// A plane keeps two bodies `keep` apart.
+/// A plane keeps two bodies, or some of their vertices, `keep` apart.
 pub(crate) struct Plane {
     pub(crate) pair: (usize, usize),
+    pub(crate) some: [Option<Vec<usize>>; 2],
     pub(crate) span: Span,
     pub(crate) keep: RBig,
     pub(crate) normal: Exact,
@@ -40,8 +41,8 @@ impl Claim for Plane {
             };
             n = Turn::new(spin, vec![RBig::ZERO, length])?.point(&n, &whole)?;
         }
-        let [_, high] = stage.heights(scene, self.pair.0, &n, &self.span)?;
-        let [low, _] = stage.heights(scene, self.pair.1, &n, &self.span)?;
+        let [_, high] = stage.heights(scene, self.pair.0, self.some[0].as_deref(), &n, &self.span)?;
+        let [low, _] = stage.heights(scene, self.pair.1, self.some[1].as_deref(), &n, &self.span)?;
         let gaps = high
             .iter()
             .zip(&low)

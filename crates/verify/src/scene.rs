@@ -33,6 +33,10 @@ pub(crate) struct Steady {
 pub(crate) struct Body {
     pub(crate) name: String,
     pub(crate) points: Points,
+    /// The body is the hulls of these points, and, if it is a solid, what these triangles enclose; all
+    /// points are one part if there is none.
+    pub(crate) parts: Vec<Vec<usize>>,
+    pub(crate) solid: bool,
     pub(crate) radius: RBig,
     pub(crate) motion: Motion,
     pub(crate) moves: bool,
@@ -137,6 +141,17 @@ pub(crate) struct Scene {
     at: usize,
 }
 
+impl Body {
+    /// Returns the points of some parts; `None` stands for all points.
+    pub(crate) fn of_parts(&self, [low, high]: [usize; 2]) -> Option<Vec<usize>> {
+        let some = self.parts.get(low..high).filter(|some| some.len() < self.parts.len())?;
+        let mut points: Vec<usize> = some.iter().flatten().copied().collect();
+        points.sort_unstable();
+        points.dedup();
+        Some(points)
+    }
+}
+
 impl Scene {
     pub(crate) fn new() -> Self {
         Self {
@@ -239,7 +254,9 @@ impl Scene {
 
     fn body(&mut self, line: &Json) -> Result<(), Stop> {
         let number = self.bodies.len();
-        line.only(&["body", "name", "points", "radius", "at", "link", "steady"])?;
+        line.only(&[
+            "body", "name", "points", "parts", "faces", "radius", "at", "link", "steady",
+        ])?;
         if number == 4096 || line.get("body")?.whole()? != number {
             return Stop::bad(format!("body {number} is expected, at most 4096"));
         }
@@ -278,6 +295,13 @@ impl Scene {
         };
         let (points, most) = Points::read(line.get("points")?, pivot)?;
         self.lengths(&most);
+        let (faces, parts) = (line.find("faces"), line.find("parts"));
+        let solid = faces.is_some();
+        let parts = match faces.xor(parts) {
+            Some(lists) => lists_of(lists, points.all.len(), solid)?,
+            None if solid => return Stop::bad("a body has parts or faces, not both"),
+            None => Vec::new(),
+        };
         let radius = line.find("radius").map_or(Ok(Real::ZERO), Json::real)?;
         if radius < Real::ZERO {
             return Stop::bad("a negative radius");
@@ -286,6 +310,8 @@ impl Scene {
         self.bodies.push(Body {
             name,
             points,
+            parts,
+            solid,
             radius: radius.exact(),
             motion,
             moves,
@@ -306,46 +332,6 @@ impl Scene {
         }
         self.reasons.push(why.into());
         Ok(())
-    }
-
-    fn number(&self, json: &Json) -> Result<usize, Stop> {
-        let k = json.whole()?;
-        if k < self.bodies.len() {
-            Ok(k)
-        } else {
-            Stop::bad(format!("unknown body {k}"))
-        }
-    }
-
-    /// Reads `[A,[B,...]]`: pairs in order.
-    pub(crate) fn star(&self, json: &Json) -> Result<Vec<(usize, usize)>, Stop> {
-        let [a, others] = json.list::<2>()?;
-        let (a, mut all) = (self.number(a)?, Vec::new());
-        for b in others.array()? {
-            let b = self.number(b)?;
-            all.push((a.min(b), a.max(b)));
-        }
-        let mut sorted = all.clone();
-        sorted.sort_unstable();
-        if all.is_empty() || all.iter().any(|x| x.0 == x.1) || sorted.windows(2).any(|x| x[0] == x[1]) {
-            return Stop::bad("a list of pairs: empty, a body with itself, or a pair twice");
-        }
-        Ok(all)
-    }
-
-    /// Reads `[A,B]` with A < B.
-    pub(crate) fn pair(&self, json: &Json) -> Result<(usize, usize), Stop> {
-        let [a, b] = json.list::<2>()?;
-        let (a, b) = (self.number(a)?, self.number(b)?);
-        if a < b {
-            Ok((a, b))
-        } else {
-            Stop::bad("a pair has the lesser number first")
-        }
-    }
-
-    pub(crate) fn names(&self, (a, b): (usize, usize)) -> String {
-        format!("{} against {}", self.bodies[a].name, self.bodies[b].name)
     }
 
     /// Returns the joints between a link and the base, the nearest first.
@@ -380,6 +366,22 @@ impl Scene {
             points: &body.points,
         })
     }
+}
+
+/// Reads the points of each part of a body; those of a solid are triangles.
+fn lists_of(json: &Json, points: usize, triangles: bool) -> Result<Vec<Vec<usize>>, Stop> {
+    let mut all = Vec::new();
+    for part in json.array()? {
+        let part = part.array()?.iter().map(Json::whole).collect::<Result<Vec<_>, _>>()?;
+        if part.is_empty() || triangles && part.len() != 3 || part.iter().any(|k| *k >= points) {
+            return Stop::bad("a part without points, or of an unknown point, or a face that is no triangle");
+        }
+        all.push(part);
+    }
+    if all.is_empty() || all.len() > 1 << 18 {
+        return Stop::bad("a body has 1 to 262144 parts");
+    }
+    Ok(all)
 }
 
 /// Reads a SHA-256 in 64 hex digits.
