@@ -81,12 +81,14 @@
 //!
 //! [`Steady::with_acceleration_bounds`]: lin_canny::motion::Steady::with_acceleration_bounds
 
+mod cells;
 mod depth;
 mod error;
 mod evidence;
 mod hull;
 mod number;
 mod pair;
+mod parts;
 mod range;
 mod scene;
 mod segment;
@@ -242,6 +244,14 @@ fn apart(
             Ok(Evidence::Pieces(pieces)) => {
                 let line = |piece: &Piece| piece.line(*pair, keep, [from, until, margin]);
                 lines.extend(pieces.iter().map(line));
+                let is_solid = a.body.is_solid || b.body.is_solid;
+                let is_whole = |piece: &Piece| piece.until > piece.from && piece.cuts.is_empty();
+                if is_solid && !pieces.first().is_some_and(is_whole) {
+                    lines.extend(judge.outside([from, until]).map(|(time, normal)| {
+                        let (normal, [a, b]) = (number::hexes(normal.as_slice()), pair);
+                        format!("{{\"outside\":[{a},{b}],\"at\":\"{}\",\"normal\":{normal}}}", hex(time))
+                    }));
+                }
             }
             Err(missing) => {
                 return Err(ReceiptError::Pair {

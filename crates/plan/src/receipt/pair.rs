@@ -7,6 +7,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use super::depth::depth;
 use super::error::ReceiptError;
 use super::number::{hex, hexes};
+use super::parts::{Group, Groups, near_parts};
 use super::scene::{Body, Scene, SteadyWay, Way, list};
 use super::taylor::pose;
 use super::{Claim, Leg, Receipt, Wanted, apart};
@@ -14,8 +15,11 @@ use crate::extremes::Extremes;
 use crate::tolerance::INSIDE;
 use lin_canny::impact::{Impact, Tolerance, cast_with_certificates};
 use lin_canny::motion::Steady;
-use lin_canny::polyhedron::{ConvexPolyhedron, Feature};
+use lin_canny::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use lin_canny::{ContactState, Geometry, Outcome, PairTracker, RelativePose, Tracker};
+
+/// Most pairs of parts that are tried as the place of a contact.
+const PARTS: usize = 256;
 
 /// Times after a bracket at which a contact is proven if it is not certain at its end, in brackets.
 const LATER: [f64; 10] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 256.0, 1024.0, 4096.0];
@@ -150,7 +154,8 @@ impl Receipt {
         };
         let mut lines = vec![line?];
         // Only if the hulls overlap is the depth that of the hulls, plus the radii.
-        if lines[0].starts_with("{\"meet\"") {
+        let is_convex = scene.bodies.iter().all(|body| body.parts.is_empty());
+        if is_convex && lines[0].starts_with("{\"meet\"") {
             lines.extend(depth(&scene, b_in_a, outcome));
         }
         Ok(Self::of_scene(Claim::Lines, scene, lines))
@@ -212,29 +217,46 @@ pub(super) fn meeting(
         return Err(refused("a polyhedron around a curved body proves no contact"));
     }
     let relative = RelativePose::new(&x, &y).map_err(|_| refused("a pose is out of range"))?;
-    let mut tracker = Tracker::new();
-    let seen = tracker.closest(&first.hull, &second.hull, &relative);
-    let started = [Tracker::new(), tracker];
-    let mut proofs = started
-        .iter()
-        .map(|start| start.overlap_proof(&first.hull, &second.hull, &relative));
-    if let Some(pairs) = proofs.find_map(|proof| proof) {
-        let pairs = pairs.map(|[i, j]| format!("[{},{}]", i.index(), j.index())).join(",");
-        return Ok(format!("{{\"meet\":[{a},{b}]{at},\"points\":[{pairs}]}}"));
+    let (groups, reach) = (
+        [Groups::new(first), Groups::new(second)],
+        kept + first.radius + second.radius,
+    );
+    let (all, mut near) = ([groups[0].all(), groups[1].all()], Vec::new());
+    near_parts(&groups, all, &relative, reach, PARTS, &mut near);
+    for [first, second] in &near {
+        let mut tracker = Tracker::new();
+        tracker.closest(&first.hull, &second.hull, &relative);
+        let started = [Tracker::new(), tracker];
+        let mut proofs = started
+            .iter()
+            .map(|start| start.overlap_proof(&first.hull, &second.hull, &relative));
+        if let Some(pairs) = proofs.find_map(|proof| proof) {
+            let pair = |[i, j]: [VertexId; 2]| format!("[{},{}]", first.points[i.index()], second.points[j.index()]);
+            let pairs = pairs.map(pair).join(",");
+            return Ok(format!("{{\"meet\":[{a},{b}]{at},\"points\":[{pairs}]}}"));
+        }
     }
-    let on = [
-        weights(&first.hull, seen.features.a, &seen.point_on_a),
-        weights(&second.hull, seen.features.b, &seen.point_on_b),
-    ];
-    let points = [mean(&first.hull, &on[0]), mean(&second.hull, &on[1])];
-    let apart = (x * Point3::from(points[0]) - y * Point3::from(points[1])).norm();
-    if !(apart < kept + first.radius + second.radius) {
-        return Err(refused("they touch, and no common point is certain"));
+    for [first, second] in &near {
+        let seen = Tracker::new().closest(&first.hull, &second.hull, &relative);
+        let on = [
+            weights(&first.hull, seen.features.a, &seen.point_on_a),
+            weights(&second.hull, seen.features.b, &seen.point_on_b),
+        ];
+        let points = [mean(&first.hull, &on[0]), mean(&second.hull, &on[1])];
+        if (x * Point3::from(points[0]) - y * Point3::from(points[1])).norm() < reach {
+            let named = |(on, group): (Vec<(usize, f64)>, &Group)| {
+                let on: Vec<_> = on.into_iter().map(|(k, part)| (group.points[k], part)).collect();
+                weights_text(&on)
+            };
+            let [on_a, on_b] = on;
+            let on = [named((on_a, first)), named((on_b, second))].join(",");
+            let within = hex(kept);
+            return Ok(format!(
+                "{{\"near\":[{a},{b}],\"within\":\"{within}\",\"on\":[{on}]{at}}}"
+            ));
+        }
     }
-    let (within, on) = (hex(kept), on.map(|on| weights_text(&on)).join(","));
-    Ok(format!(
-        "{{\"near\":[{a},{b}],\"within\":\"{within}\",\"on\":[{on}]{at}}}"
-    ))
+    Err(refused("they touch, and no common point is certain"))
 }
 
 /// Returns the line of a distance: by the features if they are certainly the closest, or else by a
@@ -244,6 +266,9 @@ fn distance(scene: &Scene, b_in_a: &Isometry3<f64>, outcome: &Outcome) -> Result
     let [a, b] = [&scene.bodies[0], &scene.bodies[1]];
     if a.around.or(b.around).is_some() {
         return Err(refused("a polyhedron around a curved body proves no distance"));
+    }
+    if !a.parts.is_empty() || !b.parts.is_empty() {
+        return Err(refused("a distance of meshes or compounds has no receipt yet"));
     }
     let relative = RelativePose::from_isometry(b_in_a).map_err(|_| refused("the pose is out of range"))?;
     let seen = Tracker::new().closest(&a.hull, &b.hull, &relative);
