@@ -149,7 +149,12 @@ impl Receipt {
             scene.bodies.push(Body::new(name, geometry, Way::Rests(at))?);
         }
         let line = match outcome.state {
-            ContactState::Separated => distance(&scene, b_in_a, outcome),
+            ContactState::Separated => RelativePose::from_isometry(b_in_a)
+                .map_err(|_| missing(&scene, [0, 1], 0.0, "the pose is out of range"))
+                .and_then(|relative| {
+                    let poses = [&poses[0], b_in_a];
+                    distance(&scene, [0, 1], poses, &relative, [outcome.lower, outcome.upper])
+                }),
             _ => meeting(&scene, None, [0, 1], None, 0.0),
         };
         let mut lines = vec![line?];
@@ -161,7 +166,7 @@ impl Receipt {
         Ok(Self::of_scene(Claim::Lines, scene, lines))
     }
 
-    fn of_scene(claim: Claim, scene: Scene, evidence: Vec<String>) -> Self {
+    pub(super) fn of_scene(claim: Claim, scene: Scene, evidence: Vec<String>) -> Self {
         Self {
             claim,
             files: Vec::new(),
@@ -172,7 +177,7 @@ impl Receipt {
 }
 
 /// Returns the error of a pair at one time.
-fn missing(scene: &Scene, [a, b]: [usize; 2], time: f64, why: &'static str) -> ReceiptError {
+pub(super) fn missing(scene: &Scene, [a, b]: [usize; 2], time: f64, why: &'static str) -> ReceiptError {
     let [a, b] = [a, b].map(|k| scene.bodies[k].name.clone());
     let (from, until) = (time, time);
     ReceiptError::Pair { a, b, from, until, why }
@@ -261,52 +266,52 @@ pub(super) fn meeting(
 
 /// Returns the line of a distance: by the features if they are certainly the closest, or else by a
 /// normal and two points.
-fn distance(scene: &Scene, b_in_a: &Isometry3<f64>, outcome: &Outcome) -> Result<String, ReceiptError> {
-    let refused = |why: &'static str| missing(scene, [0, 1], 0.0, why);
-    let [a, b] = [&scene.bodies[0], &scene.bodies[1]];
+pub(super) fn distance(
+    scene: &Scene,
+    pair: [usize; 2],
+    poses: [&Isometry3<f64>; 2],
+    relative: &RelativePose,
+    bounds: [f64; 2],
+) -> Result<String, ReceiptError> {
+    let refused = |why: &'static str| missing(scene, pair, 0.0, why);
+    let [a, b] = pair.map(|k| &scene.bodies[k]);
     if a.around.or(b.around).is_some() {
         return Err(refused("a polyhedron around a curved body proves no distance"));
     }
     if !a.parts.is_empty() || !b.parts.is_empty() {
         return Err(refused("a distance of meshes or compounds has no receipt yet"));
     }
-    let relative = RelativePose::from_isometry(b_in_a).map_err(|_| refused("the pose is out of range"))?;
-    let seen = Tracker::new().closest(&a.hull, &b.hull, &relative);
-    if seen.state != ContactState::Separated || !outcome.lower.is_finite() {
+    let seen = Tracker::new().closest(&a.hull, &b.hull, relative);
+    if seen.state != ContactState::Separated || !bounds[0].is_finite() {
         return Err(refused("the hulls without their radii are not apart"));
     }
     let on = [
         weights(&a.hull, seen.features.a, &seen.point_on_a),
         weights(&b.hull, seen.features.b, &seen.point_on_b),
     ];
-    let bounds = format!(
-        "\"lower\":\"{}\",\"upper\":\"{}\"",
-        hex(outcome.lower),
-        hex(outcome.upper)
-    );
-    if are_features(scene, b_in_a, &on) {
+    let ([lower, upper], [i, j]) = (bounds.map(hex), pair);
+    let line = format!("{{\"distance\":[{i},{j}],\"lower\":\"{lower}\",\"upper\":\"{upper}\"");
+    if are_features([a, b], poses, &on) {
         let on = on.map(|on| list(&on.iter().map(|x| x.0).collect::<Vec<_>>())).join(",");
-        return Ok(format!("{{\"distance\":[0,1],{bounds},\"on\":[{on}]}}"));
+        return Ok(format!("{line},\"on\":[{on}]}}"));
     }
-    let (normal, on) = (hexes(seen.normal.as_slice()), on.map(|on| weights_text(&on)).join(","));
-    Ok(format!(
-        "{{\"distance\":[0,1],{bounds},\"normal\":{normal},\"on\":[{on}]}}"
-    ))
+    let normal = poses[0].rotation * seen.normal.into_inner();
+    let (normal, on) = (hexes(normal.as_slice()), on.map(|on| weights_text(&on)).join(","));
+    Ok(format!("{line},\"normal\":{normal},\"on\":[{on}]}}"))
 }
 
 /// Returns whether the vertices name features whose closest points are certainly inside them.
-fn are_features(scene: &Scene, b_in_a: &Isometry3<f64>, on: &[Vec<(usize, f64)>; 2]) -> bool {
+fn are_features(bodies: [&Body; 2], poses: [&Isometry3<f64>; 2], on: &[Vec<(usize, f64)>; 2]) -> bool {
     if !on.iter().flatten().all(|x| x.1 > INSIDE) {
         return false;
     }
     let edge = |side: usize| {
-        let points: Vec<Point3<f64>> = scene.bodies[side].hull.vertex_points().collect();
-        let [p, q] = [0, 1].map(|k| points[on[side][k].0]);
-        (q - p).normalize()
+        let [p, q] = [0, 1].map(|k| bodies[side].points[on[side][k].0]);
+        poses[side].rotation * (q - p).normalize()
     };
     match on.each_ref().map(Vec::len) {
         [1, 1..=3] | [2..=3, 1] => true,
-        [2, 2] => edge(0).cross(&(b_in_a.rotation * edge(1))).norm() > INSIDE,
+        [2, 2] => edge(0).cross(&edge(1)).norm() > INSIDE,
         _ => false,
     }
 }
