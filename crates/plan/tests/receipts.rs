@@ -635,9 +635,9 @@ fn a_step_of_a_scene_has_a_receipt() {
     for k in 0..12 {
         let queries = match k % 4 {
             0 => PairQueries::none().distance(2.0),
-            1 => PairQueries::none().features(2.0),
+            1 => PairQueries::none().distance(2.0).features(true),
             2 => PairQueries::none().within(0.2),
-            _ => PairQueries::none().overlaps(),
+            _ => PairQueries::none().overlap(true),
         };
         let mut scene = Scene::with_queries(queries).expect("queries");
         let mut names = std::collections::BTreeMap::new();
@@ -667,7 +667,7 @@ fn a_step_of_a_scene_has_a_receipt() {
     println!("distances, common points, without a receipt: {counts:?}");
     assert!(counts[0] > 20 && counts[1] > 20, "{counts:?}");
     // Nothing is claimed without a result.
-    let mut scene = Scene::with_queries(PairQueries::none().overlaps()).expect("queries");
+    let mut scene = Scene::with_queries(PairQueries::none().overlap(true)).expect("queries");
     scene.step();
     assert_eq!(
         Receipt::step(&scene, |_| String::new()).unwrap_err(),

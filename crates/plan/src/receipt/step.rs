@@ -34,13 +34,13 @@ impl Receipt {
     /// let mut scene = Scene::with_queries(PairQueries::none().distance(1.0))?;
     /// for x in [0.0, 1.25, 2.0] {
     ///     let die = solids::cuboid(Vector3::repeat(0.5))?;
-    ///     let pose = Isometry3::translation(x, 0.1 * x, 0.0);
+    ///     let pose = Isometry3::translation(x, 0.1 * x, 0.2 * x);
     ///     scene.insert(Body::moving(die), pose)?;
     /// }
     /// scene.step();
     /// let name = |id| format!("die {id}");
     /// let (receipt, without) = Receipt::step(&scene, name)?;
-    /// assert!(without.is_empty());
+    /// assert!(without.is_empty(), "{without:?}");
     /// let text = receipt.to_string();
     /// assert!(text.contains("{\"distance\":[0,1],") && text.contains("{\"meet\":[1,2],"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
