@@ -1,12 +1,13 @@
 //! What the claims share: bounds over time that two widths of integers can evaluate.
 
+use dashu_int::IBig;
 use dashu_ratio::RBig;
 
 use crate::Stop;
 use crate::int::Int;
 use crate::json::Json;
 use crate::motion::{Span, Stage};
-use crate::real::Real;
+use crate::real::{Exact, Real, dot, two_to};
 use crate::scene::Scene;
 
 /// A claim about bodies that move.
@@ -74,6 +75,13 @@ impl Moment {
         let when = self.time.map_or(String::new(), |t| format!(" at t = {}", t.shown()));
         format!("{a} and {b}{when}")
     }
+}
+
+/// Decides whether a gap along a normal, in units of 2^-2P / scale, is more than `keep` and the radii.
+pub(crate) fn beyond<I: Int>(gap: &I, scale: i32, keep: &RBig, normal: &Exact, unit: &RBig) -> bool {
+    let gap = RBig::from(gap.wide()) * two_to(-2 * I::P as i64) / RBig::from(IBig::from(scale));
+    let keep = keep * unit;
+    gap > RBig::ZERO && &gap * &gap > &keep * &keep * dot(normal, normal)
 }
 
 /// Returns the sum of the radii of two bodies.

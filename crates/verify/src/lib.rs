@@ -9,6 +9,7 @@ mod depth;
 mod distance;
 mod file;
 mod hops;
+mod inside;
 mod int;
 mod json;
 mod lines;

@@ -5,6 +5,7 @@ use dashu_ratio::RBig;
 
 use crate::Stop;
 use crate::json::Json;
+use crate::motion::extremes;
 use crate::real::{Exact, Real, dot, two_to};
 
 /// The vertices of a body.
@@ -204,20 +205,8 @@ impl Placed<'_> {
         let m = self.pose.row(n);
         let below = m.iter().fold(IBig::ONE, |d, x| d * IBig::from(x.denominator().clone()));
         let m = m.map(|x| x.numerator() * (&below / IBig::from(x.denominator().clone())));
-        let height = |p: &[IBig; 3]| &m[0] * &p[0] + &m[1] * &p[1] + &m[2] * &p[2];
-        let first = height(&self.points.all[0]);
-        let (least, most) = self.points.all[1..]
-            .iter()
-            .map(height)
-            .fold((first.clone(), first), |(low, high), h| {
-                if h < low {
-                    (h, high)
-                } else if h > high {
-                    (low, h)
-                } else {
-                    (low, high)
-                }
-            });
+        // Integers of any size always fit.
+        let [least, most] = extremes(&self.points.all, &m).unwrap_or_default();
         let (unit, base) = (
             two_to(self.points.exponent) / RBig::from(below),
             dot(n, &self.pose.shift),

@@ -4,6 +4,7 @@
 mod support;
 
 use lin_canny_verify::{Verdict, verify};
+use support::parted::{Parted, lists, vectors};
 use support::python::{code, codes};
 use support::*;
 
@@ -15,88 +16,10 @@ fn said(lines: &[String]) -> Result<String, String> {
     }
 }
 
-/// The bars of a frame around a square hole of width 1 in the plane z = 0: middles and half widths.
-const BARS: [[V; 2]; 4] = [
-    [[0.0, -0.75, 0.0], [1.0, 0.25, 0.25]],
-    [[0.0, 0.75, 0.0], [1.0, 0.25, 0.25]],
-    [[-0.75, 0.0, 0.0], [0.25, 1.0, 0.25]],
-    [[0.75, 0.0, 0.0], [0.25, 1.0, 0.25]],
-];
-
-/// The triangles of a box whose points are those of [`cuboid`], from a number on.
-fn triangles(first: usize) -> Vec<Vec<usize>> {
-    let quads = [
-        [0, 1, 3, 2],
-        [4, 6, 7, 5],
-        [0, 4, 5, 1],
-        [2, 3, 7, 6],
-        [0, 2, 6, 4],
-        [1, 5, 7, 3],
-    ];
-    let halves = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]);
-    halves.map(|t| t.iter().map(|k| first + k).collect()).collect()
-}
-
-fn lists(all: &[Vec<usize>]) -> String {
-    let part = |part: &Vec<usize>| format!("{part:?}").replace(' ', "");
-    format!("[{}]", all.iter().map(part).collect::<Vec<_>>().join(","))
-}
-
-/// A rod of half width .25 that passes the frame along z while it turns by .25, from z = -2 + t.
-///
-/// The frame has pieces, or triangles that bound a solid. A plane proves that the hulls are apart up
-/// to t = .5, and one for each bar does so for the rest.
-struct Passing {
-    parts: Vec<Vec<usize>>,
-    key: &'static str,
-    points: Vec<V>,
-}
-
-impl Passing {
-    fn new(is_solid: bool) -> Self {
-        let boxes = BARS.map(|[middle, half]| cuboid(half).iter().map(|p| add(*p, middle)).collect::<Vec<V>>());
-        let each = (0..4).map(|k| 8 * k);
-        let parts = match is_solid {
-            true => each.flat_map(triangles).collect(),
-            false => each.map(|first| (first..first + 8).collect()).collect(),
-        };
-        Self {
-            parts,
-            key: if is_solid { "faces" } else { "parts" },
-            points: boxes.concat(),
-        }
-    }
-
-    /// The lines without the tail: head, rod, frame, five planes.
-    fn lines(&self) -> Vec<String> {
-        let points = |all: &[V]| format!("[{}]", all.iter().map(|p| hexes(p)).collect::<Vec<_>>().join(","));
-        let (zero, spin, up) = (hexes(&[0.0; 3]), hexes(&[0.0, 0.0, 0.25]), hexes(&[0.0, 0.0, 2.0]));
-        let start = hexes(&[0.0, 0.0, -2.0, 0.0, 0.0, 0.0, 1.0]);
-        let (frame, rest, at, half) = (points(&self.points), hexes(&REST), self.parts.len() / 4, hex(0.5));
-        let side = |x: f64, y: f64| hexes(&[x, y, 0.0]);
-        let plane = |normal: String, more: String| format!("{{\"plane\":[0,1],\"normal\":{normal}{more}}}");
-        vec![
-            "{\"receipt\":1,\"claim\":\"apart\",\"from\":\"0x0p0\",\"until\":\"0x1p0\",\"margin\":\"0x0p0\"}".into(),
-            format!(
-                "{{\"body\":0,\"name\":\"rod\",\"points\":{},\"at\":{start},\"steady\":{{\"pivot\":{zero},\"linear\":{up},\
-                 \"angular\":{spin},\"push\":{zero}}}}}",
-                points(&cuboid([0.25; 3])),
-            ),
-            format!(
-                "{{\"body\":1,\"name\":\"frame\",\"points\":{frame},\"{}\":{},\"at\":{rest}}}",
-                self.key,
-                lists(&self.parts)
-            ),
-            plane(hexes(&[0.0, 0.0, 1.0]), format!(",\"until\":{half}")),
-            plane(
-                side(0.0, -1.0),
-                format!(",\"from\":{half},\"cut\":[[1,{}],[1,{at}]]", 2 * at),
-            ),
-            plane(side(0.0, 1.0), format!(",\"from\":{half}")),
-            plane(side(-1.0, 0.0), format!(",\"from\":{half},\"cut\":[[1,{}]]", 3 * at)),
-            plane(side(1.0, 0.0), format!(",\"from\":{half}")),
-        ]
-    }
+/// A rod of half width .25 that passes the frame along z while it turns by .25, from z = -2 + 2 t.
+fn passing(is_solid: bool) -> Parted {
+    let motion = (-2.0, [0.0, 0.0, 2.0], [0.0, 0.0, 0.25]);
+    Parted::new([0.25; 3], motion, is_solid)
 }
 
 const INSIDE: &str = "not looked at: rod against frame: whether one is inside the other; their surfaces stay apart";
@@ -104,8 +27,8 @@ const INSIDE: &str = "not looked at: rod against frame: whether one is inside th
 #[test]
 fn groups_of_parts_prove_a_pair() {
     for is_solid in [false, true] {
-        let passing = Passing::new(is_solid);
-        let said = said(&passing.lines()).unwrap();
+        let passing = passing(is_solid);
+        let said = said(&passing.all_lines()).unwrap();
         assert!(said.contains("1 pair of bodies stays more than 0 apart"), "{said}");
         assert!(!said.contains("inside"), "{said}");
     }
@@ -115,7 +38,7 @@ fn groups_of_parts_prove_a_pair() {
 #[test]
 fn what_could_be_inside_is_said() {
     for is_solid in [false, true] {
-        let mut lines = Passing::new(is_solid).lines();
+        let mut lines = passing(is_solid).all_lines();
         // The claim starts when the rod is in the hole.
         lines.remove(3);
         let later = |line: &String| line.replace("\"from\":\"0x0p0\"", "\"from\":\"0x1p-1\"");
@@ -146,8 +69,8 @@ fn what_could_be_inside_is_said() {
 fn a_gap_among_parts_or_times_is_refused() {
     let mut cases = Vec::new();
     for is_solid in [false, true] {
-        let lines = Passing::new(is_solid).lines();
-        let at = Passing::new(is_solid).parts.len() / 4;
+        let lines = passing(is_solid).all_lines();
+        let at = passing(is_solid).parts.len() / 4;
         let mut wrong: Vec<(&str, Vec<String>)> = Vec::new();
         for k in 3..8 {
             let mut less = lines.clone();
@@ -234,23 +157,16 @@ fn a_changed_triangle_is_part_of_the_body() {
     let mut rng = Rng(41);
     let (mut counts, mut cases) = ([0; 2], Vec::new());
     for _ in 0..300 {
-        let mut passing = Passing::new(true);
+        let mut passing = passing(true);
         let count = passing.parts.len();
         let part = rng.below(count);
         passing.parts[part][rng.below(3)] = rng.below(32);
-        let holds = said(&passing.lines()).is_ok();
+        let holds = said(&passing.all_lines()).is_ok();
         counts[usize::from(holds)] += 1;
         if cases.len() < 40 {
-            cases.push((sealed(&passing.lines()), None));
+            cases.push((sealed(&passing.all_lines()), None));
         }
-        let triangle: Vec<V> = passing.parts[part].iter().map(|k| passing.points[*k]).collect();
-        let times = (0..33).map(|k| f64::from(k) / 32.0);
-        let nearest = times.map(|t| {
-            let place = |p: &V| add(turned([0.0, 0.0, 0.25 * t], *p), [0.0, 0.0, -2.0 + 2.0 * t]);
-            closest(&[cuboid([0.25; 3]).iter().map(place).collect(), triangle.clone()]).0
-        });
-        let nearest = nearest.fold(f64::INFINITY, f64::min);
-        assert!(!holds || nearest > 1e-3, "{nearest} {triangle:?}");
+        assert!(!holds || passing.nearest() > 1e-3, "{:?}", passing.parts[part]);
     }
     assert!(counts.iter().all(|count| *count > 50), "{counts:?}");
     if let Some(found) = codes(&cases) {
@@ -263,18 +179,17 @@ fn a_changed_triangle_is_part_of_the_body() {
 #[test]
 fn points_of_several_parts_prove_no_contact() {
     let rest = hexes(&REST);
-    let points = |all: Vec<V>| format!("[{}]", all.iter().map(|p| hexes(p)).collect::<Vec<_>>().join(","));
     let parts: Vec<Vec<usize>> = (0..4).map(|k| (8 * k..8 * k + 8).collect()).collect();
     let frame = format!(
         "{{\"body\":0,\"name\":\"frame\",\"points\":{},\"parts\":{},\"at\":{rest}}}",
-        points(Passing::new(false).points),
+        vectors(&passing(false).points),
         lists(&parts)
     );
     let body = |at: V| {
         let pose = hexes(&[at[0], at[1], at[2], 0.0, 0.0, 0.0, 1.0]);
         format!(
             "{{\"body\":1,\"name\":\"die\",\"points\":{},\"at\":{pose}}}",
-            points(cuboid([0.125; 3]))
+            vectors(&cuboid([0.125; 3]))
         )
     };
     let head = "{\"receipt\":1,\"claim\":\"lines\"}".to_string();
@@ -319,7 +234,7 @@ fn points_of_several_parts_prove_no_contact() {
 
 #[test]
 fn bodies_of_parts_are_read_strictly() {
-    let lines = Passing::new(true).lines();
+    let lines = passing(true).all_lines();
     let triangle = "[0,1,3]";
     for (why, new) in [
         ("no triangle", "[0,1,3,2]".to_string()),
@@ -336,6 +251,6 @@ fn bodies_of_parts_are_read_strictly() {
     let mut all = lines.clone();
     all[2] = all[2].replace("\"at\":", "\"parts\":[[0]],\"at\":");
     assert_eq!(code(&sealed(&all), None), 3);
-    all[2] = lines[2].replace(&lists(&Passing::new(true).parts), "[]");
+    all[2] = lines[2].replace(&lists(&passing(true).parts), "[]");
     assert_eq!(code(&sealed(&all), None), 3);
 }
