@@ -1,9 +1,10 @@
 //! Receipts about meshes and compounds: groups of parts, and bodies that could be inside each other.
 
 use lin_canny::impact::Tolerance;
+use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Compound, Geometry, Mesh, Piece, Shape};
+use lin_canny::{Compound, Geometry, Mesh, Piece, Shape, Velocity};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{Checker, TranslationSpace, Verdict, World};
 use lin_canny_verify::verify;
@@ -188,4 +189,68 @@ fn pieces_with_radii_have_the_greatest_one() {
     // A body around another proves no contact.
     let error = Receipt::segment(&mut checker, &[0.0; 3], &[2.0, 0.0, 0.0]).unwrap_err();
     assert!(matches!(error, ReceiptError::Pair { .. }), "{error}");
+}
+
+/// Sizes and times: run with `--ignored --nocapture`.
+#[test]
+#[ignore = "a measurement: cargo test --release -p lin-canny-plan --test receipts_of_meshes sizes -- --ignored --nocapture"]
+fn sizes_and_times() {
+    for side in [16, 32, 64, 128] {
+        // A body turns and flies along a valley between hills.
+        let step = 2.0 / f64::from(side);
+        let count = side as usize + 1;
+        let at = |k: usize| -1.0 + step * k as f64;
+        let wave = |x: f64, y: f64| 0.2 * (3.0 * x).sin() * (3.0 * y).cos();
+        let points: Vec<Point3<f64>> = (0..count * count)
+            .map(|k| {
+                let (x, y) = (at(k % count), at(k / count));
+                Point3::new(x, y, wave(x, y))
+            })
+            .collect();
+        let corner = |i: usize, j: usize| (j * count + i) as u32;
+        let quads = (0..count - 1).flat_map(|j| (0..count - 1).map(move |i| (i, j)));
+        let triangles: Vec<[u32; 3]> = quads
+            .flat_map(|(i, j)| {
+                let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        let ground = Geometry::from(Mesh::new(&points, &triangles).expect("a mesh"));
+        let gem = Mesh::from_convex(&solids::icosahedron(0.1).expect("a body")).expect("a mesh");
+        let gem = Geometry::from(gem);
+        let start = Isometry3::translation(-0.9, core::f64::consts::FRAC_PI_6, 0.16);
+        let velocity = Velocity::new(Vector3::new(1.8, 0.0, 0.0), Vector3::new(0.5, 1.0, 0.2));
+        let flight = Steady::new(&start, velocity).expect("a motion");
+        let rest = Steady::new(&Isometry3::identity(), Velocity::default()).expect("a pose");
+        let write = || {
+            let named = [("ground", &ground), ("gem", &gem)];
+            Receipt::cast(named, [&rest, &flight], 0.0..1.0, Tolerance::Distance(1e-6), 0.0).expect("a receipt")
+        };
+        let started = std::time::Instant::now();
+        let receipt = write();
+        let written = started.elapsed().as_secs_f64();
+        let [text, _] = holds(&receipt);
+        let timed = (0..5).map(|_| {
+            let started = std::time::Instant::now();
+            assert!(verify(text.as_bytes()).expect("a receipt").holds());
+            started.elapsed().as_secs_f64()
+        });
+        let checked = timed.fold(f64::INFINITY, f64::min);
+        let evidence: usize = text
+            .lines()
+            .filter(|line| line.starts_with("{\"plane\""))
+            .map(str::len)
+            .sum();
+        println!(
+            "{} triangles: {} bytes, evidence {evidence}, {} certificates; written in {:.1} ms, checked in {:.1} ms",
+            triangles.len() + 20,
+            text.len(),
+            receipt.certificates(),
+            written * 1e3,
+            checked * 1e3
+        );
+        if let Ok(folder) = std::env::var("FOLDER") {
+            std::fs::write(format!("{folder}/{side}.jsonl"), text).expect("a file");
+        }
+    }
 }
