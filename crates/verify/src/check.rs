@@ -69,6 +69,7 @@ pub(crate) fn run(reader: impl BufRead, other: Option<(Scene, Vec<Leg>)>) -> Res
     Err(lines.bad("the tail is missing"))
 }
 
+#[derive(Default)]
 struct Check {
     head: Head,
     /// What is evaluated: the scene of the receipt, or the other one with the pairs ignored here.
@@ -111,21 +112,13 @@ impl Check {
             (new.ignored, new.reasons) = (std::mem::take(&mut scene.ignored), std::mem::take(&mut scene.reasons));
             (scene, legs) = (new, Some(new_legs));
         }
-        let (narrow, wide) = (None, OnceCell::new());
-        let (cover, leg) = (Cover::default(), None);
         Self {
             head,
             scene,
             legs,
-            narrow,
-            wide,
-            leg,
-            count: 0,
-            cover,
-            inside: Inside::default(),
-            failure: None,
             different,
             report,
+            ..Self::default()
         }
     }
 

@@ -11,11 +11,12 @@ use crate::report::Unreadable;
 use crate::scene::{Leg, Motion, Scene, hash};
 
 /// What the head claims.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) enum Head {
     Apart(Apart),
     Range(Cells),
     Lines,
+    #[default]
     Scene,
 }
 

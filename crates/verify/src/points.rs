@@ -6,7 +6,7 @@ use dashu_ratio::RBig;
 use crate::Stop;
 use crate::json::Json;
 use crate::motion::extremes;
-use crate::real::{Exact, Real, dot, two_to};
+use crate::real::{Exact, Real, cross, dot, two_to};
 
 /// The vertices of a body.
 #[derive(Debug)]
@@ -144,26 +144,14 @@ impl Pose {
         if &off * &off >= RBig::from_parts_signed(1.into(), 1_000_000.into()) {
             return Stop::bad("not a unit quaternion");
         }
-        let half = &n / RBig::from(2);
-        let part = |x: &RBig, y: &RBig| x * y / &half;
-        let (x, y, z, w) = (&qx, &qy, &qz, &qw);
-        let rows = [
-            [
-                RBig::ONE - part(y, y) - part(z, z),
-                part(x, y) - part(z, w),
-                part(x, z) + part(y, w),
-            ],
-            [
-                part(x, y) + part(z, w),
-                RBig::ONE - part(x, x) - part(z, z),
-                part(y, z) - part(x, w),
-            ],
-            [
-                part(x, z) - part(y, w),
-                part(y, z) + part(x, w),
-                RBig::ONE - part(x, x) - part(y, y),
-            ],
-        ];
+        // x + 2 (w q x x + q x (q x x)) / n, of each axis x.
+        let (half, q, axes) = (n / RBig::from(2), [qx, qy, qz], Self::identity().rows);
+        let columns = axes.map(|axis| {
+            let once = cross(&q, &axis);
+            let twice = cross(&q, &once);
+            std::array::from_fn::<_, 3, _>(|k| &axis[k] + (&qw * &once[k] + &twice[k]) / &half)
+        });
+        let rows = std::array::from_fn(|i| columns.each_ref().map(|column| column[i].clone()));
         Ok(Self {
             rows,
             shift: [px, py, pz],
