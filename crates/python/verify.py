@@ -394,7 +394,7 @@ def length(v):
 
 class Body:
     def __init__(self, line, scene):
-        only(line, "body", "name", "points", "radius", "at", "link", "steady")
+        only(line, "body", "name", "points", "parts", "faces", "radius", "at", "link", "steady")
         count = len(scene.bodies)
         need(count < 4096 and whole(line["body"]) == count, f"body {count} is expected")
         self.at = pose_of(line["at"]) if "at" in line else None
@@ -413,10 +413,25 @@ class Body:
         need(self.at, "a body moves in one way: at, link, link and at, or at and steady")
         points = array(get(line, "points"))
         need(0 < len(points) <= 65536, "number of points")
-        self.points = [numbers(p, 3) for p in points]
+        self.points, self.solid = [numbers(p, 3) for p in points], "faces" in line
+        need(not (self.solid and "parts" in line), "a body has parts or faces, not both")
+        self.parts = self.lists(line["faces" if self.solid else "parts"]) if self.solid or "parts" in line else []
         self.radius = number(line["radius"]) if "radius" in line else Q(0)
         need(self.radius >= 0, "a negative radius")
         self.name = text(get(line, "name"))
+
+    def lists(self, value):
+        """The points of each part; those of a solid are triangles."""
+        need(0 < len(array(value)) <= 1 << 18, "a body has 1 to 262144 parts")
+        for part in value:
+            sane = len(array(part)) == 3 or len(part) > 0 and not self.solid
+            need(sane and all(whole(k) < len(self.points) for k in part), "a part, or a face that is no triangle")
+        return value
+
+    def of_parts(self, ends):
+        """The points of some parts; None stands for all points."""
+        some = self.parts[ends[0] : ends[1]]
+        return sorted({k for part in some for k in part}) if len(some) < len(self.parts) else None
 
     def lengths(self):
         return [x for p in self.points for x in p] + self.at[1]
@@ -571,8 +586,9 @@ class Scene:
             x = step.point(x, span)
         return x
 
-    def heights(self, body, n, span):
-        """Least and greatest Bernstein coefficients of the heights of all vertices along n; units of 2^-2P / W."""
+    def heights(self, body, some, n, span):
+        """Least and greatest Bernstein coefficients of the heights of vertices along n; units of 2^-2P / W."""
+        points = body.fixed if some is None else [body.fixed[k] for k in some]
         m, o = n, Taylor([0])
         for step in self.steps(body):
             m, o = step.plane(m, o, span)
@@ -580,7 +596,7 @@ class Scene:
         off = W * (off + body.inexact * sum(part.most() + part.r for part in m))
         low, high = [], []
         for (x, y, z), b in zip(zip(*(part.net() for part in m)), o.net()):
-            all_ = [x * p[0] + y * p[1] + z * p[2] for p in body.fixed]
+            all_ = [x * p[0] + y * p[1] + z * p[2] for p in points]
             low.append(min(all_) + (b << P) - off)
             high.append(max(all_) + (b << P) + off)
         return low, high
@@ -622,12 +638,12 @@ class Placed:
 # Claims. Each is one lemma.
 
 
-def by_plane(scene, pair, span, keep, normal, spin):
-    """Lemma 3."""
+def by_plane(scene, pair, span, keep, normal, spin, some=(None, None)):
+    """Lemma 3, for some vertices of both bodies or for all."""
     n = fixed_all(normal)
     if spin and span[0] != span[1]:
         n = Turn(spin, [Q(0), span[1] - span[0]]).point(n, (Q(0), Q(1)))
-    (_, high), (low, _) = (scene.heights(scene.bodies[k], n, span) for k in pair)
+    (_, high), (low, _) = (scene.heights(scene.bodies[k], only_, n, span) for k, only_ in zip(pair, some))
     gap = min(y - x for x, y in zip(high, low))
     keep = (keep + sum(scene.bodies[k].radius for k in pair)) * scene.unit
     return gap > 0 and Q(gap, W << 2 * P) ** 2 > keep * keep * dot(normal, normal)
@@ -798,6 +814,13 @@ class Moment:
         pair = [whole(k) for k in array(value, 2)]
         return [self.has(side, k) for side, k in enumerate(pair)]
 
+    def in_part(self, *points):
+        """Refuses points that no single part has: their hull may be outside of the body."""
+        for k, on in zip(self.pair, points):
+            parts = self.scene.bodies[k].parts
+            truth = not parts or any(set(on) <= set(part) for part in parts)
+            prove(truth, f"{self.scene.names(self.pair)}: points of several parts")
+
     def placed(self):
         return [self.scene.placed(k) for k in self.pair]
 
@@ -816,9 +839,13 @@ class Moment:
             truth = any(w > 0 for _, w in on[-1]) and all(w >= 0 for _, w in on[-1])
             need(truth, "weights: one is negative, or none is positive")
         for side, pairs in enumerate(on):
+            for k, _ in pairs:
+                self.has(side, k)
+        self.in_part(*([k for k, _ in pairs] for pairs in on))
+        for side, pairs in enumerate(on):
             total = sum(w for _, w in pairs)
             points = self.scene.bodies[self.pair[side]].points
-            mean = [sum(w * points[self.has(side, k)][i] for k, w in pairs) / total for i in range(3)]
+            mean = [sum(w * points[k][i] for k, w in pairs) / total for i in range(3)]
             found.append(mean)
         return found
 
@@ -828,6 +855,7 @@ def meet(scene, line):
     only(line, "meet", "at", "points")
     moment = Moment(scene, line)
     pairs = [moment.pair_of(entry) for entry in array(get(line, "points"), 4)]
+    moment.in_part(*zip(*pairs))
     if moment.time is None:
         a, b = moment.placed()
         d = [minus(a.vertex(i), b.vertex(j)) for i, j in pairs]
@@ -871,14 +899,16 @@ def near(scene, line):
 
 def nearest(moment, placed, line):
     """The way between the closest points of the flats through the named vertices, which lie within them."""
-    ends, edges, sides = [], [], []
+    ends, edges, sides, on = [], [], [], []
     for side, names in enumerate(array(get(line, "on"), 2)):
-        corners = [placed[side].vertex(moment.has(side, k)) for k in array(names)[:4]]
+        on.append([moment.has(side, k) for k in array(names)[:4]])
+        corners = [placed[side].vertex(k) for k in on[-1]]
         need(corners, "a feature without vertex")
         for c in corners[1:]:
             sides.append(side)
             edges.append(minus(c, corners[0]) if side else minus(corners[0], c))
         ends.append(corners[0])
+    moment.in_part(*on)
     way = minus(ends[1], ends[0])
     need(len(edges) < 3, "features of more than four vertices")
     right = [-dot(e, way) for e in edges]
@@ -934,7 +964,8 @@ def depth(scene, line):
         prove(truth, f"{moment.text()}: the upper bound is not proven")
         said[1] = f"at most {float(upper)!r}"
     if below[0]:
-        lower = number(line["lower"])
+        lower, names = number(line["lower"]), scene.names(moment.pair)
+        prove(not any(scene.bodies[k].parts for k in moment.pair), f"{names}: a ball in bodies of parts")
         truth = holds_ball(moment, placed, line, lower - moment.radii())
         prove(truth, f"{moment.text()}: the lower bound is not proven")
         said[0] = f"at least {float(lower)!r}"
@@ -964,7 +995,7 @@ def holds_ball(moment, placed, line, radius):
 
 
 LINES = {"meet": meet, "near": near, "distance": distance, "depth": depth}
-EVIDENCE = ["plane", "balls", "cell", *LINES]
+EVIDENCE = ["plane", "balls", "outside", "cell", *LINES]
 
 
 # The file.
@@ -1038,7 +1069,8 @@ class Check:
         set_degree(DEGREES[-1])
         self.scene.scaled()
         self.said, self.failure, self.more = [], None, 0
-        self.leg, self.count, self.number, self.proven = None, 0, 0, {}
+        self.leg, self.count, self.number, self.waiting = None, 0, 0, {}
+        self.hulls_apart, self.cut = set(), set()  # pairs with a solid
         for k, line in self.evidence():
             self.number += kind(line) != "leg"
             self.note(k, self.number if kind(line) != "leg" else None, lambda: self.line(line))
@@ -1082,7 +1114,7 @@ class Check:
         if kind(line) in LINES:
             return self.said.append(LINES[kind(line)](self.scene, line) + self.of_leg())
         need(self.claim == "apart", "this claim is of single lines")
-        self.apart(line)
+        self.outside(line) if kind(line) == "outside" else self.apart(line)
 
     def cell(self, line):
         """A plane over a cell of a range."""
@@ -1099,32 +1131,64 @@ class Check:
     def of_leg(self):
         return f" of leg {self.count}" if self.count > 1 else ""
 
+    def must_prove(self, pair):
+        used = pair not in self.scene.ignored and self.scene.moving(pair)
+        prove(used, f"{self.scene.names(pair)}: a proof of a pair that is ignored or rests")
+
+    def cell_at_hand(self, pair, span, cuts):
+        """Cuts the cell of parts at hand and returns its parts (lemma 11)."""
+        name, bodies = self.scene.names(pair), [self.scene.bodies[k] for k in pair]
+        self.must_prove(pair)
+        waiting = self.waiting.setdefault(pair, [(self.begin, [(0, len(body.parts)) for body in bodies])])
+        for cut in cuts:
+            side, at = (whole(x) for x in array(cut, 2))
+            inside = waiting and side < 2 and waiting[-1][1][side][0] < at < waiting[-1][1][side][1]
+            prove(inside, f"{name}: a cut outside its cell")
+            start, parts = waiting.pop()
+            for ends in ((at, parts[side][1]), (parts[side][0], at)):
+                waiting.append((start, [ends if k == side else x for k, x in enumerate(parts)]))
+            need(len(waiting) <= 4096, "more than 4096 cells wait")
+        prove(waiting, f"{name}: a proof after the last one")
+        start, parts = waiting[-1]
+        why = f"{name}: a proof from t = {float(span[0])}, after one until t = {float(start)}"
+        prove(span[0] == start <= span[1] <= self.until, why)
+        return [body.of_parts(ends) for body, ends in zip(bodies, parts)]
+
     def apart(self, line):
-        """Lemma 8, and lemma 2 or 3 for each pair."""
+        """Lemmas 8 and 11, and lemma 2 or 3 for each pair."""
         plane = kind(line) == "plane"
-        only(line, kind(line), "from", "until", "keep", *(("normal", "spin") if plane else ()))
-        pairs = [self.scene.pair(line["plane"])] if plane else self.scene.star(line["balls"])
+        only(line, kind(line), "from", "until", "keep", *(("normal", "spin", "cut") if plane else ()))
         usual = {"from": self.begin, "until": self.until, "keep": self.margin}
         start, until, keep = (number(line[k]) if k in line else x for k, x in usual.items())
-        for pair in pairs:
-            name = self.scene.names(pair)
-            used = pair not in self.scene.ignored and self.scene.moving(pair)
-            prove(used, f"{name}: a proof of a pair that is ignored or rests")
-            before = self.proven.get(pair, self.begin)
-            why = f"{name}: a proof from t = {float(start)}, after one until t = {float(before)}"
-            prove(start == before <= until <= self.until, why)
-        prove(keep >= self.margin, f"{self.scene.names(pairs[0])}: keeps {float(keep)}, less than the margin")
-        normal = spin = None
         if plane:
             normal = numbers(get(line, "normal"), 3)
             spin = numbers(line["spin"], 3) if "spin" in line else None
+        pairs = [self.scene.pair(line["plane"])] if plane else self.scene.star(line["balls"])
+        cuts = array(line.get("cut", []))
+        prove(keep >= self.margin, f"{self.scene.names(pairs[0])}: keeps {float(keep)}, less than the margin")
         failed, span = None, (start, until)
         for pair in pairs:
-            more = (by_plane, normal, spin) if plane else (by_balls,)
+            some = self.cell_at_hand(pair, span, cuts)
+            more = (by_plane, normal, spin, some) if plane else (by_balls,)
             holds = any(self.holds(degree, pair, span, keep, *more) for degree in DEGREES)
             failed = failed if holds else failed or pair
-            self.proven[pair] = until
+            if any(self.scene.bodies[k].solid for k in pair):
+                (self.hulls_apart if not plane or some == [None, None] else self.cut).add(pair)
+            _, parts = self.waiting[pair].pop()
+            if until != self.until:
+                self.waiting[pair].append((until, parts))
         prove(failed is None, f"{self.scene.names(failed or pairs[0])}, at t = {float(start)}{self.of_leg()}")
+
+    def outside(self, line):
+        """The hulls of two bodies are apart at a time: neither body is inside the other."""
+        only(line, "outside", "at", "normal")
+        pair, time = self.scene.pair(line["outside"]), number(get(line, "at"))
+        normal = numbers(get(line, "normal"), 3)
+        self.must_prove(pair)
+        holds = (self.holds(degree, pair, (time, time), Q(0), by_plane, normal, None) for degree in DEGREES)
+        truth = self.begin <= time <= self.until and any(holds)
+        prove(truth, f"{self.scene.names(pair)}: the hulls are not apart at t = {float(time)}")
+        self.hulls_apart.add(pair)
 
     def holds(self, degree, pair, span, keep, lemma, *more):
         set_degree(degree)
@@ -1157,13 +1221,14 @@ class Check:
             raise failed
 
     def end_leg(self):
-        proven, self.proven = self.proven, {}
+        proven, self.waiting = self.waiting, {}
         if self.cells:
             self.cells.end_pair(self.scene)
             proven = self.cells.done
         elif self.claim == "apart":
-            for pair, until in sorted(proven.items()):
-                prove(until == self.until, f"{self.scene.names(pair)} is proven until t = {float(until)} only")
+            for pair, waiting in sorted(proven.items()):
+                done = f"{float(waiting[-1][0])} only" if waiting else ""
+                prove(not waiting, f"{self.scene.names(pair)} is proven until t = {done}")
         else:
             return
         moving = [b.moves for b in self.scene.bodies]
@@ -1195,6 +1260,9 @@ class Check:
         yield from (f"proven: {x}" for x in self.said)
         if self.claim in ("apart", "range"):
             yield from (f"not looked at: {scene.names(pair)}: {why}" for pair, why in sorted(scene.ignored.items()))
+            for pair in sorted(self.cut - self.hulls_apart):
+                inside = "whether one is inside the other; their surfaces stay apart"
+                yield f"not looked at: {scene.names(pair)}: {inside}"
             count = len(scene.bodies)
             pairs = ((a, b) for a in range(count) for b in range(a + 1, count))
             resting = sum(not scene.moving(x) and x not in scene.ignored for x in pairs)

@@ -78,7 +78,7 @@ const CONFIGURATIONS: Argument = Argument {
 pub(crate) struct Checker {
     setup: Setup,
     /// In a box: it is aligned to cache lines, and objects of Python are not.
-    checker: Box<Loaded<JointTree>>,
+    pub(crate) checker: Box<Loaded<JointTree>>,
     /// The arguments, for pickling.
     arguments: (Py<PyTuple>, Py<PyDict>),
 }
@@ -292,7 +292,7 @@ impl Checker {
     /// changing line ends, and check it with `lin-canny-robot verify FILE` or `python3 verify.py FILE`.
     ///
     /// Raises PlanError if a longer path is not free, or if the motion or a body has no receipt:
-    /// meshes, half-spaces and curved shapes but cylinders, cones and balls.
+    /// clouds, surfaces, half-spaces and curved shapes but cylinders, cones and balls.
     fn receipt(&mut self, py: Python<'_>, path: &Bound<'_, PyAny>) -> PyResult<String> {
         let path = self.path(path)?;
         let written = py.detach(|| match &path[..] {

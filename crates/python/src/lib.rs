@@ -13,6 +13,7 @@ mod point_file;
 mod points;
 mod pose;
 mod ray;
+mod receipt;
 mod recorder;
 mod robot;
 mod scene;

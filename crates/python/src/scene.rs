@@ -31,7 +31,7 @@ const VELOCITY: Argument = Argument {
 pub(crate) struct Scene(Box<Loaded>); // its boxes lie on cache lines, objects of Python do not
 
 /// Returns the integer for an id.
-fn number(id: BodyId) -> u64 {
+pub(crate) fn number(id: BodyId) -> u64 {
     u64::from(id.generation) << 32 | u64::from(id.index)
 }
 

@@ -2,7 +2,7 @@
 
 mod at_poses;
 mod bodies;
-mod cast;
+pub(crate) mod cast;
 mod closest;
 mod contacts;
 mod pose_batch;

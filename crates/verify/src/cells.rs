@@ -9,8 +9,8 @@
 use std::collections::BTreeSet;
 
 use crate::Stop;
-use crate::cover::needed;
 use crate::json::Json;
+use crate::pairs::{missing, needed};
 use crate::real::Real;
 use crate::scene::{Motion, Scene};
 
@@ -69,9 +69,7 @@ impl Cells {
         let name = || scene.names(pair);
         if self.now != Some(pair) {
             self.end_pair(scene)?;
-            if scene.ignored.contains_key(&pair) || !(scene.bodies[pair.0].moves || scene.bodies[pair.1].moves) {
-                return Stop::fails(format!("{}: a proof of a pair that is ignored or rests", name()));
-            }
+            scene.must_prove(pair)?;
             if !self.done.insert(pair) {
                 return Stop::fails(format!("{}: cells after the last cell", name()));
             }
@@ -115,7 +113,7 @@ impl Cells {
         self.end_pair(scene)?;
         match needed(scene).0 == self.done.len() {
             true => Ok(()),
-            false => crate::cover::missing(scene, |pair| self.done.contains(pair)),
+            false => missing(scene, |pair| self.done.contains(pair)),
         }
     }
 }

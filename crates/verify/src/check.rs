@@ -1,22 +1,22 @@
 //! Reads a receipt line by line and evaluates its evidence.
 
+mod evidence;
+mod legs;
+mod tell;
+
 use std::cell::OnceCell;
 use std::io::BufRead;
 
 use dashu_int::IBig;
 
-use crate::balls::Balls;
-use crate::claim::{AtMoment, Claim};
-use crate::cover::{Apart, Cover, needed};
-use crate::file::{EVIDENCE, Head, follows, head, tail};
+use crate::cover::Cover;
+use crate::file::{EVIDENCE, Head, head, tail};
+use crate::inside::Inside;
 use crate::json::Json;
 use crate::lines::Lines;
 use crate::meet::Meet;
 use crate::motion::Stage;
 use crate::near::Near;
-use crate::plane::Plane;
-use crate::range::InCell;
-use crate::real::Real;
 use crate::report::{Failure, Report, StatedFile, Unreadable, Verdict};
 use crate::scene::{Leg, Scene};
 use crate::{Stop, depth, distance};
@@ -69,6 +69,7 @@ pub(crate) fn run(reader: impl BufRead, other: Option<(Scene, Vec<Leg>)>) -> Res
     Err(lines.bad("the tail is missing"))
 }
 
+#[derive(Default)]
 struct Check {
     head: Head,
     /// What is evaluated: the scene of the receipt, or the other one with the pairs ignored here.
@@ -80,6 +81,7 @@ struct Check {
     leg: Option<Leg>,
     count: usize,
     cover: Cover,
+    inside: Inside,
     failure: Option<Failure>,
     /// The scenes differ in their bodies: no certificate can be evaluated.
     different: Option<String>,
@@ -110,20 +112,13 @@ impl Check {
             (new.ignored, new.reasons) = (std::mem::take(&mut scene.ignored), std::mem::take(&mut scene.reasons));
             (scene, legs) = (new, Some(new_legs));
         }
-        let (narrow, wide) = (None, OnceCell::new());
-        let (cover, leg) = (Cover::default(), None);
         Self {
             head,
             scene,
             legs,
-            narrow,
-            wide,
-            leg,
-            count: 0,
-            cover,
-            failure: None,
             different,
             report,
+            ..Self::default()
         }
     }
 
@@ -172,11 +167,15 @@ impl Check {
         }
         match (line.kind(), &self.head) {
             ("cell", _) => self.cell(line),
+            ("outside", Head::Apart(apart)) => {
+                let span = apart.span;
+                self.outside(line, span)
+            }
             ("plane" | "balls", Head::Apart(apart)) => {
                 let apart = *apart;
                 self.apart(line, &apart)
             }
-            ("plane" | "balls", _) => Stop::bad("this claim is of single lines"),
+            ("plane" | "balls" | "outside", _) => Stop::bad("this claim is of single lines"),
             (kind, _) => {
                 let text = match kind {
                     "meet" => self.moment(&Meet::read(&self.scene, line)?)?,
@@ -196,246 +195,5 @@ impl Check {
         } else {
             String::new()
         }
-    }
-
-    /// Returns the sentence of a claim that holds.
-    fn moment(&mut self, claim: &impl AtMoment) -> Result<String, Stop> {
-        let rests = claim.moment().time.is_none();
-        let holds = if rests {
-            claim.at_rest(&self.scene)?
-        } else {
-            self.holds(claim)
-        };
-        let text = claim.says(&self.scene);
-        if holds {
-            Ok(text)
-        } else {
-            Stop::fails(format!("{text}: this is not seen"))
-        }
-    }
-
-    /// A certificate of pairs that stay apart.
-    fn apart(&mut self, line: &Json, apart: &Apart) -> Result<(), Stop> {
-        let plane = line.kind() == "plane";
-        let pairs = if plane {
-            line.only(&["plane", "normal", "spin", "from", "until", "keep"])?;
-            vec![self.scene.pair(line.get("plane")?)?]
-        } else {
-            line.only(&["balls", "from", "until", "keep"])?;
-            self.scene.star(line.get("balls")?)?
-        };
-        let (span, keep) = self.cover.next(&self.scene, apart, &pairs, line)?;
-        let vector = |json: &Json| Ok::<_, Stop>(json.reals::<3>()?.map(Real::exact));
-        let (mut normal, mut spin) = (crate::real::zero(), None);
-        if plane {
-            normal = vector(line.get("normal")?)?;
-            spin = line.find("spin").map(vector).transpose()?;
-        }
-        let mut failed = None;
-        for pair in pairs {
-            let holds = if plane {
-                let (normal, spin) = (normal.clone(), spin.clone());
-                self.holds(&Plane {
-                    pair,
-                    span,
-                    keep: keep.exact(),
-                    normal,
-                    spin,
-                })
-            } else {
-                self.holds(&Balls {
-                    pair,
-                    span,
-                    keep: keep.exact(),
-                })
-            };
-            if !holds && failed.is_none() {
-                failed = Some(pair);
-            }
-            // The interval counts even so: later certificates are judged by themselves.
-            self.cover.add(pair, span.until);
-        }
-        match failed {
-            None => Ok(()),
-            Some(pair) => {
-                let (names, from) = (self.scene.names(pair), span.from.shown());
-                Stop::fails(format!("{names}, at t = {from}{}", self.of_leg()))
-            }
-        }
-    }
-
-    /// A plane over a cell of a range.
-    fn cell(&mut self, line: &Json) -> Result<(), Stop> {
-        line.only(&["cell", "cut", "link", "normal", "keep"])?;
-        let pair = self.scene.pair(line.get("cell")?)?;
-        let Head::Range(cells) = &mut self.head else {
-            return Ok(());
-        };
-        let (cell, keep) = cells.next(&self.scene, pair, line)?;
-        let (link, normal) = (line.get("link")?.whole()?, line.get("normal")?.reals::<3>()?);
-        if link > self.scene.joints.len() || cell.len() < self.scene.coordinates {
-            return Stop::bad(format!("unknown link {link}, or a coordinate without a range"));
-        }
-        let middle: Vec<f64> = cell
-            .iter()
-            .map(|[low, high]| 0.5 * (low.shown() + high.shown()))
-            .collect();
-        let (normal, keep) = (normal.map(Real::exact), keep.exact());
-        let claim = InCell {
-            pair,
-            cell,
-            link,
-            normal,
-            keep,
-        };
-        if self.holds(&claim) {
-            return Ok(());
-        }
-        Stop::fails(format!("{}, about {middle:?}", self.scene.names(pair)))
-    }
-
-    /// Narrow integers first; wide ones where they do not suffice.
-    fn holds(&mut self, claim: &impl Claim) -> bool {
-        let narrow = self.narrow.as_ref().and_then(|stage| claim.holds(&self.scene, stage));
-        if narrow == Some(true) {
-            return true;
-        }
-        self.report.wide += 1;
-        let leg = self.now();
-        if leg.is_none() && self.scene.coordinates > 0 && !matches!(self.head, Head::Range(_)) {
-            return false;
-        }
-        let wide = self.wide.get_or_init(|| Stage::new(&self.scene, leg));
-        wide.as_ref()
-            .and_then(|stage| claim.holds(&self.scene, stage))
-            .unwrap_or(false)
-    }
-
-    /// Returns the leg that is evaluated.
-    fn now(&self) -> Option<&Leg> {
-        match &self.legs {
-            Some(legs) => legs.get(self.count.checked_sub(1)?),
-            None => self.leg.as_ref(),
-        }
-    }
-
-    fn start_leg(&mut self, line: &Json) -> Result<(), Stop> {
-        if self.count == 0 && self.report.certificates > 0 {
-            return Stop::bad("evidence before the first leg");
-        }
-        if matches!(self.head, Head::Range(_)) {
-            return Stop::bad("a leg in a claim about configurations");
-        }
-        let leg = Leg::read(line)?;
-        if self.legs.is_none() {
-            follows(&self.scene, self.leg.as_ref(), &leg)?;
-        }
-        let before = if self.count > 0 { self.end_leg() } else { Ok(()) };
-        (self.leg, self.count, self.wide) = (Some(leg), self.count + 1, OnceCell::new());
-        if let Head::Apart(apart) = &self.head {
-            let (from, until) = (apart.span.from, apart.span.until);
-            let whole = from == Real::ZERO && until == Real::ONE;
-            if from < Real::ZERO || until > Real::ONE || self.count > 1 && !whole {
-                return Stop::bad("the interval is not within a leg, or not all of each of several");
-            }
-        }
-        let stage = self.narrow.take();
-        let Some(now) = self.now() else {
-            return Stop::fails("another scene: a leg is missing");
-        };
-        self.narrow = stage.and_then(|mut stage| stage.set(&self.scene.joints, now).map(|()| stage));
-        before
-    }
-
-    fn all_legs(&self) -> Result<(), Stop> {
-        match &self.legs {
-            Some(legs) if legs.len() != self.count && self.different.is_none() => {
-                Stop::fails(format!("another scene: {} legs, not {}", legs.len(), self.count))
-            }
-            _ => Ok(()),
-        }
-    }
-
-    fn end_leg(&mut self) -> Result<(), Stop> {
-        let cover = std::mem::take(&mut self.cover);
-        match &mut self.head {
-            Head::Apart(apart) if self.different.is_none() => cover.end(&self.scene, apart),
-            Head::Range(cells) if self.different.is_none() => cells.end(&self.scene),
-            _ => Ok(()),
-        }
-    }
-
-    fn verdict(mut self) -> Verdict {
-        match self.head.clone() {
-            Head::Apart(Apart { span, margin }) => {
-                let [from, until] = [span.from, span.until].map(Real::shown);
-                let legs = if self.count > 1 {
-                    format!(" of each of {} legs", self.count)
-                } else {
-                    String::new()
-                };
-                self.tell(margin, &format!("from t = {from} until t = {until}{legs}"));
-            }
-            Head::Range(cells) => {
-                let each = cells
-                    .range
-                    .iter()
-                    .map(|[low, high]| format!("[{}, {}]", low.shown(), high.shown()));
-                let each: Vec<String> = each.collect();
-                self.tell(cells.margin, &format!("at every configuration of {}", each.join(" x ")));
-            }
-            _ => {}
-        }
-        if self.report.proven.is_empty() {
-            let text = "nothing is claimed".into();
-            self.failure.get_or_insert(Failure::new(1, None, false, text));
-        }
-        match self.failure {
-            Some(failure) => Verdict::Fails(failure),
-            None => Verdict::Holds(self.report),
-        }
-    }
-
-    /// Says what a claim of all pairs proves, and what it leaves out.
-    fn tell(&mut self, margin: Real, when: &str) {
-        let (proven, resting) = needed(&self.scene);
-        if proven > 0 {
-            self.tell_proven(margin.shown(), when, proven);
-        }
-        for (pair, why) in &self.scene.ignored {
-            let text = format!("{}: {}", self.scene.names(*pair), self.scene.reasons[*why]);
-            self.report.not_looked_at.push(text);
-        }
-        if resting > 0 {
-            self.report
-                .not_looked_at
-                .push(format!("{resting} pairs of bodies that both rest"));
-        }
-    }
-
-    /// Says that so many pairs stay apart, and of which bodies.
-    fn tell_proven(&mut self, margin: f64, when: &str, proven: usize) {
-        let stay = if proven == 1 {
-            "pair of bodies stays"
-        } else {
-            "pairs of bodies stay"
-        };
-        let text = format!("{proven} {stay} more than {margin} apart {when}");
-        self.report.proven.push(text);
-        let names = |moves: bool| {
-            let all: Vec<_> = self
-                .scene
-                .bodies
-                .iter()
-                .filter(|b| b.moves == moves)
-                .map(|b| b.name.as_str())
-                .collect();
-            all.join(", ")
-        };
-        self.report.proven.push(format!(
-            "these are all pairs with a body that moves, but for those listed below; moving: {}; at rest: {}",
-            names(true),
-            names(false)
-        ));
     }
 }

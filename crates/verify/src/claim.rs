@@ -1,12 +1,13 @@
 //! What the claims share: bounds over time that two widths of integers can evaluate.
 
+use dashu_int::IBig;
 use dashu_ratio::RBig;
 
 use crate::Stop;
 use crate::int::Int;
 use crate::json::Json;
 use crate::motion::{Span, Stage};
-use crate::real::Real;
+use crate::real::{Exact, Real, dot, two_to};
 use crate::scene::Scene;
 
 /// A claim about bodies that move.
@@ -52,6 +53,18 @@ impl Moment {
         Stop::fails(format!("{}: no such vertex, of {i} and {j}", scene.names(self.pair)))
     }
 
+    /// Refuses points that no single part of its body has: their hull may be outside of the body.
+    pub(crate) fn in_part(&self, scene: &Scene, points: [&[usize]; 2]) -> Result<(), Stop> {
+        for (body, points) in [self.pair.0, self.pair.1].into_iter().zip(points) {
+            let parts = &scene.bodies[body].parts;
+            let has = |part: &Vec<usize>| points.iter().all(|k| part.contains(k));
+            if !parts.is_empty() && !parts.iter().any(has) {
+                return Stop::fails(format!("{}: points of several parts", scene.names(self.pair)));
+            }
+        }
+        Ok(())
+    }
+
     pub(crate) fn span(&self) -> Span {
         Span::at(self.time.unwrap_or(Real::ZERO))
     }
@@ -62,6 +75,13 @@ impl Moment {
         let when = self.time.map_or(String::new(), |t| format!(" at t = {}", t.shown()));
         format!("{a} and {b}{when}")
     }
+}
+
+/// Decides whether a gap along a normal, in units of 2^-2P / scale, is more than `keep` and the radii.
+pub(crate) fn beyond<I: Int>(gap: &I, scale: i32, keep: &RBig, normal: &Exact, unit: &RBig) -> bool {
+    let gap = RBig::from(gap.wide()) * two_to(-2 * I::P as i64) / RBig::from(IBig::from(scale));
+    let keep = keep * unit;
+    gap > RBig::ZERO && &gap * &gap > &keep * &keep * dot(normal, normal)
 }
 
 /// Returns the sum of the radii of two bodies.

@@ -4,12 +4,19 @@
 //! everything from the start of the first to the end of the last. The list of pairs is made here,
 //! from the bodies: every pair with a body that moves and that no line ignores. A file cannot
 //! leave one out.
+//!
+//! **Lemma 11.** A body with parts is the union of their hulls. The cells of a pair start with all
+//! parts of both bodies over the interval. A cut divides the parts of one body in two, both for the
+//! time that is left; the lower ones are at hand next, the others wait. What keeps all points of the
+//! parts of a cell apart keeps each two of its parts apart. If no cell waits at the end, each part of A
+//! was apart from each part of B at each time. A file states no cells, so it cannot leave one out.
 
 use std::collections::BTreeMap;
 
 use crate::Stop;
 use crate::json::Json;
 use crate::motion::Span;
+use crate::pairs::{missing, needed};
 use crate::real::Real;
 use crate::scene::Scene;
 
@@ -37,88 +44,81 @@ impl Apart {
     }
 }
 
+/// Numbers of parts of both bodies: the first one, and the one after the last.
+pub(crate) type Parts = [[usize; 2]; 2];
+
+/// Most cells of a pair that wait.
+const WAITING: usize = 4096;
+
 /// What is proven of one leg.
 #[derive(Default)]
 pub(crate) struct Cover {
-    until: BTreeMap<(usize, usize), Real>,
+    /// For each pair the cells that wait, each with the time up to which it is proven. The last one is
+    /// at hand.
+    waiting: BTreeMap<(usize, usize), Vec<(Real, Parts)>>,
 }
 
 impl Cover {
-    /// Returns the interval of a certificate and what it keeps, if that is what is missing.
+    /// Cuts the cell at hand and returns its parts, if a certificate proves what is missing of it.
     pub(crate) fn next(
-        &self,
+        &mut self,
         scene: &Scene,
         apart: &Apart,
-        pairs: &[(usize, usize)],
-        line: &Json,
-    ) -> Result<(Span, Real), Stop> {
-        let real = |key, default| line.find(key).map_or(Ok(default), Json::real);
-        let span = Span {
-            from: real("from", apart.span.from)?,
-            until: real("until", apart.span.until)?,
+        pair: (usize, usize),
+        span: Span,
+        cuts: &[Json],
+    ) -> Result<Parts, Stop> {
+        let name = || scene.names(pair);
+        scene.must_prove(pair)?;
+        let all = [pair.0, pair.1].map(|k| [0, scene.bodies[k].parts.len()]);
+        let waiting = self.waiting.entry(pair).or_insert_with(|| vec![(apart.span.from, all)]);
+        for cut in cuts {
+            let [side, at] = cut.list::<2>()?;
+            let (side, at) = (side.whole()?, at.whole()?);
+            let inside = |parts: &Parts| parts.get(side).is_some_and(|[low, high]| *low < at && at < *high);
+            let Some(upper) = waiting.last_mut().filter(|cell| inside(&cell.1)) else {
+                return Stop::fails(format!("{}: a cut outside its cell", name()));
+            };
+            let mut lower = *upper;
+            (upper.1[side][0], lower.1[side][1]) = (at, at);
+            waiting.push(lower);
+            if waiting.len() > WAITING {
+                return Stop::bad(format!("more than {WAITING} cells wait"));
+            }
+        }
+        let Some((start, parts)) = waiting.last() else {
+            return Stop::fails(format!("{}: a proof after the last one", name()));
         };
-        let keep = real("keep", apart.margin)?;
-        for pair in pairs {
-            let name = || scene.names(*pair);
-            if scene.ignored.contains_key(pair) || !(scene.bodies[pair.0].moves || scene.bodies[pair.1].moves) {
-                return Stop::fails(format!("{}: a proof of a pair that is ignored or rests", name()));
-            }
-            let start = *self.until.get(pair).unwrap_or(&apart.span.from);
-            if span.from != start || span.until < start || span.until > apart.span.until {
-                let (name, from, until) = (name(), span.from.shown(), start.shown());
-                return Stop::fails(format!("{name}: a proof from t = {from}, after one until t = {until}"));
-            }
+        if span.from != *start || span.until < *start || span.until > apart.span.until {
+            let (name, from, until) = (name(), span.from.shown(), start.shown());
+            return Stop::fails(format!("{name}: a proof from t = {from}, after one until t = {until}"));
         }
-        if keep < apart.margin {
-            let name = pairs.first().map_or(String::new(), |pair| scene.names(*pair));
-            return Stop::fails(format!("{name}: keeps {}, less than the margin", keep.shown()));
-        }
-        Ok((span, keep))
+        Ok(*parts)
     }
 
-    /// Adds a proof of a pair.
-    pub(crate) fn add(&mut self, pair: (usize, usize), until: Real) {
-        self.until.insert(pair, until);
+    /// Adds a proof of the cell at hand.
+    pub(crate) fn add(&mut self, apart: &Apart, pair: (usize, usize), until: Real) {
+        let Some(waiting) = self.waiting.get_mut(&pair) else {
+            return;
+        };
+        if until == apart.span.until {
+            waiting.pop();
+        } else if let Some(cell) = waiting.last_mut() {
+            cell.0 = until;
+        }
     }
 
     /// Checks that all pairs are proven up to the end.
-    pub(crate) fn end(&self, scene: &Scene, apart: &Apart) -> Result<(), Stop> {
-        if let Some((pair, until)) = self.until.iter().find(|x| *x.1 != apart.span.until) {
-            return Stop::fails(format!(
-                "{} is proven until t = {} only",
-                scene.names(*pair),
-                until.shown()
-            ));
+    pub(crate) fn end(&self, scene: &Scene) -> Result<(), Stop> {
+        for (pair, waiting) in &self.waiting {
+            if let Some((until, _)) = waiting.last() {
+                let (name, until) = (scene.names(*pair), until.shown());
+                return Stop::fails(format!("{name} is proven until t = {until} only"));
+            }
         }
-        if self.until.len() == needed(scene).0 {
+        if self.waiting.len() == needed(scene).0 {
             return Ok(());
         }
-        missing(scene, |pair| self.until.contains_key(pair))
+        missing(scene, |pair| self.waiting.contains_key(pair))
     }
-}
-
-/// Names the first pair that is neither ignored nor proven.
-pub(crate) fn missing(scene: &Scene, proven: impl Fn(&(usize, usize)) -> bool) -> Result<(), Stop> {
-    // Pairs of two bodies that rest are never visited: a file has many legs for few bytes.
-    let every: Vec<usize> = (0..scene.bodies.len()).collect();
-    let movers: Vec<usize> = every.iter().copied().filter(|k| scene.bodies[*k].moves).collect();
-    let all = every.iter().flat_map(|a| {
-        let others = if scene.bodies[*a].moves { &every } else { &movers };
-        let first = others.partition_point(|b| b <= a);
-        others[first..].iter().map(move |b| (*a, *b))
-    });
-    let mut missing = all.filter(|pair| !scene.ignored.contains_key(pair) && !proven(pair));
-    missing
-        .next()
-        .map_or(Ok(()), |pair| Stop::fails(format!("no proof of {}", scene.names(pair))))
-}
-
-/// Returns the number of pairs to prove, and of pairs that rest and are not ignored.
-pub(crate) fn needed(scene: &Scene) -> (usize, usize) {
-    let pairs = |n: usize| n * n.saturating_sub(1) / 2;
-    let rest = |pair: &(usize, usize)| !scene.bodies[pair.0].moves && !scene.bodies[pair.1].moves;
-    let resting = pairs(scene.bodies.iter().filter(|b| !b.moves).count());
-    let ignored_resting = scene.ignored.keys().filter(|pair| rest(pair)).count();
-    let ignored = scene.ignored.len() - ignored_resting;
-    (pairs(scene.bodies.len()) - resting - ignored, resting - ignored_resting)
 }

@@ -52,6 +52,12 @@ pub(crate) fn check(scene: &Scene, line: &Json) -> Result<String, Stop> {
     }
     if below[0] {
         let lower = line.get("lower")?.real()?;
+        if [moment.pair.0, moment.pair.1]
+            .iter()
+            .any(|k| !scene.bodies[*k].parts.is_empty())
+        {
+            return Stop::fails(format!("{}: a ball in bodies of parts", scene.names(moment.pair)));
+        }
         said[0] = format!("at least {:?}", lower.shown());
         if !ball(scene, &moment, &placed, line, &(lower.exact() - &radii))? {
             return Stop::fails(format!("{}: the lower bound is not proven", scene.names(moment.pair)));

@@ -57,12 +57,14 @@ pub(crate) fn check(scene: &Scene, line: &Json) -> Result<String, Stop> {
 fn nearest(scene: &Scene, moment: &Moment, placed: &[Placed; 2], line: &Json) -> Result<Exact, Stop> {
     let named = line.get("on")?.list::<2>()?;
     let (mut ends, mut edges, mut sides) = (Vec::new(), Vec::new(), Vec::new());
+    let mut names: [Vec<usize>; 2] = Default::default();
     for side in 0..2 {
         let mut corners = Vec::new();
         for k in named[side].array()?.iter().take(4) {
             let k = k.whole()?;
             moment.has(scene, if side == 0 { [k, 0] } else { [0, k] })?;
             corners.extend(placed[side].get(k));
+            names[side].push(k);
         }
         let Some(first) = corners.first() else {
             return Stop::bad("a feature without vertex");
@@ -73,6 +75,7 @@ fn nearest(scene: &Scene, moment: &Moment, placed: &[Placed; 2], line: &Json) ->
         }
         ends.push(first.clone());
     }
+    moment.in_part(scene, [&names[0], &names[1]])?;
     let way = minus(&ends[1], &ends[0]);
     let product = |i: usize, j: usize| dot(&edges[i], &edges[j]);
     let right = |i: usize| -dot(&edges[i], &way);

@@ -11,16 +11,17 @@ use crate::report::Unreadable;
 use crate::scene::{Leg, Motion, Scene, hash};
 
 /// What the head claims.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) enum Head {
     Apart(Apart),
     Range(Cells),
     Lines,
+    #[default]
     Scene,
 }
 
 /// Lines of evidence, but for legs.
-pub(crate) const EVIDENCE: [&str; 7] = ["plane", "balls", "cell", "meet", "near", "distance", "depth"];
+pub(crate) const EVIDENCE: [&str; 8] = ["plane", "balls", "outside", "cell", "meet", "near", "distance", "depth"];
 
 impl Head {
     fn read(line: &Json) -> Result<Self, Stop> {

@@ -40,6 +40,7 @@ impl Meet {
             *pair = [i.whole()?, j.whole()?];
             moment.has(scene, *pair)?;
         }
+        moment.in_part(scene, [&pairs.map(|pair| pair[0]), &pairs.map(|pair| pair[1])])?;
         Ok(Self { moment, pairs })
     }
 }

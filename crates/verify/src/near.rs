@@ -29,6 +29,8 @@ pub(crate) fn points(scene: &Scene, moment: &Moment, line: &Json) -> Result<[Exa
     let (a, b) = (weights(on_a)?, weights(on_b)?);
     a.iter().try_for_each(|x| moment.has(scene, [x.0, 0]))?;
     b.iter().try_for_each(|x| moment.has(scene, [0, x.0]))?;
+    let names = [&a, &b].map(|on| on.iter().map(|x| x.0).collect::<Vec<_>>());
+    moment.in_part(scene, [&names[0], &names[1]])?;
     let [x, y] = [moment.pair.0, moment.pair.1].map(|k| &scene.bodies[k].points);
     let points = x.mean(&a).zip(y.mean(&b)).map(|(x, y)| [x, y]);
     points.ok_or(Stop::Bad("weights".into()))

@@ -9,19 +9,19 @@
 //! are more than `keep` apart on the interval. No root is needed. A gap of exactly `keep` is
 //! refused: fixed point cannot see it.
 
-use dashu_int::IBig;
 use dashu_ratio::RBig;
 
-use crate::claim::{Claim, radii};
+use crate::claim::{Claim, beyond, radii};
 use crate::int::Int;
 use crate::motion::{Span, Stage, Turn};
-use crate::real::{Exact, Real, dot, two_to};
+use crate::real::{Exact, Real};
 use crate::scene::Scene;
 use crate::taylor::fixed3;
 
-/// A plane keeps two bodies `keep` apart.
+/// A plane keeps two bodies, or some of their vertices, `keep` apart.
 pub(crate) struct Plane {
     pub(crate) pair: (usize, usize),
+    pub(crate) some: [Option<Vec<usize>>; 2],
     pub(crate) span: Span,
     pub(crate) keep: RBig,
     pub(crate) normal: Exact,
@@ -40,16 +40,14 @@ impl Claim for Plane {
             };
             n = Turn::new(spin, vec![RBig::ZERO, length])?.point(&n, &whole)?;
         }
-        let [_, high] = stage.heights(scene, self.pair.0, &n, &self.span)?;
-        let [low, _] = stage.heights(scene, self.pair.1, &n, &self.span)?;
+        let [_, high] = stage.heights(scene, self.pair.0, self.some[0].as_deref(), &n, &self.span)?;
+        let [low, _] = stage.heights(scene, self.pair.1, self.some[1].as_deref(), &n, &self.span)?;
         let gaps = high
             .iter()
             .zip(&low)
             .map(|(x, y)| y.sub(x))
             .collect::<Option<Vec<_>>>()?;
-        let gap = RBig::from(gaps.into_iter().min()?.wide());
-        let gap = gap * two_to(-2 * I::P as i64) / RBig::from(IBig::from(I::W));
-        let keep = (&self.keep + radii(scene, self.pair)) * &stage.unit;
-        Some(gap > RBig::ZERO && &gap * &gap > &keep * &keep * dot(&self.normal, &self.normal))
+        let (gap, keep) = (gaps.into_iter().min()?, &self.keep + radii(scene, self.pair));
+        Some(beyond(&gap, I::W, &keep, &self.normal, &stage.unit))
     }
 }

@@ -5,7 +5,8 @@ use dashu_ratio::RBig;
 
 use crate::Stop;
 use crate::json::Json;
-use crate::real::{Exact, Real, dot, two_to};
+use crate::motion::extremes;
+use crate::real::{Exact, Real, cross, dot, two_to};
 
 /// The vertices of a body.
 #[derive(Debug)]
@@ -143,26 +144,14 @@ impl Pose {
         if &off * &off >= RBig::from_parts_signed(1.into(), 1_000_000.into()) {
             return Stop::bad("not a unit quaternion");
         }
-        let half = &n / RBig::from(2);
-        let part = |x: &RBig, y: &RBig| x * y / &half;
-        let (x, y, z, w) = (&qx, &qy, &qz, &qw);
-        let rows = [
-            [
-                RBig::ONE - part(y, y) - part(z, z),
-                part(x, y) - part(z, w),
-                part(x, z) + part(y, w),
-            ],
-            [
-                part(x, y) + part(z, w),
-                RBig::ONE - part(x, x) - part(z, z),
-                part(y, z) - part(x, w),
-            ],
-            [
-                part(x, z) - part(y, w),
-                part(y, z) + part(x, w),
-                RBig::ONE - part(x, x) - part(y, y),
-            ],
-        ];
+        // x + 2 (w q x x + q x (q x x)) / n, of each axis x.
+        let (half, q, axes) = (n / RBig::from(2), [qx, qy, qz], Self::identity().rows);
+        let columns = axes.map(|axis| {
+            let once = cross(&q, &axis);
+            let twice = cross(&q, &once);
+            std::array::from_fn::<_, 3, _>(|k| &axis[k] + (&qw * &once[k] + &twice[k]) / &half)
+        });
+        let rows = std::array::from_fn(|i| columns.each_ref().map(|column| column[i].clone()));
         Ok(Self {
             rows,
             shift: [px, py, pz],
@@ -204,20 +193,8 @@ impl Placed<'_> {
         let m = self.pose.row(n);
         let below = m.iter().fold(IBig::ONE, |d, x| d * IBig::from(x.denominator().clone()));
         let m = m.map(|x| x.numerator() * (&below / IBig::from(x.denominator().clone())));
-        let height = |p: &[IBig; 3]| &m[0] * &p[0] + &m[1] * &p[1] + &m[2] * &p[2];
-        let first = height(&self.points.all[0]);
-        let (least, most) = self.points.all[1..]
-            .iter()
-            .map(height)
-            .fold((first.clone(), first), |(low, high), h| {
-                if h < low {
-                    (h, high)
-                } else if h > high {
-                    (low, h)
-                } else {
-                    (low, high)
-                }
-            });
+        // Integers of any size always fit.
+        let [least, most] = extremes(&self.points.all, &m).unwrap_or_default();
         let (unit, base) = (
             two_to(self.points.exponent) / RBig::from(below),
             dot(n, &self.pose.shift),

@@ -23,11 +23,11 @@ use dashu_base::SquareRoot;
 use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
 
-use crate::claim::{Claim, radii};
+use crate::claim::{Claim, beyond, radii};
 use crate::hops::{Hop, at_once};
 use crate::int::Int;
 use crate::motion::{Solid, Stage};
-use crate::real::{Exact, Real, dot as exact_dot, two_to};
+use crate::real::{Exact, Real};
 use crate::scene::{Kind, Scene};
 use crate::taylor::{Taylor, Vector, below, cross, dot, each, fixed3};
 
@@ -160,8 +160,7 @@ impl Claim for InCell {
     fn holds<I: Int>(&self, scene: &Scene, stage: &Stage<I>) -> Option<bool> {
         let [_, high] = self.heights(scene, stage, self.pair.0)?;
         let [low, _] = self.heights(scene, stage, self.pair.1)?;
-        let gap = RBig::from(low.sub(&high)?.wide()) * two_to(-2 * I::P as i64);
-        let keep = (&self.keep + radii(scene, self.pair)) * &stage.unit;
-        Some(gap > RBig::ZERO && &gap * &gap > &keep * &keep * exact_dot(&self.normal, &self.normal))
+        let keep = &self.keep + radii(scene, self.pair);
+        Some(beyond(&low.sub(&high)?, 1, &keep, &self.normal, &stage.unit))
     }
 }

@@ -1,123 +1,17 @@
 //! What a receipt states: bodies, joints, legs, pairs that are ignored.
 
+mod body;
+mod joint;
+
 use std::collections::BTreeMap;
 
-use dashu_ratio::RBig;
+pub(crate) use body::{Body, Motion, Steady};
+pub(crate) use joint::{Joint, Kind, Leg};
 
 use crate::Stop;
 use crate::json::Json;
-use crate::points::{Placed, Points, Pose};
-use crate::real::{Exact, Real};
-use crate::taylor::choose;
-
-/// How a body moves.
-#[derive(Debug)]
-pub(crate) enum Motion {
-    Rest(Pose),
-    /// With a link, at a pose on it.
-    Link(usize, Pose),
-    Steady(Box<Steady>),
-}
-
-/// x(t) = p + R pivot + linear t + push t^2 / 2 + exp([angular] t) R (x - pivot).
-#[derive(Debug)]
-pub(crate) struct Steady {
-    pub(crate) pose: Pose,
-    pub(crate) pivot: Exact,
-    pub(crate) linear: Exact,
-    pub(crate) angular: Exact,
-    pub(crate) push: Exact,
-}
-
-#[derive(Debug)]
-pub(crate) struct Body {
-    pub(crate) name: String,
-    pub(crate) points: Points,
-    pub(crate) radius: RBig,
-    pub(crate) motion: Motion,
-    pub(crate) moves: bool,
-}
-
-#[derive(Debug, PartialEq)]
-pub(crate) enum Kind {
-    Fixed,
-    Turn,
-    Slide,
-}
-
-/// Joint k carries link k.
-#[derive(Debug)]
-pub(crate) struct Joint {
-    pub(crate) parent: usize,
-    pub(crate) kind: Kind,
-    pub(crate) origin: Pose,
-    pub(crate) axis: Exact,
-    /// Coordinate, factor and offset of its value.
-    drive: (usize, RBig, RBig),
-    moves: bool,
-}
-
-impl Joint {
-    /// Returns the value of the joint as a polynomial in time.
-    pub(crate) fn value(&self, leg: &Leg) -> Vec<RBig> {
-        let mut value: Vec<RBig> = leg.power(self.drive.0).iter().map(|x| x * &self.drive.1).collect();
-        value[0] += &self.drive.2;
-        value
-    }
-
-    /// Returns the value of the joint at these values of the coordinates.
-    pub(crate) fn at(&self, coordinate: impl Fn(usize) -> RBig) -> RBig {
-        match self.kind {
-            Kind::Fixed => RBig::ZERO,
-            _ => coordinate(self.drive.0) * &self.drive.1 + &self.drive.2,
-        }
-    }
-
-    pub(crate) fn coordinate(&self) -> usize {
-        self.drive.0
-    }
-
-    pub(crate) fn factor(&self) -> &RBig {
-        &self.drive.1
-    }
-}
-
-/// Bezier control points of the coordinates, over the times 0 to 1.
-#[derive(Clone, Debug)]
-pub(crate) struct Leg(pub(crate) Vec<Vec<Real>>);
-
-impl Leg {
-    pub(crate) fn read(json: &Json) -> Result<Self, Stop> {
-        json.only(&["leg"])?;
-        let row = |x: &Json| x.array()?.iter().map(Json::real).collect::<Result<Vec<_>, _>>();
-        let rows = json
-            .get("leg")?
-            .array()?
-            .iter()
-            .map(row)
-            .collect::<Result<Vec<_>, _>>()?;
-        if !(1..=17).contains(&rows.len()) || rows[0].len() > 1024 || rows.iter().any(|x| x.len() != rows[0].len()) {
-            return Stop::bad("a leg has 1 to 17 rows of equal length, at most 1024");
-        }
-        Ok(Self(rows))
-    }
-
-    /// Returns the coefficients of a coordinate by powers of t.
-    fn power(&self, coordinate: usize) -> Vec<RBig> {
-        let mut differences: Vec<RBig> = self.0.iter().map(|row| row[coordinate].exact()).collect();
-        let n = differences.len();
-        for first in 1..n {
-            for k in (first..n).rev() {
-                differences[k] = &differences[k] - &differences[k - 1];
-            }
-        }
-        differences
-            .into_iter()
-            .enumerate()
-            .map(|(k, x)| x * RBig::from(choose(n - 1, k)))
-            .collect()
-    }
-}
+use crate::points::{Placed, Pose};
+use crate::real::Real;
 
 /// The order of the lines of a scene.
 const ORDER: [&str; 5] = ["file", "base", "joint", "body", "ignored"];
@@ -192,105 +86,9 @@ impl Scene {
         Pose::of(&numbers)
     }
 
-    fn joint(&mut self, line: &Json) -> Result<(), Stop> {
-        let number = self.joints.len() + 1;
-        let kind = match line.get("kind")?.text()? {
-            "fixed" => Kind::Fixed,
-            "turn" => Kind::Turn,
-            "slide" => Kind::Slide,
-            _ => return Stop::bad("unknown kind of a joint"),
-        };
-        let fields = ["joint", "parent", "kind", "origin", "axis", "drive"];
-        line.only(&fields[..if kind == Kind::Fixed { 4 } else { 6 }])?;
-        let parent = line.get("parent")?.whole()?;
-        if number > 1024 || line.get("joint")?.whole()? != number || parent >= number {
-            return Stop::bad(format!(
-                "joint {number} is expected, at most 1024, and a parent before it"
-            ));
-        }
-        let origin = self.pose(line.get("origin")?)?;
-        let mut joint = Joint {
-            parent,
-            kind,
-            origin,
-            axis: crate::real::zero(),
-            drive: Default::default(),
-            moves: self.carries(parent),
-        };
-        if joint.kind != Kind::Fixed {
-            let [coordinate, factor, offset] = line.get("drive")?.list::<3>()?;
-            joint.axis = line.get("axis")?.reals::<3>()?.map(Real::exact);
-            let coordinate = coordinate.whole()?;
-            if coordinate >= 1024 {
-                return Stop::bad(format!("coordinate {coordinate}, of at most 1024"));
-            }
-            joint.drive = (coordinate, factor.real()?.exact(), offset.real()?.exact());
-            joint.moves = true;
-            self.coordinates = self.coordinates.max(joint.drive.0 + 1);
-        }
-        self.joints.push(joint);
-        Ok(())
-    }
-
     /// Returns whether a link moves.
     fn carries(&self, link: usize) -> bool {
         link > 0 && self.joints[link - 1].moves
-    }
-
-    fn body(&mut self, line: &Json) -> Result<(), Stop> {
-        let number = self.bodies.len();
-        line.only(&["body", "name", "points", "radius", "at", "link", "steady"])?;
-        if number == 4096 || line.get("body")?.whole()? != number {
-            return Stop::bad(format!("body {number} is expected, at most 4096"));
-        }
-        let at = line.find("at").map(|x| self.pose(x)).transpose()?;
-        let mut pivot = [Real::ZERO; 3];
-        let (motion, moves) = match (line.find("link"), line.find("steady"), at) {
-            (Some(link), None, at) => {
-                let link = link.whole()?;
-                if link > self.joints.len() {
-                    return Stop::bad(format!("unknown link {link}"));
-                }
-                (
-                    Motion::Link(link, at.unwrap_or_else(Pose::identity)),
-                    self.carries(link),
-                )
-            }
-            (None, Some(steady), Some(pose)) => {
-                steady.only(&["pivot", "linear", "angular", "push"])?;
-                pivot = steady.get("pivot")?.reals::<3>()?;
-                let vector = |key| Ok(steady.get(key)?.reals::<3>()?.map(Real::exact));
-                let [linear, angular, push] = [vector("linear")?, vector("angular")?, vector("push")?];
-                {
-                    let pivot = pivot.map(Real::exact);
-                    let steady = Steady {
-                        pose,
-                        pivot,
-                        linear,
-                        angular,
-                        push,
-                    };
-                    (Motion::Steady(Box::new(steady)), true)
-                }
-            }
-            (None, None, Some(pose)) => (Motion::Rest(pose), false),
-            _ => return Stop::bad("a body moves in one way: at, link, link and at, or at and steady"),
-        };
-        let (points, most) = Points::read(line.get("points")?, pivot)?;
-        self.lengths(&most);
-        let radius = line.find("radius").map_or(Ok(Real::ZERO), Json::real)?;
-        if radius < Real::ZERO {
-            return Stop::bad("a negative radius");
-        }
-        let name = line.get("name")?.text()?.into();
-        self.bodies.push(Body {
-            name,
-            points,
-            radius: radius.exact(),
-            motion,
-            moves,
-        });
-        Ok(())
     }
 
     fn ignore(&mut self, line: &Json) -> Result<(), Stop> {
@@ -306,46 +104,6 @@ impl Scene {
         }
         self.reasons.push(why.into());
         Ok(())
-    }
-
-    fn number(&self, json: &Json) -> Result<usize, Stop> {
-        let k = json.whole()?;
-        if k < self.bodies.len() {
-            Ok(k)
-        } else {
-            Stop::bad(format!("unknown body {k}"))
-        }
-    }
-
-    /// Reads `[A,[B,...]]`: pairs in order.
-    pub(crate) fn star(&self, json: &Json) -> Result<Vec<(usize, usize)>, Stop> {
-        let [a, others] = json.list::<2>()?;
-        let (a, mut all) = (self.number(a)?, Vec::new());
-        for b in others.array()? {
-            let b = self.number(b)?;
-            all.push((a.min(b), a.max(b)));
-        }
-        let mut sorted = all.clone();
-        sorted.sort_unstable();
-        if all.is_empty() || all.iter().any(|x| x.0 == x.1) || sorted.windows(2).any(|x| x[0] == x[1]) {
-            return Stop::bad("a list of pairs: empty, a body with itself, or a pair twice");
-        }
-        Ok(all)
-    }
-
-    /// Reads `[A,B]` with A < B.
-    pub(crate) fn pair(&self, json: &Json) -> Result<(usize, usize), Stop> {
-        let [a, b] = json.list::<2>()?;
-        let (a, b) = (self.number(a)?, self.number(b)?);
-        if a < b {
-            Ok((a, b))
-        } else {
-            Stop::bad("a pair has the lesser number first")
-        }
-    }
-
-    pub(crate) fn names(&self, (a, b): (usize, usize)) -> String {
-        format!("{} against {}", self.bodies[a].name, self.bodies[b].name)
     }
 
     /// Returns the joints between a link and the base, the nearest first.

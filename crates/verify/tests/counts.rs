@@ -10,10 +10,11 @@ use std::time::{Duration, Instant};
 
 use lin_canny_verify::{Verdict, verify};
 use support::changes::{CHANGES, change, make};
+use support::parted::{PART_CHANGES, Parted};
 use support::ranged::ranged;
 use support::*;
 
-const KINDS: [&str; 8] = [
+const KINDS: [&str; 9] = [
     "overlap",
     "distance and near",
     "depth",
@@ -22,6 +23,7 @@ const KINDS: [&str; 8] = [
     "arm, two curves",
     "cast that misses",
     "range",
+    "parts",
 ];
 
 fn accepted(text: &str) -> bool {
@@ -33,7 +35,7 @@ fn accepted(text: &str) -> bool {
 /// The generator decides in double precision, at samples. What the checker does not see proven is
 /// counted in `unproven`, and another receipt takes its place.
 fn both(rng: &mut Rng, k: usize, unproven: &mut usize) -> (String, Option<(&'static str, String, bool)>) {
-    if k % 8 == 7 {
+    if k % 9 == 7 {
         let mut ranged = ranged(rng, k);
         let text = ranged.text();
         let way = rng.below(7);
@@ -50,10 +52,27 @@ fn both(rng: &mut Rng, k: usize, unproven: &mut usize) -> (String, Option<(&'sta
         let (changed, is_false) = (ranged.text(), ranged.is_false(rng));
         return (text, Some((kinds[way], changed, is_false)));
     }
-    let mut receipt = make(rng, k % 8);
+    if k % 9 == 8 {
+        let mut parted = Parted::random(rng);
+        while !accepted(&parted.text()) {
+            *unproven += 1;
+            parted = Parted::random(rng);
+        }
+        let text = parted.text();
+        loop {
+            let (way, mut other) = (rng.below(PART_CHANGES.len()), parted.clone());
+            other.change(rng, way);
+            let changed = other.text();
+            if changed != text {
+                let is_false = accepted(&changed) && other.nearest() < 1e-6;
+                return (text, Some((PART_CHANGES[way], changed, is_false)));
+            }
+        }
+    }
+    let mut receipt = make(rng, k % 9);
     while !accepted(&receipt.text()) {
         *unproven += 1;
-        receipt = make(rng, k % 8);
+        receipt = make(rng, k % 9);
     }
     let text = receipt.text();
     for _ in 0..20 {
@@ -84,7 +103,7 @@ fn rust() {
         }
         let (text, changed) = both(&mut rng, k, &mut unproven);
         assert!(accepted(&text), "{text}");
-        *kinds.entry(KINDS[k % 8]).or_default() += 1;
+        *kinds.entry(KINDS[k % 9]).or_default() += 1;
         let Some((kind, changed, is_false)) = changed else {
             continue;
         };
@@ -131,7 +150,7 @@ fn python() {
         let (mut names, mut expected) = (String::new(), Vec::new());
         for k in start..start + 200 {
             let (text, changed) = both(&mut rng, k, &mut unproven);
-            *kinds.entry(KINDS[k % 8]).or_default() += 1;
+            *kinds.entry(KINDS[k % 9]).or_default() += 1;
             for (end, text) in [("first", Some(text)), ("changed", changed.map(|x| x.1))] {
                 let Some(text) = text else { continue };
                 let code = match verify(text.as_bytes()) {

@@ -2,78 +2,8 @@
 
 mod support;
 
-use std::path::Path;
-use std::process::Command;
-
-use lin_canny_verify::{Verdict, verify, verify_on};
+use support::python::{code, codes};
 use support::*;
-
-/// Runs all cases in one process, as the start of Python costs more than most checks.
-const ALL: &str = "import sys, io; sys.path.insert(0, sys.argv[1]); import verify
-for case in sys.argv[2:]:
-    sys.stdout, out = io.StringIO(), sys.stdout
-    code = verify.main(case.split('+'))
-    sys.stdout = out
-    print(code)";
-
-/// The exit code of the Python checker for each case: a receipt, and another scene or nothing.
-fn codes(cases: &[(String, Option<String>)]) -> Option<Vec<i32>> {
-    let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("../python");
-    if !scripts.join("verify.py").exists() || Command::new("python3").arg("--version").output().is_err() {
-        println!("skipped: no python3, or not a checkout");
-        return None;
-    }
-    let folder = std::env::temp_dir().join(format!("lin-canny-verify-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let file = |name: String, text: &str| {
-        let path = folder.join(name);
-        std::fs::write(&path, text).unwrap();
-        path.to_str().unwrap().to_owned()
-    };
-    let name = |(k, (receipt, other)): (usize, &(String, Option<String>))| {
-        let receipt = file(format!("{k}-receipt"), receipt);
-        let other = other
-            .as_ref()
-            .map(|text| "+".to_owned() + &file(format!("{k}-scene"), text));
-        receipt + &other.unwrap_or_default()
-    };
-    let names: Vec<_> = cases.iter().enumerate().map(name).collect();
-    let output = Command::new("python3")
-        .args(["-B", "-c", ALL])
-        .arg(&scripts)
-        .args(&names)
-        .output()
-        .unwrap();
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(errors.is_empty(), "{errors}");
-    // The program itself, once.
-    let status = Command::new("python3")
-        .arg(scripts.join("verify.py"))
-        .arg(&names[0])
-        .output()
-        .unwrap()
-        .status;
-    std::fs::remove_dir_all(&folder).unwrap();
-    let all: Vec<i32> = String::from_utf8(output.stdout)
-        .unwrap()
-        .lines()
-        .map(|x| x.parse().unwrap())
-        .collect();
-    assert_eq!((all.len(), status.code()), (cases.len(), Some(all[0])));
-    Some(all)
-}
-
-fn code(receipt: &str, other: Option<&str>) -> i32 {
-    let found = match other {
-        Some(other) => verify_on(receipt.as_bytes(), other.as_bytes()),
-        None => verify(receipt.as_bytes()),
-    };
-    match found {
-        Ok(Verdict::Holds(_)) => 0,
-        Ok(_) => 1,
-        Err(_) => 3,
-    }
-}
 
 /// A point turns past another one, so near that polynomials of degree 4 prove it, and those of
 /// degree 5 do not.

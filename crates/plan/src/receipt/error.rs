@@ -9,9 +9,7 @@ use lin_canny::impact::ImpactError;
 #[non_exhaustive]
 pub enum ReceiptError {
     /// Returned if a body has no form in a receipt.
-    #[error(
-        "body {name:?} has no receipt: it is a {kind} (expected a convex polyhedron, cylinder or cone, rounded or not)"
-    )]
+    #[error("body {name:?} has no receipt: it is a {kind} (expected a polyhedron, cylinder, cone, compound or mesh)")]
     Body {
         /// Name of the body.
         name: String,
@@ -24,6 +22,14 @@ pub enum ReceiptError {
         /// Name of the body.
         name: String,
         /// Number of its vertices.
+        count: usize,
+    },
+    /// Returned if a body has more than 262,144 triangles or pieces.
+    #[error("body {name:?} has {count} triangles or pieces (expected at most 262144)")]
+    Parts {
+        /// Name of the body.
+        name: String,
+        /// Number of its triangles or pieces.
         count: usize,
     },
     /// Returned if a motion has no form in a receipt.
@@ -61,8 +67,8 @@ pub enum ReceiptError {
         /// The reason.
         why: &'static str,
     },
-    /// Returned if no pair is proven over a range: a receipt would claim nothing.
-    #[error("no pair is proven over the range: a receipt would claim nothing")]
+    /// Returned if no pair is proven, over a range or in a step: a receipt would claim nothing.
+    #[error("no pair is proven: a receipt would claim nothing")]
     Nothing,
     /// Returned if the checker or the space returns an error.
     #[error(transparent)]

@@ -13,11 +13,13 @@
 use nalgebra::Vector3;
 
 use super::number::{hex, hexes, rounded};
+use super::parts::{Group, Groups};
 use super::scene::{Body, Scene};
 use super::taylor::{Step, constant, dot, heights, least, place, pose};
 use crate::extremes::Extremes;
 use crate::tolerance::RECEIPT;
 use lin_canny::impact::Certificate;
+use lin_canny::polyhedron::ConvexPolyhedron;
 use lin_canny::separation::Proof;
 use lin_canny::{ContactState, RelativePose, Tracker};
 
@@ -36,6 +38,7 @@ pub(super) struct Mover<'a> {
     most: Vector3<f64>,
     /// The greatest distance of a vertex from the centre of the ball.
     reach: f64,
+    pub(super) groups: Groups<'a>,
 }
 
 impl<'a> Mover<'a> {
@@ -45,7 +48,7 @@ impl<'a> Mover<'a> {
     }
 
     fn new(body: &'a Body, steps: Vec<Step>) -> Self {
-        let points: Vec<Vector3<f64>> = body.hull.vertex_points().map(|p| p.coords).collect();
+        let points: Vec<Vector3<f64>> = body.points.iter().map(|p| p.coords).collect();
         let centre = body.centre();
         let squares = points.iter().map(|p| (p - centre).norm_squared());
         Self {
@@ -55,6 +58,7 @@ impl<'a> Mover<'a> {
                 .iter()
                 .fold(Vector3::zeros(), |most, p| most.zip_map(&p.abs(), f64::larger)),
             points,
+            groups: Groups::new(body),
             body,
         }
     }
@@ -66,6 +70,8 @@ pub(super) struct Piece {
     pub(super) from: f64,
     pub(super) until: f64,
     pub(super) proof: Proof,
+    /// Cuts of the cell of parts at hand: which body, and the number of a part.
+    pub(super) cuts: Vec<[usize; 2]>,
 }
 
 /// The evidence of a pair: one pair of balls for the whole time, or pieces in order of time.
@@ -92,7 +98,14 @@ pub(super) struct PairJudge<'a> {
 
 impl PairJudge<'_> {
     /// Returns the evidence of the pair for an interval, given the library's certificates of it.
-    pub(super) fn evidence(&self, [from, until]: [f64; 2], certificates: &[Certificate]) -> Result<Evidence, Missing> {
+    pub(super) fn evidence(&self, span: [f64; 2], certificates: &[Certificate]) -> Result<Evidence, Missing> {
+        match self.of_hulls(span, certificates) {
+            Err(_) if self.has_parts() => Ok(Evidence::Pieces(self.by_parts(span)?)),
+            found => found,
+        }
+    }
+
+    fn of_hulls(&self, [from, until]: [f64; 2], certificates: &[Certificate]) -> Result<Evidence, Missing> {
         if self.by_balls(from, until) {
             return Ok(Evidence::Balls);
         }
@@ -108,33 +121,29 @@ impl PairJudge<'_> {
         }
         for normal in normals {
             if let Some(proof) = self.plane(normal, Vector3::zeros(), from, until) {
-                return Ok(Evidence::Pieces(vec![Piece { from, until, proof }]));
+                return Ok(Evidence::Pieces(vec![Piece::new([from, until], proof)]));
             }
         }
         let mut pieces = Vec::new();
         let mut at = from;
         for certificate in certificates {
             // The cast of a pair may go on after the interval, or start again.
-            let piece = Piece {
-                from: at,
-                until: certificate.until.smaller(until),
-                proof: proof_from(certificate, at),
-            };
-            if piece.until > at || from == until {
+            let end = certificate.until.smaller(until);
+            let piece = Piece::new([at, end], proof_from(certificate, at));
+            if piece.until > at || from == until && pieces.is_empty() {
                 at = piece.until;
                 self.halve(piece, HALVINGS, &mut pieces)?;
             }
         }
         if at < until || pieces.is_empty() {
-            let proof = Proof::Own;
-            self.halve(Piece { from: at, until, proof }, HALVINGS, &mut pieces)?;
+            self.halve(Piece::new([at, until], Proof::Own), HALVINGS, &mut pieces)?;
         }
         Ok(Evidence::Pieces(pieces))
     }
 
     /// Appends evidence for a piece, halved if it is too long for the bounds of a checker.
     fn halve(&self, piece: Piece, left: u32, pieces: &mut Vec<Piece>) -> Result<(), Missing> {
-        let Piece { from, until, proof } = piece;
+        let Piece { from, until, proof, .. } = piece;
         let found = match proof {
             Proof::Balls => self.by_balls(from, until).then_some(Proof::Balls),
             Proof::Plane { normal, spin } => self.plane(normal, spin, from, until),
@@ -146,7 +155,7 @@ impl PairJudge<'_> {
             self.plane(normal, Vector3::zeros(), from, until)
         });
         if let Some(proof) = found {
-            pieces.push(Piece { from, until, proof });
+            pieces.push(Piece::new([from, until], proof));
             return Ok(());
         }
         if left == 0 || !(from < middle && middle < until) {
@@ -156,11 +165,7 @@ impl PairJudge<'_> {
             };
             return Err(Missing { from, until, why });
         }
-        let first = Piece {
-            from,
-            until: middle,
-            proof,
-        };
+        let first = Piece::new([from, middle], proof);
         let proof = match proof {
             Proof::Plane { normal, spin } => Proof::Plane {
                 normal: turned(&spin, middle - from) * normal,
@@ -168,20 +173,25 @@ impl PairJudge<'_> {
             },
             other => other,
         };
-        let last = Piece {
-            from: middle,
-            until,
-            proof,
-        };
+        let last = Piece::new([middle, until], proof);
         self.halve(first, left - 1, pieces)?;
         self.halve(last, left - 1, pieces)
     }
 
     /// Returns the direction between the closest points at a time, from A to B, in the world.
     fn measured(&self, time: f64) -> Option<Vector3<f64>> {
+        self.direction([&self.a.body.hull, &self.b.body.hull], time)
+    }
+
+    /// Returns the direction between two groups of parts at a time.
+    pub(super) fn between(&self, groups: [&Group; 2], time: f64) -> Option<Vector3<f64>> {
+        self.direction(groups.map(|group| &*group.hull), time)
+    }
+
+    fn direction(&self, hulls: [&ConvexPolyhedron; 2], time: f64) -> Option<Vector3<f64>> {
         let [x, y] = [self.a, self.b].map(|mover| pose(&mover.steps, time));
         let relative = RelativePose::new(&x, &y).ok()?;
-        let seen = Tracker::new().closest(&self.a.body.hull, &self.b.body.hull, &relative);
+        let seen = Tracker::new().closest(hulls[0], hulls[1], &relative);
         (seen.state == ContactState::Separated).then(|| x.rotation * seen.normal.into_inner())
     }
 
@@ -191,22 +201,38 @@ impl PairJudge<'_> {
         let [x, y] = [self.a, self.b].map(|mover| place(&mover.steps, &mover.body.centre(), from, span));
         let way: [_; 3] = core::array::from_fn(|k| y[k].minus(&x[k]));
         let square = dot(&way, &way);
-        let reach = self.a.reach + self.b.reach + self.kept() + RECEIPT * self.size;
+        let reach = self.a.reach + self.b.reach + self.kept(self.keep) + RECEIPT * self.size;
         least(square.net()) - square.rest > reach * reach
     }
 
-    fn kept(&self) -> f64 {
-        self.keep + self.a.body.radius + self.b.body.radius
+    fn kept(&self, keep: f64) -> f64 {
+        keep + self.a.body.radius + self.b.body.radius
     }
 
     /// Returns a plane that a checker accepts, with as few bits as that takes.
     fn plane(&self, normal: Vector3<f64>, spin: Vector3<f64>, from: f64, until: f64) -> Option<Proof> {
-        if !self.by_plane(&normal, &spin, from, until) {
+        self.plane_between(None, normal, spin, from, until, self.keep)
+    }
+
+    /// Returns the same of two groups of parts, or of the bodies if there are none.
+    pub(super) fn plane_between(
+        &self,
+        groups: Option<[&Group; 2]>,
+        normal: Vector3<f64>,
+        spin: Vector3<f64>,
+        from: f64,
+        until: f64,
+        keep: f64,
+    ) -> Option<Proof> {
+        let holds = |normal: &Vector3<f64>, spin: &Vector3<f64>| {
+            self.by_plane(groups, normal, spin, [from, until], self.kept(keep))
+        };
+        if !holds(&normal, &spin) {
             return None;
         }
         for bits in BITS {
             let (normal, spin) = (rounded(&normal, bits), rounded(&spin, bits));
-            if self.by_plane(&normal, &spin, from, until) {
+            if holds(&normal, &spin) {
                 return Some(Proof::Plane { normal, spin });
             }
         }
@@ -214,7 +240,18 @@ impl PairJudge<'_> {
     }
 
     /// Returns whether a plane separates the bodies, as a checker sees it.
-    fn by_plane(&self, normal: &Vector3<f64>, spin: &Vector3<f64>, from: f64, until: f64) -> bool {
+    fn by_plane(
+        &self,
+        groups: Option<[&Group; 2]>,
+        normal: &Vector3<f64>,
+        spin: &Vector3<f64>,
+        [from, until]: [f64; 2],
+        kept: f64,
+    ) -> bool {
+        let [a, b] = match groups {
+            Some([x, y]) => [&x.vertices, &y.vertices],
+            None => [&self.a.points, &self.b.points],
+        };
         let span = until - from;
         let mut direction = constant(normal);
         if *spin != Vector3::zeros() {
@@ -224,18 +261,18 @@ impl PairJudge<'_> {
             };
             direction = place(&[turn], normal, 0.0, span);
         }
-        let [high, low] = [(self.a, 1.0), (self.b, -1.0)].map(|(mover, sign)| {
+        let [high, low] = [(self.a, a, 1.0), (self.b, b, -1.0)].map(|(mover, points, sign)| {
             let (m, o) = heights(&mover.steps, &direction, from, span);
             let (nets, base) = (m.each_ref().map(|part| part.net()), o.net());
             let off = o.rest + (0..3).map(|k| m[k].rest * mover.most[k]).sum::<f64>();
             base.into_iter().enumerate().map(move |(k, base)| {
                 let slope = Vector3::new(nets[0][k], nets[1][k], nets[2][k]) * sign;
-                let highest = mover.points.iter().map(|p| slope.dot(p));
+                let highest = points.iter().map(|p| slope.dot(p));
                 highest.fold(f64::NEG_INFINITY, f64::larger) + sign * base + off
             })
         });
         let length = normal.norm();
-        let enough = (self.kept() + RECEIPT * self.size) * length;
+        let enough = (kept + RECEIPT * self.size) * length;
         high.zip(low).all(|(high, low)| -low - high > enough)
     }
 }
@@ -254,6 +291,15 @@ fn turned(spin: &Vector3<f64>, time: f64) -> nalgebra::UnitQuaternion<f64> {
 }
 
 impl Piece {
+    pub(super) fn new([from, until]: [f64; 2], proof: Proof) -> Self {
+        Self {
+            from,
+            until,
+            proof,
+            cuts: Vec::new(),
+        }
+    }
+
     /// Returns the line of a piece; what equals the head is left out.
     pub(super) fn line(&self, [a, b]: [usize; 2], keep: f64, [from, until, margin]: [f64; 3]) -> String {
         let mut text = match self.proof {
@@ -274,6 +320,10 @@ impl Piece {
             if value != head {
                 text += &format!(",\"{key}\":\"{}\"", hex(value));
             }
+        }
+        if !self.cuts.is_empty() {
+            let cuts: Vec<String> = self.cuts.iter().map(|[side, at]| format!("[{side},{at}]")).collect();
+            text += &format!(",\"cut\":[{}]", cuts.join(","));
         }
         text + "}"
     }

@@ -35,7 +35,8 @@ impl StatedHull {
         }
     }
 
-    fn of_shape(shape: &Shape) -> Option<Self> {
+    /// Returns the polyhedron of a shape, or one around it.
+    pub(super) fn of_shape(shape: &Shape) -> Option<Self> {
         let outer = |radius: f64| radius / libm::cos(PI / SIDES as f64) * GROWN;
         let (hull, around) = match shape.core() {
             Core::Polyhedron(hull) => (hull.clone(), None),

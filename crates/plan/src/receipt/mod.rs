@@ -44,6 +44,7 @@
 //! | [`RangeAnswer`](crate::RangeAnswer)s that pairs never meet | [`Receipt::range`] | these pairs keep more than the margin at every configuration of the range |
 //! | a cast of two bodies | [`Receipt::cast`] | a miss, or apart up to `safe` and a contact at `hit` |
 //! | the distance of two convex bodies | [`Receipt::outcome`] | its lower and its upper bound |
+//! | a step of a scene | [`Receipt::step`] | a distance or a common point of each pair with a result |
 //! | an overlap of two convex bodies | [`Receipt::outcome`] | that they share a point, and bounds of the depth |
 //!
 //! [`Receipt::scene`] writes bodies and a path without a proof. A checker evaluates an older
@@ -51,13 +52,15 @@
 //!
 //! # What has no receipt
 //!
-//! * Bodies that are not convex polyhedra, rounded or not: ellipsoids, superquadrics, compounds,
-//!   meshes, clouds, surfaces and half-spaces. A cylinder or a cone is stated as a polyhedron of 32
-//!   sides around it, which its name says. So a receipt may prove it free, and never in contact;
-//!   where only the corners of the polyhedron are in contact, there is no receipt.
+//! * Ellipsoids, superquadrics, clouds, surfaces and half-spaces. A cylinder or a cone is stated as a
+//!   polyhedron of 32 sides around it, which its name says. So a receipt may prove it free, and never
+//!   in contact; where only the corners of the polyhedron are in contact, there is no receipt.
+//! * Distances and depths of meshes and compounds. Contacts of pieces with different radii: all
+//!   pieces of a compound get the greatest radius, which the name says.
+//! * A mesh that holds another body inside, without contact of their surfaces.
 //! * Tubes, moving obstacles, contacts at the start that are left,
 //!   and motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]).
-//! * Answers of scenes, and undecided answers.
+//! * Undecided answers.
 //!
 //! Each of these is an error that names the body, the pair or the motion.
 //!
@@ -70,6 +73,10 @@
 //!   [`SegmentMotion::pose`](crate::SegmentMotion::pose) rounds differ from it by some units in the
 //!   last place.
 //! * Joints and rotations are those of the space, which are normalised.
+//! * A mesh is stated as its triangles, and a closed one as a solid. A receipt proves that surfaces
+//!   stay apart. It proves that no body is inside the other if the hulls are apart at one time; or
+//!   else a checker says that it did not look at this. A piece of a compound is stated by its vertices
+//!   in the frame of the body, which are rounded.
 //! * Pairs that are excluded, or that keep their relative pose, are listed with the reason. Pairs
 //!   of two bodies that rest are not looked at.
 //!
@@ -81,16 +88,19 @@
 //!
 //! [`Steady::with_acceleration_bounds`]: lin_canny::motion::Steady::with_acceleration_bounds
 
+mod cells;
 mod depth;
 mod error;
 mod evidence;
 mod hull;
 mod number;
 mod pair;
+mod parts;
 mod range;
 mod scene;
 mod segment;
 mod sha256;
+mod step;
 mod taylor;
 
 use core::fmt;
@@ -242,6 +252,14 @@ fn apart(
             Ok(Evidence::Pieces(pieces)) => {
                 let line = |piece: &Piece| piece.line(*pair, keep, [from, until, margin]);
                 lines.extend(pieces.iter().map(line));
+                let is_solid = a.body.is_solid || b.body.is_solid;
+                let is_whole = |piece: &Piece| piece.until > piece.from && piece.cuts.is_empty();
+                if is_solid && !pieces.first().is_some_and(is_whole) {
+                    lines.extend(judge.outside([from, until]).map(|(time, normal)| {
+                        let (normal, [a, b]) = (number::hexes(normal.as_slice()), pair);
+                        format!("{{\"outside\":[{a},{b}],\"at\":\"{}\",\"normal\":{normal}}}", hex(time))
+                    }));
+                }
             }
             Err(missing) => {
                 return Err(ReceiptError::Pair {

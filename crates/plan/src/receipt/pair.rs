@@ -7,6 +7,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use super::depth::depth;
 use super::error::ReceiptError;
 use super::number::{hex, hexes};
+use super::parts::{Group, Groups, near_parts};
 use super::scene::{Body, Scene, SteadyWay, Way, list};
 use super::taylor::pose;
 use super::{Claim, Leg, Receipt, Wanted, apart};
@@ -14,8 +15,11 @@ use crate::extremes::Extremes;
 use crate::tolerance::INSIDE;
 use lin_canny::impact::{Impact, Tolerance, cast_with_certificates};
 use lin_canny::motion::Steady;
-use lin_canny::polyhedron::{ConvexPolyhedron, Feature};
+use lin_canny::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use lin_canny::{ContactState, Geometry, Outcome, PairTracker, RelativePose, Tracker};
+
+/// Most pairs of parts that are tried as the place of a contact.
+const PARTS: usize = 256;
 
 /// Times after a bracket at which a contact is proven if it is not certain at its end, in brackets.
 const LATER: [f64; 10] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 256.0, 1024.0, 4096.0];
@@ -145,18 +149,24 @@ impl Receipt {
             scene.bodies.push(Body::new(name, geometry, Way::Rests(at))?);
         }
         let line = match outcome.state {
-            ContactState::Separated => distance(&scene, b_in_a, outcome),
+            ContactState::Separated => RelativePose::from_isometry(b_in_a)
+                .map_err(|_| missing(&scene, [0, 1], 0.0, "the pose is out of range"))
+                .and_then(|relative| {
+                    let poses = [&poses[0], b_in_a];
+                    distance(&scene, [0, 1], poses, &relative, [outcome.lower, outcome.upper])
+                }),
             _ => meeting(&scene, None, [0, 1], None, 0.0),
         };
         let mut lines = vec![line?];
         // Only if the hulls overlap is the depth that of the hulls, plus the radii.
-        if lines[0].starts_with("{\"meet\"") {
+        let is_convex = scene.bodies.iter().all(|body| body.parts.is_empty());
+        if is_convex && lines[0].starts_with("{\"meet\"") {
             lines.extend(depth(&scene, b_in_a, outcome));
         }
         Ok(Self::of_scene(Claim::Lines, scene, lines))
     }
 
-    fn of_scene(claim: Claim, scene: Scene, evidence: Vec<String>) -> Self {
+    pub(super) fn of_scene(claim: Claim, scene: Scene, evidence: Vec<String>) -> Self {
         Self {
             claim,
             files: Vec::new(),
@@ -167,7 +177,7 @@ impl Receipt {
 }
 
 /// Returns the error of a pair at one time.
-fn missing(scene: &Scene, [a, b]: [usize; 2], time: f64, why: &'static str) -> ReceiptError {
+pub(super) fn missing(scene: &Scene, [a, b]: [usize; 2], time: f64, why: &'static str) -> ReceiptError {
     let [a, b] = [a, b].map(|k| scene.bodies[k].name.clone());
     let (from, until) = (time, time);
     ReceiptError::Pair { a, b, from, until, why }
@@ -212,76 +222,96 @@ pub(super) fn meeting(
         return Err(refused("a polyhedron around a curved body proves no contact"));
     }
     let relative = RelativePose::new(&x, &y).map_err(|_| refused("a pose is out of range"))?;
-    let mut tracker = Tracker::new();
-    let seen = tracker.closest(&first.hull, &second.hull, &relative);
-    let started = [Tracker::new(), tracker];
-    let mut proofs = started
-        .iter()
-        .map(|start| start.overlap_proof(&first.hull, &second.hull, &relative));
-    if let Some(pairs) = proofs.find_map(|proof| proof) {
-        let pairs = pairs.map(|[i, j]| format!("[{},{}]", i.index(), j.index())).join(",");
-        return Ok(format!("{{\"meet\":[{a},{b}]{at},\"points\":[{pairs}]}}"));
+    let (groups, reach) = (
+        [Groups::new(first), Groups::new(second)],
+        kept + first.radius + second.radius,
+    );
+    let (all, mut near) = ([groups[0].all(), groups[1].all()], Vec::new());
+    near_parts(&groups, all, &relative, reach, PARTS, &mut near);
+    for [first, second] in &near {
+        let mut tracker = Tracker::new();
+        tracker.closest(&first.hull, &second.hull, &relative);
+        let started = [Tracker::new(), tracker];
+        let mut proofs = started
+            .iter()
+            .map(|start| start.overlap_proof(&first.hull, &second.hull, &relative));
+        if let Some(pairs) = proofs.find_map(|proof| proof) {
+            let pair = |[i, j]: [VertexId; 2]| format!("[{},{}]", first.points[i.index()], second.points[j.index()]);
+            let pairs = pairs.map(pair).join(",");
+            return Ok(format!("{{\"meet\":[{a},{b}]{at},\"points\":[{pairs}]}}"));
+        }
     }
-    let on = [
-        weights(&first.hull, seen.features.a, &seen.point_on_a),
-        weights(&second.hull, seen.features.b, &seen.point_on_b),
-    ];
-    let points = [mean(&first.hull, &on[0]), mean(&second.hull, &on[1])];
-    let apart = (x * Point3::from(points[0]) - y * Point3::from(points[1])).norm();
-    if !(apart < kept + first.radius + second.radius) {
-        return Err(refused("they touch, and no common point is certain"));
+    for [first, second] in &near {
+        let seen = Tracker::new().closest(&first.hull, &second.hull, &relative);
+        let on = [
+            weights(&first.hull, seen.features.a, &seen.point_on_a),
+            weights(&second.hull, seen.features.b, &seen.point_on_b),
+        ];
+        let points = [mean(&first.hull, &on[0]), mean(&second.hull, &on[1])];
+        if (x * Point3::from(points[0]) - y * Point3::from(points[1])).norm() < reach {
+            let named = |(on, group): (Vec<(usize, f64)>, &Group)| {
+                let on: Vec<_> = on.into_iter().map(|(k, part)| (group.points[k], part)).collect();
+                weights_text(&on)
+            };
+            let [on_a, on_b] = on;
+            let on = [named((on_a, first)), named((on_b, second))].join(",");
+            let within = hex(kept);
+            return Ok(format!(
+                "{{\"near\":[{a},{b}],\"within\":\"{within}\",\"on\":[{on}]{at}}}"
+            ));
+        }
     }
-    let (within, on) = (hex(kept), on.map(|on| weights_text(&on)).join(","));
-    Ok(format!(
-        "{{\"near\":[{a},{b}],\"within\":\"{within}\",\"on\":[{on}]{at}}}"
-    ))
+    Err(refused("they touch, and no common point is certain"))
 }
 
 /// Returns the line of a distance: by the features if they are certainly the closest, or else by a
 /// normal and two points.
-fn distance(scene: &Scene, b_in_a: &Isometry3<f64>, outcome: &Outcome) -> Result<String, ReceiptError> {
-    let refused = |why: &'static str| missing(scene, [0, 1], 0.0, why);
-    let [a, b] = [&scene.bodies[0], &scene.bodies[1]];
+pub(super) fn distance(
+    scene: &Scene,
+    pair: [usize; 2],
+    poses: [&Isometry3<f64>; 2],
+    relative: &RelativePose,
+    bounds: [f64; 2],
+) -> Result<String, ReceiptError> {
+    let refused = |why: &'static str| missing(scene, pair, 0.0, why);
+    let [a, b] = pair.map(|k| &scene.bodies[k]);
     if a.around.or(b.around).is_some() {
         return Err(refused("a polyhedron around a curved body proves no distance"));
     }
-    let relative = RelativePose::from_isometry(b_in_a).map_err(|_| refused("the pose is out of range"))?;
-    let seen = Tracker::new().closest(&a.hull, &b.hull, &relative);
-    if seen.state != ContactState::Separated || !outcome.lower.is_finite() {
+    if !a.parts.is_empty() || !b.parts.is_empty() {
+        return Err(refused("a distance of meshes or compounds has no receipt yet"));
+    }
+    let seen = Tracker::new().closest(&a.hull, &b.hull, relative);
+    if seen.state != ContactState::Separated || !bounds[0].is_finite() {
         return Err(refused("the hulls without their radii are not apart"));
     }
     let on = [
         weights(&a.hull, seen.features.a, &seen.point_on_a),
         weights(&b.hull, seen.features.b, &seen.point_on_b),
     ];
-    let bounds = format!(
-        "\"lower\":\"{}\",\"upper\":\"{}\"",
-        hex(outcome.lower),
-        hex(outcome.upper)
-    );
-    if are_features(scene, b_in_a, &on) {
+    let ([lower, upper], [i, j]) = (bounds.map(hex), pair);
+    let line = format!("{{\"distance\":[{i},{j}],\"lower\":\"{lower}\",\"upper\":\"{upper}\"");
+    if are_features([a, b], poses, &on) {
         let on = on.map(|on| list(&on.iter().map(|x| x.0).collect::<Vec<_>>())).join(",");
-        return Ok(format!("{{\"distance\":[0,1],{bounds},\"on\":[{on}]}}"));
+        return Ok(format!("{line},\"on\":[{on}]}}"));
     }
-    let (normal, on) = (hexes(seen.normal.as_slice()), on.map(|on| weights_text(&on)).join(","));
-    Ok(format!(
-        "{{\"distance\":[0,1],{bounds},\"normal\":{normal},\"on\":[{on}]}}"
-    ))
+    let normal = poses[0].rotation * seen.normal.into_inner();
+    let (normal, on) = (hexes(normal.as_slice()), on.map(|on| weights_text(&on)).join(","));
+    Ok(format!("{line},\"normal\":{normal},\"on\":[{on}]}}"))
 }
 
 /// Returns whether the vertices name features whose closest points are certainly inside them.
-fn are_features(scene: &Scene, b_in_a: &Isometry3<f64>, on: &[Vec<(usize, f64)>; 2]) -> bool {
+fn are_features(bodies: [&Body; 2], poses: [&Isometry3<f64>; 2], on: &[Vec<(usize, f64)>; 2]) -> bool {
     if !on.iter().flatten().all(|x| x.1 > INSIDE) {
         return false;
     }
     let edge = |side: usize| {
-        let points: Vec<Point3<f64>> = scene.bodies[side].hull.vertex_points().collect();
-        let [p, q] = [0, 1].map(|k| points[on[side][k].0]);
-        (q - p).normalize()
+        let [p, q] = [0, 1].map(|k| bodies[side].points[on[side][k].0]);
+        poses[side].rotation * (q - p).normalize()
     };
     match on.each_ref().map(Vec::len) {
         [1, 1..=3] | [2..=3, 1] => true,
-        [2, 2] => edge(0).cross(&(b_in_a.rotation * edge(1))).norm() > INSIDE,
+        [2, 2] => edge(0).cross(&edge(1)).norm() > INSIDE,
         _ => false,
     }
 }

@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use nalgebra::{Isometry3, Translation3, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 use super::error::ReceiptError;
 use super::hull::StatedHull;
 use super::number::{hex, hexes};
+use super::parts::{StatedParts, hull_of};
 use super::taylor::Step;
 use crate::arm::JointKind;
 use crate::space::JointPath;
@@ -19,6 +20,9 @@ use lin_canny::polyhedron::ConvexPolyhedron;
 
 /// Greatest number of vertices of a body.
 const VERTICES: usize = 65_536;
+
+/// Greatest number of parts of a body.
+const PARTS: usize = 1 << 18;
 
 /// Bodies and motions of a receipt.
 #[derive(Clone, Debug, Default)]
@@ -39,10 +43,16 @@ pub(super) struct Ignored {
     pub(super) why: String,
 }
 
-/// A body: the hull of its points, rounded by a radius.
+/// A body: the hull of its points, or the hulls of its parts, rounded by a radius.
 #[derive(Clone, Debug)]
 pub(super) struct Body {
     pub(super) name: String,
+    pub(super) points: Vec<Point3<f64>>,
+    /// The points of each part; none if the body is convex.
+    pub(super) parts: Vec<Vec<usize>>,
+    /// The parts are triangles, and what they enclose belongs to the body.
+    pub(super) is_solid: bool,
+    /// The hull of the points; of a body without parts it has the same points.
     pub(super) hull: Arc<ConvexPolyhedron>,
     pub(super) radius: f64,
     /// What the polyhedron is, if it is larger than the body.
@@ -72,21 +82,57 @@ pub(super) struct SteadyWay {
 
 impl Body {
     pub(super) fn new(name: &str, geometry: &Geometry, way: Way) -> Result<Self, ReceiptError> {
-        let StatedHull { hull, radius, around } = StatedHull::new(geometry).ok_or_else(|| ReceiptError::Body {
+        let refused = || ReceiptError::Body {
             name: name.into(),
             kind: geometry.kind(),
-        })?;
-        let (name, count) = (name.to_string(), hull.vertex_count());
+        };
+        let parts = match geometry {
+            Geometry::Mesh(mesh) => Some(StatedParts::of_mesh(mesh)),
+            Geometry::Compound(compound) => Some(StatedParts::of_compound(compound).ok_or_else(refused)?),
+            _ => None,
+        };
+        let stated = match parts {
+            Some(parts) => parts,
+            None => {
+                let StatedHull { hull, radius, around } = StatedHull::new(geometry).ok_or_else(refused)?;
+                let body = Self {
+                    name: name.into(),
+                    points: hull.vertex_points().collect(),
+                    parts: Vec::new(),
+                    is_solid: false,
+                    hull,
+                    radius,
+                    around,
+                    way,
+                };
+                return body.checked();
+            }
+        };
+        let hull = hull_of(&stated.points).ok_or_else(refused)?;
+        let body = Self {
+            name: name.into(),
+            points: stated.points,
+            parts: stated.parts,
+            is_solid: stated.is_solid,
+            hull: Arc::new(hull),
+            radius: stated.radius,
+            around: stated.around,
+            way,
+        };
+        body.checked()
+    }
+
+    /// Refuses a body with too many points or parts.
+    fn checked(self) -> Result<Self, ReceiptError> {
+        let (name, count) = (self.name.clone(), self.points.len());
         if count > VERTICES {
             return Err(ReceiptError::Vertices { name, count });
         }
-        Ok(Self {
-            name,
-            hull,
-            radius,
-            around,
-            way,
-        })
+        if self.parts.len() > PARTS {
+            let count = self.parts.len();
+            return Err(ReceiptError::Parts { name, count });
+        }
+        Ok(self)
     }
 
     /// Returns the point about which the ball of the body lies, in its frame.
@@ -106,13 +152,18 @@ impl Body {
     }
 
     fn line(&self, number: usize) -> String {
-        let points = self.hull.vertex_points().map(|p| hexes(p.coords.as_slice()));
+        let points = self.points.iter().map(|p| hexes(p.coords.as_slice()));
         let points: Vec<String> = points.collect();
         let mut text = format!(
             "{{\"body\":{number},\"name\":\"{}\",\"points\":[{}]",
             plain(&self.shown()),
             points.join(",")
         );
+        if !self.parts.is_empty() {
+            let parts: Vec<String> = self.parts.iter().map(|part| list(part)).collect();
+            let key = if self.is_solid { "faces" } else { "parts" };
+            text += &format!(",\"{key}\":[{}]", parts.join(","));
+        }
         // Writing to a text never fails.
         if self.radius > 0.0 {
             let _ = write!(text, ",\"radius\":\"{}\"", hex(self.radius));
@@ -282,7 +333,7 @@ impl Scene {
             .iter()
             .for_each(|joint| take(&joint.origin.translation.vector));
         for body in &self.bodies {
-            body.hull.vertex_points().for_each(|p| take(&p.coords));
+            body.points.iter().for_each(|p| take(&p.coords));
             match &body.way {
                 Way::Rests(at) | Way::Link(_, Some(at)) => take(&at.translation.vector),
                 Way::Steady(way) => take(&way.at.translation.vector),

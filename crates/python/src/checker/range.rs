@@ -1,5 +1,6 @@
 //! Proofs over ranges of joints.
 
+use lin_canny_robot::plan::receipt::Receipt;
 use lin_canny_robot::plan::{
     Checker as Loaded, ClearanceWidth, ConfigurationSpace, JointTree, PlanError, RangeAnswer as Answer, RangeOptions,
     RangeVerdict,
@@ -273,6 +274,23 @@ impl Checker {
             checker.prove_pair_with_progress(pair.a, pair.b, &low, &high, &options, &mut |now| watch.look(now))
         })?;
         Ok(self.answer(found))
+    }
+
+    /// Returns the receipt of answers about one range, as a text: see `receipt`.
+    ///
+    /// Pairs that never meet have a proof; all others are listed with the reason.
+    ///
+    /// Parameters
+    /// ----------
+    /// answers : sequence of RangeAnswer
+    ///     Those of `prove_range`, and of `prove_pair` over the same range.
+    /// cells : int
+    ///     The most cells of a pair. A receipt needs more of them than the search.
+    #[pyo3(signature = (answers, *, cells=20_000))]
+    fn receipt_range(&self, py: Python<'_>, answers: Vec<Py<RangeAnswer>>, cells: u64) -> PyResult<String> {
+        let answers: Vec<Answer> = answers.iter().map(|one| one.get().answer.clone()).collect();
+        let written = py.detach(|| Receipt::range(&self.checker, &answers, cells));
+        Ok(written.map_err(plan_error)?.to_string())
     }
 
     /// Goes on with an answer that is open, for as many cells more; see `prove_range`.

@@ -166,7 +166,7 @@ impl Cast {
 }
 
 /// Returns the motion of a body at a constant velocity.
-fn motion(pose: Option<Pose>, velocity: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)>) -> PyResult<Steady> {
+pub(crate) fn motion(pose: Option<Pose>, velocity: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)>) -> PyResult<Steady> {
     let pose = pose.map_or_else(Isometry3::identity, |pose| pose.0);
     let velocity = match velocity {
         Some((linear, angular)) => Velocity::new(vector(&linear, VELOCITY)?, vector(&angular, VELOCITY)?),

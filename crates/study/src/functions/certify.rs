@@ -26,16 +26,16 @@ pub(super) fn fields() -> Fields {
 }
 
 /// Accepts two lists, or the numbers of both ends.
-pub(super) fn argument_types(types: &[DataType], count: usize) -> Result<Vec<DataType>> {
+pub(super) fn argument_types(name: &str, types: &[DataType], count: usize) -> Result<Vec<DataType>> {
     if types.len() != 2 && types.len() != 2 * count {
         return plan_err!(
-            "certify has invalid arguments (expected two lists of {count} numbers, or {} numbers)",
+            "{name} has invalid arguments (expected two lists of {count} numbers, or {} numbers)",
             2 * count
         );
     }
     let (from, to) = types.split_at(types.len() / 2);
-    let mut all = vector_types(from, count, "the start of certify")?;
-    all.extend(vector_types(to, count, "the end of certify")?);
+    let mut all = vector_types(from, count, &format!("the start of {name}"))?;
+    all.extend(vector_types(to, count, &format!("the end of {name}"))?);
     Ok(all)
 }
 

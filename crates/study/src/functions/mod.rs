@@ -5,6 +5,7 @@ mod certify;
 mod certify_curve;
 mod clearance;
 mod prove_pair;
+mod receipt;
 mod separation;
 mod signed_distance;
 
@@ -35,11 +36,12 @@ enum Question {
     Separation,
     SignedDistance,
     ProvePair,
+    Receipt,
     Fault,
 }
 
 impl Question {
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 9] = [
         Self::Clearance,
         Self::IsFree,
         Self::Certify,
@@ -47,6 +49,7 @@ impl Question {
         Self::Separation,
         Self::SignedDistance,
         Self::ProvePair,
+        Self::Receipt,
         Self::Fault,
     ];
 
@@ -59,6 +62,7 @@ impl Question {
             Self::Separation => "separation",
             Self::SignedDistance => "signed_distance",
             Self::ProvePair => "prove_pair",
+            Self::Receipt => "receipt",
             Self::Fault => "configuration_error",
         }
     }
@@ -70,6 +74,7 @@ impl Question {
             Self::Separation => DataType::Struct(separation::fields()),
             Self::SignedDistance => DataType::Struct(signed_distance::fields()),
             Self::ProvePair => DataType::Struct(prove_pair::fields()),
+            Self::Receipt => DataType::Struct(receipt::fields()),
             Self::IsFree => DataType::Boolean,
             Self::Fault => DataType::Utf8,
         }
@@ -115,6 +120,7 @@ impl StudyFunction {
             Question::Separation => separation::answer(study, arguments, rows),
             Question::SignedDistance => signed_distance::answer(study, arguments, rows),
             Question::ProvePair => prove_pair::answer(study, arguments, rows),
+            Question::Receipt => receipt::answer(study, arguments, rows),
             Question::Fault => Ok(faults(study, arguments, rows)),
         }
     }
@@ -172,7 +178,7 @@ impl ScalarUDFImpl for StudyFunction {
                     &format!("{} ({})", self.question.name(), names.join(", ")),
                 )
             }
-            Question::Certify => certify::argument_types(types, count),
+            Question::Certify | Question::Receipt => certify::argument_types(self.question.name(), types, count),
             Question::CertifyCurve => certify_curve::argument_types(types),
             Question::Separation => separation::argument_types(types),
             Question::SignedDistance => signed_distance::argument_types(types),
@@ -194,7 +200,7 @@ impl ScalarUDFImpl for StudyFunction {
 
 impl Study {
     /// Returns the functions `clearance`, `is_free`, `certify`, `certify_curve`, `separation`,
-    /// `signed_distance`, `prove_pair` and `configuration_error`, to be registered with a context or an
+    /// `signed_distance`, `prove_pair`, `receipt` and `configuration_error`, to be registered with a context or an
     /// executor.
     #[must_use]
     pub fn functions(self: &Arc<Self>) -> Vec<Arc<ScalarUDF>> {

@@ -6,6 +6,7 @@ use datafusion::arrow::array::{ArrayRef, Int64Array, RecordBatch, StructArray};
 use datafusion::arrow::buffer::NullBuffer;
 use datafusion::arrow::datatypes::{DataType, Field};
 use lin_canny_plan::Verdict;
+use lin_canny_plan::receipt::Receipt;
 use lin_canny_study::robot::{Cell, RobotFiles};
 use lin_canny_study::sampled::Source;
 use lin_canny_study::{Study, StudyError, StudyOptions, engine, flat};
@@ -209,6 +210,36 @@ fn segments_are_certified_as_by_a_new_checker() {
         seen[usize::from(verdict.is_free())] += 1;
     }
     assert!(seen.iter().all(|&n| n > 20), "{seen:?}");
+}
+
+#[test]
+fn receipts_are_those_of_a_new_checker() {
+    let study = study(StudyOptions::default());
+    let next = "turn + 0.1, lift, elbow - 0.1, roll, bend, twist";
+    let inner = "abs(turn) < 2.5 AND abs(elbow) < 1.9";
+    let text = format!(
+        "SELECT {JOINTS}, turn + 0.1 AS t2, elbow - 0.1 AS e2, receipt({JOINTS}, {next}) AS r FROM configs WHERE {inner}"
+    );
+    let mut seen = [0; 2];
+    for row in values(&asked(&study, 60, &text).expect("rows")) {
+        let bits = |text: &String| f64::from_bits(u64::from_str_radix(text, 16).expect("bits"));
+        let from: Vec<f64> = row[..6].iter().map(bits).collect();
+        let (mut to, mut checker) = (from.clone(), study.setup().checker().expect("a checker"));
+        (to[0], to[2]) = (bits(&row[6]), bits(&row[7]));
+        let (text, error) = match Receipt::segment(&mut checker, &from, &to) {
+            Ok(receipt) => (receipt.to_string(), String::new()),
+            Err(error) => (String::new(), error.to_string()),
+        };
+        seen[usize::from(error.is_empty())] += 1;
+        assert_eq!((&row[8], &row[9]), (&text, &error));
+    }
+    println!("{seen:?} without and with a receipt");
+    assert!(seen[1] > 5, "{seen:?}");
+    fails(
+        &study,
+        "SELECT receipt(1.0) FROM configs",
+        &["receipt has invalid arguments", "12 numbers"],
+    );
 }
 
 #[test]

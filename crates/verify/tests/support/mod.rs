@@ -7,6 +7,8 @@
 mod sha256;
 
 pub(crate) mod changes;
+pub(crate) mod parted;
+pub(crate) mod python;
 pub(crate) mod ranged;
 
 use std::fmt::Write;

@@ -1,0 +1,256 @@
+//! Receipts about meshes and compounds: groups of parts, and bodies that could be inside each other.
+
+use lin_canny::impact::Tolerance;
+use lin_canny::motion::Steady;
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Compound, Geometry, Mesh, Piece, Shape, Velocity};
+use lin_canny_plan::receipt::{Receipt, ReceiptError};
+use lin_canny_plan::{Checker, TranslationSpace, Verdict, World};
+use lin_canny_verify::verify;
+use truth::casts::aimed;
+use truth::rng::Rng;
+
+/// A receipt that must hold: its text and what it proves.
+fn holds(receipt: &Receipt) -> [String; 2] {
+    let text = receipt.to_string();
+    let found = verify(text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    assert!(found.holds(), "{found}\n{text}");
+    [text, found.to_string()]
+}
+
+/// A frame of four bars around a square hole of width 1, in the plane z = 0.
+fn frame() -> Compound {
+    let bar = |x: f64, y: f64, along_x: bool| {
+        let half = if along_x { [1.0, 0.25, 0.25] } else { [0.25, 1.0, 0.25] };
+        let mut piece = Piece::new(solids::cuboid(Vector3::from(half)).expect("a box"));
+        piece.pose = Isometry3::translation(x, y, 0.0);
+        piece
+    };
+    let bars = vec![
+        bar(0.0, 0.75, true),
+        bar(0.0, -0.75, true),
+        bar(0.75, 0.0, false),
+        bar(-0.75, 0.0, false),
+    ];
+    Compound::new(bars).expect("a frame")
+}
+
+/// A rod along z with a radius of about .3.
+fn rod(kind: usize) -> Geometry {
+    let rod = solids::prism(6, 0.8, 0.3).expect("a prism");
+    match kind {
+        0 => rod.into(),
+        1 => Mesh::from_convex(&rod).expect("a mesh").into(),
+        _ => Compound::new(vec![Piece::new(rod)]).expect("a body").into(),
+    }
+}
+
+fn moved(rod: Geometry, around: Geometry) -> Checker<TranslationSpace> {
+    let space = TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
+    let mut world = World::new();
+    world.robot_body("rod", rod);
+    world.obstacle("frame", around, Isometry3::identity());
+    Checker::new(space, world).expect("a world")
+}
+
+fn frames() -> [Geometry; 2] {
+    let mesh = frame().to_mesh().expect("a mesh");
+    [frame().into(), mesh.into()]
+}
+
+const INSIDE: &str = "whether one is inside the other";
+
+#[test]
+fn a_rod_through_a_frame_has_a_receipt() {
+    for around in frames() {
+        for kind in 0..3 {
+            let mut checker = moved(rod(kind), around.clone());
+            // Through the hole, and within it.
+            for (from, inside) in [(-3.0, false), (-0.2, true)] {
+                let (from, to) = ([0.05, 0.0, from], [0.0, 0.05, 0.2]);
+                assert!(checker.certify(&from, &to).expect("a segment").is_free());
+                let receipt = Receipt::segment(&mut checker, &from, &to).expect("a receipt");
+                let [text, said] = holds(&receipt);
+                assert!(text.contains("\"cut\":["), "{text}");
+                assert!(said.contains("1 pair of bodies stays more than 0 apart"), "{said}");
+                let is_solid = text.contains("\"faces\":[");
+                assert_eq!(said.contains(INSIDE), inside && is_solid, "{kind} {said}");
+            }
+        }
+    }
+}
+
+/// From within the hole to a place where the hulls are apart: the way back proves the start.
+#[test]
+fn hulls_that_part_later_prove_that_no_body_is_inside() {
+    let [_, around] = frames();
+    let mut checker = moved(rod(1), around);
+    let receipt = Receipt::segment(&mut checker, &[0.0; 3], &[0.0, 0.0, 3.0]).expect("a receipt");
+    let [text, said] = holds(&receipt);
+    assert!(text.contains("{\"outside\":[0,1],"), "{text}");
+    assert!(!said.contains(INSIDE), "{said}");
+}
+
+/// A small mesh within a hollow one touches no surface: the receipt does not say that it is free.
+#[test]
+fn a_body_inside_a_mesh_is_not_said_to_be_free() {
+    let shell = solids::cuboid(Vector3::repeat(2.0)).expect("a box");
+    let grain =
+        Geometry::from(Mesh::from_convex(&solids::cuboid(Vector3::repeat(0.1)).expect("a box")).expect("a mesh"));
+    let solid = Geometry::from(Mesh::from_convex(&shell).expect("a mesh"));
+    let mut checker = moved(grain.clone(), solid);
+    let verdict = checker.certify(&[0.0; 3], &[0.1, 0.0, 0.0]).expect("a segment");
+    assert!(matches!(verdict, Verdict::Blocked { .. }), "{verdict:?}");
+    let error = Receipt::segment(&mut checker, &[0.0; 3], &[0.1, 0.0, 0.0]).unwrap_err();
+    assert!(matches!(error, ReceiptError::Pair { .. }), "{error}");
+    // Without a wall the box is no solid: its inside is free.
+    let points = [-2.0, 2.0].map(|x| [-2.0, 2.0].map(|y| [-2.0, 2.0].map(|z| Point3::new(x, y, z))));
+    let points: Vec<Point3<f64>> = points.into_iter().flatten().flatten().collect();
+    let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4]];
+    let triangles: Vec<[u32; 3]> = quads
+        .iter()
+        .flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]])
+        .collect();
+    let open = Geometry::from(Mesh::new(&points, &triangles).expect("a mesh"));
+    let mut checker = moved(grain, open);
+    let receipt = Receipt::segment(&mut checker, &[0.0; 3], &[0.1, 0.0, 0.0]).expect("a receipt");
+    let [text, said] = holds(&receipt);
+    assert!(text.contains("\"parts\":[") && text.contains("\"faces\":["), "{text}");
+    assert!(said.contains(INSIDE), "{said}");
+}
+
+#[test]
+fn a_rod_that_hits_a_frame_has_a_receipt() {
+    let mut rng = Rng::new(21);
+    let mut counts = [0; 3];
+    for around in frames() {
+        for k in 0..30 {
+            let mut checker = moved(rod(k % 3), around.clone());
+            let from = [rng.range(-0.2, 0.2), rng.range(-0.2, 0.2), rng.range(-2.0, 0.0)];
+            let most = if k % 2 == 0 { 0.2 } else { 2.0 };
+            let to = [rng.range(-most, most), rng.range(-most, most), rng.range(-1.0, 2.0)];
+            let verdict = checker.certify(&from, &to).expect("a segment");
+            let receipt = match (&verdict, Receipt::segment(&mut checker, &from, &to)) {
+                (Verdict::Undecided { .. }, _) => continue,
+                (_, Ok(receipt)) => receipt,
+                (_, Err(error)) => panic!("{k}: {error} {verdict:?}"),
+            };
+            let [text, _] = holds(&receipt);
+            let meets = text.contains("{\"meet\":[") || text.contains("{\"near\":[");
+            assert_eq!(meets, !verdict.is_free(), "{text}");
+            counts[usize::from(meets)] += 1;
+            counts[2] += usize::from(text.contains("\"cut\":["));
+        }
+    }
+    println!("free, blocked, with cuts: {counts:?}");
+    assert!(counts.iter().all(|count| *count > 5), "{counts:?}");
+}
+
+#[test]
+fn casts_of_frames_that_turn_have_receipts() {
+    let mut rng = Rng::new(22);
+    let (mut counts, mut most) = ([0; 3], 0);
+    let mesh = frame().to_mesh().expect("a mesh");
+    for k in 0..80 {
+        let size = if k % 4 < 2 { 2.0 } else { 0.4 };
+        let throw = aimed(&mut rng, (size, size), 2.0);
+        let [a, b] = throw.motions();
+        let first = Geometry::from(frame());
+        let second = match k % 4 {
+            0 => Geometry::from(mesh.clone()),
+            1 => Geometry::from(frame()),
+            kind => rod(kind - 1),
+        };
+        let named = [("a", &first), ("b", &second)];
+        let margin = if k % 3 == 0 { 0.02 } else { 0.0 };
+        let receipt = Receipt::cast(named, [&a, &b], 0.0..1.0, Tolerance::Distance(1e-6), margin);
+        let receipt = receipt.unwrap_or_else(|error| panic!("{k}: {error}"));
+        let [text, said] = holds(&receipt);
+        assert!(!said.contains(INSIDE), "{said}");
+        most = most.max(receipt.certificates());
+        counts[usize::from(text.contains("{\"meet\":[") || text.contains("{\"near\":["))] += 1;
+        counts[2] += usize::from(text.contains("\"cut\":["));
+    }
+    println!("missed, hit, with cuts: {counts:?}; at most {most} certificates");
+    assert!(counts.iter().all(|count| *count > 5), "{counts:?}");
+}
+
+#[test]
+fn pieces_with_radii_have_the_greatest_one() {
+    let mut ball = Piece::new(Shape::ball(0.2).expect("a ball"));
+    ball.pose = Isometry3::translation(0.0, 0.0, 1.0);
+    let rod = Piece::new(Shape::capsule(0.5, 0.1).expect("a capsule"));
+    let body = Geometry::from(Compound::new(vec![rod, ball]).expect("a body"));
+    let mut checker = moved(body, frame().into());
+    let receipt = Receipt::segment(&mut checker, &[0.0; 3], &[0.1, 0.0, 0.3]).expect("a receipt");
+    let [text, _] = holds(&receipt);
+    assert!(text.contains("\"rod (all pieces with the greatest radius)\""), "{text}");
+    // A body around another proves no contact.
+    let error = Receipt::segment(&mut checker, &[0.0; 3], &[2.0, 0.0, 0.0]).unwrap_err();
+    assert!(matches!(error, ReceiptError::Pair { .. }), "{error}");
+}
+
+/// Sizes and times: run with `--ignored --nocapture`.
+#[test]
+#[ignore = "a measurement: cargo test --release -p lin-canny-plan --test receipts_of_meshes sizes -- --ignored --nocapture"]
+fn sizes_and_times() {
+    for side in [16, 32, 64, 128] {
+        // A body turns and flies along a valley between hills.
+        let step = 2.0 / f64::from(side);
+        let count = side as usize + 1;
+        let at = |k: usize| -1.0 + step * k as f64;
+        let wave = |x: f64, y: f64| 0.2 * (3.0 * x).sin() * (3.0 * y).cos();
+        let points: Vec<Point3<f64>> = (0..count * count)
+            .map(|k| {
+                let (x, y) = (at(k % count), at(k / count));
+                Point3::new(x, y, wave(x, y))
+            })
+            .collect();
+        let corner = |i: usize, j: usize| (j * count + i) as u32;
+        let quads = (0..count - 1).flat_map(|j| (0..count - 1).map(move |i| (i, j)));
+        let triangles: Vec<[u32; 3]> = quads
+            .flat_map(|(i, j)| {
+                let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        let ground = Geometry::from(Mesh::new(&points, &triangles).expect("a mesh"));
+        let gem = Mesh::from_convex(&solids::icosahedron(0.1).expect("a body")).expect("a mesh");
+        let gem = Geometry::from(gem);
+        let start = Isometry3::translation(-0.9, core::f64::consts::FRAC_PI_6, 0.16);
+        let velocity = Velocity::new(Vector3::new(1.8, 0.0, 0.0), Vector3::new(0.5, 1.0, 0.2));
+        let flight = Steady::new(&start, velocity).expect("a motion");
+        let rest = Steady::new(&Isometry3::identity(), Velocity::default()).expect("a pose");
+        let write = || {
+            let named = [("ground", &ground), ("gem", &gem)];
+            Receipt::cast(named, [&rest, &flight], 0.0..1.0, Tolerance::Distance(1e-6), 0.0).expect("a receipt")
+        };
+        let started = std::time::Instant::now();
+        let receipt = write();
+        let written = started.elapsed().as_secs_f64();
+        let [text, _] = holds(&receipt);
+        let timed = (0..5).map(|_| {
+            let started = std::time::Instant::now();
+            assert!(verify(text.as_bytes()).expect("a receipt").holds());
+            started.elapsed().as_secs_f64()
+        });
+        let checked = timed.fold(f64::INFINITY, f64::min);
+        let evidence: usize = text
+            .lines()
+            .filter(|line| line.starts_with("{\"plane\""))
+            .map(str::len)
+            .sum();
+        println!(
+            "{} triangles: {} bytes, evidence {evidence}, {} certificates; written in {:.1} ms, checked in {:.1} ms",
+            triangles.len() + 20,
+            text.len(),
+            receipt.certificates(),
+            written * 1e3,
+            checked * 1e3
+        );
+        if let Ok(folder) = std::env::var("FOLDER") {
+            std::fs::write(format!("{folder}/{side}.jsonl"), text).expect("a file");
+        }
+    }
+}

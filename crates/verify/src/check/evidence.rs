@@ -1,0 +1,156 @@
+//! Evaluates lines of evidence.
+
+use super::Check;
+use crate::Stop;
+use crate::balls::Balls;
+use crate::claim::{AtMoment, Claim};
+use crate::cover::Apart;
+use crate::file::Head;
+use crate::inside::Inside;
+use crate::json::Json;
+use crate::motion::{Span, Stage};
+use crate::plane::Plane;
+use crate::range::InCell;
+use crate::real::{Exact, Real};
+
+fn vector(json: &Json) -> Result<Exact, Stop> {
+    Ok(json.reals::<3>()?.map(Real::exact))
+}
+
+impl Check {
+    /// Returns the sentence of a claim that holds.
+    pub(super) fn moment(&mut self, claim: &impl AtMoment) -> Result<String, Stop> {
+        let rests = claim.moment().time.is_none();
+        let holds = if rests {
+            claim.at_rest(&self.scene)?
+        } else {
+            self.holds(claim)
+        };
+        let text = claim.says(&self.scene);
+        if holds {
+            Ok(text)
+        } else {
+            Stop::fails(format!("{text}: this is not seen"))
+        }
+    }
+
+    /// A certificate of pairs that stay apart.
+    pub(super) fn apart(&mut self, line: &Json, apart: &Apart) -> Result<(), Stop> {
+        let real = |key, default| line.find(key).map_or(Ok(default), Json::real);
+        let span = Span {
+            from: real("from", apart.span.from)?,
+            until: real("until", apart.span.until)?,
+        };
+        let keep = real("keep", apart.margin)?;
+        let (pairs, plane, cuts) = match line.kind() {
+            "plane" => {
+                line.only(&["plane", "normal", "spin", "from", "until", "keep", "cut"])?;
+                let cuts = line.find("cut").map_or(Ok(&[][..]), Json::array)?;
+                let normal = vector(line.get("normal")?)?;
+                let spin = line.find("spin").map(vector).transpose()?;
+                (vec![self.scene.pair(line.get("plane")?)?], Some((normal, spin)), cuts)
+            }
+            _ => {
+                line.only(&["balls", "from", "until", "keep"])?;
+                (self.scene.star(line.get("balls")?)?, None, &[][..])
+            }
+        };
+        if keep < apart.margin {
+            let name = pairs.first().map_or(String::new(), |pair| self.scene.names(*pair));
+            return Stop::fails(format!("{name}: keeps {}, less than the margin", keep.shown()));
+        }
+        let (keep, mut failed) = (keep.exact(), None);
+        for pair in pairs {
+            let parts = self.cover.next(&self.scene, apart, pair, span, cuts)?;
+            let bodies = [pair.0, pair.1].map(|k| &self.scene.bodies[k]);
+            let some = [bodies[0].of_parts(parts[0]), bodies[1].of_parts(parts[1])];
+            let whole = plane.is_none() || some == [None, None];
+            let holds = match plane.clone() {
+                Some((normal, spin)) => self.holds(&Plane {
+                    pair,
+                    some,
+                    span,
+                    keep: keep.clone(),
+                    normal,
+                    spin,
+                }),
+                None => self.holds(&Balls {
+                    pair,
+                    span,
+                    keep: keep.clone(),
+                }),
+            };
+            if !holds && failed.is_none() {
+                failed = Some(pair);
+            }
+            self.inside.add(&self.scene, pair, whole);
+            // The interval counts even so: later certificates are judged by themselves.
+            self.cover.add(apart, pair, span.until);
+        }
+        match failed {
+            None => Ok(()),
+            Some(pair) => {
+                let (names, from) = (self.scene.names(pair), span.from.shown());
+                Stop::fails(format!("{names}, at t = {from}{}", self.of_leg()))
+            }
+        }
+    }
+
+    /// The hulls of two bodies are apart at a time.
+    pub(super) fn outside(&mut self, line: &Json, whole: Span) -> Result<(), Stop> {
+        let plane = Inside::read(&self.scene, whole, line)?;
+        if !self.holds(&plane) {
+            let name = self.scene.names(plane.pair);
+            return Stop::fails(format!("{name}: the hulls are not apart"));
+        }
+        self.inside.add(&self.scene, plane.pair, true);
+        Ok(())
+    }
+
+    /// A plane over a cell of a range.
+    pub(super) fn cell(&mut self, line: &Json) -> Result<(), Stop> {
+        line.only(&["cell", "cut", "link", "normal", "keep"])?;
+        let pair = self.scene.pair(line.get("cell")?)?;
+        let Head::Range(cells) = &mut self.head else {
+            return Ok(());
+        };
+        let (cell, keep) = cells.next(&self.scene, pair, line)?;
+        let (link, normal) = (line.get("link")?.whole()?, line.get("normal")?.reals::<3>()?);
+        if link > self.scene.joints.len() || cell.len() < self.scene.coordinates {
+            return Stop::bad(format!("unknown link {link}, or a coordinate without a range"));
+        }
+        let middle: Vec<f64> = cell
+            .iter()
+            .map(|[low, high]| 0.5 * (low.shown() + high.shown()))
+            .collect();
+        let (normal, keep) = (normal.map(Real::exact), keep.exact());
+        let claim = InCell {
+            pair,
+            cell,
+            link,
+            normal,
+            keep,
+        };
+        if self.holds(&claim) {
+            return Ok(());
+        }
+        Stop::fails(format!("{}, about {middle:?}", self.scene.names(pair)))
+    }
+
+    /// Narrow integers first; wide ones where they do not suffice.
+    fn holds(&mut self, claim: &impl Claim) -> bool {
+        let narrow = self.narrow.as_ref().and_then(|stage| claim.holds(&self.scene, stage));
+        if narrow == Some(true) {
+            return true;
+        }
+        self.report.wide += 1;
+        let leg = self.now();
+        if leg.is_none() && self.scene.coordinates > 0 && !matches!(self.head, Head::Range(_)) {
+            return false;
+        }
+        let wide = self.wide.get_or_init(|| Stage::new(&self.scene, leg));
+        wide.as_ref()
+            .and_then(|stage| claim.holds(&self.scene, stage))
+            .unwrap_or(false)
+    }
+}

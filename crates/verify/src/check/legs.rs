@@ -1,0 +1,66 @@
+//! The legs of a path, one after the other.
+
+use std::cell::OnceCell;
+
+use super::Check;
+use crate::Stop;
+use crate::file::{Head, follows};
+use crate::json::Json;
+use crate::real::Real;
+use crate::scene::Leg;
+
+impl Check {
+    /// Returns the leg that is evaluated.
+    pub(super) fn now(&self) -> Option<&Leg> {
+        match &self.legs {
+            Some(legs) => legs.get(self.count.checked_sub(1)?),
+            None => self.leg.as_ref(),
+        }
+    }
+
+    pub(super) fn start_leg(&mut self, line: &Json) -> Result<(), Stop> {
+        if self.count == 0 && self.report.certificates > 0 {
+            return Stop::bad("evidence before the first leg");
+        }
+        if matches!(self.head, Head::Range(_)) {
+            return Stop::bad("a leg in a claim about configurations");
+        }
+        let leg = Leg::read(line)?;
+        if self.legs.is_none() {
+            follows(&self.scene, self.leg.as_ref(), &leg)?;
+        }
+        let before = if self.count > 0 { self.end_leg() } else { Ok(()) };
+        (self.leg, self.count, self.wide) = (Some(leg), self.count + 1, OnceCell::new());
+        if let Head::Apart(apart) = &self.head {
+            let (from, until) = (apart.span.from, apart.span.until);
+            let whole = from == Real::ZERO && until == Real::ONE;
+            if from < Real::ZERO || until > Real::ONE || self.count > 1 && !whole {
+                return Stop::bad("the interval is not within a leg, or not all of each of several");
+            }
+        }
+        let stage = self.narrow.take();
+        let Some(now) = self.now() else {
+            return Stop::fails("another scene: a leg is missing");
+        };
+        self.narrow = stage.and_then(|mut stage| stage.set(&self.scene.joints, now).map(|()| stage));
+        before
+    }
+
+    pub(super) fn all_legs(&self) -> Result<(), Stop> {
+        match &self.legs {
+            Some(legs) if legs.len() != self.count && self.different.is_none() => {
+                Stop::fails(format!("another scene: {} legs, not {}", legs.len(), self.count))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    pub(super) fn end_leg(&mut self) -> Result<(), Stop> {
+        let cover = std::mem::take(&mut self.cover);
+        match &mut self.head {
+            Head::Apart(_) if self.different.is_none() => cover.end(&self.scene),
+            Head::Range(cells) if self.different.is_none() => cells.end(&self.scene),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! Says what is proven, and what was not looked at.
+
+use super::Check;
+use crate::cover::Apart;
+use crate::file::Head;
+use crate::pairs::needed;
+use crate::real::Real;
+use crate::report::{Failure, Verdict};
+
+impl Check {
+    pub(super) fn verdict(mut self) -> Verdict {
+        match self.head.clone() {
+            Head::Apart(Apart { span, margin }) => {
+                let [from, until] = [span.from, span.until].map(Real::shown);
+                let legs = if self.count > 1 {
+                    format!(" of each of {} legs", self.count)
+                } else {
+                    String::new()
+                };
+                self.tell(margin, &format!("from t = {from} until t = {until}{legs}"));
+            }
+            Head::Range(cells) => {
+                let each = cells
+                    .range
+                    .iter()
+                    .map(|[low, high]| format!("[{}, {}]", low.shown(), high.shown()));
+                let each: Vec<String> = each.collect();
+                self.tell(cells.margin, &format!("at every configuration of {}", each.join(" x ")));
+            }
+            _ => {}
+        }
+        if self.report.proven.is_empty() {
+            let text = "nothing is claimed".into();
+            self.failure.get_or_insert(Failure::new(1, None, false, text));
+        }
+        match self.failure {
+            Some(failure) => Verdict::Fails(failure),
+            None => Verdict::Holds(self.report),
+        }
+    }
+
+    /// Says what a claim of all pairs proves, and what it leaves out.
+    fn tell(&mut self, margin: Real, when: &str) {
+        let (proven, resting) = needed(&self.scene);
+        if proven > 0 {
+            self.tell_proven(margin.shown(), when, proven);
+        }
+        for (pair, why) in &self.scene.ignored {
+            let text = format!("{}: {}", self.scene.names(*pair), self.scene.reasons[*why]);
+            self.report.not_looked_at.push(text);
+        }
+        self.report.not_looked_at.extend(self.inside.not_looked_at(&self.scene));
+        if resting > 0 {
+            self.report
+                .not_looked_at
+                .push(format!("{resting} pairs of bodies that both rest"));
+        }
+    }
+
+    /// Says that so many pairs stay apart, and of which bodies.
+    fn tell_proven(&mut self, margin: f64, when: &str, proven: usize) {
+        let stay = if proven == 1 {
+            "pair of bodies stays"
+        } else {
+            "pairs of bodies stay"
+        };
+        let text = format!("{proven} {stay} more than {margin} apart {when}");
+        self.report.proven.push(text);
+        let names = |moves: bool| {
+            let all: Vec<_> = self
+                .scene
+                .bodies
+                .iter()
+                .filter(|b| b.moves == moves)
+                .map(|b| b.name.as_str())
+                .collect();
+            all.join(", ")
+        };
+        self.report.proven.push(format!(
+            "these are all pairs with a body that moves, but for those listed below; moving: {}; at rest: {}",
+            names(true),
+            names(false)
+        ));
+    }
+}

@@ -1,0 +1,111 @@
+//! A body in fixed point.
+
+use dashu_int::IBig;
+use dashu_ratio::RBig;
+
+use super::step::{Step, Turn};
+use crate::int::Int;
+use crate::points::{Points, Pose};
+use crate::real::{Exact, dot as exact_dot, two_to};
+use crate::scene::{Motion, Steady};
+use crate::taylor::{Taylor, Vector, each, fixed3};
+use crate::turn::root_above;
+
+/// The vertices of a body in fixed point, within `inexact` units.
+pub(crate) struct Solid<I> {
+    pub(crate) points: Vec<[I; 3]>,
+    pub(super) inexact: I,
+    pub(super) most: [I; 3],
+    pub(super) pivot: Vector<I>,
+    /// Radius of the ball around the vertices.
+    pub(super) reach: RBig,
+    /// The middle of the box of the vertices, and the radius of a ball around it that holds them.
+    pub(crate) middle: Vector<I>,
+    pub(crate) round: RBig,
+    /// The steps of the body itself, the one next to the world first.
+    pub(crate) steps: Vec<Step<I>>,
+    pub(crate) link: Option<usize>,
+}
+
+impl<I: Int> Solid<I> {
+    pub(super) fn new(points: &Points, motion: &Motion, scale: i64) -> Option<Self> {
+        let (shift, unit) = (points.exponent - scale + I::P as i64, two_to(-scale));
+        let mut inexact = false;
+        let mut fixed = |x: &IBig| {
+            let size = shift.unsigned_abs() as usize;
+            let whole = if shift < 0 { x >> size } else { x << size };
+            inexact |= shift < 0 && &whole << size != *x;
+            I::of(whole)
+        };
+        let mut all = Vec::new();
+        for p in &points.all {
+            all.push([fixed(&p[0])?, fixed(&p[1])?, fixed(&p[2])?]);
+        }
+        let most = |k: usize| {
+            let sizes = all.iter().map(|p| p[k].size()).collect::<Option<Vec<_>>>()?;
+            sizes.into_iter().max()?.add(&I::small(1))
+        };
+        let scaled = |v: &Exact| v.each_ref().map(|x| x * &unit);
+        let (mut pivot, mut link) = (crate::real::zero(), None);
+        let steps = match motion {
+            Motion::Rest(pose) => vec![Step::place(pose, &unit)?],
+            Motion::Link(on, pose) => {
+                link = Some(*on);
+                vec![Step::place(pose, &unit)?]
+            }
+            Motion::Steady(steady) => {
+                let Steady {
+                    pose,
+                    pivot: about,
+                    linear,
+                    angular,
+                    push,
+                } = &**steady;
+                pivot = scaled(about);
+                let lever: Exact = std::array::from_fn(|k| exact_dot(&pose.rows[k], about));
+                let way = |k: usize| {
+                    [&pose.shift[k] + &lever[k], linear[k].clone(), &push[k] / RBig::from(2)]
+                        .map(|x| x * &unit)
+                        .to_vec()
+                };
+                let inner = Pose {
+                    rows: pose.rows.clone(),
+                    shift: lever.each_ref().map(|x| -x),
+                };
+                let spin = Turn::new(angular, vec![RBig::ZERO, RBig::ONE])?;
+                vec![
+                    Step::Shift([way(0), way(1), way(2)]),
+                    Step::Turn(spin),
+                    Step::place(&inner, &unit)?,
+                ]
+            }
+        };
+        let (most, pivot) = (each(most)?, fixed3(&pivot)?);
+        let reach = root_above(&(points.reach_squared(&points.pivot) * &unit * &unit));
+        let round = root_above(&(points.reach_squared(&points.middle) * &unit * &unit));
+        let middle = fixed3(&points.exact(&points.middle).map(|x| x * &unit))?;
+        Some(Self {
+            middle,
+            round,
+            points: all,
+            inexact: I::small(inexact.into()),
+            most,
+            pivot,
+            reach,
+            steps,
+            link,
+        })
+    }
+
+    /// By how much the height m . x + o of a vertex departs from that of the polynomials, in units of
+    /// 2^-2P.
+    pub(crate) fn off(&self, m: &Vector<I>, o: &Taylor<I>) -> Option<I> {
+        let mut off = o.r.up()?;
+        for (part, most) in m.iter().zip(&self.most) {
+            off = off
+                .add(&part.r.mul(most)?)?
+                .add(&self.inexact.mul(&part.most()?.add(&part.r)?)?)?;
+        }
+        Some(off)
+    }
+}
