@@ -6,10 +6,11 @@
 //!    agree within `64 UNIT L`, the result is proven; the bounds are widened by the error term and
 //!    reported.
 //! 3. **Refine** ([`refine`]), if the bounds disagree: a ladder of solvers, each more precise and
-//!    slower than the last. First both support vertices along the same direction are searched for
-//!    and proven. A walk from a cached pair is restarted from the support vertices. Then the
-//!    minimum-norm solver runs in f64, then in double-double, and then exact arithmetic (`exact`).
-//!    Each solver is judged by its bounds.
+//!    slower than the last. Both support vertices along the same direction are searched for and
+//!    proven. If a vertex touches a face along an axis, integers prove it at once. A walk from a
+//!    cached pair is restarted from the support vertices. Then the minimum-norm solver runs in f64,
+//!    then in double-double, and then exact arithmetic (`exact`). Each solver is judged by its
+//!    bounds.
 //!
 //! The contact state is never guessed. Separated requires a positive lower bound; overlapping
 //! requires a tetrahedron of the Minkowski difference around the origin. If zero lies between the
