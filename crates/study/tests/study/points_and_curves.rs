@@ -14,7 +14,7 @@ use crate::{block_on, scratch, study, values};
 
 const JOINTS: [&str; 6] = ["turn", "lift", "elbow", "roll", "bend", "twist"];
 
-fn bits(text: &String) -> f64 {
+fn bits(text: &str) -> f64 {
     f64::from_bits(u64::from_str_radix(text, 16).expect("bits"))
 }
 
@@ -195,7 +195,7 @@ fn curves(study: &Arc<Study>, count: u64) -> (RecordBatch, Vec<Vec<Vec<f64>>>) {
         (0..4).map(|_| ListBuilder::new(Float64Builder::new())).collect();
     let mut whole = ListBuilder::new(ListBuilder::new(Float64Builder::new()));
     for (row, texts) in at.iter().enumerate() {
-        let q: Vec<f64> = texts.iter().map(bits).collect();
+        let q: Vec<f64> = texts.iter().map(|text| bits(text)).collect();
         let point = |k: usize| -> Vec<f64> {
             let moved = |(j, x): (usize, f64)| {
                 let [low, high] = study.coordinates()[j].limits;
