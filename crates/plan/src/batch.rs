@@ -43,22 +43,23 @@ pub struct NearPairs {
 }
 
 impl NearPairs {
-    fn with_rows(rows: usize, columns: usize, components: usize) -> Self {
-        let entries = rows * columns;
-        Self {
+    fn with_rows(rows: usize, columns: usize, components: usize) -> Result<Self, PlanError> {
+        let entries = rows.saturating_mul(columns);
+        let numbers = entries.saturating_mul(components);
+        Ok(Self {
             columns,
             components,
-            counts: std::vec![0; rows],
-            pairs: std::vec![None; entries],
-            distances: std::vec![f64::INFINITY; entries],
-            lower: std::vec![f64::INFINITY; entries],
-            upper: std::vec![f64::INFINITY; entries],
-            excesses: std::vec![f64::INFINITY; entries],
-            points_a: std::vec![[0.0; 3]; entries],
-            points_b: std::vec![[0.0; 3]; entries],
-            normals: std::vec![[0.0; 3]; entries],
-            gradients: std::vec![0.0; entries * components],
-        }
+            counts: filled(0, rows)?,
+            pairs: filled(None, entries)?,
+            distances: filled(f64::INFINITY, entries)?,
+            lower: filled(f64::INFINITY, entries)?,
+            upper: filled(f64::INFINITY, entries)?,
+            excesses: filled(f64::INFINITY, entries)?,
+            points_a: filled([0.0; 3], entries)?,
+            points_b: filled([0.0; 3], entries)?,
+            normals: filled([0.0; 3], entries)?,
+            gradients: filled(0.0, numbers)?,
+        })
     }
 
     /// Appends the rows of another batch of the same columns and components.
@@ -74,6 +75,17 @@ impl NearPairs {
         self.normals.extend(other.normals);
         self.gradients.extend(other.gradients);
     }
+}
+
+/// Returns a list of equal entries, or an error if it does not fit into memory.
+fn filled<T: Clone>(entry: T, count: usize) -> Result<Vec<T>, PlanError> {
+    let mut all = Vec::new();
+    all.try_reserve_exact(count).map_err(|_| PlanError::Value {
+        what: "number of entries of a batch",
+        value: count as f64,
+    })?;
+    all.resize(count, entry);
+    Ok(all)
 }
 
 impl<C: ConfigurationSpace + Sync> Checker<C> {
@@ -101,7 +113,8 @@ impl<C: ConfigurationSpace + Sync> Checker<C> {
     ///
     /// # Errors
     /// Returns the error of the first configuration that is invalid ([`PlanError::Row`]), and an
-    /// error if the count of numbers is not a multiple of that of a configuration.
+    /// error if the count of numbers is not a multiple of that of a configuration, or if rows times
+    /// columns do not fit into memory.
     pub fn nearest_batch(
         &self,
         configurations: &[f64],
@@ -137,7 +150,7 @@ impl<C: ConfigurationSpace + Sync> Checker<C> {
             });
             first.into_iter().chain(joined).collect()
         });
-        let mut all = NearPairs::with_rows(0, columns, self.space.degrees_of_freedom());
+        let mut all = NearPairs::with_rows(0, columns, self.space.degrees_of_freedom())?;
         for part in parts {
             all.append(part?);
         }
@@ -157,7 +170,7 @@ impl<C: ConfigurationSpace + Sync> Checker<C> {
             checker.set_time(time)?;
         }
         let (length, components) = (self.space.coordinates(), self.space.degrees_of_freedom());
-        let mut all = NearPairs::with_rows(configurations.len() / length, columns, components);
+        let mut all = NearPairs::with_rows(configurations.len() / length, columns, components)?;
         for (row, q) in configurations.chunks(length).enumerate() {
             checker.forget();
             let near = checker.nearest(q, slack).map_err(|error| PlanError::Row {

@@ -134,6 +134,42 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(checker)
     }
 
+    /// Returns another checker of the same robot and world, for example for another thread.
+    ///
+    /// It has the margins, the accepted contacts, the time and the atlas of this checker, and no
+    /// cached state: each answer has the bits of an answer after [`forget`](Self::forget).
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::Isometry3;
+    /// # use lin_canny::Shape;
+    /// # use lin_canny_plan::{Checker, TranslationSpace, World};
+    /// # let mut world = World::new();
+    /// # world.robot_body("drone", Shape::ball(0.1)?);
+    /// # world.obstacle("mast", Shape::ball(0.1)?, Isometry3::identity());
+    /// # let space = TranslationSpace::new([[-4.0, 4.0]; 3], Default::default(), 1)?;
+    /// # let mut checker = Checker::new(space, world)?;
+    /// checker.set_margin(0.5)?;
+    /// let mut other = checker.fork()?;
+    /// assert!(!other.is_free_at(&[0.6, 0.0, 0.0])?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error as [`new`](Self::new) and [`set_time`](Self::set_time) do.
+    pub fn fork(&self) -> Result<Self, PlanError>
+    where
+        C: Clone,
+    {
+        let mut other = Self::new(self.space.clone(), self.world.clone())?;
+        other.start_contact_margin = self.start_contact_margin;
+        if let Some(time) = self.time {
+            other.set_time(time)?;
+        }
+        // The world is the same, so the atlas belongs to it.
+        other.atlas.clone_from(&self.atlas);
+        Ok(other)
+    }
+
     /// Sets the distance that every pair without an explicit margin must keep. Closer counts as
     /// blocked. The default is 0.
     ///

@@ -52,6 +52,7 @@ __all__ = [
     "GeometryError",
     "JointCurve",
     "LinCannyError",
+    "LinkAudit",
     "MeshFile",
     "MotionError",
     "NearPair",
@@ -759,6 +760,33 @@ class RangeAnswer:
     def range(self) -> NDArray[np.float64]: ...
 
 @final
+class LinkAudit:
+    @property
+    def a(self) -> str: ...
+    @property
+    def b(self) -> str: ...
+    @property
+    def verdict(self) -> Literal["never", "always", "both", "open"]: ...
+    @property
+    def coordinates(self) -> list[str]: ...
+    @property
+    def lower(self) -> float: ...
+    @property
+    def upper(self) -> float: ...
+    @property
+    def at(self) -> _Vector: ...
+    @property
+    def contact(self) -> _Vector | None: ...
+    @property
+    def share(self) -> float: ...
+    @property
+    def cells(self) -> int: ...
+    @property
+    def is_flush(self) -> bool: ...
+    @property
+    def answers(self) -> list[RangeAnswer]: ...
+
+@final
 class Atlas:
     @staticmethod
     def load(path: _Path) -> Atlas: ...
@@ -936,6 +964,16 @@ class Checker:
         relative: float | None = None,
         progress: _Progress = None,
     ) -> RangeAnswer: ...
+    def audit(
+        self,
+        *,
+        cells: int = 20_000,
+        width: float | None = None,
+        relative: float | None = None,
+        seconds: float | None = None,
+        resume: Sequence[LinkAudit] | None = None,
+        progress: _Progress = None,
+    ) -> list[LinkAudit]: ...
     def free_boxes(
         self,
         *,

@@ -179,13 +179,27 @@ impl<'a, B: Batch> Queue<'a, '_, B> {
         if let [job] = jobs {
             return self.work(job, until);
         }
+        let jobs: Vec<Mutex<&mut Option<Job<'a, B>>>> = jobs.iter_mut().map(Mutex::new).collect();
+        let work = |job: &Mutex<&mut Option<Job<'a, B>>>| {
+            let mut job = job.lock().unwrap_or_else(PoisonError::into_inner);
+            self.work(&mut job, until)
+        };
         std::thread::scope(|scope| {
-            let spawn = |job| scope.spawn(move || self.work(job, until));
-            let threads: Vec<_> = jobs.iter_mut().map(spawn).collect();
+            let spawn = |job| {
+                let thread = std::thread::Builder::new().spawn_scoped(scope, move || work(job));
+                thread.map_err(|_| job)
+            };
+            let threads: Vec<_> = jobs.iter().map(spawn).collect();
             let mut is_finished = true;
             for thread in threads {
-                let ended = thread.join();
-                is_finished &= ended.map_err(|_| PyRuntimeError::new_err("a thread of the batch panicked"))??;
+                is_finished &= match thread {
+                    Ok(thread) => {
+                        let ended = thread.join();
+                        ended.map_err(|_| PyRuntimeError::new_err("a thread of the batch panicked"))??
+                    }
+                    // The system has no thread left: this one does the work.
+                    Err(job) => work(job)?,
+                };
             }
             Ok(is_finished)
         })

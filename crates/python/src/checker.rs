@@ -2,6 +2,7 @@
 
 mod answers;
 mod atlas;
+mod audit;
 mod batches;
 mod motion_batch;
 mod motions;
@@ -13,6 +14,7 @@ mod world;
 
 pub(crate) use answers::{NearPair, Verdict};
 pub(crate) use atlas::Atlas;
+pub(crate) use audit::LinkAudit;
 pub(crate) use range::RangeAnswer;
 pub(crate) use world::BodyId;
 
@@ -21,8 +23,10 @@ use std::time::Instant;
 
 use lin_canny::Progress;
 use lin_canny_robot::plan::receipt::Receipt;
-use lin_canny_robot::plan::{Checker as Loaded, ConfigurationSpace, JointTree, Path, PlanMethod, PlanOptions, World};
-use lin_canny_robot::{Cell, Setup};
+use lin_canny_robot::plan::{
+    Checker as Loaded, ConfigurationSpace, JointTree, Path, PlanError, PlanMethod, PlanOptions, World,
+};
+use lin_canny_robot::{Cell, Coordinate, Setup};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
@@ -235,7 +239,7 @@ impl Checker {
     ///
     /// Returns None if there is no pair to check.
     fn clearance(&mut self, q: &Bound<'_, PyAny>) -> PyResult<Option<NearPair>> {
-        let found = self.checker.clearance(&configuration(q)?).map_err(plan_error)?;
+        let found = self.checker.clearance(&configuration(q)?).map_err(|e| self.fault(&e))?;
         Ok(found.map(|near| NearPair::new(near, &self.checker)))
     }
 
@@ -243,7 +247,10 @@ impl Checker {
     ///
     /// The closest pair comes first, by true distance; `excess` takes off what it must keep.
     fn nearest(&mut self, q: &Bound<'_, PyAny>, slack: f64) -> PyResult<Vec<NearPair>> {
-        let found = self.checker.nearest(&configuration(q)?, slack).map_err(plan_error)?;
+        let found = self
+            .checker
+            .nearest(&configuration(q)?, slack)
+            .map_err(|e| self.fault(&e))?;
         Ok(found
             .into_iter()
             .map(|near| NearPair::new(near, &self.checker))
@@ -254,7 +261,10 @@ impl Checker {
     ///
     /// A pair within rounding error of contact counts. Margins do not matter.
     fn in_contact(&mut self, q: &Bound<'_, PyAny>) -> PyResult<Vec<Pair>> {
-        let found = self.checker.in_contact(&configuration(q)?).map_err(plan_error)?;
+        let found = self
+            .checker
+            .in_contact(&configuration(q)?)
+            .map_err(|e| self.fault(&e))?;
         Ok(found
             .into_iter()
             .map(|pair| answers::names(&self.checker, pair))
@@ -272,7 +282,7 @@ impl Checker {
             Some(to) => self.checker.is_free(&q, &configuration(to)?),
             None => self.checker.is_free_at(&q),
         }
-        .map_err(plan_error)
+        .map_err(|e| self.fault(&e))
     }
 
     /// Returns the verdict on the straight segment between two configurations, over its whole
@@ -282,7 +292,7 @@ impl Checker {
     fn certify(&mut self, py: Python<'_>, start: &Bound<'_, PyAny>, goal: &Bound<'_, PyAny>) -> PyResult<Verdict> {
         let ends = [configuration(start)?, configuration(goal)?];
         let verdict = py.detach(|| self.checker.certify(&ends[0], &ends[1]));
-        Ok(Verdict::new(0, verdict.map_err(plan_error)?, &self.checker))
+        Ok(Verdict::new(0, verdict.map_err(|e| self.fault(&e))?, &self.checker))
     }
 
     /// Returns the receipt of a path, shape (K, dof), as a text: its proof, which `verify.py` checks.
@@ -308,7 +318,7 @@ impl Checker {
     fn certify_path(&mut self, py: Python<'_>, path: &Bound<'_, PyAny>) -> PyResult<Verdict> {
         let path = self.path(path)?;
         let found = py.detach(|| self.checker.certify_path(&path));
-        let (segment, verdict) = found.map_err(plan_error)?;
+        let (segment, verdict) = found.map_err(|e| self.fault(&e))?;
         Ok(Verdict::new(segment, verdict, &self.checker))
     }
 
@@ -327,7 +337,7 @@ impl Checker {
     ) -> PyResult<(f64, f64, f64, Option<Pair>)> {
         let ends = [configuration(start)?, configuration(goal)?];
         let found = py.detach(|| self.checker.clearance_along(&ends[0], &ends[1], relative));
-        let found = found.map_err(plan_error)?;
+        let found = found.map_err(|e| self.fault(&e))?;
         let pair = found.pair.map(|pair| answers::names(&self.checker, pair));
         Ok((found.lower, found.upper, found.t, pair))
     }
@@ -397,9 +407,14 @@ impl Checker {
         })
     }
 
-    /// Returns a new checker of the same world.
+    /// Returns the error of a call, with the name of the joint that is out of bounds.
+    fn fault(&self, error: &PlanError) -> PyErr {
+        plan_error(named(error, self.setup.coordinates()))
+    }
+
+    /// Returns a new checker of the same world, with the same atlas.
     fn copy(&self) -> PyResult<Loaded<JointTree>> {
-        copy_of(&self.checker)
+        self.checker.fork().map_err(plan_error)
     }
 
     /// Returns the checker of a robot without obstacles.
@@ -432,20 +447,14 @@ impl Checker {
         };
         let found = self.checker.plan_with_progress(start, goal, options, &mut stop);
         Python::attach(|py| watch.finish(py, false))?;
-        match found.map_err(plan_error)?.path {
+        match found.map_err(|e| self.fault(&e))?.path {
             Some(path) => {
                 let short = self.checker.shorten(&path, shorten, options.seed);
-                Ok(Some(short.map_err(plan_error)?))
+                Ok(Some(short.map_err(|e| self.fault(&e))?))
             }
             None => Ok(None),
         }
     }
-}
-
-/// Returns a new checker of the same world.
-fn copy_of(checker: &Loaded<JointTree>) -> PyResult<Loaded<JointTree>> {
-    let (space, world) = (checker.space().clone(), checker.world().clone());
-    checker_of(space, world, checker.start_contact_margin(), checker.time())
 }
 
 fn checker_of(space: JointTree, world: World, margin: Option<f64>, time: Option<f64>) -> PyResult<Loaded<JointTree>> {
@@ -453,6 +462,18 @@ fn checker_of(space: JointTree, world: World, margin: Option<f64>, time: Option<
     checker.set_start_contact_margin(margin).map_err(plan_error)?;
     time.map_or(Ok(()), |time| checker.set_time(time)).map_err(plan_error)?;
     Ok(checker)
+}
+
+/// Returns the text of an error, with the name of the joint that is out of bounds.
+fn named(error: &PlanError, coordinates: &[Coordinate]) -> String {
+    match error {
+        PlanError::Coordinate { index, value } if *index < coordinates.len() => {
+            let Coordinate { name, limits, .. } = &coordinates[*index];
+            let [low, high] = limits;
+            format!("coordinate {index}, {name}, is {value}, outside its limits {low} and {high}")
+        }
+        _ => error.to_string(),
+    }
 }
 
 /// Returns a configuration of an argument of shape (dof,).

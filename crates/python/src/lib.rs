@@ -52,6 +52,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     class::<checker::NearPair>(module)?;
     class::<checker::Verdict>(module)?;
     class::<checker::RangeAnswer>(module)?;
+    class::<checker::LinkAudit>(module)?;
     class::<checker::Atlas>(module)?;
     class::<curve::JointCurve>(module)?;
     class::<trajectory::Trajectory>(module)?;

@@ -29,6 +29,17 @@ def test_boxes_say_what_the_checker_says(checker, tmp_path):
     assert checker.has_atlas
 
 
+def test_batches_answer_by_the_atlas(checker):
+    q = np.random.default_rng(4).uniform(*checker.limits.T, (3000, 2))
+    curves = np.stack([q, np.roll(q, 1, axis=0)], axis=1)[:200]
+    are_free, verdicts = checker.are_free(q), checker.certify_batch(curves)
+    checker.set_atlas(checker.free_boxes(boxes=500))
+    for threads in (1, 3):
+        assert (checker.are_free(q, threads=threads) == are_free).all()
+        assert checker.certify_batch(curves, threads=threads).tobytes() == verdicts.tobytes()
+    assert checker.has_atlas
+
+
 def test_a_change_of_the_world_drops_the_atlas(checker):
     atlas = checker.free_boxes(boxes=50)
     checker.set_atlas(atlas)

@@ -1,5 +1,7 @@
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -258,6 +260,27 @@ def test_ctrl_c_ends_a_batch(threads):
     with pytest.raises(KeyboardInterrupt):
         lc.distances(ring, ring, at, threads=threads)
     assert time.perf_counter() - start < 5
+
+
+FEW_THREADS = """
+import resource, sys
+import numpy as np
+import lin_canny as lc
+box = lc.Geometry.box(1, 1, 1)
+at = np.tile([1.5, 0, 0, 0, 0, 0, 1], (100 * 1024, 1))
+one = lc.distances(box, box, at)
+pages = int(open("/proc/self/statm").read().split()[0])
+# Of 100 stacks of 2 MiB a few fit.
+most = pages * resource.getpagesize() + (60 << 20)
+resource.setrlimit(resource.RLIMIT_AS, (most, most))
+assert np.array_equal(lc.distances(box, box, at, threads=100), one)
+"""
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="needs the memory of the process from /proc")
+def test_a_batch_ends_if_the_system_starts_few_threads():
+    done = subprocess.run([sys.executable, "-c", FEW_THREADS], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 def test_other_threads_run_during_a_batch():

@@ -2,6 +2,7 @@ import math
 import os
 import signal
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -51,6 +52,51 @@ def test_all_pairs_of_a_range(checker):
     assert [(one.a, one.b, one.verdict) for one in found if one.coordinates] == [("bar", "post", "never")]
     assert {(one.a, one.b) for one in found} == set(pairs) and calls[-1][0] <= calls[-1][1]
     assert {one.verdict for one in checker.prove_range()} == {"never", "both"}
+
+
+def test_an_audit_of_all_pairs(checker):
+    found = {(one.a, one.b): one for one in checker.audit(relative=0.1)}
+    # Neither joint moves the base against the post.
+    assert list(found) == [("base", "bar"), ("bar", "post")]
+    both = found["bar", "post"]
+    assert (both.verdict, both.lower, both.share, both.is_flush) == ("both", 0, 0, False)
+    assert both.coordinates == ["lift", "turn"] and clearance_by_hand(both.contact[1]) <= 0
+    assert repr(both) == '<LinkAudit "bar" - "post": both>'
+    [answer] = both.answers
+    alone = checker.prove_pair("bar", "post", relative=0.1)
+    assert answer.verdict == alone.verdict and answer.range.tolist() == checker.limits.tolist()
+    assert found["base", "bar"].cells == sum(one.cells for one in found["base", "bar"].answers)
+
+    checker.move_obstacle("post", ((9, 0, 0), (0, 0, 0, 1)))
+    calls = []
+    far = checker.audit(relative=0.1, progress=lambda *done: calls.append(done))[-1]
+    assert (far.a, far.b, far.verdict, far.contact) == ("bar", "post", "never", None) and calls
+    least = 9 - 0.1 - math.hypot(2, 0.1)
+    assert least * 0.9 - 1e-9 <= far.lower <= least <= far.upper and len(far.at) == 2
+
+
+def test_an_audit_that_is_resumed_or_ends_in_time(checker):
+    part = checker.audit(cells=1)
+    assert part[-1].verdict == "open" and 0 < part[-1].share <= 1
+    whole, end = checker.audit(cells=500), checker.audit(cells=499, resume=part)
+    told = [[(one.a, one.b, one.verdict, one.lower, one.cells) for one in all] for all in (whole, end)]
+    assert told[0] == told[1]
+    began = time.monotonic()
+    late = checker.audit(cells=10**12, width=1e-300, seconds=0.1)
+    assert time.monotonic() - began < 20 and late
+    with pytest.raises(lc.PlanError, match="seconds is -1"):
+        checker.audit(seconds=-1)
+    with pytest.raises(lc.PlanError, match="width and relative"):
+        checker.audit(width=1, relative=0.5)
+    checker.move_obstacle("post", ((9, 0, 0), (0, 0, 0, 1)))
+    with pytest.raises(lc.PlanError, match="does not belong to this checker"):
+        checker.audit(resume=part)
+
+    def stop(*_):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        checker.audit(width=1e-300, cells=10**12, progress=stop)
 
 
 def test_what_cannot_be_proven(checker):

@@ -214,10 +214,11 @@ def test_a_robot_alone_has_no_pair_left(robot):
     ("call", "error", "words"),
     [
         (lambda c: c.clearances(np.zeros((2, 3))), lc.PlanError, r"shape is \(2, 3\) \(expected \(N, 2\)\)"),
-        (lambda c: c.clearances([[0, 0], [0, 4]]), lc.PlanError, "configuration 1: coordinate 1"),
+        (lambda c: c.clearances([[0, 0], [0, 4]]), lc.PlanError, "configuration 1: coordinate 1, turn, is 4, outside its"),
         (lambda c: c.clearance([[0, 0]]), lc.PlanError, r"expected \(dof,\)"),
         (lambda c: c.clearance([0, 0, 0]), lc.PlanError, r"3 numbers \(expected 2\)"),
-        (lambda c: c.certify([0, 0], [0, math.nan]), lc.PlanError, "coordinate 1"),
+        (lambda c: c.certify([0, 0], [0, math.nan]), lc.PlanError, "coordinate 1, turn, is NaN"),
+        (lambda c: c.plan([0, 0], [2, 0]), lc.PlanError, "coordinate 0, lift, is 2, outside its limits 0 and 1"),
         (lambda c: lc.Robot.load("missing.urdf"), lc.FileError, "missing.urdf: cannot be read"),
         (lambda c: lc.Robot.load("x", meshes="soup"), lc.LinCannyError, '"soup"'),
         (lambda c: lc.Checker(c.__getnewargs_ex__()[0][0], exclude=[("bar", "moon")]), lc.PlanError, "moon"),

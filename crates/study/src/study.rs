@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use lin_canny_plan::{Checker, JointTree, PlanError, WorldId};
+use lin_canny_plan::{Atlas, Checker, JointTree, WorldId};
 use lin_canny_robot::{Coordinate, RobotFiles, Setup};
 
 use crate::error::StudyError;
@@ -53,6 +53,8 @@ pub struct Study {
     setup: Setup,
     options: StudyOptions,
     fingerprint: String,
+    /// The checker whose forks answer.
+    first: Checker<JointTree>,
     pool: Mutex<Vec<Checker<JointTree>>>,
     rows: AtomicU64,
 }
@@ -71,17 +73,40 @@ impl Study {
     /// # Errors
     /// Returns an error if no checker can be made, or if a margin is negative or not finite.
     pub fn new(setup: Setup, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
-        let mut study = Self {
+        Self::with_boxes(setup, options, None)
+    }
+
+    /// Returns the study of a robot and a cell that answers by the boxes of an atlas where they
+    /// decide: in `is_free`, `certify` and `certify_curve`.
+    ///
+    /// The atlas must be that of the robot, the cell and the margin ([`Checker::set_atlas`]). Segments
+    /// and curves do not use it if contacts at their start are accepted.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and an error that names what differs if the atlas is another's.
+    pub fn with_atlas(
+        setup: Setup,
+        options: StudyOptions,
+        atlas: impl Into<Arc<Atlas>>,
+    ) -> Result<Arc<Self>, StudyError> {
+        Self::with_boxes(setup, options, Some(atlas.into()))
+    }
+
+    fn with_boxes(setup: Setup, options: StudyOptions, atlas: Option<Arc<Atlas>>) -> Result<Arc<Self>, StudyError> {
+        let mut first = setup.checker()?;
+        first.set_margin(options.margin.unwrap_or(first.margin()))?;
+        first.set_start_contact_margin(options.start_contact_margin)?;
+        if let Some(atlas) = atlas {
+            first.set_atlas(atlas)?;
+        }
+        Ok(Arc::new(Self {
+            fingerprint: fingerprint(&setup, &first, options)?,
             setup,
             options,
-            fingerprint: String::new(),
+            first,
             pool: Mutex::default(),
             rows: AtomicU64::new(0),
-        };
-        let first = study.checker()?;
-        study.fingerprint = fingerprint(&study.setup, &first, options)?;
-        study.put_back(first);
-        Ok(Arc::new(study))
+        }))
     }
 
     /// Returns the coordinates of a configuration: the arguments of the functions, in order.
@@ -102,7 +127,7 @@ impl Study {
         self.options
     }
 
-    /// Returns the fingerprint of robot, cell and options: sixteen hexadecimal digits.
+    /// Returns the fingerprint of robot, cell, options and atlas: sixteen hexadecimal digits.
     ///
     /// Two studies with the same fingerprint return the same result for every row.
     #[must_use]
@@ -124,7 +149,7 @@ impl Study {
         let waiting = self.pool.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut checker = match waiting {
             Some(checker) => checker,
-            None => self.checker()?,
+            None => self.first.fork()?,
         };
         let answer = ask(&mut checker);
         self.put_back(checker);
@@ -138,13 +163,6 @@ impl Study {
     fn put_back(&self, checker: Checker<JointTree>) {
         let mut pool = self.pool.lock().unwrap_or_else(PoisonError::into_inner);
         pool.push(checker);
-    }
-
-    fn checker(&self) -> Result<Checker<JointTree>, PlanError> {
-        let mut checker = self.setup.checker()?;
-        checker.set_margin(self.options.margin.unwrap_or(checker.margin()))?;
-        checker.set_start_contact_margin(self.options.start_contact_margin)?;
-        Ok(checker)
     }
 }
 
@@ -164,6 +182,10 @@ fn fingerprint(setup: &Setup, checker: &Checker<JointTree>, options: StudyOption
     hasher.update(space.as_bytes()).update(&[0xff]);
     // The whole world: bodies, frames, excluded pairs, margins and paddings.
     serde_json::to_writer(&mut hasher, checker.world())?;
+    if let Some(atlas) = checker.atlas() {
+        hasher.update(&[0xff]);
+        serde_json::to_writer(&mut hasher, &**atlas)?;
+    }
     Ok(hasher.finalize().to_hex()[..16].to_owned())
 }
 
@@ -176,6 +198,8 @@ pub(crate) fn bodies_called(checker: &Checker<JointTree>, name: &str) -> Vec<Wor
 
 #[cfg(test)]
 mod tests {
+    use lin_canny_plan::{AtlasOptions, PlanError};
+
     use super::*;
 
     #[test]
@@ -187,6 +211,10 @@ mod tests {
             change(&mut checker).expect("a change");
             fingerprint(&setup, &checker, StudyOptions::default()).expect("a fingerprint")
         };
+        let boxes = |checker: &mut Checker<JointTree>, count| {
+            let atlas = checker.free_boxes(&AtlasOptions::default().boxes(count))?;
+            checker.set_atlas(atlas)
+        };
         let all = [
             of(&|_| Ok(())),
             of(&|c| c.set_pair_margin("base", "gripper", Some(0.01)).map(|_| ())),
@@ -195,6 +223,8 @@ mod tests {
             of(&|c| c.pad("gripper", 0.01).map(|_| ())),
             of(&|c| c.exclude("base", "gripper").map(|_| ())),
             of(&|c| c.set_margin(0.01)),
+            of(&|c| boxes(c, 1)),
+            of(&|c| boxes(c, 2)),
         ];
         let different: std::collections::BTreeSet<_> = all.iter().collect();
         assert_eq!(different.len(), all.len(), "{all:?}");

@@ -200,20 +200,19 @@ impl Atlas {
     }
 
     fn verdict_below(&self, mut node: usize, q: &[f64]) -> Option<AtlasVerdict> {
+        // The upper halves of the faces on which the configuration is: it belongs to both halves.
+        let mut others = Vec::new();
         loop {
             match self.nodes[node] {
                 Node::Halved { coordinate, half, at } => {
                     let (x, half) = (q[usize::from(coordinate)], half as usize);
-                    // A configuration on the face between two boxes belongs to both.
-                    if x == at
-                        && let Some(found) = self.verdict_below(half, q)
-                    {
-                        return Some(found);
+                    if x == at {
+                        others.push(half + 1);
                     }
-                    node = half + usize::from(x >= at);
+                    node = half + usize::from(x > at);
                 }
                 Node::Proven(verdict) => return Some(verdict),
-                Node::Waiting | Node::Stuck => return None,
+                Node::Waiting | Node::Stuck => node = others.pop()?,
             }
         }
     }

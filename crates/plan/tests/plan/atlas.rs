@@ -343,6 +343,44 @@ fn a_clock_that_moves_an_obstacle_drops_the_atlas() {
 }
 
 #[test]
+fn a_fork_has_the_atlas_and_gives_the_same_answers() {
+    let mut checker = random_checker(1, 40);
+    let atlas = checker
+        .free_boxes(&AtlasOptions::default().boxes(200))
+        .expect("an atlas");
+    checker.set_atlas(atlas.clone()).expect("the atlas");
+    checker.set_start_contact_margin(Some(0.01)).expect("a margin");
+    let mut fork = checker.fork().expect("a fork");
+    assert_eq!((fork.time(), fork.start_contact_margin()), (Some(0.3), Some(0.01)));
+    assert!(fork.atlas().is_some_and(|own| **own == atlas));
+    let mut rng = Rng::new(8);
+    for _ in 0..200 {
+        let q = at(&mut rng, atlas.range());
+        let both = [&mut checker, &mut fork].map(|one| one.is_free_at(&q).expect("a configuration"));
+        assert_eq!(both[0], both[1], "{q:?}");
+    }
+}
+
+#[test]
+fn a_configuration_on_faces_is_in_all_boxes_around_it() {
+    let mut checker = block(3);
+    let atlas = checker
+        .free_boxes(&AtlasOptions::default().boxes(3_000))
+        .expect("an atlas");
+    let boxes: Vec<AtlasBox> = atlas.boxes().collect();
+    let mut corners = 0;
+    for one in boxes.iter().filter(|one| one.verdict.is_some()) {
+        let q: Vec<f64> = (0..3)
+            .map(|k| if corners >> k & 1 == 0 { one.low[k] } else { one.high[k] })
+            .collect();
+        corners += 1;
+        // The verdicts of closed boxes agree where they meet.
+        assert_eq!(atlas.verdict_at(&q), one.verdict, "{one:?}");
+    }
+    assert!(corners > 100);
+}
+
+#[test]
 fn contacts_at_the_start_and_tubes_do_not_use_the_atlas() {
     let mut checker = block(2);
     let atlas = checker

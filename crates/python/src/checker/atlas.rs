@@ -147,9 +147,10 @@ impl Checker {
 
     /// Answers by the boxes of an atlas from now on, where they decide; None drops them.
     ///
-    /// Verdicts stay. `is_free` and `certify` take less time where a box decides; plans of six joints do
-    /// not. Any change of the world drops the atlas: see `has_atlas`. An atlas of another robot or world is a PlanError that names what
-    /// differs. Batches do not use it.
+    /// Verdicts stay. `is_free`, `certify`, `are_free` and `certify_batch` take less time where a box
+    /// decides; plans of six joints do not. Any change of the world drops the atlas: see
+    /// `has_atlas`. An atlas of another robot or world is a PlanError that names what differs. Calls
+    /// that return distances do not use it, and a pickled checker has none.
     fn set_atlas(&mut self, atlas: Option<&Bound<'_, Atlas>>) -> PyResult<()> {
         match atlas {
             Some(atlas) => self.checker.set_atlas(atlas.get().0.clone()).map_err(plan_error),

@@ -1,10 +1,11 @@
 //! Many configurations.
 
+use lin_canny_robot::Coordinate;
 use lin_canny_robot::plan::{Checker as Loaded, JointTree, NearPairs, PlanError, WorldId, WorldPair};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 
-use super::{CONFIGURATIONS, Checker, configurations, copy_of};
+use super::{CONFIGURATIONS, Checker, configurations, named};
 use crate::array::{contiguous, filled, of_triples, structured};
 use crate::batch::{BLOCK, Batch, Run};
 use crate::errors::plan_error;
@@ -21,6 +22,7 @@ const NO_PAIR: Row = [f64::INFINITY, f64::INFINITY, f64::INFINITY, -1.0, -1.0];
 /// Configurations row by row, for checkers of one world.
 struct Configurations<'a> {
     checker: &'a Loaded<JointTree>,
+    coordinates: &'a [Coordinate],
     numbers: Numbers,
     rows: Vec<&'a [f64]>,
 }
@@ -41,7 +43,9 @@ impl Numbers {
 
 impl Configurations<'_> {
     fn clearance(&self, checker: &mut Loaded<JointTree>, k: usize) -> PyResult<Row> {
-        let found = checker.clearance(self.rows[k]).map_err(|e| fault(k, &e))?;
+        let found = checker
+            .clearance(self.rows[k])
+            .map_err(|e| fault(k, &e, self.coordinates))?;
         Ok(found.map_or(NO_PAIR, |near| {
             let [a, b] = [near.pair.a, near.pair.b].map(|id| f64::from(self.numbers.of(id)));
             [near.distance, near.lower, near.upper, a, b]
@@ -50,8 +54,8 @@ impl Configurations<'_> {
 }
 
 #[cold]
-fn fault(k: usize, error: &dyn std::fmt::Display) -> PyErr {
-    plan_error(format!("configuration {k}: {error}"))
+fn fault(k: usize, error: &PlanError, coordinates: &[Coordinate]) -> PyErr {
+    plan_error(format!("configuration {k}: {}", named(error, coordinates)))
 }
 
 /// The clearance of each configuration.
@@ -63,7 +67,7 @@ impl Batch for Clearances<'_> {
     const LOOK: usize = LOOK;
 
     fn start(&self) -> PyResult<Self::State> {
-        copy_of(self.0.checker)
+        self.0.checker.fork().map_err(plan_error)
     }
 
     fn answer(&self, checker: &mut Self::State, first: usize, rows: &mut [Row]) -> PyResult<()> {
@@ -83,12 +87,14 @@ impl Batch for Free<'_> {
     const LOOK: usize = LOOK;
 
     fn start(&self) -> PyResult<Self::State> {
-        copy_of(self.0.checker)
+        self.0.checker.fork().map_err(plan_error)
     }
 
     fn answer(&self, checker: &mut Self::State, first: usize, rows: &mut [bool]) -> PyResult<()> {
         for (k, to) in (first..).zip(rows) {
-            *to = checker.is_free_at(self.0.rows[k]).map_err(|e| fault(k, &e))?;
+            *to = checker
+                .is_free_at(self.0.rows[k])
+                .map_err(|e| fault(k, &e, self.0.coordinates))?;
         }
         Ok(())
     }
@@ -98,6 +104,7 @@ impl Checker {
     fn batch<'a>(&'a self, array: &'a PyReadonlyArrayDyn<'_, f64>) -> PyResult<Configurations<'a>> {
         Ok(Configurations {
             checker: &self.checker,
+            coordinates: self.setup.coordinates(),
             numbers: Numbers::new(&self.checker),
             rows: configurations(array, self.setup.coordinates().len())?.collect(),
         })
@@ -184,7 +191,7 @@ impl Checker {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let array = contiguous::<f64>(q, CONFIGURATIONS)?;
-        let (dof, checker) = (self.dof(), &self.checker);
+        let (dof, checker, coordinates) = (self.dof(), &self.checker, self.setup.coordinates());
         let rows = configurations(&array, dof)?.len();
         let run = Run::new(py, rows, threads, progress)?;
         let numbers = array.as_slice()?;
@@ -192,7 +199,7 @@ impl Checker {
             let values = &numbers[part.start * dof..part.end * dof];
             let found = checker.nearest_batch(values, k, slack, threads);
             found.map_err(|error| match error {
-                PlanError::Row { row, error } => fault(part.start + row, &error),
+                PlanError::Row { row, error } => fault(part.start + row, &error, coordinates),
                 error => plan_error(error),
             })
         })?;
@@ -207,7 +214,7 @@ impl Checker {
         let batch = self.batch(&array)?;
         py.detach(|| {
             let start = cpu_time::ThreadTime::now();
-            let mut checker = copy_of(batch.checker)?;
+            let mut checker = batch.checker.fork().map_err(plan_error)?;
             let rows: PyResult<Vec<Row>> = (0..batch.rows.len())
                 .map(|k| batch.clearance(&mut checker, k))
                 .collect();

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 use super::answers::{self, Pair, Verdict};
 use super::batches::Numbers;
-use super::{Checker, configuration};
+use super::{Checker, configuration, named};
 use crate::array::{Argument, contiguous, filled, is_number, of_triples, shape_text, table};
 use crate::batch::Run;
 use crate::curve::{JointCurve, curve_of, curves_of};
@@ -145,7 +145,7 @@ impl Checker {
             value,
         } = *error
         else {
-            return plan_error(format!("{what}: {error}"));
+            return plan_error(format!("{what}: {}", named(error, self.coordinate_list())));
         };
         let Coordinate { name, limits, .. } = &self.coordinate_list()[coordinate];
         let ([low, high], at) = (limits, at(time));
@@ -371,7 +371,7 @@ impl Checker {
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
         let ends = [configuration(start)?, configuration(goal)?];
         let found = py.detach(|| self.checker.prove(&ends[0], &ends[1]));
-        let found = found.map_err(plan_error)?;
+        let found = found.map_err(|e| self.fault(&e))?;
         found.map(|proofs| self.certificates(py, &proofs)).transpose()
     }
 

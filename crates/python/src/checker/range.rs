@@ -131,7 +131,7 @@ impl RangeAnswer {
 }
 
 /// Returns how far a proof goes.
-fn options(cells: u64, width: Option<f64>, relative: Option<f64>) -> PyResult<RangeOptions> {
+pub(super) fn options(cells: u64, width: Option<f64>, relative: Option<f64>) -> PyResult<RangeOptions> {
     let options = RangeOptions::default().cells(cells);
     let width = match (width, relative) {
         (None, None) => return Ok(options),
@@ -145,7 +145,7 @@ fn options(cells: u64, width: Option<f64>, relative: Option<f64>) -> PyResult<Ra
 }
 
 impl Checker {
-    fn answer(&self, answer: Answer) -> RangeAnswer {
+    pub(super) fn answer(&self, answer: Answer) -> RangeAnswer {
         let coordinates = self.coordinate_list();
         let each = answer.coordinates.iter().map(|k| coordinates[*k].name.clone());
         RangeAnswer {

@@ -5,7 +5,7 @@ use lin_canny_robot::{Coordinate, Trajectory as Timed};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::Checker;
+use super::{Checker, named};
 use crate::array::Argument;
 use crate::errors::plan_error;
 use crate::trajectory::Trajectory;
@@ -72,7 +72,7 @@ impl Checker {
             PlanError::Unproven { segment } => plan_error(format!(
                 "path: the segment from row {segment} is not proven free (see certify_path)"
             )),
-            _ => plan_error(format!("path: {error}")),
+            _ => plan_error(format!("path: {}", named(error, self.coordinate_list()))),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use lin_canny_robot::RobotRecorder;
 use pyo3::prelude::*;
 
-use super::{CONFIGURATIONS, Checker, configurations};
+use super::{CONFIGURATIONS, Checker, configurations, named};
 use crate::array::{Argument, contiguous, numbers};
 use crate::errors::{file_error, plan_error};
 use crate::geometry::Geometry;
@@ -86,7 +86,8 @@ impl Checker {
             if let Some(times) = &times {
                 self.checker.set_time(times[k]).map_err(|e| fault(&e))?;
             }
-            let near = self.checker.clearance(q).map_err(|e| fault(&e))?;
+            let near = self.checker.clearance(q);
+            let near = near.map_err(|e| fault(&named(&e, self.coordinate_list())))?;
             let near = near.ok_or_else(|| fault(&"no pair is checked"))?;
             let place = match &times {
                 Some(times) => format!("time {}", times[k]),

@@ -346,7 +346,7 @@ impl Checker {
     /// body: a BodyId, or a name that stands for one body.
     fn pose<'py>(&self, py: Python<'py>, body: Bodies, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let pose = self.checker.pose(self.one_body(&body)?, &configuration(q)?);
-        matrix_of_pose(py, &pose.map_err(plan_error)?)
+        matrix_of_pose(py, &pose.map_err(|e| self.fault(&e))?)
     }
 
     /// Returns the pose of a link in the world at a configuration, shape (4, 4): the frame of
@@ -358,6 +358,6 @@ impl Checker {
         q: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let pose = self.checker.link_pose(link, &configuration(q)?);
-        matrix_of_pose(py, &pose.map_err(plan_error)?)
+        matrix_of_pose(py, &pose.map_err(|e| self.fault(&e))?)
     }
 }
