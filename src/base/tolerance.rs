@@ -356,7 +356,7 @@ pub(crate) const BOX: f64 = 32.0 * UNIT;
 /// Outward rounding of a posed box about the box of a body, in units of the sum of the body's
 /// farthest coordinates and of the distance of its middle: the matrix errs by at most 20 UNIT a
 /// row, products and sums by 8, and the coordinates of the corners, which may be those of placed
-/// pieces (16 UNIT for a rotation and a sum), are right up to that.
+/// pieces (32 UNIT for a rotation and a sum), are right up to that.
 pub(crate) const BOX_TURNED: f64 = 64.0 * UNIT;
 
 /// Outward rounding of a box found by a scan in f32, in units of the radius: one rounding of each
@@ -702,13 +702,15 @@ pub(crate) const PARALLEL_SIDES: f64 = (128.0 * UNIT_SINGLE) * (128.0 * UNIT_SIN
 pub(crate) const SLAB_HEIGHT: f64 = 12.0 * UNIT;
 
 /// How far a vertex of a placed piece may be off its place, in units of its distance from the
-/// origin of the piece plus the length of the translation. The quaternion is normalised: its
-/// squared norm differs from one by 8 UNIT (four squares and three sums, half of it by the root,
-/// and the quotient), which turns and stretches the rotated vector by up to twice that, 16 UNIT.
+/// origin of the piece plus the length of the translation. A quaternion that is divided by its norm
+/// has a squared norm that differs from one by 8 UNIT (four squares and three sums, half of it by
+/// the root, and the quotient), and by 12 as computed. One that does not differ by more as computed
+/// is taken as it is, and differs by 16 UNIT. This turns and stretches the rotated vector by up to
+/// twice that, 32 UNIT.
 /// The vector is `v + 2 w (q x v) + 2 q x (q x v)`: a cross product errs by `2 sqrt(2)` UNIT of the
 /// product of the lengths, so the first by 5.7 UNIT with the factor, the second, of a vector up to
 /// `2 |v|`, by as much of its own and of the first one's error, the product with w by 2, and the
-/// sums of terms up to `2 |v|` by 7: 26.1 UNIT. The translation adds UNIT of the sum. Sum: 43.1.
+/// sums of terms up to `2 |v|` by 7: 26.1 UNIT. The translation adds UNIT of the sum. Sum: 59.1.
 pub(crate) const PLACED: f64 = 64.0 * UNIT;
 
 /// Largest shortfall of a gap in f64 below the distance, in units of L, at which a pair of nodes or

@@ -135,6 +135,10 @@ pub struct Compound {
     fingerprint: Fingerprint,
 }
 
+/// Largest difference between one and the squared norm, as computed, of a rotation that is already
+/// normalised. See [`PLACED`](crate::base::tolerance::PLACED).
+const NORMALIZED: f64 = 12.0 * UNIT;
+
 impl Compound {
     /// Builds a compound from pieces.
     ///
@@ -149,7 +153,7 @@ impl Compound {
         let mut points = Vec::new();
         let mut corners: Vec<Vec<u32>> = Vec::new();
         for (k, piece) in pieces.iter_mut().enumerate() {
-            piece.pose.rotation = UnitQuaternion::new_normalize(piece.pose.rotation.into_inner());
+            piece.pose.rotation = normalized(piece.pose.rotation);
             let first = points.len();
             extend_by_hull(&mut points, &piece.shape);
             let placed = &mut points[first..];
@@ -471,6 +475,15 @@ pub(super) fn inner_points(shape: &Shape) -> [Point3<f64>; 2] {
     [Point3::from(middle), vertex]
 }
 
+/// Returns a rotation of unit length. If it is normalised again, it is the same bit for bit, so a
+/// stored compound is read as it was.
+fn normalized(rotation: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+    if (rotation.norm_squared() - 1.0).abs() <= NORMALIZED {
+        return rotation;
+    }
+    UnitQuaternion::new_normalize(rotation.into_inner())
+}
+
 /// Adds points whose hull contains a shape.
 ///
 /// These are the vertices of a polyhedron, and the corners of a box for any other shape.
@@ -780,5 +793,23 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
             }
         }
         m
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Rng;
+
+    #[test]
+    fn a_normalized_rotation_stays_as_it_is() {
+        let mut rng = Rng::new(9);
+        for _ in 0..100_000 {
+            let [x, y, z, w] = [1.0, 1e-3, 1.0, 1e3].map(|most| rng.range(-most, most));
+            let given = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
+            let once = normalized(given);
+            assert!((once.norm_squared() - 1.0).abs() <= NORMALIZED, "{given}");
+            assert_eq!(normalized(once), once, "{given}");
+        }
     }
 }

@@ -82,7 +82,7 @@ fn stored_atlases_of_random_bytes_are_atlases_or_errors() {
     use truth::driven::atlases;
 
     let (mut rng, mut tally) = (Rng::new(1), atlases::Tally::default());
-    for k in 0..3_000 {
+    for k in 0..4_000 {
         let bytes: Vec<u8> = (0..1 + k % 120).map(|_| rng.bits() as u8).collect();
         tally.add(&atlases::drive(&bytes));
     }
