@@ -29,6 +29,10 @@ use crate::pair::outcome::{ContactState, Solver};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 
+/// Largest number of edges of a face that are tested one by one, at 33 ns each. The general search
+/// bisects, and is as fast at 600 edges.
+const MOST_EDGES: usize = 512;
+
 /// Proves that a vertex touches a face at the features of the draft. Returns false, and leaves the
 /// draft unchanged, if there is no such vertex.
 pub(crate) fn touches(posed: &PosedPair, draft: &mut Draft) -> bool {
@@ -80,8 +84,8 @@ struct Flush<'a> {
 }
 
 impl<'a> Flush<'a> {
-    /// Returns `None` if the normal of the face is no axis of A's frame, or if f64 is certain that
-    /// the vertex is not in the face.
+    /// Returns `None` if the normal of the face is no axis of A's frame, if the face is large, or if
+    /// f64 is certain that the vertex is not in the face.
     fn new(posed: &'a PosedPair<'a>, of: Operand, face: FaceId, vertex: VertexId) -> Option<Self> {
         let k = vertex.index();
         let (outward, normal, at) = match of {
@@ -105,7 +109,9 @@ impl<'a> Flush<'a> {
             at,
         };
         let is_axis = normal.iter().filter(|x| **x == 0.0).count() == 2;
-        (is_axis && flush.is_near() && flush.containing(|_| 1).is_some()).then_some(flush)
+        let ring = flush.body().0.topology.ring(face);
+        let is_small = ring.is_none_or(|ring| ring.len() <= MOST_EDGES);
+        (is_axis && is_small && flush.is_near() && flush.containing(|_| 1).is_some()).then_some(flush)
     }
 
     /// Returns the body of the face, and a vertex of the face.
