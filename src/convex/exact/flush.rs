@@ -84,8 +84,8 @@ struct Flush<'a> {
 }
 
 impl<'a> Flush<'a> {
-    /// Returns `None` if the normal of the face is no axis of A's frame, if the face is large, or if
-    /// f64 is certain that the vertex is not in the face.
+    /// Returns `None` if the normal of the face is no axis of A's frame, if the face is large, or
+    /// if f64 is certain that the vertex is not in the face.
     fn new(posed: &'a PosedPair<'a>, of: Operand, face: FaceId, vertex: VertexId) -> Option<Self> {
         let k = vertex.index();
         let (outward, normal, at) = match of {
