@@ -191,9 +191,9 @@ fn pieces_with_radii_have_the_greatest_one() {
     assert!(matches!(error, ReceiptError::Pair { .. }), "{error}");
 }
 
-/// Sizes and times: run with `--ignored --nocapture`.
+/// The rows of the table of meshes below "Receipts" in BENCHMARKS.
 #[test]
-#[ignore = "a measurement: cargo test --release -p lin-canny-plan --test receipts_of_meshes sizes -- --ignored --nocapture"]
+#[ignore = "a measurement: cargo test -p lin-canny-plan --all-features --test receipts_of_meshes sizes -- --ignored --nocapture"]
 fn sizes_and_times() {
     for side in [16, 32, 64, 128] {
         // A body turns and flies along a valley between hills.

@@ -65,6 +65,10 @@ impl PairJudge<'_> {
         if let [Some(x), Some(y)] = &groups {
             let most = HALVINGS[usize::from(!is_cut(0) && !is_cut(1))];
             while let Some((end, proof)) = self.reached([x, y], [at, until], most) {
+                if pieces.len() == PIECES {
+                    let why = "it takes more than 20000 planes";
+                    return Err(Missing { from: at, until, why });
+                }
                 pieces.push(Piece {
                     from: at,
                     until: end,
@@ -89,10 +93,6 @@ impl PairJudge<'_> {
             [true, true] => usize::from(size(1) > size(0)),
             [first, _] => usize::from(!first),
         };
-        if pieces.len() > PIECES {
-            let why = "it takes more than 20000 planes";
-            return Err(Missing { from: at, until, why });
-        }
         let middle = half(ranges[side]);
         cuts.push([side, middle]);
         let [mut lower, mut upper] = [ranges; 2];
