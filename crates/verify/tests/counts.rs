@@ -9,9 +9,9 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use lin_canny_verify::{Verdict, verify};
-use support::changes::{CHANGES, change, make};
+use support::changes::{CHANGES, change};
 use support::parted::{PART_CHANGES, Parted};
-use support::ranged::ranged;
+use support::ranged::{ranged, small_ranged};
 use support::*;
 
 const KINDS: [&str; 9] = [
@@ -26,6 +26,56 @@ const KINDS: [&str; 9] = [
     "parts",
 ];
 
+/// One of so many receipts of an arm is of the one with four joints, the others of a lever.
+const LARGE: usize = 16;
+
+/// One of so many receipts is at the limit of what its evidence proves.
+const HARD: usize = 4;
+
+/// Returns about the greatest number from a start on that a test accepts.
+fn limit(start: f64, mut accepts: impl FnMut(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (start, start + 0.5);
+    for _ in 0..12 {
+        let middle = 0.5 * (low + high);
+        *(if accepts(middle) { &mut low } else { &mut high }) = middle;
+    }
+    low
+}
+
+/// Raises the margin to about the greatest one that the evidence proves.
+fn harden(receipt: &mut Receipt) {
+    let Some([_, _, start]) = receipt.apart else { return };
+    let set = |receipt: &mut Receipt, margin: f64| {
+        receipt.apart.as_mut().unwrap()[2] = margin;
+        for line in &mut receipt.evidence {
+            if let Line::Plane { keep, .. } | Line::Balls { keep, .. } = line {
+                *keep = margin;
+            }
+        }
+    };
+    let margin = limit(start, |margin| {
+        set(receipt, margin);
+        accepted(&receipt.text())
+    });
+    set(receipt, margin);
+}
+
+fn make(rng: &mut Rng, kind: usize) -> Receipt {
+    let (is_large, is_hard) = (rng.below(LARGE) == 0, rng.below(HARD) == 0);
+    match kind {
+        0 if is_hard => touching(rng),
+        0 => overlap(rng),
+        1 => above(rng),
+        2 => sunk(rng),
+        3 => hit(rng),
+        4 if is_large => arm(rng, 0.01, 1, 1),
+        4 => lever(rng, 0.01, 1, 1),
+        5 if is_large => arm(rng, 0.01, 2, 2),
+        5 => lever(rng, 0.01, 2, 2),
+        _ => cast(rng, 0.01),
+    }
+}
+
 fn accepted(text: &str) -> bool {
     matches!(verify(text.as_bytes()), Ok(Verdict::Holds(_)))
 }
@@ -36,7 +86,14 @@ fn accepted(text: &str) -> bool {
 /// counted in `unproven`, and another receipt takes its place.
 fn both(rng: &mut Rng, k: usize, unproven: &mut usize) -> (String, Option<(&'static str, String, bool)>) {
     if k % 9 == 7 {
-        let mut ranged = ranged(rng, k);
+        let is_large = rng.below(LARGE) == 0;
+        let mut ranged = if is_large { ranged(rng, k) } else { small_ranged(rng, k) };
+        if rng.below(HARD) == 0 {
+            ranged.margin = limit(ranged.margin, |margin| {
+                ranged.margin = margin;
+                accepted(&ranged.text())
+            });
+        }
         let text = ranged.text();
         let way = rng.below(7);
         ranged.change(rng, way);
@@ -74,6 +131,9 @@ fn both(rng: &mut Rng, k: usize, unproven: &mut usize) -> (String, Option<(&'sta
         *unproven += 1;
         receipt = make(rng, k % 9);
     }
+    if rng.below(HARD) == 0 {
+        harden(&mut receipt);
+    }
     let text = receipt.text();
     for _ in 0..20 {
         let (kind, mut changed) = (CHANGES[rng.below(CHANGES.len())], receipt.clone());
@@ -86,6 +146,25 @@ fn both(rng: &mut Rng, k: usize, unproven: &mut usize) -> (String, Option<(&'sta
     (text, None)
 }
 
+/// Seconds of each kind: to make receipts, and to check them.
+#[derive(Default)]
+struct Times(BTreeMap<&'static str, [f64; 2]>);
+
+impl Times {
+    fn add<T>(&mut self, k: usize, what: usize, work: impl FnOnce() -> T) -> T {
+        let started = Instant::now();
+        let found = work();
+        self.0.entry(KINDS[k % 9]).or_default()[what] += started.elapsed().as_secs_f64();
+        found
+    }
+
+    fn print(&self) {
+        for (kind, [make, check]) in &self.0 {
+            println!("  {kind}: {make:.1} s to make and judge by samples, {check:.1} s to check");
+        }
+    }
+}
+
 fn number(name: &str, default: u64) -> u64 {
     std::env::var(name).ok().and_then(|x| x.parse().ok()).unwrap_or(default)
 }
@@ -96,13 +175,14 @@ fn rust() {
     let (count, seed, limit) = (number("RECEIPTS", 1000), number("SEED", 1), number("SECONDS", 3600));
     let (mut rng, started, mut unproven) = (Rng(seed), Instant::now(), 0);
     let (mut kinds, mut changes) = (BTreeMap::<&str, usize>::new(), BTreeMap::<&str, [usize; 2]>::new());
+    let mut times = Times::default();
     for k in 0..count as usize {
         if started.elapsed() > Duration::from_secs(limit) {
             println!("stopped after {k} receipts");
             break;
         }
-        let (text, changed) = both(&mut rng, k, &mut unproven);
-        assert!(accepted(&text), "{text}");
+        let (text, changed) = times.add(k, 0, || both(&mut rng, k, &mut unproven));
+        assert!(times.add(k, 1, || accepted(&text)), "{text}");
         *kinds.entry(KINDS[k % 9]).or_default() += 1;
         let Some((kind, changed, is_false)) = changed else {
             continue;
@@ -113,12 +193,13 @@ fn rust() {
         assert!(!accepted(&unsealed), "{kind}: {unsealed}");
         let entry = changes.entry(kind).or_default();
         entry[0] += 1;
-        if accepted(&changed) {
+        if times.add(k, 1, || accepted(&changed)) {
             entry[1] += 1;
             assert!(!is_false, "{kind}: accepted, and false:\n{changed}");
         }
     }
     println!("accepted, by kind: {kinds:?}; {unproven} others of the generator were not proven");
+    times.print();
     println!("changed, each refused with its old hash; accepted with a new hash, none refuted by samples:");
     for (kind, [all, accepted]) in &changes {
         println!("  {kind}: {all}, {accepted}");
