@@ -191,6 +191,53 @@ fn pieces_with_radii_have_the_greatest_one() {
     assert!(matches!(error, ReceiptError::Pair { .. }), "{error}");
 }
 
+/// An angle whose hull overlaps a block in its corner. Both turn about one axis, so the gap stays,
+/// but a plane that keeps its direction proves only the time in which the normal turns by the gap.
+#[test]
+fn a_pair_that_grazes_has_a_receipt_of_at_most_20000_planes() {
+    let bar = |half: [f64; 3], x: f64, y: f64| {
+        let mut piece = Piece::new(solids::cuboid(Vector3::from(half)).expect("a box"));
+        piece.pose = Isometry3::translation(x, y, 0.0);
+        piece
+    };
+    let legs = vec![bar([1.0, 0.1, 0.5], 0.0, -1.1), bar([0.1, 1.2, 0.5], -1.1, 0.0)];
+    let angle = Geometry::from(Compound::new(legs).expect("an angle"));
+    let block = Geometry::from(solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
+    let turned = |gap: f64| {
+        let spin = Velocity::new(Vector3::zeros(), Vector3::z());
+        let about = |x: f64, y: f64| {
+            let start = Isometry3::translation(x, y, 0.0);
+            Steady::about(&start, Point3::new(-x, -y, 0.0), spin).expect("a motion")
+        };
+        let named = [("angle", &angle), ("block", &block)];
+        let motions = [about(0.0, 0.0), about(gap - 0.5, gap - 0.5)];
+        let tolerance = Tolerance::Distance(1e-7);
+        Receipt::cast(named, motions.each_ref(), 0.0..1.0, tolerance, 0.0)
+    };
+    let receipt = turned(1e-3).expect("a receipt");
+    assert!(
+        (500..20_000).contains(&receipt.certificates()),
+        "{}",
+        receipt.certificates()
+    );
+    holds(&receipt);
+
+    let started = std::time::Instant::now();
+    let error = turned(2e-5).unwrap_err();
+    let text = error.to_string();
+    assert!(
+        text.starts_with("angle and block have no evidence from time 0."),
+        "{text}"
+    );
+    assert!(text.ends_with(": it takes more than 20000 planes"), "{text}");
+    let seconds = started.elapsed().as_secs_f64();
+    println!(
+        "{} planes at a gap of 1e-3; {seconds:.1} s for {text}",
+        receipt.certificates()
+    );
+    assert!(seconds < 60.0, "{seconds} s");
+}
+
 /// The rows of the table of meshes below "Receipts" in BENCHMARKS.
 #[test]
 #[ignore = "a measurement: cargo test -p lin-canny-plan --all-features --test receipts_of_meshes sizes -- --ignored --nocapture"]
