@@ -9,25 +9,35 @@
 use std::collections::BTreeSet;
 
 use crate::Stop;
+use crate::cuts::{Cell, cut};
 use crate::json::Json;
 use crate::pairs::{missing, needed};
 use crate::real::Real;
 use crate::scene::{Motion, Scene};
 
 /// Least and greatest value of each coordinate.
-pub(crate) type Cell = Vec<[Real; 2]>;
+pub(crate) type Ranges = Vec<[Real; 2]>;
 
-/// Most cells of a pair that wait.
-const WAITING: usize = 4096;
+impl Cell for Ranges {
+    type End = Real;
+
+    fn read(json: &Json) -> Result<Real, Stop> {
+        json.real()
+    }
+
+    fn axis(&mut self, number: usize) -> Option<&mut [Real; 2]> {
+        self.get_mut(number)
+    }
+}
 
 /// The claim that pairs stay apart at all configurations, and what of it is proven.
 #[derive(Clone)]
 pub(crate) struct Cells {
-    pub(crate) range: Cell,
+    pub(crate) range: Ranges,
     pub(crate) margin: Real,
     /// The pair at hand, and its cells: the last one is at hand.
     now: Option<(usize, usize)>,
-    waiting: Vec<Cell>,
+    waiting: Vec<Ranges>,
     done: BTreeSet<(usize, usize)>,
 }
 
@@ -39,7 +49,7 @@ impl Cells {
             .array()?
             .iter()
             .map(ends)
-            .collect::<Result<Cell, _>>()?;
+            .collect::<Result<Ranges, _>>()?;
         let margin = head.get("margin")?.real()?;
         if margin < Real::ZERO || range.len() > 1024 || range.iter().any(|[low, high]| low > high) {
             return Stop::bad("the margin is negative, or a range ends before its start, or more than 1024");
@@ -65,7 +75,7 @@ impl Cells {
     }
 
     /// Returns the cell that a line proves, and what it keeps.
-    pub(crate) fn next(&mut self, scene: &Scene, pair: (usize, usize), line: &Json) -> Result<(Cell, Real), Stop> {
+    pub(crate) fn next(&mut self, scene: &Scene, pair: (usize, usize), line: &Json) -> Result<(Ranges, Real), Stop> {
         let name = || scene.names(pair);
         if self.now != Some(pair) {
             self.end_pair(scene)?;
@@ -76,20 +86,7 @@ impl Cells {
             (self.now, self.waiting) = (Some(pair), vec![self.range.clone()]);
         }
         let cuts = line.find("cut").map_or(Ok(&[][..]), Json::array)?;
-        for cut in cuts {
-            let [coordinate, at] = cut.list::<2>()?;
-            let (coordinate, at) = (coordinate.whole()?, at.real()?);
-            let inside = |cell: &Cell| cell.get(coordinate).is_some_and(|[low, high]| *low < at && at < *high);
-            let Some(mut upper) = self.waiting.pop().filter(inside) else {
-                return Stop::fails(format!("{}: a cut outside its cell", name()));
-            };
-            if self.waiting.len() + 2 > WAITING {
-                return Stop::bad(format!("more than {WAITING} cells wait"));
-            }
-            let mut lower = upper.clone();
-            (lower[coordinate][1], upper[coordinate][0]) = (at, at);
-            self.waiting.extend([upper, lower]);
-        }
+        cut(&mut self.waiting, cuts, name)?;
         let keep = line.find("keep").map_or(Ok(self.margin), Json::real)?;
         if keep < self.margin {
             return Stop::fails(format!("{}: keeps {}, less than the margin", name(), keep.shown()));

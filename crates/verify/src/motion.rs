@@ -11,6 +11,8 @@ mod step;
 pub(crate) use solid::Solid;
 pub(crate) use step::{Step, Turn};
 
+use std::borrow::Cow;
+
 use dashu_ratio::RBig;
 
 use crate::int::Int;
@@ -146,8 +148,7 @@ impl<I: Int> Stage<I> {
         span: &Span,
     ) -> Option<[Vec<I>; 2]> {
         let solid = &self.solids[body];
-        let chosen: Option<Vec<_>> = some.map(|some| some.iter().map(|k| solid.points[*k].clone()).collect());
-        let points = chosen.as_ref().unwrap_or(&solid.points);
+        let points = &*chosen(&solid.points, some);
         let (mut m, mut o) = (n.clone(), Taylor::whole(0)?);
         for step in self.steps(scene, solid).iter().rev() {
             (m, o) = step.plane(&m, &o, span)?;
@@ -169,6 +170,14 @@ impl<I: Int> Stage<I> {
             ends = Some(found);
         }
         Some(both)
+    }
+}
+
+/// Returns some of the points, or all.
+pub(crate) fn chosen<'a, I: Int>(all: &'a [[I; 3]], some: Option<&[usize]>) -> Cow<'a, [[I; 3]]> {
+    match some {
+        Some(some) => some.iter().map(|k| all[*k].clone()).collect(),
+        None => Cow::Borrowed(all),
     }
 }
 

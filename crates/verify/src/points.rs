@@ -5,7 +5,7 @@ use dashu_ratio::RBig;
 
 use crate::Stop;
 use crate::json::Json;
-use crate::motion::extremes;
+use crate::motion::{chosen, extremes};
 use crate::real::{Exact, Real, cross, dot, two_to};
 
 /// The vertices of a body.
@@ -187,14 +187,14 @@ impl Placed<'_> {
         Some(self.pose.point(&self.points.get(k)?))
     }
 
-    /// Returns the least and the greatest height of a vertex along n. Integers: no fraction is
-    /// reduced.
-    pub(crate) fn heights(&self, n: &Exact) -> [RBig; 2] {
+    /// Returns the least and the greatest height of some vertices along n, or of all. Integers: no
+    /// fraction is reduced.
+    pub(crate) fn heights(&self, some: Option<&[usize]>, n: &Exact) -> [RBig; 2] {
         let m = self.pose.row(n);
         let below = m.iter().fold(IBig::ONE, |d, x| d * IBig::from(x.denominator().clone()));
         let m = m.map(|x| x.numerator() * (&below / IBig::from(x.denominator().clone())));
         // Integers of any size always fit.
-        let [least, most] = extremes(&self.points.all, &m).unwrap_or_default();
+        let [least, most] = extremes(&chosen(&self.points.all, some), &m).unwrap_or_default();
         let (unit, base) = (
             two_to(self.points.exponent) / RBig::from(below),
             dot(n, &self.pose.shift),

@@ -4,7 +4,7 @@
 mod support;
 
 use lin_canny_verify::{Verdict, verify};
-use support::parted::{Parted, lists, vectors};
+use support::parted::{GAP_CHANGES, Gapped, Parted, lists, vectors};
 use support::python::{code, codes};
 use support::*;
 
@@ -253,4 +253,104 @@ fn bodies_of_parts_are_read_strictly() {
     assert_eq!(code(&sealed(&all), None), 3);
     all[2] = lines[2].replace(&lists(&passing(true).parts), "[]");
     assert_eq!(code(&sealed(&all), None), 3);
+}
+
+/// Half of the bounds are exact to the last bit.
+#[test]
+fn groups_of_parts_prove_a_distance() {
+    let mut rng = Rng(31);
+    let (mut cases, mut exact) = (Vec::new(), 0);
+    for _ in 0..40 {
+        let gapped = Gapped::random(&mut rng);
+        assert!(!gapped.is_false());
+        let text = gapped.text();
+        let found = verify(text.as_bytes()).unwrap();
+        assert!(found.holds(), "{found}\n{text}");
+        let said = found.to_string();
+        let [lower, upper] = gapped.bounds;
+        let bounds = format!("rod and frame are at least {lower:?} and at most {upper:?} apart");
+        assert!(said.contains(&bounds), "{said}");
+        assert_eq!(said.contains("the surfaces of rod"), gapped.frame.is_solid, "{said}");
+        assert_eq!(
+            said.contains("whether one is inside the other"),
+            gapped.frame.is_solid,
+            "{said}"
+        );
+        exact += usize::from(lower == upper);
+        cases.push((text, None));
+    }
+    assert!(exact > 10, "{exact}");
+    if let Some(found) = codes(&cases) {
+        assert!(found.iter().all(|code| *code == 0), "{found:?}");
+    }
+}
+
+#[test]
+fn a_changed_distance_is_refused_or_true() {
+    let mut rng = Rng(32);
+    let (mut cases, mut expected, mut counts) = (Vec::new(), Vec::new(), [[0; 2]; GAP_CHANGES.len()]);
+    for k in 0..400 {
+        let (way, mut gapped) = (k % GAP_CHANGES.len(), Gapped::random(&mut rng));
+        let before = gapped.text();
+        let must = gapped.change(&mut rng, way);
+        let text = gapped.text();
+        if text == before {
+            continue;
+        }
+        let found = code(&text, None);
+        assert!(!(must && found == 0), "{}: accepted\n{text}", GAP_CHANGES[way]);
+        assert!(
+            !(found == 0 && gapped.is_false()),
+            "{}: false, and accepted\n{text}",
+            GAP_CHANGES[way]
+        );
+        counts[way][usize::from(found == 0)] += 1;
+        cases.push((text, None));
+        expected.push(found);
+    }
+    println!("refused, accepted: {counts:?}");
+    assert!(counts.iter().all(|count| count[0] > 0), "{counts:?}");
+    if let Some(found) = codes(&cases) {
+        assert_eq!(found, expected);
+    }
+}
+
+/// Hulls that are apart need one plane, and then no body is inside the other.
+#[test]
+fn one_plane_proves_a_distance_and_that_no_body_is_inside() {
+    let start = [0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 1.0];
+    let mut gapped = Gapped::new([0.25; 3], REST, true, 0.0);
+    gapped.start = start;
+    gapped.cells = vec![(Vec::new(), [0.0, 0.0, -1.0])];
+    // The bottom of the rod is at 1.75, the top of the frame at .25, between two points of one face.
+    gapped.bounds = [1.5, 2.25];
+    let said_of = |gapped: &Gapped| verify(gapped.text().as_bytes()).unwrap().to_string();
+    let said = said_of(&gapped);
+    assert!(said.contains("proven: rod and frame are at least 1.5"), "{said}");
+    assert!(!said.contains("inside"), "{said}");
+    // In the hole the hulls overlap: a lower bound below zero is true, and would prove them apart.
+    let mut inside = gapped.clone();
+    (inside.start, inside.bounds) = (REST, [-4.0, 2.25]);
+    assert!(said_of(&inside).contains("no gap along the normal"));
+    if let Some(found) = codes(&[(inside.text(), None)]) {
+        assert_eq!(found, [1]);
+    }
+    // A normal and cells: not both; a cell of three entries.
+    for (old, new) in [
+        ("\"cells\"", "\"normal\":[\"0x0p0\",\"0x0p0\",\"-0x1p0\"],\"cells\""),
+        ("\"cells\":[[[],", "\"cells\":[[[],[],"),
+        ("\"cells\":[[[],", "\"cells\":[[[[0,1]],"),
+        ("\"cells\":[[[],", "\"cells\":[[[[2,1]],"),
+    ] {
+        let text = gapped.text();
+        let changed = text.replacen(old, new, 1);
+        assert_ne!(changed, text);
+        let mut lines: Vec<String> = changed.lines().map(String::from).collect();
+        lines.pop();
+        let text = sealed(&lines);
+        assert_ne!(code(&text, None), 0, "{text}");
+        if let Some(found) = codes(&[(text.clone(), None)]) {
+            assert_eq!(found, [code(&text, None)], "{text}");
+        }
+    }
 }
