@@ -20,7 +20,7 @@ use dashu_ratio::RBig;
 use crate::Stop;
 use crate::claim::{Moment, radii};
 use crate::json::Json;
-use crate::points::Placed;
+use crate::pose::Placed;
 use crate::real::{Exact, Real, at_most, cross, dot, minus};
 use crate::scene::Scene;
 

@@ -15,7 +15,7 @@ use crate::claim::{Moment, radii};
 use crate::groups;
 use crate::json::Json;
 use crate::near;
-use crate::points::Placed;
+use crate::pose::Placed;
 use crate::real::{Exact, Real, dot, minus};
 use crate::scene::Scene;
 

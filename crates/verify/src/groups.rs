@@ -14,7 +14,7 @@ use crate::claim::Moment;
 use crate::cover::Parts;
 use crate::cuts::cut;
 use crate::json::Json;
-use crate::points::Placed;
+use crate::pose::Placed;
 use crate::real::{Exact, Real, at_most, dot};
 use crate::scene::Scene;
 

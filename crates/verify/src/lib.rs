@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod balls;
+mod bernstein;
 mod cells;
 mod check;
 mod claim;
@@ -21,6 +22,8 @@ mod near;
 mod pairs;
 mod plane;
 mod points;
+mod polynomial;
+mod pose;
 mod range;
 mod real;
 mod report;
@@ -28,6 +31,7 @@ mod scene;
 mod sha256;
 mod taylor;
 mod turn;
+mod vectors;
 
 use std::io::BufRead;
 

@@ -17,19 +17,22 @@
 //! If the heights of all of B exceed those of all of A by g > 0 over the cell, and g^2 > (keep +
 //! radii)^2 |n|^2, the bodies are more than `keep` apart at every configuration of the cell.
 
+mod rest;
+
 use std::collections::BTreeMap;
 
-use dashu_base::SquareRoot;
-use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
 
+use rest::above;
+
 use crate::claim::{Claim, beyond, radii};
-use crate::hops::{Hop, at_once};
+use crate::hops::at_once;
 use crate::int::Int;
-use crate::motion::{Solid, Stage};
+use crate::motion::Stage;
 use crate::real::{Exact, Real};
 use crate::scene::{Kind, Scene};
-use crate::taylor::{Taylor, Vector, below, cross, dot, each, fixed3};
+use crate::taylor::Taylor;
+use crate::vectors::{Vector, cross, dot, each, fixed3};
 
 /// A plane fixed to a link keeps two bodies `keep` apart over a cell.
 pub(crate) struct InCell {
@@ -38,24 +41,6 @@ pub(crate) struct InCell {
     pub(crate) link: usize,
     pub(crate) normal: Exact,
     pub(crate) keep: RBig,
-}
-
-/// Rounded up, in units of 2^-P.
-fn above<I: Int>(q: &RBig) -> Option<I> {
-    let (whole, rest) = below(q, I::P);
-    I::of(whole + IBig::from(rest))
-}
-
-fn product<I: Int>(x: &I, y: &I) -> Option<I> {
-    x.mul(y)?.down().add(&I::small(1))
-}
-
-/// No length of a vector is larger.
-fn length<I: Int>(v: &Vector<I>) -> Option<I> {
-    let square = dot(v, v)?;
-    let square = square.c[0].add(&square.r)?.wide() << I::P;
-    let root = UBig::try_from(square).map_or(UBig::ZERO, |x| x.sqrt());
-    I::of(IBig::from(root) + IBig::ONE)
 }
 
 /// The height m . x + o of a vertex, all of them constants, in units of 2^-2P.
@@ -127,32 +112,6 @@ impl InCell {
             });
         }
         ends
-    }
-
-    /// Returns |n| R of the lemma, in units of 2^-P.
-    fn rest<I: Int>(&self, scene: &Scene, solid: &Solid<I>, hops: &[Hop<'_, I>]) -> Option<I> {
-        let (mut x, reach) = (solid.middle.clone(), above::<I>(&solid.round)?);
-        let (mut moved, mut rest) = (I::small(0), I::small(0));
-        for hop in hops {
-            if let Some((joint, axis)) = &hop.joint {
-                let (joint, size) = (&scene.joints[*joint], length(axis)?);
-                let factor = joint.factor().clone();
-                let factor = if factor < RBig::ZERO { -factor } else { factor };
-                let half = above::<I>(&(self.half(joint.coordinate()) * factor))?;
-                let speed = match joint.kind {
-                    Kind::Turn => length(&cross(axis, &x)?)?.add(&product(&size, &reach.add(&moved)?)?)?,
-                    _ => size.clone(),
-                };
-                let way = product(&speed, &half)?;
-                if joint.kind == Kind::Turn {
-                    let between = moved.add(&way.half().add(&I::small(1))?)?;
-                    rest = rest.add(&product(&product(&size, &half)?, &between)?)?;
-                }
-                moved = moved.add(&way)?;
-            }
-            x = hop.step.get().point(&x, &at_once())?;
-        }
-        product(&rest, &length(&fixed3(&self.normal)?)?)
     }
 }
 
