@@ -707,8 +707,8 @@ def remainder(body, steps, half, normal):
 INSTANT = Q(0), Q(0)
 
 
-def over_cell(scene, link, body, cell, normal):
-    """The least and greatest heights of a body over a cell, in units of 2^-2P (lemma 9)."""
+def over_cell(scene, link, body, some, cell, normal):
+    """The least and greatest heights of vertices, some or all, over a cell, in units of 2^-2P (lemma 9)."""
     half = [(high - low) / 2 for low, high in cell]
     steps = hops(scene, link, body, [(high + low) / 2 for low, high in cell])
     body = scene.bodies[body]
@@ -737,7 +737,7 @@ def over_cell(scene, link, body, cell, normal):
     slack = off(*rows[0]) + (rest << P)
     bends = [(m, o, off(m, o), above(half[c])) for c, (m, o) in slopes.items()]
     low = high = None
-    for p in body.fixed:
+    for p in body.fixed if some is None else [body.fixed[k] for k in some]:
         loss = slack + sum(h * ((abs(height(p, m, o)) + e >> P) + 1) for m, o, e, h in bends)
         at = height(p, *rows[0])
         low = at - loss if low is None else min(low, at - loss)
@@ -745,19 +745,24 @@ def over_cell(scene, link, body, cell, normal):
     return low, high
 
 
-def in_cell(scene, pair, cell, link, normal, keep):
+def in_cell(scene, pair, some, cell, link, normal, keep):
     """Lemma 9."""
-    high, low = over_cell(scene, link, pair[0], cell, normal)[1], over_cell(scene, link, pair[1], cell, normal)[0]
+    (_, high), (low, _) = (over_cell(scene, link, k, on, cell, normal) for k, on in zip(pair, some))
     gap, keep = Q(low - high, ONE * ONE), (keep + sum(scene.bodies[k].radius for k in pair)) * scene.unit
     return gap > 0 and gap * gap > keep * keep * dot(normal, normal)
+
+
+def at_part(axis, at):
+    return axis, whole(at)
 
 
 def cut_cells(waiting, cuts, where, name):
     """Cuts the last cell, a list of ranges: the lower part is at hand next, the upper one waits."""
     for cut in array(cuts):
         axis, at = array(cut, 2)
-        axis, at = whole(axis), where(at)
-        cell = waiting[-1] if waiting else []
+        prove(waiting, f"{name}: a cut outside its cell")
+        axis, at = where(whole(axis), at)
+        cell = waiting[-1]
         prove(axis < len(cell) and cell[axis][0] < at < cell[axis][1], f"{name}: a cut outside its cell")
         both = ((at, cell[axis][1]), (cell[axis][0], at))
         waiting[-1:] = [[*cell[:axis], ends, *cell[axis + 1 :]] for ends in both]
@@ -787,12 +792,22 @@ class Cells:
             prove(used, f"{name}: a proof of a pair that is ignored or rests")
             prove(pair not in self.done, f"{name}: cells after the last cell")
             self.done.add(pair)
-            self.now, self.waiting = pair, [self.range]
-        cut_cells(self.waiting, line.get("cut", []), number, name)
+            # The ranges of the coordinates, then the parts of both bodies.
+            parts = [(0, len(scene.bodies[k].parts)) for k in pair]
+            self.now, self.waiting = pair, [[*self.range, *parts]]
+        cut_cells(self.waiting, line.get("cut", []), self.where, name)
         keep = number(line["keep"]) if "keep" in line else self.margin
         prove(keep >= self.margin, f"{name}: keeps {float(keep)}, less than the margin")
         prove(self.waiting, f"{name}: cells after the last cell")
         return self.waiting.pop(), keep
+
+    def where(self, axis, at):
+        """A whole number is where the parts of a body are cut, a number where a range is."""
+        count = len(self.range)
+        if isinstance(at, int):
+            return count + axis, whole(at)
+        at = number(at)
+        return axis if axis < count else count + 2, at
 
     def end_pair(self, scene):
         pair, waiting, self.now, self.waiting = self.now, self.waiting, None, []
@@ -945,7 +960,7 @@ def groups(moment, placed, entries, lower):
     bodies = [moment.scene.bodies[k] for k in moment.pair]
     waiting = [[(0, len(body.parts)) for body in bodies]]
     for cuts, normal in (array(entry, 2) for entry in array(entries)):
-        cut_cells(waiting, cuts, whole, moment.text())
+        cut_cells(waiting, cuts, at_part, moment.text())
         prove(waiting, f"{moment.text()}: a group after the last one")
         some = [body.of_parts(ends) for body, ends in zip(bodies, waiting.pop())]
         below(moment, placed, some, numbers(normal, 3), lower)
@@ -1153,10 +1168,14 @@ class Check:
         only(line, "cell", "cut", "link", "normal", "keep")
         scene, pair = self.scene, self.scene.pair(line["cell"])
         cell, keep = self.cells.next(scene, pair, line)
+        some = [scene.bodies[k].of_parts(ends) for k, ends in zip(pair, cell[-2:])]
+        cell = cell[:-2]
         link, normal = whole(get(line, "link")), numbers(get(line, "normal"), 3)
         known = link <= len(scene.joints) and len(cell) >= scene.coordinates
         need(known, f"unknown link {link}, or a coordinate without a range")
-        truth = in_cell(scene, pair, cell, link, normal, keep)
+        if any(scene.bodies[k].solid for k in pair):
+            (self.hulls_apart if some == [None, None] else self.cut).add(pair)
+        truth = in_cell(scene, pair, some, cell, link, normal, keep)
         middle = [float((low + high) / 2) for low, high in cell]
         prove(truth, f"{scene.names(pair)}, about {middle}")
 
@@ -1173,7 +1192,7 @@ class Check:
         self.must_prove(pair)
         all_ = [(0, len(body.parts)) for body in bodies]
         waiting, starts = self.waiting.setdefault(pair, ([all_], [self.begin]))
-        cut_cells(waiting, cuts, whole, name)
+        cut_cells(waiting, cuts, at_part, name)
         prove(waiting, f"{name}: a proof after the last one")
         # A cut is for the time that is left, in both parts.
         starts += starts[-1:] * (len(waiting) - len(starts))

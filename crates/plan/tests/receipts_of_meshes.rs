@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Compound, ContactState, Geometry, Mesh, Outcome, PairTracker, Piece, RelativePose, Shape, Velocity};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
-use lin_canny_plan::{Checker, TranslationSpace, Verdict, World};
+use lin_canny_plan::{Checker, Joint, RangeOptions, SerialArm, TranslationSpace, Verdict, World};
 use lin_canny_verify::verify;
 use truth::casts::aimed;
 use truth::rng::Rng;
@@ -322,6 +322,44 @@ fn a_distance_that_is_too_large_or_too_small_has_no_receipt() {
         let why = |outcome: &Outcome| Receipt::outcome(bodies, &at, outcome).unwrap_err().to_string();
         assert!(why(&longer).ends_with("no plane proves the distance of two of their parts"));
         assert!(why(&shorter).ends_with("no two points are near enough"));
+    }
+}
+
+/// A rod that slides and turns in the hole of a frame: their hulls overlap all over the range.
+#[test]
+fn ranges_of_meshes_and_compounds_have_receipts() {
+    let origin = Isometry3::identity();
+    for around in frames() {
+        for kind in 0..3 {
+            let joints = vec![
+                Joint::prismatic(origin, Vector3::z_axis(), [-9.0, 9.0]),
+                Joint::revolute(origin, Vector3::z_axis(), [-3.0, 3.0]),
+            ];
+            let arm = SerialArm::new(origin, joints, vec![2], 1.0).expect("an arm");
+            let mut world = World::new();
+            world.robot_body("rod", rod(kind));
+            world.obstacle("frame", around.clone(), origin);
+            let mut checker = Checker::new(arm, world).expect("a world");
+            // In the hole, and from above it through the hole.
+            for (low, inside) in [([-0.2, -1.0], true), ([-2.0, -0.5], false)] {
+                let high = [0.2, 0.5];
+                let answers = checker
+                    .prove_range(&low, &high, &RangeOptions::default())
+                    .expect("a range");
+                assert!(answers[0].is_never(), "{:?}", answers[0]);
+                let receipt = Receipt::range(&checker, &answers, 20_000).expect("a receipt");
+                let [text, said] = holds(&receipt);
+                println!("{} cells", receipt.certificates());
+                assert!(
+                    said.contains("1 pair of bodies stays more than 0 apart at every"),
+                    "{said}"
+                );
+                let is_solid = text.contains("\"faces\":[");
+                assert!(text.contains("\"cut\":[["), "{text}");
+                // Outside of the hole the hulls are apart, but the writer may cut parts first.
+                assert!(!inside || said.contains(INSIDE) == is_solid, "{said}");
+            }
+        }
     }
 }
 

@@ -1,15 +1,16 @@
 //! Every configuration of a range is proven, for every pair that is not ignored.
 //!
-//! **Lemma 10.** A cut divides a box into two boxes that share a face and together are the box. The
-//! cells of a pair start with the range. Each line first cuts the cell at hand as often as it says,
+//! **Lemma 10.** A cut divides a box into two boxes that share a face and together are the box, or the
+//! parts of a body in two, as in lemma 11. The cells of a pair start with the range and all parts. Each line first cuts the cell at hand as often as it says,
 //! where the lower part is at hand next and the upper part waits, then proves the cell at hand. If no
-//! cell waits after the last line of a pair, its proven cells together are the range. A file states
-//! no cells, so it cannot leave one out.
+//! cell waits after the last line of a pair, each part of A was apart from each part of B at each
+//! configuration. A file states no cells, so it cannot leave one out.
 
 use std::collections::BTreeSet;
 
 use crate::Stop;
-use crate::cuts::{Cell, cut};
+use crate::cover::Parts;
+use crate::cuts::{Cell, cut, halves};
 use crate::json::Json;
 use crate::pairs::{missing, needed};
 use crate::real::Real;
@@ -18,15 +19,15 @@ use crate::scene::{Motion, Scene};
 /// Least and greatest value of each coordinate.
 pub(crate) type Ranges = Vec<[Real; 2]>;
 
-impl Cell for Ranges {
-    type End = Real;
-
-    fn read(json: &Json) -> Result<Real, Stop> {
-        json.real()
-    }
-
-    fn axis(&mut self, number: usize) -> Option<&mut [Real; 2]> {
-        self.get_mut(number)
+/// Configurations, and parts of both bodies.
+impl Cell for (Ranges, Parts) {
+    fn halves(&self, axis: usize, at: &Json) -> Result<Option<[Self; 2]>, Stop> {
+        if let Json::Whole(_) = at {
+            let both = self.1.halves(axis, at)?;
+            return Ok(both.map(|both| both.map(|parts| (self.0.clone(), parts))));
+        }
+        let both = halves(&self.0, axis, at.real()?);
+        Ok(both.map(|both| both.map(|ranges| (ranges, self.1))))
     }
 }
 
@@ -37,7 +38,7 @@ pub(crate) struct Cells {
     pub(crate) margin: Real,
     /// The pair at hand, and its cells: the last one is at hand.
     now: Option<(usize, usize)>,
-    waiting: Vec<Ranges>,
+    waiting: Vec<(Ranges, Parts)>,
     done: BTreeSet<(usize, usize)>,
 }
 
@@ -75,7 +76,12 @@ impl Cells {
     }
 
     /// Returns the cell that a line proves, and what it keeps.
-    pub(crate) fn next(&mut self, scene: &Scene, pair: (usize, usize), line: &Json) -> Result<(Ranges, Real), Stop> {
+    pub(crate) fn next(
+        &mut self,
+        scene: &Scene,
+        pair: (usize, usize),
+        line: &Json,
+    ) -> Result<((Ranges, Parts), Real), Stop> {
         let name = || scene.names(pair);
         if self.now != Some(pair) {
             self.end_pair(scene)?;
@@ -83,7 +89,8 @@ impl Cells {
             if !self.done.insert(pair) {
                 return Stop::fails(format!("{}: cells after the last cell", name()));
             }
-            (self.now, self.waiting) = (Some(pair), vec![self.range.clone()]);
+            let all = [pair.0, pair.1].map(|k| [0, scene.bodies[k].parts.len()]);
+            (self.now, self.waiting) = (Some(pair), vec![(self.range.clone(), all)]);
         }
         let cuts = line.find("cut").map_or(Ok(&[][..]), Json::array)?;
         cut(&mut self.waiting, cuts, name)?;

@@ -14,7 +14,7 @@
 use std::collections::BTreeMap;
 
 use crate::Stop;
-use crate::cuts::{Cell, cut};
+use crate::cuts::{Cell, cut, halves};
 use crate::json::Json;
 use crate::motion::Span;
 use crate::pairs::{missing, needed};
@@ -49,27 +49,16 @@ impl Apart {
 pub(crate) type Parts = [[usize; 2]; 2];
 
 impl Cell for Parts {
-    type End = usize;
-
-    fn read(json: &Json) -> Result<usize, Stop> {
-        json.whole()
-    }
-
-    fn axis(&mut self, number: usize) -> Option<&mut [usize; 2]> {
-        self.get_mut(number)
+    fn halves(&self, side: usize, at: &Json) -> Result<Option<[Self; 2]>, Stop> {
+        Ok(halves(self, side, at.whole()?))
     }
 }
 
 /// Parts, and the time up to which they are proven.
 impl Cell for (Real, Parts) {
-    type End = usize;
-
-    fn read(json: &Json) -> Result<usize, Stop> {
-        json.whole()
-    }
-
-    fn axis(&mut self, number: usize) -> Option<&mut [usize; 2]> {
-        self.1.axis(number)
+    fn halves(&self, side: usize, at: &Json) -> Result<Option<[Self; 2]>, Stop> {
+        let both = self.1.halves(side, at)?;
+        Ok(both.map(|both| both.map(|parts| (self.0, parts))))
     }
 }
 

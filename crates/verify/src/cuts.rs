@@ -11,13 +11,23 @@ use crate::json::Json;
 const WAITING: usize = 4096;
 
 /// A range along each of several axes.
-pub(crate) trait Cell: Clone {
-    type End: Copy + PartialOrd;
+pub(crate) trait Cell: Sized {
+    /// Returns the lower and the upper part, or `None` if the cut is not strictly inside.
+    fn halves(&self, axis: usize, at: &Json) -> Result<Option<[Self; 2]>, Stop>;
+}
 
-    /// Reads where an axis is cut.
-    fn read(json: &Json) -> Result<Self::End, Stop>;
-
-    fn axis(&mut self, number: usize) -> Option<&mut [Self::End; 2]>;
+/// Cuts one of several ranges.
+pub(crate) fn halves<E, R>(ranges: &R, axis: usize, at: E) -> Option<[R; 2]>
+where
+    E: Copy + PartialOrd,
+    R: Clone + AsMut<[[E; 2]]>,
+{
+    let mut both = [ranges.clone(), ranges.clone()];
+    let [below, above] = both.each_mut().map(|half| half.as_mut().get_mut(axis));
+    let (below, above) = below.zip(above)?;
+    let inside = below[0] < at && at < below[1];
+    (below[1], above[0]) = (at, at);
+    inside.then_some(both)
 }
 
 /// Cuts the cell at hand, at `[[axis, where], ...]`, each strictly inside.
@@ -25,14 +35,10 @@ pub(crate) fn cut<C: Cell>(waiting: &mut Vec<C>, cuts: &[Json], name: impl Fn() 
     let outside = || Stop::Fails(format!("{}: a cut outside its cell", name()));
     for cut in cuts {
         let [axis, at] = cut.list::<2>()?;
-        let (axis, at) = (axis.whole()?, C::read(at)?);
-        let upper = waiting.last_mut().ok_or_else(outside)?;
-        let mut lower = upper.clone();
-        match (upper.axis(axis), lower.axis(axis)) {
-            (Some(above), Some(below)) if above[0] < at && at < above[1] => (above[0], below[1]) = (at, at),
-            _ => return Err(outside()),
-        }
-        waiting.push(lower);
+        let cell = waiting.last().ok_or_else(outside)?;
+        let [lower, upper] = cell.halves(axis.whole()?, at)?.ok_or_else(outside)?;
+        waiting.pop();
+        waiting.extend([upper, lower]);
         if waiting.len() > WAITING {
             return Stop::bad(format!("more than {WAITING} cells wait"));
         }

@@ -28,15 +28,16 @@ use rest::above;
 use crate::claim::{Claim, beyond, radii};
 use crate::hops::at_once;
 use crate::int::Int;
-use crate::motion::Stage;
+use crate::motion::{Stage, chosen};
 use crate::real::{Exact, Real};
 use crate::scene::{Kind, Scene};
 use crate::taylor::Taylor;
 use crate::vectors::{Vector, cross, dot, each, fixed3};
 
-/// A plane fixed to a link keeps two bodies `keep` apart over a cell.
+/// A plane fixed to a link keeps two bodies, or some of their vertices, `keep` apart over a cell.
 pub(crate) struct InCell {
     pub(crate) pair: (usize, usize),
+    pub(crate) some: [Option<Vec<usize>>; 2],
     pub(crate) cell: Vec<[Real; 2]>,
     pub(crate) link: usize,
     pub(crate) normal: Exact,
@@ -62,8 +63,9 @@ impl InCell {
         (high + low) / RBig::from(2)
     }
 
-    /// Bounds the heights of a body from below and from above, in units of 2^-2P.
-    fn heights<I: Int>(&self, scene: &Scene, stage: &Stage<I>, body: usize) -> Option<[I; 2]> {
+    /// Bounds the heights of some vertices of A or B from below and from above, in units of 2^-2P.
+    fn heights<I: Int>(&self, scene: &Scene, stage: &Stage<I>, side: usize) -> Option<[I; 2]> {
+        let body = [self.pair.0, self.pair.1][side];
         let value = |k: usize| scene.joints[k].at(|c| self.middle(c));
         let hops = stage.hops(scene, self.link, body, value)?;
         let solid = &stage.solids[body];
@@ -98,7 +100,7 @@ impl InCell {
             bends.push((m, o, solid.off(m, o)?, above::<I>(&self.half(*coordinate))?));
         }
         let mut ends: Option<[I; 2]> = None;
-        for p in &solid.points {
+        for p in &*chosen(&solid.points, self.some[side].as_deref()) {
             let mut slack = off.clone();
             for (m, o, off, half) in &bends {
                 let slope = height(p, m, o)?.size()?.add(off)?;
@@ -117,8 +119,8 @@ impl InCell {
 
 impl Claim for InCell {
     fn holds<I: Int>(&self, scene: &Scene, stage: &Stage<I>) -> Option<bool> {
-        let [_, high] = self.heights(scene, stage, self.pair.0)?;
-        let [low, _] = self.heights(scene, stage, self.pair.1)?;
+        let [_, high] = self.heights(scene, stage, 0)?;
+        let [low, _] = self.heights(scene, stage, 1)?;
         let keep = &self.keep + radii(scene, self.pair);
         Some(beyond(&low.sub(&high)?, 1, &keep, &self.normal, &stage.unit))
     }

@@ -354,3 +354,113 @@ fn one_plane_proves_a_distance_and_that_no_body_is_inside() {
         }
     }
 }
+
+/// A rod that slides along z and turns about z in the hole of the frame; one coordinate is cut first.
+fn ranged(is_solid: bool) -> Vec<String> {
+    let frame = Parted::new([0.25; 3], (0.0, [0.0; 3], [0.0; 3]), is_solid);
+    let (eighth, rest, one) = (hex(0.125), hexes(&REST), hex(1.0));
+    let range = format!("[-{eighth},{eighth}]").replace("-\"", "\"-");
+    let joint = |k: usize, kind: &str| {
+        let (parent, c, zero) = (k - 1, k - 1, hex(0.0));
+        let axis = hexes(&[0.0, 0.0, 1.0]);
+        format!(
+            "{{\"joint\":{k},\"parent\":{parent},\"kind\":\"{kind}\",\"origin\":{rest},\"axis\":{axis},\
+             \"drive\":[{c},{one},{zero}]}}"
+        )
+    };
+    let (key, at) = (if is_solid { "faces" } else { "parts" }, frame.parts.len() / 4);
+    let (rod, points, parts) = (vectors(&frame.rod), vectors(&frame.points), lists(&frame.parts));
+    let mut lines = vec![
+        format!("{{\"receipt\":1,\"claim\":\"range\",\"range\":[{range},{range}],\"margin\":\"0x0p0\"}}"),
+        joint(1, "slide"),
+        joint(2, "turn"),
+        format!("{{\"body\":0,\"name\":\"rod\",\"points\":{rod},\"link\":2}}"),
+        format!("{{\"body\":1,\"name\":\"frame\",\"points\":{points},\"{key}\":{parts},\"at\":{rest}}}"),
+    ];
+    let first = format!("[1,{}],[1,{at}]", 2 * at);
+    for start in [format!("[0,{}],{first}", hex(0.0)), first.clone()] {
+        let cuts = [start, String::new(), format!("[1,{}]", 3 * at), String::new()];
+        let normals = [[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
+        for (cuts, normal) in cuts.iter().zip(normals) {
+            let cut = if cuts.is_empty() {
+                String::new()
+            } else {
+                format!(",\"cut\":[{cuts}]")
+            };
+            let normal = hexes(&normal);
+            lines.push(format!("{{\"cell\":[0,1]{cut},\"link\":0,\"normal\":{normal}}}"));
+        }
+    }
+    lines
+}
+
+#[test]
+fn groups_of_parts_prove_a_range() {
+    let (mut cases, mut expected) = (Vec::new(), Vec::new());
+    for is_solid in [false, true] {
+        let lines = ranged(is_solid);
+        let said = said(&lines).unwrap();
+        assert!(
+            said.contains("1 pair of bodies stays more than 0 apart at every"),
+            "{said}"
+        );
+        assert_eq!(said.contains(INSIDE), is_solid, "{said}");
+        let at = if is_solid { 12 } else { 1 };
+        let changed = |k: usize, old: &str, new: &str| {
+            let mut lines = lines.clone();
+            assert!(lines[k].contains(old), "{old} {}", lines[k]);
+            lines[k] = lines[k].replacen(old, new, 1);
+            lines
+        };
+        let without = |k: usize| [&lines[..k], &lines[k + 1..]].concat();
+        let twice = |k: usize| [&lines[..=k], &lines[k..]].concat();
+        let mut wrong: Vec<Vec<String>> = (5..13).flat_map(|k| [without(k), twice(k)]).collect();
+        let cut = format!("[1,{at}]");
+        for new in [
+            "[1,0]",
+            "[0,1]",
+            "[2,1]",
+            "[1,\"0x0p0\"]",
+            "[7,\"0x0p0\"]",
+            "[1]",
+            "[1,999]",
+        ] {
+            wrong.push(changed(5, &cut, new));
+        }
+        wrong.push(changed(5, &format!(",{cut}"), ""));
+        wrong.push(changed(5, "[0,\"0x0p0\"]", "[0,\"0x1p0\"]"));
+        wrong.push(changed(5, "[0,\"0x0p0\"],", ""));
+        for k in 5..13 {
+            let sign = if k % 2 == 1 {
+                ["\"-0x1p0\"", "\"0x1p0\""]
+            } else {
+                ["\"0x1p0\"", "\"-0x1p0\""]
+            };
+            wrong.push(changed(k, sign[0], sign[1]));
+        }
+        // The rod has a room of .25, less what it turns.
+        wrong.push(changed(0, "\"margin\":\"0x0p0\"", "\"margin\":\"0x1p-2\""));
+        wrong.push(changed(0, "\"-0x1p-3\",\"0x1p-3\"]]", "\"-0x1p-3\",\"0x1p1\"]]"));
+        for lines in wrong {
+            let text = sealed(&lines);
+            assert_ne!(code(&text, None), 0, "{text}");
+            expected.push(code(&text, None));
+            cases.push((text, None));
+        }
+        // A margin that is true, and a cut elsewhere.
+        let true_ones = [
+            lines.clone(),
+            changed(0, "\"margin\":\"0x0p0\"", "\"margin\":\"0x1p-3\""),
+            changed(5, "[0,\"0x0p0\"]", "[1,\"0x1p-4\"]"),
+        ];
+        for lines in true_ones {
+            let text = sealed(&lines);
+            assert_eq!(code(&text, None), 0, "{text}");
+            expected.push(0);
+            cases.push((text, None));
+        }
+    }
+    if let Some(found) = codes(&cases) {
+        assert_eq!(found, expected);
+    }
+}

@@ -15,7 +15,7 @@ impl Check {
         let Head::Range(cells) = &mut self.head else {
             return Ok(());
         };
-        let (cell, keep) = cells.next(&self.scene, pair, line)?;
+        let ((cell, parts), keep) = cells.next(&self.scene, pair, line)?;
         let (link, normal) = (line.get("link")?.whole()?, line.get("normal")?.reals::<3>()?);
         if link > self.scene.joints.len() || cell.len() < self.scene.coordinates {
             return Stop::bad(format!("unknown link {link}, or a coordinate without a range"));
@@ -25,8 +25,12 @@ impl Check {
             .map(|[low, high]| 0.5 * (low.shown() + high.shown()))
             .collect();
         let (normal, keep) = (normal.map(Real::exact), keep.exact());
+        let bodies = [pair.0, pair.1].map(|k| &self.scene.bodies[k]);
+        let some = [bodies[0].of_parts(parts[0]), bodies[1].of_parts(parts[1])];
+        self.inside.add(&self.scene, pair, some == [None, None]);
         let claim = InCell {
             pair,
+            some,
             cell,
             link,
             normal,
