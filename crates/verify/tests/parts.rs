@@ -5,7 +5,7 @@ mod support;
 
 use lin_canny_verify::{Verdict, verify};
 use support::parted::{GAP_CHANGES, Gapped, Parted, lists, vectors};
-use support::python::{code, codes};
+use support::python::{code, codes, printed};
 use support::*;
 
 fn said(lines: &[String]) -> Result<String, String> {
@@ -355,9 +355,13 @@ fn one_plane_proves_a_distance_and_that_no_body_is_inside() {
     }
 }
 
-/// A rod that slides along z and turns about z in the hole of the frame; one coordinate is cut first.
-fn ranged(is_solid: bool) -> Vec<String> {
-    let frame = Parted::new([0.25; 3], (0.0, [0.0; 3], [0.0; 3]), is_solid);
+/// A rod that slides along z and turns about z in the hole of the frame; one coordinate is cut first. A
+/// dent moves a point of the frame into the rod.
+fn ranged(is_solid: bool, dent: Option<usize>) -> Vec<String> {
+    let mut frame = Parted::new([0.25; 3], (0.0, [0.0; 3], [0.0; 3]), is_solid);
+    if let Some(k) = dent {
+        frame.points[k][1] = 0.0;
+    }
     let (eighth, rest, one) = (hex(0.125), hexes(&REST), hex(1.0));
     let range = format!("[-{eighth},{eighth}]").replace("-\"", "\"-");
     let joint = |k: usize, kind: &str| {
@@ -398,7 +402,7 @@ fn ranged(is_solid: bool) -> Vec<String> {
 fn groups_of_parts_prove_a_range() {
     let (mut cases, mut expected) = (Vec::new(), Vec::new());
     for is_solid in [false, true] {
-        let lines = ranged(is_solid);
+        let lines = ranged(is_solid, None);
         let said = said(&lines).unwrap();
         assert!(
             said.contains("1 pair of bodies stays more than 0 apart at every"),
@@ -427,6 +431,8 @@ fn groups_of_parts_prove_a_range() {
         ] {
             wrong.push(changed(5, &cut, new));
         }
+        let inner = [2, 3, 6, 7, 8, 9, 12, 13];
+        wrong.extend(inner.map(|k| ranged(is_solid, Some(k))));
         wrong.push(changed(5, &format!(",{cut}"), ""));
         wrong.push(changed(5, "[0,\"0x0p0\"]", "[0,\"0x1p0\"]"));
         wrong.push(changed(5, "[0,\"0x0p0\"],", ""));
@@ -463,4 +469,27 @@ fn groups_of_parts_prove_a_range() {
     if let Some(found) = codes(&cases) {
         assert_eq!(found, expected);
     }
+}
+
+/// Both checkers print the same about what could be inside of a solid.
+#[test]
+fn both_checkers_say_what_could_be_inside() {
+    let mut counts = [0; 2];
+    for is_solid in [false, true] {
+        let passing = passing(is_solid).text();
+        let gapped = Gapped::new([0.25; 3], REST, is_solid, 0.0).text();
+        let mut apart = Gapped::new([0.25; 3], REST, is_solid, 0.0);
+        apart.start[2] = 2.0;
+        (apart.cells, apart.bounds) = (vec![(Vec::new(), [0.0, 0.0, -1.0])], [1.5, 2.25]);
+        for text in [passing, gapped, apart.text(), sealed(&ranged(is_solid, None))] {
+            let found = verify(text.as_bytes()).unwrap();
+            assert!(found.holds(), "{found}");
+            let has = |said: &str| said.contains("whether one is inside the other");
+            let Some(said) = printed(&text) else { return };
+            assert!(said.starts_with("holds"), "{said}");
+            assert_eq!(has(&found.to_string()), has(&said), "{found}\n{said}");
+            counts[usize::from(has(&said))] += 1;
+        }
+    }
+    assert_eq!(counts, [6, 2]);
 }
