@@ -316,7 +316,7 @@ fn a_distance_that_is_too_large_or_too_small_has_no_receipt() {
         );
         let bodies = [("a", around), ("b", &rod)];
         assert!(Receipt::outcome(bodies, &at, &outcome).is_ok());
-        let (mut longer, mut shorter) = (outcome.clone(), outcome.clone());
+        let (mut longer, mut shorter) = (outcome, outcome);
         (longer.lower, longer.upper) = (outcome.lower + 1e-9, outcome.upper + 1e-9);
         (shorter.lower, shorter.upper) = (outcome.lower - 1e-9, outcome.upper - 1e-9);
         let why = |outcome: &Outcome| Receipt::outcome(bodies, &at, outcome).unwrap_err().to_string();

@@ -35,7 +35,8 @@ const HALVINGS: usize = 200;
 impl Receipt {
     /// Returns the receipt of answers about pairs over one range: see [`Checker::prove_range`].
     ///
-    /// A pair that never meets has cells with planes, which together are the range. All other pairs
+    /// A pair that never meets has cells with planes, which together are the range and, of a mesh or a
+    /// compound, all its parts. The surfaces of a closed mesh are what stays apart. All other pairs
     /// are listed as not looked at, with the reason: pairs that meet or are undecided, and pairs that
     /// would need more than `cells` cells. The writer divides the range again, because a checker has
     /// simpler bounds than the search, so it may need more cells.
