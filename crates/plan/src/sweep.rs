@@ -28,8 +28,9 @@ use lin_canny::polyhedron::BoxHint;
 const PARTS: u32 = 64;
 
 /// Distance of the points of a body from their chords, in radii of the body, beyond which the parts
-/// are halved.
-const NEAR: f64 = 0.25;
+/// are halved. On segments of Panda, certificates take 433 million instructions with 0.5 and with 1,
+/// 465 with 0.25 and 561 with 0.125.
+const NEAR: f64 = 0.5;
 
 /// A box around a body, along the axes of the frame of its shape.
 #[derive(Clone, Copy)]
