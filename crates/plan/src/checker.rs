@@ -7,21 +7,20 @@ use std::vec::Vec;
 use nalgebra::{Isometry3, Point3};
 
 use crate::atlas::{Atlas, AtlasVerdict};
-use crate::attached::{Carried, CarriedMotion};
+use crate::attached::CarriedMotion;
 use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::free::HITS_FIRST;
-use crate::pairs::{PairKey, Pairs, Places, Stretch, SweptBox, cut, cut_at_knots, even_span, span_at};
+use crate::pairs::{PairKey, Pairs, Places, Stretch, cut, cut_at_knots};
 use crate::range::RangeBodies;
 use crate::space::{BodyBall, BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
-use crate::tolerance::ATTACHED;
+use crate::sweep::Sweep;
 use crate::tube::JointTube;
 use crate::verdict::{CheckWork, LeavingPair, Verdict};
 use crate::world::{Named, World, WorldId, WorldPair};
-use lin_canny::broad::Aabb;
 use lin_canny::impact::{Cast, CastOptions, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
-use lin_canny::motion::{Motion, MotionModel};
+use lin_canny::motion::Motion;
 use lin_canny::separation::{Measurement, Proof, Separation};
 use lin_canny::{EXTENT_MAX, MovingPair, Operand, RelativePose};
 
@@ -61,9 +60,8 @@ pub struct Checker<C> {
     /// Scratch memory: pairs to check, and poses.
     pub(crate) candidates: Vec<usize>,
     stretches: Vec<Stretch>,
-    placed: Vec<(Isometry3<f64>, MotionModel)>,
-    /// For each mover its swept boxes, each with the time at which it ends.
-    swept_boxes: Vec<Vec<(f64, Aabb)>>,
+    /// The boxes of the movers along the last motion.
+    sweep: Sweep,
     pub(crate) poses: Vec<Isometry3<f64>>,
     /// The balls around the movers at a configuration.
     pub(crate) placed_balls: Vec<(Point3<f64>, f64)>,
@@ -121,8 +119,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             work: CheckWork::default(),
             candidates: Vec::new(),
             stretches: Vec::new(),
-            placed: Vec::new(),
-            swept_boxes: Vec::new(),
+            sweep: Sweep::default(),
             poses: Vec::new(),
             placed_balls: Vec::new(),
             hits: Vec::new(),
@@ -262,7 +259,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let ball = |part: WorldId| {
             let mover = self.pairs.places.mover(part)?;
             let (body, carried) = self.pairs.places.carrier(mover);
-            Some(body_ball(self.pairs.ball(part), body, carried))
+            Some(BodyBall::new(self.pairs.ball(part), body, carried))
         };
         let pair = self.pairs.all[index].pair;
         let span = (interval.end - interval.start).next_up();
@@ -730,57 +727,25 @@ impl<C: ConfigurationSpace> Checker<C> {
     fn gather(&mut self, segment: &C::Segment, stretches: &mut Vec<Stretch>) -> Result<(), PlanError> {
         stretches.clear();
         let longest = 1.0 / f64::from(self.parts(segment));
-        let radius = if self.tube > 0.0 {
+        let kept = self.pairs.own.values().map(|&pair| self.pairs.all[pair].kept);
+        let kept = kept.fold(0.0, f64::larger) + self.start_contact_margin.unwrap_or_default();
+        let tube = if self.tube > 0.0 {
             self.tube.next_up() * GROWN
         } else {
             0.0
         };
-        // The time up to which each mover has boxes.
-        let balls = self.pairs.mover_balls.iter();
-        let mut reached: Vec<f64> = balls.map(|ball| if ball.is_some() { 0.0 } else { 1.0 }).collect();
-        // Boxes of each mover are grown by half of what pairs of movers must keep.
-        let kept = self.pairs.own.values().map(|&pair| self.pairs.all[pair].kept);
-        let kept = 0.5 * (kept.fold(0.0, f64::larger) + self.start_contact_margin.unwrap_or_default());
-        let mut swept_boxes = core::mem::take(&mut self.swept_boxes);
-        swept_boxes.resize_with(reached.len(), Vec::new);
-        swept_boxes.iter_mut().for_each(Vec::clear);
-        let mut time = 0.0;
-        let (mut due, mut bodies) = (Vec::new(), Vec::new());
-        while time < 1.0 {
-            let span = span_at(time).smaller(longest);
-            due.clear();
-            due.extend((0..reached.len()).filter(|&mover| reached[mover] == time));
-            bodies.clear();
-            bodies.extend(due.iter().map(|&mover| self.pairs.places.carrier(mover).0));
-            segment.placed_all(&bodies, time, span, &mut self.placed);
-            for (&mover, of_body) in due.iter().zip(&self.placed) {
-                let Some(ball) = self.pairs.mover_balls[mover] else {
-                    continue;
-                };
-                let (body, carried) = self.pairs.places.carrier(mover);
-                let (pose, model) = carried.map_or(*of_body, |carried| carried.after(of_body));
-                let until = time + even_span(ball, &model, span);
-                let swept = SweptBox::new(ball, &pose, &model, until - time);
-                let more = match &self.joint_tube {
-                    None => radius,
-                    Some(tube) => {
-                        let mover = body_ball(ball, body, carried);
-                        let tube = tube.over(time, until - time);
-                        let spread = segment.spread(mover, None, time, until - time, &tube);
-                        radius + spread.unwrap_or(f64::INFINITY)
-                    }
-                };
-                self.pairs.near_within(mover, &swept, more, (time, until), stretches)?;
-                if !self.pairs.own.is_empty() {
-                    swept_boxes[mover].push((until, swept.grown(more + kept)));
-                }
-                reached[mover] = until;
-            }
-            time = reached.iter().copied().fold(1.0, f64::smaller);
+        let parts = self.parts(segment);
+        self.sweep.run(&self.pairs, segment, parts, |ball, time, span| {
+            let Some(joints) = &self.joint_tube else { return tube };
+            let spread = segment.spread(ball, None, time, span, &joints.over(time, span));
+            tube + spread.unwrap_or(f64::INFINITY)
+        });
+        for mover in 0..self.pairs.mover_balls.len() {
+            self.pairs.near_along(mover, &self.sweep, stretches)?;
         }
         let pairs = &self.pairs;
-        let near = pairs.own.iter().filter_map(|(&(a, b), &pair)| {
-            let near = overlap_times(&swept_boxes[a], &swept_boxes[b])?;
+        stretches.extend(pairs.own.iter().filter_map(|(&(a, b), &pair)| {
+            let near = self.sweep.overlap(a, b, kept)?;
             // A pair that is in contact at the start is followed until the end.
             let [from, until] = if self.start_contact_margin.is_none() {
                 near
@@ -789,9 +754,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             };
             let key = pairs.all[pair].key;
             Some(Stretch { pair, key, from, until })
-        });
-        stretches.extend(near);
-        self.swept_boxes = swept_boxes;
+        }));
         if longest < 1.0 && self.start_contact_margin.is_none() {
             cut(stretches, longest);
         }
@@ -814,13 +777,21 @@ impl<C: ConfigurationSpace> Checker<C> {
             let is_start = stretch.from == 0.0 && !self.is_moving(k);
             let start_contact = self.start_contact_margin.filter(|_| is_start);
             let kept = self.kept_along(k, segment, &(stretch.from..stretch.until));
-            let from = match start_contact {
-                None => self.hulls_meet(k, segment, &(stretch.from..end), kept)?,
-                Some(_) => Some(stretch.from),
-            };
-            let Some(from) = from else {
-                continue;
-            };
+            let mut interval = stretch.from..end;
+            if start_contact.is_none() {
+                if !self.is_moving(k) {
+                    let pair = self.pairs.all[k].pair;
+                    let Some(near) = self.sweep.boxes_meet(&self.pairs, pair, &interval, kept) else {
+                        continue;
+                    };
+                    interval = near;
+                }
+                let Some(from) = self.hulls_meet(k, segment, &interval, kept)? else {
+                    continue;
+                };
+                interval.start = from;
+            }
+            let Range { start: from, end } = interval;
             let found = self.cast(k, segment, from..end, kept, start_contact, None)?;
             self.work.queries += u64::from(found.queries + found.proofs);
             let (safe, hit) = match found.impact {
@@ -966,42 +937,6 @@ fn pose_of<M: SegmentMotion>(segment: &M, places: &Places, part: WorldId, time: 
         },
         (_, mover) => moving(segment, places, mover.unwrap_or_default(), 0).pose(time),
     }
-}
-
-/// Returns the ball around a mover as one of the body that is it or carries it.
-fn body_ball((centre, radius): (Point3<f64>, f64), body: usize, carried: Option<&Carried>) -> BodyBall {
-    let Some(carried) = carried else {
-        return BodyBall { body, centre, radius };
-    };
-    let length = carried.pose.translation.vector.abs().sum() + centre.coords.abs().sum();
-    BodyBall {
-        body,
-        centre: carried.pose * centre,
-        radius: radius + ATTACHED * length,
-    }
-}
-
-/// Returns the start of the first and the end of the last interval in which the swept boxes of two
-/// bodies overlap. Each box is given with the time at which it ends; a body without boxes may be
-/// anywhere.
-fn overlap_times(a: &[(f64, Aabb)], b: &[(f64, Aabb)]) -> Option<[f64; 2]> {
-    if a.is_empty() || b.is_empty() {
-        return Some([0.0, 1.0]);
-    }
-    let (mut rest, mut from, mut found) = ([a, b], 0.0, None);
-    while let [[(end_a, box_a), ..], [(end_b, box_b), ..]] = rest {
-        let until = end_a.smaller(*end_b);
-        if box_a.overlaps(box_b) {
-            found = Some([found.map_or(from, |[first, _]: [f64; 2]| first), until]);
-        }
-        for (rest, end) in rest.iter_mut().zip([*end_a, *end_b]) {
-            if end == until {
-                *rest = &rest[1..];
-            }
-        }
-        from = until;
-    }
-    found
 }
 
 /// Returns equal parts of the times 0 to 1.

@@ -11,9 +11,10 @@ use crate::checker::{Checker, GROWN};
 use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::pairs::{OwnBox, PairKey};
+use crate::pairs::PairKey;
 use crate::space::{ConfigurationSpace, SegmentMotion};
-use crate::tolerance::{PLACED, PLACED_BALL};
+use crate::sweep::{PlacedBox, placed_ball};
+use crate::tolerance::PLACED;
 use crate::world::{Named, WorldPair};
 use lin_canny::ContactState;
 use lin_canny::RelativePose;
@@ -137,13 +138,6 @@ pub struct SegmentClearance {
     pub t: f64,
     /// The closest pair at `t`; `None` if there is no pair.
     pub pair: Option<WorldPair>,
-}
-
-/// Returns a ball in the world, enlarged by the rounding of its position and of its distance from
-/// another one.
-fn placed_ball((centre, radius): (Point3<f64>, f64), pose: &Isometry3<f64>) -> (Point3<f64>, f64) {
-    let (out, at) = (centre.coords.abs().sum(), pose.translation.vector.abs().sum());
-    (pose * centre, radius + PLACED_BALL * out + PLACED * (radius + out + at))
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
@@ -340,24 +334,16 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// The root of the sum of the squared gaps is at most the distance of the bodies.
     pub(crate) fn boxes_apart(&self, index: usize, poses: &[Isometry3<f64>], distance: f64) -> bool {
         let pair = self.pairs.all[index].pair;
-        let [a, b] = [pair.a, pair.b].map(|part| {
-            let pose = self.pairs.places.pose(part, poses);
-            let OwnBox { middle, half } = self.pairs.own_box(part);
-            let (out, at) = (
-                middle.coords.abs().sum() + half.sum(),
-                pose.translation.vector.abs().sum(),
-            );
-            let axes = pose.rotation.to_rotation_matrix().into_inner();
-            (pose * middle, axes, half, PLACED_BALL * out + PLACED * (out + at))
-        });
-        let (apart, turn) = (b.0 - a.0, a.1.tr_mul(&b.1));
-        // The squared norms of the quaternions scale the heights.
-        let least = distance + a.3 + b.3 + PLACED_BALL * (apart.abs().sum() + a.2.sum() + b.2.sum());
+        let placed = |part| PlacedBox::new(&self.pairs.own_box(part), self.pairs.places.pose(part, poses));
+        let [a, b] = [pair.a, pair.b].map(placed);
+        let (apart, turn) = (b.middle - a.middle, a.axes.tr_mul(&b.axes));
+        let least = distance + a.error_of_heights(&b);
         let is_apart = |apart: &Vector3<f64>, half: &Vector3<f64>, turn: &Matrix3<f64>, other: &Vector3<f64>| {
             let gaps = apart.abs() - half - turn.abs() * other;
             gaps.map(|x| if x > 0.0 { x } else { 0.0 }).norm() > least
         };
-        is_apart(&a.1.tr_mul(&apart), &a.2, &turn, &b.2) || is_apart(&b.1.tr_mul(&apart), &b.2, &turn.transpose(), &a.2)
+        is_apart(&a.axes.tr_mul(&apart), &a.half, &turn, &b.half)
+            || is_apart(&b.axes.tr_mul(&apart), &b.half, &turn.transpose(), &a.half)
     }
 
     /// Measures one pair without its gradient.

@@ -216,6 +216,7 @@ mod search;
 mod smooth;
 mod space;
 mod speeds;
+mod sweep;
 mod timed_poses;
 mod tolerance;
 mod tree;

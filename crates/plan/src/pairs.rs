@@ -4,21 +4,18 @@ use std::boxed::Box;
 use std::collections::BTreeMap;
 use std::vec::Vec;
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Point3};
 
 use crate::attached::Carried;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
+use crate::sweep::{OwnBox, Sweep, kept_around};
 use crate::timed_poses::{PosePart, TimedPoses};
-use crate::tolerance::PLACED;
 use crate::world::{World, WorldId, WorldPair};
 use lin_canny::broad::{Aabb, BodyId, BodyOptions, SweepAndPrune};
-use lin_canny::motion::{Motion, MotionModel, Steady, Velocity};
+use lin_canny::motion::{Motion, Steady, Velocity};
 use lin_canny::polyhedron::BoxHint;
 use lin_canny::{Geometry, PairTracker};
-
-/// Least length of a swept box, as a fraction of the segment. Not measured.
-const SWEPT: f64 = 1.0 / 64.0;
 
 /// A pair and its tracker.
 pub(crate) struct TrackedPair {
@@ -32,8 +29,6 @@ pub(crate) struct TrackedPair {
     pub(crate) hull_tracker: Option<Box<PairTracker>>,
     /// Number of the configuration at which the pair was last measured.
     pub(crate) measured: u64,
-    /// Index of the last stretch of the pair; belongs to another pair if there is none.
-    stretch: usize,
     /// Value of `Pairs::forgotten` when the tracker was last reset.
     begun: u64,
 }
@@ -207,33 +202,6 @@ impl Places {
 }
 
 const NONE: u32 = u32::MAX;
-
-/// A box around a body, along the axes of the frame of its shape.
-#[derive(Clone, Copy)]
-pub(crate) struct OwnBox {
-    pub(crate) middle: Point3<f64>,
-    /// Half of each side; infinite if the body is unbounded.
-    pub(crate) half: Vector3<f64>,
-}
-
-impl OwnBox {
-    /// The box of a body that is not there.
-    const NONE: Self = Self {
-        middle: Point3::new(0.0, 0.0, 0.0),
-        half: Vector3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
-    };
-
-    fn of(shape: &Geometry) -> Self {
-        let (low, high) = shape.aabb_at(&Isometry3::identity(), &mut BoxHint::default());
-        if !low.iter().chain(high.iter()).all(|x| x.is_finite()) {
-            return Self::NONE;
-        }
-        Self {
-            middle: Point3::from(low.coords * 0.5 + high.coords * 0.5),
-            half: (high - low) * 0.5,
-        }
-    }
-}
 
 /// Returns the box of an obstacle that moves, at all times.
 pub(crate) fn swept(shape: &Geometry, poses: &TimedPoses) -> Result<Aabb, PlanError> {
@@ -439,7 +407,6 @@ impl Pairs {
                     tracker: PairTracker::new(),
                     hull_tracker: None,
                     measured: 0,
-                    stretch: usize::MAX,
                     begun: self.forgotten,
                 };
                 Ok(match self.vacant.pop() {
@@ -481,6 +448,11 @@ impl Pairs {
             (_, mover) => mover.and_then(|k| self.mover_balls[k]),
         };
         ball.unwrap_or((Point3::origin(), 0.0))
+    }
+
+    /// Returns the box around a mover, along the axes of the frame of its shape.
+    pub(crate) fn mover_own_box(&self, mover: usize) -> &OwnBox {
+        &self.mover_own_boxes[mover]
     }
 
     /// Returns the box around a body, along the axes of the frame of its shape.
@@ -542,99 +514,39 @@ impl Pairs {
         Ok(())
     }
 
-    /// Appends the pairs of a mover and the obstacles whose boxes overlap a swept box. Extends a
-    /// stretch that ends at the start of the box.
-    ///
-    /// All pairs must keep `more` than they must otherwise.
-    pub(crate) fn near_within(
+    /// Appends the pairs of a mover and the obstacles whose boxes overlap its swept boxes, grown by what
+    /// the pair must keep, with the times of these boxes.
+    pub(crate) fn near_along(
         &mut self,
         mover: usize,
-        swept: &SweptBox,
-        more: f64,
-        (from, until): (f64, f64),
+        sweep: &Sweep,
         stretches: &mut Vec<Stretch>,
     ) -> Result<(), PlanError> {
+        let swept = sweep.swept(mover);
+        let Some(whole) = swept.iter().copied().reduce(|all, part| all.united(&part)) else {
+            return Ok(());
+        };
         self.found.clear();
-        let widest = swept.grown(self.most_kept[mover] + more);
+        let widest = kept_around(&whole, self.most_kept[mover]);
         self.boxes.overlapping(&widest, &mut self.found)?;
         for k in 0..self.found.len() {
             let obstacle = self.of_box[self.found[k].index as usize];
             let Some(pair) = self.of(mover, obstacle) else {
                 continue;
             };
-            let tracked = &mut self.all[pair];
-            if !self.is_uniform
-                && !swept
-                    .grown(tracked.kept + more)
-                    .overlaps(&self.obstacle_boxes[obstacle])
-            {
-                continue;
-            }
-            match stretches.get_mut(tracked.stretch) {
-                Some(stretch) if stretch.pair == pair && stretch.until == from => stretch.until = until,
-                _ => {
-                    tracked.stretch = stretches.len();
-                    let key = tracked.key;
-                    stretches.push(Stretch { pair, key, from, until });
+            let TrackedPair { kept, key, .. } = self.all[pair];
+            let around = kept_around(&self.obstacle_boxes[obstacle], kept);
+            let (mut from, mut was_near) = (0.0, false);
+            for (part, aabb) in swept.iter().enumerate() {
+                let (is_near, until) = (aabb.overlaps(&around), sweep.end(part));
+                match stretches.last_mut() {
+                    Some(last) if is_near && was_near => last.until = until,
+                    _ if is_near => stretches.push(Stretch { pair, key, from, until }),
+                    _ => {}
                 }
+                (from, was_near) = (until, is_near);
             }
         }
         Ok(())
-    }
-}
-
-/// Returns the longest span for swept boxes that starts at a time: times and spans are those of
-/// repeated halving, so that bodies share them.
-pub(crate) fn span_at(time: f64) -> f64 {
-    let mut span = 1.0;
-    while time % span != 0.0 {
-        span *= 0.5;
-    }
-    span
-}
-
-/// Returns a span of at most `most` in which the pivot of a body deviates from the parabola of its
-/// course by at most half the radius of the body.
-pub(crate) fn even_span((centre, radius): (Point3<f64>, f64), model: &MotionModel, most: f64) -> f64 {
-    let near = 0.5 * (radius + (centre - model.pivot).norm());
-    let mut span = most;
-    while model.shift.at(span) > near && span > SWEPT {
-        span *= 0.5;
-    }
-    span
-}
-
-/// A box that contains a body during a motion that starts at a pose, before it is grown.
-///
-/// The pivot stays within the hull of the control points of its parabola, up to the drift. No point
-/// is farther from the pivot than the ball.
-pub(crate) struct SweptBox {
-    path: Aabb,
-    beyond: f64,
-    size: f64,
-}
-
-impl SweptBox {
-    pub(crate) fn new(
-        (centre, radius): (Point3<f64>, f64),
-        pose: &Isometry3<f64>,
-        model: &MotionModel,
-        span: f64,
-    ) -> Self {
-        let start = pose * model.pivot;
-        let (way, bend): (Vector3<f64>, _) = (model.linear * span, model.acceleration * (0.5 * span * span));
-        let ends = [start, start + way * 0.5, start + way + bend];
-        let path = ends[1..]
-            .iter()
-            .fold(Aabb::new(start, start), |all, p| all.united(&Aabb::new(*p, *p)));
-        let reach = radius + (centre - model.pivot).norm();
-        let size = reach + start.coords.abs().sum() + way.abs().sum() + bend.abs().sum();
-        let beyond = reach + model.shift.at(span);
-        Self { path, beyond, size }
-    }
-
-    /// Returns the box, grown by a margin.
-    pub(crate) fn grown(&self, margin: f64) -> Aabb {
-        self.path.grown(margin + self.beyond + PLACED * (self.size + margin))
     }
 }

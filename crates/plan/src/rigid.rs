@@ -103,10 +103,17 @@ impl SegmentMotion for RigidSegment {
         }
     }
 
-    fn placed_all(&self, bodies: &[usize], time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
+    fn poses(&self, bodies: usize, times: &[f64], poses: &mut Vec<Isometry3<f64>>) {
         match &self.0 {
-            Way::Straight(motion) => motion.placed_all(bodies, time, span, placed),
-            Way::Curve(motion) => motion.placed_all(bodies, time, span, placed),
+            Way::Straight(motion) => motion.poses(bodies, times, poses),
+            Way::Curve(motion) => motion.poses(bodies, times, poses),
+        }
+    }
+
+    fn chord_deviation(&self, body: usize, reach: f64, parts: u32) -> f64 {
+        match &self.0 {
+            Way::Straight(motion) => motion.chord_deviation(body, reach, parts),
+            Way::Curve(motion) => motion.chord_deviation(body, reach, parts),
         }
     }
 

@@ -4,11 +4,12 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::attached::CarriedMotion;
+use crate::attached::{Carried, CarriedMotion};
 use crate::curve::JointCurve;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::timed_poses::PosePart;
+use crate::tolerance::{ATTACHED, PLACED};
 use crate::tree::TreeJoint;
 use lin_canny::motion::{Motion, MotionModel, Steady};
 
@@ -230,10 +231,36 @@ pub trait SegmentMotion {
         (self.pose(body, time), self.model(body, time, span))
     }
 
-    /// Writes the pose of each of these bodies in the world, and its motion model from this time on.
-    fn placed_all(&self, bodies: &[usize], time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
-        placed.clear();
-        placed.extend(bodies.iter().map(|&body| self.placed(0, body, time, span)));
+    /// Appends the poses of all bodies in the world, `bodies` in number, at each of these times.
+    fn poses(&self, bodies: usize, times: &[f64], poses: &mut Vec<Isometry3<f64>>) {
+        for &time in times {
+            poses.extend((0..bodies).map(|body| self.pose(body, time)));
+        }
+    }
+
+    /// Returns an upper bound of the distance of a point of a body from the chord of its path, at all
+    /// times, if the time is divided into so many equal parts, a power of two.
+    ///
+    /// A chord joins the positions of the point at the start and at the end of a part. The distance is
+    /// that from the point of the chord at the same fraction of the part. The point of the body is at
+    /// most `reach` from the origin of the body. The bound includes the rounding of
+    /// [`pose`](Self::pose).
+    ///
+    /// By default, the motion models of all parts give the bound. The pivot follows a parabola, whose
+    /// distance from its chord is at most an eighth of the acceleration times the square of the span.
+    /// A point at the distance r from the pivot adds an eighth of `r (w s)^2`. Point and chord
+    /// deviate from this by the bounds of the model each.
+    fn chord_deviation(&self, body: usize, reach: f64, parts: u32) -> f64 {
+        let span = 1.0 / f64::from(parts);
+        let of_part = |k: u32| {
+            let model = self.model(body, f64::from(k) * span, span);
+            let arm = reach + model.pivot.coords.norm();
+            let rate = model.angular.norm();
+            let bend = model.acceleration.norm() + rate * rate * arm;
+            let deviation = model.shift.at(span) + model.turn.at(span) * arm;
+            (bend * span * span / 8.0 + 2.0 * deviation) * (1.0 + PLACED)
+        };
+        (0..parts).map(of_part).fold(0.0, f64::larger)
     }
 
     /// Returns the number of equal parts of the time in each of which bounds are worth asking for,
@@ -264,6 +291,21 @@ pub struct BodyBall {
     pub centre: Point3<f64>,
     /// Radius of the ball.
     pub radius: f64,
+}
+
+impl BodyBall {
+    /// Returns the ball around a mover, as one of the body that is the mover or carries it.
+    pub(crate) fn new((centre, radius): (Point3<f64>, f64), body: usize, carried: Option<&Carried>) -> Self {
+        let Some(carried) = carried else {
+            return Self { body, centre, radius };
+        };
+        let length = carried.pose.translation.vector.abs().sum() + centre.coords.abs().sum();
+        Self {
+            body,
+            centre: carried.pose * centre,
+            radius: radius + ATTACHED * length,
+        }
+    }
 }
 
 /// The motion of one body along a segment, relative to a stem.

@@ -106,6 +106,7 @@ impl TreeJoint {
         let mut place = parent.translation.vector + apart;
         let frame = parent.rotation * self.origin.rotation;
         let turned = match self.kind {
+            _ if self.drive.is_none() => frame.into_inner(),
             JointKind::Revolute => frame.into_inner() * self.turned(value),
             JointKind::Prismatic => {
                 place += frame * (self.axis.into_inner() * value);

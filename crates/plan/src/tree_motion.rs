@@ -218,26 +218,12 @@ impl TreeSegment {
         if part as f64 != time * parts {
             return None;
         }
-        let all = || {
-            let bodies: Vec<usize> = (0..self.bodies.links.len()).collect();
-            let mut placed = Vec::with_capacity(bodies.len());
-            self.outward(&bodies, time, first, &mut placed);
-            placed
-        };
-        Some(self.starts.get(part)?.get_or_init(all))
+        Some(self.starts.get(part)?.get_or_init(|| self.outward(time, first)))
     }
 
-    /// Writes pose and model of bodies in the world, by one recursion over the links that move them.
-    fn outward(&self, bodies: &[usize], time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
-        placed.clear();
+    /// Returns pose and model of each body in the world, by one recursion over all links.
+    fn outward(&self, time: f64, span: f64) -> PlacedBodies {
         let joints = self.tree.joints();
-        let mut is_needed = std::vec![false; joints.len() + 1];
-        for &body in bodies {
-            is_needed[self.bodies.links[body]] = true;
-        }
-        for (index, joint) in joints.iter().enumerate().rev() {
-            is_needed[joint.parent] |= is_needed[index + 1];
-        }
         let mut links = Vec::with_capacity(joints.len() + 1);
         links.push(LinkMotion::new(*self.tree.base()));
         // Empty along a straight segment.
@@ -245,19 +231,22 @@ impl TreeSegment {
         for (index, joint) in joints.iter().enumerate() {
             let mut link: LinkMotion = links[joint.parent];
             let mut of_link = bounds.get(joint.parent).copied();
-            if is_needed[index + 1] {
-                self.pass((index, joint), &mut link, of_link.as_mut(), time, span);
-            }
+            self.pass((index, joint), &mut link, of_link.as_mut(), time, span);
             links.push(link);
             bounds.extend(of_link);
         }
-        placed.extend(bodies.iter().map(|&body| {
-            let link = self.bodies.links[body];
-            (
-                links[link].pose,
-                self.model_of(body, links[link], bounds.get(link), span),
-            )
-        }));
+        let bodies = self.bodies.links.iter().enumerate();
+        let one = |(body, &link): (usize, &usize)| {
+            let model = self.model_of(body, links[link], bounds.get(link), span);
+            (links[link].pose, model)
+        };
+        bodies.map(one).collect()
+    }
+
+    /// Returns the value of a joint at a time.
+    fn value(&self, joint: &TreeJoint, time: f64) -> f64 {
+        let at = |d: Drive| d.factor * self.curve.value(d.coordinate, 0, time) + d.offset;
+        joint.drive.map_or(0.0, at)
     }
 
     /// Returns the bounds of the base over a span; `None` along a straight segment, whose bounds are
@@ -350,8 +339,7 @@ impl SegmentMotion for TreeSegment {
         }
         let path = self.tree.path(self.bodies.links[body]);
         path.fold(*self.tree.base(), |pose, (_, joint)| {
-            let at = |d: Drive| d.factor * self.curve.value(d.coordinate, 0, time) + d.offset;
-            joint.after(&pose, joint.drive.map_or(0.0, at))
+            joint.after(&pose, self.value(joint, time))
         })
     }
 
@@ -387,14 +375,28 @@ impl SegmentMotion for TreeSegment {
         (motion.pose, self.model_of(body, motion, bounds.as_ref(), span))
     }
 
-    fn placed_all(&self, bodies: &[usize], time: f64, span: f64, placed: &mut Vec<(Isometry3<f64>, MotionModel)>) {
-        match self.start(time, span) {
-            Some(start) => {
-                placed.clear();
-                placed.extend(bodies.iter().map(|&body| start[body]));
+    fn poses(&self, _: usize, times: &[f64], poses: &mut Vec<Isometry3<f64>>) {
+        let joints = self.tree.joints();
+        let mut links = Vec::with_capacity(joints.len() + 1);
+        for &time in times {
+            links.clear();
+            links.push(*self.tree.base());
+            for joint in joints {
+                let pose = joint.after(&links[joint.parent], self.value(joint, time));
+                links.push(pose);
             }
-            None => self.outward(bodies, time, span, placed),
+            poses.extend(self.bodies.links.iter().map(|&link| links[link]));
         }
+    }
+
+    /// The second derivative of the position of a point is bounded over the whole curve. On a path
+    /// with the second derivative b, the chord of a span s is at most `b s^2 / 8` away.
+    fn chord_deviation(&self, body: usize, reach: f64, parts: u32) -> f64 {
+        let span = 1.0 / f64::from(parts);
+        let mut whole = self.whole[self.bodies.links[body]];
+        let bend = whole.path.place[1] + whole.path.turned()[1] * reach;
+        whole.reach_on(reach);
+        (bend * span * span / 8.0 + 4.0 * whole.place) * GROWTH
     }
 
     fn parts(&self) -> u32 {
@@ -434,8 +436,7 @@ impl TreeSegment {
         let mut pose = *self.tree.base();
         let mut passed = Vec::new();
         for (index, joint) in self.tree.path(link) {
-            let at = |d: Drive| d.factor * self.curve.value(d.coordinate, 0, time) + d.offset;
-            pose = joint.after(&pose, joint.drive.map_or(0.0, at));
+            pose = joint.after(&pose, self.value(joint, time));
             passed.push(PassedJoint {
                 index,
                 joint,
