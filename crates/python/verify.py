@@ -629,9 +629,10 @@ class Placed:
     def vertex(self, k):
         return self.point(self.points[k])
 
-    def heights(self, n):
+    def heights(self, n, some=None):
+        """Least and greatest height along n of some vertices, or of all."""
         m = rows_times(n, self.rows)
-        all_ = [dot(m, p) for p in self.points]
+        all_ = [dot(m, p) for p in (self.points if some is None else [self.points[k] for k in some])]
         return min(all_) + dot(n, self.shift), max(all_) + dot(n, self.shift)
 
 
@@ -706,8 +707,8 @@ def remainder(body, steps, half, normal):
 INSTANT = Q(0), Q(0)
 
 
-def over_cell(scene, link, body, cell, normal):
-    """The least and greatest heights of a body over a cell, in units of 2^-2P (lemma 9)."""
+def over_cell(scene, link, body, some, cell, normal):
+    """The least and greatest heights of vertices, some or all, over a cell, in units of 2^-2P (lemma 9)."""
     half = [(high - low) / 2 for low, high in cell]
     steps = hops(scene, link, body, [(high + low) / 2 for low, high in cell])
     body = scene.bodies[body]
@@ -736,7 +737,7 @@ def over_cell(scene, link, body, cell, normal):
     slack = off(*rows[0]) + (rest << P)
     bends = [(m, o, off(m, o), above(half[c])) for c, (m, o) in slopes.items()]
     low = high = None
-    for p in body.fixed:
+    for p in body.fixed if some is None else [body.fixed[k] for k in some]:
         loss = slack + sum(h * ((abs(height(p, m, o)) + e >> P) + 1) for m, o, e, h in bends)
         at = height(p, *rows[0])
         low = at - loss if low is None else min(low, at - loss)
@@ -744,11 +745,28 @@ def over_cell(scene, link, body, cell, normal):
     return low, high
 
 
-def in_cell(scene, pair, cell, link, normal, keep):
+def in_cell(scene, pair, some, cell, link, normal, keep):
     """Lemma 9."""
-    high, low = over_cell(scene, link, pair[0], cell, normal)[1], over_cell(scene, link, pair[1], cell, normal)[0]
+    (_, high), (low, _) = (over_cell(scene, link, k, on, cell, normal) for k, on in zip(pair, some))
     gap, keep = Q(low - high, ONE * ONE), (keep + sum(scene.bodies[k].radius for k in pair)) * scene.unit
     return gap > 0 and gap * gap > keep * keep * dot(normal, normal)
+
+
+def at_part(axis, at):
+    return axis, whole(at)
+
+
+def cut_cells(waiting, cuts, where, name):
+    """Cuts the last cell, a list of ranges: the lower part is at hand next, the upper one waits."""
+    for cut in array(cuts):
+        axis, at = array(cut, 2)
+        prove(waiting, f"{name}: a cut outside its cell")
+        axis, at = where(whole(axis), at)
+        cell = waiting[-1]
+        prove(axis < len(cell) and cell[axis][0] < at < cell[axis][1], f"{name}: a cut outside its cell")
+        both = ((at, cell[axis][1]), (cell[axis][0], at))
+        waiting[-1:] = [[*cell[:axis], ends, *cell[axis + 1 :]] for ends in both]
+        need(len(waiting) <= 4096, "more than 4096 cells wait")
 
 
 class Cells:
@@ -774,20 +792,22 @@ class Cells:
             prove(used, f"{name}: a proof of a pair that is ignored or rests")
             prove(pair not in self.done, f"{name}: cells after the last cell")
             self.done.add(pair)
-            self.now, self.waiting = pair, [self.range]
-        for cut in array(line.get("cut", [])):
-            coordinate, at = array(cut, 2)
-            coordinate, at = whole(coordinate), number(at)
-            cell = self.waiting.pop() if self.waiting else []
-            inside = coordinate < len(cell) and cell[coordinate][0] < at < cell[coordinate][1]
-            prove(inside, f"{name}: a cut outside its cell")
-            need(len(self.waiting) + 2 <= 4096, "more than 4096 cells wait")
-            for ends in ((at, cell[coordinate][1]), (cell[coordinate][0], at)):
-                self.waiting.append([*cell[:coordinate], ends, *cell[coordinate + 1 :]])
+            # The ranges of the coordinates, then the parts of both bodies.
+            parts = [(0, len(scene.bodies[k].parts)) for k in pair]
+            self.now, self.waiting = pair, [[*self.range, *parts]]
+        cut_cells(self.waiting, line.get("cut", []), self.where, name)
         keep = number(line["keep"]) if "keep" in line else self.margin
         prove(keep >= self.margin, f"{name}: keeps {float(keep)}, less than the margin")
         prove(self.waiting, f"{name}: cells after the last cell")
         return self.waiting.pop(), keep
+
+    def where(self, axis, at):
+        """A whole number is where the parts of a body are cut, a number where a range is."""
+        count = len(self.range)
+        if isinstance(at, int):
+            return count + axis, whole(at)
+        at = number(at)
+        return axis if axis < count else count + 2, at
 
     def end_pair(self, scene):
         pair, waiting, self.now, self.waiting = self.now, self.waiting, None, []
@@ -928,22 +948,49 @@ def nearest(moment, placed, line):
     return [w + sum(t * e[k] for t, e in zip(parts, edges)) for k, w in enumerate(way)]
 
 
+def below(moment, placed, some, n, lower):
+    """Some points of A, or all, are below some of B along n, by `lower` and more than 0."""
+    gap = placed[1].heights(n, some[1])[0] - placed[0].heights(n, some[0])[1]
+    prove(gap > 0, f"{moment.text()}: no gap along the normal")
+    prove(at_most(-gap, -lower, dot(n, n)), f"{moment.text()}: the lower bound is not proven")
+
+
+def groups(moment, placed, entries, lower):
+    """Lemma 13: planes between groups of parts, which together are all pairs of parts."""
+    bodies = [moment.scene.bodies[k] for k in moment.pair]
+    waiting = [[(0, len(body.parts)) for body in bodies]]
+    for cuts, normal in (array(entry, 2) for entry in array(entries)):
+        cut_cells(waiting, cuts, at_part, moment.text())
+        prove(waiting, f"{moment.text()}: a group after the last one")
+        some = [body.of_parts(ends) for body, ends in zip(bodies, waiting.pop())]
+        below(moment, placed, some, numbers(normal, 3), lower)
+    prove(not waiting, f"{moment.text()}: {len(waiting)} groups without a plane")
+    return len(entries) == 1
+
+
 def distance(scene, line):
     """Lemma 6."""
-    only(line, "distance", "lower", "upper", "normal", "on")
+    only(line, "distance", "lower", "upper", "normal", "cells", "on")
     moment = Moment(scene, line)
     placed = moment.placed()
     bounds = number(get(line, "lower")), number(get(line, "upper"))
-    if "normal" in line:
+    lower, upper = (x + moment.radii() for x in bounds)
+    need(not ("normal" in line and "cells" in line), "a distance has a normal or cells, not both")
+    if "normal" in line or "cells" in line:
         a, b = moment.means(line)
-        n, way = numbers(line["normal"], 3), minus(placed[1].point(b), placed[0].point(a))
+        way = minus(placed[1].point(b), placed[0].point(a))
     else:
-        n = way = nearest(moment, placed, line)
-    gap, (lower, upper) = placed[1].heights(n)[0] - placed[0].heights(n)[1], (x + moment.radii() for x in bounds)
-    prove(gap > 0, f"{moment.text()}: no gap along the normal")
-    prove(at_most(-gap, -lower, dot(n, n)), f"{moment.text()}: the lower bound is not proven")
+        way = nearest(moment, placed, line)
+    if "cells" in line:
+        hulls_apart = groups(moment, placed, line["cells"], lower)
+    else:
+        hulls_apart = True
+        below(moment, placed, (None, None), numbers(line["normal"], 3) if "normal" in line else way, lower)
     prove(upper >= 0 and dot(way, way) <= upper * upper, f"{moment.text()}: the upper bound is not proven")
-    return "{} are at least {!r} and at most {!r} apart".format(moment.text(), *map(float, bounds))
+    apart = "{} are at least {!r} and at most {!r} apart".format(moment.text(), *map(float, bounds))
+    if hulls_apart or not any(scene.bodies[k].solid for k in moment.pair):
+        return apart
+    return f"the surfaces of {apart}; not looked at: whether one is inside the other"
 
 
 def depth(scene, line):
@@ -1121,10 +1168,14 @@ class Check:
         only(line, "cell", "cut", "link", "normal", "keep")
         scene, pair = self.scene, self.scene.pair(line["cell"])
         cell, keep = self.cells.next(scene, pair, line)
+        some = [scene.bodies[k].of_parts(ends) for k, ends in zip(pair, cell[-2:])]
+        cell = cell[:-2]
         link, normal = whole(get(line, "link")), numbers(get(line, "normal"), 3)
         known = link <= len(scene.joints) and len(cell) >= scene.coordinates
         need(known, f"unknown link {link}, or a coordinate without a range")
-        truth = in_cell(scene, pair, cell, link, normal, keep)
+        if any(scene.bodies[k].solid for k in pair):
+            (self.hulls_apart if some == [None, None] else self.cut).add(pair)
+        truth = in_cell(scene, pair, some, cell, link, normal, keep)
         middle = [float((low + high) / 2) for low, high in cell]
         prove(truth, f"{scene.names(pair)}, about {middle}")
 
@@ -1139,17 +1190,13 @@ class Check:
         """Cuts the cell of parts at hand and returns its parts (lemma 11)."""
         name, bodies = self.scene.names(pair), [self.scene.bodies[k] for k in pair]
         self.must_prove(pair)
-        waiting = self.waiting.setdefault(pair, [(self.begin, [(0, len(body.parts)) for body in bodies])])
-        for cut in cuts:
-            side, at = (whole(x) for x in array(cut, 2))
-            inside = waiting and side < 2 and waiting[-1][1][side][0] < at < waiting[-1][1][side][1]
-            prove(inside, f"{name}: a cut outside its cell")
-            start, parts = waiting.pop()
-            for ends in ((at, parts[side][1]), (parts[side][0], at)):
-                waiting.append((start, [ends if k == side else x for k, x in enumerate(parts)]))
-            need(len(waiting) <= 4096, "more than 4096 cells wait")
+        all_ = [(0, len(body.parts)) for body in bodies]
+        waiting, starts = self.waiting.setdefault(pair, ([all_], [self.begin]))
+        cut_cells(waiting, cuts, at_part, name)
         prove(waiting, f"{name}: a proof after the last one")
-        start, parts = waiting[-1]
+        # A cut is for the time that is left, in both parts.
+        starts += starts[-1:] * (len(waiting) - len(starts))
+        start, parts = starts[-1], waiting[-1]
         why = f"{name}: a proof from t = {float(span[0])}, after one until t = {float(start)}"
         prove(span[0] == start <= span[1] <= self.until, why)
         return [body.of_parts(ends) for body, ends in zip(bodies, parts)]
@@ -1174,9 +1221,12 @@ class Check:
             failed = failed if holds else failed or pair
             if any(self.scene.bodies[k].solid for k in pair):
                 (self.hulls_apart if not plane or some == [None, None] else self.cut).add(pair)
-            _, parts = self.waiting[pair].pop()
-            if until != self.until:
-                self.waiting[pair].append((until, parts))
+            waiting, starts = self.waiting[pair]
+            if until == self.until:
+                waiting.pop()
+                starts.pop()
+            else:
+                starts[-1] = until
         prove(failed is None, f"{self.scene.names(failed or pairs[0])}, at t = {float(start)}{self.of_leg()}")
 
     def outside(self, line):
@@ -1226,8 +1276,8 @@ class Check:
             self.cells.end_pair(self.scene)
             proven = self.cells.done
         elif self.claim == "apart":
-            for pair, waiting in sorted(proven.items()):
-                done = f"{float(waiting[-1][0])} only" if waiting else ""
+            for pair, (waiting, starts) in sorted(proven.items()):
+                done = f"{float(starts[-1])} only" if waiting else ""
                 prove(not waiting, f"{self.scene.names(pair)} is proven until t = {done}")
         else:
             return

@@ -6,7 +6,7 @@ use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, PairQueries, Scene};
-use lin_canny::{ContactState, Geometry, HalfSpace, PairTracker, RelativePose, Shape, Tracker};
+use lin_canny::{ContactState, Geometry, HalfSpace, Mesh, PairTracker, RelativePose, Shape, Tracker};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
     Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, PlanarSpace, RangeOptions, RigidSpace,
@@ -644,6 +644,9 @@ fn a_step_of_a_scene_has_a_receipt() {
         for n in 0..12 {
             let geometry = match n {
                 0 => Geometry::from(Shape::ellipsoid(Vector3::new(0.1, 0.2, 0.3)).expect("an egg")),
+                4 => Mesh::from_convex(&body(SHAPES[rng.below(SHAPES.len())], 16, &mut rng))
+                    .expect("a mesh")
+                    .into(),
                 1..4 => Shape::capsule(0.3, 0.1).expect("a capsule").into(),
                 _ => body(SHAPES[rng.below(SHAPES.len())], 16, &mut rng).into(),
             };

@@ -4,9 +4,9 @@ use lin_canny::impact::Tolerance;
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Compound, Geometry, Mesh, Piece, Shape, Velocity};
+use lin_canny::{Compound, ContactState, Geometry, Mesh, Outcome, PairTracker, Piece, RelativePose, Shape, Velocity};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
-use lin_canny_plan::{Checker, TranslationSpace, Verdict, World};
+use lin_canny_plan::{Checker, Joint, RangeOptions, SerialArm, TranslationSpace, Verdict, World};
 use lin_canny_verify::verify;
 use truth::casts::aimed;
 use truth::rng::Rng;
@@ -189,6 +189,178 @@ fn pieces_with_radii_have_the_greatest_one() {
     // A body around another proves no contact.
     let error = Receipt::segment(&mut checker, &[0.0; 3], &[2.0, 0.0, 0.0]).unwrap_err();
     assert!(matches!(error, ReceiptError::Pair { .. }), "{error}");
+}
+
+/// An angle whose hull overlaps a block in its corner. Both turn about one axis, so the gap stays,
+/// but a plane that keeps its direction proves only the time in which the normal turns by the gap.
+#[test]
+fn a_pair_that_grazes_has_a_receipt_of_at_most_20000_planes() {
+    let bar = |half: [f64; 3], x: f64, y: f64| {
+        let mut piece = Piece::new(solids::cuboid(Vector3::from(half)).expect("a box"));
+        piece.pose = Isometry3::translation(x, y, 0.0);
+        piece
+    };
+    let legs = vec![bar([1.0, 0.1, 0.5], 0.0, -1.1), bar([0.1, 1.2, 0.5], -1.1, 0.0)];
+    let angle = Geometry::from(Compound::new(legs).expect("an angle"));
+    let block = Geometry::from(solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
+    let turned = |gap: f64| {
+        let spin = Velocity::new(Vector3::zeros(), Vector3::z());
+        let about = |x: f64, y: f64| {
+            let start = Isometry3::translation(x, y, 0.0);
+            Steady::about(&start, Point3::new(-x, -y, 0.0), spin).expect("a motion")
+        };
+        let named = [("angle", &angle), ("block", &block)];
+        let motions = [about(0.0, 0.0), about(gap - 0.5, gap - 0.5)];
+        let tolerance = Tolerance::Distance(1e-7);
+        Receipt::cast(named, motions.each_ref(), 0.0..1.0, tolerance, 0.0)
+    };
+    let receipt = turned(1e-3).expect("a receipt");
+    assert!(
+        (500..20_000).contains(&receipt.certificates()),
+        "{}",
+        receipt.certificates()
+    );
+    holds(&receipt);
+
+    let started = std::time::Instant::now();
+    let error = turned(2e-5).unwrap_err();
+    let text = error.to_string();
+    assert!(
+        text.starts_with("angle and block have no evidence from time 0."),
+        "{text}"
+    );
+    assert!(text.ends_with(": it takes more than 20000 planes"), "{text}");
+    let seconds = started.elapsed().as_secs_f64();
+    println!(
+        "{} planes at a gap of 1e-3; {seconds:.1} s for {text}",
+        receipt.certificates()
+    );
+    assert!(seconds < 60.0, "{seconds} s");
+}
+
+/// Both bounds are those of the library, wider by 1e-12 of the scene at most.
+#[test]
+fn distances_of_meshes_and_compounds_have_receipts() {
+    let mut rng = Rng::new(23);
+    let (mut counts, mut most) = ([0; 3], 0);
+    let ball = Mesh::from_convex(&solids::icosahedron(0.3).expect("a body")).expect("a mesh");
+    let bodies: Vec<Geometry> = frames()
+        .into_iter()
+        .chain((0..3).map(rod))
+        .chain([ball.into()])
+        .collect();
+    for k in 0..400 {
+        let (a, b) = (&bodies[k % 2], &bodies[rng.below(bodies.len())]);
+        // Within the hole, or around the frame.
+        let size = if k % 3 == 0 { 0.2 } else { 2.0 };
+        let at = Vector3::from(rng.in_ball()) * size;
+        let turn = if k % 5 == 0 { 0.0 } else { rng.range(0.0, 1.0) };
+        let at = Isometry3::new(at, Vector3::from(rng.unit()) * turn);
+        let pose = RelativePose::from_isometry(&at).expect("a pose");
+        let outcome = PairTracker::new().closest(a, b, &pose).outcome;
+        let receipt = Receipt::outcome([("a", a), ("b", b)], &at, &outcome);
+        let receipt = match (outcome.state, receipt) {
+            (_, Ok(receipt)) => receipt,
+            // A body inside a mesh, and pieces that touch.
+            (ContactState::Separated, Err(error)) => panic!("{k}: {error} {outcome:?}"),
+            (_, Err(_)) => {
+                counts[2] += 1;
+                continue;
+            }
+        };
+        let [text, said] = holds(&receipt);
+        if outcome.state != ContactState::Separated {
+            counts[0] += 1;
+            continue;
+        }
+        let bound = |word: &str| {
+            let after = said.split(word).nth(1).expect("a bound");
+            let number = after.split(' ').next().expect("a number");
+            number.parse::<f64>().expect("a number")
+        };
+        let [lower, upper] = [bound("at least "), bound("at most ")];
+        assert!(
+            lower <= outcome.lower && lower >= outcome.lower - 1e-11,
+            "{said} {outcome:?}"
+        );
+        assert!(
+            upper >= outcome.upper && upper <= outcome.upper + 1e-11,
+            "{said} {outcome:?}"
+        );
+        let has_cuts = !text.contains("\"cells\":[[[],");
+        let is_solid = text.contains("\"faces\":[");
+        assert_eq!(said.contains(INSIDE), has_cuts && is_solid, "{said}");
+        counts[1] += usize::from(has_cuts);
+        let cells = text
+            .split("\"cells\":")
+            .nth(1)
+            .map(|rest| rest.split("\"on\"").next().unwrap_or(rest));
+        most = most.max(cells.map_or(0, |cells| cells.matches("\"]").count()));
+    }
+    println!("in contact, of groups, without: {counts:?}; at most {most} planes");
+    assert!(counts[0] > 50 && counts[1] > 50 && counts[2] < 10, "{counts:?}");
+}
+
+/// The library's bounds moved by 1e-9 are not proven: above, or by a normal that is another one.
+#[test]
+fn a_distance_that_is_too_large_or_too_small_has_no_receipt() {
+    let [compound, mesh] = frames();
+    let at = Isometry3::new(Vector3::new(0.02, 0.03, 0.01), Vector3::new(0.1, 0.2, 0.3));
+    let pose = RelativePose::from_isometry(&at).expect("a pose");
+    for around in [&compound, &mesh] {
+        let rod = rod(1);
+        let outcome = PairTracker::new().closest(around, &rod, &pose).outcome;
+        assert!(
+            outcome.state == ContactState::Separated && outcome.lower > 0.01,
+            "{outcome:?}"
+        );
+        let bodies = [("a", around), ("b", &rod)];
+        assert!(Receipt::outcome(bodies, &at, &outcome).is_ok());
+        let (mut longer, mut shorter) = (outcome, outcome);
+        (longer.lower, longer.upper) = (outcome.lower + 1e-9, outcome.upper + 1e-9);
+        (shorter.lower, shorter.upper) = (outcome.lower - 1e-9, outcome.upper - 1e-9);
+        let why = |outcome: &Outcome| Receipt::outcome(bodies, &at, outcome).unwrap_err().to_string();
+        assert!(why(&longer).ends_with("no plane proves the distance of two of their parts"));
+        assert!(why(&shorter).ends_with("no two points are near enough"));
+    }
+}
+
+/// A rod that slides and turns in the hole of a frame: their hulls overlap all over the range.
+#[test]
+fn ranges_of_meshes_and_compounds_have_receipts() {
+    let origin = Isometry3::identity();
+    for around in frames() {
+        for kind in 0..3 {
+            let joints = vec![
+                Joint::prismatic(origin, Vector3::z_axis(), [-9.0, 9.0]),
+                Joint::revolute(origin, Vector3::z_axis(), [-3.0, 3.0]),
+            ];
+            let arm = SerialArm::new(origin, joints, vec![2], 1.0).expect("an arm");
+            let mut world = World::new();
+            world.robot_body("rod", rod(kind));
+            world.obstacle("frame", around.clone(), origin);
+            let mut checker = Checker::new(arm, world).expect("a world");
+            // In the hole, and from above it through the hole.
+            for (low, inside) in [([-0.2, -1.0], true), ([-2.0, -0.5], false)] {
+                let high = [0.2, 0.5];
+                let answers = checker
+                    .prove_range(&low, &high, &RangeOptions::default())
+                    .expect("a range");
+                assert!(answers[0].is_never(), "{:?}", answers[0]);
+                let receipt = Receipt::range(&checker, &answers, 20_000).expect("a receipt");
+                let [text, said] = holds(&receipt);
+                println!("{} cells", receipt.certificates());
+                assert!(
+                    said.contains("1 pair of bodies stays more than 0 apart at every"),
+                    "{said}"
+                );
+                let is_solid = text.contains("\"faces\":[");
+                assert!(text.contains("\"cut\":[["), "{text}");
+                // Outside of the hole the hulls are apart, but the writer may cut parts first.
+                assert!(!inside || said.contains(INSIDE) == is_solid, "{said}");
+            }
+        }
+    }
 }
 
 /// The rows of the table of meshes below "Receipts" in BENCHMARKS.

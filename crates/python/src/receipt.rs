@@ -53,10 +53,10 @@ fn at(pose: Option<Pose>) -> Isometry3<f64> {
 
 #[pymethods]
 impl PairTracker {
-    /// Returns the receipt of the distance of two convex geometries, or of their overlap, as a text.
+    /// Returns the receipt of the distance of two geometries, or of their overlap, as a text.
     ///
-    /// It proves both bounds of the distance, or a common point and bounds of the depth. `names` are
-    /// the names of both bodies. Write the text to a file without changing line ends, and check it
+    /// It proves both bounds of the distance, or a common point and, of convex geometries, bounds of the
+    /// depth. The distance of a closed mesh is that of its surface. `names` are the names of both bodies. Write the text to a file without changing line ends, and check it
     /// with `lin-canny-robot verify FILE` or `python3 verify.py FILE`.
     ///
     /// Raises PairError if a geometry has no receipt, or if no evidence is certain, for example

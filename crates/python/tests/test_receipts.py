@@ -96,6 +96,9 @@ def test_meshes():
     said = proven(text)
     assert '"parts":[' in text and '"cut":[' in text
     assert "1 pair of bodies stays" in said and "inside" not in said
+    text = lc.PairTracker().receipt(tray, lc.Geometry.box(0.2, 0.2, 0.2), names=("tray", "die"))
+    said = proven(text)
+    assert '"cells":[' in text and "tray and die are at least 0.7999" in said and "inside" not in said
 
 
 def test_steps():

@@ -9,12 +9,13 @@
 use dashu_int::IBig;
 use dashu_ratio::RBig;
 
+use crate::bernstein::least;
 use crate::claim::{Claim, radii};
 use crate::int::Int;
 use crate::motion::{Span, Stage};
 use crate::real::two_to;
 use crate::scene::Scene;
-use crate::taylor::{dot, least, minus};
+use crate::vectors::{dot, minus};
 
 /// The balls of two bodies stay more than `keep` apart.
 pub(crate) struct Balls {

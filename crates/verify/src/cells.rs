@@ -1,33 +1,44 @@
 //! Every configuration of a range is proven, for every pair that is not ignored.
 //!
-//! **Lemma 10.** A cut divides a box into two boxes that share a face and together are the box. The
-//! cells of a pair start with the range. Each line first cuts the cell at hand as often as it says,
+//! **Lemma 10.** A cut divides a box into two boxes that share a face and together are the box, or the
+//! parts of a body in two, as in lemma 11. The cells of a pair start with the range and all parts. Each line first cuts the cell at hand as often as it says,
 //! where the lower part is at hand next and the upper part waits, then proves the cell at hand. If no
-//! cell waits after the last line of a pair, its proven cells together are the range. A file states
-//! no cells, so it cannot leave one out.
+//! cell waits after the last line of a pair, each part of A was apart from each part of B at each
+//! configuration. A file states no cells, so it cannot leave one out.
 
 use std::collections::BTreeSet;
 
 use crate::Stop;
+use crate::cover::Parts;
+use crate::cuts::{Cell, cut, halves};
 use crate::json::Json;
 use crate::pairs::{missing, needed};
 use crate::real::Real;
 use crate::scene::{Motion, Scene};
 
 /// Least and greatest value of each coordinate.
-pub(crate) type Cell = Vec<[Real; 2]>;
+pub(crate) type Ranges = Vec<[Real; 2]>;
 
-/// Most cells of a pair that wait.
-const WAITING: usize = 4096;
+/// Configurations, and parts of both bodies.
+impl Cell for (Ranges, Parts) {
+    fn halves(&self, axis: usize, at: &Json) -> Result<Option<[Self; 2]>, Stop> {
+        if let Json::Whole(_) = at {
+            let both = self.1.halves(axis, at)?;
+            return Ok(both.map(|both| both.map(|parts| (self.0.clone(), parts))));
+        }
+        let both = halves(&self.0, axis, at.real()?);
+        Ok(both.map(|both| both.map(|ranges| (ranges, self.1))))
+    }
+}
 
 /// The claim that pairs stay apart at all configurations, and what of it is proven.
 #[derive(Clone)]
 pub(crate) struct Cells {
-    pub(crate) range: Cell,
+    pub(crate) range: Ranges,
     pub(crate) margin: Real,
     /// The pair at hand, and its cells: the last one is at hand.
     now: Option<(usize, usize)>,
-    waiting: Vec<Cell>,
+    waiting: Vec<(Ranges, Parts)>,
     done: BTreeSet<(usize, usize)>,
 }
 
@@ -39,7 +50,7 @@ impl Cells {
             .array()?
             .iter()
             .map(ends)
-            .collect::<Result<Cell, _>>()?;
+            .collect::<Result<Ranges, _>>()?;
         let margin = head.get("margin")?.real()?;
         if margin < Real::ZERO || range.len() > 1024 || range.iter().any(|[low, high]| low > high) {
             return Stop::bad("the margin is negative, or a range ends before its start, or more than 1024");
@@ -65,7 +76,12 @@ impl Cells {
     }
 
     /// Returns the cell that a line proves, and what it keeps.
-    pub(crate) fn next(&mut self, scene: &Scene, pair: (usize, usize), line: &Json) -> Result<(Cell, Real), Stop> {
+    pub(crate) fn next(
+        &mut self,
+        scene: &Scene,
+        pair: (usize, usize),
+        line: &Json,
+    ) -> Result<((Ranges, Parts), Real), Stop> {
         let name = || scene.names(pair);
         if self.now != Some(pair) {
             self.end_pair(scene)?;
@@ -73,23 +89,11 @@ impl Cells {
             if !self.done.insert(pair) {
                 return Stop::fails(format!("{}: cells after the last cell", name()));
             }
-            (self.now, self.waiting) = (Some(pair), vec![self.range.clone()]);
+            let all = [pair.0, pair.1].map(|k| [0, scene.bodies[k].parts.len()]);
+            (self.now, self.waiting) = (Some(pair), vec![(self.range.clone(), all)]);
         }
         let cuts = line.find("cut").map_or(Ok(&[][..]), Json::array)?;
-        for cut in cuts {
-            let [coordinate, at] = cut.list::<2>()?;
-            let (coordinate, at) = (coordinate.whole()?, at.real()?);
-            let inside = |cell: &Cell| cell.get(coordinate).is_some_and(|[low, high]| *low < at && at < *high);
-            let Some(mut upper) = self.waiting.pop().filter(inside) else {
-                return Stop::fails(format!("{}: a cut outside its cell", name()));
-            };
-            if self.waiting.len() + 2 > WAITING {
-                return Stop::bad(format!("more than {WAITING} cells wait"));
-            }
-            let mut lower = upper.clone();
-            (lower[coordinate][1], upper[coordinate][0]) = (at, at);
-            self.waiting.extend([upper, lower]);
-        }
+        cut(&mut self.waiting, cuts, name)?;
         let keep = line.find("keep").map_or(Ok(self.margin), Json::real)?;
         if keep < self.margin {
             return Stop::fails(format!("{}: keeps {}, less than the margin", name(), keep.shown()));

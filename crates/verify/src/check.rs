@@ -1,7 +1,9 @@
 //! Reads a receipt line by line and evaluates its evidence.
 
+mod cell;
 mod evidence;
 mod legs;
+mod start;
 mod tell;
 
 use std::cell::OnceCell;
@@ -17,7 +19,7 @@ use crate::lines::Lines;
 use crate::meet::Meet;
 use crate::motion::Stage;
 use crate::near::Near;
-use crate::report::{Failure, Report, StatedFile, Unreadable, Verdict};
+use crate::report::{Failure, Report, Unreadable, Verdict};
 use crate::scene::{Leg, Scene};
 use crate::{Stop, depth, distance};
 
@@ -89,65 +91,6 @@ struct Check {
 }
 
 impl Check {
-    fn new(head: Head, mut stated: Scene, other: Option<(Scene, Vec<Leg>)>) -> Self {
-        let report = Report {
-            files: stated
-                .files
-                .drain(..)
-                .map(|(name, sha256)| StatedFile { name, sha256 })
-                .collect(),
-            ..Report::default()
-        };
-        let (mut scene, mut legs, mut different) = (stated, None, None);
-        if let Some((mut new, new_legs)) = other {
-            let same = scene
-                .bodies
-                .iter()
-                .zip(&new.bodies)
-                .take_while(|(x, y)| x.name == y.name)
-                .count();
-            if same != scene.bodies.len().max(new.bodies.len()) {
-                different = Some(format!("another scene: body {same} is not the same"));
-            }
-            (new.ignored, new.reasons) = (std::mem::take(&mut scene.ignored), std::mem::take(&mut scene.reasons));
-            (scene, legs) = (new, Some(new_legs));
-        }
-        Self {
-            head,
-            scene,
-            legs,
-            different,
-            report,
-            ..Self::default()
-        }
-    }
-
-    fn start(&mut self, line: usize) {
-        match self.different.clone() {
-            Some(why) => self.failure = Some(Failure::new(line, None, true, why)),
-            None => self.narrow = Stage::new(&self.scene, None),
-        }
-    }
-
-    /// Keeps the first failure and counts the others.
-    fn note(&mut self, line: usize, evidence: bool, result: Result<(), Stop>) -> Result<(), Unreadable> {
-        let stale = self.legs.is_some();
-        let text = match result {
-            Ok(()) => return Ok(()),
-            // On another scene a line may name what is not there.
-            Err(Stop::Bad(why)) if !stale => return Err(Unreadable::Line { line, why }),
-            Err(Stop::Bad(text) | Stop::Fails(text)) => text,
-        };
-        match &mut self.failure {
-            Some(first) => first.more += 1,
-            None => {
-                let certificate = evidence.then_some(self.report.certificates);
-                self.failure = Some(Failure::new(line, certificate, stale, text));
-            }
-        }
-        Ok(())
-    }
-
     fn line(&mut self, line: &Json) -> Result<(), Stop> {
         if line.kind() == "leg" {
             return self.start_leg(line);
@@ -186,14 +129,6 @@ impl Check {
                 self.report.proven.push(text + &self.of_leg());
                 Ok(())
             }
-        }
-    }
-
-    fn of_leg(&self) -> String {
-        if self.count > 1 {
-            format!(" of leg {}", self.count)
-        } else {
-            String::new()
         }
     }
 }

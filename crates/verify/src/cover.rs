@@ -14,6 +14,7 @@
 use std::collections::BTreeMap;
 
 use crate::Stop;
+use crate::cuts::{Cell, cut, halves};
 use crate::json::Json;
 use crate::motion::Span;
 use crate::pairs::{missing, needed};
@@ -47,8 +48,19 @@ impl Apart {
 /// Numbers of parts of both bodies: the first one, and the one after the last.
 pub(crate) type Parts = [[usize; 2]; 2];
 
-/// Most cells of a pair that wait.
-const WAITING: usize = 4096;
+impl Cell for Parts {
+    fn halves(&self, side: usize, at: &Json) -> Result<Option<[Self; 2]>, Stop> {
+        Ok(halves(self, side, at.whole()?))
+    }
+}
+
+/// Parts, and the time up to which they are proven.
+impl Cell for (Real, Parts) {
+    fn halves(&self, side: usize, at: &Json) -> Result<Option<[Self; 2]>, Stop> {
+        let both = self.1.halves(side, at)?;
+        Ok(both.map(|both| both.map(|parts| (self.0, parts))))
+    }
+}
 
 /// What is proven of one leg.
 #[derive(Default)]
@@ -72,20 +84,7 @@ impl Cover {
         scene.must_prove(pair)?;
         let all = [pair.0, pair.1].map(|k| [0, scene.bodies[k].parts.len()]);
         let waiting = self.waiting.entry(pair).or_insert_with(|| vec![(apart.span.from, all)]);
-        for cut in cuts {
-            let [side, at] = cut.list::<2>()?;
-            let (side, at) = (side.whole()?, at.whole()?);
-            let inside = |parts: &Parts| parts.get(side).is_some_and(|[low, high]| *low < at && at < *high);
-            let Some(upper) = waiting.last_mut().filter(|cell| inside(&cell.1)) else {
-                return Stop::fails(format!("{}: a cut outside its cell", name()));
-            };
-            let mut lower = *upper;
-            (upper.1[side][0], lower.1[side][1]) = (at, at);
-            waiting.push(lower);
-            if waiting.len() > WAITING {
-                return Stop::bad(format!("more than {WAITING} cells wait"));
-            }
-        }
+        cut(waiting, cuts, name)?;
         let Some((start, parts)) = waiting.last() else {
             return Stop::fails(format!("{}: a proof after the last one", name()));
         };

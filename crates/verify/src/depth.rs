@@ -20,7 +20,7 @@ use dashu_ratio::RBig;
 use crate::Stop;
 use crate::claim::{Moment, radii};
 use crate::json::Json;
-use crate::points::Placed;
+use crate::pose::Placed;
 use crate::real::{Exact, Real, at_most, cross, dot, minus};
 use crate::scene::Scene;
 
@@ -44,7 +44,7 @@ pub(crate) fn check(scene: &Scene, line: &Json) -> Result<String, Stop> {
             line.get("normal")?.reals::<3>()?.map(Real::exact),
             upper.exact() - &radii,
         );
-        let [[_, high], [low, _]] = [placed[0].heights(&n), placed[1].heights(&n)];
+        let [[_, high], [low, _]] = [placed[0].heights(None, &n), placed[1].heights(None, &n)];
         let square = dot(&n, &n);
         if square.is_zero() || size < RBig::ZERO || !at_most(&(high - low), &size, &square) {
             return Stop::fails(format!("{}: the upper bound is not proven", scene.names(moment.pair)));

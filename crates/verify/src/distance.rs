@@ -6,51 +6,58 @@
 //! below all of B by the gap g > 0, it is at least g / |n|. The radii are taken off both. The
 //! closest points are found by Cramer's rule in fractions: one or two unknowns. In the second
 //! form a normal n and two points, by weights, are given: the same bounds, each for what is
-//! given.
+//! given. In the third form the lower bound is that of lemma 13.
 
 use dashu_ratio::RBig;
 
 use crate::Stop;
 use crate::claim::{Moment, radii};
+use crate::groups;
 use crate::json::Json;
 use crate::near;
-use crate::points::Placed;
-use crate::real::{Exact, Real, at_most, dot, minus};
+use crate::pose::Placed;
+use crate::real::{Exact, Real, dot, minus};
 use crate::scene::Scene;
 
 /// Checks a line; returns what it proves.
 pub(crate) fn check(scene: &Scene, line: &Json) -> Result<String, Stop> {
-    line.only(&["distance", "lower", "upper", "normal", "on"])?;
+    line.only(&["distance", "lower", "upper", "normal", "cells", "on"])?;
     let moment = Moment::read(scene, line)?;
     let placed = [scene.placed(moment.pair.0)?, scene.placed(moment.pair.1)?];
     let bounds = [line.get("lower")?.real()?, line.get("upper")?.real()?];
-    let (n, way) = match line.find("normal") {
-        Some(normal) => {
-            let [a, b] = near::points(scene, &moment, line)?;
-            let way = minus(&placed[1].pose.point(&b), &placed[0].pose.point(&a));
-            (normal.reals::<3>()?.map(Real::exact), way)
-        }
-        None => {
-            let way = nearest(scene, &moment, &placed, line)?;
-            (way.clone(), way)
-        }
-    };
-    let [[_, high], [low, _]] = [placed[0].heights(&n), placed[1].heights(&n)];
-    let (gap, square) = (low - high, dot(&n, &n));
     let [lower, upper] = bounds.map(|x| x.exact() + radii(scene, moment.pair));
     let names = || scene.names(moment.pair);
-    if gap <= RBig::ZERO {
-        return Stop::fails(format!("{}: no gap along the normal", names()));
-    }
-    // lower |n| <= gap
-    if !at_most(&-&gap, &-&lower, &square) {
-        return Stop::fails(format!("{}: the lower bound is not proven", names()));
-    }
+    let (normal, cells) = (line.find("normal"), line.find("cells"));
+    let way = match normal.or(cells) {
+        Some(_) => {
+            let [a, b] = near::points(scene, &moment, line)?;
+            minus(&placed[1].pose.point(&b), &placed[0].pose.point(&a))
+        }
+        None => nearest(scene, &moment, &placed, line)?,
+    };
+    let hulls_apart = match (normal, cells) {
+        (Some(_), Some(_)) => return Stop::bad("a distance has a normal or cells, not both"),
+        (None, Some(cells)) => groups::check(scene, &moment, &placed, cells, &lower)?,
+        (normal, None) => {
+            let normal = normal.map(Json::reals::<3>).transpose()?;
+            let n = normal.map_or_else(|| way.clone(), |n| n.map(Real::exact));
+            let found = groups::below(&placed, [None, None], &n, &lower);
+            found.map_err(|why| Stop::Fails(format!("{}: {why}", names())))?;
+            true
+        }
+    };
     if upper < RBig::ZERO || dot(&way, &way) > &upper * &upper {
         return Stop::fails(format!("{}: the upper bound is not proven", names()));
     }
     let ([lower, upper], text) = (bounds.map(Real::shown), moment.text(scene));
-    Ok(format!("{text} are at least {lower:?} and at most {upper:?} apart"))
+    let is_solid = [moment.pair.0, moment.pair.1].iter().any(|k| scene.bodies[*k].solid);
+    let [of, inside] = match is_solid && !hulls_apart {
+        true => ["the surfaces of ", "; not looked at: whether one is inside the other"],
+        false => [""; 2],
+    };
+    Ok(format!(
+        "{of}{text} are at least {lower:?} and at most {upper:?} apart{inside}"
+    ))
 }
 
 /// Returns the way between the closest points of the flats through the named vertices.

@@ -8,10 +8,9 @@ use dashu_ratio::RBig;
 
 use crate::int::Int;
 use crate::motion::{Span, Stage, Step, Turn};
-use crate::points::Pose;
-use crate::real::{Real, dot as exact_dot};
+use crate::real::Real;
 use crate::scene::{Kind, Scene};
-use crate::taylor::{Vector, fixed3};
+use crate::vectors::{Vector, fixed3};
 
 /// A step of the way, and the joint that it is, with the axis along which its value moves the body.
 pub(crate) struct Hop<'a, I> {
@@ -36,15 +35,6 @@ impl<I> Held<'_, I> {
 /// The only time of a configuration.
 pub(crate) fn at_once() -> Span {
     Span::at(Real::ZERO)
-}
-
-impl Pose {
-    /// Returns the pose that undoes this one.
-    pub(crate) fn inverse(&self) -> Self {
-        let rows = std::array::from_fn(|i| std::array::from_fn(|j| self.rows[j][i].clone()));
-        let shift = std::array::from_fn(|k| -exact_dot(&rows[k], &self.shift));
-        Self { rows, shift }
-    }
 }
 
 impl<I: Int> Stage<I> {

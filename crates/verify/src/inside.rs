@@ -6,7 +6,8 @@
 //! surface, and at that time it is zero; the same holds with A and B exchanged. So no point of a
 //! surface is ever inside the other body. A point of both bodies would have, on a way to infinity, a
 //! first point of a surface, which is inside the other body or on its surface. So there is none. Legs
-//! are one motion, as each starts where the one before ends. A body with parts has its inside stated.
+//! are one motion, as each starts where the one before ends; each two configurations of a range are of
+//! a motion in it. A body with parts has its inside stated.
 
 use std::collections::BTreeSet;
 

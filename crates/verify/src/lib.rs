@@ -1,13 +1,16 @@
 #![doc = include_str!("../README.md")]
 
 mod balls;
+mod bernstein;
 mod cells;
 mod check;
 mod claim;
 mod cover;
+mod cuts;
 mod depth;
 mod distance;
 mod file;
+mod groups;
 mod hops;
 mod inside;
 mod int;
@@ -19,6 +22,8 @@ mod near;
 mod pairs;
 mod plane;
 mod points;
+mod polynomial;
+mod pose;
 mod range;
 mod real;
 mod report;
@@ -26,6 +31,7 @@ mod scene;
 mod sha256;
 mod taylor;
 mod turn;
+mod vectors;
 
 use std::io::BufRead;
 

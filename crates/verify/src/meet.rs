@@ -16,7 +16,7 @@ use crate::json::Json;
 use crate::motion::Stage;
 use crate::real::{cross as exact_cross, dot as exact_dot, minus as exact_minus};
 use crate::scene::Scene;
-use crate::taylor::{cross, dot, minus};
+use crate::vectors::{cross, dot, minus};
 
 /// Four pairs of vertices whose differences enclose 0.
 pub(crate) struct Meet {

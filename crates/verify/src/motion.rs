@@ -5,19 +5,22 @@
 //! with s and u of lemma 1. Lengths are divided by a power of two no less than any coordinate,
 //! exactly: a scene scaled by a power of two gives the same integers.
 
+mod heights;
 mod solid;
 mod step;
 
+pub(crate) use heights::{chosen, extremes};
 pub(crate) use solid::Solid;
 pub(crate) use step::{Step, Turn};
 
 use dashu_ratio::RBig;
 
 use crate::int::Int;
+use crate::polynomial::moved;
 use crate::real::{Real, two_to};
 use crate::scene::{Joint, Kind, Leg, Scene};
-use crate::taylor::{Taylor, Vector};
-use crate::turn::moved;
+use crate::taylor::Taylor;
+use crate::vectors::Vector;
 
 /// An interval of time.
 #[derive(Clone, Copy, Debug)]
@@ -134,49 +137,4 @@ impl<I: Int> Stage<I> {
         };
         self.point(scene, body, &solid.points[k].each_ref().map(part), span)
     }
-
-    /// Returns least and greatest Bernstein coefficients of the heights of some vertices along n, or of
-    /// all, in units of 2^-2P / W: lower and upper bounds.
-    pub(crate) fn heights(
-        &self,
-        scene: &Scene,
-        body: usize,
-        some: Option<&[usize]>,
-        n: &Vector<I>,
-        span: &Span,
-    ) -> Option<[Vec<I>; 2]> {
-        let solid = &self.solids[body];
-        let chosen: Option<Vec<_>> = some.map(|some| some.iter().map(|k| solid.points[*k].clone()).collect());
-        let points = chosen.as_ref().unwrap_or(&solid.points);
-        let (mut m, mut o) = (n.clone(), Taylor::whole(0)?);
-        for step in self.steps(scene, solid).iter().rev() {
-            (m, o) = step.plane(&m, &o, span)?;
-        }
-        let (nets, base) = ([m[0].net()?, m[1].net()?, m[2].net()?], o.net()?);
-        let off = solid.off(&m, &o)?.mul(&I::small(I::W))?;
-        let mut both = [Vec::new(), Vec::new()];
-        let mut ends: Option<[I; 2]> = None;
-        for (k, b) in base.iter().enumerate() {
-            // A plane that rests, against a body that rests: all coefficients are equal.
-            let same = k > 0 && nets.iter().all(|net| net[k] == net[k - 1]);
-            let found = match ends.filter(|_| same) {
-                Some(ends) => ends,
-                None => extremes(points, &nets.each_ref().map(|net| net[k].clone()))?,
-            };
-            let b = b.up()?;
-            both[0].push(found[0].add(&b)?.sub(&off)?);
-            both[1].push(found[1].add(&b)?.add(&off)?);
-            ends = Some(found);
-        }
-        Some(both)
-    }
-}
-
-pub(crate) fn extremes<I: Int>(points: &[[I; 3]], n: &[I; 3]) -> Option<[I; 2]> {
-    let height = |p: &[I; 3]| n[0].mul(&p[0])?.add(&n[1].mul(&p[1])?)?.add(&n[2].mul(&p[2])?);
-    let first = height(&points[0])?;
-    points[1..].iter().try_fold([first.clone(), first], |[low, high], p| {
-        let h = height(p)?;
-        Some([low.min(h.clone()), high.max(h)])
-    })
 }

@@ -12,7 +12,7 @@ use crate::motion::Stage;
 use crate::points::weights;
 use crate::real::{Exact, Real, dot as exact_dot, minus as exact_minus, two_to};
 use crate::scene::Scene;
-use crate::taylor::{dot, fixed3, minus};
+use crate::vectors::{dot, fixed3, minus};
 use dashu_ratio::RBig;
 
 /// Two points that are at most `within` and the radii apart.

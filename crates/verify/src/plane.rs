@@ -16,7 +16,7 @@ use crate::int::Int;
 use crate::motion::{Span, Stage, Turn};
 use crate::real::{Exact, Real};
 use crate::scene::Scene;
-use crate::taylor::fixed3;
+use crate::vectors::fixed3;
 
 /// A plane keeps two bodies, or some of their vertices, `keep` apart.
 pub(crate) struct Plane {

@@ -17,45 +17,31 @@
 //! If the heights of all of B exceed those of all of A by g > 0 over the cell, and g^2 > (keep +
 //! radii)^2 |n|^2, the bodies are more than `keep` apart at every configuration of the cell.
 
+mod rest;
+
 use std::collections::BTreeMap;
 
-use dashu_base::SquareRoot;
-use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
 
+use rest::above;
+
 use crate::claim::{Claim, beyond, radii};
-use crate::hops::{Hop, at_once};
+use crate::hops::at_once;
 use crate::int::Int;
-use crate::motion::{Solid, Stage};
+use crate::motion::{Stage, chosen};
 use crate::real::{Exact, Real};
 use crate::scene::{Kind, Scene};
-use crate::taylor::{Taylor, Vector, below, cross, dot, each, fixed3};
+use crate::taylor::Taylor;
+use crate::vectors::{Vector, cross, dot, each, fixed3};
 
-/// A plane fixed to a link keeps two bodies `keep` apart over a cell.
+/// A plane fixed to a link keeps two bodies, or some of their vertices, `keep` apart over a cell.
 pub(crate) struct InCell {
     pub(crate) pair: (usize, usize),
+    pub(crate) some: [Option<Vec<usize>>; 2],
     pub(crate) cell: Vec<[Real; 2]>,
     pub(crate) link: usize,
     pub(crate) normal: Exact,
     pub(crate) keep: RBig,
-}
-
-/// Rounded up, in units of 2^-P.
-fn above<I: Int>(q: &RBig) -> Option<I> {
-    let (whole, rest) = below(q, I::P);
-    I::of(whole + IBig::from(rest))
-}
-
-fn product<I: Int>(x: &I, y: &I) -> Option<I> {
-    x.mul(y)?.down().add(&I::small(1))
-}
-
-/// No length of a vector is larger.
-fn length<I: Int>(v: &Vector<I>) -> Option<I> {
-    let square = dot(v, v)?;
-    let square = square.c[0].add(&square.r)?.wide() << I::P;
-    let root = UBig::try_from(square).map_or(UBig::ZERO, |x| x.sqrt());
-    I::of(IBig::from(root) + IBig::ONE)
 }
 
 /// The height m . x + o of a vertex, all of them constants, in units of 2^-2P.
@@ -77,8 +63,9 @@ impl InCell {
         (high + low) / RBig::from(2)
     }
 
-    /// Bounds the heights of a body from below and from above, in units of 2^-2P.
-    fn heights<I: Int>(&self, scene: &Scene, stage: &Stage<I>, body: usize) -> Option<[I; 2]> {
+    /// Bounds the heights of some vertices of A or B from below and from above, in units of 2^-2P.
+    fn heights<I: Int>(&self, scene: &Scene, stage: &Stage<I>, side: usize) -> Option<[I; 2]> {
+        let body = [self.pair.0, self.pair.1][side];
         let value = |k: usize| scene.joints[k].at(|c| self.middle(c));
         let hops = stage.hops(scene, self.link, body, value)?;
         let solid = &stage.solids[body];
@@ -113,7 +100,7 @@ impl InCell {
             bends.push((m, o, solid.off(m, o)?, above::<I>(&self.half(*coordinate))?));
         }
         let mut ends: Option<[I; 2]> = None;
-        for p in &solid.points {
+        for p in &*chosen(&solid.points, self.some[side].as_deref()) {
             let mut slack = off.clone();
             for (m, o, off, half) in &bends {
                 let slope = height(p, m, o)?.size()?.add(off)?;
@@ -128,38 +115,12 @@ impl InCell {
         }
         ends
     }
-
-    /// Returns |n| R of the lemma, in units of 2^-P.
-    fn rest<I: Int>(&self, scene: &Scene, solid: &Solid<I>, hops: &[Hop<'_, I>]) -> Option<I> {
-        let (mut x, reach) = (solid.middle.clone(), above::<I>(&solid.round)?);
-        let (mut moved, mut rest) = (I::small(0), I::small(0));
-        for hop in hops {
-            if let Some((joint, axis)) = &hop.joint {
-                let (joint, size) = (&scene.joints[*joint], length(axis)?);
-                let factor = joint.factor().clone();
-                let factor = if factor < RBig::ZERO { -factor } else { factor };
-                let half = above::<I>(&(self.half(joint.coordinate()) * factor))?;
-                let speed = match joint.kind {
-                    Kind::Turn => length(&cross(axis, &x)?)?.add(&product(&size, &reach.add(&moved)?)?)?,
-                    _ => size.clone(),
-                };
-                let way = product(&speed, &half)?;
-                if joint.kind == Kind::Turn {
-                    let between = moved.add(&way.half().add(&I::small(1))?)?;
-                    rest = rest.add(&product(&product(&size, &half)?, &between)?)?;
-                }
-                moved = moved.add(&way)?;
-            }
-            x = hop.step.get().point(&x, &at_once())?;
-        }
-        product(&rest, &length(&fixed3(&self.normal)?)?)
-    }
 }
 
 impl Claim for InCell {
     fn holds<I: Int>(&self, scene: &Scene, stage: &Stage<I>) -> Option<bool> {
-        let [_, high] = self.heights(scene, stage, self.pair.0)?;
-        let [low, _] = self.heights(scene, stage, self.pair.1)?;
+        let [_, high] = self.heights(scene, stage, 0)?;
+        let [low, _] = self.heights(scene, stage, 1)?;
         let keep = &self.keep + radii(scene, self.pair);
         Some(beyond(&low.sub(&high)?, 1, &keep, &self.normal, &stage.unit))
     }

@@ -3,7 +3,8 @@
 //! A hex float states mantissa and exponent, so nothing is rounded. A text is accepted only if it
 //! equals the form that [`Real::text`] writes, so no two texts state one number.
 
-use dashu_int::IBig;
+use dashu_base::{Abs, SquareRoot};
+use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
 
 /// A finite number: never a NaN, never -0.
@@ -120,4 +121,11 @@ pub(crate) fn at_most(x: &RBig, y: &RBig, square: &RBig) -> bool {
         (true, false) => left <= right,
         (false, true) => left >= right,
     }
+}
+
+/// Returns a number no less than the square root of a fraction that is not negative.
+pub(crate) fn root_above(q: &RBig) -> RBig {
+    let scaled = (q.numerator().clone().abs() << 256) / IBig::from(q.denominator().clone());
+    let root = UBig::try_from(scaled).map_or(UBig::ZERO, |x| x.sqrt());
+    RBig::from_parts_signed(IBig::from(root) + IBig::ONE, IBig::ONE << 128)
 }

@@ -10,7 +10,7 @@ pub(crate) use joint::{Joint, Kind, Leg};
 
 use crate::Stop;
 use crate::json::Json;
-use crate::points::{Placed, Pose};
+use crate::pose::{Placed, Pose};
 use crate::real::Real;
 
 /// The order of the lines of a scene.

@@ -6,29 +6,17 @@
 //! a(x)|, the product of the functions departs from p(x) by at most |a| r_b + |b| r_a + r_a r_b.
 //! Terms of p of degree > D are dropped, which costs at most their sizes, as x^k <= 1. The shift
 //! to units of 2^-P rounds each kept coefficient down by less than one unit.
-//!
-//! A polynomial of degree D on [0, 1] lies between the least and the greatest of its Bernstein
-//! coefficients b_k = sum over j <= k of C(k, j) / C(D, j) c_j. Here they are multiplied by W, the
-//! least common multiple of the C(D, j), to stay integers.
 
 use dashu_int::IBig;
 use dashu_ratio::RBig;
 
 use crate::int::Int;
-use crate::real::Exact;
 
 /// A function of x on [0, 1] within r of the sum of c[k] x^k, in units of 2^-P.
 #[derive(Clone, Debug)]
 pub(crate) struct Taylor<I> {
     pub(crate) c: Vec<I>,
     pub(crate) r: I,
-}
-
-pub(crate) type Vector<I> = [Taylor<I>; 3];
-
-/// Binomials.
-pub(crate) fn choose(n: usize, k: usize) -> i32 {
-    (0..k).fold(1, |c, j| c * (n - j) as i32 / (j + 1) as i32)
 }
 
 /// Returns the integer below q 2^bits, and whether it is less.
@@ -139,66 +127,9 @@ impl<I: Int> Taylor<I> {
         self.c.iter().try_fold(I::small(0), |sum, x| sum.add(&x.size()?))
     }
 
-    /// Returns the Bernstein coefficients, times W.
-    pub(crate) fn net(&self) -> Option<Vec<I>> {
-        let term = |k, j, c: &I| c.mul(&I::small(choose(k, j) * (I::W / choose(I::D, j))));
-        let sum = |k| {
-            self.c
-                .iter()
-                .enumerate()
-                .take(k + 1)
-                .try_fold(I::small(0), |s, (j, c)| s.add(&term(k, j, c)?))
-        };
-        (0..=I::D).map(sum).collect()
-    }
-
     /// Returns the sign of a constant, 0 if not known.
     pub(crate) fn sign(&self) -> i32 {
         let below = I::small(0).sub(&self.r);
         i32::from(self.c[0] > self.r) - i32::from(below.is_some_and(|below| self.c[0] < below))
     }
-}
-
-/// No value of a polynomial is less: the least Bernstein coefficient of its eighths.
-pub(crate) fn least<I: Int>(net: Vec<I>) -> Option<I> {
-    let mut nets = vec![net];
-    for _ in 0..3 {
-        let mut halves = Vec::new();
-        for mut net in nets {
-            let (mut first, n) = (vec![net[0].clone()], net.len());
-            for k in 1..n {
-                for j in 0..n - k {
-                    net[j] = net[j].add(&net[j + 1])?.half();
-                }
-                first.push(net[0].clone());
-            }
-            halves.extend([first, net]);
-        }
-        nets = halves;
-    }
-    nets.into_iter().flatten().min()
-}
-
-pub(crate) fn fixed3<I: Int>(v: &Exact) -> Option<Vector<I>> {
-    Some([Taylor::fixed(&v[0])?, Taylor::fixed(&v[1])?, Taylor::fixed(&v[2])?])
-}
-
-/// Makes a vector of three components that may not fit.
-pub(crate) fn each<T>(part: impl Fn(usize) -> Option<T>) -> Option<[T; 3]> {
-    Some([part(0)?, part(1)?, part(2)?])
-}
-
-pub(crate) fn minus<I: Int>(u: &Vector<I>, v: &Vector<I>) -> Option<Vector<I>> {
-    each(|k| u[k].minus(&v[k]))
-}
-
-pub(crate) fn dot<I: Int>(u: &Vector<I>, v: &Vector<I>) -> Option<Taylor<I>> {
-    u[0].times(&v[0])?.plus(&u[1].times(&v[1])?)?.plus(&u[2].times(&v[2])?)
-}
-
-pub(crate) fn cross<I: Int>(u: &Vector<I>, v: &Vector<I>) -> Option<Vector<I>> {
-    each(|k| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        u[i].times(&v[j])?.minus(&u[j].times(&v[i])?)
-    })
 }

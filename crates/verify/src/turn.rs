@@ -14,19 +14,13 @@
 //! w^2 (|a||w|)^(D-1) / (D+1)! for u, as no derivative exceeds a power of |a|. The angle of a joint
 //! along a curve makes w a polynomial in x: the form of w is put into the polynomial by Horner.
 
-use dashu_base::{Abs, SquareRoot};
-use dashu_int::{IBig, UBig};
+use dashu_base::Abs;
+use dashu_int::IBig;
 use dashu_ratio::RBig;
 
 use crate::int::Int;
+use crate::real::root_above;
 use crate::taylor::Taylor;
-
-/// Returns a number no less than the square root of a fraction that is not negative.
-pub(crate) fn root_above(q: &RBig) -> RBig {
-    let scaled = (q.numerator().clone().abs() << 256) / IBig::from(q.denominator().clone());
-    let root = UBig::try_from(scaled).map_or(UBig::ZERO, |x| x.sqrt());
-    RBig::from_parts_signed(IBig::from(root) + IBig::ONE, IBig::ONE << 128)
-}
 
 fn power(q: &RBig, n: usize) -> RBig {
     (0..n).fold(RBig::ONE, |p, _| p * q)
@@ -87,24 +81,6 @@ pub(crate) fn turn<I: Int>(square: &RBig, angle: &[RBig]) -> Option<[Taylor<I>; 
         series(1, &way * power(&rho, I::D))?,
         series(0, &way * &way * power(&rho, I::D - 1))?,
     ])
-}
-
-/// Returns the coefficients of p(start + span x) in x.
-pub(crate) fn moved(p: &[RBig], start: &RBig, span: &RBig) -> Vec<RBig> {
-    let mut all: Vec<RBig> = p.to_vec();
-    // Horner, as often as there are coefficients: p(start + y) in y.
-    for first in 0..all.len() {
-        for k in (first..all.len().saturating_sub(1)).rev() {
-            let next = &all[k + 1] * start;
-            all[k] += next;
-        }
-    }
-    let mut factor = RBig::ONE;
-    for x in &mut all {
-        *x *= &factor;
-        factor *= span;
-    }
-    all
 }
 
 #[cfg(test)]
@@ -168,15 +144,5 @@ mod tests {
             check::<i128>(square, &angle);
             check::<IBig>(square, &angle);
         }
-    }
-
-    #[test]
-    fn polynomials_are_moved() {
-        let p = [3, -2, 5, 1].map(RBig::from);
-        // p(2 + 3 x)
-        assert_eq!(
-            moved(&p, &RBig::from(2), &RBig::from(3)),
-            [27, 90, 99, 27].map(RBig::from)
-        );
     }
 }

@@ -1,5 +1,6 @@
 //! Large counts, run once: `RECEIPTS=100000 SEED=1 cargo test --release -p lin-canny-verify --test
-//! counts -- --ignored --nocapture rust`, and the same with `python`. `SECONDS` stops a run early.
+//! counts -- --ignored --nocapture rust`, and the same with `python`. `SECONDS` stops a run early,
+//! `KIND="distance of parts"` runs one kind alone.
 
 mod support;
 
@@ -9,12 +10,12 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use lin_canny_verify::{Verdict, verify};
-use support::changes::{CHANGES, change, make};
-use support::parted::{PART_CHANGES, Parted};
-use support::ranged::ranged;
+use support::changes::{CHANGES, change};
+use support::parted::{GAP_CHANGES, Gapped, PART_CHANGES, Parted};
+use support::ranged::{ranged, small_ranged};
 use support::*;
 
-const KINDS: [&str; 9] = [
+const KINDS: [&str; 10] = [
     "overlap",
     "distance and near",
     "depth",
@@ -24,7 +25,58 @@ const KINDS: [&str; 9] = [
     "cast that misses",
     "range",
     "parts",
+    "distance of parts",
 ];
+
+/// One of so many receipts of an arm is of the one with four joints, the others of a lever.
+const LARGE: usize = 16;
+
+/// One of so many receipts is at the limit of what its evidence proves.
+const HARD: usize = 4;
+
+/// Returns about the greatest number from a start on that a test accepts.
+fn limit(start: f64, mut accepts: impl FnMut(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (start, start + 0.5);
+    for _ in 0..12 {
+        let middle = 0.5 * (low + high);
+        *(if accepts(middle) { &mut low } else { &mut high }) = middle;
+    }
+    low
+}
+
+/// Raises the margin to about the greatest one that the evidence proves.
+fn harden(receipt: &mut Receipt) {
+    let Some([_, _, start]) = receipt.apart else { return };
+    let set = |receipt: &mut Receipt, margin: f64| {
+        receipt.apart.as_mut().unwrap()[2] = margin;
+        for line in &mut receipt.evidence {
+            if let Line::Plane { keep, .. } | Line::Balls { keep, .. } = line {
+                *keep = margin;
+            }
+        }
+    };
+    let margin = limit(start, |margin| {
+        set(receipt, margin);
+        accepted(&receipt.text())
+    });
+    set(receipt, margin);
+}
+
+fn make(rng: &mut Rng, kind: usize) -> Receipt {
+    let (is_large, is_hard) = (rng.below(LARGE) == 0, rng.below(HARD) == 0);
+    match kind {
+        0 if is_hard => touching(rng),
+        0 => overlap(rng),
+        1 => above(rng),
+        2 => sunk(rng),
+        3 => hit(rng),
+        4 if is_large => arm(rng, 0.01, 1, 1),
+        4 => lever(rng, 0.01, 1, 1),
+        5 if is_large => arm(rng, 0.01, 2, 2),
+        5 => lever(rng, 0.01, 2, 2),
+        _ => cast(rng, 0.01),
+    }
+}
 
 fn accepted(text: &str) -> bool {
     matches!(verify(text.as_bytes()), Ok(Verdict::Holds(_)))
@@ -34,9 +86,16 @@ fn accepted(text: &str) -> bool {
 ///
 /// The generator decides in double precision, at samples. What the checker does not see proven is
 /// counted in `unproven`, and another receipt takes its place.
-fn both(rng: &mut Rng, k: usize, unproven: &mut usize) -> (String, Option<(&'static str, String, bool)>) {
-    if k % 9 == 7 {
-        let mut ranged = ranged(rng, k);
+fn both(rng: &mut Rng, kind: usize, unproven: &mut usize) -> (String, Option<(&'static str, String, bool)>) {
+    if kind == 7 {
+        let (is_large, k) = (rng.below(LARGE) == 0, rng.below(2));
+        let mut ranged = if is_large { ranged(rng, k) } else { small_ranged(rng, k) };
+        if rng.below(HARD) == 0 {
+            ranged.margin = limit(ranged.margin, |margin| {
+                ranged.margin = margin;
+                accepted(&ranged.text())
+            });
+        }
         let text = ranged.text();
         let way = rng.below(7);
         ranged.change(rng, way);
@@ -52,7 +111,7 @@ fn both(rng: &mut Rng, k: usize, unproven: &mut usize) -> (String, Option<(&'sta
         let (changed, is_false) = (ranged.text(), ranged.is_false(rng));
         return (text, Some((kinds[way], changed, is_false)));
     }
-    if k % 9 == 8 {
+    if kind == 8 {
         let mut parted = Parted::random(rng);
         while !accepted(&parted.text()) {
             *unproven += 1;
@@ -69,10 +128,27 @@ fn both(rng: &mut Rng, k: usize, unproven: &mut usize) -> (String, Option<(&'sta
             }
         }
     }
-    let mut receipt = make(rng, k % 9);
+    if kind == 9 {
+        let gapped = Gapped::random(rng);
+        let text = gapped.text();
+        loop {
+            let (way, mut other) = (rng.below(GAP_CHANGES.len()), gapped.clone());
+            let must = other.change(rng, way);
+            let changed = other.text();
+            if changed != text {
+                let is_accepted = accepted(&changed);
+                let is_false = is_accepted && (must || other.is_false());
+                return (text, Some((GAP_CHANGES[way], changed, is_false)));
+            }
+        }
+    }
+    let mut receipt = make(rng, kind);
     while !accepted(&receipt.text()) {
         *unproven += 1;
-        receipt = make(rng, k % 9);
+        receipt = make(rng, kind);
+    }
+    if rng.below(HARD) == 0 {
+        harden(&mut receipt);
     }
     let text = receipt.text();
     for _ in 0..20 {
@@ -86,6 +162,34 @@ fn both(rng: &mut Rng, k: usize, unproven: &mut usize) -> (String, Option<(&'sta
     (text, None)
 }
 
+/// Seconds of each kind: to make receipts, and to check them.
+#[derive(Default)]
+struct Times(BTreeMap<&'static str, [f64; 2]>);
+
+impl Times {
+    fn add<T>(&mut self, kind: usize, what: usize, work: impl FnOnce() -> T) -> T {
+        let started = Instant::now();
+        let found = work();
+        self.0.entry(KINDS[kind]).or_default()[what] += started.elapsed().as_secs_f64();
+        found
+    }
+
+    fn print(&self) {
+        for (kind, [make, check]) in &self.0 {
+            println!("  {kind}: {make:.1} s to make and judge by samples, {check:.1} s to check");
+        }
+    }
+}
+
+/// The kinds to run: all, or the one that `KIND` names.
+fn chosen() -> Vec<usize> {
+    let name = std::env::var("KIND").ok();
+    let all = (0..KINDS.len()).filter(|k| name.as_ref().is_none_or(|name| KINDS[*k] == name));
+    let all: Vec<usize> = all.collect();
+    assert!(!all.is_empty(), "no such kind: {name:?} (expected one of {KINDS:?})");
+    all
+}
+
 fn number(name: &str, default: u64) -> u64 {
     std::env::var(name).ok().and_then(|x| x.parse().ok()).unwrap_or(default)
 }
@@ -96,29 +200,32 @@ fn rust() {
     let (count, seed, limit) = (number("RECEIPTS", 1000), number("SEED", 1), number("SECONDS", 3600));
     let (mut rng, started, mut unproven) = (Rng(seed), Instant::now(), 0);
     let (mut kinds, mut changes) = (BTreeMap::<&str, usize>::new(), BTreeMap::<&str, [usize; 2]>::new());
+    let (mut times, chosen) = (Times::default(), chosen());
     for k in 0..count as usize {
         if started.elapsed() > Duration::from_secs(limit) {
             println!("stopped after {k} receipts");
             break;
         }
-        let (text, changed) = both(&mut rng, k, &mut unproven);
-        assert!(accepted(&text), "{text}");
-        *kinds.entry(KINDS[k % 9]).or_default() += 1;
-        let Some((kind, changed, is_false)) = changed else {
+        let kind = chosen[k % chosen.len()];
+        let (text, changed) = times.add(kind, 0, || both(&mut rng, kind, &mut unproven));
+        assert!(times.add(kind, 1, || accepted(&text)), "{text}");
+        *kinds.entry(KINDS[kind]).or_default() += 1;
+        let Some((change, changed, is_false)) = changed else {
             continue;
         };
         let tail = text.lines().next_back().unwrap();
         let lines: Vec<_> = changed.lines().collect();
         let unsealed = lines[..lines.len() - 1].join("\n") + "\n" + tail + "\n";
-        assert!(!accepted(&unsealed), "{kind}: {unsealed}");
-        let entry = changes.entry(kind).or_default();
+        assert!(!accepted(&unsealed), "{change}: {unsealed}");
+        let entry = changes.entry(change).or_default();
         entry[0] += 1;
-        if accepted(&changed) {
+        if times.add(kind, 1, || accepted(&changed)) {
             entry[1] += 1;
-            assert!(!is_false, "{kind}: accepted, and false:\n{changed}");
+            assert!(!is_false, "{change}: accepted, and false:\n{changed}");
         }
     }
     println!("accepted, by kind: {kinds:?}; {unproven} others of the generator were not proven");
+    times.print();
     println!("changed, each refused with its old hash; accepted with a new hash, none refuted by samples:");
     for (kind, [all, accepted]) in &changes {
         println!("  {kind}: {all}, {accepted}");
@@ -139,6 +246,7 @@ for name in open(sys.argv[2]).read().split():
 fn python() {
     let (count, seed, limit) = (number("RECEIPTS", 200), number("SEED", 2), number("SECONDS", 3600));
     let (mut rng, started, mut unproven) = (Rng(seed), Instant::now(), 0);
+    let chosen = chosen();
     let folder = std::env::temp_dir().join(format!("lin-canny-counts-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let (mut kinds, mut counts) = (BTreeMap::<&str, usize>::new(), [0; 3]);
@@ -149,8 +257,9 @@ fn python() {
         }
         let (mut names, mut expected) = (String::new(), Vec::new());
         for k in start..start + 200 {
-            let (text, changed) = both(&mut rng, k, &mut unproven);
-            *kinds.entry(KINDS[k % 9]).or_default() += 1;
+            let kind = chosen[k % chosen.len()];
+            let (text, changed) = both(&mut rng, kind, &mut unproven);
+            *kinds.entry(KINDS[kind]).or_default() += 1;
             for (end, text) in [("first", Some(text)), ("changed", changed.map(|x| x.1))] {
                 let Some(text) = text else { continue };
                 let code = match verify(text.as_bytes()) {

@@ -27,7 +27,7 @@ use lin_canny::{ContactState, RelativePose, Tracker};
 const HALVINGS: u32 = 24;
 
 /// Bits of the components of planes, few first.
-const BITS: [u32; 3] = [8, 12, 20];
+pub(super) const BITS: [u32; 3] = [8, 12, 20];
 
 /// A body along a leg.
 pub(super) struct Mover<'a> {

@@ -43,7 +43,7 @@
 //! | [`Verdict::Blocked`](crate::Verdict::Blocked) | [`Receipt::segment`] | the same up to `safe`, and that the pair meets, or is within what it must keep, at `t` |
 //! | [`RangeAnswer`](crate::RangeAnswer)s that pairs never meet | [`Receipt::range`] | these pairs keep more than the margin at every configuration of the range |
 //! | a cast of two bodies | [`Receipt::cast`] | a miss, or apart up to `safe` and a contact at `hit` |
-//! | the distance of two convex bodies | [`Receipt::outcome`] | its lower and its upper bound |
+//! | the distance of two bodies | [`Receipt::outcome`] | its lower and its upper bound |
 //! | a step of a scene | [`Receipt::step`] | a distance or a common point of each pair with a result |
 //! | an overlap of two convex bodies | [`Receipt::outcome`] | that they share a point, and bounds of the depth |
 //!
@@ -55,7 +55,7 @@
 //! * Ellipsoids, superquadrics, clouds, surfaces and half-spaces. A cylinder or a cone is stated as a
 //!   polyhedron of 32 sides around it, which its name says. So a receipt may prove it free, and never
 //!   in contact; where only the corners of the polyhedron are in contact, there is no receipt.
-//! * Distances and depths of meshes and compounds. Contacts of pieces with different radii: all
+//! * Depths of meshes and compounds. Contacts and distances of pieces with different radii: all
 //!   pieces of a compound get the greatest radius, which the name says.
 //! * A mesh that holds another body inside, without contact of their surfaces.
 //! * Tubes, moving obstacles, contacts at the start that are left,
@@ -75,8 +75,8 @@
 //! * Joints and rotations are those of the space, which are normalised.
 //! * A mesh is stated as its triangles, and a closed one as a solid. A receipt proves that surfaces
 //!   stay apart. It proves that no body is inside the other if the hulls are apart at one time; or
-//!   else a checker says that it did not look at this. A piece of a compound is stated by its vertices
-//!   in the frame of the body, which are rounded.
+//!   else a checker says that it did not look at this. A distance is that of the surfaces.
+//! * A piece of a compound is stated by its vertices in the frame of the body, which are rounded.
 //! * Pairs that are excluded, or that keep their relative pose, are listed with the reason. Pairs
 //!   of two bodies that rest are not looked at.
 //!
@@ -90,6 +90,7 @@
 
 mod cells;
 mod depth;
+mod distance;
 mod error;
 mod evidence;
 mod hull;

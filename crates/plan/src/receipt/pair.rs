@@ -5,21 +5,21 @@ use core::ops::Range;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::depth::depth;
+use super::distance::distance;
 use super::error::ReceiptError;
-use super::number::{hex, hexes};
+use super::number::hex;
 use super::parts::{Group, Groups, near_parts};
-use super::scene::{Body, Scene, SteadyWay, Way, list};
+use super::scene::{Body, Scene, SteadyWay, Way};
 use super::taylor::pose;
 use super::{Claim, Leg, Receipt, Wanted, apart};
 use crate::extremes::Extremes;
-use crate::tolerance::INSIDE;
 use lin_canny::impact::{Impact, Tolerance, cast_with_certificates};
 use lin_canny::motion::Steady;
 use lin_canny::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use lin_canny::{ContactState, Geometry, Outcome, PairTracker, RelativePose, Tracker};
 
 /// Most pairs of parts that are tried as the place of a contact.
-const PARTS: usize = 256;
+pub(super) const PARTS: usize = 256;
 
 /// Times after a bracket at which a contact is proven if it is not certain at its end, in brackets.
 const LATER: [f64; 10] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 256.0, 1024.0, 4096.0];
@@ -111,17 +111,21 @@ impl Receipt {
         Ok(Self::of_scene(claim, scene, evidence))
     }
 
-    /// Returns the receipt of an outcome of two convex bodies: both bounds of a distance, or that
-    /// they share a point, and bounds of their depth.
+    /// Returns the receipt of an outcome of two bodies: both bounds of a distance, or that they share
+    /// a point, and bounds of the depth of convex bodies.
     ///
     /// `b_in_a` is the pose of B in the frame of A, for which the outcome was computed. If the hulls
     /// overlap by more than rounding, the receipt bounds their depth too: from above by the normal
     /// of the outcome, from below by the surface of the Minkowski difference. The lower side is left
     /// out if there are more than 4,096 pairs of vertices; a checker says so.
     ///
+    /// Of meshes and compounds, both bounds of a distance are wider than those of the outcome by 1e-12
+    /// of the greatest coordinate, because each group of parts has a plane whose normal rounds. The
+    /// distance of a closed mesh is that of its surface.
+    ///
     /// # Errors
-    /// Returns an error if a body has no receipt ([module](crate::receipt)), or if no evidence is certain,
-    /// for example because the bodies touch.
+    /// Returns an error if a body has no receipt ([module](crate::receipt)), if no evidence is certain,
+    /// for example because the bodies touch, or if a distance takes more than 20,000 planes.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -241,83 +245,43 @@ pub(super) fn meeting(
             return Ok(format!("{{\"meet\":[{a},{b}]{at},\"points\":[{pairs}]}}"));
         }
     }
-    for [first, second] in &near {
-        let seen = Tracker::new().closest(&first.hull, &second.hull, &relative);
-        let on = [
-            weights(&first.hull, seen.features.a, &seen.point_on_a),
-            weights(&second.hull, seen.features.b, &seen.point_on_b),
-        ];
-        let points = [mean(&first.hull, &on[0]), mean(&second.hull, &on[1])];
-        if (x * Point3::from(points[0]) - y * Point3::from(points[1])).norm() < reach {
-            let named = |(on, group): (Vec<(usize, f64)>, &Group)| {
-                let on: Vec<_> = on.into_iter().map(|(k, part)| (group.points[k], part)).collect();
-                weights_text(&on)
-            };
-            let [on_a, on_b] = on;
-            let on = [named((on_a, first)), named((on_b, second))].join(",");
-            let within = hex(kept);
-            return Ok(format!(
-                "{{\"near\":[{a},{b}],\"within\":\"{within}\",\"on\":[{on}]{at}}}"
-            ));
-        }
+    let within = hex(kept);
+    let mut points = near
+        .iter()
+        .filter_map(|[x_part, y_part]| points_within([x_part, y_part], [&x, &y], &relative, reach));
+    match points.next() {
+        Some(on) => Ok(format!(
+            "{{\"near\":[{a},{b}],\"within\":\"{within}\",\"on\":[{on}]{at}}}"
+        )),
+        None => Err(refused("they touch, and no common point is certain")),
     }
-    Err(refused("they touch, and no common point is certain"))
 }
 
-/// Returns the line of a distance: by the features if they are certainly the closest, or else by a
-/// normal and two points.
-pub(super) fn distance(
-    scene: &Scene,
-    pair: [usize; 2],
+/// Returns weights of two points, one of each part, that are less than `reach` apart.
+pub(super) fn points_within(
+    parts: [&Group; 2],
     poses: [&Isometry3<f64>; 2],
     relative: &RelativePose,
-    bounds: [f64; 2],
-) -> Result<String, ReceiptError> {
-    let refused = |why: &'static str| missing(scene, pair, 0.0, why);
-    let [a, b] = pair.map(|k| &scene.bodies[k]);
-    if a.around.or(b.around).is_some() {
-        return Err(refused("a polyhedron around a curved body proves no distance"));
-    }
-    if !a.parts.is_empty() || !b.parts.is_empty() {
-        return Err(refused("a distance of meshes or compounds has no receipt yet"));
-    }
-    let seen = Tracker::new().closest(&a.hull, &b.hull, relative);
-    if seen.state != ContactState::Separated || !bounds[0].is_finite() {
-        return Err(refused("the hulls without their radii are not apart"));
-    }
+    reach: f64,
+) -> Option<String> {
+    let seen = Tracker::new().closest(&parts[0].hull, &parts[1].hull, relative);
     let on = [
-        weights(&a.hull, seen.features.a, &seen.point_on_a),
-        weights(&b.hull, seen.features.b, &seen.point_on_b),
+        weights(&parts[0].hull, seen.features.a, &seen.point_on_a),
+        weights(&parts[1].hull, seen.features.b, &seen.point_on_b),
     ];
-    let ([lower, upper], [i, j]) = (bounds.map(hex), pair);
-    let line = format!("{{\"distance\":[{i},{j}],\"lower\":\"{lower}\",\"upper\":\"{upper}\"");
-    if are_features([a, b], poses, &on) {
-        let on = on.map(|on| list(&on.iter().map(|x| x.0).collect::<Vec<_>>())).join(",");
-        return Ok(format!("{line},\"on\":[{on}]}}"));
+    let point = |k: usize| poses[k] * Point3::from(mean(&parts[k].hull, &on[k]));
+    if !((point(0) - point(1)).norm() < reach) {
+        return None;
     }
-    let normal = poses[0].rotation * seen.normal.into_inner();
-    let (normal, on) = (hexes(normal.as_slice()), on.map(|on| weights_text(&on)).join(","));
-    Ok(format!("{line},\"normal\":{normal},\"on\":[{on}]}}"))
-}
-
-/// Returns whether the vertices name features whose closest points are certainly inside them.
-fn are_features(bodies: [&Body; 2], poses: [&Isometry3<f64>; 2], on: &[Vec<(usize, f64)>; 2]) -> bool {
-    if !on.iter().flatten().all(|x| x.1 > INSIDE) {
-        return false;
-    }
-    let edge = |side: usize| {
-        let [p, q] = [0, 1].map(|k| bodies[side].points[on[side][k].0]);
-        poses[side].rotation * (q - p).normalize()
+    let named = |k: usize| {
+        let on: Vec<_> = on[k].iter().map(|(v, part)| (parts[k].points[*v], *part)).collect();
+        weights_text(&on)
     };
-    match on.each_ref().map(Vec::len) {
-        [1, 1..=3] | [2..=3, 1] => true,
-        [2, 2] => edge(0).cross(&edge(1)).norm() > INSIDE,
-        _ => false,
-    }
+    Some([named(0), named(1)].join(","))
 }
 
 /// Returns vertices of a feature, and weights whose mean is about a point.
-fn weights(hull: &ConvexPolyhedron, feature: Feature, point: &Point3<f64>) -> Vec<(usize, f64)> {
+pub(super) fn weights(hull: &ConvexPolyhedron, feature: Feature, point: &Point3<f64>) -> Vec<(usize, f64)> {
     let all: Vec<Point3<f64>> = hull.vertex_points().collect();
     let corners: Vec<usize> = match feature {
         Feature::Vertex(v) => vec![v.index()],
@@ -365,7 +329,7 @@ fn mean(hull: &ConvexPolyhedron, on: &[(usize, f64)]) -> Vector3<f64> {
     on.iter().map(|(k, part)| all[*k].coords * (part / total)).sum()
 }
 
-fn weights_text(on: &[(usize, f64)]) -> String {
+pub(super) fn weights_text(on: &[(usize, f64)]) -> String {
     let all: Vec<String> = on.iter().map(|(k, part)| format!("[{k},\"{}\"]", hex(*part))).collect();
     format!("[{}]", all.join(","))
 }

@@ -11,6 +11,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::error::ReceiptError;
 use super::number::{hex, hexes, rounded};
+use super::parts::{Group, Groups, half};
 use super::scene::{Ignored, Scene, Way};
 use super::segment::{EXCLUDED, Stated};
 use super::{Claim, Leg, Receipt};
@@ -34,7 +35,8 @@ const HALVINGS: usize = 200;
 impl Receipt {
     /// Returns the receipt of answers about pairs over one range: see [`Checker::prove_range`].
     ///
-    /// A pair that never meets has cells with planes, which together are the range. All other pairs
+    /// A pair that never meets has cells with planes, which together are the range and, of a mesh or a
+    /// compound, all its parts. The surfaces of a closed mesh are what stays apart. All other pairs
     /// are listed as not looked at, with the reason: pairs that meet or are undecided, and pairs that
     /// would need more than `cells` cells. The writer divides the range again, because a checker has
     /// simpler bounds than the search, so it may need more cells.
@@ -156,7 +158,6 @@ type Hops = Vec<(Hop, f64)>;
 
 /// A body of a pair.
 struct Side {
-    points: Vec<Vector3<f64>>,
     middle: Vector3<f64>,
     round: f64,
     link: Option<usize>,
@@ -166,10 +167,10 @@ struct Side {
 /// A range that is divided for a pair.
 struct Divided<'a> {
     scene: &'a Scene,
-    pair: [usize; 2],
     sides: [Side; 2],
     /// The links between the bodies, and for each the steps from both bodies.
     links: Vec<(usize, [Hops; 2])>,
+    groups: [Groups<'a>; 2],
     kept: f64,
     room: f64,
     left: u64,
@@ -193,8 +194,8 @@ impl Divided<'_> {
         let [a, b] = pair.map(|k| &scene.bodies[k]);
         let mut divided = Divided {
             links: links.collect(),
+            groups: [a, b].map(Groups::new),
             scene,
-            pair,
             kept: keep + a.radius + b.radius,
             room: RECEIPT * scene.size(),
             sides,
@@ -202,19 +203,36 @@ impl Divided<'_> {
             cuts: Vec::new(),
             lines: Vec::new(),
         };
-        divided.divide(range.to_vec(), 0).then_some(divided.lines)
+        let all = [divided.groups[0].all(), divided.groups[1].all()];
+        divided.divide(range.to_vec(), all, 0).then_some(divided.lines)
     }
 
     /// Proves a cell or both of its halves; returns whether all are proven.
-    fn divide(&mut self, cell: Vec<[f64; 2]>, depth: usize) -> bool {
+    ///
+    /// The cell is configurations, and parts of both bodies.
+    fn divide(&mut self, cell: Vec<[f64; 2]>, parts: [[usize; 2]; 2], depth: usize) -> bool {
         if self.left == 0 || depth > HALVINGS {
             return false;
         }
         self.left -= 1;
         let mut ways = vec![0.0; cell.len()];
-        match self.plane(&cell, &mut ways) {
-            None => return false,
-            Some(Ok(plane)) => {
+        let groups = [0, 1].map(|k| self.groups[k].get(parts[k]));
+        let found = match &groups {
+            [Some(a), Some(b)] => self.plane(&cell, [a, b], &mut ways),
+            _ => None,
+        };
+        let largest = (0..2)
+            .filter(|k| parts[*k][1] > parts[*k][0] + 1)
+            .map(|k| (k, groups[k].as_ref().map_or(f64::INFINITY, |group| group.size)))
+            .reduce(|x, y| if y.1 > x.1 { y } else { x });
+        match (found, largest) {
+            (None, None) => return false,
+            // Groups that meet, or are larger than they move.
+            (None, Some((side, _))) => return self.divide_parts(cell, parts, side, depth),
+            (Some(Err(())), Some((side, size))) if ways.iter().all(|way| *way < size) => {
+                return self.divide_parts(cell, parts, side, depth);
+            }
+            (Some(Ok(plane)), _) => {
                 let cuts = core::mem::take(&mut self.cuts);
                 let cut = match cuts.is_empty() {
                     true => String::new(),
@@ -223,7 +241,7 @@ impl Divided<'_> {
                 self.lines.push(cut + &plane);
                 return true;
             }
-            Some(Err(())) => {}
+            (Some(Err(())), _) => {}
         }
         let each = ways.iter().enumerate().filter(|(k, _)| {
             let [low, high] = cell[*k];
@@ -237,19 +255,27 @@ impl Divided<'_> {
         self.cuts.push(format!("[{k},\"{}\"]", hex(at)));
         let (mut lower, mut upper) = (cell.clone(), cell);
         (lower[k][1], upper[k][0]) = (at, at);
-        self.divide(lower, depth + 1) && self.divide(upper, depth + 1)
+        self.divide(lower, parts, depth + 1) && self.divide(upper, parts, depth + 1)
     }
 
-    /// Returns a plane that proves a cell, or an error if none does; `None` if the bodies meet at its
+    /// Proves both halves of the parts of a body.
+    fn divide_parts(&mut self, cell: Vec<[f64; 2]>, parts: [[usize; 2]; 2], side: usize, depth: usize) -> bool {
+        let middle = half(parts[side]);
+        self.cuts.push(format!("[{side},{middle}]"));
+        let [mut lower, mut upper] = [parts; 2];
+        (lower[side][1], upper[side][0]) = (middle, middle);
+        self.divide(cell.clone(), lower, depth + 1) && self.divide(cell, upper, depth + 1)
+    }
+
+    /// Returns a plane that proves a cell, or an error if none does; `None` if the groups meet at its
     /// middle. Adds how far each coordinate moves the bodies.
-    fn plane(&self, cell: &[[f64; 2]], ways: &mut [f64]) -> Option<Result<String, ()>> {
+    fn plane(&self, cell: &[[f64; 2]], groups: [&Group; 2], ways: &mut [f64]) -> Option<Result<String, ()>> {
         let middle: Vec<f64> = cell.iter().map(|[low, high]| 0.5 * low + 0.5 * high).collect();
         let half: Vec<f64> = cell.iter().map(|[low, high]| 0.5 * high - 0.5 * low).collect();
         // In the frame of link 0, the first of the list.
         let [x, y] = [0, 1].map(|k| pose(&self.links[0].1[k], &middle));
         let relative = RelativePose::new(&x, &y).ok()?;
-        let [a, b] = self.pair.map(|k| &self.scene.bodies[k].hull);
-        let seen = Tracker::new().closest(a, b, &relative);
+        let seen = Tracker::new().closest(&groups[0].hull, &groups[1].hull, &relative);
         if seen.state != ContactState::Separated || !(seen.upper > self.kept) {
             return None;
         }
@@ -258,7 +284,10 @@ impl Divided<'_> {
         for (link, steps) in &self.links {
             let at = pose(&hops_of_link(self.scene, *link), &middle);
             let n = at.rotation * normal;
-            let [high, low] = [0, 1].map(|k| self.sides[k].height(&steps[k], [0.0, 1.0][k], &n, &middle, &half, ways));
+            let [high, low] = [0, 1].map(|k| {
+                let points = &groups[k].vertices;
+                self.sides[k].height(points, &steps[k], [0.0, 1.0][k], &n, &middle, &half, ways)
+            });
             let gap = -low - high;
             if best.is_none_or(|best| gap > best.0) {
                 best = Some((gap, *link, n));
@@ -271,8 +300,10 @@ impl Divided<'_> {
         let steps = self.links.iter().find(|one| one.0 == link).map(|one| &one.1)?;
         let few = BITS.iter().map(|bits| rounded(&n, *bits)).find(|n| {
             let mut none = vec![0.0; half.len()];
-            let [high, low] =
-                [0, 1].map(|k| self.sides[k].height(&steps[k], [0.0, 1.0][k], n, &middle, &half, &mut none));
+            let [high, low] = [0, 1].map(|k| {
+                let points = &groups[k].vertices;
+                self.sides[k].height(points, &steps[k], [0.0, 1.0][k], n, &middle, &half, &mut none)
+            });
             -low - high > (self.kept + self.room) * n.norm()
         });
         let normal = hexes(few.unwrap_or(n).as_slice());
@@ -296,7 +327,6 @@ impl Side {
             Way::Steady(way) => (None, way.start()),
         };
         Self {
-            points,
             middle,
             round,
             link,
@@ -304,10 +334,12 @@ impl Side {
         }
     }
 
-    /// Returns an upper bound of the heights over a cell, of the depths (`sign` 1) or the heights along
-    /// the normal: lemma 9 of the checker.
+    /// Returns an upper bound of the heights of vertices over a cell, of the depths (`sign` 1) or the
+    /// heights along the normal: lemma 9 of the checker.
+    #[allow(clippy::too_many_arguments)] // the numbers of the lemma
     fn height(
         &self,
+        points: &[Vector3<f64>],
         hops: &[(Hop, f64)],
         sign: f64,
         n: &Vector3<f64>,
@@ -372,7 +404,7 @@ impl Side {
             let slopes = rows[1..].iter().map(|(c, m, o)| half[*c] * (m.dot(p) + o).abs());
             rows[0].1.dot(p) + rows[0].2 + slopes.sum::<f64>()
         };
-        let most = self.points.iter().map(height).fold(f64::NEG_INFINITY, f64::larger);
+        let most = points.iter().map(height).fold(f64::NEG_INFINITY, f64::larger);
         most + n.norm() * rest
     }
 }

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::distance::distance;
 use super::error::ReceiptError;
-use super::pair::{distance, meeting, missing};
+use super::pair::{meeting, missing};
 use super::scene::{Body, Scene, Way};
 use super::{Claim, Receipt};
 use crate::tolerance::RECEIPT;
@@ -16,11 +17,11 @@ impl Receipt {
     ///
     /// `name` returns the name of a body. Bodies are stated at their poses in the world, so no pose
     /// may be set after the step. Both bounds of a distance are wider than those of the scene by 1e-12
-    /// of the greatest coordinate, because the poses of a pair round. Pairs whose boxes are apart have
-    /// no result and no line.
+    /// of the greatest coordinate, because the poses of a pair round; of meshes and compounds, by 2e-12.
+    /// Pairs whose boxes are apart have no result and no line.
     ///
-    /// A pair has no receipt if a body has none ([module](crate::receipt)), if it touches or overlaps by
-    /// less than rounding, or if it is apart and one of its bodies is a mesh or a compound.
+    /// A pair has no receipt if a body has none ([module](crate::receipt)), or if it touches or overlaps
+    /// by less than rounding.
     ///
     /// # Errors
     /// Returns an error if no pair has a receipt ([`ReceiptError::Nothing`]).

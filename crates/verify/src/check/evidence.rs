@@ -10,7 +10,6 @@ use crate::inside::Inside;
 use crate::json::Json;
 use crate::motion::{Span, Stage};
 use crate::plane::Plane;
-use crate::range::InCell;
 use crate::real::{Exact, Real};
 
 fn vector(json: &Json) -> Result<Exact, Stop> {
@@ -107,38 +106,8 @@ impl Check {
         Ok(())
     }
 
-    /// A plane over a cell of a range.
-    pub(super) fn cell(&mut self, line: &Json) -> Result<(), Stop> {
-        line.only(&["cell", "cut", "link", "normal", "keep"])?;
-        let pair = self.scene.pair(line.get("cell")?)?;
-        let Head::Range(cells) = &mut self.head else {
-            return Ok(());
-        };
-        let (cell, keep) = cells.next(&self.scene, pair, line)?;
-        let (link, normal) = (line.get("link")?.whole()?, line.get("normal")?.reals::<3>()?);
-        if link > self.scene.joints.len() || cell.len() < self.scene.coordinates {
-            return Stop::bad(format!("unknown link {link}, or a coordinate without a range"));
-        }
-        let middle: Vec<f64> = cell
-            .iter()
-            .map(|[low, high]| 0.5 * (low.shown() + high.shown()))
-            .collect();
-        let (normal, keep) = (normal.map(Real::exact), keep.exact());
-        let claim = InCell {
-            pair,
-            cell,
-            link,
-            normal,
-            keep,
-        };
-        if self.holds(&claim) {
-            return Ok(());
-        }
-        Stop::fails(format!("{}, about {middle:?}", self.scene.names(pair)))
-    }
-
     /// Narrow integers first; wide ones where they do not suffice.
-    fn holds(&mut self, claim: &impl Claim) -> bool {
+    pub(super) fn holds(&mut self, claim: &impl Claim) -> bool {
         let narrow = self.narrow.as_ref().and_then(|stage| claim.holds(&self.scene, stage));
         if narrow == Some(true) {
             return true;

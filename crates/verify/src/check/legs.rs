@@ -63,4 +63,12 @@ impl Check {
             _ => Ok(()),
         }
     }
+    /// Says which of several legs is at hand.
+    pub(super) fn of_leg(&self) -> String {
+        if self.count > 1 {
+            format!(" of leg {}", self.count)
+        } else {
+            String::new()
+        }
+    }
 }

@@ -1,13 +1,33 @@
-//! Says what is proven, and what was not looked at.
+//! Says what is proven and what was not looked at, or what failed first.
 
 use super::Check;
+use crate::Stop;
 use crate::cover::Apart;
 use crate::file::Head;
 use crate::pairs::needed;
 use crate::real::Real;
-use crate::report::{Failure, Verdict};
+use crate::report::{Failure, Unreadable, Verdict};
 
 impl Check {
+    /// Keeps the first failure and counts the others.
+    pub(super) fn note(&mut self, line: usize, evidence: bool, result: Result<(), Stop>) -> Result<(), Unreadable> {
+        let stale = self.legs.is_some();
+        let text = match result {
+            Ok(()) => return Ok(()),
+            // On another scene a line may name what is not there.
+            Err(Stop::Bad(why)) if !stale => return Err(Unreadable::Line { line, why }),
+            Err(Stop::Bad(text) | Stop::Fails(text)) => text,
+        };
+        match &mut self.failure {
+            Some(first) => first.more += 1,
+            None => {
+                let certificate = evidence.then_some(self.report.certificates);
+                self.failure = Some(Failure::new(line, certificate, stale, text));
+            }
+        }
+        Ok(())
+    }
+
     pub(super) fn verdict(mut self) -> Verdict {
         match self.head.clone() {
             Head::Apart(Apart { span, margin }) => {

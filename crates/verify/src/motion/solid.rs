@@ -5,11 +5,12 @@ use dashu_ratio::RBig;
 
 use super::step::{Step, Turn};
 use crate::int::Int;
-use crate::points::{Points, Pose};
-use crate::real::{Exact, dot as exact_dot, two_to};
+use crate::points::Points;
+use crate::pose::Pose;
+use crate::real::{Exact, dot as exact_dot, root_above, two_to};
 use crate::scene::{Motion, Steady};
-use crate::taylor::{Taylor, Vector, each, fixed3};
-use crate::turn::root_above;
+use crate::taylor::Taylor;
+use crate::vectors::{Vector, each, fixed3};
 
 /// The vertices of a body in fixed point, within `inexact` units.
 pub(crate) struct Solid<I> {

@@ -8,10 +8,11 @@ use dashu_ratio::RBig;
 
 use super::Span;
 use crate::int::Int;
-use crate::points::Pose;
+use crate::pose::Pose;
 use crate::real::{Exact, dot as exact_dot};
-use crate::taylor::{Taylor, Vector, cross, dot, each, fixed3};
+use crate::taylor::Taylor;
 use crate::turn::turn;
+use crate::vectors::{Vector, cross, dot, each, fixed3};
 
 /// One step of the way from the world to a body.
 pub(crate) enum Step<I> {

@@ -5,7 +5,8 @@ use dashu_ratio::RBig;
 use super::Scene;
 use crate::Stop;
 use crate::json::Json;
-use crate::points::{Points, Pose};
+use crate::points::Points;
+use crate::pose::Pose;
 use crate::real::{Exact, Real};
 
 /// How a body moves.

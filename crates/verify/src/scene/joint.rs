@@ -4,10 +4,10 @@ use dashu_ratio::RBig;
 
 use super::Scene;
 use crate::Stop;
+use crate::bernstein::choose;
 use crate::json::Json;
-use crate::points::Pose;
+use crate::pose::Pose;
 use crate::real::{Exact, Real};
-use crate::taylor::choose;
 
 #[derive(Debug, PartialEq)]
 pub(crate) enum Kind {

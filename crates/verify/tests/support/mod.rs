@@ -768,6 +768,55 @@ pub(crate) fn arm(rng: &mut Rng, margin: f64, legs: usize, degree: usize) -> Rec
     }
 }
 
+/// A lever of a turn, a slide and a turn that follows the first, near a box, along one or two legs.
+pub(crate) fn lever(rng: &mut Rng, margin: f64, legs: usize, degree: usize) -> Receipt {
+    loop {
+        let joint = |parent, kind, x: f64, axis, drive| Joint {
+            parent,
+            kind,
+            origin: [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+            axis,
+            drive,
+        };
+        let joints = vec![
+            joint(0, "turn", 0.1, [0.0, -0.6, 0.8], (0, 1.0, 0.0)),
+            joint(1, "slide", 0.4, [1.0, 0.0, 0.0], (1, 1.0, 0.0)),
+            joint(2, "turn", 0.1, [0.0, 0.0, 1.0], (0, -0.5, 0.2)),
+        ];
+        let rod = cuboid([0.2, rng.range(0.03, 0.08), 0.05]).into_iter();
+        let rod = rod.map(|p| add(p, [0.2, 0.0, 0.0])).collect();
+        let tip = cuboid([0.1, 0.04, rng.range(0.03, 0.08)]);
+        let mut pose = rng.pose(0.1);
+        pose[0] += 1.1;
+        let mut bodies = vec![
+            body(rod, Move::Link(1, None)),
+            body(tip, Move::Link(3, Some(rng.pose(0.02)))),
+            body(random_box(rng), Move::Rest(pose)),
+        ];
+        bodies[2].radius = 0.03125;
+        let mut receipt = Receipt::new(Some([0.0, 1.0, margin]), bodies);
+        receipt.joints = joints;
+        receipt.base = Some([0.0, 0.0, -0.25, 0.0, 0.0, 0.6, 0.8]);
+        receipt.ignored = vec![(0, vec![1], "neighbours")];
+        let mut row = vec![rng.range(-2.5, -0.5), rng.range(0.0, 0.2)];
+        let mut truth = true;
+        for _ in 0..legs {
+            let mut rows = vec![row.clone()];
+            for _ in 0..degree {
+                rows.push(row.iter().map(|x| x + rng.range(-0.2, 0.2)).collect());
+            }
+            row = rows[degree].clone();
+            receipt.evidence.push(Line::Leg(rows.clone()));
+            for pair in [[0, 2], [1, 2]] {
+                truth = truth && receipt.prove(pair, Some(&rows), [0.0, 1.0], 6);
+            }
+        }
+        if truth {
+            return receipt;
+        }
+    }
+}
+
 /// Four pairs of vertices whose differences enclose 0, found by chance.
 pub(crate) fn enclosing(rng: &mut Rng, a: &[V], b: &[V]) -> Option<[[usize; 2]; 4]> {
     for _ in 0..5000 {
@@ -788,6 +837,43 @@ pub(crate) fn overlap(rng: &mut Rng) -> Receipt {
         let bodies = [0, 1].map(|_| body(random_box(rng), Move::Rest(rng.pose(0.2))));
         let mut receipt = Receipt::new(None, bodies.into());
         if let Some(points) = enclosing(rng, &receipt.placed(0, None, 0.0), &receipt.placed(1, None, 0.0)) {
+            receipt.evidence.push(Line::Meet {
+                pair: [0, 1],
+                at: None,
+                points,
+            });
+            return receipt;
+        }
+    }
+}
+
+/// Two boxes at rest whose faces touch, without depth.
+pub(crate) fn touching(rng: &mut Rng) -> Receipt {
+    loop {
+        let mut dyadic = |low: f64, high: f64| (rng.range(low, high) * 64.0).round() / 64.0;
+        let [a, b]: [V; 2] = [0, 1].map(|_| std::array::from_fn(|_| dyadic(0.125, 0.5)));
+        let at = [
+            a[0] + b[0],
+            dyadic(-0.125, 0.125),
+            dyadic(-0.125, 0.125),
+            0.0,
+            0.0,
+            0.0,
+            1.0,
+        ];
+        let bodies = vec![body(cuboid(a), Move::Rest(REST)), body(cuboid(b), Move::Rest(at))];
+        let mut receipt = Receipt::new(None, bodies);
+        let placed = [0, 1].map(|k| receipt.placed(k, None, 0.0));
+        // 0 is in a triangle of differences in the plane of the faces; the fourth is behind it.
+        let found = (0..2000).find_map(|_| {
+            let mut pairs: [[usize; 2]; 4] = std::array::from_fn(|_| [1 + 2 * rng.below(4), 2 * rng.below(4)]);
+            pairs[3] = [2 * rng.below(4), 1 + 2 * rng.below(4)];
+            let d = pairs.map(|[i, j]| sub(placed[0][i], placed[1][j]));
+            let volume = |i: usize, j: usize, k: usize| dot(d[i], cross(d[j], d[k]));
+            let all = [volume(1, 2, 3), -volume(0, 2, 3), volume(0, 1, 3)];
+            (all.iter().all(|x| *x > 0.0) || all.iter().all(|x| *x < 0.0)).then_some(pairs)
+        });
+        if let Some(points) = found {
             receipt.evidence.push(Line::Meet {
                 pair: [0, 1],
                 at: None,

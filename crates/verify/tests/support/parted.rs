@@ -171,6 +171,181 @@ impl Parted {
     }
 }
 
+/// The rod at rest in the hole of the frame: both bounds of the distance.
+#[derive(Clone)]
+pub(crate) struct Gapped {
+    /// The frame, and the points of the rod.
+    pub(crate) frame: Parted,
+    /// The pose of the rod.
+    pub(crate) start: Pose,
+    pub(crate) bounds: [f64; 2],
+    /// Cuts and a normal for each cell.
+    pub(crate) cells: Vec<(Vec<[usize; 2]>, V)>,
+    pub(crate) on: [Weights; 2],
+}
+
+impl Gapped {
+    /// `room` widens both bounds, as the pose rounds.
+    pub(crate) fn new(rod: V, start: Pose, is_solid: bool, room: f64) -> Self {
+        let frame = Parted::new(rod, (0.0, [0.0; 3], [0.0; 3]), is_solid);
+        let normals = [[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
+        let at = frame.parts.len() / 4;
+        let cuts = [vec![[1, 2 * at], [1, at]], vec![], vec![[1, 3 * at]], vec![]];
+        let placed: Vec<V> = frame.rod.iter().map(|p| posed(&start, *p)).collect();
+        let gap = |k: usize, v: usize| 0.5 - dot(normals[k], placed[v]);
+        let all = (0..4).flat_map(|k| (0..8).map(move |v| (k, v)));
+        let (k, v) = all.min_by(|x, y| gap(x.0, x.1).total_cmp(&gap(y.0, y.1))).unwrap();
+        let point = add(placed[v], scale(normals[k], gap(k, v)));
+        // The face of the bar towards the rod, as two triangles.
+        let [a, b, c, d] = [[2, 3, 7, 6], [0, 4, 5, 1], [1, 5, 7, 3], [0, 2, 6, 4]][k].map(|i| 8 * k + i);
+        let weights = |corners: [usize; 3]| {
+            let [p, q, r] = corners.map(|i| frame.points[i]);
+            let (u, w, x) = (sub(q, p), sub(r, p), sub(point, p));
+            let (uu, uw, ww, ux, wx) = (dot(u, u), dot(u, w), dot(w, w), dot(u, x), dot(w, x));
+            let square = uu * ww - uw * uw;
+            let (s, t) = ((ux * ww - wx * uw) / square, (wx * uu - ux * uw) / square);
+            corners.into_iter().zip([1.0 - s - t, s, t]).collect::<Weights>()
+        };
+        let inside = |on: &Weights| on.iter().all(|x| x.1 >= 0.0);
+        let on = [[a, b, c], [a, c, d]].map(weights).into_iter().find(inside).unwrap();
+        Self {
+            bounds: [gap(k, v) - room, gap(k, v) + room],
+            cells: cuts.into_iter().zip(normals).collect(),
+            on: [vec![(v, 1.0)], on],
+            frame,
+            start,
+        }
+    }
+
+    /// Half of them with exact bounds.
+    pub(crate) fn random(rng: &mut Rng) -> Self {
+        let (is_exact, is_solid) = (rng.below(2) == 0, rng.below(2) == 0);
+        if is_exact {
+            let mut dyadic = |low: f64, high: f64| (rng.range(low, high) * 64.0).round() / 64.0;
+            let rod = std::array::from_fn(|_| dyadic(0.0625, 0.25));
+            let shift = [dyadic(-0.125, 0.125), dyadic(-0.125, 0.125), 0.0, 0.0, 0.0, 0.0, 1.0];
+            return Self::new(rod, shift, is_solid, 0.0);
+        }
+        let rod = [rng.range(0.05, 0.2), rng.range(0.05, 0.2), rng.range(0.05, 0.12)];
+        let (shift, turn) = (rng.vector(0.05), rng.vector(0.1));
+        let pose = [shift[0], shift[1], shift[2], turn[0], turn[1], turn[2], 1.0];
+        let n = (dot(turn, turn) + 1.0).sqrt();
+        let pose = std::array::from_fn(|k| if k < 3 { pose[k] } else { pose[k] / n });
+        Self::new(rod, pose, is_solid, 1e-14)
+    }
+
+    pub(crate) fn text(&self) -> String {
+        let body = |k: usize, points: &str, at: &Pose| {
+            let name = ["rod", "frame"][k];
+            format!("{{\"body\":{k},\"name\":\"{name}\",{points},\"at\":{}}}", hexes(at))
+        };
+        let key = if self.frame.is_solid { "faces" } else { "parts" };
+        let (rod, frame) = (vectors(&self.frame.rod), vectors(&self.frame.points));
+        let cell = |(cuts, normal): &(Vec<[usize; 2]>, V)| {
+            let cuts = rows(cuts.iter().map(|[side, at]| format!("[{side},{at}]")));
+            format!("[{cuts},{}]", hexes(normal))
+        };
+        let [lower, upper] = self.bounds.map(hex);
+        let (cells, on) = (rows(self.cells.iter().map(cell)), on(&self.on));
+        sealed(&[
+            "{\"receipt\":1,\"claim\":\"lines\"}".into(),
+            body(0, &format!("\"points\":{rod}"), &self.start),
+            body(
+                1,
+                &format!("\"points\":{frame},\"{key}\":{}", lists(&self.frame.parts)),
+                &self.frame.at,
+            ),
+            format!("{{\"distance\":[0,1],\"lower\":{lower},\"upper\":{upper},\"cells\":{cells},\"on\":{on}}}"),
+        ])
+    }
+
+    /// Whether another way to measure refutes a bound.
+    pub(crate) fn is_false(&self) -> bool {
+        let rod: Vec<V> = self.frame.rod.iter().map(|p| posed(&self.start, *p)).collect();
+        let parts = self.frame.parts.iter();
+        let (mut least, mut most) = (f64::INFINITY, f64::INFINITY);
+        for part in parts {
+            let part: Vec<V> = part
+                .iter()
+                .map(|k| posed(&self.frame.at, self.frame.points[*k]))
+                .collect();
+            let (far, n) = closest(&[rod.clone(), part.clone()]);
+            let low = part.iter().map(|p| dot(n, *p)).fold(f64::INFINITY, f64::min);
+            let high = rod.iter().map(|p| dot(n, *p)).fold(f64::NEG_INFINITY, f64::max);
+            let near = if far > 0.0 { (low - high) / far } else { 0.0 };
+            (least, most) = (least.min(near), most.min(far));
+        }
+        self.bounds[0] > most + 1e-9 || self.bounds[1] < least - 1e-9
+    }
+
+    /// Changes one thing; returns whether it must be refused.
+    pub(crate) fn change(&mut self, rng: &mut Rng, way: usize) -> bool {
+        let (count, cell) = (self.frame.parts.len(), rng.below(self.cells.len()));
+        let is_exact = self.bounds[0] == self.bounds[1];
+        match way {
+            0 => {
+                let part = &mut self.frame.parts[rng.below(count)];
+                let corner = rng.below(part.len());
+                part[corner] = rng.below(32);
+                false
+            }
+            1 => {
+                let k = 2 * rng.below(2);
+                let cut = rng.below(self.cells[k].0.len());
+                let old = std::mem::replace(&mut self.cells[k].0[cut][1], rng.below(count + 1));
+                self.cells[k].0[cut][1] != old
+            }
+            2 => {
+                self.cells.remove(cell);
+                true
+            }
+            3 => {
+                self.cells.insert(cell, self.cells[cell].clone());
+                true
+            }
+            4 => {
+                self.cells[cell].1 = scale(self.cells[cell].1, -1.0);
+                true
+            }
+            5 => {
+                self.bounds[0] = f64::from_bits(self.bounds[0].to_bits() + 1);
+                is_exact
+            }
+            6 => {
+                self.bounds[1] = f64::from_bits(self.bounds[1].to_bits() - 1);
+                is_exact
+            }
+            7 => {
+                let shift = rng.vector(0.2);
+                self.frame.at[..3].copy_from_slice(&shift);
+                false
+            }
+            8 => {
+                self.on[1][0].0 = rng.below(32);
+                false
+            }
+            _ => {
+                let cut = rng.below(2);
+                self.cells[0].0.remove(cut);
+                true
+            }
+        }
+    }
+}
+
+pub(crate) const GAP_CHANGES: [&str; 10] = [
+    "a point of a part of a distance",
+    "a cut of a distance moved",
+    "a group of a distance left out",
+    "a group of a distance twice",
+    "a normal of a distance turned round",
+    "a lower bound one unit more",
+    "an upper bound one unit less",
+    "the frame of a distance moved",
+    "a point of an upper bound",
+    "a cut of a distance left out",
+];
+
 pub(crate) const PART_CHANGES: [&str; 7] = [
     "a point of a part",
     "a cut moved",

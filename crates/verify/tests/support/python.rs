@@ -75,3 +75,14 @@ pub(crate) fn code(receipt: &str, other: Option<&str>) -> i32 {
         Err(_) => 3,
     }
 }
+
+/// What the Python checker prints about a receipt.
+pub(crate) fn printed(receipt: &str) -> Option<String> {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../python/verify.py");
+    let text = std::env::temp_dir().join(format!("lin-canny-verify-{}-printed", std::process::id()));
+    std::fs::write(&text, receipt).unwrap();
+    let output = Command::new("python3").arg("-B").arg(&script).arg(&text).output();
+    std::fs::remove_file(&text).unwrap();
+    let output = output.ok().filter(|_| script.exists())?;
+    Some(String::from_utf8(output.stdout).unwrap())
+}

@@ -7,6 +7,7 @@ pub(crate) type Cell = Vec<[f64; 2]>;
 /// The scene of an arm with a range of its joints, and for each pair the lines that prove it.
 pub(crate) struct Ranged {
     pub(crate) arm: Receipt,
+    pub(crate) pairs: Vec<[usize; 2]>,
     pub(crate) range: Cell,
     pub(crate) margin: f64,
     pub(crate) lines: Vec<String>,
@@ -52,12 +53,12 @@ pub(crate) fn prove(
 ) -> bool {
     let radii = arm.bodies[pair[0]].radius + arm.bodies[pair[1]].radius;
     let (d, n) = at(arm, pair, middle(&cell));
-    let widest = (0..4)
+    let widest = (0..cell.len())
         .max_by(|i, j| (cell[*i][1] - cell[*i][0]).total_cmp(&(cell[*j][1] - cell[*j][0])))
         .unwrap();
     let moved: f64 = cell.iter().map(|[low, high]| 0.9 * (high - low)).sum();
     if d - radii - margin > moved && d > 0.0 {
-        let link = rng.below(6);
+        let link = rng.below(arm.joints.len() + 1);
         let (normal, [a, b]) = (hexes(&on_link(arm, link, &middle(&cell), n)), pair);
         let cut = if cuts.is_empty() {
             String::new()
@@ -80,37 +81,54 @@ pub(crate) fn prove(
     prove(arm, pair, margin, lower, cuts, rng, lines) && prove(arm, pair, margin, upper, cuts, rng, lines)
 }
 
+/// An arm of four joints and two boxes.
 pub(crate) fn ranged(rng: &mut Rng, k: usize) -> Ranged {
     loop {
         let mut arm = arm(rng, 0.01, 1, 1);
-        let Line::Leg(rows) = arm.evidence[0].clone() else {
-            unreachable!()
-        };
-        arm.evidence.clear();
         if k % 2 == 1 {
             arm.joints[3].drive = (1, -0.5, 0.2);
         }
-        let half = [0.02, 0.08][k % 2];
-        let range: Cell = rows[0]
-            .iter()
-            .map(|x| [x - half, x + half * rng.range(0.0, 1.0)])
-            .collect();
-        let margin = [0.0, 0.015625][k % 2];
         arm.ignored.push((1, vec![3], "they may meet"));
-        let mut lines = Vec::new();
-        let pairs = [[1, 4], [1, 5], [2, 4], [2, 5], [3, 4], [3, 5]];
-        if pairs
-            .iter()
-            .all(|pair| prove(&arm, *pair, margin, range.clone(), &mut Vec::new(), rng, &mut lines))
-        {
-            return Ranged {
-                arm,
-                range,
-                margin,
-                lines,
-            };
+        let pairs = vec![[1, 4], [1, 5], [2, 4], [2, 5], [3, 4], [3, 5]];
+        if let Some(found) = over(rng, k, arm, pairs) {
+            return found;
         }
     }
+}
+
+/// A lever of three joints, one of which follows another, and a box.
+pub(crate) fn small_ranged(rng: &mut Rng, k: usize) -> Ranged {
+    loop {
+        let lever = lever(rng, 0.01, 1, 1);
+        if let Some(found) = over(rng, k, lever, vec![[0, 2], [1, 2]]) {
+            return found;
+        }
+    }
+}
+
+/// A range about the start of the first leg, if all pairs are proven.
+fn over(rng: &mut Rng, k: usize, mut arm: Receipt, pairs: Vec<[usize; 2]>) -> Option<Ranged> {
+    let Line::Leg(rows) = arm.evidence[0].clone() else {
+        unreachable!()
+    };
+    arm.evidence.clear();
+    let half = [0.02, 0.08][k % 2];
+    let range: Cell = rows[0]
+        .iter()
+        .map(|x| [x - half, x + half * rng.range(0.0, 1.0)])
+        .collect();
+    let margin = [0.0, 0.015625][k % 2];
+    let mut lines = Vec::new();
+    pairs
+        .iter()
+        .all(|pair| prove(&arm, *pair, margin, range.clone(), &mut Vec::new(), rng, &mut lines))
+        .then_some(Ranged {
+            arm,
+            pairs,
+            range,
+            margin,
+            lines,
+        })
 }
 
 impl Ranged {
@@ -127,8 +145,7 @@ impl Ranged {
     pub(crate) fn is_false(&self, rng: &mut Rng) -> bool {
         (0..20).any(|_| {
             let q: Vec<f64> = self.range.iter().map(|[low, high]| rng.range(*low, *high)).collect();
-            let pairs = [[1, 4], [1, 5], [2, 4], [2, 5], [3, 4], [3, 5]];
-            pairs.iter().any(|pair| {
+            self.pairs.iter().any(|pair| {
                 let radii = self.arm.bodies[pair[0]].radius + self.arm.bodies[pair[1]].radius;
                 at(&self.arm, *pair, q.clone()).0 - radii < self.margin - 1e-9 - 1e-3 * self.margin
             })
@@ -151,13 +168,14 @@ impl Ranged {
             }
             2 => {
                 // One unit more is claimed.
-                let c = rng.below(4);
+                let c = rng.below(self.range.len());
                 let end = &mut self.range[c][1];
                 *end = f64::from_bits(end.to_bits() + 1);
                 false
             }
             3 => {
-                self.range[rng.below(4)][0] -= 2.0;
+                let c = rng.below(self.range.len());
+                self.range[c][0] -= 2.0;
                 false
             }
             4 => {
@@ -173,7 +191,7 @@ impl Ranged {
                 true
             }
             _ => {
-                let Move::Rest(pose) = &mut self.arm.bodies[4].motion else {
+                let Move::Rest(pose) = &mut self.arm.bodies[self.pairs[0][1]].motion else {
                     unreachable!()
                 };
                 pose[0] *= 0.5;

@@ -1,0 +1,44 @@
+//! Evaluates a line about a cell of a range.
+
+use super::Check;
+use crate::Stop;
+use crate::file::Head;
+use crate::json::Json;
+use crate::range::InCell;
+use crate::real::Real;
+
+impl Check {
+    /// A plane over a cell of a range.
+    pub(super) fn cell(&mut self, line: &Json) -> Result<(), Stop> {
+        line.only(&["cell", "cut", "link", "normal", "keep"])?;
+        let pair = self.scene.pair(line.get("cell")?)?;
+        let Head::Range(cells) = &mut self.head else {
+            return Ok(());
+        };
+        let ((cell, parts), keep) = cells.next(&self.scene, pair, line)?;
+        let (link, normal) = (line.get("link")?.whole()?, line.get("normal")?.reals::<3>()?);
+        if link > self.scene.joints.len() || cell.len() < self.scene.coordinates {
+            return Stop::bad(format!("unknown link {link}, or a coordinate without a range"));
+        }
+        let middle: Vec<f64> = cell
+            .iter()
+            .map(|[low, high]| 0.5 * (low.shown() + high.shown()))
+            .collect();
+        let (normal, keep) = (normal.map(Real::exact), keep.exact());
+        let bodies = [pair.0, pair.1].map(|k| &self.scene.bodies[k]);
+        let some = [bodies[0].of_parts(parts[0]), bodies[1].of_parts(parts[1])];
+        self.inside.add(&self.scene, pair, some == [None, None]);
+        let claim = InCell {
+            pair,
+            some,
+            cell,
+            link,
+            normal,
+            keep,
+        };
+        if self.holds(&claim) {
+            return Ok(());
+        }
+        Stop::fails(format!("{}, about {middle:?}", self.scene.names(pair)))
+    }
+}
