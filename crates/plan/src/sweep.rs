@@ -70,6 +70,7 @@ pub(crate) struct PlacedBox {
 }
 
 impl PlacedBox {
+    #[inline]
     pub(crate) fn new(own: &OwnBox, pose: &Isometry3<f64>) -> Self {
         let out = own.middle.coords.abs().sum() + own.half.sum();
         let at = pose.translation.vector.abs().sum();
@@ -83,6 +84,7 @@ impl PlacedBox {
 
     /// Returns the rounding error of the heights of this box and another one along axes of either:
     /// the squared norms of the quaternions scale the heights.
+    #[inline]
     pub(crate) fn error_of_heights(&self, other: &Self) -> f64 {
         let apart = (other.middle - self.middle).abs().sum();
         self.error + other.error + PLACED_BALL * (apart + self.half.sum() + other.half.sum())
@@ -91,6 +93,7 @@ impl PlacedBox {
 
 /// Returns a ball in the world, enlarged by the rounding of its position and of its distance from
 /// another one.
+#[inline]
 pub(crate) fn placed_ball((centre, radius): (Point3<f64>, f64), pose: &Isometry3<f64>) -> (Point3<f64>, f64) {
     let (out, at) = (centre.coords.abs().sum(), pose.translation.vector.abs().sum());
     (pose * centre, radius + PLACED_BALL * out + PLACED * (radius + out + at))

@@ -216,7 +216,7 @@ fn change(value: &mut Value, bytes: &mut Bytes<'_>) {
                 match with % 3 {
                     0 => pairs.swap(from, to),
                     1 => drop(pairs.remove(from)),
-                    _ => pairs[from][1] = json!(with),
+                    _ => pairs[from].get_mut(1).map_or((), |second| *second = json!(with)),
                 }
             }
             value["pairs"] = pairs.into();
