@@ -1,10 +1,11 @@
 //! Every configuration of a range is proven, for every pair that is not ignored.
 //!
-//! **Lemma 10.** A cut divides a box into two boxes that share a face and together are the box, or the
-//! parts of a body in two, as in lemma 11. The cells of a pair start with the range and all parts. Each line first cuts the cell at hand as often as it says,
-//! where the lower part is at hand next and the upper part waits, then proves the cell at hand. If no
-//! cell waits after the last line of a pair, each part of A was apart from each part of B at each
-//! configuration. A file states no cells, so it cannot leave one out.
+//! **Lemma 10.** A cut divides a box into two boxes that share a face and together are the box, or
+//! the parts of a body in two, as in lemma 11. The cells of a pair start with the range and all
+//! parts. Each line first cuts the cell at hand as often as it says, where the lower part is at hand
+//! next and the upper part waits, then proves the cell at hand. If no cell waits after the last line
+//! of a pair, each part of A was apart from each part of B at each configuration. A file states no
+//! cells, so it cannot leave one out.
 
 use std::collections::BTreeSet;
 
