@@ -71,9 +71,11 @@
 //!
 //! A segment is checked pair by pair:
 //!
-//! 1. Swept boxes exclude most obstacles. Each box covers a part of the segment in which the motion
-//!    is nearly a parabola.
-//! 2. Bounding balls exclude most of the remaining pairs, without a distance query.
+//! 1. Swept boxes along the axes of the world exclude most obstacles. Each box covers a body during
+//!    a part of the segment in which its points stay near the chords of their paths
+//!    ([`chord_deviation`](SegmentMotion::chord_deviation)).
+//! 2. Boxes around the bodies, along their own axes, exclude most of the remaining pairs during
+//!    these parts, without a distance query.
 //! 3. Each remaining pair is cast ([`impact`](lin_canny::impact)). A step of the cast bounds how
 //!    long a plane that rotates with the closest features separates the pair. The next step starts
 //!    there.
