@@ -2,6 +2,7 @@
 //! segments proven free.
 
 mod apart;
+mod arcs;
 mod arm;
 mod atlas;
 mod certify;
