@@ -726,7 +726,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Collects the pairs whose swept boxes overlap, with their times; the earliest first.
     fn gather(&mut self, segment: &C::Segment, stretches: &mut Vec<Stretch>) -> Result<(), PlanError> {
         stretches.clear();
-        let longest = 1.0 / f64::from(self.parts(segment));
+        let parts = self.parts(segment);
+        let longest = 1.0 / f64::from(parts);
         let kept = self.pairs.own.values().map(|&pair| self.pairs.all[pair].kept);
         let kept = kept.fold(0.0, f64::larger) + self.start_contact_margin.unwrap_or_default();
         let tube = if self.tube > 0.0 {
@@ -734,7 +735,6 @@ impl<C: ConfigurationSpace> Checker<C> {
         } else {
             0.0
         };
-        let parts = self.parts(segment);
         self.sweep.run(&self.pairs, segment, parts, |ball, time, span| {
             let Some(joints) = &self.joint_tube else { return tube };
             let spread = segment.spread(ball, None, time, span, &joints.over(time, span));

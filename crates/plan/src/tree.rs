@@ -106,6 +106,7 @@ impl TreeJoint {
         let mut place = parent.translation.vector + apart;
         let frame = parent.rotation * self.origin.rotation;
         let turned = match self.kind {
+            // A joint without drive stays at 0.
             _ if self.drive.is_none() => frame.into_inner(),
             JointKind::Revolute => frame.into_inner() * self.turned(value),
             JointKind::Prismatic => {

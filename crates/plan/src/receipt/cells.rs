@@ -12,8 +12,9 @@ use lin_canny::separation::Proof;
 /// Greatest number of halvings of the time before parts are cut, and of two single parts.
 const HALVINGS: [u32; 2] = [4, 24];
 
-/// Greatest number of pieces of evidence of a pair.
-const PIECES: usize = 20_000;
+/// Greatest number of pieces of evidence of a pair, and why there is no receipt beyond it.
+pub(super) const PIECES: usize = 20_000;
+pub(super) const TOO_MANY: &str = "it takes more than 20000 planes";
 
 /// Times at which the hulls of two bodies are tried, in parts of the interval.
 const TIMES: u32 = 16;
@@ -66,7 +67,7 @@ impl PairJudge<'_> {
             let most = HALVINGS[usize::from(!is_cut(0) && !is_cut(1))];
             while let Some((end, proof)) = self.reached([x, y], [at, until], most) {
                 if pieces.len() == PIECES {
-                    let why = "it takes more than 20000 planes";
+                    let why = TOO_MANY;
                     return Err(Missing { from: at, until, why });
                 }
                 pieces.push(Piece {

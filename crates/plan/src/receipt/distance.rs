@@ -3,6 +3,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 
+use super::cells::{PIECES, TOO_MANY};
 use super::error::ReceiptError;
 use super::evidence::BITS;
 use super::number::{hex, hexes, rounded};
@@ -12,9 +13,6 @@ use super::scene::{Body, Scene, list};
 use crate::extremes::Extremes;
 use crate::tolerance::{INSIDE, RECEIPT};
 use lin_canny::{ContactState, RelativePose, Tracker};
-
-/// Greatest number of planes of a distance.
-const PLANES: usize = 20_000;
 
 /// Returns the line of a distance: by the features if they are certainly the closest, or else by a
 /// normal and two points.
@@ -110,8 +108,8 @@ impl Planes<'_> {
         if let [Some(x), Some(y)] = &groups
             && let Some(normal) = self.normal([x, y])
         {
-            if self.cells.len() == PLANES {
-                return Err("it takes more than 20000 planes");
+            if self.cells.len() == PIECES {
+                return Err(TOO_MANY);
             }
             let cuts = core::mem::take(&mut self.cuts).join(",");
             self.cells.push(format!("[[{cuts}],{}]", hexes(normal.as_slice())));

@@ -10,24 +10,21 @@ use lin_canny_plan::{
 /// The ends of the arc, in radians.
 const ENDS: [f64; 2] = [0.3, -0.3];
 
-/// Half the length of the rod that turns about its middle; the end of the other rod is as far from its joint.
-const REACH: f64 = 1.0;
-
-/// Half the width of the rods. A corner of the end is at most `REACH * 1.0002` from the axis.
+/// Half the width of a rod whose end is 1 from the axis: its corners are at most 1.0002 from it.
 const HALF: f64 = 0.02;
 
-fn rod(half_length: f64) -> ConvexPolyhedron {
-    solids::cuboid(Vector3::new(half_length, HALF, HALF)).expect("a rod")
+fn rod(half_length: f64, unit: f64) -> ConvexPolyhedron {
+    solids::cuboid(Vector3::new(half_length, HALF, HALF) * unit).expect("a rod")
 }
 
 /// A narrow post, and its pose: its near side is so far from the axis.
-fn post(far: f64) -> (ConvexPolyhedron, Isometry3<f64>) {
-    let post = solids::cuboid(Vector3::new(0.05, 0.01, 1.0)).expect("a post");
-    (post, Isometry3::translation(far + 0.05, 0.0, 0.0))
+fn post(far: f64, unit: f64) -> (ConvexPolyhedron, Isometry3<f64>) {
+    let post = solids::cuboid(Vector3::new(0.05, 0.01, 1.0) * unit).expect("a post");
+    (post, Isometry3::translation((far + 0.05) * unit, 0.0, 0.0))
 }
 
 /// A rod on a joint about z; the post is an obstacle, or a body of the base.
-fn lever(far: f64, is_own: bool) -> Checker<JointTree> {
+fn lever(far: f64, is_own: bool, unit: f64) -> Checker<JointTree> {
     let joint = TreeJoint {
         parent: 0,
         kind: JointKind::Revolute,
@@ -35,14 +32,14 @@ fn lever(far: f64, is_own: bool) -> Checker<JointTree> {
         axis: Vector3::z_axis(),
         drive: Some(Drive::by(0)),
     };
-    let (post, at) = post(far);
+    let (post, at) = post(far, unit);
     let joints = vec![
         joint,
-        TreeJoint::fixed(1, Isometry3::translation(0.5 * REACH, 0.0, 0.0)),
+        TreeJoint::fixed(1, Isometry3::translation(0.5 * unit, 0.0, 0.0)),
         TreeJoint::fixed(0, at),
     ];
     let mut world = World::new();
-    world.robot_body("rod", rod(0.5 * REACH));
+    world.robot_body("rod", rod(0.5, unit));
     let mut links = vec![2];
     if is_own {
         world.robot_body("post", post);
@@ -50,18 +47,18 @@ fn lever(far: f64, is_own: bool) -> Checker<JointTree> {
     } else {
         world.obstacle("post", post, at);
     }
-    let radii = vec![0.0, 0.0, REACH, REACH];
+    let radii = vec![0.0, 0.0, unit, 2.0 * unit];
     let lever = JointTree::new(Isometry3::identity(), joints, vec![[-3.0, 3.0]], links, radii).expect("a lever");
     Checker::new(lever, world).expect("a world")
 }
 
 /// A rod that turns about its middle.
-fn propeller(far: f64) -> Checker<RigidSpace> {
+fn propeller(far: f64, unit: f64) -> Checker<RigidSpace> {
     let mut world = World::new();
-    world.robot_body("rod", rod(REACH));
-    let (post, at) = post(far);
+    world.robot_body("rod", rod(1.0, unit));
+    let (post, at) = post(far, unit);
     world.obstacle("post", post, at);
-    let space = RigidSpace::new([[-4.0, 4.0]; 3], REACH, 1).expect("a space");
+    let space = RigidSpace::new([[-4.0 * unit, 4.0 * unit]; 3], unit, 1).expect("a space");
     Checker::new(space, world).expect("a world")
 }
 
@@ -76,29 +73,31 @@ fn agrees<C: ConfigurationSpace>(checker: &mut Checker<C>, ends: [&[f64]; 2], is
     }
 }
 
+fn judge(far: f64, unit: f64) {
+    let is_free = far > 1.0002;
+    for is_own in [false, true] {
+        let (mut checker, what) = (lever(far, is_own, unit), format!("{far}, own {is_own}, unit {unit}"));
+        agrees(&mut checker, [&ENDS[..1], &ENDS[1..]], is_free, &what);
+        let [a, b] = ENDS;
+        for points in [&[[a], [b]][..], &[[a], [0.3 * a], [0.3 * b], [b]]] {
+            let curve = JointCurve::bezier(points).expect("a curve");
+            let verdict = checker.certify_curve(&curve).expect("a curve");
+            assert_eq!(verdict.is_free(), is_free, "{what}, {} points", points.len());
+        }
+    }
+    let ends = ENDS.map(|angle| {
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+        RigidSpace::configuration(&Isometry3::from_parts(Vector3::zeros().into(), turn))
+    });
+    let what = format!("{far}, propeller, unit {unit}");
+    agrees(&mut propeller(far, unit), [&ends[0], &ends[1]], is_free, &what);
+}
+
 #[test]
 fn a_rod_meets_a_post_in_the_middle_of_an_arc() {
-    for far in [0.965, 0.97, 0.98, 0.99, 0.999, 0.9999, 1.0003, 1.001, 1.01, 1.1] {
-        let is_free = far > 1.0002;
-        for is_own in [false, true] {
-            let (mut checker, what) = (lever(far, is_own), format!("{far}, own {is_own}"));
-            agrees(&mut checker, [&ENDS[..1], &ENDS[1..]], is_free, &what);
-            let [a, b] = ENDS;
-            for points in [&[[a], [b]][..], &[[a], [0.3 * a], [0.3 * b], [b]]] {
-                let curve = JointCurve::bezier(points).expect("a curve");
-                let verdict = checker.certify_curve(&curve).expect("a curve");
-                assert_eq!(verdict.is_free(), is_free, "{what}, {} points", points.len());
-            }
+    for unit in [1.0, 1e-95, 1e95] {
+        for far in [0.965, 0.97, 0.98, 0.99, 0.999, 0.9999, 1.0003, 1.001, 1.01, 1.1] {
+            judge(far, unit);
         }
-        let ends = ENDS.map(|angle| {
-            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
-            RigidSpace::configuration(&Isometry3::from_parts(Vector3::zeros().into(), turn))
-        });
-        agrees(
-            &mut propeller(far),
-            [&ends[0], &ends[1]],
-            is_free,
-            &format!("{far}, propeller"),
-        );
     }
 }
