@@ -15,7 +15,7 @@ use crate::free::HITS_FIRST;
 use crate::pairs::{PairKey, Pairs, Places, Stretch, cut, cut_at_knots};
 use crate::range::RangeBodies;
 use crate::space::{BodyBall, BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
-use crate::sweep::Sweep;
+use crate::sweep::{PlacedBox, Sweep};
 use crate::tube::JointTube;
 use crate::verdict::{CheckWork, LeavingPair, Verdict};
 use crate::world::{Named, World, WorldId, WorldPair};
@@ -63,8 +63,9 @@ pub struct Checker<C> {
     /// The boxes of the movers along the last motion.
     sweep: Sweep,
     pub(crate) poses: Vec<Isometry3<f64>>,
-    /// The balls around the movers at a configuration.
+    /// The balls around the movers at a configuration, and the boxes that were needed.
     pub(crate) placed_balls: Vec<(Point3<f64>, f64)>,
+    pub(crate) placed_boxes: Vec<Option<PlacedBox>>,
     /// Pairs that were not free at single configurations, the latest first.
     pub(crate) hits: Vec<usize>,
     /// Scratch memory: ranks among the recent collisions and distances of balls, with their pairs.
@@ -122,6 +123,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             sweep: Sweep::default(),
             poses: Vec::new(),
             placed_balls: Vec::new(),
+            placed_boxes: Vec::new(),
             hits: Vec::new(),
             order: Vec::new(),
             range_bodies: RangeBodies::new(),
@@ -335,7 +337,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         }
         for (id, pose) in placed {
             if let WorldId::Obstacle(k) = id {
-                self.pairs.places.obstacle_poses[k] = pose;
+                self.pairs.place_obstacle(k, &pose);
             }
         }
         Ok(())

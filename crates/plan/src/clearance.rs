@@ -15,7 +15,7 @@ use crate::pairs::PairKey;
 use crate::space::{ConfigurationSpace, SegmentMotion};
 use crate::sweep::{PlacedBox, placed_ball};
 use crate::tolerance::PLACED;
-use crate::world::{Named, WorldPair};
+use crate::world::{Named, WorldId, WorldPair};
 use lin_canny::ContactState;
 use lin_canny::RelativePose;
 use lin_canny::broad::Aabb;
@@ -307,23 +307,25 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(())
     }
 
-    /// Places the balls around all movers, for [`ball_gap`](Self::ball_gap).
+    /// Places the balls around all movers, for [`ball_gap`](Self::ball_gap) and
+    /// [`boxes_apart`](Self::boxes_apart).
     pub(crate) fn place_balls(&mut self, poses: &[Isometry3<f64>]) {
         let mut placed = core::mem::take(&mut self.placed_balls);
         placed.clear();
         let balls = self.pairs.mover_balls.iter().zip(poses);
         placed.extend(balls.map(|(ball, pose)| placed_ball(ball.unwrap_or((Point3::origin(), 0.0)), pose)));
         self.placed_balls = placed;
+        self.placed_boxes.clear();
+        self.placed_boxes.resize(poses.len(), None);
     }
 
     /// Returns a lower bound of the distance of the balls around both bodies; negative if they
     /// overlap. [`place_balls`](Self::place_balls) comes first.
     pub(crate) fn ball_gap(&self, index: usize) -> f64 {
         let pair = self.pairs.all[index].pair;
-        let places = &self.pairs.places;
-        let [(p, r), (q, s)] = [pair.a, pair.b].map(|part| match (places.mover(part), part) {
-            (Some(mover), _) => self.placed_balls[mover],
-            (None, _) => placed_ball(self.pairs.ball(part), places.pose(part, &[])),
+        let [(p, r), (q, s)] = [pair.a, pair.b].map(|part| match (part, self.pairs.places.mover(part)) {
+            (WorldId::Obstacle(k), _) => self.pairs.placed(k).ball,
+            (_, mover) => self.placed_balls[mover.unwrap_or_default()],
         });
         (q - p).norm() - r - s
     }
@@ -332,10 +334,16 @@ impl<C: ConfigurationSpace> Checker<C> {
     ///
     /// Along each axis of a box there is a gap between it and the extent of the other box, or none.
     /// The root of the sum of the squared gaps is at most the distance of the bodies.
-    pub(crate) fn boxes_apart(&self, index: usize, poses: &[Isometry3<f64>], distance: f64) -> bool {
+    pub(crate) fn boxes_apart(&mut self, index: usize, poses: &[Isometry3<f64>], distance: f64) -> bool {
         let pair = self.pairs.all[index].pair;
-        let placed = |part| PlacedBox::new(&self.pairs.own_box(part), self.pairs.places.pose(part, poses));
-        let [a, b] = [pair.a, pair.b].map(placed);
+        let [a, b] = [pair.a, pair.b].map(|part| match (part, self.pairs.places.mover(part)) {
+            (WorldId::Obstacle(k), _) => self.pairs.placed(k).own_box,
+            (_, mover) => {
+                let mover = mover.unwrap_or_default();
+                let own = self.pairs.mover_own_box(mover);
+                *self.placed_boxes[mover].get_or_insert_with(|| PlacedBox::new(own, &poses[mover]))
+            }
+        });
         let (apart, turn) = (b.middle - a.middle, a.axes.tr_mul(&b.axes));
         let least = distance + a.error_of_heights(&b);
         let is_apart = |apart: &Vector3<f64>, half: &Vector3<f64>, turn: &Matrix3<f64>, other: &Vector3<f64>| {
@@ -437,7 +445,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         for k in 0..=SAMPLES {
             let t = f64::from(k) / f64::from(SAMPLES);
             let q = at(&self.space, t);
-            self.pairs.places.place_along(t);
+            self.pairs.place_along(t);
             if let Some(near) = self.nearest_within_rounding(&q, 0.0)?.first() {
                 found.lower_to(near.upper, t, near.pair);
             }

@@ -9,7 +9,7 @@ use nalgebra::{Isometry3, Point3};
 use crate::attached::Carried;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::sweep::{OwnBox, Sweep, kept_around};
+use crate::sweep::{OwnBox, PlacedBox, Sweep, kept_around, placed_ball};
 use crate::timed_poses::{PosePart, TimedPoses};
 use crate::world::{World, WorldId, WorldPair};
 use lin_canny::broad::{Aabb, BodyId, BodyOptions, SweepAndPrune};
@@ -101,6 +101,10 @@ pub(crate) struct Pairs {
     obstacle_boxes: Vec<Aabb>,
     /// Obstacles found by a query.
     found: Vec<BodyId>,
+    /// Pairs found by a query.
+    near: Vec<usize>,
+    /// The obstacles at their present poses.
+    placed: Vec<PlacedObstacle>,
     pub(crate) places: Places,
     /// A ball around each mover and each obstacle, in the frame of the shape; `None` for a mover
     /// without geometry.
@@ -121,6 +125,12 @@ pub(crate) struct Pairs {
     forgotten: u64,
     /// Number of pairs that were made, and of trackers with them.
     pub(crate) made: u64,
+}
+
+/// A ball and a box around an obstacle, in the world.
+pub(crate) struct PlacedObstacle {
+    pub(crate) ball: (Point3<f64>, f64),
+    pub(crate) own_box: PlacedBox,
 }
 
 /// Where the bodies are.
@@ -153,15 +163,6 @@ impl Places {
         let parts = &self.parts[obstacle];
         let after = parts.partition_point(|part| part.from <= time);
         parts.get(after.saturating_sub(1))
-    }
-
-    /// Puts obstacles that move at their poses at a time of the present curve.
-    pub(crate) fn place_along(&mut self, time: f64) {
-        for k in 0..self.parts.len() {
-            if let Some(part) = self.part(k, time) {
-                self.obstacle_poses[k] = part.pose(time);
-            }
-        }
     }
 
     /// Returns the times within an interval at which the motion of an obstacle changes.
@@ -203,6 +204,10 @@ impl Places {
 
 const NONE: u32 = u32::MAX;
 
+/// Number of obstacles up to which the boxes of all of them are tested, without the broad phase. Not
+/// measured.
+const FEW: usize = 64;
+
 /// Returns the box of an obstacle that moves, at all times.
 pub(crate) fn swept(shape: &Geometry, poses: &TimedPoses) -> Result<Aabb, PlanError> {
     let aabb = poses.swept(shape.bounding_ball());
@@ -239,6 +244,8 @@ impl Pairs {
             of_box: Vec::new(),
             obstacle_boxes: Vec::new(),
             found: Vec::new(),
+            near: Vec::new(),
+            placed: Vec::new(),
             places: Places {
                 bodies,
                 carried: Vec::new(),
@@ -309,6 +316,10 @@ impl Pairs {
             self.obstacle_boxes.push(Aabb::new(Point3::origin(), Point3::origin()));
             self.obstacle_balls.push((Point3::origin(), 0.0));
             self.obstacle_own_boxes.push(OwnBox::NONE);
+            self.placed.push(PlacedObstacle {
+                ball: (Point3::origin(), 0.0),
+                own_box: PlacedBox::new(&OwnBox::NONE, &Isometry3::identity()),
+            });
             self.rows.push(std::vec![NONE; self.mover_balls.len()]);
         }
         self.places.parts[index].clear();
@@ -341,11 +352,34 @@ impl Pairs {
             }
         }
         self.places.resting[index] = steady;
-        self.places.obstacle_poses[index] = *pose;
         self.obstacle_boxes[index] = aabb;
         self.obstacle_balls[index] = shape.bounding_ball();
         self.obstacle_own_boxes[index] = OwnBox::of(shape);
+        self.place_obstacle(index, pose);
         Ok(())
+    }
+
+    /// Puts an obstacle at a pose.
+    pub(crate) fn place_obstacle(&mut self, index: usize, pose: &Isometry3<f64>) {
+        self.places.obstacle_poses[index] = *pose;
+        self.placed[index] = PlacedObstacle {
+            ball: placed_ball(self.obstacle_balls[index], pose),
+            own_box: PlacedBox::new(&self.obstacle_own_boxes[index], pose),
+        };
+    }
+
+    /// Puts obstacles that move at their poses at a time of the present curve.
+    pub(crate) fn place_along(&mut self, time: f64) {
+        for k in 0..self.placed.len() {
+            if let Some(pose) = self.places.part(k, time).map(|part| part.pose(time)) {
+                self.place_obstacle(k, &pose);
+            }
+        }
+    }
+
+    /// Returns an obstacle at its present pose.
+    pub(crate) fn placed(&self, obstacle: usize) -> &PlacedObstacle {
+        &self.placed[obstacle]
     }
 
     /// Applies the changes of boxes.
@@ -455,15 +489,6 @@ impl Pairs {
         &self.mover_own_boxes[mover]
     }
 
-    /// Returns the box around a body, along the axes of the frame of its shape.
-    pub(crate) fn own_box(&self, id: WorldId) -> OwnBox {
-        match (id, self.places.mover(id)) {
-            (WorldId::Obstacle(k), _) => self.obstacle_own_boxes[k],
-            (_, Some(mover)) => self.mover_own_boxes[mover],
-            (_, None) => OwnBox::NONE,
-        }
-    }
-
     /// Returns the number of pairs.
     pub(crate) fn len(&self) -> usize {
         self.all.len() - self.vacant.len()
@@ -507,6 +532,11 @@ impl Pairs {
 
     /// Appends the pairs of a mover and the obstacles whose boxes overlap a box.
     pub(crate) fn near(&mut self, mover: usize, swept: &Aabb, pairs: &mut Vec<usize>) -> Result<(), PlanError> {
+        if self.rows.len() <= FEW {
+            let near = (0..self.rows.len()).filter(|k| self.obstacle_boxes[*k].overlaps(swept));
+            pairs.extend(near.filter_map(|k| self.of(mover, k)));
+            return Ok(());
+        }
         self.found.clear();
         self.boxes.overlapping(swept, &mut self.found)?;
         let found = self.found.iter().map(|id| self.of_box[id.index as usize]);
@@ -526,15 +556,18 @@ impl Pairs {
         let Some(whole) = swept.iter().copied().reduce(|all, part| all.united(&part)) else {
             return Ok(());
         };
-        self.found.clear();
         let widest = kept_around(&whole, self.most_kept[mover]);
-        self.boxes.overlapping(&widest, &mut self.found)?;
-        for k in 0..self.found.len() {
-            let obstacle = self.of_box[self.found[k].index as usize];
-            let Some(pair) = self.of(mover, obstacle) else {
-                continue;
-            };
-            let TrackedPair { kept, key, .. } = self.all[pair];
+        let mut found = core::mem::take(&mut self.near);
+        found.clear();
+        self.near(mover, &widest, &mut found)?;
+        for &pair in &found {
+            let TrackedPair {
+                pair: WorldPair { b, .. },
+                kept,
+                key,
+                ..
+            } = self.all[pair];
+            let WorldId::Obstacle(obstacle) = b else { continue };
             let around = kept_around(&self.obstacle_boxes[obstacle], kept);
             let (mut from, mut was_near) = (0.0, false);
             for (part, aabb) in swept.iter().enumerate() {
@@ -547,6 +580,7 @@ impl Pairs {
                 (from, was_near) = (until, is_near);
             }
         }
+        self.near = found;
         Ok(())
     }
 }

@@ -234,7 +234,7 @@ impl Sweep {
     ) -> Option<Range<f64>> {
         let course = |id| pairs.places.mover(id).map(|mover| &self.courses[mover]);
         let resting = match pair.b {
-            WorldId::Obstacle(k) => Some(PlacedBox::new(&pairs.own_box(pair.b), &pairs.places.obstacle_poses[k])),
+            WorldId::Obstacle(k) => Some(&pairs.placed(k).own_box),
             _ => None,
         };
         let (a, b) = (course(pair.a), course(pair.b));
@@ -245,7 +245,7 @@ impl Sweep {
         let (mut from, mut until, mut before) = (None, interval.end, None);
         for k in first..last {
             let [a, b] = [a, b].map(|course| course.and_then(|course| course.placed.get(k..k + 2)));
-            let is_apart = match (a, &resting, b) {
+            let is_apart = match (a, resting, b) {
                 (Some([start, end]), Some(b), _) => {
                     let start = before.take().unwrap_or_else(|| Gaps::new(&b.axes, start, b));
                     let end = Gaps::new(&b.axes, end, b);

@@ -127,7 +127,8 @@ impl LinkTree {
 
     /// Returns the poses of the base and of all links.
     pub(crate) fn poses(&self, configuration: &[f64]) -> Vec<Isometry3<f64>> {
-        let mut poses = std::vec![self.0.base];
+        let mut poses = Vec::with_capacity(self.0.joints.len() + 1);
+        poses.push(self.0.base);
         for joint in &self.0.joints {
             poses.push(joint.after(&poses[joint.parent], joint.value(configuration)));
         }
