@@ -164,8 +164,13 @@ impl<C: ConfigurationSpace> Checker<C> {
         if let Some(time) = self.time {
             other.set_time(time)?;
         }
-        // The world is the same, so the atlas belongs to it.
+        // The world is the same, so the atlas belongs to it, and so do the boxes of pairs.
         other.atlas.clone_from(&self.atlas);
+        for tracked in self.pairs.own.values().map(|k| &self.pairs.all[*k]) {
+            if let Some(boxes) = &tracked.apart {
+                other.pairs.set_apart(tracked.pair, boxes);
+            }
+        }
         Ok(other)
     }
 
@@ -462,7 +467,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         if self.atlas_along(from, to) == Some(AtlasVerdict::Free) {
             return Ok(self.free_by_atlas());
         }
-        self.judged(&segment, false)
+        self.judged(&segment, Some([from, to]), false)
     }
 
     /// Returns whether the segment between two configurations is proven free.
@@ -499,7 +504,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 self.work.segments += 1;
                 Ok(false)
             }
-            None => Ok(self.judged(segment, true)?.is_free()),
+            None => Ok(self.judged(segment, Some([from, to]), true)?.is_free()),
         }
     }
 
@@ -640,13 +645,13 @@ impl<C: ConfigurationSpace> Checker<C> {
             return Ok(self.free_by_atlas());
         }
         if let Some(straight) = self.straightened(curve)? {
-            let verdict = self.judged(&straight, true)?;
+            let verdict = self.judged(&straight, None, true)?;
             if verdict.is_free() {
                 return Ok(verdict);
             }
             self.work.segments -= 1;
         }
-        self.judged(&motion, any)
+        self.judged(&motion, None, any)
     }
 
     /// Returns the motion along the straight segment on which a curve stays, if its proof is one of
@@ -707,7 +712,13 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.space.segment(from, to)
     }
 
-    pub(crate) fn judged(&mut self, segment: &C::Segment, any: bool) -> Result<Verdict, PlanError> {
+    /// Returns the verdict on a motion; `ends` if it is the segment between two configurations.
+    pub(crate) fn judged(
+        &mut self,
+        segment: &C::Segment,
+        ends: Option<[&[f64]; 2]>,
+        any: bool,
+    ) -> Result<Verdict, PlanError> {
         self.work.segments += 1;
         let mut stretches = core::mem::take(&mut self.stretches);
         let found = self.gather(segment, &mut stretches).and_then(|()| {
@@ -716,7 +727,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 let recent = &self.hits[..self.hits.len().min(HITS_FIRST)];
                 stretches.sort_by_key(|s| !recent.contains(&s.pair));
             }
-            self.judge(segment, &stretches, any)
+            self.judge(segment, ends, &stretches, any)
         });
         self.stretches = stretches;
         if let Ok(Verdict::Free { .. }) = found {
@@ -767,7 +778,13 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Casts pair after pair, each up to the first contact found so far.
-    fn judge(&mut self, segment: &C::Segment, stretches: &[Stretch], any: bool) -> Result<Verdict, PlanError> {
+    fn judge(
+        &mut self,
+        segment: &C::Segment,
+        ends: Option<[&[f64]; 2]>,
+        stretches: &[Stretch],
+        any: bool,
+    ) -> Result<Verdict, PlanError> {
         let clearance = self.pairs.least_kept;
         let mut start_contacts = Vec::new();
         let (mut blocked, mut until) = (None, 1.0);
@@ -781,6 +798,9 @@ impl<C: ConfigurationSpace> Checker<C> {
             let kept = self.kept_along(k, segment, &(stretch.from..stretch.until));
             let mut interval = stretch.from..end;
             if start_contact.is_none() {
+                if self.apart_along(k, ends, kept) {
+                    continue;
+                }
                 if !self.is_moving(k) {
                     let pair = self.pairs.all[k].pair;
                     let Some(near) = self.sweep.boxes_meet(&self.pairs, pair, &interval, kept) else {
@@ -837,6 +857,16 @@ impl<C: ConfigurationSpace> Checker<C> {
             clearance,
             start_contacts,
         }))
+    }
+
+    /// Returns whether boxes prove a pair farther apart than a distance along a segment.
+    fn apart_along(&mut self, index: usize, ends: Option<[&[f64]; 2]>, kept: f64) -> bool {
+        let boxes = self.pairs.all[index].apart.as_ref();
+        let is_apart = boxes
+            .zip(ends)
+            .is_some_and(|(boxes, ends)| boxes.apart_along(ends, kept));
+        self.work.lookups += u64::from(is_apart);
+        is_apart
     }
 
     /// Casts a pair along a segment. A contact at the start of the interval is accepted within

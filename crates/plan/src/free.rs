@@ -36,7 +36,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let mut poses = core::mem::take(&mut self.poses);
         self.space.place(configuration, &mut poses);
         self.pairs.places.carry(&mut poses);
-        let hit = self.first_hit(&poses);
+        let hit = self.first_hit(configuration, &poses);
         self.poses = poses;
         let hit = hit?;
         if let Some(index) = hit {
@@ -53,11 +53,11 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Returns the index of a pair that is not proven to keep the margin.
-    fn first_hit(&mut self, poses: &[Isometry3<f64>]) -> Result<Option<usize>, PlanError> {
+    fn first_hit(&mut self, configuration: &[f64], poses: &[Isometry3<f64>]) -> Result<Option<usize>, PlanError> {
         self.place_balls(poses);
         for k in 0..self.hits.len().min(HITS_FIRST) {
             let index = self.hits[k];
-            if self.near_by(index).is_some() && !self.keeps_margin(index, poses)? {
+            if self.near_by(index).is_some() && !self.keeps_margin(index, configuration, poses)? {
                 return Ok(Some(index));
             }
         }
@@ -77,7 +77,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         });
         let mut found = Ok(None);
         for &(_, _, _, index) in &order {
-            match self.keeps_margin(index, poses) {
+            match self.keeps_margin(index, configuration, poses) {
                 Ok(true) => continue,
                 Ok(false) => found = Ok(Some(index)),
                 Err(error) => found = Err(error),
@@ -95,8 +95,14 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Returns whether a pair is proven farther apart than the margin.
-    fn keeps_margin(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<bool, PlanError> {
+    fn keeps_margin(&mut self, index: usize, q: &[f64], poses: &[Isometry3<f64>]) -> Result<bool, PlanError> {
         let kept = self.kept(index);
+        if let Some(boxes) = &self.pairs.all[index].apart
+            && boxes.apart_at(q, kept)
+        {
+            self.work.lookups += 1;
+            return Ok(true);
+        }
         if self.boxes_apart(index, poses, kept) || self.hulls_apart(index, poses, kept)? {
             return Ok(true);
         }

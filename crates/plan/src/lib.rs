@@ -228,7 +228,7 @@ mod verdict;
 mod world;
 
 pub use arm::{Joint, JointKind, SerialArm};
-pub use atlas::{Atlas, AtlasBox, AtlasOptions, AtlasShares, AtlasVerdict};
+pub use atlas::{Atlas, AtlasBox, AtlasOptions, AtlasShares, AtlasVerdict, PairBoxes};
 pub use batch::NearPairs;
 pub use checker::{Checker, PairProof};
 pub use clearance::{NearPair, SegmentClearance};

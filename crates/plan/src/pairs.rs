@@ -2,10 +2,12 @@
 
 use std::boxed::Box;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
 
+use crate::atlas::ApartBoxes;
 use crate::attached::Carried;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
@@ -27,6 +29,8 @@ pub(crate) struct TrackedPair {
     pub(crate) tracker: PairTracker,
     /// The tracker of the hulls of both bodies, once one of them is a mesh and was queried.
     pub(crate) hull_tracker: Option<Box<PairTracker>>,
+    /// Boxes of joint values in which the pair is apart.
+    pub(crate) apart: Option<Arc<ApartBoxes>>,
     /// Number of the configuration at which the pair was last measured.
     pub(crate) measured: u64,
     /// Value of `Pairs::forgotten` when the tracker was last reset.
@@ -440,6 +444,7 @@ impl Pairs {
                     key: (is_own, pair),
                     tracker: PairTracker::new(),
                     hull_tracker: None,
+                    apart: None,
                     measured: 0,
                     begun: self.forgotten,
                 };
@@ -466,6 +471,13 @@ impl Pairs {
             }
         }
         index.err()
+    }
+
+    /// Sets the boxes of joint values in which a pair is apart, if the pair is measured.
+    pub(crate) fn set_apart(&mut self, pair: WorldPair, boxes: &Arc<ApartBoxes>) {
+        if let Some(index) = self.entry(pair) {
+            self.all[index].apart = Some(boxes.clone());
+        }
     }
 
     /// Returns the difference of the most and the least that pairs must keep.

@@ -350,6 +350,12 @@ impl ConfigurationSpace for JointTree {
         from.iter().zip(to).map(|(a, b)| b - a).collect()
     }
 
+    fn distance(&self, from: &[f64], to: &[f64]) -> f64 {
+        let joints = from.iter().zip(to).zip(&self.scales);
+        let squares = joints.map(|((a, b), scale)| ((b - a) * scale) * ((b - a) * scale));
+        f64::sqrt(squares.sum())
+    }
+
     fn moved(&self, q: &[f64], step: &[f64]) -> Vec<f64> {
         let joints = q.iter().zip(step).zip(&self.limits);
         joints.map(|((x, dx), limits)| within(x + dx, *limits)).collect()

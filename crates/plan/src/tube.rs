@@ -178,7 +178,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let motion = self.check_tube(curve, &tube)?;
         self.joint_tube = Some(tube).filter(|tube| !tube.is_zero());
         let start_contact = self.start_contact_margin.take();
-        let verdict = self.judged(&motion, false);
+        let verdict = self.judged(&motion, None, false);
         self.start_contact_margin = start_contact;
         self.joint_tube = None;
         verdict

@@ -6,7 +6,8 @@ use std::sync::{Arc, OnceLock};
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::{Geometry, GeometryKind};
 use lin_canny_plan::{
-    Checker, Drive, JointKind, JointTree, PlanError, TimedPoses, TreeJoint, World, WorldId, WorldPair,
+    AtlasOptions, Checker, Drive, JointKind, JointTree, PairBoxes, PlanError, TimedPoses, TreeJoint, World, WorldId,
+    WorldPair,
 };
 
 use crate::cell::{BodyName, Cell, Obstacle};
@@ -91,6 +92,8 @@ struct RobotPart {
     world: World,
     /// The names of the bodies.
     names: BTreeSet<String>,
+    /// Boxes in which pairs of bodies are apart.
+    pair_boxes: OnceLock<PairBoxes>,
 }
 
 /// Where the frame of a link is.
@@ -471,7 +474,29 @@ impl Setup {
                 world.exclude(a, b)?;
             }
         }
-        Checker::new(shared.space.clone(), world)
+        let mut checker = Checker::new(shared.space.clone(), world)?;
+        if let Some(boxes) = shared.pair_boxes.get() {
+            checker.set_pair_boxes(boxes)?;
+        }
+        Ok(checker)
+    }
+
+    /// Searches for boxes of joint values in which pairs of links are proven apart, for all checkers
+    /// from now on: see [`Checker::pair_boxes`]. Copies of this setup that are made afterwards have
+    /// them too, until something about the robots changes.
+    ///
+    /// `options` are the budgets of a pair. A second call changes nothing.
+    ///
+    /// # Errors
+    /// Returns an error as [`checker`](Self::checker) and [`Checker::pair_boxes`] do.
+    pub fn prepare_pairs(&self, options: &AtlasOptions) -> Result<&PairBoxes, PlanError> {
+        let world = self.checker()?.world().without_obstacles();
+        let shared = self.robot_part()?;
+        if let Some(known) = shared.pair_boxes.get() {
+            return Ok(known);
+        }
+        let boxes = Checker::new(shared.space.clone(), world)?.pair_boxes(options)?;
+        Ok(shared.pair_boxes.get_or_init(|| boxes))
     }
 
     /// Returns what all checkers share, made now if this is the first one.
@@ -500,7 +525,13 @@ impl Setup {
         });
         let links = self.bodies.iter().map(|b| b.link).chain(bare).collect();
         let space = self.space_of(links)?;
-        Ok(self.shared.get_or_init(|| RobotPart { space, world, names }))
+        let pair_boxes = OnceLock::new();
+        Ok(self.shared.get_or_init(|| RobotPart {
+            space,
+            world,
+            names,
+            pair_boxes,
+        }))
     }
 }
 

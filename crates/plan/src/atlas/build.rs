@@ -138,7 +138,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Returns the limits of all coordinates.
-    fn range_of_limits(&self) -> Result<[Vec<f64>; 2], PlanError> {
+    pub(super) fn range_of_limits(&self) -> Result<[Vec<f64>; 2], PlanError> {
         let bounds = self.space.bounds();
         if bounds.len() != self.space.coordinates() {
             return Err(PlanError::Value {
@@ -208,7 +208,7 @@ enum Found {
 
 impl Atlas {
     /// Searches boxes until a budget is spent or the caller stops.
-    fn search(
+    pub(super) fn search(
         &mut self,
         provers: &mut [PairProver<'_>],
         options: &AtlasOptions,

@@ -12,6 +12,7 @@
 
 mod answers;
 mod build;
+mod pair_boxes;
 #[cfg(feature = "serde")]
 mod stored;
 mod walk;
@@ -22,6 +23,8 @@ use std::vec::Vec;
 use crate::world::WorldPair;
 
 pub use build::AtlasOptions;
+pub(crate) use pair_boxes::ApartBoxes;
+pub use pair_boxes::PairBoxes;
 #[cfg(feature = "serde")]
 pub(crate) use stored::StoredAtlas;
 

@@ -82,6 +82,17 @@ impl<C: ConfigurationSpace> Checker<C> {
     ) -> Result<R, PlanError> {
         let mut pairs: Vec<WorldPair> = self.pairs.ordered().iter().map(|k| self.pairs.all[*k].pair).collect();
         pairs.sort_unstable();
+        self.with_provers_of(pairs, low, high, call)
+    }
+
+    /// Calls a function with the provers of pairs.
+    pub(crate) fn with_provers_of<R>(
+        &mut self,
+        pairs: Vec<WorldPair>,
+        low: &[f64],
+        high: &[f64],
+        call: impl FnOnce(&mut [PairProver<'_>]) -> Result<R, PlanError>,
+    ) -> Result<R, PlanError> {
         for pair in &pairs {
             self.prepare_pair(*pair)?;
         }

@@ -1,0 +1,199 @@
+//! Boxes of joint values in which single pairs of robot bodies are proven apart.
+//!
+//! Two links with one or two joints between them are near each other at most configurations, so they
+//! cost a query nearly every time. Their distance depends on these joints alone. A few thousand boxes
+//! of joint values answer most of these queries, for every cell in which the robot stands.
+
+use core::fmt;
+use core::ops::ControlFlow;
+use std::collections::BTreeSet;
+use std::string::String;
+use std::sync::Arc;
+use std::vec::Vec;
+
+use super::{Atlas, AtlasOptions, AtlasVerdict};
+use crate::checker::Checker;
+use crate::error::PlanError;
+use crate::space::{ConfigurationSpace, JointPath};
+use crate::world::{WorldId, WorldPair};
+use lin_canny::{Geometry, Progress};
+
+/// Largest number of coordinates that move a pair with boxes: each multiplies their number.
+const COORDINATES: usize = 2;
+
+/// Boxes of joint values in which pairs of robot bodies are proven apart.
+///
+/// [`Checker::pair_boxes`] makes them, once for a robot, and [`Checker::set_pair_boxes`] hands them
+/// to the checkers of its cells. Copies share the boxes.
+#[derive(Clone)]
+pub struct PairBoxes {
+    robot: Arc<Vec<(String, Geometry)>>,
+    pairs: Vec<Arc<ApartBoxes>>,
+}
+
+/// The boxes of a pair.
+pub(crate) struct ApartBoxes {
+    pair: WorldPair,
+    /// The distance that the pair keeps in the boxes.
+    kept: f64,
+    paths: [Option<JointPath>; 2],
+    atlas: Atlas,
+}
+
+impl fmt::Debug for PairBoxes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut pairs = f.debug_map();
+        for boxes in &self.pairs {
+            pairs.entry(&boxes.pair, &boxes.atlas);
+        }
+        pairs.finish()
+    }
+}
+
+impl PairBoxes {
+    /// Returns each pair with the atlas of its boxes. Coordinates that do not move the pair are not
+    /// halved.
+    pub fn pairs(&self) -> impl Iterator<Item = (WorldPair, &Atlas)> {
+        self.pairs.iter().map(|boxes| (boxes.pair, &boxes.atlas))
+    }
+}
+
+impl ApartBoxes {
+    /// Returns whether the pair is proven farther apart than a distance at a configuration.
+    pub(crate) fn apart_at(&self, configuration: &[f64], kept: f64) -> bool {
+        kept <= self.kept && self.atlas.verdict_at(configuration) == Some(AtlasVerdict::Free)
+    }
+
+    /// Returns whether the pair is proven farther apart than a distance along a segment.
+    pub(crate) fn apart_along(&self, [from, to]: [&[f64]; 2], kept: f64) -> bool {
+        kept <= self.kept && self.atlas.verdict_along(from, to) == Some(AtlasVerdict::Free)
+    }
+}
+
+impl<C: ConfigurationSpace> Checker<C> {
+    /// Searches for boxes of joint values in which pairs of robot bodies are proven apart, for each
+    /// pair that is measured and has one or two coordinates that move it. `options` are the budgets
+    /// of a pair.
+    ///
+    /// The boxes do not depend on obstacles and attached objects, so they serve all cells of the
+    /// robot. They are proven for what the pairs must keep at this call.
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// # use lin_canny::polyhedron::solids;
+    /// # use lin_canny_plan::{AtlasOptions, Checker, Joint, SerialArm, World};
+    /// // Two blocks on one rail.
+    /// let rail = || Joint::prismatic(Isometry3::identity(), Vector3::x_axis(), [0.0, 4.0]);
+    /// let rails = SerialArm::new(Isometry3::identity(), vec![rail(), rail()], vec![1, 2], 0.1)?;
+    /// let mut world = World::new();
+    /// let block = solids::cuboid(Vector3::repeat(0.5))?;
+    /// world.robot_body("first", block.clone());
+    /// world.robot_body("second", block);
+    /// let mut checker = Checker::new(rails, world)?;
+    ///
+    /// let boxes = checker.pair_boxes(&AtlasOptions::default().boxes(100))?;
+    /// checker.set_pair_boxes(&boxes)?;
+    /// assert!(checker.is_free(&[0.0, 2.0], &[3.0, 1.5])?);
+    /// assert_eq!(checker.work().queries + checker.work().decisions, 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error as [`free_boxes`](Self::free_boxes) does.
+    pub fn pair_boxes(&mut self, options: &AtlasOptions) -> Result<PairBoxes, PlanError> {
+        self.pair_boxes_with_progress(options, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Searches for boxes as [`pair_boxes`](Self::pair_boxes) does, with a progress callback.
+    ///
+    /// The callback receives the number of boxes of a pair, after each box. If it stops the search,
+    /// the result has what was proven until then.
+    ///
+    /// # Errors
+    /// As [`pair_boxes`](Self::pair_boxes).
+    pub fn pair_boxes_with_progress(
+        &mut self,
+        options: &AtlasOptions,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<PairBoxes, PlanError> {
+        let [low, high] = self.range_of_limits()?;
+        let own = self.pairs.own.values().map(|k| self.pairs.all[*k].pair);
+        let pairs: Vec<WorldPair> = own.filter(|pair| self.has_few_joints(*pair)).collect();
+        let mut found = Vec::with_capacity(pairs.len());
+        let mut is_stopped = false;
+        for pair in pairs {
+            let atlas = self.with_provers_of([pair].into(), &low, &high, |provers| {
+                let fingerprints = provers.iter().map(|prover| (pair, prover.fingerprint()));
+                let mut atlas = Atlas::new(low.clone(), high.clone(), fingerprints.collect());
+                atlas.search(provers, options, &mut |at| {
+                    let flow = progress(at);
+                    is_stopped |= flow.is_break();
+                    flow
+                })?;
+                Ok(atlas)
+            })?;
+            found.push(Arc::new(ApartBoxes {
+                pair,
+                kept: self.world.kept_distance(pair),
+                paths: self.paths_of(pair),
+                atlas,
+            }));
+            if is_stopped {
+                break;
+            }
+        }
+        Ok(PairBoxes {
+            robot: self.world.robot.clone(),
+            pairs: found,
+        })
+    }
+
+    /// Answers by the boxes of pairs from now on, where they decide.
+    ///
+    /// [`is_free_at`](Self::is_free_at), [`is_free`](Self::is_free), [`certify`](Self::certify) and
+    /// [`plan`](Self::plan) look up each of these pairs before they query it. Verdicts stay; only
+    /// within rounding of the margin a box may prove a segment free that is undecided without. A pair
+    /// that must keep more than its boxes prove is queried as before, and so are all pairs inside
+    /// tubes and if contacts at the start are accepted. Changes of the world keep the boxes.
+    /// [`fork`](Self::fork) hands them on.
+    ///
+    /// # Errors
+    /// Returns an error if the boxes were not made for copies of this robot: of its world, whose
+    /// bodies all copies share, and of its joints. Then nothing changes.
+    pub fn set_pair_boxes(&mut self, boxes: &PairBoxes) -> Result<(), PlanError> {
+        if !Arc::ptr_eq(&boxes.robot, &self.world.robot) {
+            let what = "the bodies of the robot are not those of the pairs";
+            return Err(PlanError::OtherAtlas(what.into()));
+        }
+        if let Some(other) = boxes.pairs.iter().find(|one| self.paths_of(one.pair) != one.paths) {
+            let pair = self.show(&other.pair);
+            return Err(PlanError::OtherAtlas(std::format!("{pair}: the joints differ")));
+        }
+        for one in &boxes.pairs {
+            self.pairs.set_apart(one.pair, one);
+        }
+        Ok(())
+    }
+
+    /// Returns the joints that move both bodies of a pair.
+    fn paths_of(&self, pair: WorldPair) -> [Option<JointPath>; 2] {
+        [pair.a, pair.b].map(|id| match id {
+            WorldId::Robot(body) => self.space.joint_path(body),
+            _ => None,
+        })
+    }
+
+    /// Returns whether a pair of robot bodies has few coordinates that move it.
+    fn has_few_joints(&self, pair: WorldPair) -> bool {
+        let [Some(a), Some(b)] = self.paths_of(pair) else {
+            return false;
+        };
+        let numbers = |path: &JointPath| path.joints.iter().map(|joint| joint.0).collect::<BTreeSet<_>>();
+        let (of_a, of_b) = (numbers(&a), numbers(&b));
+        let joints = a.joints.iter().filter(|joint| !of_b.contains(&joint.0));
+        let joints = joints.chain(b.joints.iter().filter(|joint| !of_a.contains(&joint.0)));
+        let moving = joints.filter_map(|(_, joint)| joint.drive.filter(|drive| drive.factor != 0.0));
+        let coordinates: BTreeSet<usize> = moving.map(|drive| drive.coordinate).collect();
+        (1..=COORDINATES).contains(&coordinates.len())
+    }
+}
