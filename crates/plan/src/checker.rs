@@ -479,32 +479,33 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # Errors
     /// Returns an error if a configuration is invalid.
     pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
-        let segment = self.segment(from, to)?;
+        self.check_ends(from, to)?;
         if self.has_parts && self.samples_first() && !self.is_free_at(to)? {
             self.work.segments += 1;
             return Ok(false);
         }
-        self.is_free_inside(&segment, from, to)
+        self.is_free_inside(from, to)
     }
 
     /// Returns whether a segment is proven free whose last configuration is free.
-    pub(crate) fn is_free_inside(&mut self, segment: &C::Segment, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
+    pub(crate) fn is_free_inside(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
         if self.samples_first() && !self.is_free_at(&self.space.between(from, to, 0.5))? {
             self.work.segments += 1;
             return Ok(false);
         }
-        self.is_proven_free(segment, from, to)
+        self.is_proven_free(from, to)
     }
 
     /// Returns whether a segment is proven free.
-    pub(crate) fn is_proven_free(&mut self, segment: &C::Segment, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
+    pub(crate) fn is_proven_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
+        let segment = self.segment(from, to)?;
         match self.atlas_along(from, to) {
             Some(AtlasVerdict::Free) => Ok(self.free_by_atlas().is_free()),
             Some(AtlasVerdict::Contact) => {
                 self.work.segments += 1;
                 Ok(false)
             }
-            None => Ok(self.judged(segment, Some([from, to]), true)?.is_free()),
+            None => Ok(self.judged(&segment, Some([from, to]), true)?.is_free()),
         }
     }
 
@@ -706,10 +707,15 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the motion along a segment, after a check of its ends.
     pub(crate) fn segment(&self, from: &[f64], to: &[f64]) -> Result<C::Segment, PlanError> {
+        self.check_ends(from, to)?;
+        self.space.segment(from, to)
+    }
+
+    /// Returns an error if an end of a segment is invalid, or if an obstacle moves.
+    pub(crate) fn check_ends(&self, from: &[f64], to: &[f64]) -> Result<(), PlanError> {
         self.world.check_at_rest()?;
         self.space.check(from)?;
-        self.space.check(to)?;
-        self.space.segment(from, to)
+        self.space.check(to)
     }
 
     /// Returns the verdict on a motion; `ends` if it is the segment between two configurations.

@@ -277,7 +277,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ///
     /// Most shortcuts are blocked inside, and a predicate costs far less than a proof.
     fn is_shortcut_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
-        let segment = self.segment(from, to)?;
+        self.check_ends(from, to)?;
         if self.start_contact_margin.is_none() {
             for t in INSIDE {
                 if !self.is_free_at(&self.space.between(from, to, t))? {
@@ -286,7 +286,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 }
             }
         }
-        self.is_proven_free(&segment, from, to)
+        self.is_proven_free(from, to)
     }
 
     /// Tries one shortcut between two points of a path.

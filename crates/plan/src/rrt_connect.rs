@@ -184,8 +184,7 @@ impl TreeSearch {
     ) -> Result<bool, PlanError> {
         let node = &self.roadmap.nodes[node][..];
         let [from, to] = if side == START { [node, q] } else { [q, node] };
-        let segment = checker.segment(from, to)?;
-        let is_free = checker.is_free_inside(&segment, from, to)?;
+        let is_free = checker.is_free_inside(from, to)?;
         work.extensions[0] += 1;
         work.extensions[1] += u64::from(is_free);
         Ok(is_free)
