@@ -40,6 +40,20 @@ def test_batches_answer_by_the_atlas(checker):
     assert checker.has_atlas
 
 
+def test_pairs_of_links_have_boxes(checker):
+    q = np.random.default_rng(5).uniform(*checker.limits.T, (3000, 2))
+    curves = np.stack([q, np.roll(q, 1, axis=0)], axis=1)[:200]
+    are_free, verdicts = checker.are_free(q), checker.certify_batch(curves)
+    calls = []
+    pairs = checker.prepare_pairs(boxes=200, progress=lambda *done: calls.append(done))
+    assert pairs and calls
+    for a, b, atlas in pairs:
+        assert isinstance(a, str) and isinstance(b, str) and 0 < atlas.searched <= 200
+    for threads in (1, 3):
+        assert (checker.are_free(q, threads=threads) == are_free).all()
+        assert checker.certify_batch(curves, threads=threads).tobytes() == verdicts.tobytes()
+
+
 def test_a_change_of_the_world_drops_the_atlas(checker):
     atlas = checker.free_boxes(boxes=50)
     checker.set_atlas(atlas)

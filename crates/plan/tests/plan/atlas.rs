@@ -14,7 +14,7 @@ use truth::rng::Rng;
 use crate::range_worlds::add_obstacles;
 use crate::ranges::{at, pose, robot};
 
-fn random_checker(k: u64, seed: u64) -> Checker<JointTree> {
+pub(crate) fn random_checker(k: u64, seed: u64) -> Checker<JointTree> {
     let mut rng = Rng::new(seed + k);
     let size = [1.0, 1e-6, 1e6][(k % 3) as usize];
     let (tree, mut world) = robot(&mut rng, size, seed + k);

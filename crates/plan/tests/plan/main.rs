@@ -16,6 +16,7 @@ mod judge;
 mod leave;
 mod methods;
 mod moving;
+mod pair_boxes;
 mod planner;
 mod range_cases;
 mod range_worlds;

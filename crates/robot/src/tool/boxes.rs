@@ -43,11 +43,19 @@ pub(super) struct AtlasArguments {
     /// Boxes that `boxes` has proven for the same files and margin, looked up first: verdicts stay
     #[arg(long, value_name = "ATLAS.json")]
     atlas: Option<PathBuf>,
+    /// Prove this many boxes first for each pair of links with one or two joints between them:
+    /// verdicts stay. It pays for tens of thousands of rows, or for links that are near each other
+    #[arg(long, value_name = "COUNT")]
+    pair_boxes: Option<u64>,
 }
 
 impl AtlasArguments {
     /// Sets the boxes of a checker, after its margins.
     pub(super) fn set(&self, checker: &mut Checker<JointTree>) -> Result<(), ToolError> {
+        if let Some(boxes) = self.pair_boxes {
+            let boxes = checker.pair_boxes(&AtlasOptions::default().boxes(boxes))?;
+            checker.set_pair_boxes(&boxes)?;
+        }
         let Some(file) = &self.atlas else { return Ok(()) };
         let atlas = load_atlas(file)?;
         checker
