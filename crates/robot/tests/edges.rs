@@ -3,9 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
-use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use lin_canny::{Geometry, Shape};
-use lin_canny_plan::{Checker, ConfigurationSpace, JointTree, Verdict};
+use lin_canny::nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Geometry, Mesh, Shape};
+use lin_canny_plan::{Checker, ConfigurationSpace, Drive, JointKind, JointTree, TreeJoint, Verdict, World, WorldId};
 use lin_canny_robot::RobotFiles;
 use truth::rng::Rng;
 
@@ -26,9 +27,15 @@ fn among_obstacles(file: &Path, srdf: Option<PathBuf>, rng: &mut Rng) -> Checker
     let (_, setup) = files.load().expect("a robot");
     let mut checker = setup.checker().expect("a checker");
     let size = 0.12 * checker.space().scales().iter().copied().fold(0.1, f64::max);
+    add_obstacles(&mut checker, size, rng);
+    checker
+}
+
+/// Adds boxes, cylinders and balls.
+fn add_obstacles(checker: &mut Checker<JointTree>, size: f64, rng: &mut Rng) {
     for k in 0..8 {
         let geometry: Geometry = match k % 3 {
-            0 => lin_canny::polyhedron::solids::cuboid(Vector3::new(size, 0.6 * size, 0.3 * size))
+            0 => solids::cuboid(Vector3::new(size, 0.6 * size, 0.3 * size))
                 .expect("a box")
                 .into(),
             1 => Shape::cylinder(size, 0.3 * size).expect("a cylinder").into(),
@@ -39,12 +46,67 @@ fn among_obstacles(file: &Path, srdf: Option<PathBuf>, rng: &mut Rng) -> Checker
             .add_obstacle(format!("obstacle {k}"), geometry, at)
             .expect("an obstacle");
     }
+}
+
+/// Returns a checker of a random robot among obstacles: a chain or a tree of turns and slides, some of which mimic others, with
+/// bodies of all kinds.
+fn by_program(rng: &mut Rng, size: f64, seed: u64) -> Checker<JointTree> {
+    let count = 2 + rng.below(7);
+    let coordinates = count - rng.below(2);
+    let joint = |index: usize, rng: &mut Rng| {
+        let kind = if rng.below(4) == 0 {
+            JointKind::Prismatic
+        } else {
+            JointKind::Revolute
+        };
+        let unit = if kind == JointKind::Prismatic { 0.1 * size } else { 1.0 };
+        TreeJoint {
+            parent: if rng.below(6) == 0 { rng.below(index + 1) } else { index },
+            kind,
+            origin: random_isometry(rng, 0.3 * size),
+            axis: Unit::new_normalize(rng.unit().into()),
+            drive: Some(Drive {
+                coordinate: index % coordinates,
+                factor: unit * if index < coordinates { 1.0 } else { rng.range(-1.5, 1.5) },
+                offset: 0.0,
+            }),
+        }
+    };
+    let joints: Vec<TreeJoint> = (0..count).map(|k| joint(k, rng)).collect();
+    let mut world = World::new();
+    for k in 0..count {
+        let half = Vector3::from_fn(|_, _| size * rng.range(0.03, 0.15));
+        let hull = || solids::random_hull(20, half, seed + k as u64).expect("a hull");
+        let body: Geometry = match rng.below(5) {
+            0 => Shape::capsule(half.x, half.y).expect("a capsule").into(),
+            1 => Shape::cylinder(half.x, half.y).expect("a cylinder").into(),
+            2 => solids::cuboid(half).expect("a box").into(),
+            3 => Mesh::from_convex(&hull()).expect("a mesh").into(),
+            _ => hull().into(),
+        };
+        world.robot_body(format!("body {k}"), body);
+    }
+    world.exclude_if(|pair| match (pair.a, pair.b) {
+        (WorldId::Robot(a), WorldId::Robot(b)) => joints[b].parent == a + 1,
+        _ => false,
+    });
+    let (limits, radii) = (vec![[-2.5, 2.5]; coordinates], vec![0.3 * size; count + 1]);
+    let tree = JointTree::new(Isometry3::identity(), joints, limits, (1..=count).collect(), radii);
+    let mut checker = Checker::new(tree.expect("a tree"), world).expect("a robot");
+    add_obstacles(&mut checker, 0.2 * size, rng);
     checker
 }
 
 /// Judges random segments: short and long, from configurations that are free and others. Returns the numbers of segments that are
 /// free, blocked and undecided; so many of the free ones are tested at `places` configurations.
-fn judged(checker: &mut Checker<JointTree>, edges: u32, tested: u32, places: u32, rng: &mut Rng) -> [u32; 3] {
+fn judged(
+    checker: &mut Checker<JointTree>,
+    edges: u32,
+    tested: u32,
+    places: u32,
+    rounding: f64,
+    rng: &mut Rng,
+) -> [u32; 3] {
     let mut counts = [0; 3];
     let bounds = checker.space().bounds().to_vec();
     let mut here = checker.space().sample(&mut || rng.range(0.0, 1.0));
@@ -76,7 +138,7 @@ fn judged(checker: &mut Checker<JointTree>, edges: u32, tested: u32, places: u32
                 assert!(!free, "{here:?} {there:?}");
                 let q = at(t);
                 let near = checker.clearance(&q).expect("a configuration").expect("a pair");
-                assert!(near.lower <= ROUNDING, "{here:?} {there:?} {t} {near:?}");
+                assert!(near.lower <= rounding, "{here:?} {there:?} {t} {near:?}");
                 counts[1] += 1;
             }
             // Within rounding of contact either verdict is right.
@@ -100,11 +162,35 @@ fn segments_of_the_example_have_one_verdict() {
             Some(examples.join("six_axis.srdf")),
             &mut rng,
         );
-        let counts = judged(&mut checker, 2500, 125, 100, &mut rng);
+        let counts = judged(&mut checker, 2500, 125, 100, ROUNDING, &mut rng);
         counts.iter().zip(&mut all).for_each(|(count, all)| *all += count);
     }
     println!("free, blocked, undecided: {all:?}");
     assert!(all[0] > 1000 && all[1] > 1000 && all[2] < 10, "{all:?}");
+}
+
+fn robots_by_program(robots: u64, edges: u32, seed: u64) -> [u32; 3] {
+    let mut all = [0; 3];
+    for k in 0..robots {
+        let (size, mut rng) = ([1.0, 1e-6, 1e6][(k % 3) as usize], Rng::new(seed + k));
+        let mut checker = by_program(&mut rng, size, seed + k);
+        let counts = judged(&mut checker, edges, edges / 20, 50, ROUNDING * size, &mut rng);
+        counts.iter().zip(&mut all).for_each(|(count, all)| *all += count);
+    }
+    all
+}
+
+#[test]
+fn segments_of_robots_by_program_have_one_verdict() {
+    let all = robots_by_program(60, 50, 7400);
+    println!("free, blocked, undecided: {all:?}");
+    assert!(all[0] > 300 && all[1] > 300 && all[2] < 10, "{all:?}");
+}
+
+#[test]
+#[ignore = "minutes: cargo test --release -p lin-canny-robot --test edges by_program -- --ignored --nocapture"]
+fn segments_of_five_thousand_robots_by_program_have_one_verdict() {
+    println!("free, blocked, undecided: {:?}", robots_by_program(5000, 50, 740_000));
 }
 
 /// `LIN_CANNY_EDGES` names files separated by `:`, a URDF or a URDF and an SRDF joined by `,`. Each robot has 250,000 segments in
@@ -120,7 +206,7 @@ fn a_million_segments_have_one_verdict() {
             .map_or((file, None), |(urdf, srdf)| (urdf, Some(PathBuf::from(srdf))));
         for _ in 0..50 {
             let mut checker = among_obstacles(Path::new(urdf), srdf.clone(), &mut rng);
-            let counts = judged(&mut checker, 5000, 250, 1000, &mut rng);
+            let counts = judged(&mut checker, 5000, 250, 1000, ROUNDING, &mut rng);
             counts.iter().zip(&mut all).for_each(|(count, all)| *all += count);
         }
         println!("{urdf}: free, blocked, undecided: {all:?}");
