@@ -39,11 +39,17 @@ fn faces_of(hull: &ConvexPolyhedron) -> Vec<[Point; 3]> {
     hull.triangles().map(|t| t.map(at)).collect()
 }
 
-/// Returns whether a half-space contains a ball, exactly but for the length of the normal.
-fn holds(space: &HalfSpace, point: &Point, radius: f64) -> bool {
+/// Returns the height of a point over the plane of a half-space, exactly.
+fn height(space: &HalfSpace, point: &Point) -> RBig {
     let n = space.normal().into_inner();
     let sum = (0..3).fold(RBig::ZERO, |sum, k| sum + exact(n[k]) * exact(point[k]));
-    sum + exact(radius) * exact(n.norm() * (1.0 - 1e-15)) <= exact(space.offset())
+    sum - exact(space.offset())
+}
+
+/// Returns whether a half-space contains a ball, exactly but for the length of the normal.
+fn holds(space: &HalfSpace, point: &Point, radius: f64) -> bool {
+    let length = space.normal().norm() * (1.0 - 1e-15);
+    height(space, point) + exact(radius) * exact(length) <= RBig::ZERO
 }
 
 /// Checks a cover exactly. Returns the gap as a part of the size.
@@ -65,6 +71,11 @@ fn check(case: &Case, faces: usize) -> f64 {
     }
     let used: std::collections::BTreeSet<_> = hull.faces().map(|f| hull.source_face(f).expect("a plane")).collect();
     assert!(used.iter().all(|k| *k < planes.len()), "{told}");
+    // Corners are not strictly inside the planes that meet there.
+    for p in corners_of(hull) {
+        let met = planes.iter().filter(|plane| height(plane, &p) >= RBig::ZERO).count();
+        assert!(met >= 3, "{told}: {p:?} is outside {met} planes");
+    }
     // The gap, by exact distances of the corners. A flat body has no exact oracle.
     let points: Vec<_> = case.points.iter().map(|p| Point3::from(*p)).collect();
     let size = size(&case.points) + case.radius;
