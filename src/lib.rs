@@ -130,6 +130,7 @@
 //! | How far is a mesh from itself, and which of its triangles are close? | [`PairTracker::self_closest`], [`self_within`](PairTracker::self_within), [`self_pairs`](PairTracker::self_pairs) | [`PairOutcome`]s, for triangles that share no vertex |
 //! | On which side of a body is a point, and how far is it? What is near it? | [`PointQuery`]: `closest_point`, `contains`, `signed_distance`, `nearest_features`, `within`, and batches of points | [`PointOutcome`]: proven side, signed distance with bounds, closest point; exact sides for polyhedra, meshes and half-spaces |
 //! | Which balls contain a body, and which are inside it? | [`cover::cover_outside`], [`cover_inside`](cover::cover_inside) | [`BallCover`](cover::BallCover): balls, with a proven bound of how far they and the body differ |
+//! | Which convex polyhedron of few faces contains a body? | [`cover::hull_outside`] | [`HullCover`](cover::HullCover): the polyhedron and its planes, with a proven bound of how far it sticks out of the convex hull |
 //! | Where does a ray enter a body (any but a Bézier surface)? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a hit with a proven bracket, point, normal and feature; a miss; inside; or undecided |
 //!
 //! **Over time**

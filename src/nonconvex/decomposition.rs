@@ -157,6 +157,67 @@ impl Decomposition {
         Ok(Self { mesh, pieces, fit })
     }
 
+    /// Returns the decomposition with each piece grown until the pieces cover the mesh.
+    ///
+    /// Each piece is rounded by a ball of the radius [`DecompositionFit::shortfall_upper`], the
+    /// least one that is proven to suffice. What holds then:
+    ///
+    /// - **Surface.** Each point of the mesh's surface is in a piece. The shortfall is zero.
+    /// - **Inside.** The inside of a closed mesh is covered, except hollows that grown pieces
+    ///   enclose, as those of pieces that fill only the walls of a solid. A body on a continuous
+    ///   path from outside meets the pieces before it meets such a hollow.
+    /// - **Excess.** No point of the surface of a grown piece is farther from the mesh than the new
+    ///   [`DecompositionFit::excess_upper`], the one before plus the radius.
+    ///
+    /// [`hull_outside`](crate::cover::hull_outside) turns a grown piece into a polyhedron that
+    /// contains it, for programs without rounded shapes.
+    ///
+    /// ```
+    /// use lin_canny::polyhedron::solids;
+    /// use lin_canny::{Compound, Decomposition, Mesh, Piece};
+    ///
+    /// // A ball of 1,280 triangles, and a coarser one that is inside.
+    /// let mesh = Mesh::from_convex(&solids::geodesic_sphere(3, 1.0)?)?;
+    /// let coarse = Piece::new(solids::geodesic_sphere(2, 1.0)?);
+    /// let pieces = Compound::new(vec![coarse])?;
+    /// let grown = Decomposition::new(mesh, pieces)?.grown()?;
+    /// assert_eq!(grown.fit().shortfall_upper, 0.0);
+    /// assert!(grown.fit().excess_upper < 0.04);
+    /// assert!(grown.pieces().pieces()[0].shape.rounding_radius() < 0.03);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns [`MeshError::Growth`] if the radius is not in `1e-100..=1e100`, or a grown piece
+    /// reaches farther than 1e116 from the origin.
+    #[doc(alias = "inflate")]
+    #[doc(alias = "pad")]
+    pub fn grown(&self) -> Result<Self, MeshError> {
+        let radius = self.fit.shortfall_upper;
+        let wrong = || MeshError::Growth { radius };
+        let grow = |piece: &Piece| {
+            let shape = piece.shape.clone().rounded(radius).map_err(|_| wrong())?;
+            Ok(Piece { shape, ..piece.clone() })
+        };
+        let pieces: Result<Vec<Piece>, MeshError> = self.pieces.pieces().iter().map(grow).collect();
+        let pieces = Compound::new(pieces?).map_err(|_| wrong())?;
+        let fit = DecompositionFit {
+            // A point of a grown surface is within the radius of each point of the one before.
+            excess_lower: (self.fit.excess_lower - radius).next_down().at_least(0.0),
+            // The nearest point of the piece is on its surface, unless the radius is zero.
+            excess_upper: (self.fit.excess_upper + radius).next_up(),
+            shortfall_lower: 0.0,
+            shortfall_upper: 0.0,
+            depth: (self.fit.depth + radius).next_up(),
+        };
+        Ok(Self {
+            mesh: Arc::clone(&self.mesh),
+            pieces: Arc::new(pieces),
+            fit,
+        })
+    }
+
     /// Returns the mesh.
     #[must_use]
     pub fn mesh(&self) -> &Mesh {

@@ -2,12 +2,15 @@
 //! the mesh.
 
 use super::{mesh, relative};
+use lin_canny::cover::hull_outside;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{Compound, ContactState, ConvexPolyhedron, Decomposition, Mesh, MeshError, PairTracker, Piece, Shape};
-use truth::Pose;
+use truth::body::Body;
+use truth::exact::distance_to_body;
 use truth::pose::scale;
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
+use truth::{Face, Point, Pose};
 
 fn hull(points: &[[f64; 3]]) -> Piece {
     let points: Vec<_> = points.iter().map(|p| Point3::from(*p)).collect();
@@ -182,4 +185,150 @@ fn pieces_without_corners_are_refused_and_flat_ones_are_measured() {
     // The end of the rod protrudes by one; a corner of the plate is the root of 0.26 away.
     assert!(fit.excess_lower > 0.99 && fit.excess_upper < 1.01, "{fit}");
     assert!(fit.shortfall_lower > 0.5 && fit.shortfall_upper < 0.52, "{fit}");
+}
+
+/// A piece as data of the exact oracle: vertices, faces, pose.
+fn data(piece: &Piece) -> (Vec<Point>, Vec<Face>, Pose) {
+    let lin_canny::shape::Core::Polyhedron(body) = piece.shape.core() else {
+        panic!("a polyhedron");
+    };
+    let rim = |f| body.face_vertices(f).map(|v| v.index() as u32).collect();
+    let (q, t) = (piece.pose.rotation.coords, piece.pose.translation.vector);
+    let pose = Pose {
+        q: [q.x, q.y, q.z, q.w],
+        t: t.into(),
+    };
+    (
+        body.vertex_points().map(|p| p.into()).collect(),
+        body.faces().map(rim).collect(),
+        pose,
+    )
+}
+
+/// Checks that grown pieces contain vertices and random points of a mesh, by exact distances.
+fn check_grown(m: &Mesh, pieces: Compound, every: usize, rng: &mut Rng, told: &str) {
+    let before = Decomposition::new(m.clone(), pieces).unwrap();
+    let after = before.grown().unwrap();
+    let radius = before.fit().shortfall_upper;
+    assert_eq!(
+        (after.fit().shortfall_lower, after.fit().shortfall_upper),
+        (0.0, 0.0),
+        "{told}"
+    );
+    assert!(after.fit().excess_upper >= before.fit().excess_upper + radius, "{told}");
+    let all: Vec<_> = after.pieces().pieces().iter().map(data).collect();
+    let mut farthest = 0.0f64;
+    for (_, [a, b, c]) in m.triangles().step_by(every) {
+        let (u, v) = (rng.range(0.0, 0.5), rng.range(0.0, 0.5));
+        for p in [a, a + (b - a) * u + (c - a) * v] {
+            let near = all.iter().map(|(points, faces, pose)| {
+                let body = Body { points, faces };
+                distance_to_body(p.into(), body, pose)
+            });
+            farthest = farthest.max(near.fold(f64::INFINITY, f64::min));
+        }
+    }
+    // Points between corners are rounded by a part of the size.
+    assert!(farthest <= radius * (1.0 + 1e-13), "{told}: {farthest:e} {radius:e}");
+    for piece in after.pieces().pieces() {
+        assert_eq!(piece.shape.rounding_radius(), radius, "{told}");
+    }
+    // Points of the grown surfaces, by the normals of faces, are no farther than the excess.
+    let (mut pair, still) = (PairTracker::new(), relative(&Pose::IDENTITY));
+    for piece in after.pieces().pieces() {
+        let lin_canny::shape::Core::Polyhedron(body) = piece.shape.core() else {
+            panic!("a polyhedron");
+        };
+        for face in body.faces() {
+            let n = body.face_plane(face).unwrap().0;
+            for v in body.face_vertices(face) {
+                let p = piece.pose * (body.vertex(v).unwrap() + n.into_inner() * radius);
+                let dot = Compound::from(Shape::from(ConvexPolyhedron::point(p).unwrap()));
+                let lower = pair.distance(m, &dot, &still).lower;
+                assert!(lower <= after.fit().excess_upper, "{told}: {lower:e} {}", after.fit());
+            }
+        }
+    }
+}
+
+#[test]
+fn grown_pieces_cover_the_mesh() {
+    let mut rng = Rng::new(23);
+    for (k, (m, pieces)) in cases().into_iter().enumerate() {
+        check_grown(&m, pieces, 11, &mut rng, &format!("case {k}"));
+    }
+    for scale in [1e-80, 1e80] {
+        let torus = soups::torus(12, 8, 0.3).map(|p| p.map(|x| x * scale));
+        let thin = soups::torus(12, 8, 0.2).map(|p| p.map(|x| x * scale));
+        check_grown(
+            &mesh(&torus),
+            stretches(&thin, 8, 3),
+            5,
+            &mut rng,
+            &format!("{scale:e}"),
+        );
+    }
+}
+
+#[test]
+#[ignore = "200 tubes, minutes: cargo test --release --all-features --test meshes grown_pieces_of_many -- --ignored"]
+fn grown_pieces_of_many_meshes_cover_them() {
+    let mut rng = Rng::new(24);
+    for k in 0..200 {
+        let (n, m) = (6 + rng.below(20), 3 + rng.below(9));
+        let tube = rng.range(0.05, 0.45);
+        let scale = 10f64.powf(rng.range(-80.0, 80.0));
+        let put = |s: Soup| s.map(|p| p.map(|x| x * scale));
+        let torus = put(soups::torus(n, m, tube));
+        let thin = put(soups::torus(n, m, tube * rng.range(0.5, 1.2)));
+        let rows = 1 + rng.below(n / 2);
+        check_grown(&mesh(&torus), stretches(&thin, m, rows), 3, &mut rng, &format!("{k}"));
+    }
+}
+
+#[test]
+fn distances_of_grown_pieces_hold_for_the_mesh() {
+    let mut rng = Rng::new(25);
+    let other = mesh(&soups::gear(6));
+    for (m, pieces) in cases() {
+        let grown = Decomposition::new(m.clone(), pieces).unwrap().grown().unwrap();
+        let (mut pair, mut exact) = (PairTracker::new(), PairTracker::new());
+        for _ in 0..60 {
+            let pose = Pose {
+                q: rng.quat(),
+                t: scale(rng.unit(), rng.range(0.0, 4.0)),
+            };
+            let found = grown.distance(&mut pair, &other, &relative(&pose));
+            let truth = exact.distance(&m, &other, &relative(&pose));
+            assert!(
+                found.lower <= truth.upper && truth.lower <= found.upper,
+                "{found:?} {truth:?}"
+            );
+        }
+    }
+}
+
+/// A grown piece as a polyhedron, for programs without rounded shapes.
+#[test]
+fn grown_pieces_are_contained_in_hulls() {
+    let (m, pieces) = cases().swap_remove(2);
+    let grown = Decomposition::new(m.clone(), pieces).unwrap().grown().unwrap();
+    let hulls: Vec<_> = grown
+        .pieces()
+        .pieces()
+        .iter()
+        .map(|piece| hull_outside(&piece.shape, 24).unwrap())
+        .collect();
+    let holds = |p: &Point3<f64>| hulls.iter().any(|cover| cover.hull.contains(p));
+    assert!(m.triangles().all(|(_, corners)| corners.iter().all(holds)));
+}
+
+#[test]
+fn pieces_that_cannot_grow_are_named() {
+    let unit = 1e-99;
+    let torus = soups::torus(8, 6, 0.3).map(|p| p.map(|x| x * unit));
+    let d = Decomposition::new(mesh(&torus), stretches(&torus, 6, 1)).unwrap();
+    let radius = d.fit().shortfall_upper;
+    assert!(radius < 1e-100, "{radius:e}");
+    assert_eq!(d.grown().map(|_| ()), Err(MeshError::Growth { radius }));
 }

@@ -433,8 +433,21 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "point",
         ],
     ),
-    // Distances of points; no pair.
-    ("cover", &["tolerance", "num", "pair", "geometry", "point", "cover"]),
+    // Distances of points, and half-spaces that touch a body; no other pair.
+    (
+        "cover",
+        &[
+            "tolerance",
+            "num",
+            "pose",
+            "polyhedron",
+            "pair",
+            "contact",
+            "geometry",
+            "point",
+            "cover",
+        ],
+    ),
     (
         "ray",
         &[

@@ -82,6 +82,7 @@ __all__ = [
     "cover_inside",
     "cover_outside",
     "distances",
+    "hull_outside",
     "load_mesh",
     "nearest_features",
     "penetration_batch",
@@ -433,6 +434,9 @@ def cover_outside(
 def cover_inside(
     geometry: Geometry, balls: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], float]: ...
+def hull_outside(
+    geometry: Geometry, faces: int
+) -> tuple[Geometry, NDArray[np.float64], NDArray[np.float64], float]: ...
 
 @final
 class ClosestPoint:

@@ -74,6 +74,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(points::signed_distance_grid, module)?)?;
     module.add_function(wrap_pyfunction!(cover::cover_outside, module)?)?;
     module.add_function(wrap_pyfunction!(cover::cover_inside, module)?)?;
+    module.add_function(wrap_pyfunction!(cover::hull_outside, module)?)?;
     #[cfg(feature = "bench")]
     module.add_function(wrap_pyfunction!(tracker::rust_loop, module)?)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;

@@ -42,3 +42,21 @@ def test_errors_name_the_argument():
         lc.cover_outside(BOX, gap=float("nan"))
     with pytest.raises(lc.LinCannyError, match="no ball is inside the point or segment"):
         lc.cover_inside(lc.Geometry.segment([0, 0, 0], [1, 0, 0]), 1)
+
+
+@pytest.mark.parametrize("geometry", [BOX, MESH, lc.Geometry.ball(1.0)])
+@pytest.mark.parametrize("faces", [4, 6, 20])
+def test_a_hull_of_few_faces_contains_the_body(geometry, faces):
+    hull, normals, offsets, gap = lc.hull_outside(geometry, faces)
+    assert normals.shape == (len(offsets), 3) and 4 <= len(offsets) <= faces
+    points = np.random.default_rng(2).uniform(-1, 1, size=(2000, 3))
+    points = np.vstack([points, BOX.vertices])
+    points = points[lc.signed_distance(geometry, points) <= 0]
+    assert np.all(lc.contains(hull, points))
+    assert np.all(points @ normals.T <= offsets + 1e-15)
+    assert np.all(lc.signed_distance(geometry, hull.vertices) <= gap + 1e-15)
+
+
+def test_errors_of_hulls_name_the_number():
+    with pytest.raises(lc.LinCannyError, match="number of faces is out of range: 3"):
+        lc.hull_outside(BOX, 3)

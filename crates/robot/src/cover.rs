@@ -1,10 +1,12 @@
 //! Balls that contain the links of a robot, and balls inside them, as URDF and JSON.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 use std::path::Path;
 
 use lin_canny::cover::{Ball, BallCover, CoverError, CoverGoal, cover_inside, cover_outside};
 use lin_canny::nalgebra::Isometry3;
+use roxmltree::Node;
 use serde_json::{Map, Value, json};
 
 use crate::error::{FileError, FileErrorKind};
@@ -138,7 +140,25 @@ fn placed(mut cover: BallCover, body: &LinkBody, side: f64) -> BallCover {
 ///
 /// Returns an error if the file cannot be read, is not a URDF, or declares entities.
 pub fn urdf_of_balls(path: impl AsRef<Path>, covers: &[LinkCover]) -> Result<String, FileError> {
-    let path = path.as_ref();
+    edited(path.as_ref(), |link, element, k| {
+        let cover = covers.iter().find(|cover| cover.link == link)?;
+        let text = if k == 0 {
+            spheres(&cover.outside.balls)
+        } else {
+            String::new()
+        };
+        Some((element.range(), text))
+    })
+}
+
+/// Returns the text of a URDF file with changes of its collision elements.
+///
+/// `edit` returns a range of the text and its replacement for an element of a link, by the name of
+/// the link and the number of the element.
+pub(crate) fn edited(
+    path: &Path,
+    edit: impl Fn(&str, &Node<'_, '_>, usize) -> Option<(Range<usize>, String)>,
+) -> Result<String, FileError> {
     let text = FileError::read(path)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let xml = Xml::parse(path, text)?;
@@ -156,17 +176,13 @@ pub fn urdf_of_balls(path: impl AsRef<Path>, covers: &[LinkCover]) -> Result<Str
     };
     let mut out = String::from("<?xml version=\"1.0\"?>");
     for link in xml.root().children().filter(|node| node.has_tag_name("link")) {
-        let name = link.attribute("name");
-        let Some(cover) = covers.iter().find(|cover| Some(cover.link.as_str()) == name) else {
-            continue;
-        };
+        let name = link.attribute("name").unwrap_or_default();
         let elements = link.children().filter(|node| node.has_tag_name("collision"));
         for (k, element) in elements.enumerate() {
-            let range = element.range();
-            out.push_str(text.get(done..range.start).unwrap_or_default());
-            done = range.end;
-            if k == 0 {
-                out.push_str(&spheres(&cover.outside.balls));
+            if let Some((range, text_of)) = edit(name, &element, k) {
+                out.push_str(text.get(done..range.start).unwrap_or_default());
+                out.push_str(&text_of);
+                done = range.end;
             }
         }
     }

@@ -37,6 +37,7 @@
 //! | read configurations from CSV | [`Trajectory`] |
 //! | read trajectories with times and velocities from CSV, or from the JSON or YAML of ROS | [`Trajectory::load_timed`], [`Trajectory::curves`] |
 //! | cover links by balls, and fill them with balls, for planners that know only spheres | [`cover_links`], [`urdf_of_balls`], [`json_of_balls`] |
+//! | contain links in hulls of few faces, for programs that know only convex polyhedra | [`hull_links`], [`urdf_of_hulls`], [`json_of_hulls`] |
 //! | write a recording for the viewer | [`RobotRecorder`] |
 //!
 //! The checker of [`lin_canny_plan`] computes clearances with bounds, proves segments free over
@@ -189,6 +190,7 @@ mod excludable;
 mod files;
 mod geometry;
 mod groups;
+mod hulls;
 mod link_tree;
 mod mesh_file;
 mod message;
@@ -218,6 +220,7 @@ pub use excludable::{ExcludeReason, LinkPairCount, find_excludable};
 pub use files::{OtherRobot, RobotFiles};
 pub use geometry::MeshUse;
 pub use groups::{GroupState, JointGroup, VirtualJoint};
+pub use hulls::{LinkHulls, hull_links, json_of_hulls, urdf_of_hulls};
 pub use lin_canny;
 pub use lin_canny_plan as plan;
 pub use lin_canny_record as record;

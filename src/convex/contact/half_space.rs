@@ -203,7 +203,6 @@ impl HalfSpace {
     }
 
     /// Returns the half-space with a unit normal.
-    #[cfg(feature = "meshes")]
     pub(crate) fn at(normal: &Vector3<f64>, offset: f64) -> Self {
         Self {
             normal: Unit::new_unchecked(*normal),

@@ -73,6 +73,14 @@ pub enum MeshError {
         /// Index of the piece.
         piece: usize,
     },
+    /// The pieces of a decomposition cannot grow by a radius.
+    ///
+    /// Returned by [`Decomposition::grown`](crate::Decomposition::grown).
+    #[error("radius by which pieces grow is out of range: {radius:e} (expected 1e-100..=1e100)")]
+    Growth {
+        /// The radius.
+        radius: f64,
+    },
     /// Triangles cannot be reoriented to close the mesh: two must meet at every edge.
     ///
     /// Returned by [`Mesh::oriented`](super::Mesh::oriented).

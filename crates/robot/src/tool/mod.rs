@@ -78,7 +78,7 @@ enum Command {
     Smooth(smooth::SmoothArguments),
     /// Write the cell with attached objects, paddings, margin and excluded pairs as one cell file
     Cell(cell::CellOptions),
-    /// Compute balls around and inside the links, with proven gaps, as URDF and JSON
+    /// Compute balls around and inside the links, or hulls of few faces around them, with proven gaps
     Cover(cover::CoverOptions),
     /// Find link pairs that always or never collide, and write them as SRDF
     Ignorable(ignorable::IgnorableOptions),
