@@ -86,10 +86,7 @@ fn random_robots(robots: Range<u64>, samples: u32, seed: u64) -> [u64; 3] {
 #[test]
 fn a_checker_says_the_same_with_boxes_of_pairs() {
     let [robots, free, lookups] = random_robots(0..40, 200, 90);
-    assert!(
-        robots > 10 && free > 1000 && lookups > 200,
-        "{robots} {free} {lookups}"
-    );
+    assert!(robots > 10 && free > 1000 && lookups > 200, "{robots} {free} {lookups}");
 }
 
 #[test]
