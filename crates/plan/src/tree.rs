@@ -250,7 +250,8 @@ impl JointTree {
     /// Returns an error if the configuration is invalid or the link does not exist.
     pub fn link_pose(&self, configuration: &[f64], link: usize) -> Result<Isometry3<f64>, PlanError> {
         self.check(configuration)?;
-        let poses = self.tree.poses(configuration);
+        let mut poses = Vec::new();
+        self.tree.poses(configuration, &mut poses);
         poses.get(link).copied().ok_or(PlanError::Value {
             what: "index of a link",
             value: link as f64,
@@ -324,9 +325,11 @@ impl ConfigurationSpace for JointTree {
     }
 
     fn place(&self, q: &[f64], poses: &mut Vec<Isometry3<f64>>) {
-        let of_links = self.tree.poses(q);
-        poses.clear();
-        poses.extend(self.bodies.links.iter().map(|&link| of_links[link]));
+        let links = self.tree.poses(q, poses);
+        for &link in &self.bodies.links {
+            poses.push(poses[link]);
+        }
+        poses.drain(..links);
     }
 
     fn segment(&self, from: &[f64], to: &[f64]) -> Result<TreeSegment, PlanError> {

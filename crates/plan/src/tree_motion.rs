@@ -125,14 +125,14 @@ impl LinkTree {
         shared.last().map_or(0, |(&joint, _)| joint + 1)
     }
 
-    /// Returns the poses of the base and of all links.
-    pub(crate) fn poses(&self, configuration: &[f64]) -> Vec<Isometry3<f64>> {
-        let mut poses = Vec::with_capacity(self.0.joints.len() + 1);
+    /// Writes the poses of the base and of all links, and returns their number.
+    pub(crate) fn poses(&self, configuration: &[f64], poses: &mut Vec<Isometry3<f64>>) -> usize {
+        poses.clear();
         poses.push(self.0.base);
         for joint in &self.0.joints {
             poses.push(joint.after(&poses[joint.parent], joint.value(configuration)));
         }
-        poses
+        poses.len()
     }
 }
 
@@ -160,8 +160,9 @@ pub struct TreeSegment {
     curve: JointCurve,
     /// Bounds of each link over the whole curve.
     whole: Vec<WholeBounds>,
-    /// Bounds of the model of each body along a straight segment, which hold at all times.
-    straight: Vec<ModelBounds>,
+    /// Bounds of the model of each body along a straight segment, which hold at all times, once they
+    /// are needed.
+    straight: OnceLock<Vec<ModelBounds>>,
     /// For each part of the curve, once it is needed, pose and motion model of each body at the
     /// start of the part, where the first queries of most pairs are.
     starts: Vec<OnceLock<PlacedBodies>>,
@@ -177,18 +178,14 @@ impl TreeSegment {
             whole.push(link);
         }
         let turned = whole.iter().map(|link| link.turned).fold(0.0, f64::larger);
-        let mut segment = Self {
+        Self {
             starts: std::vec![OnceLock::new(); parts(&curve, turned)],
             whole,
-            straight: Vec::new(),
+            straight: OnceLock::new(),
             tree: tree.clone(),
             bodies: bodies.clone(),
             curve,
-        };
-        if segment.curve.degree() == 1 {
-            segment.straight = segment.straight_bounds();
         }
-        segment
     }
 
     /// Returns the bounds of the model of each body along a straight segment.
@@ -285,7 +282,10 @@ impl TreeSegment {
     fn model_of(&self, body: usize, link: LinkMotion, bounds: Option<&SpanBounds>, span: f64) -> MotionModel {
         let middle = self.bodies.middles[body];
         match bounds {
-            None => link.model(middle, &self.straight[body], span),
+            None => {
+                let straight = self.straight.get_or_init(|| self.straight_bounds());
+                link.model(middle, &straight[body], span)
+            }
             Some(bounds) => link.model(middle, &bounds.model(self, body), span),
         }
     }

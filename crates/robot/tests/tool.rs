@@ -863,7 +863,7 @@ fn missing_meshes_are_errors_or_warnings() {
     // Balls around a part of a link are no cover of it.
     let (code, said) = run_of(&robot, "cover", &["--skip-missing-meshes"]);
     assert_eq!(code, 3, "{said}");
-    assert!(said.contains("gone.urdf: a mesh is missing, and balls"), "{said}");
+    assert!(said.contains("gone.urdf: a mesh is missing, and the cover"), "{said}");
     for words in [
         "gone.urdf:2: link \"a\"",
         "gone a.obj is missing",
