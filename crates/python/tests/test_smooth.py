@@ -77,7 +77,7 @@ def test_a_robot_without_velocity_limits(tmp_path):
 
 
 def test_ctrl_c_and_exceptions_end_the_call(checker):
-    path = np.stack([np.arange(60_000) % 2, np.linspace(0, 1, 60_000)], 1)
+    path = np.stack([np.arange(600_000) % 2, np.linspace(0, 1, 600_000)], 1)
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     with pytest.raises(KeyboardInterrupt):
