@@ -1248,6 +1248,8 @@ fn boxes_save_time_in_plan_and_certify_and_say_the_same() {
         let without = run(command, &arguments);
         let with_boxes = run(command, &[&arguments[..], &["--atlas", &whole]].concat());
         assert_eq!(with_boxes, without, "{command}");
+        let with_pairs = run(command, &[&arguments[..], &["--pair-boxes", "50"]].concat());
+        assert_eq!(with_pairs, without, "{command}");
         let other = run(
             command,
             &[&arguments[..], &["--margin", "0.001", "--atlas", &whole]].concat(),

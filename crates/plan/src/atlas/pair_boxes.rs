@@ -1,7 +1,7 @@
 //! Boxes of joint values in which single pairs of robot bodies are proven apart.
 //!
 //! Two links with one or two joints between them are near each other at most configurations, so they
-//! cost a query nearly every time. Their distance depends on these joints alone. A few thousand boxes
+//! cost a query nearly every time. Their distance depends on these joints alone. Some hundred boxes
 //! of joint values answer most of these queries, for every cell in which the robot stands.
 
 use core::fmt;
@@ -175,7 +175,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(())
     }
 
-    /// Returns the joints that move both bodies of a pair.
+    /// Returns the joints that move each body of a pair.
     fn paths_of(&self, pair: WorldPair) -> [Option<JointPath>; 2] {
         [pair.a, pair.b].map(|id| match id {
             WorldId::Robot(body) => self.space.joint_path(body),

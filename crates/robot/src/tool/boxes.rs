@@ -44,7 +44,7 @@ pub(super) struct AtlasArguments {
     #[arg(long, value_name = "ATLAS.json")]
     atlas: Option<PathBuf>,
     /// Prove this many boxes first for each pair of links with one or two joints between them:
-    /// verdicts stay. It pays for tens of thousands of rows, or for links that are near each other
+    /// verdicts stay
     #[arg(long, value_name = "COUNT")]
     pair_boxes: Option<u64>,
 }
@@ -53,8 +53,13 @@ impl AtlasArguments {
     /// Sets the boxes of a checker, after its margins.
     pub(super) fn set(&self, checker: &mut Checker<JointTree>) -> Result<(), ToolError> {
         if let Some(boxes) = self.pair_boxes {
-            let boxes = checker.pair_boxes(&AtlasOptions::default().boxes(boxes))?;
-            checker.set_pair_boxes(&boxes)?;
+            let bar = progress("boxes of a pair", boxes);
+            let found = checker.pair_boxes_with_progress(&AtlasOptions::default().boxes(boxes), &mut |now| {
+                bar.set_position(now.done as u64);
+                std::ops::ControlFlow::Continue(())
+            })?;
+            bar.finish_and_clear();
+            checker.set_pair_boxes(&found)?;
         }
         let Some(file) = &self.atlas else { return Ok(()) };
         let atlas = load_atlas(file)?;
