@@ -1,13 +1,13 @@
 //! The relative pose of two bodies; the only place that rejects a pose.
 
-use nalgebra::{Isometry3, Matrix3, Quaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
 use wide::f64x2;
 
 use crate::base::callbacks;
 use crate::base::num::axis_name;
 use crate::base::num::each::Each;
 use crate::base::num::packed::{self, PackedRotation, PackedVec3};
-use crate::base::tolerance::{POSE_UNIT, REACH};
+use crate::base::tolerance::{NORMALISED, POSE_UNIT, REACH};
 
 /// Error of a pose that is no rigid motion.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -159,6 +159,12 @@ impl PoseBits {
         (self.norm_squared() - 1.0).abs() <= POSE_UNIT
     }
 
+    /// Returns whether the rotation is of unit length up to rounding.
+    #[inline(always)]
+    fn is_normalised(&self) -> bool {
+        (self.norm_squared() - 1.0).abs() <= NORMALISED
+    }
+
     /// Returns the first invalid value of the pose and its index, or `None`.
     ///
     /// The index is the axis of the translation, or 3 for the squared norm of the rotation.
@@ -173,7 +179,7 @@ impl PoseBits {
     #[inline(always)]
     pub(crate) fn isometry(&self) -> Isometry3<f64> {
         let [x, y, z, w] = self.q();
-        let q = nalgebra::UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+        let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
         Isometry3::from_parts(Vector3::from(self.t()).into(), q)
     }
 }
@@ -182,6 +188,24 @@ impl PoseBits {
 #[inline]
 pub(crate) fn is_unit(pose: &Isometry3<f64>) -> bool {
     PoseBits::new(pose).is_unit()
+}
+
+/// Returns a rotation of unit length up to rounding: the given one, or the quaternion divided by its
+/// norm.
+///
+/// A product of nalgebra with a vector needs it: there a quaternion off unit length, by as little as
+/// a pose may be, stretches the vector by far more than rounding. If the result is normalised again,
+/// it is the same bit for bit.
+pub(crate) fn normalised(rotation: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+    if (rotation.norm_squared() - 1.0).abs() <= NORMALISED {
+        return rotation;
+    }
+    UnitQuaternion::new_normalize(rotation.into_inner())
+}
+
+/// Returns a pose with its rotation [`normalised`].
+pub(crate) fn rigid(pose: &Isometry3<f64>) -> Isometry3<f64> {
+    Isometry3::from_parts(pose.translation, normalised(pose.rotation))
 }
 
 /// Returns the pose with its quaternion divided by the norm.
@@ -200,7 +224,7 @@ pub fn normalize_rotation(pose: &Isometry3<f64>) -> Isometry3<f64> {
     // Scaled first: the squares of a very long or short quaternion leave the range of f64.
     let scaled = q / largest;
     let unit = scaled / crate::base::num::scalar::sqrt(scaled.norm_squared());
-    let rotation = nalgebra::UnitQuaternion::new_unchecked(Quaternion::from(unit));
+    let rotation = UnitQuaternion::new_unchecked(Quaternion::from(unit));
     Isometry3::from_parts(pose.translation, rotation)
 }
 
@@ -252,6 +276,12 @@ impl RelativePose {
     /// or not finite.
     pub fn new_normalized(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
         Self::new(&normalize_rotation(pose_a), &normalize_rotation(pose_b))
+    }
+
+    /// Returns whether both rotations are of unit length up to rounding.
+    #[inline(always)]
+    pub(crate) fn is_normalised(&self) -> bool {
+        self.a.is_normalised() && self.b.is_normalised()
     }
 
     /// Returns the relative pose with A and B exchanged.
@@ -397,7 +427,7 @@ impl<'de> serde::Deserialize<'de> for RelativePose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Translation3, UnitQuaternion};
+    use nalgebra::Translation3;
 
     #[test]
     fn agrees_with_inv_mul() {
@@ -418,6 +448,18 @@ mod tests {
         let v = Vector3::new(0.6, -0.3, 0.8);
         let turned = pose.vector_in_b(PackedVec3::new(&v)).vector();
         assert!((turned - pose.rotation().tr_mul(&v)).norm() < 1e-15);
+    }
+
+    #[test]
+    fn a_normalised_rotation_stays_as_it_is() {
+        let mut rng = crate::rng::Rng::new(9);
+        for _ in 0..100_000 {
+            let [x, y, z, w] = [1.0, 1e-3, 1.0, 1e3].map(|most| rng.range(-most, most));
+            let given = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+            let once = normalised(given);
+            assert!((once.norm_squared() - 1.0).abs() <= NORMALISED, "{given}");
+            assert_eq!(normalised(once), once, "{given}");
+        }
     }
 
     #[test]

@@ -355,8 +355,8 @@ pub(crate) const BOX: f64 = 32.0 * UNIT;
 
 /// Outward rounding of a posed box about the box of a body, in units of the sum of the body's
 /// farthest coordinates and of the distance of its middle: the matrix errs by at most 20 UNIT a
-/// row, products and sums by 8, and the coordinates of the corners, which may be those of placed
-/// pieces (32 UNIT for a rotation and a sum), are right up to that.
+/// row, products and sums by 8. The rest is room: a box contains its body up to a rounding or two
+/// of its corners, and a compound grows its box by what rotated pieces may be off ([`PLACED`]).
 pub(crate) const BOX_TURNED: f64 = 64.0 * UNIT;
 
 /// Outward rounding of a box found by a scan in f32, in units of the radius: one rounding of each
@@ -525,11 +525,10 @@ pub(crate) const PLACED_PIVOT: f64 = 192.0 * UNIT;
 /// UNIT.
 pub(crate) const TURN: f64 = 64.0 * UNIT;
 
-/// Deviation of the squared norm of a quaternion that was divided by its norm: the square errs by 4
-/// UNIT, the root by half of that and UNIT, the quotient by UNIT: 8 of the square, and 4 of the
-/// square taken again.
-#[cfg(feature = "serde")]
-pub(crate) const NORMALISED: f64 = 16.0 * UNIT;
+/// Deviation from one, as computed, of the squared norm of a quaternion that was divided by its
+/// norm: the square errs by 4 UNIT, the root by half of that and UNIT, the quotient by UNIT: 8 of
+/// the square, and 4 of the square taken again.
+pub(crate) const NORMALISED: f64 = 12.0 * UNIT;
 
 /// Error of the coefficients of a plane's gap (`separation::plane`), times `(1 + q)^2` with q the
 /// angle that a direction turns by as a shape sees it, in units of both reaches, the ways of the
@@ -727,7 +726,8 @@ pub(crate) const PLACED_BALL: f64 = 3.0 * POSE_UNIT;
 /// Error of the part of a ray in a ball, in units of the radius and the absolute coordinates of the
 /// ray's origin and of the ball's middle, whose own place is counted by [`PLACED_BALL`]: the
 /// difference, the product with the direction, which is of unit length within 4 UNIT, the foot, its
-/// length and the sums err by 34 UNIT together. A height of a place of the ray in a mesh's frame
+/// length and the sums err by 34 UNIT together. The rate at which a ray sinks towards a half-space
+/// errs by 61: the turned normal by 58 (see [`PLACED`]), the product with the direction by 3. A height of a place of the ray in a mesh's frame
 /// along a unit vector, minus that of a corner, errs by 46: the place, a relative translation, by
 /// 31 (see [`CERTIFICATE`]), and by 4 of the direction; products, the
 /// difference and the vector's length by the rest.

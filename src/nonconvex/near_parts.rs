@@ -147,7 +147,7 @@ fn room_in_box(body: &impl Parted, point: &Point3<f64>) -> f64 {
     let least = (0..3).fold(f64::INFINITY, |least, k| {
         least.smaller(high[k] - point[k]).smaller(point[k] - low[k])
     });
-    // Corners are exact up to rounding.
+    // The box contains the body up to a rounding of its corners.
     least.at_least(0.0) + 64.0 * UNIT * low.coords.amax().larger(high.coords.amax())
 }
 
@@ -160,8 +160,8 @@ pub(crate) fn outcome_of_shape(
 ) -> PointOutcome {
     let origin = &Shape::from(ConvexPolyhedron::origin());
     let at = Isometry3::translation(point.x, point.y, point.z);
-    // Both poses were checked.
-    let placed = RelativePose::new_normalized(pose, &at).unwrap_or_else(|_| RelativePose::identity());
+    // Both poses were checked. The bounds are those of the pose as stored.
+    let placed = RelativePose::new(pose, &at).unwrap_or_else(|_| RelativePose::identity());
     let mut tracker = ShapeTracker::new();
     let found = tracker.closest(shape, origin, &placed);
     let mut outcome = PointOutcome {

@@ -6,6 +6,7 @@ mod grid;
 mod kinds;
 mod lattice;
 mod meshes;
+mod turned_boxes;
 
 use lin_canny::nalgebra::Point3;
 use lin_canny::{ContactState, PointOutcome, PointQuery, PointTracker};

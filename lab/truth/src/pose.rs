@@ -1,5 +1,6 @@
 //! A rigid pose as plain numbers, and the vector operations of the generators.
 
+use crate::rng::Rng;
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 
 /// A point or a vector.
@@ -122,6 +123,12 @@ pub fn quat_mul(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
 pub fn unit_quat(q: [f64; 4]) -> [f64; 4] {
     let n = q.iter().map(|x| x * x).sum::<f64>().sqrt();
     q.map(|x| x / n)
+}
+
+/// Returns a rotation, in half of all cases off unit length by almost as much as a pose may be.
+pub fn off_unit(q: [f64; 4], rng: &mut Rng) -> [f64; 4] {
+    let by = [1.0, 1.0, 1.0 + 4.9e-13, 1.0 - 4.9e-13][rng.below(4)];
+    q.map(|x| x * by)
 }
 
 /// `a + b`.

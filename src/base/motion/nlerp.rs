@@ -116,12 +116,12 @@ impl TryFrom<StoredNlerp> for Nlerp {
 
     fn try_from(stored: StoredNlerp) -> Result<Self, MotionError> {
         let (centre, way) = (stored.centre, stored.way);
-        let pose = |q: &Quaternion<f64>, at: Vector3<f64>| {
-            Isometry3::from_parts(Translation3::from(at), UnitQuaternion::new_unchecked(*q))
+        let pose = |q: Quaternion<f64>, at: Vector3<f64>| {
+            Isometry3::from_parts(Translation3::from(at), UnitQuaternion::new_unchecked(q))
         };
-        let (from, to) = (pose(&stored.from, centre), pose(&stored.to, centre + way));
+        let (from, to) = (pose(stored.from, centre), pose(stored.to, centre + way));
         Self::new(&from, &to, stored.duration, stored.pivot)?;
-        let rotations = [&stored.from, &stored.to].map(super::steady::restored);
+        let rotations = [from, to].map(|pose| crate::base::pose::normalised(pose.rotation).into_inner());
         Ok(Self::of(rotations, [centre, way], stored.pivot, stored.duration))
     }
 }

@@ -230,21 +230,10 @@ impl TryFrom<StoredSteady> for Steady {
             .with_acceleration(stored.acceleration)?
             .with_acceleration_bounds(linear, angular)?;
         Ok(Self {
-            rotation: restored(&stored.rotation),
+            rotation: crate::base::pose::normalised(turn).into_inner(),
             centre: stored.centre,
             ..motion
         })
-    }
-}
-
-/// Returns a stored quaternion unchanged if its norm is one up to rounding, otherwise divided by
-/// its norm.
-#[cfg(feature = "serde")]
-pub(super) fn restored(q: &Quaternion<f64>) -> Quaternion<f64> {
-    if (q.norm_squared() - 1.0).abs() <= crate::base::tolerance::NORMALISED {
-        *q
-    } else {
-        normalised(q)
     }
 }
 

@@ -12,6 +12,7 @@ pub mod exact_place;
 pub mod lattice;
 pub mod planner;
 pub mod points;
+pub mod rays;
 #[cfg(feature = "readers")]
 pub mod readers;
 pub mod scenes;
@@ -21,6 +22,7 @@ pub mod solids;
 pub mod stand_ins;
 pub mod surfaces;
 pub mod throws;
+pub mod turned_boxes;
 pub mod underflow;
 
 /// The input of a byte-driven test: bytes are read from the front; after the end they are zero.
