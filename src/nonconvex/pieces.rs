@@ -538,6 +538,10 @@ pub(crate) struct CompoundTracker {
     state: TreeState,
     #[cfg_attr(feature = "serde", serde(skip))]
     near: BTreeMap<NodePair, NearParts>,
+    /// Whether a pair of members counted as within the distance of the last [`within`](Self::within)
+    /// because nothing proved otherwise.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    is_tie: bool,
 }
 
 impl CompoundTracker {
@@ -609,10 +613,17 @@ impl CompoundTracker {
         let Some(posed) = PosedTrees::new(a, b, a_from_b) else {
             return PosedTrees::far::<()>(a, b, a_from_b).lower <= d;
         };
-        let judge = PartJudge::new(&posed, Some(d), &mut self.near);
+        let mut judge = PartJudge::new(&posed, Some(d), &mut self.near);
+        self.is_tie = false;
+        judge.tie = Some(&mut self.is_tie);
         let is_within = self.state.within(&posed, judge, d / a.stored_unit());
         self.forget_some();
         is_within
+    }
+
+    /// Returns whether the bodies are proven to be at most `d` apart; false without a proof.
+    pub(crate) fn meets<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose, d: f64) -> bool {
+        self.within(a, b, a_from_b, d) && (!self.is_tie || self.closest(a, b, a_from_b).upper <= d)
     }
 
     /// Returns a lower bound of the distance from one pass over the front.
@@ -662,6 +673,8 @@ struct PartJudge<'a, A, B> {
     /// The distance to compare with, in the caller's unit, if the query is `within`.
     within: Option<f64>,
     near: &'a mut BTreeMap<NodePair, NearParts>,
+    /// Set if members count as within although rounding hides it.
+    tie: Option<&'a mut bool>,
 }
 
 impl<'a, A: Parted, B: Parted> PartJudge<'a, A, B> {
@@ -675,6 +688,7 @@ impl<'a, A: Parted, B: Parted> PartJudge<'a, A, B> {
             placed: Placed::of(posed.pose, posed.a, posed.b),
             within,
             near,
+            tie: None,
         }
     }
 
@@ -776,6 +790,10 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
         let stored = d * unit;
         if !(m.lower > stored || m.upper <= stored) {
             if !exact || tracker.within(p, q, &pose, d) {
+                let are_exact = exact && [p, q].iter().all(|shape| matches!(shape.core(), Core::Polyhedron(_)));
+                if let (Some(tie), false) = (&mut self.tie, are_exact) {
+                    **tie = true;
+                }
                 (m.lower, m.distance, m.upper) = (
                     m.lower.smaller(stored),
                     m.distance.smaller(stored),

@@ -144,9 +144,9 @@ impl Separation for CompoundPair<'_> {
         Measurement::from(&self.tracker.closest(&self.a, &self.b, a_from_b))
     }
 
-    /// Uses `CompoundTracker::within`; a tie counts as met.
+    /// Uses `CompoundTracker::meets`, which proves what rounding of composed poses hides.
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measurement) -> bool {
-        self.tracker.within(&self.a, &self.b, a_from_b, distance)
+        self.tracker.meets(&self.a, &self.b, a_from_b, distance)
     }
 
     fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {

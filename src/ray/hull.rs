@@ -18,6 +18,7 @@
 use nalgebra::{Isometry3, Unit, Vector3};
 
 use crate::base::num::extremes::Extremes;
+use crate::base::pose::rigid;
 use crate::body::polyhedron::fans::LARGE;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, Feature, VertexId};
 use crate::nonconvex::query::ray::MeshRay;
@@ -205,6 +206,7 @@ impl Walk<'_> {
             plane.normal.dot(&foot) <= plane.offset
         });
         is_on_face.then(|| {
+            let pose = rigid(pose);
             RayCast::Hit(RayHit {
                 safe,
                 hit,

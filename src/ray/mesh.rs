@@ -9,12 +9,13 @@
 
 use crate::base::num::each::Each;
 use crate::base::num::sign;
+use crate::base::pose::rigid;
 use crate::base::tolerance::RAY;
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use crate::nonconvex::mesh::Mesh;
 #[cfg(feature = "exact")]
 use crate::nonconvex::query::exact::{ExactRay, PointSide};
-use crate::nonconvex::query::ray::{MeshRay, Met, RayBody};
+use crate::nonconvex::query::ray::{MeshRay, Met};
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::ray::{Ray, RayCast, RayHit, placed};
 use nalgebra::{Isometry3, Unit, Vector3};
@@ -87,6 +88,7 @@ pub(super) fn entered(
     [safe, hit]: [f64; 2],
     first: Option<u32>,
 ) -> RayCast {
+    let pose = rigid(pose);
     let at = pose.inverse_transform_point(&ray.at(safe)).coords;
     let (point, normal, spot) = mesh.seen_from(&at, first);
     RayCast::Hit(RayHit {
@@ -135,14 +137,10 @@ pub(super) fn proven(
     if !are_flat(hull) {
         return None;
     }
-    let body = RayBody {
-        exponent: hull.exponent,
-        is_closed: !hull.is_flat,
-    };
     let mut met = Met::Nothing;
     let is_clear = hull
         .triangles()
-        .all(|t| met.add(on_hull.meets(&corners_of(hull, t), body)));
+        .all(|t| met.add(on_hull.meets(&corners_of(hull, t), hull.exponent)));
     is_clear.then_some(met)
 }
 

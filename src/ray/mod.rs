@@ -11,14 +11,14 @@ use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use crate::base::motion::{MotionError, Steady, Velocity};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
-use crate::base::pose::RelativePose;
+use crate::base::pose::{RelativePose, rigid};
 use crate::base::tolerance::{PLACED_BALL, RAY};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature};
 #[cfg(feature = "meshes")]
 use crate::nonconvex::query::ray::Met;
 use crate::pair::options::QueryOptions;
 use crate::pair_tracker::PairTracker;
-use crate::pair_tracker::geometry::GeometryRef;
+use crate::pair_tracker::geometry::{GeometryKind, GeometryRef};
 use crate::time::impact::{Impact, ImpactError, Tolerance, cast};
 use crate::time::separation::{Measurement, Separation};
 
@@ -178,10 +178,12 @@ pub struct RayHit {
 /// * Polyhedron: the result is exact too (features `exact` and `meshes`) if its faces are flat to
 ///   the last bit, like the faces of hulls. The bracket is about `1e-12 L` wide. An origin outside
 ///   a polyhedron, at any distance, is never [`RayCast::Inside`] (feature `exact`).
-/// * Curved shape, compound: the result is proven for a point that moves along the ray, up to the
-///   rounding of its position. The bracket of a head-on hit is about `1e-12 L` wide.
+/// * Curved shape, compound, cloud: the result is proven for a point that moves along the ray, up to
+///   the rounding of its position. The bracket of a head-on hit is about `1e-12 L` wide. A ray that
+///   grazes a compound or a cloud within rounding, or starts so near, is [`RayCast::Undecided`].
 /// * Half-space: a closed form. The bracket is about `1e-13 L` wide, divided by the sine of the
 ///   angle between ray and plane. A ray within rounding of parallel may be [`RayCast::Undecided`].
+///   An origin above the plane is never [`RayCast::Inside`] (feature `exact`).
 /// * Bézier surface: the result is [`RayCast::Undecided`] if the ray meets the surface, because a
 ///   point proves no crossing.
 ///
@@ -276,6 +278,9 @@ impl RayCaster {
         let found = cast(&mut pair, &still, &flight, from..until, Tolerance::Distance(width))?;
         let found = match found.impact {
             Impact::Miss => RayCast::Miss,
+            Impact::AtStart { seen } if from == 0.0 && is_union(body) && seen.upper > 0.0 => {
+                RayCast::Undecided { safe: 0.0 }
+            }
             Impact::AtStart { .. } if from == 0.0 => RayCast::Inside,
             Impact::AtStart { seen } => entered(pose, from, from, &seen),
             Impact::Hit { safe, hit, seen } => entered(pose, safe, hit, &seen),
@@ -343,6 +348,7 @@ pub(super) fn placed(pose: &Isometry3<f64>, at: &Point3<f64>) -> Option<Relative
 
 /// Returns the hit of a body at a pose, from the measurement at the end of the safe segment.
 fn entered(pose: &Isometry3<f64>, safe: f64, hit: f64, seen: &Measurement) -> RayCast {
+    let pose = rigid(pose);
     RayCast::Hit(RayHit {
         safe,
         hit,
@@ -353,11 +359,17 @@ fn entered(pose: &Isometry3<f64>, safe: f64, hit: f64, seen: &Measurement) -> Ra
     })
 }
 
+/// Returns whether a body is a compound or a cloud, which counts as met unless it is proven apart.
+fn is_union(body: GeometryRef) -> bool {
+    matches!(body.kind(), GeometryKind::Compound | GeometryKind::Cloud)
+}
+
 /// Returns the end of a short segment of the ray that meets the body.
 ///
 /// This proves a hit of a sheet without thickness, which no single f64 point may meet. The ends of
 /// the segment are rounded by about a hundredth of `width`.
 fn crossing(body: GeometryRef, pose: &Isometry3<f64>, ray: &Ray, [safe, until]: [f64; 2], width: f64) -> Option<f64> {
+    let pose = rigid(pose);
     let place = |at: f64| pose.inverse_transform_point(&ray.at(at));
     let rest = RelativePose::from_isometry(&Isometry3::identity()).ok()?;
     let mut tracker = PairTracker::new();
@@ -365,6 +377,7 @@ fn crossing(body: GeometryRef, pose: &Isometry3<f64>, ray: &Ray, [safe, until]: 
         let end = (safe + width * f64::from(1u32 << k)).smaller(until);
         let piece = ConvexPolyhedron::segment(place(safe), place(end)).ok()?;
         let meets = tracker.decide_within(body, &piece, &rest, 0.0, &QueryOptions::new());
-        meets.is_yes().then_some(end)
+        let is_proven = meets.is_yes() && (!is_union(body) || tracker.closest(body, &piece, &rest).upper <= 0.0);
+        is_proven.then_some(end)
     })
 }

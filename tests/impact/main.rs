@@ -13,6 +13,7 @@ mod pairs;
 mod parallel;
 mod planes;
 mod ray;
+mod ray_exact;
 mod ray_hull;
 mod ray_mesh;
 mod scales;

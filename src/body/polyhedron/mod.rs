@@ -28,6 +28,7 @@ pub(crate) mod support;
 pub(crate) mod topology;
 
 use crate::base::num::fingerprint::Fingerprint;
+use crate::base::pose::rigid;
 pub use crate::body::polyhedron::aabb::BoxHint;
 pub use crate::body::polyhedron::build::BuildReport;
 pub(crate) use crate::body::polyhedron::build::cloud::{bounding_box, exponent_of, power_of_two};
@@ -106,9 +107,10 @@ pub struct ConvexPolyhedron {
     /// Three times the covariance of the vertices. For points on an ellipsoid this is the matrix of
     /// the ellipsoid.
     pub(crate) covariance3: Matrix3<f64>,
-    /// Whether the ellipsoid of `covariance3` is far from a ball.
-    pub(crate) is_flat: bool,
-    /// Whether some face boundaries or fans are so long that walks jump along them.
+    /// Whether the ellipsoid of `covariance3` is far from a ball: where a walk starts, never a fact.
+    /// It is false for a polygon of few vertices, and true for some bodies with volume.
+    pub(crate) seems_flat: bool,
+    /// Whether some face boundaries or fans are so long that walks jump along them: a hint too.
     pub(crate) has_large_rings: bool,
     /// Least corner of the bounding box, in stored coordinates; `high` is the greatest.
     pub(crate) low: Vector3<f64>,
@@ -424,6 +426,7 @@ impl ConvexPolyhedron {
     /// Returns an error if the pose gives coordinates that are not finite or too large.
     #[doc(alias = "translated")]
     pub fn transformed(&self, pose: &Isometry3<f64>) -> Result<Self, BuildError> {
+        let pose = rigid(pose);
         self.mapped(|p| pose * p)
     }
 

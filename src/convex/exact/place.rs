@@ -83,6 +83,14 @@ impl ExactVector {
         }
     }
 
+    /// Returns the order of the height along a vector and a number.
+    pub(crate) fn compare_along(&self, n: &Vector3<f64>, level: f64) -> Ordering {
+        let n = Self::new(n);
+        let lowest = lowest_bit([level]).unwrap_or(0);
+        let level = integer(level, lowest) * &self.over;
+        compare(&dot(&n.at, &self.at), n.exponent + self.exponent, &level, lowest)
+    }
+
     /// Returns the vector in f64. The error of each coordinate is less than two units in the last
     /// place.
     pub(crate) fn rounded(&self) -> Vector3<f64> {

@@ -25,7 +25,7 @@ use crate::pair::posed::PosedPair;
 /// centres, on round bodies a few steps from the closest features. If a body is flat, the direction
 /// is the normal of two touching ellipsoids instead ([`direction`]).
 pub(crate) fn cold(posed: &PosedPair, work: &mut Work) -> FeaturePair {
-    let n = if posed.a.is_flat || posed.b.is_flat {
+    let n = if posed.a.seems_flat || posed.b.seems_flat {
         work.ellipsoids += 1;
         direction(posed)
     } else {

@@ -19,7 +19,7 @@ use crate::convex::exact::integer::{Big3, cross, dot, integer, sign, sub};
 use crate::convex::exact::place::{ExactVector, compare, quotient};
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::query::inside::ExactSigns;
-use crate::nonconvex::query::ray::{RayBody, RayTriangle};
+use crate::nonconvex::query::ray::RayTriangle;
 use crate::nonconvex::query::triangle::Triangle;
 
 /// Side of a mesh on which a point is.
@@ -189,11 +189,11 @@ impl ExactRay {
     pub(super) fn meets(
         &mut self,
         corners: &Triangle,
-        body: RayBody,
+        exponent: i32,
         sides: [Option<i32>; 3],
         length: f64,
     ) -> RayTriangle {
-        let ray = self.integers(body.exponent);
+        let ray = self.integers(exponent);
         let triangle = IntegerTriangle::new(corners);
         let mut signs = [0; 3];
         for k in 0..3 {
@@ -203,14 +203,12 @@ impl ExactRay {
             }
         }
         let along = match signs {
-            // On a closed surface, another triangle contains the first point.
-            [0, 0, 0] if body.is_closed => None,
             [0, 0, 0] => {
                 projection(&corners[0], &corners[1], &corners[2]).and_then(|axis| ray.first_of_edges(&triangle, axis))
             }
             _ => ray.to_plane(&triangle),
         };
-        along.map_or(RayTriangle::Miss, |along| along.bracket(body.exponent, length))
+        along.map_or(RayTriangle::Miss, |along| along.bracket(exponent, length))
     }
 }
 

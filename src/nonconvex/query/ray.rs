@@ -35,15 +35,6 @@ pub(crate) struct MeshRay {
     pub(crate) exact: ExactRay,
 }
 
-/// Properties of the body to which a triangle belongs.
-#[derive(Clone, Copy)]
-pub(crate) struct RayBody {
-    /// A stored length times `2^exponent` is the caller's length.
-    pub(crate) exponent: i32,
-    /// Whether every edge of the triangle belongs to another triangle too.
-    pub(crate) is_closed: bool,
-}
-
 /// What the ray meets first.
 #[derive(Clone, Copy)]
 pub(crate) enum Met {
@@ -69,13 +60,9 @@ impl Mesh {
     pub(crate) fn first_met(&self, ray: &mut MeshRay) -> Option<(Met, Option<u32>)> {
         let (mut met, mut first, mut is_clear) = (Met::Nothing, None, true);
         let ([from, to], error) = (ray.ends, ray.error);
-        let body = RayBody {
-            exponent: self.exponent,
-            is_closed: self.is_solid(),
-        };
         let (mut last, span) = (f64::INFINITY, ray.span[1] - ray.span[0]);
         self.along(&from, &to, error, |t| {
-            is_clear = met.add(ray.meets(&self.corners(t), body));
+            is_clear = met.add(ray.meets(&self.corners(t), self.exponent));
             if !is_clear {
                 return -1.0;
             }
@@ -109,8 +96,9 @@ impl Met {
 }
 
 impl MeshRay {
-    /// Returns where the ray meets a triangle of a body.
-    pub(crate) fn meets(&mut self, corners: &Triangle, body: RayBody) -> RayTriangle {
+    /// Returns where the ray meets a triangle; a stored length times `2^exponent` is the caller's
+    /// length.
+    pub(crate) fn meets(&mut self, corners: &Triangle, exponent: i32) -> RayTriangle {
         let sides = self.sides(corners);
         if sides.contains(&Some(1)) && sides.contains(&Some(-1)) {
             return RayTriangle::Miss;
@@ -121,9 +109,9 @@ impl MeshRay {
         {
             let low = at - self.width;
             let clipped = self.clipped(low, low + self.width * 2.0);
-            return clipped.unwrap_or_else(|| self.exactly(corners, body, sides));
+            return clipped.unwrap_or_else(|| self.exactly(corners, exponent, sides));
         }
-        self.exactly(corners, body, sides)
+        self.exactly(corners, exponent, sides)
     }
 
     /// Returns whether the ray certainly passes through a triangle between two distances.
@@ -192,8 +180,8 @@ impl MeshRay {
 
     #[cfg(feature = "exact")]
     #[cold]
-    fn exactly(&mut self, corners: &Triangle, body: RayBody, sides: [Option<i32>; 3]) -> RayTriangle {
-        match self.exact.meets(corners, body, sides, self.length) {
+    fn exactly(&mut self, corners: &Triangle, exponent: i32, sides: [Option<i32>; 3]) -> RayTriangle {
+        match self.exact.meets(corners, exponent, sides, self.length) {
             // The lower bound is `width` before the surface, as in floating point. So a point at
             // this distance is before the surface even after rounding.
             RayTriangle::Between(low, high) if low > self.width => RayTriangle::Between(low - self.width, high),
@@ -202,7 +190,7 @@ impl MeshRay {
     }
 
     #[cfg(not(feature = "exact"))]
-    fn exactly(&self, _: &Triangle, _: RayBody, _: [Option<i32>; 3]) -> RayTriangle {
+    fn exactly(&self, _: &Triangle, _: i32, _: [Option<i32>; 3]) -> RayTriangle {
         RayTriangle::Unclear
     }
 }

@@ -189,7 +189,7 @@ impl ConvexPolyhedron {
             scan: Scan::new(&points),
             vertex_mean,
             covariance3,
-            is_flat: points.len() > FEW && covariance3.determinant() < FLAT * mean * mean * mean,
+            seems_flat: points.len() > FEW && covariance3.determinant() < FLAT * mean * mean * mean,
             topology,
             source: kept.iter().map(|&i| cloud.source[i as usize]).collect(),
             points,
