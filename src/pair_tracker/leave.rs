@@ -18,7 +18,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use crate::base::motion::{Motion, MotionModel, length};
 use crate::base::num::extremes::Extremes;
-use crate::base::pose::{Operand, RelativePose};
+use crate::base::pose::{Operand, RelativePose, normalised};
 use crate::base::tolerance::{START_CONTACT, TRANSLATED};
 use crate::pair::options::QueryOptions;
 use crate::pair::outcome::ContactState;
@@ -48,7 +48,7 @@ struct Translated<'a, M: ?Sized> {
 
 impl<M: Motion + ?Sized> Translated<'_, M> {
     fn posed(&self, mut pose: Isometry3<f64>) -> Isometry3<f64> {
-        pose.translation.vector += pose.rotation * self.by;
+        pose.translation.vector += normalised(pose.rotation) * self.by;
         pose
     }
 }
@@ -365,10 +365,11 @@ impl<A: Motion + ?Sized, B: Motion + ?Sized> Leaving<'_, A, B> {
             return Ok(with_a);
         }
         let kept_with_a = self.certificates.split_off(mark.min(self.certificates.len()));
-        let normal = a.pose(interval.start).rotation * contact.normal;
+        let [turn_a, turn_b] = [a.pose(interval.start), b.pose(interval.start)].map(|pose| normalised(pose.rotation));
+        let normal = turn_a * contact.normal;
         let on_b = Translated {
             motion: b,
-            by: b.pose(interval.start).rotation.conjugate() * (normal * -kept),
+            by: turn_b.conjugate() * (normal * -kept),
         };
         let with_b = self.cast_along(a, &on_b, interval.clone(), tolerance, 0.0, -kept)?;
         if proven(&with_b, &interval) >= proven(&with_a, &interval) {

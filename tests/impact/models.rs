@@ -1,9 +1,11 @@
 //! Promise: a body on a motion is never farther from its motion model than the remainder states,
 //! with poses as rounded.
 
-use lin_canny::motion::{Motion, MotionError, MotionModel, Nlerp, Steady};
+use lin_canny::impact::{Impact, Tolerance, cast};
+use lin_canny::motion::{Motion, MotionError, MotionModel, Nlerp, Remainder, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use lin_canny::{Operand, PoseError, Velocity};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Geometry, Mesh, Operand, PairTracker, PoseError, Velocity};
 use truth::rng::Rng;
 
 fn vector(rng: &mut Rng, size: f64) -> Vector3<f64> {
@@ -246,5 +248,49 @@ fn numbers_that_are_no_motion_are_refused() {
         on(Steady::between(&one, bad, 1.0, origin).map(drop), Operand::B);
         on(Nlerp::new(bad, &one, 1.0, origin).map(drop), Operand::A);
         on(Nlerp::new(&one, bad, 1.0, origin).map(drop), Operand::B);
+    }
+}
+
+/// A motion of the caller whose quaternion is off unit length by almost as much as a pose may be.
+struct OffUnit(f64);
+
+impl Motion for OffUnit {
+    fn pose(&self, _: f64) -> Isometry3<f64> {
+        let turn = UnitQuaternion::new_unchecked(Quaternion::new(0.5, 0.5, 0.5, 0.5) * self.0);
+        Isometry3::from_parts(Translation3::identity(), turn)
+    }
+
+    fn model(&self, _: f64, _: f64) -> MotionModel {
+        MotionModel {
+            pivot: Point3::origin(),
+            linear: Vector3::zeros(),
+            angular: Vector3::zeros(),
+            acceleration: Vector3::zeros(),
+            shift: Remainder::default(),
+            turn: Remainder::default(),
+        }
+    }
+}
+
+#[test]
+fn a_cast_at_a_motion_off_unit_length_is_true() {
+    let cube = solids::cuboid(Vector3::repeat(0.5)).expect("a cube");
+    let mesh = Geometry::from(Mesh::from_convex(&cube).expect("a mesh"));
+    let flight = Velocity::new(-Vector3::x(), Vector3::zeros());
+    let flight = Steady::new(&Isometry3::translation(2.0, 0.0, 0.0), flight).expect("a motion");
+    for by in [1.0, 1.0 + 4.9e-13, 1.0 - 4.9e-13] {
+        for (a, b) in [
+            (&Geometry::from(cube.clone()), &Geometry::from(cube.clone())),
+            (&mesh, &mesh),
+        ] {
+            let mut tracker = PairTracker::new();
+            let mut pair = tracker.pair(a, b);
+            let found = cast(&mut pair, &OffUnit(by), &flight, 0.0..2.0, Tolerance::Distance(1e-12));
+            let Ok(Impact::Hit { safe, hit, .. }) = found.map(|cast| cast.impact) else {
+                panic!("{by}: no hit");
+            };
+            // The faces meet at one exactly.
+            assert!(safe < 1.0 && 1.0 <= hit && hit - safe < 3e-12, "{by}: {safe:e} {hit:e}");
+        }
     }
 }

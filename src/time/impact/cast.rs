@@ -6,7 +6,7 @@ use super::{Certificate, Impact, Tolerance};
 use crate::base::callbacks;
 use crate::base::motion::Motion;
 use crate::base::num::extremes::Extremes;
-use crate::base::pose::{PoseError, RelativePose};
+use crate::base::pose::{PoseError, RelativePose, rigid};
 use crate::base::tolerance::ROOT;
 use crate::pair::outcome::ContactState;
 use crate::time::separation::{Measurement, PairMotion, Proof, Separation};
@@ -306,9 +306,13 @@ pub(super) fn flight<A: Motion + ?Sized, B: Motion + ?Sized>(
 ) -> Result<(RelativePose, PairMotion), PoseError> {
     // Rounded up, so that a proof for the span is a proof to the end.
     let span = if until > time { (until - time).next_up() } else { 0.0 };
-    let (pose_a, model_a) = motion_a.placed(time, span);
-    let (pose_b, model_b) = motion_b.placed(time, span);
+    let (mut pose_a, model_a) = motion_a.placed(time, span);
+    let (mut pose_b, model_b) = motion_b.placed(time, span);
     let relative = RelativePose::new(&pose_a, &pose_b)?;
+    // Motions of the caller may be off unit length by as much as poses may.
+    if !relative.is_normalised() {
+        (pose_a, pose_b) = (rigid(&pose_a), rigid(&pose_b));
+    }
     let flight = PairMotion {
         pose_a,
         pose_b,

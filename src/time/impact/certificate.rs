@@ -9,7 +9,7 @@ use super::{ImpactError, check};
 use crate::base::motion::Motion;
 use crate::base::motion::rotation::turned;
 use crate::base::num::extremes::Bounded;
-use crate::base::pose::Operand;
+use crate::base::pose::{Operand, rigid};
 use crate::pair::outcome::ContactState;
 use crate::time::separation::{Proof, Separation};
 
@@ -71,7 +71,7 @@ impl Certificate {
         B: Motion + ?Sized,
     {
         let normal = self.normal(time)?;
-        let (pose_a, pose_b) = (motion_a.pose(time), motion_b.pose(time));
+        let (pose_a, pose_b) = (rigid(&motion_a.pose(time)), rigid(&motion_b.pose(time)));
         let mut height = |of: Operand, pose: &Isometry3<f64>, n: &Vector3<f64>| {
             let (centre, _) = pair.ball(of);
             n.dot(&(pose.rotation * centre.coords)) + pair.support(of, &(pose.rotation.conjugate() * n)).height

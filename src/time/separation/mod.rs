@@ -152,9 +152,9 @@ pub struct SupportPoint {
 /// The motions of both bodies from one time on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairMotion {
-    /// Pose of A at this time.
+    /// Pose of A at this time; the rotation is of unit length up to rounding.
     pub pose_a: Isometry3<f64>,
-    /// Pose of B at this time.
+    /// Pose of B at this time; the rotation is of unit length up to rounding.
     pub pose_b: Isometry3<f64>,
     /// Velocities and bounds of A from this time on, for at least `span`.
     pub model_a: MotionModel,
