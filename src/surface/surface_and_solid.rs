@@ -428,10 +428,10 @@ impl BesideSurface for SurfaceCompoundTracker {
         let pieces = b.pieces();
         self.pieces.resize_with(pieces.len(), SurfaceShapeTracker::new);
         let placed = Placed::new(a_from_b, b.is_in_place());
-        let (low, high) = b.aabb();
-        let (centre, radius) = ball_about(low, high);
+        // The radius counts the origins of the pieces too, which may be far from the body.
+        let radius = b.side().radius * b.stored_unit();
         let offset = sqrt(a_from_b.translation().norm_squared());
-        let noise = 2.0 * CERTIFICATE * UNIT * (a.reach + sqrt(centre.coords.norm_squared()) + radius + offset);
+        let noise = 2.0 * CERTIFICATE * UNIT * (a.reach + radius + offset);
         let mut ask = |k: usize, most: f64| {
             let (pose, is_exact) = placed.between(&Isometry3::identity(), &pieces[k].pose);
             if apart(a, &pieces[k], &pose) - 2.0 * noise > most {
