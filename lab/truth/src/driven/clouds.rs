@@ -3,6 +3,7 @@
 //! The instrument `soak` uses this module.
 
 use crate::casts::rotation;
+use crate::pose::off_unit;
 use crate::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
@@ -53,12 +54,17 @@ fn cloud(seed: u64) -> Result<Mix, String> {
     let mut mix = Mix::default();
     let count = *rng.pick(&[1, 15, 16, 17, 80, 300]);
     let lattice = rng.chance(0.3);
-    let points: Vec<Point3<f64>> = (0..count)
+    let mut points: Vec<Point3<f64>> = (0..count)
         .map(|_| {
             let p = vector(&mut rng, 1.0);
             Point3::from(if lattice { p.map(|x| (x * 4.0).round() / 4.0) } else { p })
         })
         .collect();
+    // Sensors write equal points for what they do not see.
+    if rng.chance(0.2) {
+        let half = points.len() / 2;
+        points.copy_within(..half, half);
+    }
     let radius = rng.range(0.01, 0.1);
     let which = rng.below(4);
     mix.elements[which] += 1;
@@ -87,10 +93,12 @@ fn cloud(seed: u64) -> Result<Mix, String> {
     };
     let (mut at, step) = (vector(&mut rng, 2.5), vector(&mut rng, 0.2));
     let (mut turn, small) = (rotation(&mut rng), UnitQuaternion::new(vector(&mut rng, 0.1)));
+    let [.., long] = off_unit([0.0, 0.0, 0.0, 1.0], &mut rng);
     let (mut warm, mut back) = (PairTracker::new(), PairTracker::new());
     for frame in 0..FRAMES {
         at += step;
         turn = small * turn;
+        let turn = UnitQuaternion::new_unchecked(turn.into_inner() * long);
         let pose = RelativePose::from_isometry(&Isometry3::from_parts(at.into(), turn)).map_err(|e| told(&e))?;
         let (mut lower, mut upper, mut overlaps) = (f64::INFINITY, f64::INFINITY, false);
         for p in &points {

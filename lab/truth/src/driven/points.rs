@@ -13,7 +13,7 @@ use lin_canny::{
 };
 
 use super::exact_place::{ExactMesh, Place, line_at, point_at};
-use crate::pose::{add, cross, norm, scale, sub, unit};
+use crate::pose::{add, cross, norm, off_unit, scale, sub, unit};
 use crate::rational::{RBig, exact};
 use crate::rng::Rng;
 use crate::soups::{self, Soup};
@@ -117,7 +117,7 @@ fn poses(rng: &mut Rng, size: f64) -> [Pose; 2] {
             2 => scale(rng.in_ball(), 2.0 * size),
             _ => scale(rng.in_ball(), rng.log_range(1.0, 1e6) * size),
         };
-        Pose { q, t }
+        Pose { q: off_unit(q, rng), t }
     };
     let (a, b) = (pose(), pose());
     match rng.below(3) {

@@ -13,7 +13,7 @@ use lin_canny::{ContactState, Mesh, PairTracker, RelativePose};
 
 use crate::brute::Triangle;
 use crate::exact_meshes::square;
-use crate::pose::{add, norm, scale};
+use crate::pose::{add, norm, off_unit, scale};
 use crate::rational::{exact, sqrt};
 use crate::rng::Rng;
 use crate::soups::Soup;
@@ -191,7 +191,7 @@ fn poses(seed: u64) -> Result<Mix, String> {
             0 => Pose::IDENTITY,
             1 => Pose::shift(scale(place.ways[0], unit * rng.range(-2.0, 2.0))),
             _ => Pose {
-                q: rng.quat(),
+                q: off_unit(rng.quat(), &mut rng),
                 t: scale(rng.in_ball(), unit),
             },
         };

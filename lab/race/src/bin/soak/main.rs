@@ -34,8 +34,8 @@ use race::progress::Progress;
 use tally::Tally;
 use truth::command::{count, number};
 use truth::driven::{
-    bytes, calls, clouds, distances, lattice, planner, points, scenes, slivers, solids, stand_ins, surfaces, throws,
-    underflow,
+    bytes, calls, clouds, distances, lattice, planner, points, rays, scenes, slivers, solids, stand_ins, surfaces,
+    throws, turned_boxes, underflow,
 };
 use truth::motion::Frame;
 use truth::rng::Rng;
@@ -251,7 +251,7 @@ fn random_bytes(seed: u64, count: usize) -> Vec<u8> {
     (0..count).map(|_| rng.bits() as u8).collect()
 }
 
-const DRIVERS: [Driver; 16] = [
+const DRIVERS: [Driver; 18] = [
     // Lattices, bricks and stacks combine equal bounds, reused indices and slow motion. Brute force
     // checks each step.
     Driver {
@@ -316,6 +316,20 @@ const DRIVERS: [Driver; 16] = [
         salt: 0x9017,
         count: 1,
         play: |seed, tally| points::play(seed).map(|mix| tally.points.add(&mix)),
+    },
+    // Rays in planes of faces, along edges and within rounding of both, at poses off unit length.
+    Driver {
+        name: "rays at a body of any kind",
+        salt: 0x4a95,
+        count: 1,
+        play: |seed, tally| rays::play(seed).map(|mix| tally.rays.add(&mix)),
+    },
+    // Points on rotated pieces whose vertices are far from the origins of the pieces.
+    Driver {
+        name: "points on rotated pieces",
+        salt: 0x7b0c,
+        count: 1,
+        play: |seed, tally| turned_boxes::play(seed).map(|mix| tally.turned_boxes.add(&mix)),
     },
     // Compounds with pieces of all sizes, clones with a common ancestor, and equal bodies with
     // different numbers.

@@ -7,7 +7,8 @@ use crate::faulty;
 use lin_canny::Outcome;
 use truth::driven::lattice::Mix;
 use truth::driven::{
-    bytes, calls, clouds, distances, planner, points, scenes, slivers, solids, stand_ins, surfaces, throws, underflow,
+    bytes, calls, clouds, distances, planner, points, rays, scenes, slivers, solids, stand_ins, surfaces, throws,
+    turned_boxes, underflow,
 };
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
@@ -53,6 +54,10 @@ pub(crate) struct Tally {
     pub(crate) solids: solids::Mix,
     /// Points and rays next to closed meshes.
     pub(crate) points: points::Mix,
+    /// Rays at bodies of every kind.
+    pub(crate) rays: rays::Mix,
+    /// Points on rotated pieces of compounds.
+    pub(crate) turned_boxes: turned_boxes::Mix,
     /// Stand-in bodies.
     pub(crate) stand_ins: stand_ins::Mix,
     /// Bodies thrown at each other.
@@ -104,6 +109,8 @@ impl Tally {
         self.slivers.add(&o.slivers);
         self.solids.add(&o.solids);
         self.points.add(&o.points);
+        self.rays.add(&o.rays);
+        self.turned_boxes.add(&o.turned_boxes);
         self.stand_ins.add(&o.stand_ins);
         self.throws.add(&o.throws);
         self.distances.add(&o.distances);
@@ -142,6 +149,8 @@ impl Tally {
         println!("meshes of slivers: {:?}", self.slivers);
         println!("solids with faces in common: {:?}", self.solids);
         println!("points and rays next to a mesh: {:?}", self.points);
+        println!("rays at bodies: {:?}", self.rays);
+        println!("points on rotated pieces: {:?}", self.turned_boxes);
         println!("bodies that stand in for others: {:?}", self.stand_ins);
         println!("throws of two bodies: {:?}", self.throws);
         println!("signed distances of points: {:?}", self.distances);
