@@ -485,7 +485,7 @@ fn both_checkers_say_what_could_be_inside() {
             let found = verify(text.as_bytes()).unwrap();
             assert!(found.holds(), "{found}");
             let has = |said: &str| said.contains("whether one is inside the other");
-            let Some(said) = printed(&text) else { return };
+            let Some(said) = printed(&[&text]) else { return };
             assert!(said.starts_with("holds"), "{said}");
             assert_eq!(has(&found.to_string()), has(&said), "{found}\n{said}");
             counts[usize::from(has(&said))] += 1;

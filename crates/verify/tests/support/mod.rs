@@ -10,6 +10,7 @@ pub(crate) mod changes;
 pub(crate) mod parted;
 pub(crate) mod python;
 pub(crate) mod ranged;
+pub(crate) mod scenes;
 
 use std::fmt::Write;
 
