@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks a receipt: python3 verify.py RECEIPT [SCENE]
 
-A receipt is a proof in a file that bodies stay apart, meet, or have a distance or a depth. Its format and the lemmas
+A receipt is a proof in a file that bodies stay apart, meet, or have a distance. Its format and the lemmas
 are in crates/verify/README.md. This program shares no code with the checker in Rust. It uses integers and fractions
 only: no floating point but to print numbers, and no search.
 
@@ -952,7 +952,7 @@ def below(moment, placed, some, n, lower):
 
 
 def groups(moment, placed, entries, lower):
-    """Lemma 13: planes between groups of parts, which together are all pairs of parts."""
+    """Lemma 7: planes between groups of parts, which together are all pairs of parts."""
     bodies = [moment.scene.bodies[k] for k in moment.pair]
     waiting = [[(0, len(body.parts)) for body in bodies]]
     for cuts, normal in (array(entry, 2) for entry in array(entries)):
@@ -989,55 +989,7 @@ def distance(scene, line):
     return f"the surfaces of {apart}; not looked at: whether one is inside the other"
 
 
-def depth(scene, line):
-    """Lemma 7."""
-    only(line, "depth", "upper", "normal", "lower", "points", "facets")
-    moment = Moment(scene, line)
-    placed = moment.placed()
-    above = [k in line for k in ("upper", "normal")]
-    below = [k in line for k in ("lower", "points", "facets")]
-    whole_ = all(above) == any(above) and all(below) == any(below)
-    need(whole_ and any(above + below), "a depth has upper and normal, or lower, points and facets, or all five")
-    said = ["at least side not looked at", "at most side not looked at"]
-    if above[0]:
-        upper, n = number(line["upper"]), numbers(line["normal"], 3)
-        reach = placed[0].heights(n)[1] - placed[1].heights(n)[0]
-        size = upper - moment.radii()
-        truth = any(n) and size >= 0 and at_most(reach, size, dot(n, n))
-        prove(truth, f"{moment.text()}: the upper bound is not proven")
-        said[1] = f"at most {float(upper)!r}"
-    if below[0]:
-        lower, names = number(line["lower"]), scene.names(moment.pair)
-        prove(not any(scene.bodies[k].parts for k in moment.pair), f"{names}: a ball in bodies of parts")
-        truth = holds_ball(moment, placed, line, lower - moment.radii())
-        prove(truth, f"{moment.text()}: the lower bound is not proven")
-        said[0] = f"at least {float(lower)!r}"
-    return f"the depth of {moment.text()} is: {', '.join(said)}"
-
-
-def holds_ball(moment, placed, line, radius):
-    """Whether the facets enclose the ball of this radius."""
-    points = []
-    for entry in array(line["points"]):
-        i, j = moment.pair_of(entry)
-        points.append(minus(placed[0].vertex(i), placed[1].vertex(j)))
-    edges, facets = {}, array(line["facets"])
-    truth = bool(facets) and radius >= 0
-    for facet in facets:
-        corners = array(facet, 3)
-        need(all(whole(k) < len(points) for k in corners), "a facet names a point that does not exist")
-        for k in range(3):
-            u, v = corners[k], corners[(k + 1) % 3]
-            key = min(u, v), max(u, v)
-            edges[key] = edges.get(key, 0) + (1 if u < v else -1)
-        p, q, r = (points[k] for k in corners)
-        normal = cross(minus(q, p), minus(r, p))
-        height = dot(normal, p)
-        truth = truth and height > 0 and height * height >= radius * radius * dot(normal, normal)
-    return truth and not any(edges.values())
-
-
-LINES = {"meet": meet, "near": near, "distance": distance, "depth": depth}
+LINES = {"meet": meet, "near": near, "distance": distance}
 EVIDENCE = ["plane", "balls", "outside", "cell", *LINES]
 
 

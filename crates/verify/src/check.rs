@@ -21,7 +21,7 @@ use crate::motion::Stage;
 use crate::near::Near;
 use crate::report::{Failure, Report, Unreadable, Verdict};
 use crate::scene::{Leg, Scene};
-use crate::{Stop, depth, distance, rules};
+use crate::{Stop, distance, rules};
 
 /// Checks a receipt, on another scene if there is one.
 pub(crate) fn run(reader: impl BufRead, other: Option<(Scene, Vec<Leg>)>) -> Result<Verdict, Unreadable> {
@@ -108,8 +108,7 @@ impl Check {
                 let text = match kind {
                     "meet" => self.moment(&Meet::read(&self.scene, line)?)?,
                     "near" => self.moment(&Near::read(&self.scene, line)?)?,
-                    "distance" => distance::check(&self.scene, line)?,
-                    _ => depth::check(&self.scene, line)?,
+                    _ => distance::check(&self.scene, line)?,
                 };
                 self.report.proven.push(text + &self.of_leg());
                 Ok(())

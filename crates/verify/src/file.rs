@@ -22,7 +22,7 @@ pub(crate) enum Head {
 }
 
 /// Lines of evidence, but for legs.
-pub(crate) const EVIDENCE: [&str; 8] = ["plane", "balls", "outside", "cell", "meet", "near", "distance", "depth"];
+pub(crate) const EVIDENCE: [&str; 7] = ["plane", "balls", "outside", "cell", "meet", "near", "distance"];
 
 impl Head {
     fn read(line: &Json) -> Result<Self, Stop> {

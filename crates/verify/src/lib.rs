@@ -7,7 +7,6 @@ mod check;
 mod claim;
 mod cover;
 mod cuts;
-mod depth;
 mod distance;
 mod file;
 mod groups;
