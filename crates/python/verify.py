@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks a receipt: python3 verify.py RECEIPT [SCENE]
 
-A receipt is a proof in a file that bodies stay apart, meet, or have a distance or a depth. Its format and the lemmas
+A receipt is a proof in a file that bodies stay apart, meet, or have a distance. Its format and the lemmas
 are in crates/verify/README.md. This program shares no code with the checker in Rust. It uses integers and fractions
 only: no floating point but to print numbers, and no search.
 
@@ -500,6 +500,9 @@ class Scene:
     def carries(self, link):
         return link > 0 and self.joints[link - 1].moves
 
+    def is_steady(self):
+        return any(body.steady for body in self.bodies)
+
     def line(self, line):
         """Reads a line; false if it is none of a scene."""
         if kind(line) not in ORDER:
@@ -528,9 +531,6 @@ class Scene:
                 need(pair not in self.ignored, "a pair is ignored twice")
                 self.ignored[pair] = line["why"]
         return True
-
-    def end(self):
-        need(self.bodies and (self.joints or not self.base), "no body, or a base without joints")
 
     def scaled(self):
         lengths = [x for b in self.bodies for x in b.lengths()] + [x for j in self.joints for x in j.origin[1]]
@@ -779,10 +779,6 @@ class Cells:
         need(sane, "the margin is negative, or a range ends before its start, or more than 1024")
         self.now, self.waiting, self.done = None, [], set()
 
-    def fits(self, scene):
-        need(len(self.range) >= scene.coordinates, "a range of each coordinate is expected")
-        need(not any(b.steady for b in scene.bodies), "a body that is steady, in a claim about configurations")
-
     def next(self, scene, pair, line):
         """The cell that a line proves, and what it keeps."""
         name = scene.names(pair)
@@ -956,7 +952,7 @@ def below(moment, placed, some, n, lower):
 
 
 def groups(moment, placed, entries, lower):
-    """Lemma 13: planes between groups of parts, which together are all pairs of parts."""
+    """Lemma 7: planes between groups of parts, which together are all pairs of parts."""
     bodies = [moment.scene.bodies[k] for k in moment.pair]
     waiting = [[(0, len(body.parts)) for body in bodies]]
     for cuts, normal in (array(entry, 2) for entry in array(entries)):
@@ -993,56 +989,38 @@ def distance(scene, line):
     return f"the surfaces of {apart}; not looked at: whether one is inside the other"
 
 
-def depth(scene, line):
-    """Lemma 7."""
-    only(line, "depth", "upper", "normal", "lower", "points", "facets")
-    moment = Moment(scene, line)
-    placed = moment.placed()
-    above = [k in line for k in ("upper", "normal")]
-    below = [k in line for k in ("lower", "points", "facets")]
-    whole_ = all(above) == any(above) and all(below) == any(below)
-    need(whole_ and any(above + below), "a depth has upper and normal, or lower, points and facets, or all five")
-    said = ["at least side not looked at", "at most side not looked at"]
-    if above[0]:
-        upper, n = number(line["upper"]), numbers(line["normal"], 3)
-        reach = placed[0].heights(n)[1] - placed[1].heights(n)[0]
-        size = upper - moment.radii()
-        truth = any(n) and size >= 0 and at_most(reach, size, dot(n, n))
-        prove(truth, f"{moment.text()}: the upper bound is not proven")
-        said[1] = f"at most {float(upper)!r}"
-    if below[0]:
-        lower, names = number(line["lower"]), scene.names(moment.pair)
-        prove(not any(scene.bodies[k].parts for k in moment.pair), f"{names}: a ball in bodies of parts")
-        truth = holds_ball(moment, placed, line, lower - moment.radii())
-        prove(truth, f"{moment.text()}: the lower bound is not proven")
-        said[0] = f"at least {float(lower)!r}"
-    return f"the depth of {moment.text()} is: {', '.join(said)}"
-
-
-def holds_ball(moment, placed, line, radius):
-    """Whether the facets enclose the ball of this radius."""
-    points = []
-    for entry in array(line["points"]):
-        i, j = moment.pair_of(entry)
-        points.append(minus(placed[0].vertex(i), placed[1].vertex(j)))
-    edges, facets = {}, array(line["facets"])
-    truth = bool(facets) and radius >= 0
-    for facet in facets:
-        corners = array(facet, 3)
-        need(all(whole(k) < len(points) for k in corners), "a facet names a point that does not exist")
-        for k in range(3):
-            u, v = corners[k], corners[(k + 1) % 3]
-            key = min(u, v), max(u, v)
-            edges[key] = edges.get(key, 0) + (1 if u < v else -1)
-        p, q, r = (points[k] for k in corners)
-        normal = cross(minus(q, p), minus(r, p))
-        height = dot(normal, p)
-        truth = truth and height > 0 and height * height >= radius * radius * dot(normal, normal)
-    return truth and not any(edges.values())
-
-
-LINES = {"meet": meet, "near": near, "distance": distance, "depth": depth}
+LINES = {"meet": meet, "near": near, "distance": distance}
 EVIDENCE = ["plane", "balls", "outside", "cell", *LINES]
+
+
+# The rules: what a claim requires of a scene, of its legs and of the kinds of lines. With another scene they are checked
+# for each of the two files alone, and for the claim of the receipt about the other scene.
+
+
+def of_scene(check, scene):
+    need(scene.bodies and (scene.joints or not scene.base), "no body, or a base without joints")
+    if check.cells:
+        need(len(check.cells.range) >= scene.coordinates, "a range of each coordinate is expected")
+        need(not scene.is_steady(), "a body that is steady, in a claim about configurations")
+
+
+def of_leg(check, scene, before, leg):
+    need(not check.cells, "a leg in a claim about configurations")
+    need(0 < scene.coordinates <= len(leg[0]), "a leg without a coordinate for each joint, or without joints")
+    if check.claim == "apart":
+        inside, whole_ = 0 <= check.begin and check.until <= 1, (check.begin, check.until) == (0, 1)
+        need(inside and (whole_ or not before), "the interval is not within a leg, or not all of each of several")
+    need(not before or before[-1] == leg[0], "a leg does not start where the one before ends")
+    # Its time would start again with the leg, and the body would jump back.
+    need(not before or not scene.is_steady(), "several legs, and a body that is steady")
+
+
+def of_line(check, scene, legs, kind_):
+    need(check.claim != "scene", "evidence in a scene")
+    alone = (kind_ == "cell") == (check.claim == "range")
+    need(alone, "a claim about a range has cells alone, and no other claim has cells")
+    need(legs > 0 or scene.coordinates == 0 or check.cells, "evidence before the first leg")
+    need(kind_ in ("cell", *LINES) or check.claim == "apart", "this claim is of single lines")
 
 
 # The file.
@@ -1079,44 +1057,47 @@ class Check:
         if self.claim == "apart":
             self.begin, self.until, self.margin = (number(get(head, k)) for k in ("from", "until", "margin"))
             need(self.margin >= 0 and self.begin <= self.until, "margin or interval")
-        self.scene, self.first, self.legs = Scene(), None, None
-        for k, line in enumerate(lines[1:], 2):
-            with_line(k, self.read_scene, k, line)
-        self.scene.end()
-        if self.cells:
-            self.cells.fits(self.scene)
-        self.files = self.scene.files
-
-    def read_scene(self, k, line):
-        if self.first is None and not self.scene.line(line):
-            self.first = k - 1
-        if self.first is not None:
-            need(kind(line) in ["leg", *EVIDENCE], "unknown kind of a line, or a line out of order")
+        self.scene, self.first, self.legs, self.stale = Scene(), len(lines), [], False
+        for k, line in enumerate(lines[1:], 1):
+            if not with_line(k + 1, self.scene.line, line):
+                self.first = k
+                break
+        with_line(self.first + 1, of_scene, self, self.scene)
+        for k, line in self.evidence():
+            with_line(k, self.after, line)
 
     def evidence(self):
-        return enumerate(self.lines[self.first :], self.first + 1) if self.first is not None else []
+        return enumerate(self.lines[self.first :], self.first + 1)
 
-    def read_legs(self):
-        """The legs of this receipt, as another scene."""
-        legs = []
-        for k, line in self.evidence():
-            if kind(line) == "leg":
-                legs.append(with_line(k, read_leg, self.scene, line, legs[-1] if legs else None))
-        return legs
+    def after(self, line):
+        """Checks a line after the scene by the rules, and keeps the leg that it states."""
+        if kind(line) == "leg":
+            leg = read_leg(line)
+            of_leg(self, self.scene, self.legs[-1] if self.legs else None, leg)
+            self.legs.append(leg)
+        else:
+            need(kind(line) in EVIDENCE, "unknown kind of a line, or a line out of order")
+            of_line(self, self.scene, len(self.legs), kind(line))
 
     def replace(self, other):
-        """Takes scene and legs of another receipt; the pairs ignored stay."""
-        self.legs = other.read_legs()
+        """Takes scene and legs of another receipt, if the claim can be about it; the pairs ignored stay."""
         names = [[b.name for b in scene.bodies] for scene in (self.scene, other.scene)]
-        other.scene.ignored, self.scene = self.scene.ignored, other.scene
         prove(names[0] == names[1], "another scene: the bodies are not the same")
+        try:
+            of_scene(self, other.scene)
+            for before, leg in zip([None, *other.legs], other.legs):
+                of_leg(self, other.scene, before, leg)
+        except Bad as why:
+            raise Fails(f"another scene: {why}") from None
+        other.scene.ignored = self.scene.ignored
+        self.scene, self.legs, self.stale = other.scene, other.legs, True
 
     def run(self, hashed):
         """Returns the text; raises `Fails` at the first failure."""
         set_degree(DEGREES[-1])
         self.scene.scaled()
         self.said, self.failure, self.more = [], None, 0
-        self.leg, self.count, self.number, self.waiting = None, 0, 0, {}
+        self.count, self.number, self.waiting = 0, 0, {}
         self.hulls_apart, self.cut = set(), set()  # pairs with a solid
         for k, line in self.evidence():
             self.number += kind(line) != "leg"
@@ -1124,8 +1105,7 @@ class Check:
         last = len(self.lines) + 1
         self.note(last, None, self.end_leg)
         self.note(last, None, lambda: prove(hashed, "the hash is not that of the lines"))
-        legs = self.legs is None or len(self.legs) == self.count
-        self.note(last, None, lambda: prove(legs, "another scene: another number of legs"))
+        self.note(last, None, lambda: prove(len(self.legs) == self.count, "another scene: another number of legs"))
         if self.claim == "apart":
             begin, until = float(self.begin), float(self.until)
             legs = f" of each of {self.count} legs" if self.count > 1 else ""
@@ -1144,23 +1124,19 @@ class Check:
         try:
             work()
         except (Bad, Fails) as why:
-            if isinstance(why, Bad) and self.legs is None:
+            if isinstance(why, Bad) and not self.stale:
                 raise Bad(f"line {line}: {why}") from None
             self.more += self.failure is not None
             self.failure = self.failure or (f"certificate {number_}, " if number_ else "") + f"{why} (line {line}"
 
     def line(self, line):
         if kind(line) == "leg":
-            return self.start_leg(line)
-        need(self.claim != "scene", "evidence in a scene")
-        alone = (kind(line) == "cell") == (self.claim == "range")
-        need(alone, "a claim about a range has cells alone, and no other claim has cells")
+            return self.start_leg()
+        of_line(self, self.scene, self.count, kind(line))
         if self.cells:
             return self.cell(line)
-        need(self.count > 0 or self.scene.coordinates == 0, "evidence before the first leg")
         if kind(line) in LINES:
             return self.said.append(LINES[kind(line)](self.scene, line) + self.of_leg())
-        need(self.claim == "apart", "this claim is of single lines")
         self.outside(line) if kind(line) == "outside" else self.apart(line)
 
     def cell(self, line):
@@ -1171,8 +1147,7 @@ class Check:
         some = [scene.bodies[k].of_parts(ends) for k, ends in zip(pair, cell[-2:])]
         cell = cell[:-2]
         link, normal = whole(get(line, "link")), numbers(get(line, "normal"), 3)
-        known = link <= len(scene.joints) and len(cell) >= scene.coordinates
-        need(known, f"unknown link {link}, or a coordinate without a range")
+        need(link <= len(scene.joints), f"unknown link {link}")
         if any(scene.bodies[k].solid for k in pair):
             (self.hulls_apart if some == [None, None] else self.cut).add(pair)
         truth = in_cell(scene, pair, some, cell, link, normal, keep)
@@ -1247,28 +1222,13 @@ class Check:
         except Fails:
             return False
 
-    def start_leg(self, line):
-        need(not self.cells, "a leg in a claim about configurations")
-        need(self.count > 0 or self.number == 0, "evidence before the first leg")
-        leg = read_leg(self.scene if self.legs is None else None, line, self.leg)
-        failed = None
-        if self.count > 0:
-            try:
-                self.end_leg()
-            except Fails as why:
-                failed = why
-        self.leg, self.count = leg, self.count + 1
-        if self.claim == "apart":
-            inside = self.begin >= 0 and self.until <= 1
-            whole_ = self.begin == 0 and self.until == 1
-            need(inside and (whole_ or self.count == 1), "the interval is not within a leg, or not all of each")
-        if self.legs is not None:
-            prove(self.count <= len(self.legs), "another scene: a leg is missing")
-            leg = self.legs[self.count - 1]
+    def start_leg(self):
+        before, self.count = self.count, self.count + 1
+        prove(before < len(self.legs), "another scene: a leg is missing")
         for joint in self.scene.joints:
-            joint.set(leg, self.scene.unit)
-        if failed:
-            raise failed
+            joint.set(self.legs[before], self.scene.unit)
+        if before:
+            self.end_leg()
 
     def end_leg(self):
         proven, self.waiting = self.waiting, {}
@@ -1318,7 +1278,7 @@ class Check:
             resting = sum(not scene.moving(x) and x not in scene.ignored for x in pairs)
             if resting:
                 yield f"not looked at: {resting} pairs of bodies that both rest"
-        yield from (f"not compared: file {name} with SHA-256 {sha}" for name, sha in self.files)
+        yield from (f"not compared: file {name} with SHA-256 {sha}" for name, sha in scene.files)
 
 
 def with_line(k, work, *values):
@@ -1328,15 +1288,11 @@ def with_line(k, work, *values):
         raise Bad(f"line {k}: {why}") from None
 
 
-def read_leg(scene, line, before):
+def read_leg(line):
     only(line, "leg")
     rows = [[number(x) for x in array(row)] for row in array(line["leg"])]
     same = 1 <= len(rows) <= 17 and len(rows[0]) <= 1024 and all(len(row) == len(rows[0]) for row in rows)
     need(same, "a leg has 1 to 17 rows of equal length, at most 1024")
-    if scene:
-        need(0 < scene.coordinates <= len(rows[0]), "a leg without a coordinate for each joint, or without joints")
-        need(before is None or before[-1] == rows[0], "a leg does not start where the one before ends")
-        need(before is None or not any(b.steady for b in scene.bodies), "several legs, and a body that is steady")
     return rows
 
 
@@ -1349,7 +1305,6 @@ def verify(receipt, other=None):
             other_lines, other_hashed = read(other)
             need(other_hashed, "the hash is not that of the lines")
             found = Check(other_lines)
-            found.read_legs()
         except Bad as why:
             raise Bad(f"other scene: {why}") from None
         check.replace(found)

@@ -1,7 +1,5 @@
 //! Receipts: proofs as texts that `verify.py` checks.
 
-use std::collections::HashMap;
-
 use lin_canny::RelativePose;
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::Isometry3;
@@ -10,10 +8,9 @@ use pyo3::prelude::*;
 
 use crate::checker::Checker;
 use crate::curve::{curve_of, curves_of};
-use crate::errors::{motion_error, pair_error, plan_error, pose_error, scene_error};
+use crate::errors::{motion_error, pair_error, plan_error, pose_error};
 use crate::geometry::Geometry;
 use crate::pose::Pose;
-use crate::scene::{Scene, number};
 use crate::tracker::PairTracker;
 use crate::tracker::cast::motion;
 
@@ -55,9 +52,9 @@ fn at(pose: Option<Pose>) -> Isometry3<f64> {
 impl PairTracker {
     /// Returns the receipt of the distance of two geometries, or of their overlap, as a text.
     ///
-    /// It proves both bounds of the distance, or a common point and, of convex geometries, bounds of the
-    /// depth. The distance of a closed mesh is that of its surface. `names` are the names of both bodies. Write the text to a file without changing line ends, and check it
-    /// with `lin-canny-robot verify FILE` or `python3 verify.py FILE`.
+    /// It proves both bounds of the distance, or a common point. The distance of a closed mesh is that
+    /// of its surface. `names` are the names of both bodies. Write the text to a file without changing
+    /// line ends, and check it with `lin-canny-robot verify FILE` or `python3 verify.py FILE`.
     ///
     /// Raises PairError if a geometry has no receipt, or if no evidence is certain, for example
     /// because the bodies touch.
@@ -116,27 +113,5 @@ impl PairTracker {
             error => pair_error(error),
         });
         Ok(written?.to_string())
-    }
-}
-
-#[pymethods]
-impl Scene {
-    /// Returns the receipt of the last step, and the reasons of the pairs that have none.
-    ///
-    /// The receipt is a text: see `PairTracker.receipt`. It proves a distance or a common point of each
-    /// pair with a result of an enabled query. Set no pose between the step and this call. `names` are
-    /// names of bodies by their ids; a body without a name has its id.
-    ///
-    /// Raises SceneError if no pair has a receipt.
-    #[pyo3(signature = (names=None))]
-    fn receipt(&self, names: Option<HashMap<u64, String>>) -> PyResult<(String, Vec<String>)> {
-        let names = names.unwrap_or_default();
-        let name = |id| {
-            let id = number(id);
-            names.get(&id).cloned().unwrap_or_else(|| id.to_string())
-        };
-        let (receipt, without) = Receipt::step(self.loaded(), name).map_err(scene_error)?;
-        let without = without.iter().map(ToString::to_string).collect();
-        Ok((receipt.to_string(), without))
     }
 }

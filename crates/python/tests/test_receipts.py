@@ -66,7 +66,7 @@ def test_pairs():
     apart = tracker.receipt(die, die, pose_b=((2, 0.3, 0.2), (0, 0, 0, 1)), names=("left", "right"))
     assert "left and right are at least 0.99999" in proven(apart)
     deep = proven(tracker.receipt(die, die, pose_b=((0.7, 0.3, 0.2), (0, 0, 0, 1))))
-    assert "a and b share a point" in deep and "the depth of a and b is" in deep
+    assert "a and b share a point" in deep
     with pytest.raises(lc.PairError, match="has no receipt"):
         tracker.receipt(die, lc.Geometry.half_space([0, 0, 1], -5.0))
 
@@ -99,20 +99,3 @@ def test_meshes():
     text = lc.PairTracker().receipt(tray, lc.Geometry.box(0.2, 0.2, 0.2), names=("tray", "die"))
     said = proven(text)
     assert '"cells":[' in text and "tray and die are at least 0.7999" in said and "inside" not in said
-
-
-def test_steps():
-    scene = lc.Scene()
-    scene.set_queries(0, 0, distance=1.0)
-    die = lc.Geometry.box(0.5, 0.5, 0.5)
-    ids = [scene.insert(die, ((x, 0.1 * x, 0.2 * x), (0, 0, 0, 1))) for x in (0.0, 1.25, 2.0)]
-    egg = scene.insert(lc.Geometry.ellipsoid(0.2, 0.3, 0.4), ((0, 0, 1.2), (0, 0, 0, 1)))
-    scene.step()
-    text, without = scene.receipt({ids[0]: "first", ids[1]: "second"})
-    said = proven(text)
-    assert "first and second are at least 0.2" in said and f"second and {ids[2]} share a point" in said
-    assert len(without) == 1 and without[0].startswith(f'body "{egg}" has no receipt')
-    empty = lc.Scene()
-    empty.step()
-    with pytest.raises(lc.SceneError, match="no pair is proven"):
-        empty.receipt()

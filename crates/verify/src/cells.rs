@@ -15,7 +15,7 @@ use crate::cuts::{Cell, cut, halves};
 use crate::json::Json;
 use crate::pairs::{missing, needed};
 use crate::real::Real;
-use crate::scene::{Motion, Scene};
+use crate::scene::Scene;
 
 /// Least and greatest value of each coordinate.
 pub(crate) type Ranges = Vec<[Real; 2]>;
@@ -63,17 +63,6 @@ impl Cells {
             waiting: Vec::new(),
             done: BTreeSet::new(),
         })
-    }
-
-    /// Refuses a scene that the claim is not about.
-    pub(crate) fn fits(&self, scene: &Scene) -> Result<(), Stop> {
-        if self.range.len() < scene.coordinates {
-            return Stop::bad("a range of each coordinate is expected");
-        }
-        if scene.bodies.iter().any(|body| matches!(body.motion, Motion::Steady(_))) {
-            return Stop::bad("a body that is steady, in a claim about configurations");
-        }
-        Ok(())
     }
 
     /// Returns the cell that a line proves, and what it keeps.

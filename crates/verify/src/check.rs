@@ -12,7 +12,7 @@ use std::io::BufRead;
 use dashu_int::IBig;
 
 use crate::cover::Cover;
-use crate::file::{EVIDENCE, Head, head, tail};
+use crate::file::{Head, after, start, tail};
 use crate::inside::Inside;
 use crate::json::Json;
 use crate::lines::Lines;
@@ -21,25 +21,12 @@ use crate::motion::Stage;
 use crate::near::Near;
 use crate::report::{Failure, Report, Unreadable, Verdict};
 use crate::scene::{Leg, Scene};
-use crate::{Stop, depth, distance};
+use crate::{Stop, distance, rules};
 
 /// Checks a receipt, on another scene if there is one.
 pub(crate) fn run(reader: impl BufRead, other: Option<(Scene, Vec<Leg>)>) -> Result<Verdict, Unreadable> {
     let mut lines = Lines::new(reader);
-    let head = head(&mut lines)?;
-    let mut stated = Scene::new();
-    let first = loop {
-        let text = lines.next()?.ok_or_else(|| lines.bad("the tail is missing"))?;
-        let line = lines.whole(Json::parse(&text))?;
-        if !lines.whole(stated.line(&line))? {
-            break text;
-        }
-        lines.count();
-    };
-    lines.whole(stated.end())?;
-    if let Head::Range(cells) = &head {
-        lines.whole(cells.fits(&stated))?;
-    }
+    let (head, stated, first) = start(&mut lines)?;
     let mut check = Check::new(head, stated, other);
     check.start(lines.number);
     let mut text = Some(first);
@@ -59,12 +46,13 @@ pub(crate) fn run(reader: impl BufRead, other: Option<(Scene, Vec<Leg>)>) -> Res
             return Ok(check.verdict());
         }
         lines.count();
-        let evidence = EVIDENCE.contains(&line.kind());
-        if !evidence && line.kind() != "leg" {
-            return Err(lines.bad("unknown kind of a line, or a line out of order"));
-        }
+        let leg = lines.whole(check.after(&line))?;
+        let evidence = leg.is_none();
         check.report.certificates += usize::from(evidence);
-        let result = check.line(&line);
+        let result = match leg {
+            Some(leg) => check.start_leg(leg),
+            None => check.line(&line),
+        };
         check.note(lines.number, evidence, result)?;
         text = lines.next()?;
     }
@@ -76,6 +64,8 @@ struct Check {
     head: Head,
     /// What is evaluated: the scene of the receipt, or the other one with the pairs ignored here.
     scene: Scene,
+    /// The scene of the receipt and the legs of the other one, if that is evaluated.
+    stated: Option<Scene>,
     legs: Option<Vec<Leg>>,
     narrow: Option<Stage<i128>>,
     wide: OnceCell<Option<Stage<IBig>>>,
@@ -85,28 +75,24 @@ struct Check {
     cover: Cover,
     inside: Inside,
     failure: Option<Failure>,
-    /// The scenes differ in their bodies: no certificate can be evaluated.
+    /// The other scene has other bodies, or the claim cannot be about it: no certificate is evaluated.
     different: Option<String>,
     report: Report,
 }
 
 impl Check {
+    /// Checks a line by the rules of its own file; returns the leg that it states.
+    fn after(&self, line: &Json) -> Result<Option<Leg>, Stop> {
+        let stated = self.stated.as_ref().unwrap_or(&self.scene);
+        after(&self.head, stated, self.count, self.leg.as_ref(), line)
+    }
+
     fn line(&mut self, line: &Json) -> Result<(), Stop> {
-        if line.kind() == "leg" {
-            return self.start_leg(line);
-        }
-        if matches!(self.head, Head::Scene) {
-            return Stop::bad("evidence in a scene");
-        }
         if self.different.is_some() {
             return Ok(());
         }
-        let is_range = matches!(self.head, Head::Range(_));
-        if is_range != (line.kind() == "cell") {
-            return Stop::bad("a claim about a range has cells alone, and no other claim has cells");
-        }
-        if self.scene.coordinates > 0 && self.count == 0 && !is_range {
-            return Stop::bad("evidence before the first leg");
+        if self.stated.is_some() {
+            rules::of_line(&self.head, &self.scene, self.count, line.kind())?;
         }
         match (line.kind(), &self.head) {
             ("cell", _) => self.cell(line),
@@ -118,13 +104,11 @@ impl Check {
                 let apart = *apart;
                 self.apart(line, &apart)
             }
-            ("plane" | "balls" | "outside", _) => Stop::bad("this claim is of single lines"),
             (kind, _) => {
                 let text = match kind {
                     "meet" => self.moment(&Meet::read(&self.scene, line)?)?,
                     "near" => self.moment(&Near::read(&self.scene, line)?)?,
-                    "distance" => distance::check(&self.scene, line)?,
-                    _ => depth::check(&self.scene, line)?,
+                    _ => distance::check(&self.scene, line)?,
                 };
                 self.report.proven.push(text + &self.of_leg());
                 Ok(())

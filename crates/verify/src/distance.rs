@@ -6,7 +6,7 @@
 //! below all of B by the gap g > 0, it is at least g / |n|. The radii are taken off both. The
 //! closest points are found by Cramer's rule in fractions: one or two unknowns. In the second
 //! form a normal n and two points, by weights, are given: the same bounds, each for what is
-//! given. In the third form the lower bound is that of lemma 13.
+//! given. In the third form the lower bound is that of lemma 7.
 
 use dashu_ratio::RBig;
 

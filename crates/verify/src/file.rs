@@ -8,7 +8,8 @@ use crate::cover::Apart;
 use crate::json::Json;
 use crate::lines::Lines;
 use crate::report::Unreadable;
-use crate::scene::{Leg, Motion, Scene, hash};
+use crate::rules;
+use crate::scene::{Leg, Scene, hash};
 
 /// What the head claims.
 #[derive(Clone, Default)]
@@ -21,7 +22,7 @@ pub(crate) enum Head {
 }
 
 /// Lines of evidence, but for legs.
-pub(crate) const EVIDENCE: [&str; 8] = ["plane", "balls", "outside", "cell", "meet", "near", "distance", "depth"];
+pub(crate) const EVIDENCE: [&str; 7] = ["plane", "balls", "outside", "cell", "meet", "near", "distance"];
 
 impl Head {
     fn read(line: &Json) -> Result<Self, Stop> {
@@ -45,7 +46,7 @@ impl Head {
 }
 
 /// Reads the first line.
-pub(crate) fn head<R: BufRead>(lines: &mut Lines<R>) -> Result<Head, Unreadable> {
+fn head<R: BufRead>(lines: &mut Lines<R>) -> Result<Head, Unreadable> {
     let text = lines.next()?.ok_or_else(|| lines.bad("the file is empty"))?;
     let head = lines.whole(Json::parse(&text).and_then(|line| Head::read(&line)))?;
     lines.count();
@@ -69,45 +70,55 @@ pub(crate) fn tail<R: BufRead>(lines: &mut Lines<R>, line: &Json) -> Result<bool
     }
 }
 
+/// Reads head and scene, by the rules; returns the first line after them, too.
+pub(crate) fn start<R: BufRead>(lines: &mut Lines<R>) -> Result<(Head, Scene, String), Unreadable> {
+    let (head, mut scene) = (head(lines)?, Scene::new());
+    loop {
+        let text = lines.next()?.ok_or_else(|| lines.bad("the tail is missing"))?;
+        let line = lines.whole(Json::parse(&text))?;
+        if !lines.whole(scene.line(&line))? {
+            lines.whole(rules::of_scene(&head, &scene))?;
+            return Ok((head, scene, text));
+        }
+        lines.count();
+    }
+}
+
+/// Checks a line after the scene by the rules, after some legs; returns the leg that it states.
+pub(crate) fn after(
+    head: &Head,
+    scene: &Scene,
+    legs: usize,
+    before: Option<&Leg>,
+    line: &Json,
+) -> Result<Option<Leg>, Stop> {
+    match line.kind() {
+        "leg" => {
+            let leg = Leg::read(line)?;
+            rules::of_leg(head, scene, before, &leg)?;
+            Ok(Some(leg))
+        }
+        kind if EVIDENCE.contains(&kind) => rules::of_line(head, scene, legs, kind).map(|()| None),
+        _ => Stop::bad("unknown kind of a line, or a line out of order"),
+    }
+}
+
 /// Reads scene and legs of a receipt; its evidence is not evaluated.
 pub(crate) fn scene(reader: impl BufRead) -> Result<(Scene, Vec<Leg>), Unreadable> {
     let mut lines = Lines::new(reader);
-    head(&mut lines)?;
-    let (mut scene, mut legs, mut started) = (Scene::new(), Vec::new(), false);
-    while let Some(text) = lines.next()? {
-        let line = lines.whole(Json::parse(&text))?;
+    let (head, scene, first) = start(&mut lines)?;
+    let (mut legs, mut text) = (Vec::new(), Some(first));
+    while let Some(now) = text {
+        let line = lines.whole(Json::parse(&now))?;
         if line.kind() == "end" {
-            lines.whole(scene.end())?;
             return match tail(&mut lines, &line)? {
                 true => Ok((scene, legs)),
                 false => Err(lines.bad("the hash is not that of the lines")),
             };
         }
-        let stated = !started && lines.whole(scene.line(&line))?;
-        started |= !stated;
-        if line.kind() == "leg" {
-            let leg = lines.whole(Leg::read(&line).and_then(|leg| follows(&scene, legs.last(), &leg).map(|()| leg)))?;
-            legs.push(leg);
-        } else if !stated && !EVIDENCE.contains(&line.kind()) {
-            return Err(lines.bad("unknown kind of a line, or a line of the scene after evidence"));
-        }
+        legs.extend(lines.whole(after(&head, &scene, legs.len(), legs.last(), &line))?);
         lines.count();
+        text = lines.next()?;
     }
     Err(lines.bad("the tail is missing"))
-}
-
-/// Checks that a leg drives the joints and starts where the one before ends.
-pub(crate) fn follows(scene: &Scene, before: Option<&Leg>, leg: &Leg) -> Result<(), Stop> {
-    if scene.coordinates == 0 || leg.0[0].len() < scene.coordinates {
-        return Stop::bad("a leg without a coordinate for each joint, or without joints");
-    }
-    let Some(before) = before else { return Ok(()) };
-    if before.0.last() != leg.0.first() {
-        return Stop::bad("a leg does not start where the one before ends");
-    }
-    // Its time would start again with the leg, and the body would jump back.
-    if scene.bodies.iter().any(|b| matches!(b.motion, Motion::Steady(_))) {
-        return Stop::bad("several legs, and a body that is steady");
-    }
-    Ok(())
 }

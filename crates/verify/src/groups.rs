@@ -1,6 +1,6 @@
 //! A lower bound of the distance of two bodies at rest, by planes between groups of their parts.
 //!
-//! **Lemma 13.** The cells of lemma 11, without time: they start with all parts of both bodies, each
+//! **Lemma 7.** The cells of lemma 11, without time: they start with all parts of both bodies, each
 //! entry of the list first cuts the cell at hand as often as it says, then proves it. If along n all
 //! points of the parts of A in a cell lie below all of those of B by g > 0, each part of A is at least
 //! g / |n| from each part of B in it. If no cell waits at the end, this was shown of each part of A and

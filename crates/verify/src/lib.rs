@@ -7,7 +7,6 @@ mod check;
 mod claim;
 mod cover;
 mod cuts;
-mod depth;
 mod distance;
 mod file;
 mod groups;
@@ -27,6 +26,7 @@ mod pose;
 mod range;
 mod real;
 mod report;
+mod rules;
 mod scene;
 mod sha256;
 mod taylor;
@@ -69,9 +69,12 @@ pub fn verify(receipt: impl BufRead) -> Result<Verdict, Unreadable> {
 
 /// Checks the evidence of a receipt on another scene.
 ///
-/// Bodies, joints and legs are those of `other`, a receipt of any claim, whose evidence is not
-/// evaluated; usually its claim is `scene`. Claim, interval, margin and ignored pairs are those of
-/// `receipt`. The result never rests on a hash: each certificate is evaluated again.
+/// Bodies, joints, legs and names of files are those of `other`, a receipt of any claim, whose evidence
+/// is not evaluated; usually its claim is `scene`. Claim, interval, margin and ignored pairs are those
+/// of `receipt`. The result never rests on a hash: each certificate is evaluated again.
+///
+/// Each of the two files must keep the rules of the format by itself. The claim of `receipt` must keep
+/// them on the other scene, too: a range, for example, is never proven for a body that is steady.
 ///
 /// A failure means that the proof does not hold on the other scene. It does not mean that bodies
 /// collide there.

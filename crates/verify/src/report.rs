@@ -37,7 +37,7 @@ pub struct Report {
     pub proven: Vec<String>,
     /// One sentence for each thing that a reader could think to be proven.
     pub not_looked_at: Vec<String>,
-    /// Files that the writer says to have read. Their hashes were not compared.
+    /// Files that the writer of the scene says to have read. Their hashes were not compared.
     pub files: Vec<StatedFile>,
     /// Number of lines of evidence.
     pub certificates: usize,

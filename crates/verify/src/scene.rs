@@ -68,14 +68,6 @@ impl Scene {
         Ok(true)
     }
 
-    /// Checks that the scene is whole.
-    pub(crate) fn end(&self) -> Result<(), Stop> {
-        if self.bodies.is_empty() || self.base.is_some() && self.joints.is_empty() {
-            return Stop::bad("the scene has no body, or a base without joints");
-        }
-        Ok(())
-    }
-
     fn lengths(&mut self, numbers: &[Real]) {
         self.scale = numbers.iter().fold(self.scale, |scale, x| scale.max(x.scale()));
     }

@@ -15,10 +15,9 @@ fn holds(text: &str) -> Report {
 /// A generator with a name.
 pub(crate) type Kind = (&'static str, fn(&mut Rng) -> Receipt);
 
-const KINDS: [Kind; 9] = [
+const KINDS: [Kind; 8] = [
     ("overlap", overlap),
     ("distance", above),
-    ("depth", sunk),
     ("cast", |rng| cast(rng, 0.0)),
     ("cast with a margin", |rng| cast(rng, 0.01)),
     ("hit", hit),
@@ -59,18 +58,6 @@ fn the_text_says_what_is_proven_and_what_was_not_looked_at() {
     ] {
         assert!(text.contains(part), "{part}\n{text}");
     }
-    let depth = holds(&sunk(&mut Rng(3)).text()).to_string();
-    assert!(
-        depth.contains("the depth of part 0 and part 1 is: at least 0."),
-        "{depth}"
-    );
-    let mut one = sunk(&mut Rng(3));
-    let Line::Depth { lower, .. } = &mut one.evidence[0] else {
-        unreachable!()
-    };
-    *lower = None;
-    let depth = holds(&one.text()).to_string();
-    assert!(depth.contains("at least side not looked at, at most 0."), "{depth}");
 }
 
 /// A receipt that holds by other lines alone lists the pairs that it ignores, too.
@@ -254,42 +241,5 @@ fn touching_at_rest_is_proven() {
         };
         assert!(touches(1.0), "{shift:?}");
         assert!(!touches(1.0 + f64::EPSILON), "{shift:?}");
-    }
-}
-
-/// The surface of a depth must be closed and turned outward, and each bound is exact.
-#[test]
-fn a_depth_needs_its_whole_surface() {
-    let mut rng = Rng(8);
-    for k in 0..12 {
-        let receipt = sunk(&mut rng);
-        let changed = |change: &dyn Fn(&mut (f64, V), &mut Ball)| {
-            let mut other = receipt.clone();
-            let Line::Depth {
-                upper: Some(upper),
-                lower: Some(lower),
-                ..
-            } = &mut other.evidence[0]
-            else {
-                unreachable!()
-            };
-            change(upper, lower);
-            verify(other.text().as_bytes()).unwrap().holds()
-        };
-        assert!(changed(&|_, _| ()));
-        let Line::Depth {
-            lower: Some((_, _, facets)),
-            ..
-        } = &receipt.evidence[0]
-        else {
-            unreachable!()
-        };
-        let cut = facets[k];
-        assert!(!changed(&|_, ball| ball.2.retain(|facet| *facet != cut)));
-        assert!(!changed(&|_, ball| ball.2[k].swap(0, 1)));
-        assert!(!changed(&|_, ball| ball.2.clear()));
-        assert!(!changed(&|_, ball| ball.0 = f64::from_bits(ball.0.to_bits() + 1)));
-        assert!(!changed(&|upper, _| upper.0 = f64::from_bits(upper.0.to_bits() - 1)));
-        assert!(!changed(&|upper, _| upper.1 = scale(upper.1, -1.0)));
     }
 }

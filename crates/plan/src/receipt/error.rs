@@ -67,7 +67,7 @@ pub enum ReceiptError {
         /// The reason.
         why: &'static str,
     },
-    /// Returned if no pair is proven, over a range or in a step: a receipt would claim nothing.
+    /// Returned if no pair is proven over a range: a receipt would claim nothing.
     #[error("no pair is proven: a receipt would claim nothing")]
     Nothing,
     /// Returned if the checker or the space returns an error.

@@ -44,8 +44,7 @@
 //! | [`RangeAnswer`](crate::RangeAnswer)s that pairs never meet | [`Receipt::range`] | these pairs keep more than the margin at every configuration of the range |
 //! | a cast of two bodies | [`Receipt::cast`] | a miss, or apart up to `safe` and a contact at `hit` |
 //! | the distance of two bodies | [`Receipt::outcome`] | its lower and its upper bound |
-//! | a step of a scene | [`Receipt::step`] | a distance or a common point of each pair with a result |
-//! | an overlap of two convex bodies | [`Receipt::outcome`] | that they share a point, and bounds of the depth |
+//! | an overlap of two bodies | [`Receipt::outcome`] | that they share a point |
 //!
 //! [`Receipt::scene`] writes bodies and a path without a proof. A checker evaluates an older
 //! receipt on it, and says whether the proof still holds after an obstacle has moved.
@@ -55,8 +54,8 @@
 //! * Ellipsoids, superquadrics, clouds, surfaces and half-spaces. A cylinder or a cone is stated as a
 //!   polyhedron of 32 sides around it, which its name says. So a receipt may prove it free, and never
 //!   in contact; where only the corners of the polyhedron are in contact, there is no receipt.
-//! * Depths of meshes and compounds. Contacts and distances of pieces with different radii: all
-//!   pieces of a compound get the greatest radius, which the name says.
+//! * Depths. Contacts and distances of pieces with different radii: all pieces of a compound get the
+//!   greatest radius, which the name says.
 //! * A mesh that holds another body inside, without contact of their surfaces.
 //! * Tubes, moving obstacles, contacts at the start that are left,
 //!   and motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]).
@@ -89,7 +88,6 @@
 //! [`Steady::with_acceleration_bounds`]: lin_canny::motion::Steady::with_acceleration_bounds
 
 mod cells;
-mod depth;
 mod distance;
 mod error;
 mod evidence;
@@ -101,7 +99,6 @@ mod range;
 mod scene;
 mod segment;
 mod sha256;
-mod step;
 mod taylor;
 
 use core::fmt;

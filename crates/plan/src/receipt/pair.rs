@@ -4,7 +4,6 @@ use core::ops::Range;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::depth::depth;
 use super::distance::distance;
 use super::error::ReceiptError;
 use super::number::hex;
@@ -112,12 +111,9 @@ impl Receipt {
     }
 
     /// Returns the receipt of an outcome of two bodies: both bounds of a distance, or that they share
-    /// a point, and bounds of the depth of convex bodies.
+    /// a point.
     ///
-    /// `b_in_a` is the pose of B in the frame of A, for which the outcome was computed. If the hulls
-    /// overlap by more than rounding, the receipt bounds their depth too: from above by the normal
-    /// of the outcome, from below by the surface of the Minkowski difference. The lower side is left
-    /// out if there are more than 4,096 pairs of vertices; a checker says so.
+    /// `b_in_a` is the pose of B in the frame of A, for which the outcome was computed.
     ///
     /// Of meshes and compounds, both bounds of a distance are wider than those of the outcome by 1e-12
     /// of the greatest coordinate, because each group of parts has a plane whose normal rounds. The
@@ -161,13 +157,8 @@ impl Receipt {
                 }),
             _ => meeting(&scene, None, [0, 1], None, 0.0),
         };
-        let mut lines = vec![line?];
-        // Only if the hulls overlap is the depth that of the hulls, plus the radii.
-        let is_convex = scene.bodies.iter().all(|body| body.parts.is_empty());
-        if is_convex && lines[0].starts_with("{\"meet\"") {
-            lines.extend(depth(&scene, b_in_a, outcome));
-        }
-        Ok(Self::of_scene(Claim::Lines, scene, lines))
+        let line = line?;
+        Ok(Self::of_scene(Claim::Lines, scene, vec![line]))
     }
 
     pub(super) fn of_scene(claim: Claim, scene: Scene, evidence: Vec<String>) -> Self {

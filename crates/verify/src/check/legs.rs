@@ -4,9 +4,7 @@ use std::cell::OnceCell;
 
 use super::Check;
 use crate::Stop;
-use crate::file::{Head, follows};
-use crate::json::Json;
-use crate::real::Real;
+use crate::file::Head;
 use crate::scene::Leg;
 
 impl Check {
@@ -18,26 +16,9 @@ impl Check {
         }
     }
 
-    pub(super) fn start_leg(&mut self, line: &Json) -> Result<(), Stop> {
-        if self.count == 0 && self.report.certificates > 0 {
-            return Stop::bad("evidence before the first leg");
-        }
-        if matches!(self.head, Head::Range(_)) {
-            return Stop::bad("a leg in a claim about configurations");
-        }
-        let leg = Leg::read(line)?;
-        if self.legs.is_none() {
-            follows(&self.scene, self.leg.as_ref(), &leg)?;
-        }
+    pub(super) fn start_leg(&mut self, leg: Leg) -> Result<(), Stop> {
         let before = if self.count > 0 { self.end_leg() } else { Ok(()) };
         (self.leg, self.count, self.wide) = (Some(leg), self.count + 1, OnceCell::new());
-        if let Head::Apart(apart) = &self.head {
-            let (from, until) = (apart.span.from, apart.span.until);
-            let whole = from == Real::ZERO && until == Real::ONE;
-            if from < Real::ZERO || until > Real::ONE || self.count > 1 && !whole {
-                return Stop::bad("the interval is not within a leg, or not all of each of several");
-            }
-        }
         let stage = self.narrow.take();
         let Some(now) = self.now() else {
             return Stop::fails("another scene: a leg is missing");

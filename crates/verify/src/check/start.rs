@@ -1,43 +1,48 @@
 //! Which scene is evaluated: that of the receipt, or another one.
 
 use super::Check;
+use crate::Stop;
 use crate::file::Head;
 use crate::motion::Stage;
-use crate::report::{Failure, Report, StatedFile};
+use crate::report::{Failure, StatedFile};
+use crate::rules;
 use crate::scene::{Leg, Scene};
 
 impl Check {
     pub(super) fn new(head: Head, mut stated: Scene, other: Option<(Scene, Vec<Leg>)>) -> Self {
-        let report = Report {
-            files: stated
-                .files
-                .drain(..)
-                .map(|(name, sha256)| StatedFile { name, sha256 })
-                .collect(),
-            ..Report::default()
-        };
-        let (mut scene, mut legs, mut different) = (stated, None, None);
-        if let Some((mut new, new_legs)) = other {
-            let same = scene
-                .bodies
-                .iter()
-                .zip(&new.bodies)
-                .take_while(|(x, y)| x.name == y.name)
-                .count();
-            if same != scene.bodies.len().max(new.bodies.len()) {
-                different = Some(format!("another scene: body {same} is not the same"));
-            }
-            (new.ignored, new.reasons) = (std::mem::take(&mut scene.ignored), std::mem::take(&mut scene.reasons));
-            (scene, legs) = (new, Some(new_legs));
-        }
-        Self {
+        let mut check = Self {
             head,
-            scene,
-            legs,
-            different,
-            report,
             ..Self::default()
+        };
+        if let Some((mut scene, legs)) = other {
+            check.different = check.differs(&stated, &scene, &legs);
+            scene.ignored = std::mem::take(&mut stated.ignored);
+            scene.reasons = std::mem::take(&mut stated.reasons);
+            (check.stated, check.legs) = (Some(stated), Some(legs));
+            stated = scene;
         }
+        let file = |(name, sha256)| StatedFile { name, sha256 };
+        check.report.files = stated.files.drain(..).map(file).collect();
+        check.scene = stated;
+        check
+    }
+
+    /// Says why no evidence of a receipt can be evaluated on another scene.
+    fn differs(&self, stated: &Scene, other: &Scene, legs: &[Leg]) -> Option<String> {
+        let pairs = stated.bodies.iter().zip(&other.bodies);
+        let same = pairs.take_while(|(x, y)| x.name == y.name).count();
+        if same != stated.bodies.len().max(other.bodies.len()) {
+            return Some(format!("another scene: body {same} is not the same"));
+        }
+        let mut before = None;
+        let each = legs
+            .iter()
+            .map(|leg| rules::of_leg(&self.head, other, before.replace(leg), leg));
+        let (Stop::Bad(why) | Stop::Fails(why)) = [rules::of_scene(&self.head, other)]
+            .into_iter()
+            .chain(each)
+            .find_map(Result::err)?;
+        Some(format!("another scene: {why}"))
     }
 
     pub(super) fn start(&mut self, line: usize) {

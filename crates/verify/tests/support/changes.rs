@@ -3,13 +3,12 @@
 use super::*;
 
 pub(crate) fn make(rng: &mut Rng, k: usize) -> Receipt {
-    match k % 7 {
+    match k % 6 {
         0 => overlap(rng),
         1 => above(rng),
-        2 => sunk(rng),
-        3 => hit(rng),
-        4 => arm(rng, 0.01, 1, 1),
-        5 => arm(rng, 0.01, 2, 2),
+        2 => hit(rng),
+        3 => arm(rng, 0.01, 1, 1),
+        4 => arm(rng, 0.01, 2, 2),
         _ => cast(rng, 0.01),
     }
 }
@@ -78,15 +77,6 @@ pub(crate) fn change(kind: &str, receipt: &mut Receipt, rng: &mut Rng) -> bool {
             for line in &mut receipt.evidence {
                 if let Line::Meet { points, .. } = line {
                     points[rng.below(4)][rng.below(2)] = rng.below(8);
-                    return true;
-                }
-                if let Line::Depth {
-                    lower: Some((_, _, facets)),
-                    ..
-                } = line
-                {
-                    let count = facets.len();
-                    facets[rng.below(count)][rng.below(3)] = rng.below(8);
                     return true;
                 }
             }

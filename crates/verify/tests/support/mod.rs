@@ -10,6 +10,7 @@ pub(crate) mod changes;
 pub(crate) mod parted;
 pub(crate) mod python;
 pub(crate) mod ranged;
+pub(crate) mod scenes;
 
 use std::fmt::Write;
 
@@ -173,15 +174,7 @@ pub(crate) enum Line {
         normal: V,
         on: [Weights; 2],
     },
-    Depth {
-        pair: [usize; 2],
-        upper: Option<(f64, V)>,
-        lower: Option<Ball>,
-    },
 }
-
-/// A radius, differences of vertices and triangles of them.
-pub(crate) type Ball = (f64, Vec<[usize; 2]>, Vec<[usize; 3]>);
 
 /// What a receipt holds, to be changed before it is written.
 #[derive(Clone, Debug)]
@@ -354,27 +347,6 @@ impl Receipt {
                 format!(
                     "{{\"distance\":[{a},{b}],\"lower\":{lower},\"upper\":{upper},\"normal\":{normal},\"on\":{on}}}"
                 )
-            }
-            Line::Depth {
-                pair: [a, b],
-                upper,
-                lower,
-            } => {
-                let mut text = format!("{{\"depth\":[{a},{b}]");
-                if let Some((upper, normal)) = upper {
-                    write!(text, ",\"upper\":{},\"normal\":{}", hex(*upper), hexes(normal)).unwrap();
-                }
-                if let Some((lower, points, facets)) = lower {
-                    let facets = rows(facets.iter().map(|[p, q, r]| format!("[{p},{q},{r}]")));
-                    write!(
-                        text,
-                        ",\"lower\":{},\"points\":{},\"facets\":{facets}",
-                        hex(*lower),
-                        pairs(points)
-                    )
-                    .unwrap();
-                }
-                text + "}"
             }
         }
     }
@@ -555,12 +527,6 @@ impl Receipt {
                             .chain(weights)
                             .map(|x| ("certificate", x)),
                     );
-                }
-                Line::Depth { upper, lower, .. } => {
-                    if let Some((bound, normal)) = upper {
-                        all.extend([bound].into_iter().chain(normal).map(|x| ("certificate", x)));
-                    }
-                    all.extend(lower.iter_mut().map(|x| ("certificate", &mut x.0)));
                 }
             }
         }
@@ -921,41 +887,6 @@ pub(crate) fn above(rng: &mut Rng) -> Receipt {
         within: d + 1e-12,
         on,
     });
-    receipt
-}
-
-/// Two boxes along the axes that overlap: both bounds of the depth are exact.
-pub(crate) fn sunk(rng: &mut Rng) -> Receipt {
-    let mut dyadic = |low: f64, high: f64| (rng.range(low, high) * 64.0).round() / 64.0;
-    let (a, b) = ([dyadic(0.2, 0.5), 0.5, 0.625], [0.5, dyadic(0.3, 0.5), 0.5]);
-    let shift = [dyadic(0.1, 0.3), dyadic(-0.2, 0.2), 0.125];
-    let pose = [shift[0], shift[1], shift[2], 0.0, 0.0, 0.0, 1.0];
-    let bodies = vec![body(cuboid(a), Move::Rest(REST)), body(cuboid(b), Move::Rest(pose))];
-    let mut receipt = Receipt::new(None, bodies);
-    let depths: V = std::array::from_fn(|k| a[k] + b[k] - shift[k].abs());
-    let k = (0..3).min_by(|i, j| depths[*i].total_cmp(&depths[*j])).unwrap();
-    let mut normal = [0.0; 3];
-    normal[k] = if shift[k] < 0.0 { -1.0 } else { 1.0 };
-    // Corners of A - B: a corner of A and the opposite one of B.
-    let points = (0..8).map(|i| [i, 7 - i]).collect();
-    let quads = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let facets = quads
-        .iter()
-        .flat_map(|[p, q, r, s]| [[*p, *q, *r], [*p, *r, *s]])
-        .collect();
-    let line = Line::Depth {
-        pair: [0, 1],
-        upper: Some((depths[k], normal)),
-        lower: Some((depths[k], points, facets)),
-    };
-    receipt.evidence.push(line);
     receipt
 }
 

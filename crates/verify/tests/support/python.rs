@@ -50,7 +50,7 @@ pub(crate) fn codes(cases: &[(String, Option<String>)]) -> Option<Vec<i32>> {
     // The program itself, once.
     let status = Command::new("python3")
         .arg(scripts.join("verify.py"))
-        .arg(&names[0])
+        .args(names[0].split('+'))
         .output()
         .unwrap()
         .status;
@@ -76,13 +76,19 @@ pub(crate) fn code(receipt: &str, other: Option<&str>) -> i32 {
     }
 }
 
-/// What the Python checker prints about a receipt.
-pub(crate) fn printed(receipt: &str) -> Option<String> {
+/// What the Python checker prints about a receipt, or about a receipt on another scene.
+pub(crate) fn printed(texts: &[&str]) -> Option<String> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../python/verify.py");
-    let text = std::env::temp_dir().join(format!("lin-canny-verify-{}-printed", std::process::id()));
-    std::fs::write(&text, receipt).unwrap();
-    let output = Command::new("python3").arg("-B").arg(&script).arg(&text).output();
-    std::fs::remove_file(&text).unwrap();
+    let mut command = Command::new("python3");
+    command.arg("-B").arg(&script);
+    let file = |(k, text): (usize, &&str)| {
+        let path = std::env::temp_dir().join(format!("lin-canny-verify-{}-{k}-printed", std::process::id()));
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let files: Vec<_> = texts.iter().enumerate().map(file).collect();
+    let output = command.args(&files).output();
+    files.iter().for_each(|path| std::fs::remove_file(path).unwrap());
     let output = output.ok().filter(|_| script.exists())?;
     Some(String::from_utf8(output.stdout).unwrap())
 }

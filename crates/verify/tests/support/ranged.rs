@@ -152,6 +152,19 @@ impl Ranged {
         })
     }
 
+    /// Whether a random configuration refutes the claim, for all pairs of which one body moves, at
+    /// any time.
+    pub(crate) fn is_false_anywhere(&self, rng: &mut Rng) -> bool {
+        let mut one = self.arm.clone();
+        // From 0 to 4, so that a body that flies arrives.
+        one.apart = Some([0.0, 4.0, self.margin]);
+        (0..20).any(|_| {
+            let q = self.range.iter().map(|[low, high]| rng.range(*low, *high)).collect();
+            one.evidence = vec![Line::Leg(vec![q])];
+            one.is_false()
+        })
+    }
+
     /// Changes one thing; returns whether it must be refused.
     pub(crate) fn change(&mut self, rng: &mut Rng, k: usize) -> bool {
         let one = rng.below(self.lines.len());
