@@ -209,7 +209,6 @@
 //! |---|---|---|---|---|
 //! | polyhedra, rounded or not | `1e-13 L` | exact (feature `exact`) | bounded both ways | [`Tracker::manifold`] |
 //! | curved shapes | `1e-13 L` | within `3e-14 L` touching or undecided; `intersects` and `within` return true unless a search proves the shapes apart | bounded both ways to `1e-13 L` if a ball inside the shapes proves the depth, else to about `2^-19 L`; wider if both have one centre | [`PairTracker::manifold`] |
-//! | superquadrics | `2e-13 L` | as curved shapes, within `1e-13 L` | as curved shapes | [`PairTracker::manifold`] |
 //! | meshes, compounds | `1e-13 L`; compounds whose pieces have poses `1.5e-13 L` | predicates of meshes and of compounds whose pieces have no pose exact (feature `exact`), but for two ties of [`PairTracker::within`]; within `1e-13 L` of contact, the contact state may be touching instead of separated or overlapping | [`PairTracker::penetration`]: an interval that may stay wide | [`PairTracker::contacts`], for shallow overlap |
 //! | clouds | `1.5e-13 L` | ties count as within; at the identity as exact as the element and the other body | bounds of [`PairTracker::penetration`] | [`PairTracker::contacts`] |
 //! | Bézier surfaces | you choose | undecided if the interval allows both answers, at one pose perhaps warm and not cold | none | none |
@@ -243,7 +242,7 @@
 //! | `std` | yes | square roots of the machine; without it the crate is `no_std` and needs `alloc` |
 //! | `exact` | yes | exact integer arithmetic if the floating-point filters fail: it decides contact state and predicates of polyhedra, and adds `closest_exact` |
 //! | `meshes` | yes | compounds, meshes and clouds: queries, contacts, bounds of penetration depths |
-//! | `surfaces` | yes | Bézier and NURBS surfaces; needs `meshes` |
+//! | `surfaces` | no | Bézier and NURBS surfaces; needs `meshes` |
 //! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and results in files; bodies are checked when read; `serde_json` needs its feature `float_roundtrip` to keep every bit |
 //! | `parallel` | no | multithreading in the broad phase, and in scenes with 625 or more queries per step; results are bit-identical for any number of threads |
 //! | `tracing` | no | an event if a solver falls back, a budget runs out or input is rejected |

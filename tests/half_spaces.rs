@@ -45,7 +45,6 @@ fn scaled(kind: &Kind, by: f64) -> Kind {
         Kind::Ellipsoid(a) => Kind::Ellipsoid(a.map(|x| x * by)),
         Kind::Cylinder(h, r) => Kind::Cylinder(h * by, r * by),
         Kind::Cone(h, r) => Kind::Cone(h * by, r * by),
-        Kind::Superquadric(a, e) => Kind::Superquadric(a.map(|x| x * by), *e),
     }
 }
 
@@ -92,15 +91,10 @@ fn random_case(rng: &mut Rng, k: usize, by: f64) -> Case {
     match k % 5 {
         0 | 1 => {
             let part = convex(rng);
-            let slack = if matches!(part.kind, Kind::Superquadric(..)) {
-                2e-14
-            } else {
-                0.0
-            };
             Case {
                 geometry: Geometry::from(shape(&part)),
                 parts: vec![part],
-                slack,
+                slack: 0.0,
             }
         }
         2 => {

@@ -353,7 +353,6 @@ fn curved_bodies_are_contained() {
         Shape::cylinder(1.0, 0.2),
         Shape::cone(1.0, 0.5).and_then(|shape| shape.rounded(0.1)),
         Shape::ellipsoid(Vector3::new(1.0, 0.5, 0.01)),
-        Shape::superquadric(Vector3::new(1.0, 0.5, 0.3), 0.5, 1.5),
         Shape::capsule(1.0, 1e-6),
     ];
     for body in bodies {

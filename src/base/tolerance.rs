@@ -75,9 +75,8 @@
 //!   row of the table of degrees, with the scale at which the largest of all leaves the range.
 //! * **Prose** remains here: the parts of `DISPLACEMENT` told "per" a length, and those of `BOXES`
 //!   and `PLANE`, are each proved for one length alone, as they are linear in all; the sum of two
-//!   numbers of twice the precision is right by the literature, as the table says; powers and
-//!   logarithms of a superquadric add the error that its own `Support::noise` states; that a
-//!   direction makes a gap a lower bound, and points of the bodies an upper one, is geometry.
+//!   numbers of twice the precision is right by the literature, as the table says; that a direction
+//!   makes a gap a lower bound, and points of the bodies an upper one, is geometry.
 //!
 #![doc = include_str!("tolerance/proved.md")]
 
@@ -474,13 +473,6 @@ pub(crate) const AGREE_CURVED: f64 = 16.0 * UNIT;
 /// this times L, `2^-31`: bounds that agree leave the square root of twice [`AGREE_CURVED`] times
 /// the distance. Not a matter of soundness.
 pub(crate) const ASIDE: f64 = 1.0 / (1u64 << 31) as f64;
-
-/// Least value of a product of shares on a superquadric: if the product vanishes, the surface is
-/// flat or an apex. Not a matter of soundness.
-pub(crate) const TIP: f64 = 1e-60;
-
-/// `ln 2` less its nearest f64.
-pub(crate) const LN2_REST: f64 = 2.319_046_813_846_299_6e-17;
 
 /// A depth of curved cores without a proof by inner balls is searched to this times L, `2^-20`, in
 /// each bound.

@@ -39,7 +39,6 @@ use nalgebra::{Unit, Vector3};
 /// |---|---|---|
 /// | polyhedra, rounded or not | `1e-13 L` | exact (feature `exact`) |
 /// | cylinder, cone, ellipsoid | `1e-13 L`; depths `2^-19 L` | ties count as within |
-/// | superquadric | `2e-13 L`; depths `2^-19 L` | ties count as within |
 /// | meshes, compounds whose pieces have no pose | `1e-13 L` | exact (`exact`), but for two ties |
 /// | compounds whose pieces have poses | `1.5e-13 L` | ties count as within |
 /// | a cloud | `1.5e-13 L` | ties count as within, see [`Cloud`](crate::Cloud) |
@@ -48,11 +47,7 @@ use nalgebra::{Unit, Vector3};
 ///
 /// The contact state of curved shapes may be [`Undecided`](crate::ContactState::Undecided), even
 /// with the feature `exact`. This happens if the bounds straddle zero and are farther apart than a
-/// contact leaves them: in a few of a hundred poses of superquadrics close to contact.
-///
-/// Superquadrics with exponents near 0 or 2 may take several hundred times as long as usual, in
-/// about one pose of a hundred, at any distance. The query then uses double-double arithmetic and
-/// up to about 450 directions, or up to about 1,300 within `1e-10 L` of contact; the median is 14.
+/// contact leaves them.
 ///
 /// The bounds of a depth of curved shapes are as close as the bounds of a distance if balls inside
 /// the cores prove them, and for cylinders and cones with parallel axes. If the shapes have a
@@ -138,7 +133,7 @@ impl PairTracker {
     /// Returns a tracker whose first query of a curved convex pair starts along a direction.
     ///
     /// The direction leads from A to B, in the frame of A. It applies to two convex geometries of
-    /// which one is a cylinder, cone, ellipsoid or superquadric; other pairs start cold. Use this
+    /// which one is a cylinder, cone or ellipsoid; other pairs start cold. Use this
     /// if you keep the normal of the last result yourself and no tracker. A wrong direction costs
     /// time and never makes a bound wrong; it may change what the state of any tracker may change.
     ///
@@ -208,7 +203,6 @@ impl PairTracker {
     ///
     /// - one shape is a cylinder, cone or ellipsoid: to 1e-9 times the pair size, and at flush
     ///   faces or common axes sometimes only to 3e-8;
-    /// - one shape is a superquadric: to 1e-7;
     /// - only an interval of the depth is known: to 1e-6.
     ///
     /// **Witnesses of meshes** are as far apart as the upper bound, up to the rounding of their
@@ -548,8 +542,8 @@ impl PairTracker {
     ///
     /// Rounded polyhedra have the contacts of their cores, moved outward by the radii along the
     /// normal. Curved shapes have contacts on their flat round faces and straight generators if
-    /// these are within `options.max_face_sine` of the normal. An ellipsoid, a superquadric, or a
-    /// rim or apex without such a face has one contact: the witnesses.
+    /// these are within `options.max_face_sine` of the normal. An ellipsoid, or a rim or
+    /// apex without such a face has one contact: the witnesses.
     ///
     /// A flat round face has two kinds of contacts: eight points of its rim at multiples of 45
     /// degrees, if they are over the other shape, and the crossings of the rim with the boundary

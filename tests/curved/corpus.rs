@@ -14,7 +14,6 @@ fn core(shape: &Shape) -> (Shape, Kind) {
         Core::Ellipsoid(core) => Kind::Ellipsoid(core.semi_axes().into()),
         Core::Cylinder(core) => Kind::Cylinder(core.half_height(), core.radius()),
         Core::Cone(core) => Kind::Cone(core.half_height(), core.radius()),
-        Core::Superquadric(core) => Kind::Superquadric(core.semi_axes().into(), core.exponents()),
         other => panic!("{other:?} is new"),
     };
     (kind.shape(), kind)

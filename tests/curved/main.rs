@@ -38,9 +38,7 @@ impl Mix {
         assert!(o.lower <= o.distance && o.distance <= o.upper, "{}", told());
         // Bounds in double-double are tighter than witnesses in `f64` can confirm.
         let fine = o.solver == Solver::DoubleDouble;
-        // The judge of superquadrics is no more accurate than `f64`.
-        let rough = [a, b].iter().any(|k| matches!(k, Kind::Superquadric(..)));
-        let slack = if fine || rough { 8.0 * f64::EPSILON * size } else { 0.0 };
+        let slack = if fine { 8.0 * f64::EPSILON * size } else { 0.0 };
         assert!(
             (Wide::from(o.lower) - upper).0 <= slack,
             "the lower bound is too high: {}",

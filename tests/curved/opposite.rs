@@ -8,11 +8,9 @@ use truth::curved::special::{about_parallel_axes, flush_over_edge};
 use truth::curved::{Kind, Place, matrix, turned_back, wide};
 use truth::rng::Rng;
 
-/// Largest error of witnesses in units of L, and of witnesses of superquadrics, whose support
-/// values are less accurate. If only an interval of the depth is known, its width is added, up to
-/// `WIDE`.
+/// Largest error of witnesses in units of L. If only an interval of the depth is known, its width
+/// is added, up to `WIDE`.
 const OFF: f64 = 1e-9;
-const ROUGH: f64 = 1e-8;
 const WIDE: f64 = 1e-6;
 
 /// Returns the errors of the witnesses relative to L: off the line along the normal, and off the
@@ -59,12 +57,10 @@ impl Worst {
         self.classes[o.state as usize] += 1;
         let off = off(kinds, radii, place, &o);
         let width = (o.upper - o.lower) / place.size(kinds[0], kinds[1]);
-        let is_rough = kinds.iter().any(|k| matches!(k, Kind::Superquadric(..)));
-        let most = if is_rough { ROUGH } else { OFF };
         let (list, most) = match o.state {
-            ContactState::Separated => (&mut self.apart, most),
-            _ if width <= 1e-13 => (&mut self.closed, most),
-            _ => (&mut self.open, most + width.min(WIDE)),
+            ContactState::Separated => (&mut self.apart, OFF),
+            _ if width <= 1e-13 => (&mut self.closed, OFF),
+            _ => (&mut self.open, OFF + width.min(WIDE)),
         };
         if off.iter().any(|&x| !(x <= most)) || o.state == ContactState::Undecided {
             self.bad += 1;

@@ -57,7 +57,7 @@ fn starts_along_normals_change_the_work_alone() {
     let (mut apart, mut deep) = (0, 0);
     for (k, (first, second)) in pairs().enumerate() {
         let (mut rng, mut mix) = (Rng::new(2300 + k as u64), Mix::default());
-        for _ in 0..count() / 5 {
+        for _ in 0..count() / 3 {
             let ([a, b], [place, next]) = draw(first, second, &mut rng);
             let (x, y, pose) = (a.shape(), b.shape(), next.pose());
             let before = PairTracker::new().closest(&x, &y, &place.pose());
@@ -124,7 +124,7 @@ fn local_depths_of_curved_shapes_part_them() {
     let (mut deep, mut deeper) = (0, 0);
     for (k, (first, second)) in pairs().enumerate() {
         let mut rng = Rng::new(2600 + k as u64);
-        for _ in 0..count() / 5 {
+        for _ in 0..count() / 3 {
             let ([a, b], [place, next]) = draw(first, second, &mut rng);
             let (x, y, pose) = (a.shape(), b.shape(), next.pose());
             let before = PairTracker::new().closest(&x, &y, &place.pose());

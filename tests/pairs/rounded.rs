@@ -138,7 +138,6 @@ fn bad_parameters_are_refused_by_name() {
     refused(Shape::cone(1e200, 1.0), "half height");
     refused(Shape::ellipsoid(Vector3::new(1.0, -2.0, 1.0)), "semi-axis");
     refused(Shape::hull(&[Point3::origin(); 3]), "points");
-    refused(Shape::superquadric(Vector3::repeat(1.0), 2.0, 1.0), "exponent");
 }
 
 /// Returns a tetrahedron without symmetry.
@@ -207,8 +206,6 @@ fn kinds() -> Vec<Shape> {
         Shape::from(tent()).rounded(0.5),
         Shape::from(triangle()).rounded(0.25),
         Shape::cylinder(0.5, 1.0).and_then(|s| s.rounded(0.125)),
-        Shape::superquadric(Vector3::new(1.0, 0.75, 0.5), 0.5, 1.5),
-        Shape::superquadric(Vector3::new(0.5, 0.75, 1.0), 1.5, 0.25),
     ]
     .into_iter()
     .map(|s| s.expect("a shape"))

@@ -22,7 +22,6 @@ pub(crate) fn kinds() -> Vec<Shape> {
         Shape::cone(0.4, 0.3),
         Shape::cone(0.4, 0.3).and_then(|s| s.rounded(0.05)),
         Shape::ellipsoid(axes),
-        Shape::superquadric(axes, 0.5, 0.8),
         Ok(Shape::from(solids::random_hull(40, axes, 3).expect("a hull"))),
     ];
     made.into_iter().map(|s| s.expect("a shape")).collect()

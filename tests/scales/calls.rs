@@ -75,13 +75,12 @@ struct Scene {
 /// A row: the query, its units, and the units in which the result has the same bits.
 type Row = (&'static str, Range, Range, fn(&mut Scene, &mut Rng));
 
-const ROWS: [Row; 21] = [
+const ROWS: [Row; 20] = [
     ("hulls", ALL, ALL, hulls),
     ("local depths", ALL, ALL, local_depths),
     ("points", ALL, ALL, points),
     ("half-spaces", ALL, ALL, half_spaces),
     ("shapes", ALL, MIDDLE, shape_pairs),
-    ("superquadrics", ALL, MIDDLE, superquadrics),
     ("meshes", ALL, ALL, meshes),
     ("contacts of meshes", ALL, MIDDLE, patches),
     ("fit of a hull", ALL, ALL, fits),
@@ -387,23 +386,6 @@ fn patches(scene: &mut Scene, rng: &mut Rng) {
                         scene.contact("contact", &contact.point);
                     }
                 }
-            }
-        }
-    }
-}
-
-fn superquadrics(scene: &mut Scene, rng: &mut Rng) {
-    let axes = Vector3::new(1.0, 0.7, 0.5) * scene.unit;
-    let others = curved(scene);
-    for [e1, e2] in [[0.25, 0.5], [1.0, 1.5], [1.9, 0.1]] {
-        let shape = Shape::superquadric(axes, e1, e2).expect("a superquadric");
-        let other = rng.pick(&others);
-        for apart in [0.9, 1.75, 9.0] {
-            let pose = scene.pose(rng, apart);
-            for b in [&shape, other] {
-                let mut tracker = PairTracker::new();
-                scene.outcome("superquadric", &tracker.closest(&shape, b, &pose));
-                scene.distance("distance", &tracker.distance(&shape, b, &pose));
             }
         }
     }

@@ -40,7 +40,7 @@ fn convex(k: usize, rng: &mut Rng) -> Shape {
         3 => Shape::cylinder(0.4, 0.3),
         4 => Shape::cone(0.4, 0.4),
         5 => Shape::ellipsoid(axes),
-        6 => Shape::superquadric(axes, 0.5, 0.8),
+        6 => Shape::cone(0.3, 0.5).and_then(|s| s.rounded(0.1)),
         7 => Shape::cylinder(0.3, 0.3).and_then(|s| s.rounded(0.05)),
         _ => Ok(Shape::from(solids::random_hull(20, axes, k as u64 + 1).unwrap())),
     };

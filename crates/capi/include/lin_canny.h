@@ -56,9 +56,6 @@
 // An ellipsoid: semi-axes along x, y and z.
 #define LC_ELLIPSOID 6
 
-// A superquadric: semi-axes along x, y and z, exponents e1 and e2.
-#define LC_SUPERQUADRIC 7
-
 // The half-space of all points p with n . p <= offset: n (of any length), offset.
 #define LC_HALF_SPACE 8
 
@@ -77,7 +74,7 @@
 // A geometry is a rounded polyhedron: ball, capsule, rounded box or hull.
 #define LC_KIND_ROUNDED 3
 
-// A geometry is a cylinder, cone, ellipsoid or superquadric, rounded or not.
+// A geometry is a cylinder, cone or ellipsoid, rounded or not.
 #define LC_KIND_CURVED 4
 
 // A geometry consists of convex pieces.

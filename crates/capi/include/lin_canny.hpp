@@ -181,9 +181,6 @@ class Geometry : public Owner<lc_geometry, lc_geometry_free> {
   static Geometry cylinder(double half_height, double radius) { return shape(LC_CYLINDER, {half_height, radius}); }
   static Geometry cone(double half_height, double radius) { return shape(LC_CONE, {half_height, radius}); }
   static Geometry ellipsoid(double x, double y, double z) { return shape(LC_ELLIPSOID, {x, y, z}); }
-  static Geometry superquadric(double x, double y, double z, double e1, double e2) {
-    return shape(LC_SUPERQUADRIC, {x, y, z, e1, e2});
-  }
   static Geometry half_space(Point normal, double offset) {
     return shape(LC_HALF_SPACE, {normal[0], normal[1], normal[2], offset});
   }

@@ -35,8 +35,6 @@ pub const LC_CYLINDER: u32 = 4;
 pub const LC_CONE: u32 = 5;
 /// An ellipsoid: semi-axes along x, y and z.
 pub const LC_ELLIPSOID: u32 = 6;
-/// A superquadric: semi-axes along x, y and z, exponents e1 and e2.
-pub const LC_SUPERQUADRIC: u32 = 7;
 /// The half-space of all points p with n . p <= offset: n (of any length), offset.
 pub const LC_HALF_SPACE: u32 = 8;
 /// A point: x, y, z.
@@ -50,7 +48,7 @@ pub const LC_KIND_POLYHEDRON: u32 = 1;
 pub const LC_KIND_WIRE: u32 = 2;
 /// A geometry is a rounded polyhedron: ball, capsule, rounded box or hull.
 pub const LC_KIND_ROUNDED: u32 = 3;
-/// A geometry is a cylinder, cone, ellipsoid or superquadric, rounded or not.
+/// A geometry is a cylinder, cone or ellipsoid, rounded or not.
 pub const LC_KIND_CURVED: u32 = 4;
 /// A geometry consists of convex pieces.
 pub const LC_KIND_COMPOUND: u32 = 5;
@@ -216,7 +214,6 @@ fn shape(kind: u32, parameters: &[f64]) -> Result<Geometry, lc_status> {
         (LC_CYLINDER, &[half_height, radius]) => Shape::cylinder(half_height, radius),
         (LC_CONE, &[half_height, radius]) => Shape::cone(half_height, radius),
         (LC_ELLIPSOID, &[x, y, z]) => Shape::ellipsoid(Vector3::new(x, y, z)),
-        (LC_SUPERQUADRIC, &[x, y, z, e1, e2]) => Shape::superquadric(Vector3::new(x, y, z), e1, e2),
         (LC_HALF_SPACE, &[x, y, z, offset]) => {
             return Ok(HalfSpace::new(Vector3::new(x, y, z), offset).map_err(refused)?.into());
         }

@@ -33,7 +33,7 @@ static void geometries() {
   TRUE(Geometry::segment({0, 0, 0}, {1, 0, 0}).info().kind == LC_KIND_WIRE);
   const Geometry box = Geometry::box(.5, .5, .5), round = box.rounded(.25);
   TRUE(round.info().kind == LC_KIND_ROUNDED && round.bounding_box(at(1, 0, 0))[1][0] >= 1.75);
-  TRUE(Geometry::cone(1, .5).info().kind == LC_KIND_CURVED && Geometry::superquadric(1, 1, 1, .5, .5).info().is_solid == 1);
+  TRUE(Geometry::cone(1, .5).info().kind == LC_KIND_CURVED && Geometry::ellipsoid(1, 1, 1).info().is_solid == 1);
   const lc_geometry pieces[] = {box.get(), round.get()};
   const lc_pose poses[] = {identity, at(1, 0, 0)};
   TRUE(Geometry::compound(pieces, poses).info().kind == LC_KIND_COMPOUND);

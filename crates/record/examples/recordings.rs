@@ -118,10 +118,6 @@ fn all_kinds() -> Result<Vec<(&'static str, Geometry)>, Trouble> {
         ("cylinder", Shape::cylinder(0.5, 0.3)?.into()),
         ("cone", Shape::cone(0.5, 0.4)?.into()),
         ("ellipsoid", Shape::ellipsoid(Vector3::new(0.6, 0.4, 0.25))?.into()),
-        (
-            "superquadric",
-            Shape::superquadric(Vector3::new(0.5, 0.4, 0.35), 0.4, 0.4)?.into(),
-        ),
         ("compound", Compound::new(pieces)?.into()),
         ("mesh", Mesh::from_convex(&solids::geodesic_sphere(2, 0.5)?)?.into()),
         (

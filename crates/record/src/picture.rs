@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::shape::Core;
+#[cfg(feature = "surfaces")]
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{Cloud, CloudElement, ConvexPolyhedron, Geometry, HalfSpace, Mesh, Shape};
 
@@ -15,6 +16,7 @@ const SHARP: f64 = 0.87;
 const AROUND: usize = 40;
 
 /// Number of steps along each parameter of a patch.
+#[cfg(feature = "surfaces")]
 const PATCH_STEPS: usize = 14;
 
 /// Number of triangles above which a mesh is drawn without edges.
@@ -55,6 +57,7 @@ impl RenderMesh {
             Geometry::Convex(shape) => solid.shape(shape, &Isometry3::identity()),
             Geometry::Compound(body) => body.pieces().iter().for_each(|p| solid.shape(&p.shape, &p.pose)),
             Geometry::Mesh(mesh) => solid.mesh(mesh),
+            #[cfg(feature = "surfaces")]
             Geometry::BezierSurface(surface) => solid.surface(surface),
             Geometry::HalfSpace(space) => solid.plane(space),
             Geometry::Cloud(cloud) => solid.cloud(cloud),
@@ -196,6 +199,7 @@ impl RenderMesh {
         }
     }
 
+    #[cfg(feature = "surfaces")]
     fn surface(&mut self, surface: &BezierSurface) {
         for patch in surface.patches() {
             self.patch(patch);
@@ -203,6 +207,7 @@ impl RenderMesh {
     }
 
     /// Adds both sides of a patch, and its boundary.
+    #[cfg(feature = "surfaces")]
     fn patch(&mut self, patch: &BezierPatch) {
         let at = |i: usize, j: usize| {
             let [u, v] = [i, j].map(|k| k as f64 / PATCH_STEPS as f64);
@@ -260,13 +265,6 @@ fn samples(shape: &Shape) -> Vec<Point3<f64>> {
             let rim = circle(r).map(|[x, y]| Point3::new(x, y, -h));
             rim.chain([Point3::new(0.0, 0.0, h)]).collect()
         }
-        Core::Superquadric(body) => {
-            let [e1, e2] = body.exponents();
-            let axes = body.semi_axes();
-            sphere(3)
-                .map(|d| Point3::from(super_point(d, e1, e2).component_mul(&axes)))
-                .collect()
-        }
         _ => Vec::new(),
     };
     let round = shape.rounding_radius();
@@ -294,17 +292,4 @@ fn circle(radius: f64) -> impl Iterator<Item = [f64; 2]> {
         let angle = std::f64::consts::TAU * k as f64 / AROUND as f64;
         [radius * angle.cos(), radius * angle.sin()]
     })
-}
-
-/// Returns the point of the unit superquadric at the angles of a direction.
-fn super_point(d: Vector3<f64>, e1: f64, e2: f64) -> Vector3<f64> {
-    let bent = |x: f64, e: f64| x.signum() * x.abs().powf(e);
-    let flat = d.x.hypot(d.y);
-    let [c, s] = if flat > 0.0 {
-        [d.x / flat, d.y / flat]
-    } else {
-        [1.0, 0.0]
-    };
-    let ring = bent(flat, e1);
-    Vector3::new(ring * bent(c, e2), ring * bent(s, e2), bent(d.z, e1))
 }

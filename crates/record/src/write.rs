@@ -300,6 +300,7 @@ pub fn is_same(a: &Geometry, b: &Geometry) -> bool {
         (Geometry::Convex(a), Geometry::Convex(b)) => Arc::ptr_eq(a, b),
         (Geometry::Compound(a), Geometry::Compound(b)) => Arc::ptr_eq(a, b),
         (Geometry::Mesh(a), Geometry::Mesh(b)) => Arc::ptr_eq(a, b),
+        #[cfg(feature = "surfaces")]
         (Geometry::BezierSurface(a), Geometry::BezierSurface(b)) => Arc::ptr_eq(a, b),
         (Geometry::HalfSpace(a), Geometry::HalfSpace(b)) => Arc::ptr_eq(a, b),
         (Geometry::Cloud(a), Geometry::Cloud(b)) => Arc::ptr_eq(a, b),

@@ -122,14 +122,3 @@ pub fn assert_right(o: &Outcome, truth: &Exact, what: &str) {
     );
     assert!(o.lower <= o.distance && o.distance <= o.upper, "{what}: {o:?}");
 }
-
-/// Asserts also that the distance of a separated pair is within one unit in the last place of the
-/// true distance.
-pub fn assert_exact(o: &Outcome, truth: &Exact, what: &str) {
-    assert_right(o, truth, what);
-    let d = truth.distance;
-    let ulp = d.next_up() - d;
-    if truth.state == crate::ContactState::Separated {
-        assert!((o.distance - d).abs() <= ulp, "{what}: {:e} is not {d:e}", o.distance);
-    }
-}

@@ -20,7 +20,6 @@ mod ellipsoid;
 mod mass;
 #[cfg(feature = "serde")]
 mod persist;
-mod superquadric;
 mod support;
 mod top;
 
@@ -34,7 +33,6 @@ pub use crate::body::shape::cone::Cone;
 pub use crate::body::shape::cylinder::Cylinder;
 pub use crate::body::shape::ellipsoid::Ellipsoid;
 pub use crate::body::shape::mass::Mass;
-pub use crate::body::shape::superquadric::Superquadric;
 pub(crate) use crate::body::shape::support::{Curved, match_core, order_of};
 pub(crate) use crate::body::shape::support::{Disc, Flat, Support};
 pub(crate) use crate::body::shape::top::Top;
@@ -80,8 +78,6 @@ pub enum Core {
     Cylinder(Cylinder),
     /// A circular cone along z with its apex up. The origin is half-way between apex and base.
     Cone(Cone),
-    /// A superquadric around the origin with axes along x, y and z.
-    Superquadric(Superquadric),
 }
 
 /// Returns whether a shape may be rounded by a ball of this radius: zero, or between 1e-100 and
@@ -181,30 +177,6 @@ impl Shape {
             length("semi-axis", x)?;
         }
         Ok(Self::sharp(Core::Ellipsoid(Ellipsoid { semi_axes })))
-    }
-
-    /// Returns a superquadric around the origin.
-    ///
-    /// It is the set `((x/a)^(2/e2) + (y/b)^(2/e2))^(e2/e1) + (z/c)^(2/e1) <= 1`. It approaches a
-    /// box if the exponents approach zero, is an ellipsoid if they are one, and approaches an
-    /// octahedron if they approach two.
-    ///
-    /// # Errors
-    ///
-    /// Returns an error if a semi-axis is not between 1e-100 and 1e100, or an exponent is not
-    /// between 1/16 and 31/16.
-    pub fn superquadric(semi_axes: Vector3<f64>, e1: f64, e2: f64) -> Result<Self, ShapeError> {
-        for &x in semi_axes.iter() {
-            length("semi-axis", x)?;
-        }
-        for value in [e1, e2] {
-            if !(0.0625..=1.9375).contains(&value) {
-                let what = "exponent";
-                return Err(ShapeError::BadParameter { what, value });
-            }
-        }
-        let exponents = [e1, e2];
-        Ok(Self::sharp(Core::Superquadric(Superquadric { semi_axes, exponents })))
     }
 
     /// Returns the shape rounded by a ball of radius `by`: all points at most `by` from the shape.
@@ -347,11 +319,11 @@ impl Shape {
         }
         let length = size * sqrt((direction / size).norm_squared());
         let n = direction / length;
-        let of = |height: f64, reach: f64, noise: f64| height + (BOX + noise * UNIT) * reach;
+        let of = |height: f64, reach: f64| height + BOX * reach;
         let height = match_core!(&self.core, body => {
             let v = body.vertex(body.extreme_vertex(&n)).unwrap_or_else(Point3::origin);
-            of(n.dot(&v.coords), body.radius * body.unit() + v.coords.abs().sum(), 0.0)
-        }, core => of(height(core, &n), core.reach(), core.noise()));
+            of(n.dot(&v.coords), body.radius * body.unit() + v.coords.abs().sum())
+        }, core => of(height(core, &n), core.reach()));
         (height + self.rounding * (1.0 + BOX)) * length
     }
 
@@ -400,7 +372,7 @@ fn box_at<C: Support>(core: &C, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f
         let row = [matrix[(k, 0)], matrix[(k, 1)], matrix[(k, 2)]];
         let norm = sqrt(dot(&row, &row));
         let up = Vector3::from(row.each(|x| x / norm));
-        let margin = (BOX + core.noise() * UNIT) * (core.reach() + t[k].abs());
+        let margin = BOX * (core.reach() + t[k].abs());
         high[k] += height(core, &up) + margin;
         low[k] -= height(core, &-up) + margin;
     }

@@ -23,7 +23,6 @@ enum StoredCore {
     Ellipsoid { semi_axes: [f64; 3] },
     Cylinder { half_height: f64, radius: f64 },
     Cone { half_height: f64, radius: f64 },
-    Superquadric { semi_axes: [f64; 3], exponents: [f64; 2] },
 }
 
 impl From<Shape> for StoredShape {
@@ -40,10 +39,6 @@ impl From<Shape> for StoredShape {
             Core::Cone(core) => StoredCore::Cone {
                 half_height: core.half_height(),
                 radius: core.radius(),
-            },
-            Core::Superquadric(core) => StoredCore::Superquadric {
-                semi_axes: core.semi_axes().into(),
-                exponents: core.exponents(),
             },
         };
         Self {
@@ -62,9 +57,6 @@ impl TryFrom<StoredShape> for Shape {
             StoredCore::Ellipsoid { semi_axes } => Self::ellipsoid(Vector3::from(semi_axes))?,
             StoredCore::Cylinder { half_height, radius } => Self::cylinder(half_height, radius)?,
             StoredCore::Cone { half_height, radius } => Self::cone(half_height, radius)?,
-            StoredCore::Superquadric { semi_axes, exponents } => {
-                Self::superquadric(Vector3::from(semi_axes), exponents[0], exponents[1])?
-            }
         };
         shape.rounded(stored.round)
     }

@@ -70,12 +70,6 @@ pub(crate) trait Support {
     /// Returns the largest distance of a point of the core from the origin, rounded up.
     fn reach(&self) -> f64;
 
-    /// Returns the error of a support value beyond that of
-    /// `tolerance::CERTIFICATE`, in UNIT times the radius.
-    fn noise(&self) -> f64 {
-        0.0
-    }
-
     /// Returns branch and support point along `n`, a direction of any length; the search starts at
     /// the branch `hint`.
     fn support<T: Scalar>(&self, n: &Vec3<T>, hint: u32) -> (u32, Vec3<T>);
@@ -159,7 +153,6 @@ macro_rules! match_core {
             Core::Ellipsoid($curved) => $round,
             Core::Cylinder($curved) => $round,
             Core::Cone($curved) => $round,
-            Core::Superquadric($curved) => $round,
         }
     };
 }
@@ -170,7 +163,7 @@ pub(crate) use match_core;
 mod tests {
     use super::*;
     use crate::base::num::scalar::{dot, sub};
-    use crate::body::shape::{Cone, Cylinder, Ellipsoid, Superquadric};
+    use crate::body::shape::{Cone, Cylinder, Ellipsoid};
     use crate::rng::Rng;
 
     fn unit(rng: &mut Rng) -> Vec3<f64> {
@@ -235,9 +228,5 @@ mod tests {
         check(&Ellipsoid {
             semi_axes: Vector3::new(1.0, 0.6, 0.3),
         });
-        let semi_axes = Vector3::new(1.0, 0.6, 0.3);
-        for exponents in [[1.0, 1.0], [0.6, 1.4], [1.5, 0.5]] {
-            check(&Superquadric { semi_axes, exponents });
-        }
     }
 }

@@ -143,7 +143,7 @@ impl Bearing {
             Core::Polyhedron(body) => Facet::Body(body),
             Core::Cylinder(core) => self.of_cylinder(core, n),
             Core::Cone(core) => self.of_cone(core, n),
-            Core::Ellipsoid(_) | Core::Superquadric(_) => Facet::Point,
+            Core::Ellipsoid(_) => Facet::Point,
         }
     }
 

@@ -319,7 +319,7 @@ impl<T: Scalar> ProvenBounds<T> {
     pub(super) fn agreement<A, B>(posed: &PosedCores<A, B, T>) -> T {
         // In finer arithmetic the tolerance is far below the error terms of f64.
         let share = if T::UNIT == UNIT { 1.0 } else { 1.0 / 64.0 };
-        T::from((AGREE_CURVED * share + 0.5 * posed.noise * T::UNIT) * posed.size)
+        T::from(AGREE_CURVED * share * posed.size)
     }
 
     /// Returns whether the bounds agree.
@@ -345,13 +345,7 @@ pub(crate) fn bounds_along<A: Support, B: Support>(
     directions: [Vec3<f64>; 2],
     weights: [f64; 2],
 ) -> Option<ToldAlong> {
-    let posed = &PosedCores {
-        a,
-        b,
-        frame,
-        size: 0.0,
-        noise: 0.0,
-    };
+    let posed = &PosedCores { a, b, frame, size: 0.0 };
     let mut pieces = [DifferencePoint::default(); 2];
     let mut told = [([0.0; 3], 0.0, 0.0); 2];
     for k in 0..2 {

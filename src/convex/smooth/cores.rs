@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 use crate::base::num::scalar::{Scalar, Vec3, dot, root, scaled, sub};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
-use crate::body::shape::{Cone, Cylinder, Disc, Ellipsoid, Flat, Superquadric, Support};
+use crate::body::shape::{Cone, Cylinder, Disc, Ellipsoid, Flat, Support};
 use crate::pair::difference::support_vertex;
 
 /// A polyhedron in stored coordinates, times a power of two.
@@ -98,7 +98,6 @@ pub(super) enum Any<'a> {
     Ellipsoid(Ellipsoid),
     Cylinder(Cylinder),
     Cone(Cone),
-    Superquadric(Superquadric),
     /// The origin alone.
     Point,
 }
@@ -124,7 +123,7 @@ macro_rules! kind {
     };
 }
 
-kind!(Hull: PolyhedralCore<'a>, Ellipsoid: Ellipsoid, Cylinder: Cylinder, Cone: Cone, Superquadric: Superquadric);
+kind!(Hull: PolyhedralCore<'a>, Ellipsoid: Ellipsoid, Cylinder: Cylinder, Cone: Cone);
 
 impl CoreKind for Any<'_> {
     fn any(&self) -> Any<'_> {
@@ -139,7 +138,6 @@ macro_rules! each {
             Any::Ellipsoid($core) => $result,
             Any::Cylinder($core) => $result,
             Any::Cone($core) => $result,
-            Any::Superquadric($core) => $result,
             Any::Point => $point,
         }
     };
@@ -148,10 +146,6 @@ macro_rules! each {
 impl Support for Any<'_> {
     fn reach(&self) -> f64 {
         each!(self, core => core.reach(), 0.0)
-    }
-
-    fn noise(&self) -> f64 {
-        each!(self, core => core.noise(), 0.0)
     }
 
     fn support<T: Scalar>(&self, n: &Vec3<T>, hint: u32) -> (u32, Vec3<T>) {

@@ -177,7 +177,7 @@ pub(super) fn is_enough<A: Support, B: Support>(
     best: &ProvenBounds<f64>,
     until: DepthMode,
 ) -> bool {
-    let is_overlap = best.upper < -(CERTIFICATE + posed.noise) * UNIT * posed.size;
+    let is_overlap = best.upper < -CERTIFICATE * UNIT * posed.size;
     let is_near = until == DepthMode::Local || best.upper - best.lower <= DEPTH_GOAL * posed.size;
     best.closes(posed) || (is_overlap && is_near)
 }

@@ -185,14 +185,7 @@ pub(super) fn closest_of<A: CoreKind, B: CoreKind>(
     let Some(frame) = setting.frame() else { return outcome };
     let t = Vector3::from(frame.translation);
     let size = a.reach() + b.reach() + sqrt(t.norm_squared()) + UNIT_DOUBLE_DOUBLE / UNIT * setting.offsets;
-    let noise = a.noise() + b.noise();
-    let posed = PosedCores {
-        a,
-        b,
-        frame,
-        size,
-        noise,
-    };
+    let posed = PosedCores { a, b, frame, size };
     let mut best = ProvenBounds::new();
     let (mut solver, mut set) = (Solver::Walk, None);
     let start = memory.start().map(|(n, set)| (n, set.or_about(&posed, n)));
@@ -208,7 +201,7 @@ pub(super) fn closest_of<A: CoreKind, B: CoreKind>(
     }
     match ended {
         Ended::Deep => best.set = set.unwrap_or(best.set),
-        Ended::Closed if take(&posed, &best, (CERTIFICATE + noise) * UNIT * size, &mut outcome) => {}
+        Ended::Closed if take(&posed, &best, CERTIFICATE * UNIT * size, &mut outcome) => {}
         Ended::Closed | Ended::Open => finer(&posed, setting, &best, &mut outcome),
     }
     memory.keep((*outcome.normal).into(), best.set);
@@ -225,7 +218,7 @@ fn deepen<A: CoreKind, B: CoreKind>(
     until: DepthMode,
     outcome: &mut Outcome,
 ) -> Option<BranchSet> {
-    let term = (CERTIFICATE + posed.noise) * UNIT * posed.size;
+    let term = CERTIFICATE * UNIT * posed.size;
     outcome.work.depths += 1;
     let mut deep = depth::deepen(posed, known, corners, until);
     let is_done = deep.inside || depth::is_enough(posed, &deep.best, until);
@@ -266,19 +259,13 @@ fn finer<A: CoreKind, B: CoreKind>(
     // No two points of the cores are farther apart than L, nor is a depth greater.
     (outcome.lower, outcome.upper) = (-2.0 * posed.size, 2.0 * posed.size);
     let mut known = *best;
-    if !take(posed, best, (CERTIFICATE + posed.noise) * UNIT * posed.size, outcome) {
+    if !take(posed, best, CERTIFICATE * UNIT * posed.size, outcome) {
         known = ProvenBounds::new();
     }
     let (a, b) = (posed.a.any(), posed.b.any());
     let Some(frame) = setting.fine_frame() else { return };
-    let (a, b, size, noise) = (&a, &b, posed.size, posed.noise);
-    let fine = PosedCores {
-        a,
-        b,
-        frame,
-        size,
-        noise,
-    };
+    let (a, b, size) = (&a, &b, posed.size);
+    let fine = PosedCores { a, b, frame, size };
     let mut found = ProvenBounds::<DoubleDouble>::new();
     let mut solver = Solver::DoubleDouble;
     let start = best.n.each(DoubleDouble::from);
@@ -297,7 +284,7 @@ fn finer<A: CoreKind, B: CoreKind>(
         return;
     }
     let offsets = if setting.is_plain() { 0.0 } else { setting.offsets };
-    let term = (CERTIFICATE + noise) * UNIT_DOUBLE_DOUBLE * (size + offsets);
+    let term = CERTIFICATE * UNIT_DOUBLE_DOUBLE * (size + offsets);
     take(&fine, &found, term, outcome);
 }
 
@@ -324,7 +311,7 @@ fn take<A: Support, B: Support, T: Scalar>(
     term: f64,
     outcome: &mut Outcome,
 ) -> bool {
-    let agree = (AGREE_CURVED + 2.0 * (CERTIFICATE + posed.noise) * UNIT) * posed.size;
+    let agree = (AGREE_CURVED + 2.0 * CERTIFICATE * UNIT) * posed.size;
     if !take_bounds(best, term, agree, outcome) {
         return false;
     }

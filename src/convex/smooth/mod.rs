@@ -94,11 +94,6 @@ fn ordered(a: &Core, b: &Core, pose: &RelativePose, until: DepthMode, memory: &m
         (Core::Cylinder(x), Core::Cylinder(y)) => closest_of(x, y, &setting, memory),
         (Core::Cylinder(x), Core::Cone(y)) => closest_of(x, y, &setting, memory),
         (Core::Cone(x), Core::Cone(y)) => closest_of(x, y, &setting, memory),
-        (Core::Polyhedron(x), Core::Superquadric(y)) => closest_of(&hull(x), y, &setting, memory),
-        (Core::Ellipsoid(x), Core::Superquadric(y)) => closest_of(x, y, &setting, memory),
-        (Core::Cylinder(x), Core::Superquadric(y)) => closest_of(x, y, &setting, memory),
-        (Core::Cone(x), Core::Superquadric(y)) => closest_of(x, y, &setting, memory),
-        (Core::Superquadric(x), Core::Superquadric(y)) => closest_of(x, y, &setting, memory),
         _ => ladder::extreme(a, b, &setting, memory),
     }
 }

@@ -14,8 +14,6 @@ pub(super) struct PosedCores<'a, A, B, T> {
     pub(super) frame: Transform<T>,
     /// Pair size L: both radii plus the distance of the origins.
     pub(super) size: f64,
-    /// Error of heights beyond the common term, in units of `UNIT * L`.
-    pub(super) noise: f64,
 }
 
 /// A pair of branches, one per core, with a point on each.
@@ -141,14 +139,8 @@ impl<A: CoreKind, B: CoreKind> PosedCores<'_, A, B, f64> {
     #[inline(always)]
     pub(super) fn with_any<R>(&self, slow: impl FnOnce(&PosedCores<Any, Any, f64>) -> R) -> R {
         let (a, b) = (&self.a.any(), &self.b.any());
-        let Self { frame, size, noise, .. } = *self;
-        slow(&PosedCores {
-            a,
-            b,
-            frame,
-            size,
-            noise,
-        })
+        let Self { frame, size, .. } = *self;
+        slow(&PosedCores { a, b, frame, size })
     }
 }
 

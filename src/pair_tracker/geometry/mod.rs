@@ -257,7 +257,7 @@ pub enum GeometryKind {
     Wire,
     /// A rounded polyhedron: ball, capsule, rounded box or hull.
     Rounded,
-    /// A cylinder, cone, ellipsoid or superquadric, rounded or not.
+    /// A cylinder, cone or ellipsoid, rounded or not.
     Curved,
     /// A union of convex pieces.
     Compound,

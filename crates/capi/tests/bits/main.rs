@@ -83,10 +83,6 @@ fn other_geometries() -> Vec<(Geometry, lc_geometry)> {
         ),
         (Shape::cone(0.5, 0.25).unwrap().into(), shape(LC_CONE, &[0.5, 0.25])),
         (
-            Shape::superquadric(axes, 0.5, 1.25).unwrap().into(),
-            shape(LC_SUPERQUADRIC, &[0.5, 0.25, 0.75, 0.5, 1.25]),
-        ),
-        (
             ConvexPolyhedron::point(Point3::new(0.5, 0.25, 0.75)).unwrap().into(),
             shape(LC_POINT, &[0.5, 0.25, 0.75]),
         ),

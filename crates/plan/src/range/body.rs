@@ -317,7 +317,6 @@ fn of_shape(shape: &Shape) -> (Vec<Point3<f64>>, f64) {
             base.chain(core::iter::once(apex)).collect()
         }
         Core::Ellipsoid(body) => cuboid(body.semi_axes()),
-        Core::Superquadric(body) => cuboid(body.semi_axes()),
         _ => {
             let (centre, radius) = shape.bounding_ball();
             return ([centre].into(), radius);

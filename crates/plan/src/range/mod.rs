@@ -129,7 +129,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Obstacles that move are at their poses at the time of [`set_time`](Self::set_time).
     ///
     /// Planes are proven for prisms and pyramids with 32 sides around cylinders and cones, whose
-    /// radius is up to 0.5 % larger, and for boxes around ellipsoids, superquadrics, clouds and
+    /// radius is up to 0.5 % larger, and for boxes around ellipsoids, clouds and
     /// Bézier surfaces. Where those meet and the bodies do not, a cell is proven by the distance at
     /// its centre less the greatest displacement. Verdicts are of the bodies, but a clearance far
     /// below the error of the prism or box takes many more cells.

@@ -51,7 +51,7 @@
 //!
 //! # What has no receipt
 //!
-//! * Ellipsoids, superquadrics, clouds, surfaces and half-spaces. A cylinder or a cone is stated as a
+//! * Ellipsoids, clouds, surfaces and half-spaces. A cylinder or a cone is stated as a
 //!   polyhedron of 32 sides around it, which its name says. So a receipt may prove it free, and never
 //!   in contact; where only the corners of the polyhedron are in contact, there is no receipt.
 //! * Depths. Contacts and distances of pieces with different radii: all pieces of a compound get the

@@ -86,7 +86,6 @@ pub(super) fn masses(t: &mut Teller, r: &mut Random) {
             Shape::cylinder(a, b).and_then(|s| s.rounded(d)),
             Shape::cone(a, b).and_then(|s| s.rounded(d)),
             Shape::ellipsoid(axes),
-            Shape::superquadric(axes, r.range(0.1, 1.9), r.range(0.1, 1.9)),
             Ok(Shape::from(round(r, 20)).rounded(d).expect("a shape")),
         ];
         for shape in shapes {

@@ -3,7 +3,7 @@
 use super::WITHIN;
 use crate::make::*;
 use crate::{Random, Teller};
-use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::nalgebra::Point3;
 use lin_canny::{DepthMode, Manifold, ManifoldOptions, PairTracker, QueryOptions, Shape};
 
 fn shape_pair(t: &mut Teller, r: &mut Random, a: &Shape, b: &Shape, frames: u64) {
@@ -46,36 +46,6 @@ pub(super) fn curved_pairs(t: &mut Teller, r: &mut Random) {
                     ),
                 );
             }
-        }
-    }
-}
-
-pub(super) fn superquadrics(t: &mut Teller, r: &mut Random) {
-    let others = curved();
-    for k in 0..t.rounds(60) {
-        let axes = Vector3::new(r.range(0.3, 1.2), r.range(0.3, 1.2), r.range(0.3, 1.2));
-        let [e1, e2] = if k % 3 == 0 {
-            [0.5, 1.5]
-        } else {
-            [r.range(0.1, 1.9), r.range(0.1, 1.9)]
-        };
-        let a = Shape::superquadric(axes, e1, e2).expect("a superquadric");
-        let b = if k % 2 == 0 {
-            a.clone()
-        } else {
-            others[r.below(9) as usize].clone()
-        };
-        shape_pair(t, r, &a, &b, 6);
-        for _ in 0..10 {
-            let (p, d) = (Point3::from(in_ball(r) * 1.5), unit(r));
-            t.tell(
-                "shape",
-                (
-                    a.contains(&p),
-                    a.support_height(&d),
-                    a.aabb_at(&isometry(r, 1.0), &mut Default::default()),
-                ),
-            );
         }
     }
 }

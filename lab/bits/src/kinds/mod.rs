@@ -38,7 +38,6 @@ pub const KINDS: &[(&str, u64, Kind)] = &[
     ("plane-normals", 16, time::plane_normals),
     ("continuous", 24, time::continuous_contacts),
     ("curved", 17, curved::curved_pairs),
-    ("superquadrics", 18, curved::superquadrics),
     ("meshes", 19, parts::meshes),
     ("mesh-contacts", 20, parts::mesh_contacts),
     ("mesh-self", 21, parts::mesh_self),

@@ -208,9 +208,6 @@ pub(super) fn rays(t: &mut Teller, r: &mut Random) {
         round(r, 200).into(),
         dented(&round(r, 60), 0.8).into(),
         compound(r).into(),
-        Shape::superquadric(Vector3::new(1.0, 0.7, 0.5), 0.4, 1.3)
-            .expect("a shape")
-            .into(),
     ]);
     for _ in 0..t.rounds(800) {
         for (k, b) in bodies.iter().enumerate() {

@@ -23,10 +23,6 @@ fn kinds() -> Result<Vec<(&'static str, Shape)>, lin_canny::ShapeError> {
         ("cylinder", Shape::cylinder(0.6, 0.5)?),
         ("cone", Shape::cone(0.7, 0.6)?),
         ("ellipsoid", Shape::ellipsoid(Vector3::new(0.9, 0.6, 0.35))?),
-        (
-            "superquadric",
-            Shape::superquadric(Vector3::new(0.7, 0.6, 0.5), 0.4, 0.6)?,
-        ),
     ])
 }
 

@@ -14,7 +14,7 @@ use truth::curved::parse;
 /// A line of a file is `KIND params; KIND params; x y z qx qy qz qw`; the pose is that of B in A's
 /// frame: `ball r`, `capsule half_length r` (along z), `box hx hy hz`, `hull x y z x y z ...`,
 /// `cylinder half_height r`, `cone half_height r` (apex up z), `ellipsoid a b c`,
-/// `superquadric a b c e1 e2`, any with `+ r` for rounding. Empty lines and lines that start with
+/// any with `+ r` for rounding. Empty lines and lines that start with
 /// `#` are skipped. Prints `distance lower upper` for each line, with 17 digits each.
 #[derive(Parser)]
 #[command(verbatim_doc_comment)]

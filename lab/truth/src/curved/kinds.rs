@@ -6,15 +6,7 @@ use lin_canny::Shape;
 use lin_canny::nalgebra::{Point3, Vector3};
 
 /// The names for [`Kind::random`]; from the fourth on, the shapes are curved.
-pub const KINDS: [&str; 7] = [
-    "segment",
-    "box",
-    "hull",
-    "ellipsoid",
-    "cylinder",
-    "cone",
-    "superquadric",
-];
+pub const KINDS: [&str; 6] = ["segment", "box", "hull", "ellipsoid", "cylinder", "cone"];
 
 /// The parameters of a core.
 #[derive(Clone, Debug)]
@@ -27,8 +19,6 @@ pub enum Kind {
     Cylinder(f64, f64),
     /// Half height and radius of the base; the apex is at the upper end of z.
     Cone(f64, f64),
-    /// Semi-axes and both exponents.
-    Superquadric([f64; 3], [f64; 2]),
 }
 
 impl Kind {
@@ -50,10 +40,6 @@ impl Kind {
                     [0, 1, 2].map(|k| u[k] * scale[k])
                 };
                 Self::Hull((0..n).map(|_| point(rng)).collect())
-            }
-            "superquadric" => {
-                let axes = [size(), 1.0, size()];
-                Self::Superquadric(axes, [rng.range(0.2, 1.8), rng.range(0.2, 1.8)])
             }
             "ellipsoid" => Self::Ellipsoid([size(), 1.0, size()]),
             "cylinder" => {
@@ -87,7 +73,6 @@ impl Kind {
             Self::Ellipsoid(a) => Shape::ellipsoid(Vector3::from(*a)).expect("an ellipsoid"),
             Self::Cylinder(h, r) => Shape::cylinder(*h, *r).expect("a cylinder"),
             Self::Cone(h, r) => Shape::cone(*h, *r).expect("a cone"),
-            Self::Superquadric(a, [e, f]) => Shape::superquadric(Vector3::from(*a), *e, *f).expect("a superquadric"),
         }
     }
 
@@ -97,7 +82,6 @@ impl Kind {
             Self::Hull(points) => crate::pose::radius(points),
             Self::Ellipsoid(a) => a.iter().fold(0.0, |r, x| x.max(r)),
             Self::Cylinder(h, r) | Self::Cone(h, r) => h.hypot(*r),
-            Self::Superquadric(a, _) => crate::pose::norm(*a),
         }
     }
 
@@ -117,11 +101,6 @@ impl Kind {
             }
             Self::Cylinder(h, r) => rim(*r) + of(*h) * n[2].max(-n[2]),
             Self::Cone(h, r) => (of(*h) * n[2]).max(rim(*r) - of(*h) * n[2]),
-            Self::Superquadric(a, e) => {
-                let [x, y, z] = [0, 1, 2].map(|k| (n[k].0 * a[k]).abs());
-                let [p, q] = e.map(|e| 2.0 / (2.0 - e));
-                of(nested([x, y, z], p, q))
-            }
         }
     }
 
@@ -144,25 +123,7 @@ impl Kind {
                 let side = flat * of(2.0 * h) - of(*r) * (of(*h) - p[2]);
                 (side / of(r.hypot(2.0 * h))).max(-p[2] - of(*h))
             }
-            Self::Superquadric(a, e) => {
-                let x = [0, 1, 2].map(|k| (p[k].0 / a[k]).abs());
-                (of(nested(x, 2.0 / e[0], 2.0 / e[1])) - of(1.0)) * of(size)
-            }
         };
         excess.0.max(0.0)
     }
-}
-
-/// Returns `((x^q + y^q)^(p/q) + z^p)^(1/p)`, to about 1e-15: the judge of superquadrics is no more
-/// accurate than `f64`.
-fn nested([x, y, z]: [f64; 3], p: f64, q: f64) -> f64 {
-    let norm = |x: f64, y: f64, q: f64| {
-        let large = x.max(y);
-        if large == 0.0 {
-            0.0
-        } else {
-            large * ((x / large).powf(q) + (y / large).powf(q)).powf(1.0 / q)
-        }
-    };
-    norm(norm(x, y, q), z, p)
 }

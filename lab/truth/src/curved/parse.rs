@@ -32,7 +32,7 @@ fn hull(numbers: &[f64]) -> Result<Shape, ShapeError> {
 /// Parses a shape.
 ///
 /// Forms: `ball r`, `capsule half_length r`, `box hx hy hz`, `hull x y z x y z ...`,
-/// `cylinder half_height r`, `cone half_height r`, `ellipsoid a b c`, `superquadric a b c e1 e2`,
+/// `cylinder half_height r`, `cone half_height r`, `ellipsoid a b c`,
 /// each with `+ r` for rounding.
 fn shape(text: &str) -> Result<Shape, String> {
     let (core, round) = match text.split_once('+') {
@@ -50,7 +50,6 @@ fn shape(text: &str) -> Result<Shape, String> {
         ("cylinder", &[half, r]) => Shape::cylinder(half, r),
         ("cone", &[half, r]) => Shape::cone(half, r),
         ("ellipsoid", &[a, b, c]) => Shape::ellipsoid(Vector3::new(a, b, c)),
-        ("superquadric", &[a, b, c, e1, e2]) => Shape::superquadric(Vector3::new(a, b, c), e1, e2),
         _ => return Err(format!("`{}` is no shape", text.trim())),
     };
     let [round] = round[..] else {

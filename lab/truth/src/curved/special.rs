@@ -1,5 +1,4 @@
-//! Pairs of curved shapes at special poses: flush over an edge, near a common axis, and
-//! superquadrics near the limits of their exponents.
+//! Pairs of curved shapes at special poses: flush over an edge, and near a common axis.
 
 use super::{Kind, Place, matrix, turned_back, wide};
 use crate::rng::Rng;
@@ -70,18 +69,6 @@ pub fn flush_over_edge(rng: &mut Rng) -> ([Kind; 2], Place, f64, f64) {
     t[2] = side * (bearing + gap(rng));
     let apart = side * t[2] - bearing;
     ([a, b], Place { q, t }, side, apart)
-}
-
-/// Returns a superquadric with exponents near the least and the greatest allowed, 1/16 and 31/16.
-pub fn near_limits(rng: &mut Rng) -> Kind {
-    let mut exponent = || match rng.below(6) {
-        0 => 0.0625,
-        1 => 1.9375,
-        2 | 3 => rng.range(0.0625, 0.15),
-        _ => rng.range(1.85, 1.9375),
-    };
-    let exponents = [exponent(), exponent()];
-    Kind::Superquadric([0, 1, 2].map(|_| rng.range(0.3, 1.0)), exponents)
 }
 
 /// Returns bodies of revolution about parallel axes, coaxial or nearly so, whose centres differ
