@@ -189,7 +189,6 @@
 
 mod arm;
 mod ascent;
-mod atlas;
 mod attached;
 mod batch;
 mod changes;
@@ -203,6 +202,7 @@ mod freeway;
 mod links;
 mod mesh_hull;
 mod names;
+mod pair_boxes;
 mod pairs;
 mod path;
 #[cfg(feature = "serde")]
@@ -228,7 +228,6 @@ mod verdict;
 mod world;
 
 pub use arm::{Joint, JointKind, SerialArm};
-pub use atlas::{Atlas, AtlasBox, AtlasOptions, AtlasShares, AtlasVerdict, PairBoxes};
 pub use batch::NearPairs;
 pub use checker::{Checker, PairProof};
 pub use clearance::{NearPair, SegmentClearance};
@@ -236,6 +235,7 @@ pub use curve::JointCurve;
 pub use error::PlanError;
 pub use freeway::FreewayEnd;
 pub use names::nearest_name;
+pub use pair_boxes::PairBoxes;
 pub use path::Path;
 pub use planner::{Plan, PlanMethod, PlanOptions, PlanWork};
 pub use range::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};

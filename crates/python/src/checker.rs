@@ -1,11 +1,11 @@
 //! The class `Checker`: clearances, proven motions and paths of robots.
 
 mod answers;
-mod atlas;
 mod audit;
 mod batches;
 mod motion_batch;
 mod motions;
+mod pair_boxes;
 mod range;
 mod setup;
 mod smooth;
@@ -13,7 +13,6 @@ mod view;
 mod world;
 
 pub(crate) use answers::{NearPair, Verdict};
-pub(crate) use atlas::Atlas;
 pub(crate) use audit::LinkAudit;
 pub(crate) use range::RangeAnswer;
 pub(crate) use world::BodyId;
@@ -412,7 +411,7 @@ impl Checker {
         plan_error(named(error, self.setup.coordinates()))
     }
 
-    /// Returns a new checker of the same world, with the same atlas.
+    /// Returns a new checker of the same world, with the same boxes of pairs.
     fn copy(&self) -> PyResult<Loaded<JointTree>> {
         self.checker.fork().map_err(plan_error)
     }

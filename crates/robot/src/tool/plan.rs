@@ -8,9 +8,9 @@ use lin_canny::Progress;
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanError, PlanMethod, PlanOptions};
 use lin_canny_robot::{RobotRecorder, Trajectory, csv_text};
 
-use super::boxes::AtlasArguments;
 use super::film::FRAMES;
 use super::options::{RobotOptions, RowOptions};
+use super::pair_boxes::PairBoxArguments;
 use super::text::{self, distance, names};
 use super::{End, ToolError, check_at_rest, write};
 
@@ -51,7 +51,7 @@ pub(super) struct PlanArguments {
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     margin: Option<f64>,
     #[command(flatten)]
-    atlas: AtlasArguments,
+    pair_boxes: PairBoxArguments,
     /// Method of the search
     #[arg(long, value_enum, default_value = "alternate")]
     method: Method,
@@ -82,7 +82,7 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
         "obstacles at rest in the search for a path",
     )?;
     checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
-    options.atlas.set(&mut checker)?;
+    options.pair_boxes.set(&mut checker)?;
     let began = Instant::now();
     let search = PlanOptions::default()
         .method(options.method.into())

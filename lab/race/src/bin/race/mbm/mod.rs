@@ -19,7 +19,7 @@ use std::path::Path;
 
 use cpu_time::ThreadTime;
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_plan::{AtlasOptions, Checker, ConfigurationSpace, JointTree, PlanMethod, PlanOptions};
+use lin_canny_plan::{Checker, ConfigurationSpace, JointTree, PlanMethod, PlanOptions};
 use lin_canny_robot::{Cell, LoadOptions, MeshUse, Packages, Robot, Setup, Srdf};
 use race::common::Options;
 use race::progress::Progress;
@@ -128,7 +128,7 @@ impl Bench {
         setup.exclude_adjacent();
         setup.exclude_srdf("", &srdf);
         let began = ThreadTime::now();
-        let pairs = setup.prepare_pairs(&AtlasOptions::default().boxes(PAIR_BOXES));
+        let pairs = setup.prepare_pairs(PAIR_BOXES);
         let pairs = pairs.map_err(|e| e.to_string())?.pairs().count();
         let seconds = began.elapsed().as_secs_f64();
         println!("{name}: boxes of {pairs} pairs of links in {seconds:.2} s");
