@@ -106,9 +106,7 @@
 //!
 //! # The search for a path
 //!
-//! [`PlanMethod`] names the methods. By default, RRT-Connect searches first. If the problem turns
-//! out to be hard, the opportunistic planner searches in turn with it, until one of them finds a
-//! path.
+//! [`PlanMethod`] names the methods. The default is RRT-Connect.
 //!
 //! | | RRT-Connect | opportunistic planner |
 //! |---|---|---|
@@ -120,8 +118,7 @@
 //! methods are *probabilistically complete*: the probability of missing a path whose clearance
 //! exceeds the margin tends to zero as the search goes on. No method proves that there is no path.
 //! The budgets are counts ([`PlanOptions`]), or the caller stops the search by a clock
-//! ([`Checker::plan_with_progress`]). The same seed gives the same result, bit for bit: the methods
-//! take turns by counts of tests, not by a clock.
+//! ([`Checker::plan_with_progress`]). The same seed gives the same result, bit for bit.
 //!
 //! ## RRT-Connect
 //!
@@ -160,7 +157,7 @@
 //!
 //! * The spaces are geometric. For dynamics or closed chains use another planner. Curves are proven
 //!   among moving obstacles, but the search of a path has no clock.
-//! * Six free axes in tight clutter take seconds. With the opportunistic planner alone, an arm
+//! * Six free axes in tight clutter take seconds. With the opportunistic planner, an arm
 //!   through a window of 0.5 m height takes at most 0.5 s over 20 seeds, through 0.35 m at most
 //!   4.1 s. A plank 0.2 thick through a hole of 0.3 takes at most 0.7 s (`crates/plan/tests`,
 //!   ignored tests).

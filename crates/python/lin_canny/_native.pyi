@@ -903,7 +903,7 @@ class Checker:
         start: ArrayLike,
         goal: ArrayLike,
         *,
-        method: Literal["alternate", "rrt-connect", "opportunistic"] = "alternate",
+        method: Literal["rrt-connect", "opportunistic"] = "rrt-connect",
         seed: int = 0,
         slices: int = 10_000,
         samples: int = 100_000,

@@ -346,14 +346,13 @@ impl Checker {
     /// Every segment of the path is proven to keep the margin. Returns None if a limit ended the
     /// search, which proves nothing.
     ///
-    /// method: "rrt-connect" (two trees that grow towards random configurations), "opportunistic"
-    /// (freeways of largest clearance), or "alternate": RRT-Connect first, and both in turn if the
-    /// problem is hard. seed: the random seed; the same seed gives the same path unless `seconds`
-    /// ends the search. slices and samples: the maximum number of random slices of the
+    /// method: "rrt-connect" (two trees that grow towards random configurations) or "opportunistic"
+    /// (freeways of largest clearance). seed: the random seed; the same seed gives the same path
+    /// unless `seconds` ends the search. slices and samples: the maximum number of random slices of the
     /// opportunistic planner, and of samples of RRT-Connect. seconds: the time limit. shorten: the
     /// number of attempts to shorten the path. Ctrl-C ends the search.
     #[pyo3(signature = (
-        start, goal, *, method="alternate", seed=0, slices=10_000, samples=100_000, seconds=None, shorten=300
+        start, goal, *, method="rrt-connect", seed=0, slices=10_000, samples=100_000, seconds=None, shorten=300
     ))]
     #[allow(clippy::too_many_arguments)] // the signature in Python
     fn plan<'py>(

@@ -17,8 +17,6 @@ use super::{End, ToolError, check_at_rest, write};
 /// The method of the search.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Method {
-    /// RRT-Connect first; if the problem is hard, both methods in turn
-    Alternate,
     /// Two trees that grow towards random configurations and each other
     RrtConnect,
     /// Freeways of largest clearance in slices
@@ -28,7 +26,6 @@ enum Method {
 impl From<Method> for PlanMethod {
     fn from(method: Method) -> Self {
         match method {
-            Method::Alternate => Self::Alternate,
             Method::RrtConnect => Self::RrtConnect,
             Method::Opportunistic => Self::Opportunistic,
         }
@@ -53,7 +50,7 @@ pub(super) struct PlanArguments {
     #[command(flatten)]
     pair_boxes: PairBoxArguments,
     /// Method of the search
-    #[arg(long, value_enum, default_value = "alternate")]
+    #[arg(long, value_enum, default_value = "rrt-connect")]
     method: Method,
     /// Random seed
     #[arg(long, default_value_t = 1)]
