@@ -29,14 +29,11 @@
 // The version of the interface. It grows by one with every change that breaks compiled callers.
 #define LC_ABI 0
 
-// RRT-Connect, and after its first steps the opportunistic planner in turn with it.
-#define LC_PLAN_ALTERNATE 0
-
 // RRT-Connect (Kuffner and LaValle 2000).
-#define LC_PLAN_RRT_CONNECT 1
+#define LC_PLAN_RRT_CONNECT 0
 
 // The opportunistic planner (Canny and Lin 1993).
-#define LC_PLAN_OPPORTUNISTIC 2
+#define LC_PLAN_OPPORTUNISTIC 1
 
 // A box about the origin: half extents along x, y and z.
 #define LC_BOX 1
@@ -343,7 +340,7 @@ typedef struct lc_plan_options {
   uint64_t shorten;
   // The largest number of samples of RRT-Connect; zero is 100,000.
   uint64_t samples;
-  // `LC_PLAN_ALTERNATE`, `LC_PLAN_RRT_CONNECT` or `LC_PLAN_OPPORTUNISTIC`.
+  // `LC_PLAN_RRT_CONNECT` or `LC_PLAN_OPPORTUNISTIC`.
   uint32_t method;
   // Zero.
   uint32_t reserved;

@@ -46,12 +46,10 @@ unsafe impl Plain for lc_checker_info {
     const FIRST: usize = 3 * size_of::<usize>() + 8;
 }
 
-/// RRT-Connect, and after its first steps the opportunistic planner in turn with it.
-pub const LC_PLAN_ALTERNATE: u32 = 0;
 /// RRT-Connect (Kuffner and LaValle 2000).
-pub const LC_PLAN_RRT_CONNECT: u32 = 1;
+pub const LC_PLAN_RRT_CONNECT: u32 = 0;
 /// The opportunistic planner (Canny and Lin 1993).
-pub const LC_PLAN_OPPORTUNISTIC: u32 = 2;
+pub const LC_PLAN_OPPORTUNISTIC: u32 = 1;
 
 /// Options of a search for a path; all zero is the default.
 #[repr(C)]
@@ -68,7 +66,7 @@ pub struct lc_plan_options {
     pub shorten: u64,
     /// The largest number of samples of RRT-Connect; zero is 100,000.
     pub samples: u64,
-    /// `LC_PLAN_ALTERNATE`, `LC_PLAN_RRT_CONNECT` or `LC_PLAN_OPPORTUNISTIC`.
+    /// `LC_PLAN_RRT_CONNECT` or `LC_PLAN_OPPORTUNISTIC`.
     pub method: u32,
     /// Zero.
     pub reserved: u32,
@@ -840,11 +838,10 @@ pub unsafe extern "C" fn lc_checker_plan(
         // SAFETY: by the caller's contract.
         let count = unsafe { Place::new(count, "count") }?;
         let method = match given.method {
-            LC_PLAN_ALTERNATE => PlanMethod::Alternate,
             LC_PLAN_RRT_CONNECT => PlanMethod::RrtConnect,
             LC_PLAN_OPPORTUNISTIC => PlanMethod::Opportunistic,
             other => {
-                let message = format_args!("options.method is {other} (expected 0..=2)");
+                let message = format_args!("options.method is {other} (expected 0..=1)");
                 return Err(error(lc_status::LC_ARGUMENT, &message));
             }
         };

@@ -374,7 +374,7 @@ static void callbacks(void) {
   /* A caller that knows the first four options; a method that does not exist; too few options. */
   EXPECT(lc_checker_plan(b.own, start, goal, 3, &options, 32, NULL, NULL, &count), LC_OK);
   TRUE(count >= 2);
-  options.method = 3;
+  options.method = 2;
   EXPECT(lc_checker_plan(b.own, start, goal, 3, &options, sizeof options, NULL, NULL, &count), LC_ARGUMENT);
   printf("method: %s\n", lc_last_error());
   EXPECT(lc_checker_plan(b.own, start, goal, 3, &options, 24, NULL, NULL, &count), LC_ARGUMENT);

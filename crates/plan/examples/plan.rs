@@ -16,7 +16,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Plan the path of a rigid robot among obstacles with the opportunistic planner of Canny and Lin
+/// Plan the path of a rigid robot among obstacles with RRT-Connect
 ///
 /// Shortens the path and writes one configuration per row, `x,y,z,qx,qy,qz,qw`, below a header with
 /// these names. Between two rows the origin of the robot moves along a straight line, and the robot
@@ -227,13 +227,10 @@ fn run(job: &Job, out: &std::path::Path) -> Result<bool, String> {
         .map_err(said)?;
     let (work, took) = (plan.work, began.elapsed());
     println!(
-        "{} samples, {} freeways, {} bridges, {} random slices; {} of {} links; {} nodes; {:.2?}",
+        "{} samples; {} of {} segments proven free; {} nodes; {:.2?}",
         work.samples,
-        work.freeways,
-        work.bridges,
-        work.slices,
-        work.links[1],
-        work.links[0],
+        work.extensions[1],
+        work.extensions[0],
         plan.roadmap.nodes.len(),
         took
     );

@@ -360,7 +360,6 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Measures a pair from now on, or does not.
     fn set_pair(&mut self, pair: WorldPair) {
-        self.clear_atlas();
         let is_measured = [pair.a, pair.b].iter().all(|id| self.world.contains(*id))
             && !self.world.excluded.contains(&pair)
             && !self.is_rigid(pair);
@@ -381,7 +380,6 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     fn obstacles_changed(&mut self, ids: &[WorldId]) -> Result<(), PlanError> {
-        self.clear_atlas();
         for id in ids {
             self.range_bodies.remove(id);
             if let WorldId::Obstacle(k) = *id {
@@ -411,7 +409,6 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     pub(crate) fn margins_changed(&mut self) {
-        self.clear_atlas();
         self.pairs.take_margins(&self.world);
     }
 }

@@ -1,12 +1,10 @@
 //! The checker: proves segments free over their whole length.
 
 use core::ops::Range;
-use std::sync::Arc;
 use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
 
-use crate::atlas::{Atlas, AtlasVerdict};
 use crate::attached::CarriedMotion;
 use crate::curve::JointCurve;
 use crate::error::PlanError;
@@ -76,8 +74,6 @@ pub struct Checker<C> {
     pub(crate) has_parts: bool,
     /// Bodies that proofs over ranges have prepared.
     pub(crate) range_bodies: RangeBodies,
-    /// Boxes by which questions are answered; a change of the world drops them.
-    pub(crate) atlas: Option<Arc<Atlas>>,
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
@@ -127,7 +123,6 @@ impl<C: ConfigurationSpace> Checker<C> {
             hits: Vec::new(),
             order: Vec::new(),
             range_bodies: RangeBodies::new(),
-            atlas: None,
         };
         checker.set_all_pairs();
         Ok(checker)
@@ -135,8 +130,8 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns another checker of the same robot and world, for example for another thread.
     ///
-    /// It has the margins, the accepted contacts, the time and the atlas of this checker, and no
-    /// cached state: each answer has the bits of an answer after [`forget`](Self::forget).
+    /// It has the margins, the accepted contacts, the time and the boxes of pairs of this checker, and
+    /// no cached state: each answer has the bits of an answer after [`forget`](Self::forget).
     ///
     /// ```
     /// # use lin_canny::nalgebra::Isometry3;
@@ -164,8 +159,6 @@ impl<C: ConfigurationSpace> Checker<C> {
         if let Some(time) = self.time {
             other.set_time(time)?;
         }
-        // The world is the same, so the atlas belongs to it, and so do the boxes of pairs.
-        other.atlas.clone_from(&self.atlas);
         for tracked in self.pairs.own.values().map(|k| &self.pairs.all[*k]) {
             if let Some(boxes) = &tracked.apart {
                 other.pairs.set_apart(tracked.pair, boxes);
@@ -337,9 +330,6 @@ impl<C: ConfigurationSpace> Checker<C> {
     pub(crate) fn place_moving(&mut self, time: f64) -> Result<(), PlanError> {
         let each = self.world.motions.keys().map(|&id| self.pose_at(id, time));
         let placed: Vec<(WorldId, Isometry3<f64>)> = each.collect::<Result<_, _>>()?;
-        if !placed.is_empty() {
-            self.clear_atlas();
-        }
         for (id, pose) in placed {
             if let WorldId::Obstacle(k) = id {
                 self.pairs.place_obstacle(k, &pose);
@@ -464,9 +454,6 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns an error if a configuration is invalid.
     pub fn certify(&mut self, from: &[f64], to: &[f64]) -> Result<Verdict, PlanError> {
         let segment = self.segment(from, to)?;
-        if self.atlas_along(from, to) == Some(AtlasVerdict::Free) {
-            return Ok(self.free_by_atlas());
-        }
         self.judged(&segment, Some([from, to]), false)
     }
 
@@ -499,24 +486,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns whether a segment is proven free.
     pub(crate) fn is_proven_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
         let segment = self.segment(from, to)?;
-        match self.atlas_along(from, to) {
-            Some(AtlasVerdict::Free) => Ok(self.free_by_atlas().is_free()),
-            Some(AtlasVerdict::Contact) => {
-                self.work.segments += 1;
-                Ok(false)
-            }
-            None => Ok(self.judged(&segment, Some([from, to]), true)?.is_free()),
-        }
-    }
-
-    /// Returns the verdict about a segment that boxes of an atlas cover.
-    fn free_by_atlas(&mut self) -> Verdict {
-        self.work.segments += 1;
-        self.work.free += 1;
-        Verdict::Free {
-            clearance: self.pairs.least_kept,
-            start_contacts: Vec::new(),
-        }
+        Ok(self.judged(&segment, Some([from, to]), true)?.is_free())
     }
 
     /// Returns whether predicates at single configurations come before the proof of a segment.
@@ -638,13 +608,6 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// queries.
     pub(crate) fn judged_curve(&mut self, curve: &JointCurve, any: bool) -> Result<Verdict, PlanError> {
         let motion = self.curve(curve)?;
-        let is_segment = curve.degree() == 1 && (0..curve.coordinates()).all(|c| curve.bounds(c).error == 0.0);
-        if is_segment
-            && self.world.motions.is_empty()
-            && self.atlas_along(&curve.start(), &curve.end()) == Some(AtlasVerdict::Free)
-        {
-            return Ok(self.free_by_atlas());
-        }
         if let Some(straight) = self.straightened(curve)? {
             let verdict = self.judged(&straight, None, true)?;
             if verdict.is_free() {

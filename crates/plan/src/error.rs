@@ -44,13 +44,9 @@ pub enum PlanError {
     /// Returned if an answer is resumed that belongs to other bodies or joints.
     #[error("the answer about {0} does not belong to this checker or range")]
     OtherRange(WorldPair),
-    /// Returned if an atlas belongs to another robot or world, or to this one before it changed. Names
-    /// what differs.
-    #[error("the atlas does not belong to this checker: {0}")]
-    OtherAtlas(String),
-    /// Returned if a stored atlas is invalid. Names the place.
-    #[error("invalid atlas: {0}")]
-    AtlasFile(String),
+    /// Returned if boxes of pairs belong to another robot. Names what differs.
+    #[error("the boxes of pairs do not belong to this checker: {0}")]
+    OtherPairBoxes(String),
     /// Returned if a curve leaves the bounds of a coordinate between its control points.
     #[error("coordinate {coordinate} of the curve is out of bounds at time {time:?}: {value:?}")]
     CurveLimit {

@@ -2,7 +2,6 @@
 
 use nalgebra::Isometry3;
 
-use crate::atlas::AtlasVerdict;
 use crate::checker::Checker;
 use crate::error::PlanError;
 use crate::space::ConfigurationSpace;
@@ -30,9 +29,6 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.space.check(configuration)?;
         self.check_time()?;
         self.work.configurations += 1;
-        if let Some(verdict) = self.atlas_at(configuration) {
-            return Ok(verdict == AtlasVerdict::Free);
-        }
         let mut poses = core::mem::take(&mut self.poses);
         self.space.place(configuration, &mut poses);
         self.pairs.places.carry(&mut poses);

@@ -106,9 +106,7 @@
 //!
 //! # The search for a path
 //!
-//! [`PlanMethod`] names the methods. By default, RRT-Connect searches first. If the problem turns
-//! out to be hard, the opportunistic planner searches in turn with it, until one of them finds a
-//! path.
+//! [`PlanMethod`] names the methods. The default is RRT-Connect.
 //!
 //! | | RRT-Connect | opportunistic planner |
 //! |---|---|---|
@@ -120,8 +118,7 @@
 //! methods are *probabilistically complete*: the probability of missing a path whose clearance
 //! exceeds the margin tends to zero as the search goes on. No method proves that there is no path.
 //! The budgets are counts ([`PlanOptions`]), or the caller stops the search by a clock
-//! ([`Checker::plan_with_progress`]). The same seed gives the same result, bit for bit: the methods
-//! take turns by counts of tests, not by a clock.
+//! ([`Checker::plan_with_progress`]). The same seed gives the same result, bit for bit.
 //!
 //! ## RRT-Connect
 //!
@@ -160,7 +157,7 @@
 //!
 //! * The spaces are geometric. For dynamics or closed chains use another planner. Curves are proven
 //!   among moving obstacles, but the search of a path has no clock.
-//! * Six free axes in tight clutter take seconds. With the opportunistic planner alone, an arm
+//! * Six free axes in tight clutter take seconds. With the opportunistic planner, an arm
 //!   through a window of 0.5 m height takes at most 0.5 s over 20 seeds, through 0.35 m at most
 //!   4.1 s. A plank 0.2 thick through a hole of 0.3 takes at most 0.7 s (`crates/plan/tests`,
 //!   ignored tests).
@@ -189,7 +186,6 @@
 
 mod arm;
 mod ascent;
-mod atlas;
 mod attached;
 mod batch;
 mod changes;
@@ -203,6 +199,7 @@ mod freeway;
 mod links;
 mod mesh_hull;
 mod names;
+mod pair_boxes;
 mod pairs;
 mod path;
 #[cfg(feature = "serde")]
@@ -228,7 +225,6 @@ mod verdict;
 mod world;
 
 pub use arm::{Joint, JointKind, SerialArm};
-pub use atlas::{Atlas, AtlasBox, AtlasOptions, AtlasShares, AtlasVerdict, PairBoxes};
 pub use batch::NearPairs;
 pub use checker::{Checker, PairProof};
 pub use clearance::{NearPair, SegmentClearance};
@@ -236,6 +232,7 @@ pub use curve::JointCurve;
 pub use error::PlanError;
 pub use freeway::FreewayEnd;
 pub use names::nearest_name;
+pub use pair_boxes::PairBoxes;
 pub use path::Path;
 pub use planner::{Plan, PlanMethod, PlanOptions, PlanWork};
 pub use range::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};

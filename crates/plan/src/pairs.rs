@@ -7,10 +7,10 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
 
-use crate::atlas::ApartBoxes;
 use crate::attached::Carried;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
+use crate::pair_boxes::ApartBoxes;
 use crate::sweep::{OwnBox, PlacedBox, Sweep, kept_around, placed_ball};
 use crate::timed_poses::{PosePart, TimedPoses};
 use crate::world::{World, WorldId, WorldPair};

@@ -1,11 +1,8 @@
 //! The search for a path: methods, options, result and entry points.
 //!
-//! [`PlanMethod::Alternate`] gives a step to the method that has done less work. The work of a step
-//! is the number of configurations and segments that it tests, twice for the opportunistic planner,
-//! and a sixteenth for each sample. Beyond rounding, predicates
-//! and verdicts do not depend on the state of the trackers, so neither do the trees. An ascent of
-//! the opportunistic planner uses distances, whose last bits do, and a budget counts queries, whose
-//! number does.
+//! Beyond rounding, predicates and verdicts do not depend on the state of the trackers, so neither
+//! do the trees of RRT-Connect. An ascent of the opportunistic planner uses distances, whose last
+//! bits do, and a budget counts queries, whose number does.
 
 use core::ops::ControlFlow;
 use std::string::ToString;
@@ -29,17 +26,6 @@ use crate::verdict::CheckWork;
 const LONGEST: f64 = 1.0 / 16.0;
 const SHORTEST: f64 = 1.0 / 32_768.0;
 
-/// Steps that RRT-Connect takes alone before [`PlanMethod::Alternate`] starts the opportunistic
-/// planner. Not measured.
-const HEAD_START: u64 = 2048;
-
-/// Number of samples of RRT-Connect that count as one step: most are passed over.
-const SAMPLES: u64 = 16;
-
-/// Number of steps as which one of the opportunistic planner counts, because it measures distances.
-/// On problem 93 of `bookshelf_small` of Panda, it takes 21 us, and one of RRT-Connect 9.
-const MEASURED: u64 = 2;
-
 /// The method of [`Checker::plan`].
 ///
 /// Every segment of a path is proven free, whatever the method. The [crate](crate) explains both
@@ -47,15 +33,9 @@ const MEASURED: u64 = 2;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum PlanMethod {
-    /// RRT-Connect at first, then both methods in turn, until one of them finds a path (the
-    /// default).
-    ///
-    /// Each method makes the steps that it makes alone. So the search does at most about twice the
-    /// work of the method that needs less, plus the first steps of RRT-Connect.
-    #[default]
-    Alternate,
     /// Two trees of segments, from start and goal, that grow towards random configurations and
-    /// towards each other (Kuffner and LaValle 2000).
+    /// towards each other (Kuffner and LaValle 2000; the default).
+    #[default]
     RrtConnect,
     /// Freeways of largest clearance in slices (Canny and Lin 1993).
     Opportunistic,
@@ -63,13 +43,12 @@ pub enum PlanMethod {
 
 impl PlanMethod {
     /// All methods.
-    pub const ALL: [Self; 3] = [Self::Alternate, Self::RrtConnect, Self::Opportunistic];
+    pub const ALL: [Self; 2] = [Self::RrtConnect, Self::Opportunistic];
 
-    /// Returns the name: `alternate`, `rrt-connect` or `opportunistic`.
+    /// Returns the name: `rrt-connect` or `opportunistic`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Alternate => "alternate",
             Self::RrtConnect => "rrt-connect",
             Self::Opportunistic => "opportunistic",
         }
@@ -86,7 +65,7 @@ impl PlanMethod {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PlanOptions {
-    /// The method (default [`PlanMethod::Alternate`]).
+    /// The method (default [`PlanMethod::RrtConnect`]).
     pub method: PlanMethod,
     /// Random seed (default 0). A new checker returns the same result for the same seed, and so
     /// does any checker after [`Checker::forget`].
@@ -344,30 +323,15 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         if self.tried(START, GOAL)? {
             return Ok(());
         }
-        let (mut of_trees, mut of_slices) = (0, 0);
         while !trees.is_solved() && !self.is_over() {
-            let is_tree = match options.method {
-                PlanMethod::Alternate => of_trees < HEAD_START + of_slices,
-                method => method == PlanMethod::RrtConnect,
-            };
-            let before = self.steps();
-            if is_tree && self.work.samples < options.samples {
-                trees.grow(self.checker, &mut self.work)?;
-                of_trees += self.steps() - before;
-            } else if !is_tree && self.has_slices(options.slices) {
-                self.next_slice()?;
-                of_slices += MEASURED * (self.steps() - before);
-            } else {
-                break;
+            match options.method {
+                PlanMethod::RrtConnect if self.work.samples < options.samples => {
+                    trees.grow(self.checker, &mut self.work)?;
+                }
+                PlanMethod::Opportunistic if self.has_slices(options.slices) => self.next_slice()?,
+                _ => break,
             }
         }
         Ok(())
-    }
-
-    /// Returns the number of steps: configurations and segments that were tested, and samples. It
-    /// does not depend on the state of trackers.
-    fn steps(&self) -> u64 {
-        let checks = &self.checker.work;
-        checks.configurations + checks.segments + self.work.samples / SAMPLES
     }
 }

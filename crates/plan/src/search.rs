@@ -44,8 +44,8 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
 
     /// Explores the next slice: first those through start and goal, then random ones.
     ///
-    /// Distances of warm trackers differ by rounding, so that a slice would depend on the turns of
-    /// the other method. It begins with new trackers.
+    /// Distances of warm trackers differ by rounding, so that a slice would depend on earlier queries.
+    /// It begins with new trackers.
     pub(crate) fn next_slice(&mut self) -> Result<(), PlanError> {
         self.checker.forget();
         let first = self.first_slices();

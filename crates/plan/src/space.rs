@@ -116,7 +116,7 @@ pub trait ConfigurationSpace {
     /// move its bodies by joints.
     ///
     /// [`Checker::prove_pair`](crate::Checker::prove_pair) and
-    /// [`Checker::free_boxes`](crate::Checker::free_boxes) need them. In a space with joints and with
+    /// [`Checker::pair_boxes`](crate::Checker::pair_boxes) need them. In a space with joints and with
     /// bounds for all coordinates, segments must be straight in the coordinates. By default there are
     /// none.
     fn joint_path(&self, _body: usize) -> Option<JointPath> {

@@ -116,7 +116,7 @@ pub(crate) const RANGE_FRAME: f64 = 512.0 * UNIT;
 /// in all this is below 512 (m + 2) UNIT for up to 350 joints.
 pub(crate) const RANGE_TERM: f64 = 512.0 * UNIT;
 
-/// Relative error of the time at which a segment crosses a face between two boxes of an atlas.
+/// Relative error of the time at which a segment crosses a face between two boxes of joint values.
 ///
 /// Two differences and a quotient err by UNIT each, and the end of the interval by one more: 4 UNIT.
 pub(crate) const CROSSING: f64 = 8.0 * UNIT;

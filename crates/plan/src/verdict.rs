@@ -118,8 +118,8 @@ pub struct CheckWork {
     /// Number of queries of convex hulls that stood for meshes, on segments and at single
     /// configurations. Hulls that are proven apart save the query of the meshes.
     pub hulls: u64,
-    /// Number of configurations and segments that the boxes of an atlas decided, and of pairs that
-    /// boxes of joint values proved apart.
+    /// Number of pairs that boxes of joint values proved apart at a configuration or along a segment
+    /// ([`PairBoxes`](crate::PairBoxes)).
     pub lookups: u64,
     /// Number of pairs that were made: all pairs at first, and those that changes added.
     pub pairs_made: u64,

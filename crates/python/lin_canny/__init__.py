@@ -7,7 +7,6 @@ normals are in the world. Invalid input raises a subclass of LinCannyError, whic
 from ._native import (
     BodyId,
     Cast,
-    Atlas,
     Checker,
     Closest,
     ClosestPoint,
@@ -64,7 +63,6 @@ __all__ = [
     "__version__",
     "BodyId",
     "Cast",
-    "Atlas",
     "Checker",
     "Closest",
     "ClosestPoint",

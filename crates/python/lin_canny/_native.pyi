@@ -40,7 +40,6 @@ _Records: TypeAlias = NDArray[np.void]
 
 __all__ = [
     "__version__",
-    "Atlas",
     "BodyId",
     "Cast",
     "Checker",
@@ -790,22 +789,6 @@ class LinkAudit:
     def answers(self) -> list[RangeAnswer]: ...
 
 @final
-class Atlas:
-    @staticmethod
-    def load(path: _Path) -> Atlas: ...
-    def save(self, path: _Path) -> None: ...
-    @property
-    def shares(self) -> tuple[float, float, float]: ...
-    @property
-    def searched(self) -> int: ...
-    @property
-    def is_complete(self) -> bool: ...
-    @property
-    def range(self) -> NDArray[np.float64]: ...
-    def verdict_at(self, q: ArrayLike) -> Literal["free", "contact"] | None: ...
-    def verdicts(self, q: ArrayLike) -> NDArray[np.int8]: ...
-
-@final
 class Checker:
     def __new__(
         cls,
@@ -919,7 +902,7 @@ class Checker:
         start: ArrayLike,
         goal: ArrayLike,
         *,
-        method: Literal["alternate", "rrt-connect", "opportunistic"] = "alternate",
+        method: Literal["rrt-connect", "opportunistic"] = "rrt-connect",
         seed: int = 0,
         slices: int = 10_000,
         samples: int = 100_000,
@@ -977,20 +960,9 @@ class Checker:
         resume: Sequence[LinkAudit] | None = None,
         progress: _Progress = None,
     ) -> list[LinkAudit]: ...
-    def free_boxes(
-        self,
-        *,
-        boxes: int = 20_000,
-        proofs: int | None = None,
-        resume: Atlas | None = None,
-        progress: _Progress = None,
-    ) -> Atlas: ...
-    def set_atlas(self, atlas: Atlas | None) -> None: ...
     def prepare_pairs(
         self, *, boxes: int = 500, progress: _Progress = None
-    ) -> list[tuple[str, str, Atlas]]: ...
-    @property
-    def has_atlas(self) -> bool: ...
+    ) -> list[tuple[str, str, float]]: ...
     def nearest_batch(
         self, q: ArrayLike, k: int, slack: float = ..., *, threads: int = 1, progress: _Progress = None
     ) -> _Records: ...

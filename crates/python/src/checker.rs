@@ -1,11 +1,11 @@
 //! The class `Checker`: clearances, proven motions and paths of robots.
 
 mod answers;
-mod atlas;
 mod audit;
 mod batches;
 mod motion_batch;
 mod motions;
+mod pair_boxes;
 mod range;
 mod setup;
 mod smooth;
@@ -13,7 +13,6 @@ mod view;
 mod world;
 
 pub(crate) use answers::{NearPair, Verdict};
-pub(crate) use atlas::Atlas;
 pub(crate) use audit::LinkAudit;
 pub(crate) use range::RangeAnswer;
 pub(crate) use world::BodyId;
@@ -347,14 +346,13 @@ impl Checker {
     /// Every segment of the path is proven to keep the margin. Returns None if a limit ended the
     /// search, which proves nothing.
     ///
-    /// method: "rrt-connect" (two trees that grow towards random configurations), "opportunistic"
-    /// (freeways of largest clearance), or "alternate": RRT-Connect first, and both in turn if the
-    /// problem is hard. seed: the random seed; the same seed gives the same path unless `seconds`
-    /// ends the search. slices and samples: the maximum number of random slices of the
+    /// method: "rrt-connect" (two trees that grow towards random configurations) or "opportunistic"
+    /// (freeways of largest clearance). seed: the random seed; the same seed gives the same path
+    /// unless `seconds` ends the search. slices and samples: the maximum number of random slices of the
     /// opportunistic planner, and of samples of RRT-Connect. seconds: the time limit. shorten: the
     /// number of attempts to shorten the path. Ctrl-C ends the search.
     #[pyo3(signature = (
-        start, goal, *, method="alternate", seed=0, slices=10_000, samples=100_000, seconds=None, shorten=300
+        start, goal, *, method="rrt-connect", seed=0, slices=10_000, samples=100_000, seconds=None, shorten=300
     ))]
     #[allow(clippy::too_many_arguments)] // the signature in Python
     fn plan<'py>(
@@ -412,7 +410,7 @@ impl Checker {
         plan_error(named(error, self.setup.coordinates()))
     }
 
-    /// Returns a new checker of the same world, with the same atlas.
+    /// Returns a new checker of the same world, with the same boxes of pairs.
     fn copy(&self) -> PyResult<Loaded<JointTree>> {
         self.checker.fork().map_err(plan_error)
     }

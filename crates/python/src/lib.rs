@@ -53,7 +53,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     class::<checker::Verdict>(module)?;
     class::<checker::RangeAnswer>(module)?;
     class::<checker::LinkAudit>(module)?;
-    class::<checker::Atlas>(module)?;
     class::<curve::JointCurve>(module)?;
     class::<trajectory::Trajectory>(module)?;
     class::<mesh_file::MeshFile>(module)?;

@@ -17,7 +17,7 @@ use truth::command::{file, seconds};
 
 /// Plan how a six-axis arm moves its gripper from the left bin to the right bin
 ///
-/// Searches for a path with the opportunistic planner, shortens it and moves it away from the cell.
+/// Searches for a path with RRT-Connect, shortens it and moves it away from the cell.
 /// Draws the arm at both ends and at the least clearance, and the clearance along the path.
 #[derive(Parser)]
 struct Options {
@@ -72,10 +72,8 @@ fn run(options: &Options) -> Result<(), Trouble> {
     })?;
     let (took, work) = (began.elapsed(), plan.work);
     println!(
-        "{took:.2?}: {} samples, {} freeways, {} random slices, {} configurations, {} distance queries",
+        "{took:.2?}: {} samples, {} configurations, {} distance queries",
         work.samples,
-        work.freeways,
-        work.slices,
         plan.roadmap.nodes.len(),
         work.checks.queries + work.checks.measures
     );

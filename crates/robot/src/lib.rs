@@ -177,7 +177,6 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 #![forbid(unsafe_code)]
 
-mod atlas_file;
 mod audit;
 mod cell;
 mod cell_body;
@@ -210,7 +209,6 @@ mod urdf;
 mod xml;
 mod yaml;
 
-pub use atlas_file::{load_atlas, save_atlas};
 pub use audit::{AuditCell, AuditVerdict, LinkAudit, audit, audit_cells, audit_pair};
 pub use cell::{BodyName, Cell, Obstacle};
 pub use cell_body::AttachedBody;

@@ -6,8 +6,7 @@ use std::sync::{Arc, OnceLock};
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::{Geometry, GeometryKind};
 use lin_canny_plan::{
-    AtlasOptions, Checker, Drive, JointKind, JointTree, PairBoxes, PlanError, TimedPoses, TreeJoint, World, WorldId,
-    WorldPair,
+    Checker, Drive, JointKind, JointTree, PairBoxes, PlanError, TimedPoses, TreeJoint, World, WorldId, WorldPair,
 };
 
 use crate::cell::{BodyName, Cell, Obstacle};
@@ -485,18 +484,18 @@ impl Setup {
     /// from now on: see [`Checker::pair_boxes`]. Copies of this setup that are made afterwards have
     /// them too, until something about the robots changes.
     ///
-    /// `options` are the budgets of a pair. A second call changes nothing.
+    /// `boxes` is the largest number of boxes of a pair. A second call changes nothing.
     ///
     /// # Errors
     /// Returns an error as [`checker`](Self::checker) and [`Checker::pair_boxes`] do.
-    pub fn prepare_pairs(&self, options: &AtlasOptions) -> Result<&PairBoxes, PlanError> {
+    pub fn prepare_pairs(&self, boxes: u64) -> Result<&PairBoxes, PlanError> {
         let world = self.checker()?.world().without_obstacles();
         let shared = self.robot_part()?;
         if let Some(known) = shared.pair_boxes.get() {
             return Ok(known);
         }
-        let boxes = Checker::new(shared.space.clone(), world)?.pair_boxes(options)?;
-        Ok(shared.pair_boxes.get_or_init(|| boxes))
+        let found = Checker::new(shared.space.clone(), world)?.pair_boxes(boxes)?;
+        Ok(shared.pair_boxes.get_or_init(|| found))
     }
 
     /// Returns what all checkers share, made now if this is the first one.

@@ -3,14 +3,9 @@
 
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
-use std::time::Instant;
 
-use lin_canny_robot::lin_canny::Progress;
 use lin_canny_robot::lin_canny::nalgebra::Isometry3;
-use lin_canny_robot::plan::{
-    AtlasOptions, AtlasVerdict, Checker, ClearanceWidth, ConfigurationSpace, JointTree, PlanError, PlanMethod,
-    PlanOptions, RangeOptions,
-};
+use lin_canny_robot::plan::{Checker, ClearanceWidth, ConfigurationSpace, JointTree, PlanError, RangeOptions};
 use lin_canny_robot::{
     AuditCell, AuditVerdict, LoadOptions, Packages, Robot, RobotFiles, Setup, audit, audit_cells, audit_pair,
 };
@@ -274,99 +269,4 @@ fn a_fixture_on_a_planar_or_floating_joint_has_a_pose_with_a_range() {
             assert!(near.upper >= one.lower, "{near:?} {one:?}");
         }
     }
-}
-
-/// How much of a six-axis cell free boxes cover in a minute, and what a lookup and plans take.
-#[test]
-#[ignore = "a measurement of a minute: cargo test --release -p lin-canny-robot --test audit free_boxes -- --ignored --nocapture"]
-fn free_boxes_of_a_six_axis_cell() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
-    let mut files = RobotFiles::new(format!("{folder}/six_axis.urdf"));
-    files.srdf = Some(format!("{folder}/six_axis.srdf").into());
-    files.cell = Some(format!("{folder}/six_axis_cell.json").into());
-    let mut checker = files.load().expect("the example").1.checker().expect("a checker");
-    let limit = std::env::var("LIN_CANNY_SECONDS").map_or(60.0, |text| text.parse().expect("seconds"));
-    let options = AtlasOptions::default().boxes(u64::MAX);
-    let (began, mut time) = (Instant::now(), cpu_time::ThreadTime::now());
-    let spent = |time: &cpu_time::ThreadTime| time.elapsed().as_secs_f64();
-    let mut atlas = checker.free_boxes(&options.boxes(1)).expect("an atlas");
-    for part in [0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0] {
-        let watch = &mut |_| Progress::stop_if(spent(&time) > part * limit);
-        atlas = checker.resume_boxes(&atlas, &options, watch).expect("an atlas");
-        let shares = atlas.shares();
-        println!(
-            "{:.1} s: free {:.4}, contact {:.4}, {} boxes, {} proofs",
-            spent(&time),
-            shares.free,
-            shares.contact,
-            atlas.searched(),
-            atlas.proofs()
-        );
-    }
-    println!("wall {:.1} s", began.elapsed().as_secs_f64());
-    let [low, high] = limits(&checker);
-    let mut rng = truth::rng::Rng::new(1);
-    let each = |rng: &mut truth::rng::Rng| -> Vec<f64> {
-        let ends = low.iter().zip(&high);
-        ends.map(|(low, high)| rng.range(*low, *high).clamp(*low, *high))
-            .collect()
-    };
-    let samples: Vec<Vec<f64>> = (0..20_000).map(|_| each(&mut rng)).collect();
-    time = cpu_time::ThreadTime::now();
-    let found: Vec<_> = samples.iter().map(|q| atlas.verdict_at(q)).collect();
-    let of_lookup = spent(&time) / samples.len() as f64;
-    time = cpu_time::ThreadTime::now();
-    let truth: Vec<bool> = samples
-        .iter()
-        .map(|q| checker.is_free_at(q).expect("a configuration"))
-        .collect();
-    let of_query = spent(&time) / samples.len() as f64;
-    for ((found, is_free), q) in found.iter().zip(&truth).zip(&samples) {
-        assert!(
-            found.is_none_or(|found| (found == AtlasVerdict::Free) == *is_free),
-            "{q:?}"
-        );
-    }
-    let count = |is: bool| truth.iter().filter(|free| **free == is).count() as f64 / samples.len() as f64;
-    println!(
-        "{:.4} of {} samples are free; free boxes cover {:.4} of the free volume, contact {:.4} of the rest",
-        count(true),
-        samples.len(),
-        atlas.shares().free / count(true),
-        atlas.shares().contact / count(false),
-    );
-    println!("lookup {:.0} ns, is_free_at {:.0} ns", 1e9 * of_lookup, 1e9 * of_query);
-    // Plans between free samples, without the atlas and with it.
-    let free: Vec<&Vec<f64>> = samples
-        .iter()
-        .zip(&truth)
-        .filter(|(_, free)| **free)
-        .map(|(q, _)| q)
-        .collect();
-    let atlas = std::sync::Arc::new(atlas);
-    let mut times = [0.0; 2];
-    let mut lookups = 0;
-    for (k, ends) in free.chunks_exact(2).take(200).enumerate() {
-        let options = PlanOptions::default().seed(k as u64).method(PlanMethod::RrtConnect);
-        let mut paths = Vec::new();
-        for with in [false, true] {
-            if with {
-                checker.set_atlas(atlas.clone()).expect("the atlas");
-            } else {
-                checker.clear_atlas();
-            }
-            checker.forget();
-            time = cpu_time::ThreadTime::now();
-            let plan = checker.plan(ends[0], ends[1], &options).expect("a plan");
-            times[usize::from(with)] += spent(&time);
-            lookups += plan.work.checks.lookups;
-            paths.push(plan.path);
-        }
-        assert_eq!(paths[0], paths[1]);
-    }
-    println!(
-        "200 plans: {:.2} ms each, with the atlas {:.2} ms, {lookups} lookups",
-        5.0 * times[0],
-        5.0 * times[1]
-    );
 }

@@ -1228,45 +1228,13 @@ fn an_audit_proves_pairs_and_refutes_an_srdf() {
 }
 
 #[test]
-fn boxes_save_time_in_plan_and_certify_and_say_the_same() {
-    let [whole, part] = ["whole.json", "part.json"].map(|name| scratch(name, ""));
-    let (code, text) = run("boxes", &with(&["--boxes", "300", "--out", &whole]));
-    assert_eq!(code, 0, "{text}");
-    assert!(text.contains("300 boxes searched: "), "{text}");
-    for (boxes, resumed) in [("100", None), ("200", Some(&part))] {
-        let mut arguments = with(&["--boxes", boxes, "--out", &part]);
-        if let Some(file) = resumed {
-            arguments.extend(["--resume", file]);
-        }
-        let (code, text) = run("boxes", &arguments);
-        assert_eq!(code, 0, "{text}");
-    }
-    let read = |file: &str| std::fs::read_to_string(file).expect("a file");
-    assert!(read(&whole) == read(&part));
+fn plan_and_certify_say_the_same_with_boxes_of_pairs() {
     for command in ["certify", "plan"] {
         let arguments = with(&["--joints", "carry.csv"]);
         let without = run(command, &arguments);
-        let with_boxes = run(command, &[&arguments[..], &["--atlas", &whole]].concat());
-        assert_eq!(with_boxes, without, "{command}");
         let with_pairs = run(command, &[&arguments[..], &["--pair-boxes", "50"]].concat());
         assert_eq!(with_pairs, without, "{command}");
-        let other = run(
-            command,
-            &[&arguments[..], &["--margin", "0.001", "--atlas", &whole]].concat(),
-        );
-        assert_eq!(other.0, 3, "{other:?}");
-        assert!(
-            other.1.contains("whole.json") && other.1.contains("does not belong"),
-            "{other:?}"
-        );
     }
-    let broken = scratch(
-        "broken.json",
-        &read(&whole).replacen("\"version\":1", "\"version\":9", 1),
-    );
-    let (code, text) = run("boxes", &with(&["--resume", &broken, "--out", &part]));
-    assert_eq!(code, 3, "{text}");
-    assert!(text.contains("invalid atlas: version 9 (expected 1)"), "{text}");
 }
 
 #[test]

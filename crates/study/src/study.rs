@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use lin_canny_plan::{Atlas, Checker, JointTree, WorldId};
+use lin_canny_plan::{Checker, JointTree, WorldId};
 use lin_canny_robot::{Coordinate, RobotFiles, Setup};
 
 use crate::error::StudyError;
@@ -73,32 +73,9 @@ impl Study {
     /// # Errors
     /// Returns an error if no checker can be made, or if a margin is negative or not finite.
     pub fn new(setup: Setup, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
-        Self::with_boxes(setup, options, None)
-    }
-
-    /// Returns the study of a robot and a cell that answers by the boxes of an atlas where they
-    /// decide: in `is_free`, `certify` and `certify_curve`.
-    ///
-    /// The atlas must be that of the robot, the cell and the margin ([`Checker::set_atlas`]). Segments
-    /// and curves do not use it if contacts at their start are accepted.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new), and an error that names what differs if the atlas is another's.
-    pub fn with_atlas(
-        setup: Setup,
-        options: StudyOptions,
-        atlas: impl Into<Arc<Atlas>>,
-    ) -> Result<Arc<Self>, StudyError> {
-        Self::with_boxes(setup, options, Some(atlas.into()))
-    }
-
-    fn with_boxes(setup: Setup, options: StudyOptions, atlas: Option<Arc<Atlas>>) -> Result<Arc<Self>, StudyError> {
         let mut first = setup.checker()?;
         first.set_margin(options.margin.unwrap_or(first.margin()))?;
         first.set_start_contact_margin(options.start_contact_margin)?;
-        if let Some(atlas) = atlas {
-            first.set_atlas(atlas)?;
-        }
         Ok(Arc::new(Self {
             fingerprint: fingerprint(&setup, &first, options)?,
             setup,
@@ -127,7 +104,7 @@ impl Study {
         self.options
     }
 
-    /// Returns the fingerprint of robot, cell, options and atlas: sixteen hexadecimal digits.
+    /// Returns the fingerprint of robot, cell and options: sixteen hexadecimal digits.
     ///
     /// Two studies with the same fingerprint return the same result for every row.
     #[must_use]
@@ -182,10 +159,6 @@ fn fingerprint(setup: &Setup, checker: &Checker<JointTree>, options: StudyOption
     hasher.update(space.as_bytes()).update(&[0xff]);
     // The whole world: bodies, frames, excluded pairs, margins and paddings.
     serde_json::to_writer(&mut hasher, checker.world())?;
-    if let Some(atlas) = checker.atlas() {
-        hasher.update(&[0xff]);
-        serde_json::to_writer(&mut hasher, &**atlas)?;
-    }
     Ok(hasher.finalize().to_hex()[..16].to_owned())
 }
 
@@ -198,7 +171,7 @@ pub(crate) fn bodies_called(checker: &Checker<JointTree>, name: &str) -> Vec<Wor
 
 #[cfg(test)]
 mod tests {
-    use lin_canny_plan::{AtlasOptions, PlanError};
+    use lin_canny_plan::PlanError;
 
     use super::*;
 
@@ -211,10 +184,6 @@ mod tests {
             change(&mut checker).expect("a change");
             fingerprint(&setup, &checker, StudyOptions::default()).expect("a fingerprint")
         };
-        let boxes = |checker: &mut Checker<JointTree>, count| {
-            let atlas = checker.free_boxes(&AtlasOptions::default().boxes(count))?;
-            checker.set_atlas(atlas)
-        };
         let all = [
             of(&|_| Ok(())),
             of(&|c| c.set_pair_margin("base", "gripper", Some(0.01)).map(|_| ())),
@@ -223,8 +192,6 @@ mod tests {
             of(&|c| c.pad("gripper", 0.01).map(|_| ())),
             of(&|c| c.exclude("base", "gripper").map(|_| ())),
             of(&|c| c.set_margin(0.01)),
-            of(&|c| boxes(c, 1)),
-            of(&|c| boxes(c, 2)),
         ];
         let different: std::collections::BTreeSet<_> = all.iter().collect();
         assert_eq!(different.len(), all.len(), "{all:?}");

@@ -52,7 +52,7 @@ fn the_sample_of_mbm_is_solved_and_certified() {
         table.starts_with("robot,set,index,engine,valid,solved,certified,us,length\n"),
         "{table}"
     );
-    let planned: Vec<_> = rows.iter().filter(|row| row[3].starts_with("plan")).collect();
+    let planned: Vec<_> = rows.iter().filter(|row| row[3].starts_with("rrt-connect")).collect();
     assert!(
         planned.len() >= 14 && planned.iter().all(|row| row[4..7] == ["1", "1", "1"]),
         "{table}"

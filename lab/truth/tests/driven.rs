@@ -75,17 +75,3 @@ fn curves_of_random_bytes_are_curves_or_errors() {
     }
     assert!(made.iter().chain(&followed).all(|n| *n > 50), "{made:?} {followed:?}");
 }
-
-#[cfg(feature = "readers")]
-#[test]
-fn stored_atlases_of_random_bytes_are_atlases_or_errors() {
-    use truth::driven::atlases;
-
-    let (mut rng, mut tally) = (Rng::new(1), atlases::Tally::default());
-    for k in 0..4_000 {
-        let bytes: Vec<u8> = (0..1 + k % 120).map(|_| rng.bits() as u8).collect();
-        tally.add(&atlases::drive(&bytes));
-    }
-    assert!(tally.read.iter().all(|n| *n > 300), "{tally:?}");
-    assert!(tally.owned > 50 && tally.boxes > 3_000, "{tally:?}");
-}

@@ -247,7 +247,7 @@ fn compare_plans<C: ConfigurationSpace>(rust: &mut Checker<C>, c: lc_checker, q:
     for k in 0..q.len() / n - 1 {
         let (seed, tries) = (k as u64, k % 4);
         let mut options = PlanOptions::default().seed(seed).samples(8).slices(1).queries(300);
-        options.method = lin_canny_plan::PlanMethod::ALL[k % 3];
+        options.method = lin_canny_plan::PlanMethod::ALL[k % 2];
         let r = rust.plan(at(k), at(k + 1), &options);
         let r = r.map(|plan| plan.path.map(|path| rust.shorten(&path, tries, seed).unwrap()));
         let options = lc_plan_options {
@@ -256,7 +256,7 @@ fn compare_plans<C: ConfigurationSpace>(rust: &mut Checker<C>, c: lc_checker, q:
             queries: 300,
             shorten: tries as u64,
             samples: 8,
-            method: (k % 3) as u32,
+            method: (k % 2) as u32,
             reserved: 0,
         };
         let (from, to, size, mut count) = (at(k).as_ptr(), at(k + 1).as_ptr(), size_of::<lc_plan_options>(), 0);

@@ -56,7 +56,8 @@ use chain::{Chain, ChainEnd};
 use lin_canny::{PairTracker, Progress, normalize_rotation};
 use search::Search;
 
-pub(crate) use prover::{BoxProof, PairProver};
+pub(crate) use prover::PairProver;
+pub(crate) use search::BoxProof;
 pub use verdict::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};
 
 /// Bodies that calls have prepared.

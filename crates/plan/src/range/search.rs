@@ -80,7 +80,7 @@ pub(super) struct Room {
 
 /// What is proven about a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum CellProof {
+pub(crate) enum BoxProof {
     /// The pair keeps its distance at each configuration of the cell.
     Free,
     /// At each configuration the pair is in contact or closer than it must keep.
@@ -459,20 +459,20 @@ impl Search<'_> {
     }
 
     /// Proves a cell that stands alone: no witness is kept, nothing is divided.
-    pub(super) fn prove_cell(&mut self, cell: &mut RangeCell) -> Result<CellProof, PlanError> {
+    pub(super) fn prove_cell(&mut self, cell: &mut RangeCell) -> Result<BoxProof, PlanError> {
         self.centre_on(cell);
         let Some(found) = self.by_planes_of_hulls(cell)? else {
-            return Ok(CellProof::Free);
+            return Ok(BoxProof::Free);
         };
         let is_apart = found.lower > self.kept;
         if is_apart && (self.by_distance(cell, &found) || self.by_parts(cell, &found)) {
-            return Ok(CellProof::Free);
+            return Ok(BoxProof::Free);
         }
         if !is_apart && self.is_blocked(&found) {
-            return Ok(CellProof::Contact);
+            return Ok(BoxProof::Contact);
         }
         self.moved();
-        Ok(CellProof::Left)
+        Ok(BoxProof::Left)
     }
 
     /// Poses the chain at the centre of a cell.

@@ -4,7 +4,6 @@
 mod apart;
 mod arcs;
 mod arm;
-mod atlas;
 mod certify;
 mod changes;
 mod curves;

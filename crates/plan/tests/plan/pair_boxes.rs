@@ -2,15 +2,37 @@
 
 use core::ops::Range;
 
+use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    AtlasOptions, Checker, ConfigurationSpace, Joint, JointTree, PairBoxes, PlanError, SerialArm, World,
+    Checker, ConfigurationSpace, Joint, JointTree, PairBoxes, PlanError, PlanarSpace, SerialArm, World,
 };
 use truth::rng::Rng;
 
-use crate::atlas::random_checker;
-use crate::ranges::at;
+use crate::range_worlds::add_obstacles;
+use crate::ranges::{at, pose, robot};
+
+fn random_checker(k: u64, seed: u64) -> Checker<JointTree> {
+    let mut rng = Rng::new(seed + k);
+    let size = [1.0, 1e-6, 1e6][(k % 3) as usize];
+    let (tree, mut world) = robot(&mut rng, size, seed + k);
+    // Every fifth robot is alone.
+    if !k.is_multiple_of(5) {
+        add_obstacles(&mut world, &mut rng, size);
+        world.set_pair_margin("a", "cloud", Some(0.2 * size)).expect("a margin");
+        world.set_pair_margin("b", "open box", Some(0.0)).expect("a margin");
+        world.exclude("a", "walls").expect("a pair");
+    }
+    world.set_margin(0.03 * size).expect("a margin");
+    world.pad("b", 0.05 * size).expect("a padding");
+    let mut checker = Checker::new(tree, world).expect("a robot");
+    let part = solids::cuboid(Vector3::repeat(0.1 * size)).expect("a box");
+    let part_pose = pose(&mut rng, 0.5 * size);
+    checker.attach("b", "part", part, part_pose, &[]).expect("a part");
+    checker.set_time(0.3).expect("a time");
+    checker
+}
 
 /// Compares two checkers of one world, of which the second has boxes, at random configurations and along segments.
 /// Returns how many were free, and how many pairs were looked up.
@@ -49,14 +71,13 @@ fn random_robots(robots: Range<u64>, samples: u32, seed: u64) -> [u64; 3] {
     for k in robots {
         let mut rng = Rng::new(seed + 500 + k);
         let mut plain = random_checker(k, seed);
-        let options = AtlasOptions::default().boxes(300);
-        let boxes = plain.pair_boxes(&options).expect("boxes");
-        let Some((pair, atlas)) = boxes.pairs().next() else {
+        let boxes = plain.pair_boxes(300).expect("boxes");
+        let Some((pair, share)) = boxes.pairs().next() else {
             continue;
         };
         // Budgets, not chance: a second search finds the same.
-        let again = plain.fork().expect("a checker").pair_boxes(&options).expect("boxes");
-        assert!(again.pairs().next() == Some((pair, atlas)), "{k}");
+        let again = plain.fork().expect("a checker").pair_boxes(300).expect("boxes");
+        assert_eq!(again.pairs().next(), Some((pair, share)), "{k}");
         let mut first = plain.fork().expect("a checker");
         first.set_pair_boxes(&boxes).expect("the boxes of this robot");
         // A fork has them too.
@@ -118,7 +139,7 @@ fn blocks(count: usize, half: f64) -> Checker<SerialArm> {
 #[test]
 fn only_pairs_with_one_or_two_joints_have_boxes() {
     let mut checker = blocks(5, 0.25);
-    let boxes = checker.pair_boxes(&AtlasOptions::default().boxes(50)).expect("boxes");
+    let boxes = checker.pair_boxes(50).expect("boxes");
     let pairs: Vec<String> = boxes.pairs().map(|(pair, _)| pair.to_string()).collect();
     let near = |k: usize| (1..=2).map(move |d| (k, k + d)).filter(|(_, b)| *b < 5);
     let expected = (0..5).flat_map(near);
@@ -126,20 +147,106 @@ fn only_pairs_with_one_or_two_joints_have_boxes() {
         .map(|(a, b)| format!("robot body {a} and robot body {b}"))
         .collect();
     assert_eq!(pairs, expected);
-    for (_, atlas) in boxes.pairs() {
-        assert!(atlas.searched() <= 50 && atlas.shares().free > 0.5, "{atlas:?}");
+    assert!(boxes.pairs().all(|(_, share)| share > 0.5), "{boxes:?}");
+}
+
+/// A block on two rails about a post, which belongs to the robot.
+fn square([x, y]: [[f64; 2]; 2]) -> Checker<SerialArm> {
+    let rail = |axis, limits| Joint::prismatic(Isometry3::identity(), axis, limits);
+    let rails = vec![rail(Vector3::x_axis(), x), rail(Vector3::y_axis(), y)];
+    let arm = SerialArm::new(Isometry3::identity(), rails, vec![0, 2], 0.1);
+    let mut world = World::new();
+    world.robot_body("post", solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
+    world.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    Checker::new(arm.expect("an arm"), world).expect("a checker")
+}
+
+fn share_of(boxes: &PairBoxes) -> f64 {
+    let shares: Vec<f64> = boxes.pairs().map(|(_, share)| share).collect();
+    assert_eq!(shares.len(), 1, "{boxes:?}");
+    shares[0]
+}
+
+#[test]
+fn the_volume_of_a_square_is_known() {
+    let mut checker = square([[-2.0, 2.0]; 2]);
+    let apart = 1.0 - 1.2 * 1.2 / 16.0;
+    let share = share_of(&checker.pair_boxes(20_000).expect("boxes"));
+    assert!(share < apart && share > apart - 2e-3, "{share}");
+    // One of two coordinates has a width, and the post ends a box within rounding.
+    let share = share_of(&square([[-2.0, 2.0], [0.0; 2]]).pair_boxes(5_000).expect("boxes"));
+    assert!((share - 0.7).abs() < 1e-9, "{share}");
+    // Without a width there is one box.
+    for (x, apart) in [(0.3, 0.0), (0.7, 1.0)] {
+        let mut checker = square([[x; 2], [0.0; 2]]);
+        let boxes = checker.pair_boxes(10).expect("boxes");
+        assert_eq!(share_of(&boxes), apart);
+        checker.set_pair_boxes(&boxes).expect("the boxes");
+        assert_eq!(checker.is_free_at(&[x, 0.0]).expect("a configuration"), apart == 1.0);
+        assert_eq!(checker.work().lookups, apart as u64);
     }
 }
 
 #[test]
+fn configurations_and_segments_on_faces_are_looked_up() {
+    let mut plain = square([[-2.0, 2.0]; 2]);
+    let boxes = plain.pair_boxes(3_000).expect("boxes");
+    let mut with = plain.fork().expect("a checker");
+    with.set_pair_boxes(&boxes).expect("the boxes");
+    // Sums of powers of two, where boxes meet.
+    let node = |k: u64| -2.0 + 0.125 * k as f64;
+    let (mut rng, mut free) = (Rng::new(9), 0);
+    for k in 0..33 * 33 {
+        let from = [node(k % 33), node(k / 33)];
+        let is_free = plain.is_free_at(&from).expect("a configuration");
+        assert_eq!(with.is_free_at(&from).expect("a configuration"), is_free, "{from:?}");
+        let mut to = [0, 1].map(|_| node(rng.bits() % 33));
+        // Many segments are along a face.
+        if k % 2 == 0 {
+            to[(k / 2 % 2) as usize] = from[(k / 2 % 2) as usize];
+        }
+        plain.forget();
+        with.forget();
+        let verdict = plain.certify(&from, &to).expect("a segment");
+        assert_eq!(with.certify(&from, &to).expect("a segment"), verdict, "{from:?} {to:?}");
+        free += u64::from(is_free) + u64::from(verdict.is_free());
+    }
+    // Balls and boxes decide most of them before a lookup.
+    assert!(with.work().lookups > 100 && with.work().decisions < plain.work().decisions);
+    assert!(free > 1_500, "{free}");
+}
+
+#[test]
+fn a_search_that_is_stopped_keeps_its_boxes() {
+    let mut checker = square([[-2.0, 2.0]; 2]);
+    let mut counts = Vec::new();
+    let stopped = checker.pair_boxes_with_progress(1_000, &mut |now| {
+        counts.push(now.done);
+        Progress::stop_if(now.done == 200)
+    });
+    let stopped = share_of(&stopped.expect("boxes"));
+    assert_eq!(counts, (1..=200).collect::<Vec<_>>());
+    assert_eq!(stopped, share_of(&checker.pair_boxes(200).expect("boxes")));
+    assert!(stopped > 0.5 && stopped < share_of(&checker.pair_boxes(1_000).expect("boxes")));
+    assert_eq!(share_of(&checker.pair_boxes(0).expect("boxes")), 0.0);
+}
+
+#[test]
+fn a_coordinate_without_limits_is_an_error() {
+    let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
+    let mut world = World::new();
+    world.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    let refused = Checker::new(space, world).expect("a checker").pair_boxes(10);
+    assert!(matches!(refused, Err(PlanError::Value { .. })), "{refused:?}");
+}
+
+#[test]
 fn boxes_of_another_robot_are_refused() {
-    let of = |checker: &mut Checker<SerialArm>| -> PairBoxes {
-        checker.pair_boxes(&AtlasOptions::default().boxes(50)).expect("boxes")
-    };
+    let of = |checker: &mut Checker<SerialArm>| -> PairBoxes { checker.pair_boxes(50).expect("boxes") };
     let mut checker = blocks(2, 0.25);
     let other = of(&mut blocks(2, 0.25));
     let said = checker.set_pair_boxes(&other).expect_err("other bodies");
-    assert!(matches!(said, PlanError::OtherAtlas(_)), "{said}");
+    assert!(matches!(said, PlanError::OtherPairBoxes(_)), "{said}");
     // The same bodies on other rails.
     let rail = |axis| Joint::prismatic(Isometry3::identity(), axis, [0.0, 4.0]);
     let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];

@@ -70,7 +70,7 @@ fn passage(width: f64, method: PlanMethod, seeds: u64, limit: Duration) -> (u64,
 
 #[test]
 fn a_wide_passage_is_found() {
-    for method in [PlanMethod::Alternate, PlanMethod::Opportunistic] {
+    for method in PlanMethod::ALL {
         let (solved, longest) = passage(0.6, method, 4, Duration::from_secs(10));
         assert!(solved == 4, "{method:?}: {solved} in up to {longest:?}");
     }
@@ -80,7 +80,7 @@ fn a_wide_passage_is_found() {
 #[ignore = "a minute: 20 seeds for each width"]
 fn passages_are_found_for_twenty_seeds() {
     // The plank is 0.2 thick.
-    for method in [PlanMethod::Alternate, PlanMethod::Opportunistic] {
+    for method in PlanMethod::ALL {
         let found = [0.6, 0.4, 0.3].map(|width| (width, passage(width, method, 20, Duration::from_secs(10))));
         println!("{method:?}: {found:?}");
         assert!(

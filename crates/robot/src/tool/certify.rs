@@ -8,8 +8,8 @@ use lin_canny_robot::plan::receipt::Receipt;
 use lin_canny_robot::plan::{PlanError, Verdict, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory};
 
-use super::boxes::AtlasArguments;
 use super::options::{ReadRows, RestOptions, RobotOptions, not_negative};
+use super::pair_boxes::PairBoxArguments;
 use super::text::{Table, configuration, fraction_below, names, place, time_at};
 use super::{End, ToolError, check_at_rest, film, progress, receipt, write};
 
@@ -37,7 +37,7 @@ pub(super) struct CertifyOptions {
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     margin: Option<f64>,
     #[command(flatten)]
-    atlas: AtlasArguments,
+    pair_boxes: PairBoxArguments,
     /// Accept pairs that are in contact at the start of a segment, within this distance in metres: they
     /// must not come closer until they have left it
     #[arg(long, value_name = "LENGTH")]
@@ -118,7 +118,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     let mut checker = setup.checker()?;
     checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
     checker.set_start_contact_margin(options.start_contact)?;
-    options.atlas.set(&mut checker)?;
+    options.pair_boxes.set(&mut checker)?;
     if path.times.is_none() {
         check_at_rest(checker.world(), file, "a column \"time\"")?;
     }

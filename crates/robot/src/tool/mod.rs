@@ -16,7 +16,6 @@ macro_rules! warn {
 
 mod audit;
 mod audit_page;
-mod boxes;
 mod cell;
 mod certify;
 mod clearance;
@@ -26,6 +25,7 @@ mod film;
 mod grid;
 mod ignorable;
 mod options;
+mod pair_boxes;
 mod plan;
 mod points;
 mod receipt;
@@ -72,8 +72,6 @@ enum Command {
     Plan(plan::PlanArguments),
     /// Prove which links can never meet each other or an obstacle, over the whole joint limits
     Audit(audit::AuditOptions),
-    /// Prove boxes of configurations free or in contact, which `plan` and `certify` look up
-    Boxes(boxes::BoxesOptions),
     /// Turn a path of straight segments into a smooth trajectory within limits, proven free
     Smooth(smooth::SmoothArguments),
     /// Write the cell with attached objects, paddings, margin and excluded pairs as one cell file
@@ -126,7 +124,6 @@ pub(crate) fn main() -> ExitCode {
         Command::Certify(options) => certify::run(&options),
         Command::Plan(options) => plan::run(&options),
         Command::Audit(options) => audit::run(&options),
-        Command::Boxes(options) => boxes::run(&options),
         Command::Smooth(options) => smooth::run(&options),
         Command::Cell(options) => cell::run(&options),
         Command::Cover(options) => cover::run(&options),

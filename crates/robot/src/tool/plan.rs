@@ -8,17 +8,15 @@ use lin_canny::Progress;
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanError, PlanMethod, PlanOptions};
 use lin_canny_robot::{RobotRecorder, Trajectory, csv_text};
 
-use super::boxes::AtlasArguments;
 use super::film::FRAMES;
 use super::options::{RobotOptions, RowOptions};
+use super::pair_boxes::PairBoxArguments;
 use super::text::{self, distance, names};
 use super::{End, ToolError, check_at_rest, write};
 
 /// The method of the search.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Method {
-    /// RRT-Connect first; if the problem is hard, both methods in turn
-    Alternate,
     /// Two trees that grow towards random configurations and each other
     RrtConnect,
     /// Freeways of largest clearance in slices
@@ -28,7 +26,6 @@ enum Method {
 impl From<Method> for PlanMethod {
     fn from(method: Method) -> Self {
         match method {
-            Method::Alternate => Self::Alternate,
             Method::RrtConnect => Self::RrtConnect,
             Method::Opportunistic => Self::Opportunistic,
         }
@@ -51,9 +48,9 @@ pub(super) struct PlanArguments {
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     margin: Option<f64>,
     #[command(flatten)]
-    atlas: AtlasArguments,
+    pair_boxes: PairBoxArguments,
     /// Method of the search
-    #[arg(long, value_enum, default_value = "alternate")]
+    #[arg(long, value_enum, default_value = "rrt-connect")]
     method: Method,
     /// Random seed
     #[arg(long, default_value_t = 1)]
@@ -82,7 +79,7 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
         "obstacles at rest in the search for a path",
     )?;
     checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
-    options.atlas.set(&mut checker)?;
+    options.pair_boxes.set(&mut checker)?;
     let began = Instant::now();
     let search = PlanOptions::default()
         .method(options.method.into())

@@ -4,8 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use lin_canny_study::robot::plan::PlanError;
-use lin_canny_study::robot::{LoadOptions, MeshUse, Packages, RobotFiles, load_atlas};
+use lin_canny_study::robot::{LoadOptions, MeshUse, Packages, RobotFiles};
 use lin_canny_study::{Format, RunOptions, Study, StudyError, StudyOptions};
 
 /// The body that is made from a mesh.
@@ -61,10 +60,6 @@ pub(super) struct StudyArguments {
     /// they must not come closer until they have left it
     #[arg(long, value_name = "LENGTH")]
     start_contact: Option<f64>,
-    /// Boxes that `lin-canny-robot boxes` has proven for the same files and margin, looked up first by
-    /// `is_free`, `certify` and `certify_curve`: verdicts stay
-    #[arg(long, value_name = "ATLAS.json")]
-    atlas: Option<PathBuf>,
     /// Return NULL for invalid rows and count them, instead of stopping with an error
     #[arg(long)]
     lenient: bool,
@@ -110,17 +105,7 @@ impl StudyArguments {
             .start_contact_margin(self.start_contact)
             .lenient(self.lenient);
         options.margin = self.margin;
-        let study = match &self.atlas {
-            Some(file) => {
-                let atlas = load_atlas(file)?;
-                let study = Study::with_atlas(files.load()?.1, options, atlas);
-                study.map_err(|error| match error {
-                    StudyError::Plan(error @ PlanError::OtherAtlas(_)) => StudyError::unfit(file.display(), error),
-                    error => error,
-                })?
-            }
-            None => Study::load(&files, options)?,
-        };
+        let study = Study::load(&files, options)?;
         for skipped in study.setup().skipped() {
             warn!("warning: {skipped}");
         }

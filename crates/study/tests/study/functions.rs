@@ -5,8 +5,8 @@ use std::sync::Arc;
 use datafusion::arrow::array::{ArrayRef, Int64Array, RecordBatch, StructArray};
 use datafusion::arrow::buffer::NullBuffer;
 use datafusion::arrow::datatypes::{DataType, Field};
+use lin_canny_plan::Verdict;
 use lin_canny_plan::receipt::Receipt;
-use lin_canny_plan::{AtlasOptions, Verdict};
 use lin_canny_study::robot::{Cell, RobotFiles};
 use lin_canny_study::sampled::Source;
 use lin_canny_study::{Study, StudyError, StudyOptions, engine, flat};
@@ -82,37 +82,6 @@ fn a_margin_is_kept() {
     let query =
         format!("SELECT count(*) FROM configs WHERE is_free({JOINTS}) <> (clearance({JOINTS})['distance'] > 0.05)");
     assert_eq!(values(&asked(&study, 2000, &query).expect("a count")), [["0"]]);
-}
-
-#[test]
-fn verdicts_with_an_atlas_are_those_without_it() {
-    let margin = StudyOptions::default().margin(0.01);
-    let without = study(margin);
-    let atlas = without
-        .with_checker(|checker| checker.free_boxes(&AtlasOptions::default().boxes(1_500)))
-        .expect("a checker")
-        .expect("an atlas");
-    assert!(atlas.shares().free > 0.0);
-    let setup = || files().load().expect("the example").1;
-    let with = Study::with_atlas(setup(), margin, atlas.clone()).expect("a study");
-    assert_ne!(with.fingerprint(), without.fingerprint());
-    let (q, near) = (
-        format!("make_array({JOINTS})"),
-        "make_array(turn, lift, elbow, roll, bend, 0.9 * twist)",
-    );
-    let query = format!(
-        "SELECT is_free({JOINTS}) AS f, certify({q}, {near}) AS c, certify_curve({q}, {near}) AS v, \
-         clearance({JOINTS}) AS d FROM configs"
-    );
-    let [first, second] = [&without, &with].map(|study| values(&asked(study, 1_500, &query).expect("rows")));
-    assert_eq!(first, second);
-    let lookups = with.with_checker(|checker| checker.work().lookups).expect("a checker");
-    assert!(lookups > 0);
-
-    let other = Study::with_atlas(setup(), StudyOptions::default(), atlas)
-        .err()
-        .expect("an error");
-    assert!(other.to_string().contains("the margin differ"), "{other}");
 }
 
 #[test]

@@ -1,8 +1,5 @@
 //! The tool as a user runs it.
 
-use lin_canny_plan::AtlasOptions;
-use lin_canny_study::robot::save_atlas;
-
 use crate::{files, said, scratch, tool};
 
 #[test]
@@ -68,49 +65,6 @@ fn a_query_is_answered_as_a_whole() {
         line.and_then(|n| n.parse::<u32>().ok()).expect("a count")
     };
     assert_eq!(count("true,") + count("false,"), 2000, "{answer}");
-}
-
-#[test]
-fn an_atlas_is_looked_up_and_another_is_refused() {
-    let folder = scratch("atlas");
-    let at = |name: &str| folder.join(name).to_string_lossy().into_owned();
-    assert_eq!(said(tool("sample").args(["--rows", "500", "--out", &at("q")])).0, 0);
-    let mut checker = files().load().expect("the example").1.checker().expect("a checker");
-    let atlas = checker
-        .free_boxes(&AtlasOptions::default().boxes(300))
-        .expect("an atlas");
-    save_atlas(&atlas, at("atlas.json")).expect("a file");
-    let query = "SELECT id, is_free(turn, lift, elbow, roll, bend, twist) AS free FROM configs ORDER BY id";
-    let answers = |out: &str, more: &[&str]| {
-        let run = ["--in", &at("q"), "--out", &at(out), "--format", "csv", "--sql", query];
-        let (code, text) = said(tool("run").args(run).args(more));
-        assert_eq!(code, 0, "{text}");
-        std::fs::read_to_string(at(out) + "/result.csv").expect("an answer")
-    };
-    assert_eq!(
-        answers("with", &["--atlas", &at("atlas.json")]),
-        answers("without", &[])
-    );
-
-    std::fs::write(at("damaged.json"), "{\"version\": 1}").expect("a file");
-    for (more, parts) in [
-        (
-            vec!["--atlas", &at("atlas.json"), "--pad", "gripper=0.01"],
-            ["atlas.json", "gripper"],
-        ),
-        (
-            vec!["--atlas", &at("atlas.json"), "--margin", "0.01"],
-            ["atlas.json", "the margin differ"],
-        ),
-        (vec!["--atlas", &at("damaged.json")], ["damaged.json", "missing field"]),
-        (vec!["--atlas", &at("none.json")], ["none.json", "No such file"]),
-    ] {
-        let (code, text) = said(tool("run").args(["--in", &at("q"), "--out", &at("other")]).args(&more));
-        assert!(
-            code == 3 && parts.iter().all(|part| text.contains(part)),
-            "{more:?}: {code} {text}"
-        );
-    }
 }
 
 #[test]

@@ -1,8 +1,6 @@
 //! Sequences of calls, drawn from bytes or seeds and judged by brute force, for tests, `soak` and
 //! `fuzz/`.
 
-#[cfg(feature = "readers")]
-pub mod atlases;
 pub mod bytes;
 pub mod calls;
 pub mod clouds;

@@ -10,13 +10,11 @@ use std::time::{Duration, Instant};
 use lin_canny::scene::Scene;
 use lin_canny::{Geometry, PairTracker, QueryOptions, RelativePose, Replay};
 use lin_canny_formats::{Grid, Invalid, MeshFile, PointFile};
-use lin_canny_plan::{Atlas, ConfigurationSpace, JointCurve, RangeAnswer, World};
+use lin_canny_plan::{ConfigurationSpace, JointCurve, RangeAnswer, World};
 use lin_canny_robot::record::{Cursor, Recording};
 use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory, csv_text};
 use nalgebra::Isometry3;
 pub use peak_alloc::PeakAlloc;
-
-use super::atlases;
 
 /// Most bytes that a reader may hold at a time: so many, and so many for each byte of the file.
 const MEMORY: (usize, usize) = (4 << 20, 400);
@@ -189,8 +187,7 @@ pub fn robots(data: &[u8]) {
 }
 
 /// Reads what was saved: `l` a recording, `r` a replay; as JSON `g` a geometry, `s` a scene, `q` a
-/// curve, `w` a world of the planner, `a` an answer over a range, `b` boxes of an atlas; `v` a
-/// receipt, which is checked.
+/// curve, `w` a world of the planner, `a` an answer over a range; `v` a receipt, which is checked.
 ///
 /// # Panics
 /// Panics if what was read is inconsistent, if what is written is not read again as it was, or if
@@ -228,11 +225,6 @@ pub fn stored(data: &[u8]) {
         b'a' => {
             again::<RangeAnswer>(text);
         }
-        b'b' => {
-            if let Some(atlas) = again::<Atlas>(text) {
-                atlases::judge(&atlas);
-            }
-        }
         b'v' => {
             parsed(text, || lin_canny_verify::verify(bytes));
         }
@@ -241,7 +233,7 @@ pub fn stored(data: &[u8]) {
 }
 
 /// Returns what JSON holds, if it is valid; what is written is read again as it was.
-pub(super) fn again<T: serde::Serialize + serde::de::DeserializeOwned>(text: &str) -> Option<T> {
+fn again<T: serde::Serialize + serde::de::DeserializeOwned>(text: &str) -> Option<T> {
     let value: T = parsed(text, || serde_json::from_str(text))?;
     let written = serde_json::to_string(&value).expect("what was read is written");
     let read: T = serde_json::from_str(&written).expect("what was written is read");

@@ -1,5 +1,5 @@
-//! The time in which the planners solve the MotionBenchMaker problems, from a record of the race
-//! `mbm`: every tenth problem of each engine, in the order of the times.
+//! The time in which RRT-Connect solves the MotionBenchMaker problems, from a record of the race
+//! `mbm`: every tenth problem with hulls and with meshes, in the order of the times.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -25,7 +25,10 @@ pub(crate) fn picture(folder: &Path) -> Result<String, Trouble> {
         .axes("processor time of a problem, ms", "problems solved")
         .log_x()
         .legend_low();
-    for (engine, points) in engines.into_iter().filter(|(engine, _)| !engine.starts_with("opp")) {
+    for (engine, points) in engines
+        .into_iter()
+        .filter(|(engine, _)| engine.starts_with("rrt-connect"))
+    {
         chart = chart.line(engine, points);
     }
     text(&chart)

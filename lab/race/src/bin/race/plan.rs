@@ -200,9 +200,9 @@ impl Searches {
 /// Runs one search per seed and method between two configurations, and RRT-Connect at steps of 0.01
 /// for comparison.
 fn search(scene: &str, room: Room, space: &RigidSpace, ends: [Vec<f64>; 2], seeds: u64, rows: &mut Rows) {
-    let [first, second, third] = PlanMethod::ALL.map(PlanMethod::name);
-    let engines = [first, second, third, "oxmpl step 0.01"];
-    let mut searches = [(); 4].map(|()| Searches::default());
+    let [first, second] = PlanMethod::ALL.map(PlanMethod::name);
+    let engines = [first, second, "oxmpl step 0.01"];
+    let mut searches = [(); 3].map(|()| Searches::default());
     // The checker of `oxmpl` needs a `'static` lifetime.
     let room: &'static Room = Box::leak(Box::new(room));
     let [start, goal] = &ends;
@@ -228,7 +228,7 @@ fn search(scene: &str, room: Room, space: &RigidSpace, ends: [Vec<f64>; 2], seed
         let path = rrt::search(space, [start, goal], 0.01, seed, LIMIT, is_clear);
         let took = began.elapsed();
         let mut checker = fresh();
-        searches[3].push(took, path.as_deref().map(|path| (path, &mut checker)));
+        searches[2].push(took, path.as_deref().map(|path| (path, &mut checker)));
     }
     println!(
         "{scene}\n  {:<16}{:>14}{:>6}{:>12}{:>12}",

@@ -19,7 +19,7 @@ use std::path::Path;
 
 use cpu_time::ThreadTime;
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_plan::{AtlasOptions, Checker, ConfigurationSpace, JointTree, PlanMethod, PlanOptions};
+use lin_canny_plan::{Checker, ConfigurationSpace, JointTree, PlanMethod, PlanOptions};
 use lin_canny_robot::{Cell, LoadOptions, MeshUse, Packages, Robot, Setup, Srdf};
 use race::common::Options;
 use race::progress::Progress;
@@ -40,18 +40,6 @@ const PAIR_BOXES: u64 = 500;
 
 /// A value of a path in single precision may exceed a limit by this.
 const SINGLE: f64 = 1e-5;
-
-/// The name and the options of a planner.
-type Engine = (&'static str, fn() -> PlanOptions);
-
-/// The planners: the default, and each method alone.
-const ENGINES: [Engine; 3] = [
-    ("plan", PlanOptions::default),
-    ("rrt-connect", || PlanOptions::default().method(PlanMethod::RrtConnect)),
-    ("opportunistic", || {
-        PlanOptions::default().method(PlanMethod::Opportunistic)
-    }),
-];
 
 /// The result of an engine and a problem.
 struct Row {
@@ -128,7 +116,7 @@ impl Bench {
         setup.exclude_adjacent();
         setup.exclude_srdf("", &srdf);
         let began = ThreadTime::now();
-        let pairs = setup.prepare_pairs(&AtlasOptions::default().boxes(PAIR_BOXES));
+        let pairs = setup.prepare_pairs(PAIR_BOXES);
         let pairs = pairs.map_err(|e| e.to_string())?.pairs().count();
         let seconds = began.elapsed().as_secs_f64();
         println!("{name}: boxes of {pairs} pairs of links in {seconds:.2} s");
@@ -181,14 +169,15 @@ impl Bench {
             us,
             length: found.map(|f| f.1),
         };
-        for (name, options) in ENGINES {
+        for method in PlanMethod::ALL {
+            let (name, options) = (method.name(), PlanOptions::default().method(method));
             if !is_valid {
                 rows.push(row(name, None, None));
                 continue;
             }
             let mut checker = self.checker(problem)?;
             let began = ThreadTime::now();
-            let plan = checker.plan(&start, &goal, &options()).map_err(|e| e.to_string())?;
+            let plan = checker.plan(&start, &goal, &options).map_err(|e| e.to_string())?;
             let us = began.elapsed().as_secs_f64() * 1e6;
             let Some(path) = plan.path else {
                 rows.push(row(name, None, Some(us)));

@@ -4,6 +4,8 @@
 //! cost a query nearly every time. Their distance depends on these joints alone. Some hundred boxes
 //! of joint values answer most of these queries, for every cell in which the robot stands.
 
+mod tree;
+
 use core::fmt;
 use core::ops::ControlFlow;
 use std::collections::BTreeSet;
@@ -11,12 +13,12 @@ use std::string::String;
 use std::sync::Arc;
 use std::vec::Vec;
 
-use super::{Atlas, AtlasOptions, AtlasVerdict};
 use crate::checker::Checker;
 use crate::error::PlanError;
 use crate::space::{ConfigurationSpace, JointPath};
 use crate::world::{WorldId, WorldPair};
 use lin_canny::{Geometry, Progress};
+use tree::BoxTree;
 
 /// Largest number of coordinates that move a pair with boxes: each multiplies their number.
 const COORDINATES: usize = 2;
@@ -37,43 +39,38 @@ pub(crate) struct ApartBoxes {
     /// The distance that the pair keeps in the boxes.
     kept: f64,
     paths: [Option<JointPath>; 2],
-    atlas: Atlas,
+    boxes: BoxTree,
 }
 
 impl fmt::Debug for PairBoxes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut pairs = f.debug_map();
-        for boxes in &self.pairs {
-            pairs.entry(&boxes.pair, &boxes.atlas);
-        }
-        pairs.finish()
+        f.debug_map().entries(self.pairs()).finish()
     }
 }
 
 impl PairBoxes {
-    /// Returns each pair with the atlas of its boxes. Coordinates that do not move the pair are not
-    /// halved.
-    pub fn pairs(&self) -> impl Iterator<Item = (WorldPair, &Atlas)> {
-        self.pairs.iter().map(|boxes| (boxes.pair, &boxes.atlas))
+    /// Returns each pair with the share of the joint limits in which its boxes prove it apart.
+    pub fn pairs(&self) -> impl Iterator<Item = (WorldPair, f64)> {
+        self.pairs.iter().map(|one| (one.pair, one.boxes.share()))
     }
 }
 
 impl ApartBoxes {
     /// Returns whether the pair is proven farther apart than a distance at a configuration.
     pub(crate) fn apart_at(&self, configuration: &[f64], kept: f64) -> bool {
-        kept <= self.kept && self.atlas.verdict_at(configuration) == Some(AtlasVerdict::Free)
+        kept <= self.kept && self.boxes.apart_at(configuration)
     }
 
     /// Returns whether the pair is proven farther apart than a distance along a segment.
     pub(crate) fn apart_along(&self, [from, to]: [&[f64]; 2], kept: f64) -> bool {
-        kept <= self.kept && self.atlas.verdict_along(from, to) == Some(AtlasVerdict::Free)
+        kept <= self.kept && self.boxes.apart_along(from, to)
     }
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
     /// Searches for boxes of joint values in which pairs of robot bodies are proven apart, for each
-    /// pair that is measured and has one or two coordinates that move it. `options` are the budgets
-    /// of a pair.
+    /// pair that is measured and has one or two coordinates that move it. `boxes` is the largest
+    /// number of boxes of a pair that are searched.
     ///
     /// The boxes do not depend on obstacles and attached objects, so they serve all cells of the
     /// robot. They are proven for what the pairs must keep at this call.
@@ -81,7 +78,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// # use lin_canny_plan::{AtlasOptions, Checker, Joint, SerialArm, World};
+    /// # use lin_canny_plan::{Checker, Joint, SerialArm, World};
     /// // Two blocks on one rail.
     /// let rail = || Joint::prismatic(Isometry3::identity(), Vector3::x_axis(), [0.0, 4.0]);
     /// let rails = SerialArm::new(Isometry3::identity(), vec![rail(), rail()], vec![1, 2], 0.1)?;
@@ -91,7 +88,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// world.robot_body("second", block);
     /// let mut checker = Checker::new(rails, world)?;
     ///
-    /// let boxes = checker.pair_boxes(&AtlasOptions::default().boxes(100))?;
+    /// let boxes = checker.pair_boxes(100)?;
     /// checker.set_pair_boxes(&boxes)?;
     /// assert!(checker.is_free(&[0.0, 2.0], &[3.0, 1.5])?);
     /// assert_eq!(checker.work().queries + checker.work().decisions, 0);
@@ -99,9 +96,9 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     ///
     /// # Errors
-    /// Returns an error as [`free_boxes`](Self::free_boxes) does.
-    pub fn pair_boxes(&mut self, options: &AtlasOptions) -> Result<PairBoxes, PlanError> {
-        self.pair_boxes_with_progress(options, &mut |_| ControlFlow::Continue(()))
+    /// Returns an error if the space has a coordinate without limits.
+    pub fn pair_boxes(&mut self, boxes: u64) -> Result<PairBoxes, PlanError> {
+        self.pair_boxes_with_progress(boxes, &mut |_| ControlFlow::Continue(()))
     }
 
     /// Searches for boxes as [`pair_boxes`](Self::pair_boxes) does, with a progress callback.
@@ -113,7 +110,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// As [`pair_boxes`](Self::pair_boxes).
     pub fn pair_boxes_with_progress(
         &mut self,
-        options: &AtlasOptions,
+        boxes: u64,
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<PairBoxes, PlanError> {
         let [low, high] = self.range_of_limits()?;
@@ -122,21 +119,18 @@ impl<C: ConfigurationSpace> Checker<C> {
         let mut found = Vec::with_capacity(pairs.len());
         let mut is_stopped = false;
         for pair in pairs {
-            let atlas = self.with_provers_of([pair].into(), &low, &high, |provers| {
-                let fingerprints = provers.iter().map(|prover| (pair, prover.fingerprint()));
-                let mut atlas = Atlas::new(low.clone(), high.clone(), fingerprints.collect());
-                atlas.search(provers, options, &mut |at| {
+            let boxes = self.with_prover(pair, &low, &high, |prover| {
+                BoxTree::search(prover, [low.clone(), high.clone()], boxes, &mut |at| {
                     let flow = progress(at);
                     is_stopped |= flow.is_break();
                     flow
-                })?;
-                Ok(atlas)
+                })
             })?;
             found.push(Arc::new(ApartBoxes {
                 pair,
                 kept: self.world.kept_distance(pair),
                 paths: self.paths_of(pair),
-                atlas,
+                boxes,
             }));
             if is_stopped {
                 break;
@@ -163,16 +157,30 @@ impl<C: ConfigurationSpace> Checker<C> {
     pub fn set_pair_boxes(&mut self, boxes: &PairBoxes) -> Result<(), PlanError> {
         if !Arc::ptr_eq(&boxes.robot, &self.world.robot) {
             let what = "the bodies of the robot are not those of the pairs";
-            return Err(PlanError::OtherAtlas(what.into()));
+            return Err(PlanError::OtherPairBoxes(what.into()));
         }
         if let Some(other) = boxes.pairs.iter().find(|one| self.paths_of(one.pair) != one.paths) {
             let pair = self.show(&other.pair);
-            return Err(PlanError::OtherAtlas(std::format!("{pair}: the joints differ")));
+            return Err(PlanError::OtherPairBoxes(std::format!("{pair}: the joints differ")));
         }
         for one in &boxes.pairs {
             self.pairs.set_apart(one.pair, one);
         }
         Ok(())
+    }
+
+    /// Returns the limits of all coordinates.
+    fn range_of_limits(&self) -> Result<[Vec<f64>; 2], PlanError> {
+        let bounds = self.space.bounds();
+        if bounds.len() != self.space.coordinates() {
+            return Err(PlanError::Value {
+                what: "number of coordinates without limits",
+                value: (self.space.coordinates() - bounds.len()) as f64,
+            });
+        }
+        let limits = [0, 1].map(|k| bounds.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
+        self.check_range(&limits[0], &limits[1])?;
+        Ok(limits)
     }
 
     /// Returns the joints that move each body of a pair.
