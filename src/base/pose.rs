@@ -190,11 +190,11 @@ pub(crate) fn is_unit(pose: &Isometry3<f64>) -> bool {
     PoseBits::new(pose).is_unit()
 }
 
-/// Returns a rotation of unit length up to rounding: the given one, or the quaternion divided by its
-/// norm.
+/// Returns a rotation of unit length up to rounding: the given one, or the quaternion divided by
+/// its norm.
 ///
-/// A product of nalgebra with a vector needs it: there a quaternion off unit length, by as little as
-/// a pose may be, stretches the vector by far more than rounding. If the result is normalised again,
+/// A product of nalgebra with a vector needs it: a quaternion off unit length, by as little as a
+/// pose may be, stretches the vector by far more than rounding. If the result is normalised again,
 /// it is the same bit for bit.
 pub(crate) fn normalised(rotation: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
     if (rotation.norm_squared() - 1.0).abs() <= NORMALISED {

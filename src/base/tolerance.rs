@@ -719,10 +719,10 @@ pub(crate) const PLACED_BALL: f64 = 3.0 * POSE_UNIT;
 /// ray's origin and of the ball's middle, whose own place is counted by [`PLACED_BALL`]: the
 /// difference, the product with the direction, which is of unit length within 4 UNIT, the foot, its
 /// length and the sums err by 34 UNIT together. The rate at which a ray sinks towards a half-space
-/// errs by 61: the turned normal by 58 (see [`PLACED`]), the product with the direction by 3. A height of a place of the ray in a mesh's frame
-/// along a unit vector, minus that of a corner, errs by 46: the place, a relative translation, by
-/// 31 (see [`CERTIFICATE`]), and by 4 of the direction; products, the
-/// difference and the vector's length by the rest.
+/// errs by 61: the turned normal by 58 (see [`PLACED`]), the product with the direction by 3. A
+/// height of a place of the ray in a mesh's frame along a unit vector, minus that of a corner, errs
+/// by 46: the place, a relative translation, by 31 (see [`CERTIFICATE`]), and by 4 of the
+/// direction; products, the difference and the vector's length by the rest.
 pub(crate) const RAY: f64 = 64.0 * UNIT;
 
 /// Doubt of the gap of two sets of vertices on straight paths along a direction `n`, in units of

@@ -190,8 +190,8 @@ impl Compound {
         let farthest = pieces.iter().map(Piece::reach).fold(0.0, f64::larger) * scale;
         tree.fit(&points, &items, CERTIFICATE * UNIT * farthest, &mut Watch::none());
         let (low, high) = bounding_box(&points);
-        // The box contains the pieces: the points of rotated ones are rounded. The corners of the box
-        // of a curved piece are up to the root of three farther from its origin than the piece.
+        // The box contains the pieces: the points of rotated ones are rounded. The corners of the
+        // box of a curved piece are up to the root of three farther from its origin than the piece.
         let turned = pieces.iter().filter(|p| p.pose.rotation != UnitQuaternion::identity());
         let off = 2.0 * PLACED * scale * turned.map(Piece::reach).fold(0.0, f64::larger);
         let (low, high) = (low.add_scalar(-off), high.add_scalar(off));
@@ -538,8 +538,8 @@ pub(crate) struct CompoundTracker {
     state: TreeState,
     #[cfg_attr(feature = "serde", serde(skip))]
     near: BTreeMap<NodePair, NearParts>,
-    /// Whether a pair of members counted as within the distance of the last [`within`](Self::within)
-    /// because nothing proved otherwise.
+    /// Whether a pair of members counted as within the distance of the last
+    /// [`within`](Self::within) because nothing proved otherwise.
     #[cfg_attr(feature = "serde", serde(skip))]
     is_tie: bool,
 }

@@ -178,9 +178,10 @@ pub struct RayHit {
 /// * Polyhedron: the result is exact too (features `exact` and `meshes`) if its faces are flat to
 ///   the last bit, like the faces of hulls. The bracket is about `1e-12 L` wide. An origin outside
 ///   a polyhedron, at any distance, is never [`RayCast::Inside`] (feature `exact`).
-/// * Curved shape, compound, cloud: the result is proven for a point that moves along the ray, up to
-///   the rounding of its position. The bracket of a head-on hit is about `1e-12 L` wide. A ray that
-///   grazes a compound or a cloud within rounding, or starts so near, is [`RayCast::Undecided`].
+/// * Curved shape, compound, cloud: the result is proven for a point that moves along the ray, up
+///   to the rounding of its position. The bracket of a head-on hit is about `1e-12 L` wide. A ray
+///   that grazes a compound or a cloud within rounding, or starts so near, is
+///   [`RayCast::Undecided`].
 /// * Half-space: a closed form. The bracket is about `1e-13 L` wide, divided by the sine of the
 ///   angle between ray and plane. A ray within rounding of parallel may be [`RayCast::Undecided`].
 ///   An origin above the plane is never [`RayCast::Inside`] (feature `exact`).

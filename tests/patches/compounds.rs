@@ -2,10 +2,15 @@
 
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
-use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use lin_canny::surface::BezierSurface;
-use lin_canny::{Compound, ContactState, Decision, PairTracker, Piece, QueryOptions, RelativePose, Velocity};
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::surface::{BezierPatch, BezierSurface};
+use lin_canny::{
+    Compound, ContactState, ConvexPolyhedron, Decision, PairTracker, Piece, QueryOptions, RelativePose, Velocity,
+};
+use truth::pose::{add, scale, sub};
+use truth::rational::{exact, placed, rounded};
 use truth::rng::Rng;
+use truth::{Point, Pose};
 
 use crate::bodies::{bumpy, place, pose};
 use crate::shapes::{kinds, sampled};
@@ -160,6 +165,61 @@ fn far_bodies_have_bounds() {
         assert_eq!(
             tracker.decide_within(&surface, &body, &pose(&at), f64::INFINITY, &QueryOptions::new()),
             Decision::Yes
+        );
+    }
+}
+
+/// Rounding of a piece's pose grows with the distance of its vertices from the origin of the piece,
+/// not with the size of the body.
+#[test]
+fn a_rotated_piece_far_from_its_origin_is_measured_with_its_rounding() {
+    let corner = |k: usize| Point3::new(4.0 * (k / 2) as f64 - 2.0, 4.0 * (k % 2) as f64 - 2.0, 0.0);
+    let patch = BezierPatch::polynomial([1, 1], &(0..4).map(corner).collect::<Vec<_>>()).expect("a patch");
+    let surface = BezierSurface::new(vec![patch]).expect("a surface");
+    let mut rng = Rng::new(96);
+    for k in 0..200 {
+        let far = [0.0, 1e3, 1e6][k % 3];
+        let grid = |x: f64| (x * 1024.0).round() / 1024.0;
+        let centre = scale(rng.unit(), far).map(grid);
+        let corners: Vec<Point> = (0..8)
+            .map(|i| {
+                add(
+                    centre,
+                    [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 0.25 } else { -0.25 }),
+                )
+            })
+            .collect();
+        let q = rng.quat();
+        let turned = Pose { q, t: [0.0; 3] }.rotate(centre);
+        let at = Pose {
+            q,
+            t: sub([0.0, 0.0, rng.range(0.5, 0.8)], turned),
+        };
+        let body = ConvexPolyhedron::from_points(&corners.iter().map(|p| Point3::from(*p)).collect::<Vec<_>>());
+        let piece = Piece {
+            pose: at.isometry(),
+            ..Piece::new(body.expect("a box"))
+        };
+        let body = Compound::new(vec![piece]).expect("a piece");
+        let stored = Pose {
+            q: body.pieces()[0].pose.rotation.coords.into(),
+            ..at
+        };
+        // The box is above the middle of the patch.
+        let height = placed(&corners, &stored)
+            .into_iter()
+            .map(|p| p[2].clone())
+            .min()
+            .expect("corners");
+        let found = PairTracker::new().closest(
+            &surface,
+            &body,
+            &RelativePose::from_isometry(&Isometry3::identity()).expect("a pose"),
+        );
+        assert!(
+            exact(found.lower) <= height && height <= exact(found.upper),
+            "{k}: {found:?}, not {}",
+            rounded(&height)
         );
     }
 }

@@ -457,6 +457,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "motion",
             "polyhedron",
             "pair",
+            "exact",
             "contact",
             "separation",
             "impact",

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::pose::{norm, off_unit, scale};
+use crate::pose::{norm, scale};
 use crate::rng::Rng;
 use crate::soups::Soup;
 use crate::{Point, Pose};
@@ -299,8 +299,7 @@ fn pin(seed: u64) -> Result<Mix, String> {
             Pose::IDENTITY
         } else {
             let t = scale(rng.in_ball(), rng.log_range(0.1, 20.0));
-            let q = off_unit(rng.quat(), &mut rng);
-            Pose { q, t }
+            Pose { q: rng.quat(), t }
         }
     };
     let frames = [frame(), frame()];

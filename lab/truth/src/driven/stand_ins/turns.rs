@@ -4,7 +4,6 @@
 //! answer is judged by all pairs of triangles.
 
 use super::Mix;
-use crate::pose::off_unit;
 use crate::rng::Rng;
 use crate::soups::Soup;
 use crate::{Pose, brute};
@@ -152,7 +151,7 @@ pub(super) fn family(seed: u64) -> Result<Mix, String> {
         let mesh = &meshes[rng.below(meshes.len())];
         place = crate::pose::add(place, rng.in_ball().map(|x| 0.1 * x));
         let pose = Pose {
-            q: off_unit(rng.quat(), &mut rng),
+            q: rng.quat(),
             t: place,
         };
         let relative = RelativePose::from_isometry(&pose.isometry()).map_err(|e| e.to_string())?;
