@@ -9,7 +9,7 @@ use std::error::Error;
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Checker, ClearanceWidth, Joint, RangeOptions, SerialArm, World, WorldId};
+use lin_canny_plan::{Checker, ClearanceWidth, Joint, JointTree, RangeOptions, World, WorldId};
 
 fn main() -> Result<(), Box<dyn Error>> {
     truth::command::no_options("How many cells prove the least clearance of an arm and a wall");
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Returns the last link of an arm of length 1 before a wall at 1.2, with turns about z and y.
-fn arm(joints: usize) -> Result<Checker<SerialArm>, Box<dyn Error>> {
+fn arm(joints: usize) -> Result<Checker<JointTree>, Box<dyn Error>> {
     let length = 1.0 / joints as f64;
     let joint = |k: usize| {
         let at = Isometry3::translation(if k == 0 { 0.0 } else { length }, 0.0, 0.0);
@@ -42,7 +42,7 @@ fn arm(joints: usize) -> Result<Checker<SerialArm>, Box<dyn Error>> {
         };
         Joint::revolute(at, axis, [-1.0, 1.0])
     };
-    let arm = SerialArm::new(
+    let arm = JointTree::serial(
         Isometry3::identity(),
         (0..joints).map(joint).collect(),
         vec![joints],

@@ -2,13 +2,10 @@
 
 use std::vec::Vec;
 
-use nalgebra::{Isometry3, Point3, Unit, Vector3};
+use nalgebra::{Isometry3, Unit, Vector3};
 
-use crate::curve::JointCurve;
 use crate::error::PlanError;
-use crate::space::{ConfigurationSpace, JointPath};
 use crate::tree::{Drive, JointTree, TreeJoint};
-use crate::tree_motion::TreeSegment;
 
 /// The kind of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,7 +17,7 @@ pub enum JointKind {
     Prismatic,
 }
 
-/// A joint of a serial arm, and the link that the joint moves.
+/// A joint of a serial arm ([`JointTree::serial`]), and the link that the joint moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
     /// Revolute or prismatic.
@@ -59,58 +56,47 @@ impl Joint {
     }
 }
 
-/// A serial arm: joints in a chain, each of which moves a link.
-///
-/// A link carries any number of bodies. A configuration holds the value of each joint. Along a
-/// segment each joint moves at a constant rate. A [`JointTree`] also has branches and mimic joints.
-///
-/// The frame of a link is the frame of its joint, moved by the value of the joint. Link 0 is the
-/// base, and link k is moved by joint k - 1.
-///
-/// ```
-/// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny_plan::{Checker, Joint, SerialArm, Verdict, World};
-/// use lin_canny::polyhedron::solids;
-///
-/// // Two links in the plane, each one long.
-/// let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
-/// let turn = |x: f64| Joint::revolute(at(x), Vector3::z_axis(), [-3.0, 3.0]);
-/// let base = Isometry3::identity();
-/// let arm = SerialArm::new(base, vec![turn(0.0), turn(1.0)], vec![1, 2], 1.0)?;
-/// let rod = solids::cuboid(Vector3::new(0.4, 0.05, 0.05))?.transformed(&at(0.5))?;
-/// let mut world = World::new();
-/// world.robot_body("upper arm", rod.clone());
-/// world.robot_body("fore arm", rod);
-/// let post = solids::cuboid(Vector3::new(0.1, 0.1, 1.0))?;
-/// let side = Isometry3::translation(0.0, 1.5, 0.0);
-/// world.obstacle("post", post, side);
-///
-/// let mut checker = Checker::new(arm, world)?;
-/// assert!(checker.certify(&[0.0, 0.0], &[0.8, 1.0])?.is_free());
-/// let verdict = checker.certify(&[0.0, 0.0], &[2.5, 0.0])?;
-/// let Verdict::Blocked { t, pair, .. } = verdict else {
-///     panic!("the arm hits the post")
-/// };
-/// assert!(t > 0.5 && t < 0.7);
-/// assert_eq!(checker.name(pair.b), "post");
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug)]
-pub struct SerialArm {
-    tree: JointTree,
-}
-
-impl SerialArm {
-    /// Returns the arm whose base has the pose `base` in the world.
+impl JointTree {
+    /// Returns a serial arm: joints in a chain, each of which moves a link and has a coordinate.
     ///
-    /// `links` gives the link of each body, in the order of the bodies. `reach` is the distance
+    /// The base has the pose `base` in the world. `links` gives the link of each body, in the order
+    /// of the bodies: link 0 is the base, and link k is moved by joint k - 1. `reach` is the distance
     /// from the last joint to the farthest point of the arm. Together with the lengths of the links
     /// it sets the length that corresponds to one radian of each joint.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny_plan::{Checker, Joint, JointTree, Verdict, World};
+    /// use lin_canny::polyhedron::solids;
+    ///
+    /// // Two links in the plane, each one long.
+    /// let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
+    /// let turn = |x: f64| Joint::revolute(at(x), Vector3::z_axis(), [-3.0, 3.0]);
+    /// let base = Isometry3::identity();
+    /// let arm = JointTree::serial(base, vec![turn(0.0), turn(1.0)], vec![1, 2], 1.0)?;
+    /// let rod = solids::cuboid(Vector3::new(0.4, 0.05, 0.05))?.transformed(&at(0.5))?;
+    /// let mut world = World::new();
+    /// world.robot_body("upper arm", rod.clone());
+    /// world.robot_body("fore arm", rod);
+    /// let post = solids::cuboid(Vector3::new(0.1, 0.1, 1.0))?;
+    /// let side = Isometry3::translation(0.0, 1.5, 0.0);
+    /// world.obstacle("post", post, side);
+    ///
+    /// let mut checker = Checker::new(arm, world)?;
+    /// assert!(checker.certify(&[0.0, 0.0], &[0.8, 1.0])?.is_free());
+    /// let verdict = checker.certify(&[0.0, 0.0], &[2.5, 0.0])?;
+    /// let Verdict::Blocked { t, pair, .. } = verdict else {
+    ///     panic!("the arm hits the post")
+    /// };
+    /// assert!(t > 0.5 && t < 0.7);
+    /// assert_eq!(checker.name(pair.b), "post");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// Returns an error if a pose, a limit or `reach` is not finite or out of range, or if a link
     /// does not exist.
-    pub fn new(base: Isometry3<f64>, joints: Vec<Joint>, links: Vec<usize>, reach: f64) -> Result<Self, PlanError> {
+    pub fn serial(base: Isometry3<f64>, joints: Vec<Joint>, links: Vec<usize>, reach: f64) -> Result<Self, PlanError> {
         if !(reach > 0.0) {
             return Err(PlanError::Value {
                 what: "reach",
@@ -127,75 +113,6 @@ impl SerialArm {
             axis: joint.axis,
             drive: Some(Drive::by(index)),
         });
-        let tree = JointTree::new(base, chain.collect(), limits, links, reaches)?;
-        Ok(Self { tree })
-    }
-
-    /// Returns the pose of a link in the world at a configuration. Link 0 is the base.
-    ///
-    /// # Errors
-    /// Returns an error if the configuration is invalid or the link does not exist.
-    pub fn link_pose(&self, configuration: &[f64], link: usize) -> Result<Isometry3<f64>, PlanError> {
-        self.tree.link_pose(configuration, link)
-    }
-
-    /// Returns the link of each body.
-    #[must_use]
-    pub fn links(&self) -> &[usize] {
-        self.tree.links()
-    }
-}
-
-impl ConfigurationSpace for SerialArm {
-    type Segment = TreeSegment;
-
-    fn coordinates(&self) -> usize {
-        self.tree.coordinates()
-    }
-    fn degrees_of_freedom(&self) -> usize {
-        self.tree.degrees_of_freedom()
-    }
-    fn bodies(&self) -> usize {
-        self.tree.bodies()
-    }
-    fn bounds(&self) -> &[[f64; 2]] {
-        self.tree.bounds()
-    }
-    fn scales(&self) -> &[f64] {
-        self.tree.scales()
-    }
-    fn check(&self, q: &[f64]) -> Result<(), PlanError> {
-        self.tree.check(q)
-    }
-    fn place(&self, q: &[f64], poses: &mut Vec<Isometry3<f64>>) {
-        self.tree.place(q, poses);
-    }
-    fn set_middles(&mut self, middles: &[Point3<f64>]) {
-        self.tree.set_middles(middles);
-    }
-
-    fn segment(&self, from: &[f64], to: &[f64]) -> Result<TreeSegment, PlanError> {
-        self.tree.segment(from, to)
-    }
-    fn curve(&self, curve: &JointCurve) -> Result<TreeSegment, PlanError> {
-        self.tree.curve(curve)
-    }
-    fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
-        self.tree.difference(from, to)
-    }
-    fn moved(&self, q: &[f64], step: &[f64]) -> Vec<f64> {
-        self.tree.moved(q, step)
-    }
-    fn sample(&self, uniform: &mut dyn FnMut() -> f64) -> Vec<f64> {
-        self.tree.sample(uniform)
-    }
-    fn gradient(&self, q: &[f64], body: usize, point: &Point3<f64>, direction: &Vector3<f64>, gradient: &mut [f64]) {
-        self.tree.gradient(q, body, point, direction, gradient);
-    }
-    fn is_rigid(&self, a: usize, b: usize) -> bool {
-        self.tree.is_rigid(a, b)
-    }
-    fn joint_path(&self, body: usize) -> Option<JointPath> {
-        self.tree.joint_path(body)
+        Self::new(base, chain.collect(), limits, links, reaches)
     }
 }

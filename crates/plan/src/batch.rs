@@ -88,7 +88,7 @@ fn filled<T: Clone>(entry: T, count: usize) -> Result<Vec<T>, PlanError> {
     Ok(all)
 }
 
-impl<C: ConfigurationSpace + Sync> Checker<C> {
+impl<C: ConfigurationSpace + Clone + Sync> Checker<C> {
     /// Returns the closest pairs at many configurations: in each row those of
     /// [`nearest`](Self::nearest), at most `columns`.
     ///
@@ -165,10 +165,7 @@ impl<C: ConfigurationSpace + Sync> Checker<C> {
         columns: usize,
         slack: f64,
     ) -> Result<NearPairs, PlanError> {
-        let mut checker = Checker::new(&self.space, self.world.clone())?;
-        if let Some(time) = self.time {
-            checker.set_time(time)?;
-        }
+        let mut checker = self.fork()?;
         let (length, components) = (self.space.coordinates(), self.space.degrees_of_freedom());
         let mut all = NearPairs::with_rows(configurations.len() / length, columns, components)?;
         for (row, q) in configurations.chunks(length).enumerate() {

@@ -98,8 +98,7 @@
 //! | [`PlanarSpace`] | x, y and an angle |
 //! | [`TranslationSpace`] | x, y and z |
 //! | [`RigidSpace`] | position and quaternion |
-//! | [`SerialArm`] | joints in one chain |
-//! | [`JointTree`] | revolute, prismatic and fixed joints with branches; joints may mimic another, and a link may carry any number of bodies |
+//! | [`JointTree`] | revolute, prismatic and fixed joints, in one chain (`serial`) or with branches; joints may mimic another, and a link may carry any number of bodies |
 //!
 //! The crate `lin-canny-robot` reads a [`JointTree`] from a URDF. For any other robot, implement
 //! [`ConfigurationSpace`].
@@ -224,7 +223,7 @@ mod tube;
 mod verdict;
 mod world;
 
-pub use arm::{Joint, JointKind, SerialArm};
+pub use arm::{Joint, JointKind};
 pub use batch::NearPairs;
 pub use checker::{Checker, PairProof};
 pub use clearance::{NearPair, SegmentClearance};

@@ -15,26 +15,11 @@ pub fn nearest_name<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -
         let name_letters = letters(name);
         let is_long = wrong.len().max(name_letters.len()) > LONGEST;
         let is_close = wrong.len().abs_diff(name_letters.len()) <= most;
-        let edits = (is_close && !is_long).then(|| edits(&wrong, &name_letters))?;
+        let edits = (is_close && !is_long).then(|| strsim::generic_levenshtein(&wrong, &name_letters))?;
         (edits <= most).then_some((edits, name))
     };
     let found = names.into_iter().filter_map(near).min_by_key(|(edits, _)| *edits);
     found.map(|(_, name)| name.into())
-}
-
-/// Returns how many letters must be inserted, removed or replaced (Levenshtein 1966).
-fn edits(a: &[char], b: &[char]) -> usize {
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.iter().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
 }
 
 #[cfg(test)]

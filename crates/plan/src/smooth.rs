@@ -162,13 +162,13 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// use lin_canny_plan::{Checker, Joint, SerialArm, SmoothOptions, World};
+    /// use lin_canny_plan::{Checker, Joint, JointTree, SmoothOptions, World};
     ///
     /// // A block on two rails, x and y, goes around a post.
     /// let origin = Isometry3::identity();
     /// let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
     /// let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
-    /// let block = SerialArm::new(origin, rails, vec![2], 0.1)?;
+    /// let block = JointTree::serial(origin, rails, vec![2], 0.1)?;
     /// let mut world = World::new();
     /// world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
     /// let post = solids::cuboid(Vector3::repeat(0.5))?;
@@ -460,17 +460,18 @@ fn blend([one, other]: [&Leg; 2], reach: f64, options: &SmoothOptions) -> Result
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arm::{Joint, SerialArm};
+    use crate::arm::Joint;
+    use crate::tree::JointTree;
     use crate::world::World;
     use lin_canny::polyhedron::solids;
     use nalgebra::{Isometry3, Vector3};
 
     /// A block on two rails, far from a post.
-    fn block() -> Checker<SerialArm> {
+    fn block() -> Checker<JointTree> {
         let origin = Isometry3::identity();
         let rail = |axis| Joint::prismatic(origin, axis, [-9.0, 9.0]);
         let rails = std::vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
-        let arm = SerialArm::new(origin, rails, std::vec![2], 0.1).expect("an arm");
+        let arm = JointTree::serial(origin, rails, std::vec![2], 0.1).expect("an arm");
         let cube = |half: f64| solids::cuboid(Vector3::repeat(half)).expect("a box");
         let mut world = World::new();
         world.robot_body("block", cube(0.1));
@@ -479,7 +480,7 @@ mod tests {
     }
 
     /// Legs and corners that are planned for limits which are larger than those of the options.
-    fn planned(checker: &Checker<SerialArm>, faster: f64) -> (Vec<Leg>, Vec<Corner>, Limits) {
+    fn planned(checker: &Checker<JointTree>, faster: f64) -> (Vec<Leg>, Vec<Corner>, Limits) {
         let lax = SmoothOptions::new([faster; 2], [4.0 * faster; 2]);
         let mut limits = checker.limits(&lax).expect("limits");
         let path = [[-1.0, 0.0], [0.0, 1.0], [1.0, 0.5]].map(Vec::from);

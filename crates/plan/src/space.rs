@@ -138,56 +138,6 @@ pub trait ConfigurationSpace {
     }
 }
 
-impl<C: ConfigurationSpace + ?Sized> ConfigurationSpace for &C {
-    type Segment = C::Segment;
-
-    fn coordinates(&self) -> usize {
-        (**self).coordinates()
-    }
-    fn degrees_of_freedom(&self) -> usize {
-        (**self).degrees_of_freedom()
-    }
-    fn bodies(&self) -> usize {
-        (**self).bodies()
-    }
-    fn bounds(&self) -> &[[f64; 2]] {
-        (**self).bounds()
-    }
-    fn scales(&self) -> &[f64] {
-        (**self).scales()
-    }
-    fn check(&self, configuration: &[f64]) -> Result<(), PlanError> {
-        (**self).check(configuration)
-    }
-    fn place(&self, configuration: &[f64], poses: &mut Vec<Isometry3<f64>>) {
-        (**self).place(configuration, poses);
-    }
-    fn segment(&self, from: &[f64], to: &[f64]) -> Result<Self::Segment, PlanError> {
-        (**self).segment(from, to)
-    }
-    fn curve(&self, curve: &JointCurve) -> Result<Self::Segment, PlanError> {
-        (**self).curve(curve)
-    }
-    fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
-        (**self).difference(from, to)
-    }
-    fn moved(&self, from: &[f64], step: &[f64]) -> Vec<f64> {
-        (**self).moved(from, step)
-    }
-    fn sample(&self, uniform: &mut dyn FnMut() -> f64) -> Vec<f64> {
-        (**self).sample(uniform)
-    }
-    fn gradient(&self, q: &[f64], body: usize, point: &Point3<f64>, direction: &Vector3<f64>, gradient: &mut [f64]) {
-        (**self).gradient(q, body, point, direction, gradient);
-    }
-    fn is_rigid(&self, a: usize, b: usize) -> bool {
-        (**self).is_rigid(a, b)
-    }
-    fn joint_path(&self, body: usize) -> Option<JointPath> {
-        (**self).joint_path(body)
-    }
-}
-
 /// The joints between the world and a body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointPath {

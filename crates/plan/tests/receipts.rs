@@ -9,7 +9,7 @@ use lin_canny::{ContactState, Geometry, HalfSpace, PairTracker, RelativePose, Sh
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
     Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, PlanarSpace, RangeOptions, RigidSpace,
-    SerialArm, TranslationSpace, TreeJoint, Verdict, World, WorldId,
+    TranslationSpace, TreeJoint, Verdict, World, WorldId,
 };
 use lin_canny_verify::verify;
 use truth::arm::{self, motion};
@@ -35,7 +35,7 @@ fn holds(receipt: &Receipt) -> [String; 2] {
 }
 
 /// The built-in arm in its cell.
-fn arm() -> Checker<SerialArm> {
+fn arm() -> Checker<JointTree> {
     let (arm, world) = arm::in_cell().expect("the built-in cell");
     Checker::new(arm, world).expect("a cell")
 }
@@ -231,7 +231,7 @@ fn random_curves_of_an_arm_have_receipts() {
 }
 
 /// A range around a configuration, of a width that grows with the number.
-fn range_around(q: &[f64], checker: &Checker<SerialArm>, half: f64) -> [Vec<f64>; 2] {
+fn range_around(q: &[f64], checker: &Checker<JointTree>, half: f64) -> [Vec<f64>; 2] {
     let step = vec![half; q.len()];
     let back: Vec<f64> = step.iter().map(|x| -x).collect();
     [checker.space().moved(q, &back), checker.space().moved(q, &step)]

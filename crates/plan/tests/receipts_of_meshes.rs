@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Compound, ContactState, Geometry, Mesh, Outcome, PairTracker, Piece, RelativePose, Shape, Velocity};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
-use lin_canny_plan::{Checker, Joint, RangeOptions, SerialArm, TranslationSpace, Verdict, World};
+use lin_canny_plan::{Checker, Joint, JointTree, RangeOptions, TranslationSpace, Verdict, World};
 use lin_canny_verify::verify;
 use truth::casts::aimed;
 use truth::rng::Rng;
@@ -335,7 +335,7 @@ fn ranges_of_meshes_and_compounds_have_receipts() {
                 Joint::prismatic(origin, Vector3::z_axis(), [-9.0, 9.0]),
                 Joint::revolute(origin, Vector3::z_axis(), [-3.0, 3.0]),
             ];
-            let arm = SerialArm::new(origin, joints, vec![2], 1.0).expect("an arm");
+            let arm = JointTree::serial(origin, joints, vec![2], 1.0).expect("an arm");
             let mut world = World::new();
             world.robot_body("rod", rod(kind));
             world.obstacle("frame", around.clone(), origin);

@@ -51,12 +51,14 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod format;
+mod markup;
 mod picture;
 mod read;
 mod scene;
 mod write;
 
 pub use format::{BodyLine, Bracket, ColumnLine, Contact, FORMAT, Frame, Header, PairLine, VERSION, poses};
+pub use markup::escaped;
 pub use picture::RenderMesh;
 pub use read::{Cursor, ReadError, Recording};
 pub use write::{Recorder, WriteError, is_same};

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use lin_canny::cover::{HullCover, hull_outside};
+use lin_canny_record::escaped;
 use serde_json::{Map, Value, json};
 
 use crate::cover::{LinkCoverError, edited};
@@ -94,12 +95,6 @@ pub fn urdf_of_hulls(
             format!("<geometry><mesh filename=\"{file}\"/></geometry>"),
         ))
     })
-}
-
-/// Returns text for an attribute in double quotes.
-fn escaped(text: &str) -> String {
-    let text = text.replace('&', "&amp;").replace('<', "&lt;");
-    text.replace('"', "&quot;")
 }
 
 /// Returns hulls of links as JSON.

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use lin_canny_plan::{World, nearest_name as nearest};
+use lin_canny_record::escaped;
 
 use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::groups::{self, GroupState, JointGroup, VirtualJoint};
@@ -223,20 +224,4 @@ fn sorted([a, b]: &[String; 2]) -> [String; 2] {
     let mut pair = [a.clone(), b.clone()];
     pair.sort();
     pair
-}
-
-fn escaped(text: &str) -> String {
-    let mut all = String::new();
-    for c in text.chars() {
-        match c {
-            '&' => all.push_str("&amp;"),
-            '<' => all.push_str("&lt;"),
-            '"' => all.push_str("&quot;"),
-            '\n' | '\r' | '\t' => {
-                let _ = write!(all, "&#{};", u32::from(c));
-            }
-            _ => all.push(c),
-        }
-    }
-    all
 }

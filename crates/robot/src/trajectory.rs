@@ -90,7 +90,7 @@ impl Trajectory {
     ///   how much it may deviate from the motion, at least 0, linear between the rows.
     /// * `json`, `yaml` or `yml`: a message `JointTrajectory` of ROS 1 or 2, alone or as the
     ///   `joint_trajectory` of another message. Names may be in any order. Of YAML, everything but
-    ///   anchors, tags and block scalars is read.
+    ///   anchors, aliases, tags and complex keys is read.
     ///
     /// A coordinate that the file does not name has its value of `rest`, as in
     /// [`load_with_rest`](Self::load_with_rest), and stays there.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::{PairTracker, Progress, RelativePose};
-use lin_canny_plan::{ConfigurationSpace, Joint, JointKind, SegmentMotion, SerialArm, Verdict};
+use lin_canny_plan::{ConfigurationSpace, Joint, JointKind, JointTree, SegmentMotion, Verdict};
 use lin_canny_robot::{
     Cell, ExcludeReason, LoadOptions, MeshUse, MotionKind, Packages, Robot, Setup, Srdf, find_excludable,
 };
@@ -129,7 +129,7 @@ fn a_chain_is_a_serial_arm() {
         arm.kind = kind;
         arm
     });
-    let arm = SerialArm::new(Isometry3::identity(), joints.collect(), (0..7).collect(), 0.1).expect("an arm");
+    let arm = JointTree::serial(Isometry3::identity(), joints.collect(), (0..7).collect(), 0.1).expect("an arm");
     let setup = setup(&robot);
     let space = setup.space().expect("a space");
     let mut random = ChaCha8Rng::seed_from_u64(2);

@@ -290,9 +290,21 @@ fn timed_trajectories_that_are_wrong_name_the_place() {
             "unknown field: \"jerk\"",
         ),
         ("joint_names: &a [s]\n", "q.yaml", "q.yaml:1: anchors"),
-        ("joint_names:\n- s\n   - t\n- [\n", "q.yaml", "q.yaml:3"),
-        ("joint_names: [s, t\n", "q.yaml", "bracket is not closed"),
-        ("a: 1\n---\nb: 1\n", "q.yaml", "q.yaml:3: several documents"),
+        (
+            "joint_names: *a\n",
+            "q.yaml",
+            "q.yaml:1: while parsing node, found unknown anchor",
+        ),
+        ("joint_names:\n- s\n t: 1\n", "q.yaml", "q.yaml:3: "),
+        ("joint_names:\n- s\n- [\n", "q.yaml", "q.yaml:4: "),
+        (
+            "joint_names: [s, t\n",
+            "q.yaml",
+            "q.yaml:2: while parsing a flow sequence, expected ',' or ']'",
+        ),
+        ("a: 1\n---\nb: 1\n", "q.yaml", "q.yaml:2: several documents"),
+        ("a: 1\na: 2\n", "q.yaml", "q.yaml:2: key \"a\" is given twice"),
+        ("? [a]\n: 1\n", "q.yaml", "q.yaml:1: complex keys"),
         ("", "q.yaml", "no value"),
     ];
     for (text, file, expected) in cases {

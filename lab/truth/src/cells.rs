@@ -2,7 +2,7 @@
 //! a wall.
 
 use crate::forms::mesh;
-use lin_canny_plan::{Joint, SerialArm, World};
+use lin_canny_plan::{Joint, JointTree, World};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use crate::rng::Rng;
@@ -84,13 +84,13 @@ impl Cell {
     }
 
     /// Returns the configuration space of the arm.
-    pub fn arm(&self) -> SerialArm {
+    pub fn arm(&self) -> JointTree {
         let joint = |&(height, is_z, limit): &(f64, bool, f64)| {
             let axis = if is_z { Vector3::z_axis() } else { Vector3::y_axis() };
             Joint::revolute(Isometry3::translation(0.0, 0.0, height), axis, [-limit, limit])
         };
         let joints = JOINTS.iter().map(joint).collect();
-        SerialArm::new(Isometry3::identity(), joints, (0..7).collect(), 0.15).expect("a sound arm")
+        JointTree::serial(Isometry3::identity(), joints, (0..7).collect(), 0.15).expect("a sound arm")
     }
 
     /// Returns the cell as the planner's world.

@@ -136,7 +136,7 @@ fn same_verdict(segment: usize, r: &Verdict, c: &lc_verdict) -> bool {
 }
 
 /// Compares all queries at configurations, of the segments between each and the next, and of paths.
-fn compare<C: ConfigurationSpace + Sync>(rust: &mut Checker<C>, c: lc_checker, q: &[f64], n: usize) {
+fn compare<C: ConfigurationSpace + Clone + Sync>(rust: &mut Checker<C>, c: lc_checker, q: &[f64], n: usize) {
     let count = q.len() / n;
     let at = |k: usize| &q[k * n..(k + 1) * n];
     let size = size_of::<lc_checker_info>();
@@ -230,8 +230,8 @@ fn compare<C: ConfigurationSpace + Sync>(rust: &mut Checker<C>, c: lc_checker, q
 }
 
 /// Returns a checker without state.
-fn fresh<C: ConfigurationSpace>(rust: &Checker<C>) -> Checker<&C> {
-    Checker::new(rust.space(), rust.world().clone()).unwrap()
+fn fresh<C: ConfigurationSpace + Clone>(rust: &Checker<C>) -> Checker<C> {
+    Checker::new(rust.space().clone(), rust.world().clone()).unwrap()
 }
 
 /// Returns a checker without state.

@@ -78,10 +78,10 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// # use lin_canny_plan::{Checker, Joint, SerialArm, World};
+    /// # use lin_canny_plan::{Checker, Joint, JointTree, World};
     /// // Two blocks on one rail.
     /// let rail = || Joint::prismatic(Isometry3::identity(), Vector3::x_axis(), [0.0, 4.0]);
-    /// let rails = SerialArm::new(Isometry3::identity(), vec![rail(), rail()], vec![1, 2], 0.1)?;
+    /// let rails = JointTree::serial(Isometry3::identity(), vec![rail(), rail()], vec![1, 2], 0.1)?;
     /// let mut world = World::new();
     /// let block = solids::cuboid(Vector3::repeat(0.5))?;
     /// world.robot_body("first", block.clone());

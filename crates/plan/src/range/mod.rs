@@ -74,13 +74,13 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;
-    /// use lin_canny_plan::{Checker, Joint, RangeOptions, RangeVerdict, SerialArm, World};
+    /// use lin_canny_plan::{Checker, Joint, RangeOptions, RangeVerdict, JointTree, World};
     ///
     /// // Two links in the plane, each one long, and a post.
     /// let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
     /// let turn = |x: f64| Joint::revolute(at(x), Vector3::z_axis(), [-3.0, 3.0]);
     /// let base = Isometry3::identity();
-    /// let arm = SerialArm::new(base, vec![turn(0.0), turn(1.0)], vec![2], 1.0)?;
+    /// let arm = JointTree::serial(base, vec![turn(0.0), turn(1.0)], vec![2], 1.0)?;
     /// let rod = solids::cuboid(Vector3::new(0.4, 0.05, 0.05))?.transformed(&at(0.5))?;
     /// let mut world = World::new();
     /// let rod = world.robot_body("fore arm", rod);

@@ -10,13 +10,13 @@
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
 //! use lin_canny::polyhedron::solids;
 //! use lin_canny_plan::receipt::Receipt;
-//! use lin_canny_plan::{Checker, Joint, SerialArm, World};
+//! use lin_canny_plan::{Checker, Joint, JointTree, World};
 //!
 //! // Two links in the plane, and a post.
 //! let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
 //! let turn = |x: f64| Joint::revolute(at(x), Vector3::z_axis(), [-3.0, 3.0]);
 //! let joints = vec![turn(0.0), turn(1.0)];
-//! let arm = SerialArm::new(at(0.0), joints, vec![1, 2], 1.0)?;
+//! let arm = JointTree::serial(at(0.0), joints, vec![1, 2], 1.0)?;
 //! let rod = solids::cuboid(Vector3::new(0.4, 0.05, 0.05))?;
 //! let rod = rod.transformed(&at(0.5))?;
 //! let mut world = World::new();

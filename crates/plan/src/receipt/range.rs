@@ -49,11 +49,11 @@ impl Receipt {
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;
     /// use lin_canny_plan::receipt::Receipt;
-    /// use lin_canny_plan::{Checker, Joint, RangeOptions, SerialArm, World};
+    /// use lin_canny_plan::{Checker, Joint, RangeOptions, JointTree, World};
     ///
     /// let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
     /// let turn = |x: f64| Joint::revolute(at(x), Vector3::z_axis(), [-3.0, 3.0]);
-    /// let arm = SerialArm::new(at(0.0), vec![turn(0.0), turn(1.0)], vec![2], 1.0)?;
+    /// let arm = JointTree::serial(at(0.0), vec![turn(0.0), turn(1.0)], vec![2], 1.0)?;
     /// let rod = solids::cuboid(Vector3::new(0.4, 0.05, 0.05))?;
     /// let mut world = World::new();
     /// world.robot_body("fore arm", rod.transformed(&at(0.5))?);

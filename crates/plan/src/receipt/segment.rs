@@ -67,13 +67,13 @@ impl Receipt {
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;
     /// use lin_canny_plan::receipt::Receipt;
-    /// use lin_canny_plan::{Checker, Joint, JointCurve, SerialArm, World};
+    /// use lin_canny_plan::{Checker, Joint, JointCurve, JointTree, World};
     ///
     /// // A block on two rails flies over a post along a parabola.
     /// let origin = Isometry3::identity();
     /// let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
     /// let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
-    /// let block = SerialArm::new(origin, rails, vec![2], 0.1)?;
+    /// let block = JointTree::serial(origin, rails, vec![2], 0.1)?;
     /// let mut world = World::new();
     /// world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
     /// let post = solids::cuboid(Vector3::repeat(0.5))?;

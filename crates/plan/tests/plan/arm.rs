@@ -4,12 +4,12 @@ use cpu_time::ThreadTime;
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, SerialArm};
+use lin_canny_plan::{Checker, ConfigurationSpace, JointTree, PlanOptions};
 use std::time::Duration;
 use truth::arm::{self, motion};
 
 /// The cell with a wall that the arm can pass through a window alone, so many metres high.
-fn checker(window: f64) -> Checker<SerialArm> {
+fn checker(window: f64) -> Checker<JointTree> {
     const TOP: f64 = 1.7;
     const SILL: f64 = 0.4;
     let (arm, mut world) = arm::in_cell().expect("the built-in cell");
@@ -25,7 +25,7 @@ fn checker(window: f64) -> Checker<SerialArm> {
 }
 
 /// Every configuration of a dense sample is apart, by distances alone.
-fn judge(checker: &mut Checker<SerialArm>, path: &[Vec<f64>]) {
+fn judge(checker: &mut Checker<JointTree>, path: &[Vec<f64>]) {
     assert!(checker.certify_path(path).expect("a path").1.is_free());
     for ends in path.windows(2) {
         for k in 0..=200 {

@@ -5,7 +5,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
     Checker, ConfigurationSpace, Drive, Joint, JointCurve, JointKind, JointTree, JointTube, PlanError, PlanarSpace,
-    RigidSpace, SerialArm, TranslationSpace, TreeJoint, Verdict, World,
+    RigidSpace, TranslationSpace, TreeJoint, Verdict, World,
 };
 use truth::arm::chain::posts;
 use truth::rng::Rng;
@@ -200,7 +200,7 @@ fn ten_thousand_curves_are_as_the_verdict_says() {
 }
 
 /// A box of half 0.1 that slides along x and y and turns about z, above a box of half 0.5.
-fn slider() -> Checker<SerialArm> {
+fn slider() -> Checker<JointTree> {
     let origin = Isometry3::identity();
     let limits = [-10.0, 10.0];
     let joints = vec![
@@ -208,14 +208,14 @@ fn slider() -> Checker<SerialArm> {
         Joint::prismatic(origin, Vector3::y_axis(), limits),
         Joint::revolute(origin, Vector3::z_axis(), limits),
     ];
-    let space = SerialArm::new(origin, joints, vec![3], 0.2).expect("an arm");
+    let space = JointTree::serial(origin, joints, vec![3], 0.2).expect("an arm");
     let mut world = World::new();
     world.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
     world.obstacle("box", solids::cuboid(Vector3::repeat(0.5)).expect("a box"), origin);
     Checker::new(space, world).expect("a world")
 }
 
-fn verdict(checker: &mut Checker<SerialArm>, points: &[[f64; 3]]) -> Verdict {
+fn verdict(checker: &mut Checker<JointTree>, points: &[[f64; 3]]) -> Verdict {
     let curve = JointCurve::bezier(points).expect("a curve");
     checker.certify_curve(&curve).expect("within limits")
 }
@@ -361,7 +361,7 @@ fn values_stay_within_the_control_points() {
 #[test]
 fn limits_hold_between_control_points() {
     let joints = vec![Joint::prismatic(Isometry3::identity(), Vector3::x_axis(), [-10.0, 1.0])];
-    let space = SerialArm::new(Isometry3::identity(), joints, vec![1], 0.2).expect("an arm");
+    let space = JointTree::serial(Isometry3::identity(), joints, vec![1], 0.2).expect("an arm");
     let mut world = World::new();
     world.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
     let mut checker = Checker::new(space, world).expect("a world");
@@ -963,14 +963,14 @@ fn a_contact_in_a_tube_has_its_time() {
 }
 
 /// Two hinges and a slide among boxes, in this unit of length.
-fn crane(unit: f64) -> Checker<SerialArm> {
+fn crane(unit: f64) -> Checker<JointTree> {
     let at = |x: f64, y: f64, z: f64| Isometry3::translation(x * unit, y * unit, z * unit);
     let joints = vec![
         Joint::revolute(at(0.0, 0.0, 0.0), Vector3::z_axis(), [-4.0, 4.0]),
         Joint::prismatic(at(1.0, 0.0, 0.0), Vector3::x_axis(), [-unit, 2.0 * unit]),
         Joint::revolute(at(0.2, 0.0, 0.0), Vector3::y_axis(), [-4.0, 4.0]),
     ];
-    let space = SerialArm::new(at(0.0, 0.0, 0.1), joints, vec![1, 2, 3], 3.0 * unit).expect("an arm");
+    let space = JointTree::serial(at(0.0, 0.0, 0.1), joints, vec![1, 2, 3], 3.0 * unit).expect("an arm");
     let cuboid = |x: f64, y: f64, z: f64| solids::cuboid(Vector3::new(x, y, z) * unit).expect("a box");
     let mut world = World::new();
     world.robot_body("boom", cuboid(0.3, 0.1, 0.1));

@@ -1,16 +1,16 @@
 //! A checker that has forgotten answers as a new one, bit for bit.
 
-use lin_canny_plan::{Checker, ConfigurationSpace, SerialArm};
+use lin_canny_plan::{Checker, ConfigurationSpace, JointTree};
 use truth::arm::{self, motion};
 use truth::cells::Cell;
 use truth::rng::Rng;
 
-fn of_meshes() -> Checker<SerialArm> {
+fn of_meshes() -> Checker<JointTree> {
     let cell = Cell::new(5);
     Checker::new(cell.arm(), cell.world()).expect("a cell")
 }
 
-fn of_hulls() -> Checker<SerialArm> {
+fn of_hulls() -> Checker<JointTree> {
     let (arm, world) = arm::in_cell().expect("the built-in cell");
     Checker::new(arm, world).expect("a cell")
 }
@@ -19,7 +19,7 @@ fn of_hulls() -> Checker<SerialArm> {
 const QUESTIONS: usize = 5;
 
 /// What a checker says about two configurations; `Debug` writes every digit, and the sign of zero.
-fn ask(checker: &mut Checker<SerialArm>, question: usize, q: &[f64], p: &[f64]) -> String {
+fn ask(checker: &mut Checker<JointTree>, question: usize, q: &[f64], p: &[f64]) -> String {
     match question {
         0 => format!("{:?}", checker.clearance(q)),
         1 => format!("{:?}", checker.nearest(q, 0.1)),
@@ -30,7 +30,7 @@ fn ask(checker: &mut Checker<SerialArm>, question: usize, q: &[f64], p: &[f64]) 
 }
 
 /// Returns how many answers of a checker that has not forgotten differ from those of a new one.
-fn judge(new: impl Fn() -> Checker<SerialArm>, draw: impl Fn(&mut Rng) -> Vec<f64>, count: usize) -> usize {
+fn judge(new: impl Fn() -> Checker<JointTree>, draw: impl Fn(&mut Rng) -> Vec<f64>, count: usize) -> usize {
     let (mut rng, mut warm, mut forgetful) = (Rng::new(17), new(), new());
     let (mut q, mut differing) = (draw(&mut rng), 0);
     for k in 0..count {

@@ -2,7 +2,7 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, Shape};
-use lin_canny_plan::{Checker, ConfigurationSpace, RigidSpace, SerialArm, World};
+use lin_canny_plan::{Checker, ConfigurationSpace, JointTree, RigidSpace, World};
 use truth::cells::Cell;
 use truth::pose::Pose;
 use truth::rng::Rng;
@@ -32,7 +32,7 @@ fn meet((a, p): (&Soup, &Isometry3<f64>), (b, q): (&Soup, &Isometry3<f64>)) -> O
 }
 
 /// Whether a configuration is free, by brute force.
-fn is_free(cell: &Cell, arm: &SerialArm, q: &[f64]) -> Option<bool> {
+fn is_free(cell: &Cell, arm: &JointTree, q: &[f64]) -> Option<bool> {
     let mut poses = Vec::new();
     arm.place(q, &mut poses);
     for (i, link) in cell.links.iter().enumerate() {

@@ -3,11 +3,11 @@
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ContactState, Geometry, Mesh, PairTracker, RelativePose, Shape};
-use lin_canny_plan::{Checker, ConfigurationSpace, Joint, PlanError, SerialArm, Verdict, World, WorldId};
+use lin_canny_plan::{Checker, ConfigurationSpace, Joint, JointTree, PlanError, Verdict, World, WorldId};
 use truth::rng::Rng;
 
 /// An arm that moves its last link along x, y and z, and then rotates it about z and x.
-fn arm() -> SerialArm {
+fn arm() -> JointTree {
     let here = Isometry3::identity();
     let slide = |axis| Joint::prismatic(here, axis, [-2.0, 2.0]);
     let turn = |axis| Joint::revolute(here, axis, [-3.0, 3.0]);
@@ -18,7 +18,7 @@ fn arm() -> SerialArm {
         turn(Vector3::z_axis()),
         turn(Vector3::x_axis()),
     ];
-    SerialArm::new(here, joints, vec![5], 0.5).expect("an arm")
+    JointTree::serial(here, joints, vec![5], 0.5).expect("an arm")
 }
 
 fn parts() -> [Geometry; 3] {

@@ -7,8 +7,8 @@ use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, V
 use lin_canny::polyhedron::solids;
 use lin_canny::{Geometry, HalfSpace, Shape};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Joint, JointCurve, JointTree, PlanError, PlanOptions, SerialArm, TimedPoses,
-    TranslationSpace, Verdict, World, WorldId, WorldPair,
+    Checker, ConfigurationSpace, Joint, JointCurve, JointTree, PlanError, PlanOptions, TimedPoses, TranslationSpace,
+    Verdict, World, WorldId, WorldPair,
 };
 use truth::rng::Rng;
 
@@ -30,7 +30,7 @@ fn poses(times: &[f64], poses: &[Isometry3<f64>]) -> TimedPoses {
 }
 
 /// A box of half `size` that slides along x and y and turns about z.
-fn slider(size: f64, obstacles: &[(Geometry, TimedPoses)]) -> Checker<SerialArm> {
+fn slider(size: f64, obstacles: &[(Geometry, TimedPoses)]) -> Checker<JointTree> {
     let origin = Isometry3::identity();
     let rail = |axis| Joint::prismatic(origin, axis, [-1e2 * size, 1e2 * size]);
     let joints = vec![
@@ -38,7 +38,7 @@ fn slider(size: f64, obstacles: &[(Geometry, TimedPoses)]) -> Checker<SerialArm>
         rail(Vector3::y_axis()),
         Joint::revolute(origin, Vector3::z_axis(), [-10.0, 10.0]),
     ];
-    let space = SerialArm::new(origin, joints, vec![3], 2.0 * size).expect("an arm");
+    let space = JointTree::serial(origin, joints, vec![3], 2.0 * size).expect("an arm");
     let mut world = World::new();
     world.robot_body("block", cuboid([size; 3]));
     for (k, (geometry, poses)) in obstacles.iter().enumerate() {
@@ -52,7 +52,7 @@ fn curve(points: &[[f64; 3]], times: [f64; 2]) -> JointCurve {
     curve.with_times(times).expect("times")
 }
 
-fn certify(checker: &mut Checker<SerialArm>, points: &[[f64; 3]], times: [f64; 2]) -> Verdict {
+fn certify(checker: &mut Checker<JointTree>, points: &[[f64; 3]], times: [f64; 2]) -> Verdict {
     checker.certify_curve(&curve(points, times)).expect("within limits")
 }
 
@@ -162,7 +162,7 @@ fn an_obstacle_that_keeps_pace_is_free_unless_it_touches() {
     for gap in [0.0, 1e-1, 1e-3, 1e-6, 1e-8] {
         let origin = Isometry3::identity();
         let arm = vec![Joint::revolute(origin, Vector3::z_axis(), [-10.0, 10.0])];
-        let space = SerialArm::new(origin, arm, vec![1], 3.0).expect("an arm");
+        let space = JointTree::serial(origin, arm, vec![1], 3.0).expect("an arm");
         let placed = |y: f64, half: f64| {
             let body = solids::cuboid(Vector3::repeat(half)).expect("a box");
             body.transformed(&at(2.0, y, 0.0)).expect("a box")

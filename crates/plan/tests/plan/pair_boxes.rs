@@ -5,9 +5,7 @@ use core::ops::Range;
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{
-    Checker, ConfigurationSpace, Joint, JointTree, PairBoxes, PlanError, PlanarSpace, SerialArm, World,
-};
+use lin_canny_plan::{Checker, ConfigurationSpace, Joint, JointTree, PairBoxes, PlanError, PlanarSpace, World};
 use truth::rng::Rng;
 
 use crate::range_worlds::add_obstacles;
@@ -118,9 +116,9 @@ fn a_thousand_robots_say_the_same_with_boxes_of_pairs() {
 }
 
 /// Blocks on rails, one after the other.
-fn blocks(count: usize, half: f64) -> Checker<SerialArm> {
+fn blocks(count: usize, half: f64) -> Checker<JointTree> {
     let rail = |_| Joint::prismatic(Isometry3::identity(), Vector3::x_axis(), [0.0, 4.0]);
-    let arm = SerialArm::new(
+    let arm = JointTree::serial(
         Isometry3::identity(),
         (0..count).map(rail).collect(),
         (1..=count).collect(),
@@ -151,10 +149,10 @@ fn only_pairs_with_one_or_two_joints_have_boxes() {
 }
 
 /// A block on two rails about a post, which belongs to the robot.
-fn square([x, y]: [[f64; 2]; 2]) -> Checker<SerialArm> {
+fn square([x, y]: [[f64; 2]; 2]) -> Checker<JointTree> {
     let rail = |axis, limits| Joint::prismatic(Isometry3::identity(), axis, limits);
     let rails = vec![rail(Vector3::x_axis(), x), rail(Vector3::y_axis(), y)];
-    let arm = SerialArm::new(Isometry3::identity(), rails, vec![0, 2], 0.1);
+    let arm = JointTree::serial(Isometry3::identity(), rails, vec![0, 2], 0.1);
     let mut world = World::new();
     world.robot_body("post", solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
     world.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
@@ -242,7 +240,7 @@ fn a_coordinate_without_limits_is_an_error() {
 
 #[test]
 fn boxes_of_another_robot_are_refused() {
-    let of = |checker: &mut Checker<SerialArm>| -> PairBoxes { checker.pair_boxes(50).expect("boxes") };
+    let of = |checker: &mut Checker<JointTree>| -> PairBoxes { checker.pair_boxes(50).expect("boxes") };
     let mut checker = blocks(2, 0.25);
     let other = of(&mut blocks(2, 0.25));
     let said = checker.set_pair_boxes(&other).expect_err("other bodies");
@@ -250,7 +248,7 @@ fn boxes_of_another_robot_are_refused() {
     // The same bodies on other rails.
     let rail = |axis| Joint::prismatic(Isometry3::identity(), axis, [0.0, 4.0]);
     let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
-    let arm = SerialArm::new(Isometry3::identity(), rails, vec![1, 2], 0.1).expect("an arm");
+    let arm = JointTree::serial(Isometry3::identity(), rails, vec![1, 2], 0.1).expect("an arm");
     let mut bent = Checker::new(arm, checker.world().clone()).expect("a checker");
     let own = of(&mut checker);
     let said = bent.set_pair_boxes(&own).expect_err("other joints").to_string();

@@ -7,7 +7,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vecto
 use lin_canny::polyhedron::solids;
 use lin_canny::{HalfSpace, Mesh, Shape};
 use lin_canny_plan::{
-    Checker, ClearanceWidth, ConfigurationSpace, Joint, PlanError, RangeAnswer, RangeOptions, RangeVerdict, SerialArm,
+    Checker, ClearanceWidth, ConfigurationSpace, Joint, JointTree, PlanError, RangeAnswer, RangeOptions, RangeVerdict,
     TimedPoses, World, WorldId,
 };
 use std::f64::consts::{PI, TAU};
@@ -22,7 +22,7 @@ fn turn(axis: Vector3<f64>, limits: [f64; 2]) -> Joint {
 
 /// A ball of radius 1 swings on a rod past a wall: the distance is least at the angle 0, and is
 /// `gap` there.
-fn swing(gap: f64) -> Checker<SerialArm> {
+fn swing(gap: f64) -> Checker<JointTree> {
     let wall = HalfSpace::new(-Vector3::x(), -(4.0 + gap)).expect("a wall");
     let joints = vec![turn(Vector3::z(), [-1.0, 1.0]), slide(Vector3::x_axis(), [0.0, 3.0])];
     moved(joints, Shape::ball(1.0).expect("a ball"), wall)
@@ -292,7 +292,7 @@ fn an_answer_goes_on_only_at_a_time() {
         let poses = TimedPoses::new(&[0.0, 1.0], &[x(9.0), x(2.0)]).expect("poses");
         world.moving_obstacle("cart", cube(0.5), poses);
         let rail = vec![slide(Vector3::x_axis(), [0.0, 3.0])];
-        let arm = SerialArm::new(Isometry3::identity(), rail, vec![1], 1.0).expect("an arm");
+        let arm = JointTree::serial(Isometry3::identity(), rail, vec![1], 1.0).expect("an arm");
         Checker::new(arm, world).expect("a world")
     };
     let options = RangeOptions::default();

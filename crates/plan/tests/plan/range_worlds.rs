@@ -8,7 +8,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, Geometry, HalfSpace, Mesh, PairTracker, RelativePose, Shape};
 use lin_canny_plan::{
     Checker, ClearanceWidth, ConfigurationSpace, Drive, Joint, JointKind, JointTree, PlanError, RangeAnswer,
-    RangeOptions, RangeVerdict, SerialArm, TimedPoses, TreeJoint, World, WorldId, WorldPair,
+    RangeOptions, RangeVerdict, TimedPoses, TreeJoint, World, WorldId, WorldPair,
 };
 use std::f64::consts::PI;
 use truth::rng::Rng;
@@ -168,7 +168,7 @@ fn a_range_beside_a_moving_obstacle_needs_a_time() {
     world.robot_body("body", cube(0.5));
     let poses = TimedPoses::new(&[0.0, 1.0], &[x(9.0), x(2.0)]).expect("poses");
     let cart = world.moving_obstacle("cart", cube(0.5), poses);
-    let arm = SerialArm::new(
+    let arm = JointTree::serial(
         Isometry3::identity(),
         vec![slide(Vector3::x_axis(), [0.0, 3.0])],
         vec![1],
@@ -296,7 +296,7 @@ fn a_turn_before_a_long_slide_reaches_far() {
         slide(Vector3::x_axis(), [0.0, 10.0]),
     ];
     let ball = || Shape::ball(0.1).expect("a ball");
-    let arm = SerialArm::new(Isometry3::identity(), joints, vec![2], 11.0).expect("an arm");
+    let arm = JointTree::serial(Isometry3::identity(), joints, vec![2], 11.0).expect("an arm");
     let mut world = World::new();
     world.robot_body("ball", ball());
     let other = world.obstacle("other", ball(), Isometry3::translation(0.0, 8.0, 0.0));

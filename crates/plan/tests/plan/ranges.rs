@@ -7,7 +7,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Compound, ConvexPolyhedron, Geometry, HalfSpace, PairTracker, Piece, RelativePose, Shape};
 use lin_canny_plan::{
     Checker, ClearanceWidth, ConfigurationSpace, Drive, Joint, JointKind, JointTree, PlanError, PlanarSpace,
-    RangeAnswer, RangeOptions, RangeVerdict, RigidSpace, SerialArm, TreeJoint, World, WorldId,
+    RangeAnswer, RangeOptions, RangeVerdict, RigidSpace, TreeJoint, World, WorldId,
 };
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use truth::cells::Cell;
@@ -268,9 +268,9 @@ fn verdicts_over_twenty_thousand_boxes_hold_at_samples() {
 }
 
 /// A body on joints, and an obstacle.
-pub(crate) fn moved(joints: Vec<Joint>, body: impl Into<Geometry>, other: impl Into<Geometry>) -> Checker<SerialArm> {
+pub(crate) fn moved(joints: Vec<Joint>, body: impl Into<Geometry>, other: impl Into<Geometry>) -> Checker<JointTree> {
     let links = vec![joints.len()];
-    let arm = SerialArm::new(Isometry3::identity(), joints, links, 1.0).expect("an arm");
+    let arm = JointTree::serial(Isometry3::identity(), joints, links, 1.0).expect("an arm");
     let mut world = World::new();
     world.robot_body("body", body);
     world.obstacle("other", other, Isometry3::identity());
@@ -396,7 +396,7 @@ fn links_that_overlap_about_their_joint_always_meet() {
 #[test]
 fn bodies_of_one_link_are_one_cell() {
     let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-1.0, 1.0]);
-    let arm = SerialArm::new(Isometry3::identity(), vec![turn], vec![1, 1], 1.0).expect("an arm");
+    let arm = JointTree::serial(Isometry3::identity(), vec![turn], vec![1, 1], 1.0).expect("an arm");
     for (x, verdict) in [(1.0, RangeVerdict::Always), (2.5, RangeVerdict::Never)] {
         let mut world = World::new();
         world.robot_body("a", cube(1.0));

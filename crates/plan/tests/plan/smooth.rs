@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::separation::Proof;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Joint, JointCurve, Path, PlanError, PlanarSpace, RigidSpace, SerialArm, SmoothOptions,
+    Checker, ConfigurationSpace, Joint, JointCurve, JointTree, Path, PlanError, PlanarSpace, RigidSpace, SmoothOptions,
     SmoothPath, TranslationSpace, World,
 };
 use truth::arm::chain::{chain, posts};
@@ -210,11 +210,11 @@ fn three_thousand_paths_become_smooth_and_stay_free() {
 }
 
 /// A block of half 0.1 on rails x and y, whose limits are `limit`, scaled.
-fn slider(scale: f64, limit: f64, world: impl FnOnce(&mut World)) -> Checker<SerialArm> {
+fn slider(scale: f64, limit: f64, world: impl FnOnce(&mut World)) -> Checker<JointTree> {
     let origin = Isometry3::identity();
     let rail = |axis| Joint::prismatic(origin, axis, [-limit * scale, limit * scale]);
     let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
-    let space = SerialArm::new(origin, rails, vec![2], 0.2 * scale).expect("an arm");
+    let space = JointTree::serial(origin, rails, vec![2], 0.2 * scale).expect("an arm");
     let mut all = World::new();
     all.robot_body("block", solids::cuboid(Vector3::repeat(0.1 * scale)).expect("a box"));
     world(&mut all);
@@ -354,7 +354,7 @@ fn corridor(scale: f64, gap: f64) -> impl FnOnce(&mut World) {
 }
 
 /// A curve has a proof if and only if it is free. A proof without planes is that of the segment on which the curve stays.
-fn proofs_agree(checker: &mut Checker<SerialArm>, smooth: &SmoothPath) {
+fn proofs_agree(checker: &mut Checker<JointTree>, smooth: &SmoothPath) {
     for (k, curve) in smooth.curves.iter().enumerate() {
         let verdict = checker.certify_curve(curve).expect("within limits");
         let proof = checker.prove_curve(curve).expect("within limits");

@@ -3,14 +3,14 @@
 use lin_canny::motion::MotionModel;
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, Vector3};
 use lin_canny_plan::{
-    ConfigurationSpace, Drive, Joint, JointKind, JointTree, PlanarSpace, RigidSpace, SegmentMotion, SerialArm,
-    TranslationSpace, TreeJoint,
+    ConfigurationSpace, Drive, Joint, JointKind, JointTree, PlanarSpace, RigidSpace, SegmentMotion, TranslationSpace,
+    TreeJoint,
 };
 use truth::casts::rotation;
 use truth::rng::Rng;
 
 /// An arm of random joints, both kinds, bodies on every link.
-fn arm(rng: &mut Rng, joints: usize) -> SerialArm {
+fn arm(rng: &mut Rng, joints: usize) -> JointTree {
     let pose = |rng: &mut Rng| {
         let at = Vector3::from(rng.in_ball());
         Isometry3::from_parts(at.into(), rotation(rng))
@@ -26,7 +26,7 @@ fn arm(rng: &mut Rng, joints: usize) -> SerialArm {
     };
     let joints: Vec<Joint> = (0..joints).map(|_| joint(rng)).collect();
     let links = (0..=joints.len()).collect();
-    SerialArm::new(base, joints, links, 1.0).expect("an arm")
+    JointTree::serial(base, joints, links, 1.0).expect("an arm")
 }
 
 /// A random tree: a third of the joints mimics another with a random factor and offset, a sixth is fixed; a body on every

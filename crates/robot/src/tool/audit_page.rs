@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use lin_canny::nalgebra::Point3;
 use lin_canny::{PairTracker, RelativePose};
+use lin_canny_record::escaped;
 use lin_canny_robot::plan::{Checker, JointTree, PlanError, WorldId};
 use lin_canny_robot::{AuditVerdict, Coordinate, LinkAudit};
 
@@ -152,9 +153,4 @@ fn clearance(one: &LinkAudit) -> String {
         AuditVerdict::Open => format!("{:.1e} open, at least {}", one.open, distance(one.lower, one.lower)),
         _ => "meet".to_owned(),
     }
-}
-
-fn escaped(text: &str) -> String {
-    let text = text.replace('&', "&amp;").replace('<', "&lt;");
-    text.replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -6,7 +6,7 @@ use eframe::egui;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Geometry, Shape};
-use lin_canny_plan::{Joint, SerialArm};
+use lin_canny_plan::{Joint, JointTree};
 
 use super::Demo;
 use crate::stage::{Pair, Stage};
@@ -25,7 +25,7 @@ const JOINTS: [(&str, f64, Unit<Vector3<f64>>, f64); 6] = [
 ];
 
 pub(super) struct Robot {
-    arm: SerialArm,
+    arm: JointTree,
     links: Vec<usize>,
     joints: [f64; 6],
 }
@@ -63,7 +63,7 @@ impl Robot {
         let joint = |(_, height, axis, limit): (&str, f64, Unit<Vector3<f64>>, f64)| {
             Joint::revolute(Isometry3::translation(0.0, 0.0, height), axis, [-limit, limit])
         };
-        let arm = SerialArm::new(Isometry3::identity(), JOINTS.map(joint).into(), links.clone(), 0.15)?;
+        let arm = JointTree::serial(Isometry3::identity(), JOINTS.map(joint).into(), links.clone(), 0.15)?;
         let joints = [0.25, 0.75, 1.25, 0.3, 0.85, 0.0];
         let mut robot = Self { arm, links, joints };
         robot.put(stage)?;

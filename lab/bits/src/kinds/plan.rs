@@ -9,8 +9,8 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Shape, Tracker};
 use lin_canny_plan::receipt::Receipt;
 use lin_canny_plan::{
-    Checker, ClearanceWidth, ConfigurationSpace, Joint, JointCurve, PlanOptions, PlanarSpace, RangeOptions, RigidSpace,
-    SerialArm, SmoothOptions, TimedPoses, TranslationSpace, World,
+    Checker, ClearanceWidth, ConfigurationSpace, Joint, JointCurve, JointTree, PlanOptions, PlanarSpace, RangeOptions,
+    RigidSpace, SmoothOptions, TimedPoses, TranslationSpace, World,
 };
 
 fn room(r: &mut Random) -> World {
@@ -63,7 +63,7 @@ pub(super) fn spaces(t: &mut Teller, r: &mut Random) {
 }
 
 /// Six axes; boxes, a prism and a curved shape on its links; a cell.
-fn six_axes() -> (SerialArm, World) {
+fn six_axes() -> (JointTree, World) {
     let mut world = World::new();
     let block = |size: [f64; 3], z: f64| {
         let solid = solids::cuboid(Vector3::from(size) * 0.5).expect("a box");
@@ -95,7 +95,7 @@ fn six_axes() -> (SerialArm, World) {
     let joint = |(height, axis, limit): (f64, Unit<Vector3<f64>>, f64)| {
         Joint::revolute(Isometry3::translation(0.0, 0.0, height), axis, [-limit, limit])
     };
-    let arm = SerialArm::new(Isometry3::identity(), joints.map(joint).into(), links, 0.15).expect("an arm");
+    let arm = JointTree::serial(Isometry3::identity(), joints.map(joint).into(), links, 0.15).expect("an arm");
     for (name, size, at) in [
         ("floor", [3.0, 3.0, 0.05], [0.0, 0.0, -0.03]),
         ("table", [0.5, 1.2, 0.04], [0.65, 0.0, 0.28]),

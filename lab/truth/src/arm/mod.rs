@@ -7,13 +7,13 @@ pub mod draw;
 pub mod motion;
 pub mod robot;
 
-use lin_canny_plan::{SerialArm, World};
+use lin_canny_plan::{JointTree, World};
 
 /// Error of loading a cell or building an arm.
 pub type Trouble = Box<dyn std::error::Error>;
 
 /// Returns the arm and the world of the built-in cell.
-pub fn in_cell() -> Result<(SerialArm, World), Trouble> {
+pub fn in_cell() -> Result<(JointTree, World), Trouble> {
     let mut world = World::new();
     let arm = robot::arm(&mut world)?;
     for (name, shape, pose) in cell::things(&[])? {

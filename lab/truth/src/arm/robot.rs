@@ -4,7 +4,7 @@
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Joint, PlanError, SerialArm, World};
+use lin_canny_plan::{Joint, JointTree, PlanError, World};
 
 use super::Trouble;
 
@@ -59,7 +59,7 @@ pub fn pieces() -> Result<Vec<(&'static str, usize, ConvexPolyhedron)>, Trouble>
 }
 
 /// Adds the bodies to the world and returns the space.
-pub fn arm(world: &mut World) -> Result<SerialArm, Trouble> {
+pub fn arm(world: &mut World) -> Result<JointTree, Trouble> {
     let pieces = pieces()?;
     let links = pieces.iter().map(|p| p.1).collect();
     for (name, _, shape) in pieces {
@@ -69,7 +69,7 @@ pub fn arm(world: &mut World) -> Result<SerialArm, Trouble> {
         Joint::revolute(Isometry3::translation(0.0, 0.0, height), axis, [-limit, limit])
     };
     let joints = JOINTS.map(joint).into();
-    Ok(SerialArm::new(Isometry3::identity(), joints, links, 0.15)?)
+    Ok(JointTree::serial(Isometry3::identity(), joints, links, 0.15)?)
 }
 
 /// Excludes links that one or two joints connect, and the base with the table below it.
