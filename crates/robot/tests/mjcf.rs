@@ -1,12 +1,13 @@
 //! MJCF: the rules of MuJoCo in small files, and its own results for files of public packages.
 
 use std::collections::{BTreeSet, HashMap};
+use std::ops::ControlFlow;
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::BoxHint;
-use lin_canny_robot::plan::WorldId;
-use lin_canny_robot::{Coordinate, LoadOptions, MotionKind, Packages, Robot, Setup};
+use lin_canny_robot::plan::{RangeOptions, WorldId};
+use lin_canny_robot::{AuditVerdict, Coordinate, LoadOptions, MotionKind, Packages, Robot, Setup, audit};
 
 fn parse(text: &str) -> Result<Robot, lin_canny_robot::FileError> {
     Robot::parse(text, "r.xml", &Packages::default(), &LoadOptions::default())
@@ -63,7 +64,7 @@ fn aabb(geometry: &Geometry, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>
 fn small_files_are_as_in_mujoco() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/mujoco");
     let expected = format!("{folder}/expected.jsonl");
-    assert_eq!(compare(&expected, folder), (5, Vec::new()));
+    assert_eq!(compare(&expected, folder), (16, Vec::new()));
 }
 
 /// Compares with the results of `mujoco/poses.py` in the file that the variable `MUJOCO_POSES`
@@ -80,24 +81,50 @@ fn files_of_packages_are_as_in_mujoco() {
 /// Returns how many files agree with MuJoCo, and the errors of those that are not loaded here.
 fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
     let (mut same, mut not_loaded) = (0, Vec::new());
-    let (mut poses, mut worst, mut replaced, mut pairs) = (0, 0.0_f64, 0, 0);
+    let (mut poses, mut worst, mut replaced, mut pairs, mut limits) = (0, 0.0_f64, 0, 0, 0);
     for line in std::fs::read_to_string(file).expect("results").lines() {
         let model: serde_json::Value = serde_json::from_str(line).expect("JSON");
         let name = model["file"].as_str().expect("a name");
         let name = std::path::Path::new(folder).join(name).display().to_string();
-        let robot = Robot::load(&name, &Packages::default());
-        if let Some(error) = model["error"].as_str() {
+        let robot = match model["text"].as_str() {
+            Some(text) => parse(text),
+            None => Robot::load(&name, &Packages::default()),
+        };
+        if model["text"].is_string() {
+            let found = robot.as_ref().map(|robot| robot.links().len());
+            assert_eq!(found.is_err(), model["error"].is_string(), "{found:?} {model}");
+        }
+        if let Some(error) = model["error"].as_str().filter(|_| model["text"].is_null()) {
             let here = robot.map(|r| r.links().len()).map_err(|e| e.to_string());
             println!("MuJoCo does not load {name}: {error}; here: {here:?}");
             continue;
         }
         let robot = match robot {
             Ok(robot) => robot,
+            Err(_) if model["error"].is_string() => continue,
             Err(error) => {
                 not_loaded.push(error.to_string());
                 continue;
             }
         };
+        let expected = model["limits"].as_object().expect("limits");
+        for (joint, range) in expected {
+            let found = robot.coordinates().iter().find(|c| c.name == *joint);
+            let found = found.unwrap_or_else(|| panic!("{name}: {joint}")).limits;
+            let kind = robot.joints().iter().find(|j| j.name == *joint).map(|j| j.kind);
+            let range = match (range.as_array(), kind) {
+                (Some(_), _) => numbers(range),
+                (None, Some(MotionKind::Revolute)) => LoadOptions::default().continuous_limits.to_vec(),
+                (None, _) => LoadOptions::default().floating_limits.to_vec(),
+            };
+            assert_eq!(found.to_vec(), range, "{name}: {joint}");
+            limits += 1;
+        }
+        let single = robot
+            .coordinates()
+            .iter()
+            .filter(|c| !c.name.contains('/') || expected.contains_key(&c.name));
+        assert_eq!(single.count(), expected.len(), "{name}");
         let mut setup = Setup::new();
         setup.robot("", &robot, Isometry3::identity());
         setup.exclude_adjacent();
@@ -221,16 +248,20 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
                     let (p, q) = (relative(0), relative(k));
                     (p.translation.vector - q.translation.vector).norm() + p.rotation.angle_to(&q.rotation) < 1e-6
                 });
-                {
-                    let here = !excluded.contains(&[ids[a].min(ids[b]), ids[a].max(ids[b])]) && !is_rigid;
-                    assert_eq!(here, checked.contains(&(x, y)), "{name}: {} {}", geoms[x], geoms[y]);
-                    pairs += 1;
-                }
+                let here = !excluded.contains(&[ids[a].min(ids[b]), ids[a].max(ids[b])]) && !is_rigid;
+                // Links of a joint that an equality holds are rigid here; an explicit pair of rigid links is listed.
+                let is_listed = robot.skipped().iter().any(|s| s.reason.contains("never move relative"));
+                let is_listed = is_rigid && (is_listed || model["holds"] == true);
+                let there = checked.contains(&(x, y)) && !is_listed;
+                assert_eq!(here, there, "{name}: {} {}", geoms[x], geoms[y]);
+                pairs += 1;
             }
         }
         same += 1;
     }
-    println!("{poses} poses, worst {worst:e}, {replaced} that MuJoCo replaced by those of the inertia; {pairs} pairs");
+    println!(
+        "{same} models; {limits} limits; {pairs} pairs; {poses} poses, worst {worst:e}, {replaced} that MuJoCo replaced by those of the inertia"
+    );
     (same, not_loaded)
 }
 
@@ -265,7 +296,16 @@ fn faults_are_named_with_line_and_element() {
         (with("<joint type=\"ball\"/>"), 5, "a joint of type \"ball\" is not supported"),
         (with("<joint name=\"j\"/>"), 5, "name is already in use"),
         (with("<joint axis=\"0 0 0\"/>"), 5, "length of the axis"),
-        (with("<joint range=\"2 1\"/>"), 5, "lower limit 2 is above upper limit 1"),
+        (with("<joint limited=\"true\" range=\"2 1\"/>"), 5, "invalid range of a limited joint: 2 to 1 (expected"),
+        (with("<joint limited=\"true\" range=\"0 0\"/>"), 5, "invalid range of a limited joint: 0 to 0 (expected"),
+        (with("<joint limited=\"yes\"/>"), 5, "unknown limited: \"yes\" (expected true, false or auto)"),
+        (with("<joint type=\"free\" limited=\"yes\"/>"), 5, "unknown limited: \"yes\""),
+        (with("<body mocap=\"true\"/>"), 5, "mocap body with a joint, or below another body"),
+        (with("<body mocap=\"yes\"/>"), 5, "unknown mocap: \"yes\" (expected true or false)"),
+        ("<mujoco>\n<worldbody><body mocap=\"true\"><joint/></body></worldbody></mujoco>".into(), 2, "mocap body with a joint"),
+        ("<mujoco>\n<option><flag limits=\"disable\"/></option></mujoco>".into(), 2, "did you mean \"limit\"?"),
+        ("<mujoco>\n<option><flag equality=\"off\"/></option></mujoco>".into(), 2, "unknown equality: \"off\" (expected enable or disable)"),
+        ("<mujoco>\n<compiler autolimits=\"false\"/><worldbody><body>\n<joint range=\"0 1\"/></body></worldbody></mujoco>".into(), 3, "attribute limited is missing"),
         (with("<joint limited=\"true\"/>"), 5, "attribute range is missing"),
         (with("<freejoint/>"), 5, "free joint"),
         (with("<body><freejoint/><geom size=\"1\"/></body>"), 5, "free joint"),
@@ -346,6 +386,147 @@ fn a_height_field_without_heights_is_a_box() {
     assert!((body.origin * centre - Point3::new(0.0, 0.0, -2.0)).norm() < 0.5 && (2.9..3.5).contains(&radius));
 }
 
+/// A hinge with attributes, in a file with a section before the world.
+fn hinge(attributes: &str, before: &str) -> Robot {
+    let joint = format!("<joint name='j' {attributes}/><geom size='1'/>");
+    let text = format!("<mujoco>{before}<worldbody><body name='b'>{joint}</body></worldbody></mujoco>");
+    parse(&text).unwrap_or_else(|e| panic!("{text}: {e}"))
+}
+
+#[test]
+fn a_range_limits_a_joint_where_it_does_in_mujoco() {
+    let open = LoadOptions::default().continuous_limits;
+    let one = [0.0, 10.0 * (std::f64::consts::PI / 180.0)];
+    let disabled = "<option><flag limit='disable'/></option>";
+    for (attributes, before, limits) in [
+        ("range='0 10'", "", one),
+        ("range='0 0'", "", open),
+        ("range='1 -1'", "", open),
+        ("range='10 10'", "", open),
+        ("range='0 10' limited='false'", "", open),
+        ("range='0 0'", "<default><joint range='0 10'/></default>", open),
+        ("", "<default><joint range='0 10'/></default>", one),
+        ("range='0 0'", "<compiler autolimits='false'/>", open),
+        ("range='0 10' limited='true'", "<compiler autolimits='false'/>", one),
+        ("range='0 10' limited='true'", disabled, open),
+        ("range='0 10'", "<option><flag constraint='disable'/></option>", open),
+        // The last value counts.
+        (
+            "range='0 10'",
+            &format!("{disabled}<option><flag limit='enable'/></option>"),
+            one,
+        ),
+    ] {
+        let found = hinge(attributes, before).coordinates()[0].limits;
+        assert_eq!(found, limits, "{attributes} {before}");
+    }
+}
+
+/// A class has the values that the class above had when it was made.
+#[test]
+fn a_later_section_of_defaults_leaves_the_classes_of_an_earlier_one() {
+    let sections = "<default><joint range='0 1'/><default class='a'/></default><default><joint range='0 2'/><default class='b'/></default>";
+    let text = format!(
+        "<mujoco><compiler angle='radian'/>{sections}<worldbody><body><joint class='a'/><joint class='b'/><joint/></body></worldbody></mujoco>"
+    );
+    let robot = parse(&text).expect("a robot");
+    let upper: Vec<f64> = robot.coordinates().iter().map(|c| c.limits[1]).collect();
+    assert_eq!(upper, [1.0, 2.0, 2.0]);
+}
+
+/// MuJoCo takes a range of 0 to 0 for no limit: the arm reaches the post.
+#[test]
+fn an_audit_does_not_hold_a_joint_without_limits() {
+    let post = "<geom type='box' size='.1 .1 .1' pos='0 1 0'/>";
+    let arm = "<geom type='capsule' size='.05' fromto='0.3 0 0 1 0 0'/>";
+    let followed = "<equality><joint joint1='j' polycoef='0'/></equality>";
+    let disabled = |flag: &str| format!("<option><flag {flag}='disable'/></option>");
+    for (joint, rest) in [
+        ("range='0 0'", String::new()),
+        ("range='1 -1'", String::new()),
+        ("range='0 10'", disabled("limit")),
+        ("", followed.to_owned() + &disabled("equality")),
+        ("", followed.to_owned() + &disabled("constraint")),
+    ] {
+        let text = format!(
+            "<mujoco><worldbody>{post}<body name='arm'><joint name='j' {joint}/>{arm}</body></worldbody>{rest}</mujoco>"
+        );
+        let robot = parse(&text).unwrap_or_else(|e| panic!("{text}: {e}"));
+        let mut setup = Setup::new();
+        setup.robot("", &robot, Isometry3::identity());
+        let mut checker = setup.checker().expect("a checker");
+        let found = audit(&mut checker, &RangeOptions::default(), &[], &mut |_| {
+            ControlFlow::Continue(())
+        });
+        let verdicts: Vec<AuditVerdict> = found.expect("an audit").iter().map(|one| one.verdict).collect();
+        assert_eq!(verdicts, [AuditVerdict::Both], "{text}");
+    }
+}
+
+#[test]
+fn a_free_joint_takes_nothing_but_its_name() {
+    let class = "<default><joint limited='true' range='1 -1' pos='1 0 0' ref='3' axis='0 0 0'/></default>";
+    let text = |joint: &str| {
+        format!(
+            "<mujoco>{class}<worldbody><body name='b' pos='0 2 0'>{joint}<geom size='1'/></body></worldbody></mujoco>"
+        )
+    };
+    let plain = parse(&text("<freejoint name='j'/>")).expect("a robot");
+    for joint in [
+        "<joint name='j' type='free'/>",
+        "<joint name='j' type='free' limited='auto' range='0 1' axis='1 0 0'/>",
+    ] {
+        let robot = parse(&text(joint)).unwrap_or_else(|e| panic!("{joint}: {e}"));
+        assert_eq!(robot.coordinates(), plain.coordinates(), "{joint}");
+        assert_eq!(robot.start(), plain.start(), "{joint}");
+        assert_eq!(robot.links().len(), plain.links().len(), "{joint}");
+    }
+    assert_eq!(plain.start(), [0.0, 2.0, 0.0, 0.0, 0.0, 0.0]);
+}
+
+#[test]
+fn a_mocap_body_moves_if_it_collides() {
+    let marker = "<body name='marker' mocap='true'><geom size='1' contype='0' conaffinity='0'/></body>";
+    let below = "<body name='finger'><joint name='f'/><geom size='1'/></body>";
+    let hand = format!("<body name='hand' mocap='true' pos='1 2 3'>{below}</body>");
+    let robot = parse(&format!("<mujoco><worldbody>{marker}{hand}</worldbody></mujoco>")).expect("a robot");
+    let names: Vec<&str> = robot.coordinates().iter().map(|c| c.name.as_str()).collect();
+    let of_hand = ["x", "y", "z", "roll", "pitch", "yaw"].map(|part| format!("hand:mocap/{part}"));
+    assert_eq!(
+        names,
+        of_hand.iter().map(String::as_str).chain(["f"]).collect::<Vec<_>>()
+    );
+    assert_eq!(robot.start(), [1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 0.0]);
+    // As in MuJoCo, two bodies that no joint moves are not checked: no force can act.
+    let boxes =
+        "<body name='a' mocap='true'><geom size='1'/></body><body name='b' mocap='true'><geom size='1'/></body>";
+    let free = "<body name='c'><freejoint/><geom size='1'/></body>";
+    let robot = parse(&format!(
+        "<mujoco><worldbody><geom size='1'/>{boxes}{free}</worldbody></mujoco>"
+    ));
+    let excluded = robot.expect("a robot").excluded();
+    assert_eq!(excluded, [[(0, 0), (1, 0)], [(0, 0), (2, 0)], [(1, 0), (2, 0)]]);
+}
+
+#[test]
+fn contacts_that_a_flag_switches_off_are_checked_and_listed() {
+    for flag in ["contact", "constraint"] {
+        let robot = hinge("", &format!("<option>\n<flag {flag}='disable'/></option>"));
+        let skipped: Vec<String> = robot.skipped().iter().map(ToString::to_string).collect();
+        assert_eq!(
+            skipped,
+            [format!(
+                "r.xml:2: option flag: {flag}=\"disable\" is passed over: pairs are checked"
+            )]
+        );
+    }
+    assert!(
+        hinge("", "<option><flag limit='disable' multiccd='disable'/></option>")
+            .skipped()
+            .is_empty()
+    );
+}
+
 #[test]
 fn what_is_left_out_is_listed_with_its_line() {
     let text = with("text").replace(
@@ -360,6 +541,17 @@ fn what_is_left_out_is_listed_with_its_line() {
             && skipped[1].contains("r.xml:9: equality weld: the equality weld"),
         "{skipped:?}"
     );
+    // An equality that is not in force is none.
+    for (from, to) in [
+        ("b\"/>", "b\" active=\"false\"/>"),
+        ("<equality>", "<option><flag equality=\"disable\"/></option><equality>"),
+    ] {
+        assert_eq!(
+            parse(&text.replace(from, to)).expect("a robot").skipped().len(),
+            1,
+            "{to}"
+        );
+    }
     // Without a second joint, the joint is held.
     assert!(robot.coordinates().is_empty());
     assert_eq!(robot.joints()[0].kind, MotionKind::Fixed);

@@ -86,6 +86,8 @@ pub(super) struct Model<'e> {
     pub(super) groups_above: Vec<Option<usize>>,
     /// The names of free joints, with the poses at which the file draws their bodies.
     pub(super) free: Vec<(String, Isometry3<f64>)>,
+    /// For each mocap body its group and the joint that moves it.
+    pub(super) mocap: HashMap<usize, usize>,
     pub(super) skipped: Vec<Skipped>,
     classes: &'e Classes,
     source: &'e Source<'e>,
@@ -131,6 +133,7 @@ impl<'e> Model<'e> {
             groups: vec![0],
             groups_above: vec![None],
             free: Vec::new(),
+            mocap: HashMap::new(),
             skipped: Vec::new(),
             classes,
             source,
@@ -152,6 +155,22 @@ impl<'e> Model<'e> {
             suffix: "",
         };
         self.below(section, scope)
+    }
+
+    /// Holds the mocap bodies of which nothing collides, neither they nor bodies below them.
+    pub(super) fn rest(&mut self) {
+        let mut collides: Vec<bool> = self.links.iter().map(|link| !link.bodies.is_empty()).collect();
+        for joint in self.joints.iter().rev() {
+            collides[joint.parent] |= collides[joint.child];
+        }
+        for &joint in self.mocap.values() {
+            let joint = &mut self.joints[joint];
+            if !collides[joint.child] {
+                joint.kind = MotionKind::Fixed;
+                let drawn = self.free.iter().position(|(name, _)| *name == joint.name);
+                joint.origin = drawn.map(|k| self.free.swap_remove(k).1).unwrap_or(joint.origin);
+            }
+        }
     }
 
     fn below(&mut self, parent: &'e Element, scope: Scope) -> Result<(), FileError> {
@@ -238,6 +257,24 @@ impl<'e> Model<'e> {
             },
             &mut joints,
         )?;
+        let is_mocap = match element.get("mocap").unwrap_or("false") {
+            "true" => true,
+            "false" => false,
+            other => return Err(element.unknown_value("mocap", other, "true or false")),
+        };
+        if is_mocap {
+            if scope.link > 0 || !joints.is_empty() {
+                let why =
+                    "mocap body with a joint, or below another body (expected a body of the world without joints)";
+                return Err(element.error(FileErrorKind::Malformed(why.into())));
+            }
+            let joint = format!("{name}:mocap");
+            if !self.names.insert(("joint", joint.clone())) {
+                return Err(element.error(FileErrorKind::Repeated));
+            }
+            self.mocap.insert(self.groups_above.len(), self.joints.len());
+            joints.push(BodyJoint::free(element.place.clone(), joint));
+        }
         let link = self.add_joints(element, &name, scope.link, &pose, joints)?;
         if self.bodies.insert(name, link).is_some() {
             return Err(element.error(FileErrorKind::Repeated));
@@ -290,20 +327,22 @@ impl<'e> Model<'e> {
         if !self.names.insert(("joint", name.clone())) {
             return Err(element.error(FileErrorKind::Repeated));
         }
-        let is_free = element.name == "freejoint";
-        let settings = if is_free {
+        if element.name == "freejoint" {
             element.check_attributes(&["name", "group", "align"])?;
-            Settings::own(element)
-        } else {
-            check(element)?;
-            self.classes.of(element, "joint", scope.class)?
-        };
+            return Ok(BodyJoint::free(element.place.clone(), name));
+        }
+        check(element)?;
+        let settings = self.classes.of(element, "joint", scope.class)?;
+        let limited = settings.get("limited").unwrap_or("auto");
+        if !["true", "false", "auto"].contains(&limited) {
+            return Err(element.unknown_value("limited", limited, "true, false or auto"));
+        }
         let wrong = |reason| element.error(reason);
         let kind = match settings.get("type").unwrap_or("hinge") {
-            _ if is_free => MotionKind::Floating,
             "hinge" => MotionKind::Revolute,
             "slide" => MotionKind::Prismatic,
-            "free" => MotionKind::Floating,
+            // MuJoCo passes over all else that the joint and its class say.
+            "free" => return Ok(BodyJoint::free(element.place.clone(), name)),
             kind => return Err(element.unsupported(format!("a joint of type {kind:?}"))),
         };
         let unit = match kind {
@@ -318,31 +357,31 @@ impl<'e> Model<'e> {
         let place = Vector3::from(settings.numbers::<3>("pos")?.unwrap_or_default());
         let anchor = scope.frame * lin_canny::nalgebra::Point3::from(place);
         let reference = settings.numbers("ref")?.map_or(0.0, |[x]| x) * unit;
-        let range = settings.numbers::<2>("range")?;
-        let is_limited = match settings.get("limited").unwrap_or("auto") {
-            "true" => true,
-            "false" => false,
-            "auto" => range.is_some() && self.source.compiler.has_automatic_limits,
-            other => return Err(element.unknown_value("limited", other, "true, false or auto")),
+        let open = [f64::NEG_INFINITY, f64::INFINITY];
+        let limits = match (limited, settings.numbers::<2>("range")?) {
+            ("true", None) => return Err(wrong(FileErrorKind::Missing("attribute range".into()))),
+            ("true", Some([lower, upper])) if lower >= upper => {
+                let why = format!(
+                    "invalid range of a limited joint: {lower} to {upper} (expected the first below the second)"
+                );
+                return Err(wrong(FileErrorKind::Malformed(why)));
+            }
+            ("auto", Some(range)) if range != [0.0; 2] && !self.source.compiler.has_automatic_limits => {
+                return Err(wrong(FileErrorKind::Missing("attribute limited".into())));
+            }
+            // Without a word of the file, a range limits the joint if it is one.
+            ("true" | "auto", Some(range)) if range[0] < range[1] => range.map(|x| x * unit),
+            _ => open,
         };
-        let limits = match range.filter(|_| is_limited) {
-            Some([lower, upper]) if lower > upper => return Err(wrong(FileErrorKind::Limits { lower, upper })),
-            Some(range) => range.map(|x| x * unit),
-            None if is_limited => return Err(wrong(FileErrorKind::Missing("attribute range".into()))),
-            None => [f64::NEG_INFINITY, f64::INFINITY],
-        };
+        let limits = if self.source.flags.has("limit") { limits } else { open };
         Ok(BodyJoint {
             place: element.place.clone(),
             name,
             kind,
             axis: scope.frame.rotation * axis,
             anchor: anchor.coords,
-            limits: if kind == MotionKind::Floating {
-                [f64::NEG_INFINITY, f64::INFINITY]
-            } else {
-                limits
-            },
-            reference: if kind == MotionKind::Floating { 0.0 } else { reference },
+            limits,
+            reference,
         })
     }
 
@@ -476,18 +515,26 @@ impl<'e> Model<'e> {
         Ok(())
     }
 
-    /// Lets a joint follow another one, or holds it, as an element `equality/joint` says.
-    /// `numbers` has the number of each joint.
+    /// Lets a joint follow another one, or holds it, as an element `equality/joint` says. Lists
+    /// other equalities that are in force. `numbers` has the number of each joint.
     pub(super) fn equality(&mut self, element: &'e Element, numbers: &HashMap<String, usize>) -> Result<(), FileError> {
         let known = [
             "name", "class", "active", "solref", "solimp", "joint1", "joint2", "polycoef",
         ];
-        element.check_attributes(&known)?;
+        let is_of_joints = element.name == "joint";
+        if is_of_joints {
+            element.check_attributes(&known)?;
+        }
         let settings = self.classes.of(element, "equality", "main")?;
         match settings.get("active").unwrap_or("true") {
-            "true" => {}
-            "false" => return Ok(()),
+            "true" if self.source.flags.has("equality") => {}
+            "true" | "false" => return Ok(()),
             other => return Err(element.unknown_value("active", other, "true or false")),
+        }
+        if !is_of_joints {
+            let what = format!("the equality {}", element.name);
+            self.skipped.push(Skipped::from(element.unsupported(what)));
+            return Ok(());
         }
         let find = |name: &str| {
             numbers.get(name).copied().ok_or_else(|| {
@@ -546,4 +593,18 @@ struct BodyJoint {
     anchor: Vector3<f64>,
     limits: [f64; 2],
     reference: f64,
+}
+
+impl BodyJoint {
+    fn free(place: Place, name: String) -> Self {
+        Self {
+            place,
+            name,
+            kind: MotionKind::Floating,
+            axis: Vector3::z_axis(),
+            anchor: Vector3::zeros(),
+            limits: [f64::NEG_INFINITY, f64::INFINITY],
+            reference: 0.0,
+        }
+    }
 }

@@ -7,7 +7,7 @@ use lin_canny::nalgebra::{Isometry3, Matrix3, Translation3, Vector3};
 use lin_canny::{Geometry, HullFit, Mesh};
 
 use super::element::{Element, numbers};
-use super::settings::{Classes, Compiler, Settings, check, segment};
+use super::settings::{Classes, Compiler, Flags, Settings, check, segment};
 use crate::error::{FileError, FileErrorKind, Place};
 use crate::geometry::{self, MeshUse, Solid};
 use crate::mesh_file::{MeshPlacing, Soup};
@@ -289,6 +289,7 @@ impl<'e> Assets<'e> {
 /// What a body is read with.
 pub(super) struct Source<'e> {
     pub(super) compiler: &'e Compiler,
+    pub(super) flags: &'e Flags<'e>,
     pub(super) options: &'e LoadOptions,
     /// The folder of the main file.
     pub(super) folder: &'e Path,

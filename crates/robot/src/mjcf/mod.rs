@@ -16,9 +16,9 @@ use bodies::Model;
 use element::Element;
 use geom::{Assets, Source};
 use pairs::Contacts;
-use settings::{Classes, Compiler};
+use settings::{Classes, Compiler, Flags};
 
-use crate::error::{FileError, FileErrorKind, Skipped};
+use crate::error::{FileError, FileErrorKind};
 use crate::link_tree::LinkTree;
 use crate::options::LoadOptions;
 use crate::robot::Robot;
@@ -51,10 +51,12 @@ const PASSED: [&str; 9] = [
 ];
 
 pub(crate) fn read(xml: &Xml, options: &LoadOptions) -> Result<Robot, FileError> {
-    let (root, skipped) = Element::root(xml)?;
+    let (root, mut skipped) = Element::root(xml)?;
     let all: Vec<&Element> = root.below(&READ, &PASSED)?.collect();
     let sections = |name: &str| -> Vec<&Element> { all.iter().copied().filter(|s| s.name == name).collect() };
     let compiler = Compiler::new(&sections("compiler"))?;
+    let flags = Flags::new(&sections("option"))?;
+    skipped.extend(flags.without_contacts());
     let classes = Classes::new(&sections("default"))?;
     let assets = Assets::new(&sections("asset"), &classes)?;
     let contacts = Contacts::new(&sections("contact"))?;
@@ -65,6 +67,7 @@ pub(crate) fn read(xml: &Xml, options: &LoadOptions) -> Result<Robot, FileError>
     }
     let source = Source {
         compiler: &compiler,
+        flags: &flags,
         options,
         folder: xml.file.parent().unwrap_or(Path::new("")),
     };
@@ -72,6 +75,7 @@ pub(crate) fn read(xml: &Xml, options: &LoadOptions) -> Result<Robot, FileError>
     for section in sections("worldbody") {
         model.world(section)?;
     }
+    model.rest();
     let names = model
         .joints
         .iter()
@@ -81,12 +85,7 @@ pub(crate) fn read(xml: &Xml, options: &LoadOptions) -> Result<Robot, FileError>
     let known = ["joint", "connect", "weld", "tendon", "flex", "flexvert", "flexstrain"];
     for section in sections("equality") {
         for element in section.below(&known, &[])? {
-            if element.name == "joint" {
-                model.equality(element, &numbers)?;
-            } else {
-                let what = format!("the equality {}", element.name);
-                model.skipped.push(Skipped::from(element.unsupported(what)));
-            }
+            model.equality(element, &numbers)?;
         }
     }
     let names: Vec<&str> = model.links.iter().map(|link| link.name.as_str()).collect();
@@ -112,21 +111,7 @@ pub(crate) fn read(xml: &Xml, options: &LoadOptions) -> Result<Robot, FileError>
     }
     robot.skipped = skipped;
     robot.skipped.append(&mut model.skipped);
-    let adjacent = has_adjacent(&sections("option"))?;
+    let adjacent = flags.is_enabled("filterparent");
     pairs::set(&mut robot, &model, &contacts, adjacent, &root.place)?;
     Ok(robot)
-}
-
-/// Returns whether pairs of adjacent bodies are not checked: the flag `filterparent`.
-fn has_adjacent(sections: &[&Element]) -> Result<bool, FileError> {
-    let mut has = true;
-    for flags in sections.iter().flat_map(|s| &s.children).filter(|e| e.name == "flag") {
-        match flags.get("filterparent") {
-            None => {}
-            Some("enable") => has = true,
-            Some("disable") => has = false,
-            Some(other) => return Err(flags.unknown_value("filterparent", other, "enable or disable")),
-        }
-    }
-    Ok(has)
 }

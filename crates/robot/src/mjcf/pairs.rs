@@ -126,7 +126,10 @@ pub(super) fn set(
                 continue;
             }
             let [xs, ys] = [x, y].map(|link| first[link]..first[link] + robot.links[link].bodies.len());
-            let is_apart = !apart.is_empty() && apart.contains(&[one.min(other), one.max(other)]);
+            // Of two bodies without joints above them, MuJoCo checks explicit pairs alone.
+            let is_still = |group: usize| group == 0 || model.mocap.contains_key(&group);
+            let is_apart =
+                is_still(p) && is_still(q) || !apart.is_empty() && apart.contains(&[one.min(other), one.max(other)]);
             for a in xs {
                 for b in ys.clone() {
                     let [one, other] = [a, b].map(|body| &model.geoms[geom_of[body]]);

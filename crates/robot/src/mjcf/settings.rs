@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 
 use super::element::{Element, exactly, numbers};
-use crate::error::{FileError, FileErrorKind, Place};
+use crate::error::{FileError, FileErrorKind, Place, Skipped};
 use crate::turn::{about, direction, from_xyzw, from_z};
 use lin_canny_plan::nearest_name as nearest;
 
@@ -73,13 +73,89 @@ impl Compiler {
     }
 }
 
+/// What the flags of the sections `option` say; the last value of each counts for the whole file.
+pub(super) struct Flags<'e>(HashMap<&'e str, (&'e Element, bool)>);
+
+impl<'e> Flags<'e> {
+    pub(super) fn new(sections: &[&'e Element]) -> Result<Self, FileError> {
+        const KNOWN: [&str; 28] = [
+            "constraint",
+            "equality",
+            "frictionloss",
+            "limit",
+            "contact",
+            "passive",
+            "spring",
+            "damper",
+            "gravity",
+            "clampctrl",
+            "warmstart",
+            "filterparent",
+            "actuation",
+            "refsafe",
+            "sensor",
+            "midphase",
+            "eulerdamp",
+            "autoreset",
+            "nativeccd",
+            "island",
+            "multiccd",
+            "override",
+            "energy",
+            "fwdinv",
+            "invdiscrete",
+            "sensornoise",
+            "sleep",
+            "diagexact",
+        ];
+        let mut flags = HashMap::new();
+        for element in sections.iter().flat_map(|s| &s.children).filter(|e| e.name == "flag") {
+            element.check_attributes(&KNOWN)?;
+            for (name, value) in &element.attributes {
+                let is_enabled = match value.as_str() {
+                    "enable" => true,
+                    "disable" => false,
+                    _ => return Err(element.unknown_value(name, value, "enable or disable")),
+                };
+                flags.insert(name.as_str(), (element, is_enabled));
+            }
+        }
+        Ok(Self(flags))
+    }
+
+    /// Returns whether a part of the simulation is enabled that is so by default.
+    pub(super) fn is_enabled(&self, name: &str) -> bool {
+        self.0.get(name).is_none_or(|(_, is_enabled)| *is_enabled)
+    }
+
+    /// Returns whether constraints of a kind, `limit` or `equality`, are in force.
+    pub(super) fn has(&self, kind: &str) -> bool {
+        self.is_enabled("constraint") && self.is_enabled(kind)
+    }
+
+    /// Returns the flags that switch contacts off, which changes nothing here.
+    pub(super) fn without_contacts(&self) -> impl Iterator<Item = Skipped> {
+        let disabled = ["constraint", "contact"]
+            .into_iter()
+            .filter(|name| !self.is_enabled(name));
+        disabled.map(|name| {
+            let why = format!("{name}=\"disable\" is passed over: pairs are checked");
+            self.0[name].0.error(FileErrorKind::Malformed(why)).into()
+        })
+    }
+}
+
 /// The classes of the sections `default`.
-pub(super) struct Classes(HashMap<String, Class>);
+pub(super) struct Classes {
+    classes: Vec<Class>,
+    /// The class of each name.
+    names: HashMap<String, usize>,
+}
 
 #[derive(Default)]
 struct Class {
-    /// The class above; empty for the root.
-    parent: String,
+    /// The class above.
+    parent: Option<usize>,
     /// Values by the name of the element.
     values: HashMap<String, Vec<(String, String)>>,
 }
@@ -89,30 +165,43 @@ const ROOT: &str = "main";
 
 impl Classes {
     pub(super) fn new(sections: &[&Element]) -> Result<Self, FileError> {
-        let mut classes = Self(HashMap::from([(ROOT.into(), Class::default())]));
+        let mut classes = Self {
+            classes: vec![Class::default()],
+            names: HashMap::from([(ROOT.into(), 0)]),
+        };
         for section in sections {
-            match section.get("class") {
-                None | Some(ROOT) => classes.fill(section, ROOT)?,
-                Some(name) => return Err(section.unknown_value("class of the root", name, "main or none")),
+            if let Some(name) = section.get("class").filter(|name| *name != ROOT) {
+                return Err(section.unknown_value("class of the root", name, "main or none"));
             }
+            // The classes of earlier sections keep the values that the root had there.
+            let earlier = classes.names.get(ROOT).copied();
+            let root = classes.add(earlier);
+            classes.names.insert(ROOT.into(), root);
+            classes.fill(section, root)?;
         }
         Ok(classes)
     }
 
-    fn fill(&mut self, section: &Element, class: &str) -> Result<(), FileError> {
+    /// Adds a class without values, and returns its number.
+    fn add(&mut self, parent: Option<usize>) -> usize {
+        let values = HashMap::new();
+        self.classes.push(Class { parent, values });
+        self.classes.len() - 1
+    }
+
+    fn fill(&mut self, section: &Element, class: usize) -> Result<(), FileError> {
         section.check_attributes(&["class"])?;
         for child in &section.children {
             if child.name == "default" {
                 let name = child.needed("class")?;
-                let parent = class.into();
-                let values = HashMap::new();
-                if self.0.insert(name.into(), Class { parent, values }).is_some() {
+                let below = self.add(Some(class));
+                if self.names.insert(name.into(), below).is_some() {
                     return Err(child.error(FileErrorKind::Repeated));
                 }
-                self.fill(child, name)?;
-            } else if let (true, Some(class)) = (WITH_CLASS.contains(&&*child.name), self.0.get_mut(class)) {
+                self.fill(child, below)?;
+            } else if WITH_CLASS.contains(&&*child.name) {
                 check(child)?;
-                let known = class.values.entry(child.name.clone()).or_default();
+                let known = self.classes[class].values.entry(child.name.clone()).or_default();
                 let has_turn = ORIENTATIONS.iter().any(|name| child.get(name).is_some());
                 known.retain(|(name, _)| {
                     child.get(name).is_none() && !(has_turn && ORIENTATIONS.contains(&name.as_str()))
@@ -126,23 +215,21 @@ impl Classes {
     /// Returns the values of an element: its own, then those of its class or else of `class`, and
     /// of the classes above. `kind` is the name of the element in a class.
     pub(super) fn of<'e>(&'e self, element: &'e Element, kind: &str, class: &str) -> Result<Settings<'e>, FileError> {
-        let mut name = element.get("class").unwrap_or(class);
+        let name = element.get("class").unwrap_or(class);
+        let mut next = Some(*self.names.get(name).ok_or_else(|| self.unknown(element, name))?);
         let mut chain = vec![&element.attributes[..]];
-        while let Some(class) = self.0.get(name) {
+        while let Some(class) = next.map(|k| &self.classes[k]) {
             chain.extend(class.values.get(kind).map(|values| &values[..]));
-            name = &class.parent;
+            next = class.parent;
         }
-        if name.is_empty() {
-            let place = &element.place;
-            return Ok(Settings { place, chain });
-        }
-        Err(self.unknown(element, name))
+        let place = &element.place;
+        Ok(Settings { place, chain })
     }
 
     /// Returns the class that an attribute `childclass` names, or else `class`.
     pub(super) fn below<'e>(&self, element: &'e Element, class: &'e str) -> Result<&'e str, FileError> {
         match element.get("childclass") {
-            Some(name) if self.0.contains_key(name) => Ok(name),
+            Some(name) if self.names.contains_key(name) => Ok(name),
             Some(name) => Err(self.unknown(element, name)),
             None => Ok(class),
         }
@@ -152,7 +239,7 @@ impl Classes {
         element.error(FileErrorKind::Unknown {
             kind: "class",
             name: name.into(),
-            near: nearest(name, self.0.keys().map(String::as_str)),
+            near: nearest(name, self.names.keys().map(String::as_str)),
         })
     }
 }
