@@ -281,7 +281,7 @@ fn compare_plans<C: ConfigurationSpace>(rust: &mut Checker<C>, c: lc_checker, q:
 }
 
 /// Compares curves of two to five control points.
-fn compare_curves<C: ConfigurationSpace>(rust: &mut Checker<C>, c: lc_checker, q: &[f64], n: usize) {
+fn compare_curves<C: ConfigurationSpace + Clone>(rust: &mut Checker<C>, c: lc_checker, q: &[f64], n: usize) {
     let (rust, c) = (&mut fresh(rust), copy(c));
     let size = size_of::<lc_verdict>();
     let mut blocked = 0;
