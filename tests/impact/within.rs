@@ -146,7 +146,7 @@ fn against_rounded(seed: u64, rounds: u64) -> Mix {
                 let time = safe * f64::from(k) / 12.0;
                 // Ties of curved shapes count as within.
                 let most = d * (1.0 - 1e-9);
-                let is_near = time >= 0.0 && decided([&body, &sharp], &motions, time, most).is_yes();
+                let is_near = safe >= 0.0 && decided([&body, &sharp], &motions, time, most).is_yes();
                 assert!(!is_near, "{case}: near at {time}, {found:?}");
             }
         }
