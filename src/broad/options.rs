@@ -4,7 +4,7 @@ use super::BroadPhaseError;
 use nalgebra::Point3;
 
 /// Groups of a body. Two bodies are paired if each is a member of a group that the other pairs
-/// with.
+/// with. If both are fixed, each must also be a member of a group in the `fixed_with` of the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Groups {
@@ -12,19 +12,29 @@ pub struct Groups {
     pub member_of: u32,
     /// Groups that the body pairs with, one bit each.
     pub pairs_with: u32,
+    /// Groups whose fixed bodies the body pairs with if it is fixed itself, one bit each.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub fixed_with: u32,
 }
 
 impl Groups {
-    /// Member of every group; pairs with every group.
+    /// Member of every group; pairs with every group. Two fixed bodies are not paired.
     pub const ALL: Self = Self {
         member_of: u32::MAX,
         pairs_with: u32::MAX,
+        fixed_with: 0,
     };
 
     /// Returns whether two bodies of these groups may be paired.
     #[must_use]
     pub fn meet(self, other: Self) -> bool {
         self.member_of & other.pairs_with != 0 && other.member_of & self.pairs_with != 0
+    }
+
+    /// Returns whether two fixed bodies of these groups may be paired.
+    #[must_use]
+    pub fn meet_fixed(self, other: Self) -> bool {
+        self.meet(other) && self.member_of & other.fixed_with != 0 && other.member_of & self.fixed_with != 0
     }
 }
 
@@ -35,8 +45,8 @@ impl Groups {
 pub struct BodyOptions {
     /// Groups that decide which bodies are paired.
     pub groups: Groups,
-    /// Whether the body is fixed. Two fixed bodies are never paired. A fixed body may be moved, but
-    /// a step in which it moves costs more.
+    /// Whether the body is fixed. Two fixed bodies are paired only if [`Groups::fixed_with`] says
+    /// so. A fixed body may be moved, but a step in which it moves costs more.
     pub fixed: bool,
     /// Growth of the stored box beyond the given box. A new stored box is computed when the given
     /// box leaves it; 0 keeps the stored box tight. A margin saves work if few bodies move or all

@@ -275,8 +275,8 @@ impl Separation for BallPair {
         Measurement::from(&self.closest_with(a_from_b, &QueryOptions::new()))
     }
 
-    fn meets(&mut self, _: &RelativePose, _: f64, seen: &Measurement) -> bool {
-        seen.lower <= 0.0
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measurement) -> bool {
+        self.closest_with(a_from_b, &QueryOptions::new()).upper <= distance
     }
 
     fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {

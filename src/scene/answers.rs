@@ -183,7 +183,7 @@ pub struct Event {
     pub change: Change,
 }
 
-/// The first time in the last tick at which two bodies met.
+/// The first time in the last tick at which two bodies met, or came within a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -198,10 +198,15 @@ pub struct PairImpact {
     /// [`Impact::Undecided`] or [`Impact::Incomplete`] if the bodies are proven neither to meet nor
     /// to stay separated. The frames are those of the bodies.
     pub impact: Impact,
+    /// The distance of the query `impact_within`; 0 for the query `impact`. At a positive distance,
+    /// *to meet* is to come within the distance, and *separated* is to be farther apart.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub distance: f64,
 }
 
 impl PairImpact {
-    /// Returns the time after the start of the tick until which the bodies are proven separated.
+    /// Returns the time after the start of the tick until which the bodies are proven separated, or
+    /// farther apart than [`distance`](Self::distance).
     #[must_use]
     pub fn safe(&self) -> f64 {
         match self.impact {

@@ -30,8 +30,9 @@ pub struct Body {
     pub geometry: Geometry,
     /// The group of the body; group 0 by default.
     pub group: Group,
-    /// Whether the body is fixed. Two fixed bodies are never paired. A fixed body has no velocity,
-    /// but its pose may be set.
+    /// Whether the body is fixed. Two fixed bodies are paired only if the queries of their groups
+    /// include [`PairQueries::fixed`](field@super::PairQueries::fixed); a step counts the pairs
+    /// left out. A fixed body has no velocity, but its pose may be set.
     pub fixed: bool,
     /// A number for the caller, for instance an index into a table of names; 0 by default. The
     /// scene stores the number and never uses it.
@@ -52,7 +53,11 @@ impl Body {
         }
     }
 
-    /// Returns a fixed body; two fixed bodies are never paired.
+    /// Returns a fixed body.
+    ///
+    /// Two fixed bodies are not paired by default. For parts of an assembly enable
+    /// [`PairQueries::fixed`](field@super::PairQueries::fixed), or insert
+    /// [`moving`](Self::moving) bodies.
     pub fn fixed(geometry: impl Into<Geometry>) -> Self {
         Self {
             fixed: true,

@@ -15,7 +15,8 @@
 //! are added to the distance that the query must prove.
 //!
 //! For impacts the query starts at the start of the tick and covers the instants between. If it
-//! proves less than the tick, the tick is cast ([`impact::cast`]).
+//! proves less than the tick, the tick is cast, once for each distance
+//! ([`impact::cast_within`]).
 
 use super::answers::PairImpact;
 use super::motion::Sweep;
@@ -28,7 +29,7 @@ use crate::base::motion::{Motion, Steady, Velocity};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::pair::outcome::Outcome;
-use crate::time::impact::{self, Impact, Tolerance};
+use crate::time::impact::{self, Impact};
 use crate::time::schedule::ticks;
 use crate::time::separation::PairMotion;
 
@@ -99,15 +100,14 @@ impl StepContext<'_> {
     }
 
     /// Queries a pair from the start of the last tick. If the pair is proven farther apart than all
-    /// thresholds for at least one tick, the pair sleeps and the result is true. Otherwise an
-    /// impact of the tick is recorded, if there is one.
+    /// thresholds for at least one tick, the pair sleeps and the result is true. Otherwise the
+    /// impacts of the tick are recorded: at most one for each distance of the plan.
     pub(super) fn sweep_pair<T: PairEngine>(
         &self,
         header: &mut PairHeader,
         tracker: &mut T,
         shapes: T::Shapes<'_>,
         plan: &PairPlan,
-        tolerance: Tolerance,
         tally: &mut Tally,
     ) -> bool {
         let bodies = self.bodies;
@@ -118,39 +118,43 @@ impl StepContext<'_> {
             return false;
         }
         // A velocity beyond the range of motions proves nothing.
-        let mut found = Impact::Incomplete { safe: 0.0 };
+        let mut found = plan
+            .impacts
+            .each(|asked| asked.map(|_| Impact::Incomplete { safe: 0.0 }));
         if let Some(motions) = self.motions(&sweeps) {
             let ticks_ahead = if self.is_foreseen(header) { TICKS } else { 1 };
             let span = length * ticks_ahead as f64;
             let keep = plan.reach + self.margin(header, &motions, span);
             let [x, y] = &motions;
             let ahead = tracker.over_time(shapes, None, |separation, _| {
-                impact::ahead(separation, [x, y], length, span, keep, tolerance)
+                impact::ahead(separation, [x, y], length, span, keep, &plan.impacts)
             });
             if let Ok(ahead) = ahead {
                 let counts = &mut tally.counts;
                 counts.ahead += 1;
                 counts.queries += u64::from(ahead.queries);
-                match ahead.cast {
-                    None if self.is_foreseen(header) => {
-                        counts.separated += u64::from(ahead.queries);
-                        return self.sleep_from_start(header, ahead.until);
-                    }
-                    None => found = Impact::Miss,
-                    Some(impact) => {
-                        counts.casts += 1;
-                        found = impact;
-                    }
+                found = ahead.casts;
+                let casts = found.iter().flatten().count() as u64;
+                if casts == 0 && self.is_foreseen(header) {
+                    counts.separated += u64::from(ahead.queries);
+                    return self.sleep_from_start(header, ahead.until);
                 }
+                counts.casts += casts;
             }
         }
-        if !matches!(found, Impact::AtStart { .. } | Impact::Miss) {
-            tally.impacts.push(PairImpact {
-                a: bodies.id(header.a),
-                b: bodies.id(header.b),
-                pair: header.pair,
-                impact: found,
-            });
+        for (asked, impact) in plan.impacts.iter().zip(found) {
+            let (Some((distance, _)), Some(impact)) = (*asked, impact) else {
+                continue;
+            };
+            if !matches!(impact, Impact::AtStart { .. } | Impact::Miss) {
+                tally.impacts.push(PairImpact {
+                    a: bodies.id(header.a),
+                    b: bodies.id(header.b),
+                    pair: header.pair,
+                    impact,
+                    distance,
+                });
+            }
         }
         false
     }

@@ -137,7 +137,15 @@
 //! [`advance`](Scene::advance) moves the bodies that have velocities, by one tick between two
 //! steps. Pairs then sleep until the proof of their separation ends. With the query `impact`, a
 //! step finds the [`impacts`](Scene::impacts) within the tick and returns them in the order of
-//! time.
+//! time; with `impact_within`, also the times at which bodies come within a distance.
+//!
+//! # Fixed bodies
+//!
+//! Two bodies that are both [`fixed`](Body::fixed) are not a pair: a scene of fixed bodies alone
+//! finds nothing, whatever queries are enabled. The report of a step counts the pairs that were
+//! left out ([`StepWork::fixed_left_out`]). [`PairQueries::fixed`](field@PairQueries::fixed)
+//! queries them, for instance to find the [parts of an assembly that
+//! clash](crate::guide::distances#do-parts-of-an-assembly-clash).
 //!
 //! Source: Cohen, Lin, Manocha and Ponamgi 1995 (I-COLLIDE) combine sweep and prune with one
 //! tracker per pair. Lin 1993 (section 5.4) requires that a simulation pay only for the enabled
@@ -205,6 +213,8 @@ pub struct Scene {
     events: Vec<Event>,
     impacts: Vec<PairImpact>,
     report: Report,
+    /// Pairs of fixed bodies that no query tests, after the last step that changed any.
+    fixed_left_out: u64,
     /// Groups whose queries changed since the last step, as bits.
     replanned: u32,
     /// Whether bodies were inserted, removed or moved to another group since the last step.
@@ -266,6 +276,7 @@ impl Scene {
             events: Vec::new(),
             impacts: Vec::new(),
             report: Report::default(),
+            fixed_left_out: 0,
             replanned: 0,
             changed: false,
             growths: [0.0; GROUPS],
@@ -375,6 +386,7 @@ impl Scene {
         Groups {
             member_of: 1 << group.number(),
             pairs_with: self.table.partners(group),
+            fixed_with: self.table.fixed_partners(group),
         }
     }
 

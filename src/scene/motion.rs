@@ -229,7 +229,9 @@ impl Scene {
     /// bodies.
     ///
     /// There is one for each pair with the query `impact` whose bodies were separated before the
-    /// tick and are not proven to stay separated during the tick.
+    /// tick and are not proven to stay separated during the tick. With the query `impact_within`
+    /// there is one for each pair whose bodies were farther apart than its distance before the tick
+    /// and are not proven to stay so; [`PairImpact::distance`] tells the two apart.
     ///
     /// ```
     /// use lin_canny::impact::{Impact, Tolerance};
@@ -257,8 +259,8 @@ impl Scene {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// Bodies that share a point before the tick have no impact; use the query `overlap` to find
-    /// them. A body that [`set_pose`](Self::set_pose) moves before or after the tick jumps: its
+    /// Bodies that share a point before the tick have no impact, and those within the distance no
+    /// impact within; use the queries `overlap` and `within` to find them. A body that [`set_pose`](Self::set_pose) moves before or after the tick jumps: its
     /// path is not tested.
     #[doc(alias = "ccd")]
     #[doc(alias = "tunnelling")]

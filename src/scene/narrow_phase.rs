@@ -133,7 +133,7 @@ impl StepContext<'_> {
         let plan = self.table.plan(header.groups);
         // Balls before geometries, so that a far pair reads no geometry. A swept motion must come
         // before its balls.
-        if plan.impact.is_none() && self.is_clear(header, plan.reach, &mut tally.counts) {
+        if !plan.has_impacts() && self.is_clear(header, plan.reach, &mut tally.counts) {
             return drop_contacts(tracker, answer);
         }
         let (a, b) = (header.a as usize, header.b as usize);
@@ -143,8 +143,8 @@ impl StepContext<'_> {
         let Some(shapes) = T::shapes(&solid_a.shape, &solid_b.shape) else {
             return;
         };
-        if let Some(tolerance) = plan.impact
-            && (self.sweep_pair(header, tracker, shapes, plan, tolerance, tally)
+        if plan.has_impacts()
+            && (self.sweep_pair(header, tracker, shapes, plan, tally)
                 || self.is_clear(header, plan.reach, &mut tally.counts))
         {
             return drop_contacts(tracker, answer);
@@ -212,14 +212,11 @@ fn slack_of(plan: &PairPlan, outcome: &Outcome) -> f64 {
     } else {
         outcome.upper
     };
-    let contact = if plan.overlap || plan.impact.is_some() {
-        0.0
-    } else {
-        NEVER
-    };
+    let contact = if plan.overlap { 0.0 } else { NEVER };
     let thresholds = [contact, plan.within, plan.range];
-    let called = thresholds.iter().filter(|t| **t != NEVER);
-    called.fold(f64::INFINITY, |s, t| s.smaller(slack(*t, outcome.lower, upper)))
+    let called = thresholds.into_iter().filter(|t| *t != NEVER);
+    let called = called.chain(plan.impacts.iter().flatten().map(|impact| impact.0));
+    called.fold(f64::INFINITY, |s, t| s.smaller(slack(t, outcome.lower, upper)))
 }
 
 fn note_changes(before: PairFlags, header: &PairHeader, changes: &mut Vec<PairChange>) {

@@ -78,7 +78,7 @@ impl From<Group> for u8 {
 /// |---|---|---|---|
 /// | nothing | [`none`](Self::none) | the bodies are never paired | nothing |
 /// | boxes | `boxes` | events when boxes start and stop overlapping | a slot |
-/// | predicates | `overlap`, `within`, `impact` | exact predicate, or the budget | a tracker |
+/// | predicates | `overlap`, `within`, `impact`, `impact_within` | exact predicate, or the budget | a tracker |
 /// | distance | `distance`, `depth`, `local_depth` | signed distance, bounds | distance as well |
 /// | features | `features` | features, witnesses and normal as well | the outcome as well |
 /// | manifold | `manifold` | contact points as well | a manifold as well, within its prediction |
@@ -136,6 +136,16 @@ pub struct PairQueries {
     /// [`Scene::impacts`](super::Scene::impacts). Boxes of both groups contain the whole swept
     /// motion.
     pub impact: Option<Tolerance>,
+    /// The first time between two steps at which two bodies come within a distance, as a bracket of
+    /// this width: [`impact`](field@Self::impact) with a distance. `within` finds only the bodies
+    /// that are within a distance when a step is made. Boxes grow by the distance.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub impact_within: Option<(f64, Tolerance)>,
+    /// Whether pairs of two fixed bodies are queried as well. They are not by default, because the
+    /// parts of a cell or a building often touch by design. A step counts the pairs that were left
+    /// out ([`StepWork::fixed_left_out`](super::StepWork::fixed_left_out)).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub fixed: bool,
 }
 
 impl PairQueries {
@@ -152,6 +162,8 @@ impl PairQueries {
             local_depth: false,
             manifold: None,
             impact: None,
+            impact_within: None,
+            fixed: false,
         }
     }
 
@@ -218,6 +230,26 @@ impl PairQueries {
         self
     }
 
+    /// Returns the queries with [`impact_within`](field@Self::impact_within) a distance, in a
+    /// bracket of this width.
+    #[must_use]
+    pub const fn impact_within(mut self, distance: f64, tolerance: Tolerance) -> Self {
+        self.impact_within = Some((distance, tolerance));
+        self
+    }
+
+    /// Returns the queries with or without pairs of two [`fixed`](field@Self::fixed) bodies.
+    #[must_use]
+    pub const fn fixed(mut self, fixed: bool) -> Self {
+        self.fixed = fixed;
+        self
+    }
+
+    /// Returns the distances whose first times are queried, each with the width of its brackets.
+    fn impacts(&self) -> [Option<(f64, Tolerance)>; 2] {
+        [self.impact.map(|tolerance| (0.0, tolerance)), self.impact_within]
+    }
+
     /// Returns an error if a distance or a manifold option is invalid: a file could not store it.
     fn check(&self) -> Result<(), SceneError> {
         let finite = |d: f64| (0.0..=SCENE_REACH).contains(&d);
@@ -232,10 +264,10 @@ impl PairQueries {
         }) {
             return Err(SceneError::ManifoldOptions);
         }
-        if let Some(Tolerance::Distance(size) | Tolerance::Time(size)) = self.impact
-            && !finite(size)
-        {
-            return refused(size);
+        for (distance, Tolerance::Distance(size) | Tolerance::Time(size)) in self.impacts().into_iter().flatten() {
+            if let Some(value) = [distance, size].into_iter().find(|value| !finite(*value)) {
+                return refused(value);
+            }
         }
         match (self.within, self.distance) {
             (Some(d), _) if !finite(d) => refused(d),
@@ -255,9 +287,10 @@ impl PairQueries {
         let measured = self.distance.is_some() || self.features || self.depth || self.local_depth;
         let range = self.distance.or_else(|| measured.then(|| self.within.unwrap_or(0.0)));
         let within = self.within.unwrap_or(NEVER);
-        let at_contact = self.overlap || self.impact.is_some();
-        let predicates = at_contact || self.within.is_some();
-        let least = if at_contact { 0.0 } else { NEVER };
+        let impacts = self.impacts();
+        let predicates = self.overlap || self.within.is_some() || impacts.iter().any(Option::is_some);
+        let least = if self.overlap { 0.0 } else { NEVER };
+        let least = impacts.iter().flatten().fold(least, |d, impact| d.larger(impact.0));
         let detail = match (self.features, measured, predicates, self.boxes) {
             _ if self.manifold.is_some() => Detail::Manifold,
             (true, ..) => Detail::Features,
@@ -276,7 +309,8 @@ impl PairQueries {
             range,
             until: self.until(),
             manifold: self.manifold,
-            impact: self.impact,
+            impacts,
+            fixed: self.fixed,
             reach: least.larger(within).larger(range),
         }
     }
@@ -310,10 +344,25 @@ pub(super) struct PairPlan {
     pub(super) until: DepthMode,
     /// Options of the contact points, if enabled.
     pub(super) manifold: Option<ManifoldOptions>,
-    /// Width of the brackets of impacts, if enabled.
-    pub(super) impact: Option<Tolerance>,
+    /// Distances whose first times are queried, and the widths of their brackets.
+    pub(super) impacts: [Option<(f64, Tolerance)>; 2],
+    /// Whether pairs of two fixed bodies are queried.
+    pub(super) fixed: bool,
     /// The largest threshold: beyond this distance the answer to every query is no.
     pub(super) reach: f64,
+}
+
+impl PairPlan {
+    /// Returns whether any first time is queried.
+    #[inline]
+    pub(super) fn has_impacts(&self) -> bool {
+        self.impacts[0].is_some() || self.impacts[1].is_some()
+    }
+
+    /// Returns whether a query is enabled, but not for two fixed bodies.
+    pub(super) fn leaves_fixed_out(&self) -> bool {
+        self.detail > Detail::Nothing && !self.fixed
+    }
 }
 
 /// Index of an unordered pair of groups.
@@ -351,7 +400,7 @@ impl Table {
         let groups = usize::from(group_pair_of(g, h));
         self.queries[groups] = queries;
         self.plans[groups] = queries.resolved();
-        self.impacts = self.groups(|queries| queries.impact.is_some());
+        self.impacts = self.groups(|queries| queries.impact.is_some() || queries.impact_within.is_some());
         self.manifolds = self.groups(|queries| queries.manifold.is_some());
         Ok(())
     }
@@ -385,6 +434,12 @@ impl Table {
     pub(super) fn partners(&self, g: Group) -> u32 {
         let pairs = |h: &u8| self.plan(group_pair_of(g, Group(*h))).detail > Detail::Nothing;
         (0..GROUPS as u8).filter(pairs).fold(0, |mask, h| mask | 1 << h)
+    }
+
+    /// Returns the groups with whose fixed bodies the fixed bodies of a group are paired, as bits.
+    pub(super) fn fixed_partners(&self, g: Group) -> u32 {
+        let pairs = |h: &u8| self.plan(group_pair_of(g, Group(*h))).fixed;
+        self.partners(g) & (0..GROUPS as u8).filter(pairs).fold(0, |mask, h| mask | 1 << h)
     }
 
     /// Returns the growth of the boxes of a group: half the largest threshold, because the boxes of
@@ -441,8 +496,8 @@ fn unanswered(queries: &PairQueries, a: GeometryKind, b: GeometryKind) -> Option
     queries.manifold.map(|_| "manifold")
 }
 
-/// The number of bodies by group and kind. Two fixed bodies are never paired, so fixed bodies are
-/// counted separately.
+/// The number of bodies by group and kind. Two fixed bodies are not paired unless queries say so,
+/// so fixed bodies are counted separately.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Census(BTreeMap<Member, u32>);
 
@@ -477,6 +532,23 @@ impl Census {
         asked.map(|(_, count)| u64::from(*count)).sum()
     }
 
+    /// Returns the number of pairs of fixed bodies of groups that `is_meant` accepts.
+    pub(super) fn fixed_pairs(&self, is_meant: impl Fn(Group, Group) -> bool) -> u64 {
+        let mut fixed = [0; GROUPS];
+        for (key, count) in self.0.iter().filter(|(key, _)| key.2) {
+            fixed[key.0.index()] += u64::from(*count);
+        }
+        let filled = || (0..GROUPS as u8).map(Group).filter(|g| fixed[g.index()] > 0);
+        let mut pairs = 0;
+        for g in filled() {
+            for h in filled().filter(|h| g <= *h && is_meant(g, *h)) {
+                let (n, m) = (fixed[g.index()], fixed[h.index()]);
+                pairs += if g == h { n * (n - 1) / 2 } else { n * m };
+            }
+        }
+        pairs
+    }
+
     /// Returns an error if bodies of two groups cannot answer the queries.
     pub(super) fn check_queries(&self, these: Group, those: Group, queries: &PairQueries) -> Result<(), SceneError> {
         let mut all = self.0.keys().filter(|key| key.0 == these);
@@ -499,10 +571,11 @@ impl Census {
     ) -> Result<(), SceneError> {
         let (_, these, is_fixed) = key;
         for (other, count) in &self.0 {
-            if is_fixed && other.2 || key == *other && *count < least {
+            if key == *other && *count < least {
                 continue;
             }
-            if let Some(query) = queries(other.0).and_then(|e| unanswered(&e, these, other.1)) {
+            let asked = queries(other.0).filter(|e| e.fixed || !(is_fixed && other.2));
+            if let Some(query) = asked.and_then(|e| unanswered(&e, these, other.1)) {
                 let those = other.1;
                 return Err(SceneError::Unanswered { query, these, those });
             }

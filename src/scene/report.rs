@@ -31,6 +31,11 @@ pub struct StepWork {
     /// Bodies, after the step, of groups for which no query is enabled. They are never paired. See
     /// [`Scene::set_queries`](super::Scene::set_queries).
     pub without_queries: u64,
+    /// Pairs of two fixed bodies, after the step, that are not tested although a query is enabled
+    /// between their groups, at any distance. Ignored pairs do not count. See
+    /// [`PairQueries::fixed`](field@super::PairQueries::fixed).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub fixed_left_out: u64,
     /// Pairs of boxes, after the step, for which more than `boxes` is enabled.
     pub active: u64,
     /// Active pairs whose bodies did not move: the last results remain valid.
@@ -45,7 +50,7 @@ pub struct StepWork {
     pub ahead: u64,
     /// Casts of pairs over a tick.
     pub casts: u64,
-    /// Impacts found.
+    /// Impacts found, with and without a distance.
     pub impacts: u64,
     /// Queries of trackers in the narrow phase, including casts and their predicates.
     pub queries: u64,
@@ -96,7 +101,7 @@ impl StepWork {
     }
 }
 
-// Includes `pairs`, `without_queries` and `active`, so that a sum over steps divided by `steps` is
+// Includes `pairs`, `without_queries`, `fixed_left_out` and `active`, so that a sum over steps divided by `steps` is
 // their mean.
 sum_of_counters!(StepWork {
     steps,
@@ -106,6 +111,7 @@ sum_of_counters!(StepWork {
     ended,
     pairs,
     without_queries,
+    fixed_left_out,
     active,
     resting,
     skipped,
@@ -190,6 +196,13 @@ impl fmt::Display for Report {
                 f,
                 "no query is enabled between the groups of {} bodies and any group; enable one with `Scene::set_queries`",
                 c.without_queries / c.steps.max(1)
+            )?;
+        }
+        if c.fixed_left_out > 0 {
+            writeln!(
+                f,
+                "{} pairs of fixed bodies are not tested; enable them with `PairQueries::fixed`",
+                c.fixed_left_out / c.steps.max(1)
             )?;
         }
         writeln!(f, "boxes   {:>9.1} us  {} made", us(t.boxes), c.boxes)?;

@@ -55,8 +55,9 @@ impl Scene {
     /// Returns all pairs of two groups that are at most `d` apart, exactly.
     ///
     /// The first body of a pair is of group `these`, the second of group `those`. Pairs are in
-    /// ascending order of the bodies. Two fixed bodies are not a pair. Overlaps have the distance
-    /// 0; no depth is computed.
+    /// ascending order of the bodies. Two fixed bodies are a pair if the queries include
+    /// [`fixed`](field@super::PairQueries::fixed). Overlaps have the distance 0; no depth is
+    /// computed.
     ///
     /// # Errors
     /// Returns an error if no query is enabled between the groups, if a step is due, or if `d` is
@@ -198,8 +199,9 @@ impl Scene {
     pub(super) fn may_pair(&self, a: u32, b: u32) -> bool {
         let [x, y] = [a, b].each(|i| self.bodies.solids[i as usize].as_ref());
         let (Some(x), Some(y)) = (x, y) else { return false };
-        let pairs = a != b && !(x.fixed && y.fixed) && !self.ignored.contains(a, b);
-        pairs && self.table.plan(group_pair_of(x.group, y.group)).detail > Detail::Nothing
+        let plan = self.table.plan(group_pair_of(x.group, y.group));
+        let pairs = a != b && (plan.fixed || !(x.fixed && y.fixed)) && !self.ignored.contains(a, b);
+        pairs && plan.detail > Detail::Nothing
     }
 
     /// Returns the pair if it is at most `d` apart.
@@ -277,8 +279,9 @@ impl Scene {
     /// other pair is at least as far apart, up to the widths of the bounds of the two pairs. Of
     /// equally close pairs the first in ascending order is returned.
     ///
-    /// Two fixed bodies are not a pair. Overlaps of meshes and compounds have the distance 0. Pairs
-    /// of kinds that cannot be measured are skipped.
+    /// Two fixed bodies are a pair if the queries include
+    /// [`fixed`](field@super::PairQueries::fixed). Overlaps of meshes and compounds have the
+    /// distance 0. Pairs of kinds that cannot be measured are skipped.
     ///
     /// Boxes and balls exclude most pairs, so the cost grows with the number of pairs that are
     /// about as close as the closest pair. [`boxes`](super::PairQueries::boxes) between the groups

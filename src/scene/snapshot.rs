@@ -254,7 +254,7 @@ impl SceneSnapshot {
         let pair_tables = PairTables::restored(polyhedra, mixed, &self.box_event_sent, slots);
         let pair_tables = pair_tables.ok_or("two pairs of the scene sit in one seat")?;
         let census = census_of(&bodies, &table)?;
-        let scene = Scene {
+        let mut scene = Scene {
             bodies,
             census,
             table,
@@ -264,6 +264,7 @@ impl SceneSnapshot {
             events: self.events,
             impacts: self.impacts,
             report: self.report,
+            fixed_left_out: 0,
             replanned: self.replanned,
             changed: self.changed,
             growths,
@@ -275,6 +276,7 @@ impl SceneSnapshot {
             workspace: Workspace::default(),
         };
         scene.check_tables()?;
+        scene.fixed_left_out = scene.count_fixed_left_out();
         #[cfg(feature = "meshes")]
         let scene = scene.with_patches();
         Ok(scene)

@@ -41,6 +41,9 @@ impl Scene {
             if self.changed || self.replanned != 0 {
                 self.make_patches();
             }
+            if self.changed || self.replanned != 0 {
+                self.fixed_left_out = self.count_fixed_left_out();
+            }
             self.make_boxes();
             self.report.times.boxes = clock.lap();
             let changes = self.find_pairs(recreated);
@@ -56,7 +59,25 @@ impl Scene {
         }
         self.report.counts.pairs = self.broad.pair_count() as u64;
         self.report.counts.without_queries = self.census.count(|group| self.partners[group.index()] == 0);
+        self.report.counts.fixed_left_out = self.fixed_left_out;
         &self.report
+    }
+
+    /// Returns the number of pairs of fixed bodies for which queries are enabled, but without
+    /// [`fixed`](super::PairQueries::fixed). Ignored pairs do not count.
+    pub(super) fn count_fixed_left_out(&self) -> u64 {
+        let is_left_out = |g, h| self.table.plan(group_pair_of(g, h)).leaves_fixed_out();
+        let fixed_group = |i: u32| {
+            self.bodies.solids[i as usize]
+                .as_ref()
+                .filter(|s| s.fixed)
+                .map(|s| s.group)
+        };
+        let is_ignored = |&(a, b): &(u32, u32)| {
+            let groups = fixed_group(a).zip(fixed_group(b));
+            groups.is_some_and(|(g, h)| is_left_out(g, h))
+        };
+        self.census.fixed_pairs(is_left_out) - self.ignored.iter().filter(is_ignored).count() as u64
     }
 
     /// Returns whether a call since the last step, other than ticks, changed anything that a step
@@ -238,7 +259,10 @@ impl Scene {
             change: h.change,
         }));
         self.impacts.append(&mut tally.impacts);
-        let order = |x: &PairImpact, y: &PairImpact| x.safe().total_cmp(&y.safe()).then((x.a, x.b).cmp(&(y.a, y.b)));
+        let order = |x: &PairImpact, y: &PairImpact| {
+            let order = x.safe().total_cmp(&y.safe()).then((x.a, x.b).cmp(&(y.a, y.b)));
+            order.then(x.distance.total_cmp(&y.distance))
+        };
         self.impacts.sort_unstable_by(order);
         self.report.counts.events = self.events.len() as u64;
         self.report.counts.impacts = self.impacts.len() as u64;

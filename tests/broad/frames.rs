@@ -14,7 +14,10 @@ fn expected(broad: &SweepAndPrune) -> Keys {
     let boxes: Vec<StoredBox> = ids.iter().map(|id| broad.stored_box(*id).unwrap()).collect();
     let may = |a: u32, b: u32| {
         let [a, b] = [a, b].map(|i| broad.body(ids[i as usize]).unwrap());
-        !(a.fixed && b.fixed) && a.groups.meet(b.groups)
+        match a.fixed && b.fixed {
+            true => a.groups.meet_fixed(b.groups),
+            false => a.groups.meet(b.groups),
+        }
     };
     let all = brute_force(&boxes, StoredBox::overlaps);
     all.into_iter()
@@ -351,10 +354,12 @@ fn groups_filters_and_fixed_bodies() {
     let robot = Groups {
         member_of: 1,
         pairs_with: 2,
+        fixed_with: 0,
     };
     let cell = Groups {
         member_of: 2,
         pairs_with: 3,
+        fixed_with: 0,
     };
     let mut fed = Fed::new();
     let r: Vec<BodyId> = (0..3)
@@ -373,12 +378,20 @@ fn groups_filters_and_fixed_bodies() {
     // The changed body now also pairs with the two other robots, and still with the three cells.
     assert_eq!(fed.broad.pair_count(), 6 + 3 + 2);
 
+    // Two fixed bodies pair if both say so, and until one no longer does.
+    let open = Groups { fixed_with: 2, ..cell };
+    for (body, groups, pairs) in [(c[1], open, 0), (c[2], open, 1), (c[1], cell, 0), (c[1], open, 1)] {
+        fed.broad.set_groups(body, groups).unwrap();
+        fed.step();
+        assert_eq!(fed.broad.pair_count(), 11 + pairs);
+    }
+
     let never = |broad: &mut SweepAndPrune| {
         broad.regroup(c[0]).unwrap();
         let ended = broad.step_with(&mut |a, b| a != c[0] && b != c[0]).ended.len();
         (ended, broad.pair_count())
     };
-    assert_eq!(never(&mut fed.broad), (3, 8));
+    assert_eq!(never(&mut fed.broad), (3, 9));
 }
 
 #[test]

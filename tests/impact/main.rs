@@ -20,6 +20,7 @@ mod scales;
 mod shapes;
 mod spins;
 mod steps;
+mod within;
 
 use judge::{Judge, Tally};
 use lin_canny::ConvexPolyhedron;

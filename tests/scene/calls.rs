@@ -35,7 +35,7 @@ fn any_calls_in_any_order_give_what_is_true() {
     );
     assert!(mix.overlapping.iter().all(|n| *n > 50) && mix.within > 100, "{mix:?}");
     assert!(
-        mix.distances[1] > 200 && mix.events > 300 && mix.impacts > 10,
+        mix.distances[1] > 200 && mix.events > 300 && mix.impacts.iter().chain(&mix.fixed).all(|n| *n > 10),
         "{mix:?}"
     );
     assert!(mix.rays.iter().chain(&mix.searches).all(|n| *n > 100), "{mix:?}");

@@ -1,9 +1,11 @@
 //! Promise: a scene reports what brute force over all pairs reports, on every frame.
 
+mod assembly;
 #[cfg(feature = "meshes")]
 mod bending;
 mod calls;
 mod events;
+mod impact_within;
 mod lattice;
 mod queries;
 mod shapes;

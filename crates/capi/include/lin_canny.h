@@ -171,6 +171,14 @@
 // width `impact`.
 #define LC_QUERY_IMPACT 64
 
+// The first times between two steps at which bodies come within the distance `impact_within`, in a
+// bracket of the width `impact`.
+#define LC_QUERY_IMPACT_WITHIN 128
+
+// Pairs of two fixed bodies as well, for instance the parts of an assembly. Without it such pairs
+// are left out.
+#define LC_QUERY_FIXED 256
+
 // The boxes of two bodies started to overlap.
 #define LC_BOXES_MET 1
 
@@ -571,8 +579,12 @@ typedef struct lc_queries {
   double within;
   // The range of `LC_QUERY_DISTANCE`; may be infinite.
   double distance;
-  // The largest distance of the bodies at the end of the free interval of `LC_QUERY_IMPACT`.
+  // The width of the brackets of `LC_QUERY_IMPACT` and `LC_QUERY_IMPACT_WITHIN`, as a distance:
+  // at the end of the free interval the bodies are at most this far from contact, or from the
+  // distance.
   double impact;
+  // The distance of `LC_QUERY_IMPACT_WITHIN`.
+  double impact_within;
 } lc_queries;
 
 // A body of a scene; valid in its scene until it is removed.
@@ -593,7 +605,8 @@ typedef struct lc_event {
   uint32_t reserved;
 } lc_event;
 
-// The first contact of two bodies in the time of the last `lc_scene_advance`.
+// The first contact of two bodies in the time of the last `lc_scene_advance`, or the first time
+// within a distance.
 typedef struct lc_impact {
   // The body with the lower index.
   struct lc_body a;
@@ -603,10 +616,12 @@ typedef struct lc_impact {
   uint32_t state;
   // Zero.
   uint32_t reserved;
-  // The bodies are proven apart up to this time.
+  // The bodies are proven apart up to this time, or farther apart than `distance`.
   double safe;
-  // The bodies are proven in contact at this time; zero without a hit.
+  // The bodies are proven in contact at this time, or within `distance`; zero without a hit.
   double hit;
+  // The distance of `LC_QUERY_IMPACT_WITHIN`; zero for a contact.
+  double distance;
 } lc_impact;
 
 // Two bodies of a scene and the answers about them. Points and normal are in the world.
@@ -1175,7 +1190,7 @@ lc_status lc_scene_set_queries(struct lc_scene scene,
                                size_t queries_size);
 
 // Adds a body of a group at a pose. With `fixed` not zero the body is fixed: two fixed bodies are
-// never tested.
+// tested only with `LC_QUERY_FIXED`.
 //
 // Contract: `pose` points to a pose, `out` to an id.
 lc_status lc_scene_add(struct lc_scene scene,

@@ -48,6 +48,12 @@ pub const LC_QUERY_DEPTH: u32 = 32;
 /// First contacts between two steps of bodies that `lc_scene_advance` moves, in a bracket of the
 /// width `impact`.
 pub const LC_QUERY_IMPACT: u32 = 64;
+/// The first times between two steps at which bodies come within the distance `impact_within`, in a
+/// bracket of the width `impact`.
+pub const LC_QUERY_IMPACT_WITHIN: u32 = 128;
+/// Pairs of two fixed bodies as well, for instance the parts of an assembly. Without it such pairs
+/// are left out.
+pub const LC_QUERY_FIXED: u32 = 256;
 
 /// The queries of the pairs of two groups; all zero is none.
 #[repr(C)]
@@ -61,8 +67,12 @@ pub struct lc_queries {
     pub within: f64,
     /// The range of `LC_QUERY_DISTANCE`; may be infinite.
     pub distance: f64,
-    /// The largest distance of the bodies at the end of the free interval of `LC_QUERY_IMPACT`.
+    /// The width of the brackets of `LC_QUERY_IMPACT` and `LC_QUERY_IMPACT_WITHIN`, as a distance:
+    /// at the end of the free interval the bodies are at most this far from contact, or from the
+    /// distance.
     pub impact: f64,
+    /// The distance of `LC_QUERY_IMPACT_WITHIN`.
+    pub impact_within: f64,
 }
 
 // SAFETY: numbers only.
@@ -102,7 +112,8 @@ unsafe impl Plain for lc_event {
     const FIRST: usize = 24;
 }
 
-/// The first contact of two bodies in the time of the last `lc_scene_advance`.
+/// The first contact of two bodies in the time of the last `lc_scene_advance`, or the first time
+/// within a distance.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct lc_impact {
@@ -114,10 +125,12 @@ pub struct lc_impact {
     pub state: u32,
     /// Zero.
     pub reserved: u32,
-    /// The bodies are proven apart up to this time.
+    /// The bodies are proven apart up to this time, or farther apart than `distance`.
     pub safe: f64,
-    /// The bodies are proven in contact at this time; zero without a hit.
+    /// The bodies are proven in contact at this time, or within `distance`; zero without a hit.
     pub hit: f64,
+    /// The distance of `LC_QUERY_IMPACT_WITHIN`; zero for a contact.
+    pub distance: f64,
 }
 
 // SAFETY: numbers only.
@@ -228,17 +241,20 @@ pub unsafe extern "C" fn lc_scene_set_queries(
             .boxes(is(LC_QUERY_BOXES))
             .overlap(is(LC_QUERY_OVERLAP))
             .features(is(LC_QUERY_FEATURES))
-            .depth(is(LC_QUERY_DEPTH));
+            .depth(is(LC_QUERY_DEPTH))
+            .fixed(is(LC_QUERY_FIXED));
         queries.within = is(LC_QUERY_WITHIN).then_some(given.within);
         queries.distance = is(LC_QUERY_DISTANCE).then_some(given.distance);
-        queries.impact = is(LC_QUERY_IMPACT).then_some(Tolerance::Distance(given.impact));
+        let width = Tolerance::Distance(given.impact);
+        queries.impact = is(LC_QUERY_IMPACT).then_some(width);
+        queries.impact_within = is(LC_QUERY_IMPACT_WITHIN).then_some((given.impact_within, width));
         let (a, b) = (group(group_a)?, group(group_b)?);
         with(scene, |scene| scene.set_queries(a, b, queries).map_err(refused))
     })
 }
 
 /// Adds a body of a group at a pose. With `fixed` not zero the body is fixed: two fixed bodies are
-/// never tested.
+/// tested only with `LC_QUERY_FIXED`.
 ///
 /// # Safety
 /// `pose` points to a pose, `out` to an id.
@@ -448,6 +464,7 @@ pub unsafe extern "C" fn lc_scene_impacts(
                     reserved: 0,
                     safe: found.safe(),
                     hit,
+                    distance: found.distance,
                 }
             });
             count.write(out.fill(impacts));

@@ -204,7 +204,7 @@ static void scenes_and_checkers(void) {
   lc_geometry g = box(.5);
   lc_scene s = {0}, other = {0};
   lc_body b = {0}, c = {0};
-  lc_queries queries = {LC_QUERY_WITHIN | LC_QUERY_OVERLAP, 0, 0.5, 0, 0};
+  lc_queries queries = {LC_QUERY_WITHIN | LC_QUERY_OVERLAP, 0, 0.5, 0, 0, 0};
   lc_scene_pair pair;
   size_t count;
   EXPECT(lc_scene_new(&s), LC_OK);
@@ -235,7 +235,7 @@ static void scenes_and_checkers(void) {
   EXPECT(lc_scene_pairs(s, &pair, sizeof pair, 1, &count), LC_OK);
   TRUE(count == 0);
   /* Points of a pair whose body was removed: an error, and no answer before it. */
-  lc_queries points = {LC_QUERY_DISTANCE | LC_QUERY_FEATURES, 0, 0, 2, 0};
+  lc_queries points = {LC_QUERY_DISTANCE | LC_QUERY_FEATURES, 0, 0, 2, 0, 0};
   lc_body last = {0};
   lc_scene_pair both[3];
   EXPECT(lc_scene_set_queries(s, 0, 0, &points, sizeof points), LC_OK);
@@ -662,7 +662,7 @@ static lc_status scene_call(int i, int j) {
     case 0: return any() % 4 ? LC_OK : lc_scene_new(MAYBE(&s[i]));
     case 1: return any() % 8 ? LC_OK : lc_scene_free(s[i]);
     case 2: {
-      lc_queries o = {any() % 256, 0, any() % 4 ? .25 : v[10], any() % 4 ? 1 : v[11], any() % 4 ? 1e-6 : v[12]};
+      lc_queries o = {any() % 512, 0, any() % 4 ? .25 : v[10], any() % 4 ? 1 : v[11], any() % 4 ? 1e-6 : v[12], any() % 4 ? .1 : v[13]};
       return lc_scene_set_queries(s[i], any() % 3, any() % 34, MAYBE(&o), size_of(sizeof o));
     }
     case 3: case 4: return lc_scene_add(s[i], g[j], MAYBE(q), any() % 34, any() % 2, MAYBE(&b[any() % N]));

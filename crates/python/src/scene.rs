@@ -61,7 +61,9 @@ impl Scene {
         Self(Box::new(Loaded::new()))
     }
 
-    /// Inserts a body at a pose, and returns its id. Two fixed bodies are never tested.
+    /// Inserts a body at a pose, and returns its id.
+    ///
+    /// Two fixed bodies are tested only if `set_queries` says so; `fixed_left_out` counts the others.
     #[pyo3(signature = (geometry, pose=None, *, group=0, fixed=false))]
     fn insert(&mut self, geometry: &Bound<'_, Geometry>, pose: Option<Pose>, group: u8, fixed: bool) -> PyResult<u64> {
         let geometry = geometry.get().0.clone();
@@ -137,6 +139,13 @@ impl Scene {
         py.detach(|| {
             self.0.step();
         });
+    }
+
+    /// Number of pairs of fixed bodies that the last step left out although queries are enabled
+    /// between their groups.
+    #[getter]
+    fn fixed_left_out(&self) -> u64 {
+        self.0.report().counts.fixed_left_out
     }
 
     fn __len__(&self) -> usize {

@@ -67,8 +67,36 @@ def test_impacts_between_two_steps():
     scene.set_velocity(bullet, (100, 0, 0), (0, 0, 0))
     scene.advance(1)
     scene.step()
-    ((a, b, safe, hit),) = scene.impacts()
-    assert {a, b} == {wall, bullet} and safe < 0.4998 < hit and hit - safe < 1e-9
+    ((a, b, safe, hit, distance),) = scene.impacts()
+    assert {a, b} == {wall, bullet} and safe < 0.4998 < hit and hit - safe < 1e-9 and distance == 0
+
+
+def test_bodies_that_come_near_between_two_steps():
+    scene = lc.Scene()
+    scene.set_queries(0, 0, within=0.05, impact_within=0.05)
+    block = scene.insert(lc.Geometry.box(1, 1, 1), fixed=True)
+    ball = scene.insert(lc.Geometry.ball(0.1), ((-5, 0.63, 0), ONE))
+    scene.step()
+    scene.set_velocity(ball, (10, 0, 0), (0, 0, 0))
+    scene.advance(1)
+    scene.step()
+    ((a, b, safe, hit, distance),) = scene.impacts()
+    met = (5 - 0.5 - math.sqrt(0.15**2 - 0.13**2)) / 10
+    assert not scene.events() and {a, b} == {block, ball}
+    assert safe <= met + 1e-12 and met - 1e-12 <= hit and hit - safe < 1e-9 and distance == 0.05
+
+
+def test_parts_of_an_assembly():
+    scene = lc.Scene()
+    plate = lc.Geometry.box(10, 80, 60)
+    for x in (0, 9.5, 20):
+        scene.insert(plate, ((x, 0, 0), ONE), fixed=True)
+    scene.set_queries(0, 0, overlap=True)
+    scene.step()
+    assert not scene.events() and scene.fixed_left_out == 3
+    scene.set_queries(0, 0, overlap=True, fixed=True)
+    scene.step()
+    assert [event[0] for event in scene.events()] == ["overlap began"] and scene.fixed_left_out == 0
 
 
 def test_a_pickled_scene_goes_on_with_the_same_bits():

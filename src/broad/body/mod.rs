@@ -257,7 +257,11 @@ impl Bodies {
     #[inline]
     pub(crate) fn may_pair(&self, a: u32, b: u32) -> bool {
         let [a, b] = [a, b].each(|i| &self.details[i as usize]);
-        !(a.fixed && b.fixed) && a.groups.meet(b.groups)
+        if a.fixed && b.fixed {
+            a.groups.meet_fixed(b.groups)
+        } else {
+            a.groups.meet(b.groups)
+        }
     }
 
     /// Prefetches the data that [`may_pair`](Self::may_pair) and [`id`](Self::id) read of these

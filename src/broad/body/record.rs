@@ -7,7 +7,7 @@ use crate::broad::simd_box::Bounds;
 use alloc::vec::Vec;
 use wide::f32x4;
 
-/// Flag: the body is fixed and never paired with another fixed body.
+/// Flag: the body is fixed.
 pub(crate) const FIXED: u32 = 1;
 /// Flag: the body is in the list of unbounded bodies, outside all columns.
 pub(crate) const UNBOUNDED: u32 = 1 << 1;

@@ -131,7 +131,9 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
                 self.queries += 1;
                 self.pair.measure(&relative)
             });
-            if self.is_met(&seen) {
+            // At a positive distance the bounds may leave the start open; later times are proven.
+            let is_open = time == from && self.distance > 0.0 && !(seen.lower > self.distance);
+            if self.is_met(&seen) || is_open && self.is_proven_met(&relative, &seen) {
                 // Steps are proven, so a pair can meet only at the start of the interval, or if a
                 // motion breaks its contract.
                 return Ok(if time == from {
@@ -149,7 +151,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
             if flight.span == 0.0 {
                 return Ok(self.at_once(time, seen, apart.noise, &relative));
             }
-            match self.step(time, &seen, &mut flight, apart.noise, &mut budget)? {
+            match self.step(time, &seen, &mut flight, apart.noise, &mut budget, is_open)? {
                 Next::Go(next) => time = next,
                 Next::Found(impact) => return Ok(impact),
             }
@@ -176,14 +178,18 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         }
     }
 
+    fn is_proven_met(&mut self, relative: &RelativePose, seen: &Measurement) -> bool {
+        self.proofs += 1;
+        self.pair.meets(relative, self.distance, seen)
+    }
+
     /// Returns the result for an interval without length, if the pair is not seen to meet.
     fn at_once(&mut self, time: f64, seen: Measurement, noise: f64, relative: &RelativePose) -> Impact {
         if seen.state == ContactState::Separated && seen.lower - noise > self.distance {
             self.note(time, time, self.distance, Proof::Own);
             return Impact::Miss;
         }
-        self.proofs += 1;
-        if self.pair.meets(relative, self.distance, &seen) {
+        if self.is_proven_met(relative, &seen) {
             return Impact::AtStart { seen };
         }
         Impact::Undecided {
@@ -193,7 +199,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
     }
 
     /// Makes one step: a hit if the pair is near enough for a proof, otherwise a step as far as a
-    /// plane proves.
+    /// plane proves. If it is open whether the pair is separated now, only a step can prove this.
     fn step(
         &mut self,
         time: f64,
@@ -201,6 +207,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         flight: &mut PairMotion,
         noise: f64,
         budget: &mut LookBudget,
+        is_open: bool,
     ) -> Result<Next, PoseError> {
         let gap = seen.upper - self.distance;
         let least = LEAST * noise;
@@ -210,7 +217,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         }
         loop {
             let allowed = (whole * budget.shrunk).larger(least);
-            if gap <= allowed {
+            if gap <= allowed && !is_open {
                 let last = !(allowed > least);
                 if let Some(hit) = self.hit(time, seen, flight, gap + AIM * allowed, last)? {
                     let seen = *seen;
@@ -279,9 +286,8 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
             if at <= time {
                 return Ok(None);
             }
-            self.proofs += 1;
             let relative = RelativePose::new(&self.motion_a.pose(at), &self.motion_b.pose(at))?;
-            if self.pair.meets(&relative, self.distance, seen) {
+            if self.is_proven_met(&relative, seen) {
                 return Ok(Some(at));
             }
             if at == self.until {

@@ -318,9 +318,13 @@ where
 
 /// Returns when two shapes first come within a distance of each other, as a bracket.
 ///
+/// At distance 0 this is [`cast`], bit for bit. At a positive distance, *meet* in an [`Impact`]
+/// means to be at most the distance apart, and *separated* to be farther apart.
+///
 /// # Errors
 /// Returns an error if the interval ends before its start, the tolerance or the distance is
 /// negative or not finite, or a motion leaves the range of poses.
+#[doc(alias = "impact_within")]
 pub fn cast_within<S, A, B>(
     pair: &mut S,
     motion_a: &A,
@@ -410,15 +414,16 @@ where
 pub(crate) struct Ahead {
     /// The time until which the shapes are proven to stay beyond the requested distance.
     pub(crate) until: f64,
-    /// The first contact before the end of the tick, if the look-ahead proves less than the tick.
-    pub(crate) cast: Option<Impact>,
+    /// By distance, the result of the cast of the tick; none if the look-ahead proves the tick.
+    pub(crate) casts: [Option<Impact>; 2],
     /// Distance queries and predicates.
     pub(crate) queries: u32,
 }
 
 /// Bounds from time zero over a `span` how long the shapes stay more than `distance` apart.
 ///
-/// If this time is shorter than a `tick`, casts the tick from the same measurement.
+/// If this time is shorter than a `tick`, casts the tick from the same measurement, for each of the
+/// distances and tolerances `asked`, none of which is above `distance`.
 ///
 /// # Errors
 /// Returns an error if a motion leaves the range of poses.
@@ -428,7 +433,7 @@ pub(crate) fn ahead<S, M>(
     tick: f64,
     span: f64,
     distance: f64,
-    tolerance: Tolerance,
+    asked: &[Option<(f64, Tolerance)>; 2],
 ) -> Result<Ahead, PoseError>
 where
     S: Separation + ?Sized,
@@ -444,7 +449,7 @@ where
     };
     let proven = |until: f64, queries: u32| Ahead {
         until,
-        cast: None,
+        casts: [None; 2],
         queries,
     };
     let is_known = flight.is_known();
@@ -459,24 +464,25 @@ where
             return Ok(proven(by_plane, 1));
         }
     }
-    let mut search = CastSearch {
-        pair,
-        motion_a,
-        motion_b,
-        until: tick,
-        tolerance,
-        distance: 0.0,
-        seen: Some(seen),
-        queries: 1,
-        proofs: 0,
-        trail: None,
-    };
-    let impact = search.run(0.0)?;
-    Ok(Ahead {
-        until: 0.0,
-        cast: Some(impact),
-        queries: search.queries + search.proofs,
-    })
+    let mut ahead = proven(0.0, 1);
+    for (cast, asked) in ahead.casts.iter_mut().zip(asked) {
+        let Some((distance, tolerance)) = *asked else { continue };
+        let mut search = CastSearch {
+            pair: &mut *pair,
+            motion_a,
+            motion_b,
+            until: tick,
+            tolerance,
+            distance,
+            seen: Some(seen),
+            queries: 0,
+            proofs: 0,
+            trail: None,
+        };
+        *cast = Some(search.run(0.0)?);
+        ahead.queries += search.queries + search.proofs;
+    }
+    Ok(ahead)
 }
 
 /// Rejects an interval that ends before its start or is not finite.

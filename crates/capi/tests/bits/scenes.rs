@@ -95,6 +95,7 @@ fn pairs_and_events_of_scenes_have_the_bits_of_rust() {
         within: 0.25,
         distance: 1.0,
         impact: 0.0,
+        impact_within: 0.0,
     };
     let mut both = Both::new(44, 4.0, &mut random, queries, of_c);
     let (mut compared, mut events) = (0, 0);
@@ -147,6 +148,7 @@ fn closest_pairs_and_rays_of_scenes_have_the_bits_of_rust() {
         within: 0.0,
         distance: 0.0,
         impact: 0.0,
+        impact_within: 0.0,
     };
     let mut both = Both::new(11, 3.0, &mut random, queries, of_c);
     let groups = [Group::default(), Group::new(1).unwrap()];
@@ -192,13 +194,15 @@ fn closest_pairs_and_rays_of_scenes_have_the_bits_of_rust() {
 fn first_contacts_of_scenes_have_the_bits_of_rust() {
     let mut random = Random(17);
     let mut queries = PairQueries::none();
-    queries.impact = Some(Tolerance::Distance(1e-6));
+    let width = Tolerance::Distance(1e-6);
+    (queries.impact, queries.impact_within) = (Some(width), Some((0.2, width)));
     let of_c = lc_queries {
-        flags: LC_QUERY_IMPACT,
+        flags: LC_QUERY_IMPACT | LC_QUERY_IMPACT_WITHIN,
         reserved: 0,
         within: 0.0,
         distance: 0.0,
         impact: 1e-6,
+        impact_within: 0.2,
     };
     let mut both = Both::new(33, 4.0, &mut random, queries, of_c);
     let mut compared = 0;
@@ -235,7 +239,8 @@ fn first_contacts_of_scenes_have_the_bits_of_rust() {
                 Impact::Incomplete { .. } => (LC_INCOMPLETE, 0.0),
                 ref other => panic!("{other:?}"),
             };
-            assert_eq!((state, bits([r.safe(), hit])), (c.state, bits([c.safe, c.hit])));
+            let numbers = [[r.safe(), hit, r.distance], [c.safe, c.hit, c.distance]];
+            assert_eq!((state, bits(numbers[0])), (c.state, bits(numbers[1])));
             compared += 1;
         }
     }

@@ -145,18 +145,19 @@ impl Scene {
         told.map(|e| (e.change.to_string(), number(e.a), number(e.b))).collect()
     }
 
-    /// Returns the first contacts within the time of the last `advance`.
+    /// Returns the first contacts, and first times within a distance, of the last `advance`.
     ///
     /// Each is a tuple of the ids of two bodies, the time up to which they are proven apart, and
     /// the time at which they are proven to be in contact; None if rounding or a limit prevents a
-    /// proof.
-    fn impacts(&self) -> Vec<(u64, u64, f64, Option<f64>)> {
+    /// proof. The last item is the distance of `impact_within`: then the bodies are proven farther
+    /// apart, and within the distance. It is 0 for a contact.
+    fn impacts(&self) -> Vec<(u64, u64, f64, Option<f64>, f64)> {
         let hit = |impact: &Impact| match *impact {
             Impact::Hit { hit, .. } => Some(hit),
             _ => None,
         };
         let all = self.0.impacts().iter();
-        all.map(|i| (number(i.a), number(i.b), i.safe(), hit(&i.impact)))
+        all.map(|i| (number(i.a), number(i.b), i.safe(), hit(&i.impact), i.distance))
             .collect()
     }
 

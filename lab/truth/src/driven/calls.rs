@@ -85,6 +85,7 @@ impl Bytes<'_> {
         Groups {
             member_of: u32::from(self.byte() % 4),
             pairs_with: u32::from(self.byte() % 4),
+            fixed_with: u32::from(self.byte() % 4),
         }
     }
 
@@ -316,7 +317,10 @@ impl Fed {
         let mut pairs = Vec::new();
         for (k, (a, box_a, body_a)) in bodies.iter().enumerate() {
             for (b, box_b, body_b) in &bodies[k + 1..] {
-                let may = !(body_a.fixed && body_b.fixed) && body_a.groups.meet(body_b.groups);
+                let may = match body_a.fixed && body_b.fixed {
+                    true => body_a.groups.meet_fixed(body_b.groups),
+                    false => body_a.groups.meet(body_b.groups),
+                };
                 if may && box_a.overlaps(box_b) {
                     pairs.push((*a, *b));
                 }

@@ -3,8 +3,14 @@
 use super::{Keys, NONE, World};
 use crate::forms::{self, Form};
 use lin_canny::impact::Impact;
-use lin_canny::scene::{BodyId, Change, PairQueries, PairResults, Scene};
+use lin_canny::scene::{BodyId, Change, PairImpact, PairQueries, PairResults, Scene};
 use lin_canny::{ContactState, RelativePose};
+use std::collections::BTreeSet;
+
+/// Bodies of an impact, and the bits of its distance.
+fn name(impact: &PairImpact) -> (BodyId, BodyId, u64) {
+    (impact.a, impact.b, impact.distance.to_bits())
+}
 
 /// Instants of a tick at which impacts are tested.
 const INSTANTS: u32 = 5;
@@ -20,7 +26,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         }
         assert_eq!(main.report().counts, threads.report().counts);
         assert!(main.pairs().eq(threads.pairs()) && main.impacts() == threads.impacts());
-        let met = |scene: &Scene| -> Keys { scene.impacts().iter().map(|i| (i.a, i.b)).collect() };
+        let met = |scene: &Scene| -> BTreeSet<_> { scene.impacts().iter().map(name).collect() };
         assert_eq!(met(main), met(saved));
         // Trackers of compounds, meshes and surfaces start cold after reading.
         if self.kind < 2 {
@@ -34,11 +40,11 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         for (one, other) in [(main, plain), (plain, main)] {
             let hits = one.impacts().iter().filter(|i| matches!(i.impact, Impact::Hit { .. }));
             let all = met(other);
-            hits.for_each(|i| assert!(all.contains(&(i.a, i.b)), "{i:?} {all:?}"));
+            hits.for_each(|i| assert!(all.contains(&name(i)), "{i:?} {all:?}"));
         }
     }
 
-    /// Returns the pairs of bodies that are not both fixed.
+    /// Returns the pairs of bodies that are not both fixed, or whose queries include fixed bodies.
     pub(super) fn pairs(&self) -> impl Iterator<Item = (BodyId, BodyId)> + '_ {
         let others = |a: BodyId| self.bodies.iter().map(move |b| (a, b)).filter(move |(a, b)| a < b.0);
         let pairs = self
@@ -46,16 +52,37 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
             .iter()
             .flat_map(move |(a, (_, fixed))| others(*a).map(move |(a, b)| (a, b, *fixed)));
         pairs
-            .filter(|(_, b, fixed)| !(*fixed && b.1.1))
+            .filter(|(a, b, fixed)| !(*fixed && b.1.1) || self.enabled(*a, *b.0).fixed)
             .map(|(a, b, _)| (a, *b.0))
     }
 
+    /// Returns the queries of the groups of two bodies.
+    fn enabled(&self, a: BodyId, b: BodyId) -> PairQueries {
+        let [g, h] = [a, b].map(|id| self.main().group(id).expect("the body lives"));
+        self.main().queries(g, h)
+    }
+
+    /// Returns the queries of two bodies.
     pub(super) fn called(&self, a: BodyId, b: BodyId) -> PairQueries {
         if self.main().is_ignored(a, b) {
             return NONE;
         }
-        let [g, h] = [a, b].map(|id| self.main().group(id).expect("the body lives"));
-        self.main().queries(g, h)
+        self.enabled(a, b)
+    }
+
+    /// Counts the pairs of fixed bodies that the step left out.
+    pub(super) fn judge_left_out(&mut self) {
+        let fixed: Vec<BodyId> = self.bodies.iter().filter(|b| b.1.1).map(|b| *b.0).collect();
+        let pairs = (0..fixed.len()).flat_map(|k| (0..k).map(move |l| (k, l)));
+        let is_left_out = |&(k, l): &(usize, usize)| {
+            let queries = self.called(fixed[k], fixed[l]);
+            queries != NONE && !queries.fixed
+        };
+        let left_out = pairs.filter(is_left_out).count() as u64;
+        for scene in &self.scenes {
+            assert_eq!(scene.report().counts.fixed_left_out, left_out);
+        }
+        self.mix.fixed[0] += left_out;
     }
 
     fn forms_of(&self, a: BodyId, b: BodyId) -> [&Form; 2] {
@@ -165,14 +192,19 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         );
     }
 
-    /// Compares the impacts of the step with samples of the motions of its tick.
-    pub(super) fn judge_impacts(&mut self, called: &Keys) {
-        let impacts: Keys = self.main().impacts().iter().map(|i| (i.a, i.b)).collect();
-        self.mix.impacts += impacts.len() as u64;
+    /// Compares the impacts of the step with samples of the motions of its tick: those of the bodies
+    /// and distances that are called.
+    pub(super) fn judge_impacts(&mut self, called: &[(BodyId, BodyId, f64)]) {
+        let impacts = self.main().impacts();
+        let with_distance = impacts.iter().filter(|i| i.distance > 0.0).count() as u64;
+        let all = impacts.len() as u64;
+        let impacts: BTreeSet<_> = impacts.iter().map(name).collect();
+        self.mix.impacts[0] += all - with_distance;
+        self.mix.impacts[1] += with_distance;
         let Some((length, motions)) = self.motions.take() else {
             return assert!(self.has_tick || impacts.is_empty());
         };
-        for &(a, b) in called {
+        for &(a, b, d) in called {
             let (Some((p, v)), Some((q, w))) = (motions.get(&a), motions.get(&b)) else {
                 continue;
             };
@@ -184,16 +216,14 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
             let at = |k: u32| length * f64::from(k) / f64::from(INSTANTS);
             let meets = |k: u32| {
                 let pose = RelativePose::new(&v.applied(p, at(k)), &w.applied(q, at(k)));
-                forms::within(x, y, &pose.expect("poses of a tick"), 0.0)
+                forms::within(x, y, &pose.expect("poses of a tick"), d)
             };
             let is_hit = meets(0) == Some(false) && (1..=INSTANTS).any(|k| meets(k) == Some(true));
+            let is_found = impacts.contains(&(a, b, d.to_bits()));
+            assert!(!is_hit || is_found, "{a} and {b} pass each other within {d}");
             assert!(
-                !is_hit || impacts.contains(&(a, b)),
-                "{a} and {b} pass through each other"
-            );
-            assert!(
-                meets(0) != Some(true) || !impacts.contains(&(a, b)),
-                "{a} and {b} were not apart"
+                meets(0) != Some(true) || !is_found,
+                "{a} and {b} were not farther apart than {d}"
             );
         }
     }

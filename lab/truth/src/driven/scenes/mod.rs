@@ -48,8 +48,10 @@ pub struct Mix {
     pub events: u64,
     /// Pairs decided by sleep, and by the budget.
     pub slept: [u64; 2],
-    /// Impacts.
-    pub impacts: u64,
+    /// Impacts without a distance, and with one.
+    pub impacts: [u64; 2],
+    /// Pairs of fixed bodies left out, and the overlapping ones of those tested.
+    pub fixed: [u64; 2],
     /// Rays, rays that hit a body, and rays that hit a moved body without queries.
     pub rays: [u64; 3],
     /// Closest pairs that are separated and not the only pairs, pairs searched, and bodies reported
@@ -68,6 +70,8 @@ impl Mix {
             (&mut self.slept, &o.slept),
             (&mut self.rays, &o.rays),
             (&mut self.searches, &o.searches),
+            (&mut self.impacts, &o.impacts),
+            (&mut self.fixed, &o.fixed),
         ];
         for (mine, theirs) in lists {
             mine.iter_mut().zip(theirs).for_each(|(x, y)| *x += y);
@@ -79,13 +83,13 @@ impl Mix {
         self.refused += o.refused;
         self.within += o.within;
         self.events += o.events;
-        self.impacts += o.impacts;
     }
 }
 
 /// Largest number of calls of one world.
 const CALLS: usize = 220;
 const NONE: PairQueries = PairQueries::none();
+const BRACKET: Tolerance = Tolerance::Distance(1e-6);
 const DISTANCES: [f64; 4] = [0.0, 0.1, 0.5, 2.0];
 
 impl Bytes<'_> {
@@ -142,8 +146,10 @@ impl Bytes<'_> {
         queries.within = rare(3).then_some(0.1);
         queries.distance = rare(5).then_some(if of(4) { f64::INFINITY } else { d });
         queries.manifold = (rare(9) && of(4)).then_some(ManifoldOptions::with_prediction(d));
-        queries.impact = of(11).then_some(Tolerance::Distance(1e-6));
-        queries.features(rare(6)).depth(rare(7)).local_depth(rare(8))
+        queries.impact = of(11).then_some(BRACKET);
+        queries.impact_within = rare(12).then_some((d, BRACKET));
+        let queries = queries.features(rare(6)).depth(rare(7)).local_depth(rare(8));
+        queries.fixed(of(14) && queries != NONE)
     }
 }
 
@@ -194,8 +200,9 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         };
         world.mix.worlds = 1;
         for (g, h) in [(0, 0), (0, 1), (1, 1)] {
-            let mut events = NONE.overlap(true);
-            events.impact = (world.kind == 0).then_some(Tolerance::Distance(1e-6));
+            let mut events = NONE.overlap(true).fixed(bytes.chance(30));
+            events.impact = (world.kind == 0).then_some(BRACKET);
+            events.impact_within = (world.kind == 0 && bytes.chance(50)).then_some((0.1, BRACKET));
             let queries = if bytes.chance(40) { bytes.queries() } else { events };
             world.set_queries(g, h, queries);
         }
@@ -372,7 +379,9 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
                 // The step sees only its first tick, and only if impacts were enabled before the
                 // tick.
                 let pairs = [(0, 0), (0, 1), (1, 1)].map(|(g, h)| (group(g), group(h)));
-                let is_swept = pairs.iter().any(|(g, h)| self.main().queries(*g, *h).impact.is_some());
+                let is_swept = pairs
+                    .iter()
+                    .any(|(g, h)| !first_times(&self.main().queries(*g, *h)).is_empty());
                 self.motions = (!self.has_tick && is_swept).then_some((length, motions));
                 self.has_tick = true;
             }
@@ -385,15 +394,16 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
 
     /// Runs a step and judges all its results.
     fn step(&mut self) {
-        let called: Keys = self
+        let called: Vec<_> = self
             .pairs()
-            .filter(|(a, b)| self.called(*a, *b).impact.is_some())
+            .flat_map(|(a, b)| first_times(&self.called(a, b)).into_iter().map(move |d| (a, b, d)))
             .collect();
         for scene in &mut self.scenes {
             scene.step();
         }
         self.mix.steps += 1;
         self.compare_scenes();
+        self.judge_left_out();
         self.judge_searches();
         let mut now = [Keys::new(), Keys::new()];
         for (a, b) in self.pairs().collect::<Vec<_>>() {
@@ -403,6 +413,8 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         self.judge_impacts(&called);
         self.mix.overlapping[self.kind] += now[0].len() as u64;
         self.mix.within += now[1].len() as u64;
+        let are_fixed = |(a, b): &&(BodyId, BodyId)| self.bodies[a].1 && self.bodies[b].1;
+        self.mix.fixed[1] += now[0].iter().filter(are_fixed).count() as u64;
         [self.overlapping, self.within] = now;
         let counts = self.main().report().counts;
         self.mix.slept[0] += counts.slept;
@@ -415,6 +427,15 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
             assert_eq!(scene.check(), Ok(()));
         }
     }
+}
+
+/// Returns the distances whose first times are queried.
+fn first_times(queries: &PairQueries) -> Vec<f64> {
+    let contact = queries.impact.map(|_| 0.0);
+    contact
+        .into_iter()
+        .chain(queries.impact_within.map(|(d, _)| d))
+        .collect()
 }
 
 fn group(k: u8) -> Group {
