@@ -116,7 +116,7 @@ pub struct lc_impact {
     pub reserved: u32,
     /// The bodies are proven apart up to this time.
     pub safe: f64,
-    /// The bodies are proven in contact at this time; zero without a hit.
+    /// The bodies are proven in contact at this time; infinite without a proof.
     pub hit: f64,
 }
 
@@ -125,7 +125,8 @@ unsafe impl Plain for lc_impact {
     const FIRST: usize = 40;
 }
 
-/// The query is not enabled, or the bodies are beyond its range.
+/// The query is not enabled, or was not answered yet: nothing is known. It is not zero, as zero is a
+/// proof that the answer is no.
 pub const LC_NOT_ASKED: u32 = 2;
 
 /// Two bodies of a scene and the answers about them. Points and normal are in the world.
@@ -438,8 +439,8 @@ pub unsafe extern "C" fn lc_scene_impacts(
             let impacts = scene.impacts().iter().map(|found| {
                 let (state, hit) = match found.impact {
                     Impact::Hit { hit, .. } => (LC_HIT, hit),
-                    Impact::Undecided { .. } => (LC_UNCLEAR, 0.0),
-                    _ => (LC_INCOMPLETE, 0.0),
+                    Impact::Undecided { .. } => (LC_UNCLEAR, f64::INFINITY),
+                    _ => (LC_INCOMPLETE, f64::INFINITY),
                 };
                 lc_impact {
                     a: number(found.a),
