@@ -7,7 +7,8 @@ use crate::faulty;
 use lin_canny::Outcome;
 use truth::driven::lattice::Mix;
 use truth::driven::{
-    bytes, calls, clouds, distances, planner, points, scenes, slivers, solids, stand_ins, surfaces, throws, underflow,
+    bytes, calls, clouds, corners, distances, planner, points, scenes, slivers, solids, stand_ins, surfaces, throws,
+    underflow,
 };
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
@@ -51,6 +52,8 @@ pub(crate) struct Tally {
     pub(crate) slivers: slivers::Mix,
     /// Solids with faces in common.
     pub(crate) solids: solids::Mix,
+    /// Bodies in inner corners.
+    pub(crate) corners: corners::Mix,
     /// Points and rays next to closed meshes.
     pub(crate) points: points::Mix,
     /// Stand-in bodies.
@@ -103,6 +106,7 @@ impl Tally {
         self.faulty.add(&o.faulty);
         self.slivers.add(&o.slivers);
         self.solids.add(&o.solids);
+        self.corners.add(&o.corners);
         self.points.add(&o.points);
         self.stand_ins.add(&o.stand_ins);
         self.throws.add(&o.throws);
@@ -141,6 +145,7 @@ impl Tally {
         println!("meshes with faults: {:?}", self.faulty);
         println!("meshes of slivers: {:?}", self.slivers);
         println!("solids with faces in common: {:?}", self.solids);
+        println!("bodies in inner corners: {:?}", self.corners);
         println!("points and rays next to a mesh: {:?}", self.points);
         println!("bodies that stand in for others: {:?}", self.stand_ins);
         println!("throws of two bodies: {:?}", self.throws);
