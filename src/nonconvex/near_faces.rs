@@ -33,7 +33,7 @@ pub(crate) fn outcomes_of_faces(body: &ConvexPolyhedron, point: &Point3<f64>) ->
         let near = nearest_of_fan(&stored.place, size, &rim, &mut found);
         let state = stored.state_beside(found.iter(), corners);
         let location = WitnessLocation::new(face.index() as u32, Feature::Face(face));
-        all.push(stored.outcome(&near, &corners(near.item), state, |_| location));
+        all.push(stored.outcome(&near, &corners(near.item), state, || false, |_| location));
     }
     all.sort_by(order);
     (!all.is_empty()).then_some(all)

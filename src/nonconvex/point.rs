@@ -85,7 +85,8 @@ impl Mesh {
     /// Returns the outcome with the closest point on a triangle.
     fn outcome_at(&self, stored: &StoredPoint, near: &NearTriangle, state: ContactState) -> PointOutcome {
         let located = |feature| tracker::spot(self, near.item, feature);
-        stored.outcome(near, &self.corners(near.item), state, located)
+        let is_inward = || self.is_solid() && self.may_face_inward() && self.is_inward(near.item) == Some(true);
+        stored.outcome(near, &self.corners(near.item), state, is_inward, located)
     }
 
     /// Returns whether the solid contains a point in the caller's coordinates, or the surface of an
@@ -199,12 +200,13 @@ impl StoredPoint {
         }
     }
 
-    /// Returns the outcome with the closest point on a triangle.
+    /// Returns the outcome with the closest point on a triangle, and whether it faces inward.
     pub(super) fn outcome(
         &self,
         near: &NearTriangle,
         corners: &Triangle,
         state: ContactState,
+        is_inward: impl FnOnce() -> bool,
         located: impl FnOnce(TriangleSpot) -> WitnessLocation,
     ) -> PointOutcome {
         let (square, foot, spot) = triangle::nearest_point(&self.place, corners);
@@ -223,7 +225,13 @@ impl StoredPoint {
         let way = if state == ContactState::Overlapping { -1.0 } else { 1.0 };
         let own = triangle::normal(corners);
         let is_clear = distance > CLEAR_DIRECTION * (upper - lower) && lower > 0.0;
-        let normal = if is_clear { to_point * way } else { own };
+        let normal = if is_clear {
+            to_point * way
+        } else if is_inward() {
+            -own
+        } else {
+            own
+        };
         // Beyond the range of normal numbers the product is rounded.
         let outward = |x: f64, next: fn(f64) -> f64| {
             if self.unit == 1.0 || x == 0.0 {

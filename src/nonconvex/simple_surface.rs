@@ -19,7 +19,7 @@ use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
 use crate::base::pose::RelativePose;
-use crate::nonconvex::mesh::{Mesh, edges};
+use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::parts::Parted;
 use crate::nonconvex::query::frame::TreeFrame;
 use crate::nonconvex::query::inside::ExactSigns;
@@ -49,7 +49,10 @@ impl SimpleSurface {
         if !mesh.is_solid() {
             return None;
         }
-        let sheets = sheets(mesh)?;
+        let (sheets, has_simple_edges) = mesh.sheets();
+        if !has_simple_edges {
+            return None;
+        }
         let pose = RelativePose::from_isometry(&Isometry3::identity()).ok()?;
         let frame = TreeFrame::new(mesh.side(), mesh.side(), &pose)?;
         let is_simple = mesh.join_leaves(&frame, &mut Watch::none(), |nodes| {
@@ -125,29 +128,6 @@ fn vote<'a>(mesh: &Mesh, p: &Vector3<f64>, triangles: impl Iterator<Item = &'a N
         all += height;
     }
     (all != 0).then(|| all.signum())
-}
-
-/// Returns the sheet of each triangle, named by one of its triangles.
-///
-/// `None` unless each edge has two triangles that run along it in opposite directions.
-fn sheets(mesh: &Mesh) -> Option<Vec<u32>> {
-    let mut all: Vec<([u32; 2], bool, u32)> = Vec::with_capacity(3 * mesh.triangles.len());
-    for (t, corners) in (0..).zip(&mesh.triangles) {
-        for k in 0..3 {
-            let (a, b) = (corners[k], corners[(k + 1) % 3]);
-            all.push(([a.min(b), a.max(b)], a < b, t));
-        }
-    }
-    all.sort_unstable();
-    let mut sheets: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-    for edge in all.chunk_by(|x, y| x.0 == y.0) {
-        let [(_, false, t), (_, true, u)] = *edge else {
-            return None;
-        };
-        let (x, y) = (edges::find(&mut sheets, t), edges::find(&mut sheets, u));
-        sheets[x.max(y) as usize] = x.min(y);
-    }
-    Some((0..sheets.len() as u32).map(|t| edges::find(&mut sheets, t)).collect())
 }
 
 impl Mesh {

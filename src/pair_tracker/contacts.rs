@@ -309,14 +309,16 @@ impl PairTracker {
     /// Returns bounds of the penetration depth of two solids; `None` if one of them has no inside.
     ///
     /// The depth is the length of the shortest translation of B after which the solids share no
-    /// inner point. A mesh that is not closed and a Bézier surface have no inside.
+    /// inner point. A mesh that is not closed and a Bézier surface have no inside. A solid may have
+    /// [sheets](crate::MeshKind::Solid) without thickness: the translation also leaves these.
     ///
     /// Lower bound: the greatest depth of a sampled vertex inside the other body (some thousand
     /// vertices), of a pair of pieces, or of convex parts of both bodies around the overlap. Upper
     /// bound: a translation that is proven to separate the bodies.
     ///
     /// The interval may be wide. Bodies that interlock at several positions are deeper than at any
-    /// one of them, and slots mislead the search. [`penetration_with`](Self::penetration_with)
+    /// one of them, and slots mislead the search. A translation after which a body exactly fills a
+    /// slot is not proven to separate the bodies, so the upper bound is the way out of the slot. [`penetration_with`](Self::penetration_with)
     /// narrows it. For two convex geometries, [`closest`](Self::closest) returns the depth itself.
     ///
     /// Two meshes take at most 35 queries and 13 passes over up to 2,048 vertices of each body.

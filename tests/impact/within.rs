@@ -60,7 +60,7 @@ fn kinds(rng: &mut Rng, size: f64) -> Vec<(&'static str, Geometry)> {
             HalfSpace::new(Vector3::from(rng.unit()), 0.0).expect("a space").into(),
         ),
     ];
-    if size <= SURFACE_MAX && size >= 1e-60 {
+    if (1e-60..=SURFACE_MAX).contains(&size) {
         all.push(("surface", sphere(0.7 * size).into()));
     }
     all

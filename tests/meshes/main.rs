@@ -7,6 +7,7 @@ mod bent_kinds;
 mod bumps;
 mod contacts;
 mod contain;
+mod corners;
 mod crossing;
 mod crowds;
 mod decomposition;

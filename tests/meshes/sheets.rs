@@ -3,7 +3,7 @@
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::Point3;
-use lin_canny::{ContactState, Mesh, MeshKind, PairTracker};
+use lin_canny::{ContactState, Mesh, MeshKind, PairTracker, PointQuery};
 use truth::Pose;
 use truth::driven::slots::union_of;
 use truth::rng::Rng;
@@ -120,6 +120,129 @@ fn parts_that_face_inward_are_turned_with_the_parts_in_them() {
     // All except the one that faced outward.
     assert_eq!(turned.len(), triangles.len() - 1);
     assert!(!turned.contains(&5));
+}
+
+/// Closed meshes with components inside out: alone, nested, in cavities, and touching at a vertex, at
+/// an edge and along a part of a face.
+#[test]
+fn closed_meshes_are_turned_outward_and_keep_their_inside() {
+    let cube = |low: f64, high: f64| union_of(&[[[low; 3], [high; 3]]], 2);
+    let at = |low: [f64; 3]| union_of(&[[low, low.map(|x| x + 4.0)]], 2);
+    let nested = cube(0.0, 4.0).with(&cube(1.0, 3.0).flipped());
+    let cases = [
+        // The components, the volume, and the components that face inward.
+        (vec![cube(0.0, 4.0).flipped()], 64.0, vec![0]),
+        (vec![nested.clone()], 56.0, vec![]),
+        (vec![nested.clone().flipped()], 56.0, vec![0]),
+        // A core in a cavity, and a solid in a solid: the inner one counts twice.
+        (vec![nested.clone(), cube(1.5, 2.5).flipped()], 57.0, vec![1]),
+        (
+            vec![cube(0.0, 4.0).flipped(), cube(1.0, 3.0).flipped()],
+            72.0,
+            vec![0, 1],
+        ),
+        (vec![cube(0.0, 4.0), at([9.0; 3]).flipped()], 128.0, vec![1]),
+        (vec![cube(0.0, 4.0).flipped(), at([4.0; 3])], 128.0, vec![0]),
+        (vec![cube(0.0, 4.0), at([4.0, 4.0, 0.0]).flipped()], 128.0, vec![1]),
+        (vec![cube(0.0, 4.0), at([4.0, 1.0, 1.0]).flipped()], 128.0, vec![1]),
+        (vec![cube(0.0, 4.0), at([4.0, 0.0, 0.0]).flipped()], 128.0, vec![1]),
+        (
+            vec![cube(0.0, 4.0).flipped(), at([4.0, 0.0, 0.0]).flipped()],
+            128.0,
+            vec![0, 1],
+        ),
+    ];
+    let mut rng = Rng::new(6);
+    for (k, (parts, volume, inward)) in cases.iter().enumerate() {
+        let turn = Pose {
+            q: truth::pose::unit_quat(rng.quat()),
+            t: rng.in_ball(),
+        };
+        for pose in [Pose::IDENTITY, turn] {
+            let (mut soup, mut expected) = (Soup::default(), Vec::new());
+            for (part, own) in parts.iter().enumerate() {
+                let first = soup.triangles.len() as u32;
+                soup = soup.with(&own.clone().moved(&pose));
+                if inward.contains(&part) {
+                    expected.extend(first..soup.triangles.len() as u32);
+                }
+            }
+            let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
+            let given = mesh(&soup);
+            let (solid, turned) = Mesh::oriented(&points, &soup.triangles).unwrap();
+            assert_eq!(solid.kind(), MeshKind::Solid, "{k}");
+            // Of the last two cubes, the common face cancels however it faces.
+            assert!(turned == expected || k == 10, "{k}: {turned:?}");
+            assert!((solid.volume() - volume).abs() < 1e-9, "{k}: {}", solid.volume());
+            for _ in 0..200 {
+                let p = Point3::from(pose.apply([0; 3].map(|_| rng.range(-1.0, 9.0))));
+                let [before, now] = [&given, &solid].map(|m| PointQuery::new(m).contains(&p).unwrap());
+                assert_eq!(before, now, "{k} {p}");
+            }
+            // Turned meshes have nothing left to turn.
+            let again: Vec<_> = soup
+                .triangles
+                .iter()
+                .enumerate()
+                .map(|(t, &[a, b, c])| {
+                    if turned.contains(&(t as u32)) {
+                        [a, c, b]
+                    } else {
+                        [a, b, c]
+                    }
+                })
+                .collect();
+            assert!(Mesh::oriented(&points, &again).unwrap().1.is_empty(), "{k}");
+            // One more turned triangle, and the mesh is open: the same components are found.
+            let mut mixed = soup.triangles.clone();
+            mixed[5].swap(0, 1);
+            if let Ok((solid, _)) = Mesh::oriented(&points, &mixed) {
+                assert!((solid.volume() - volume).abs() < 1e-9, "{k}: {}", solid.volume());
+            }
+        }
+    }
+}
+
+/// A dropped repetition of a turned triangle is turned too.
+#[test]
+fn repeated_triangles_are_turned_together() {
+    let soup = union_of(&[[[0.0; 3], [1.0; 3]]], 1).flipped();
+    let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
+    let mut triangles = soup.triangles.clone();
+    triangles.push(triangles[3]);
+    let (solid, turned) = Mesh::oriented(&points, &triangles).unwrap();
+    assert_eq!((solid.kind(), solid.volume()), (MeshKind::Solid, 1.0));
+    assert_eq!(turned, (0..13).collect::<Vec<_>>());
+}
+
+/// The contact states, depths and normals of meshes do not depend on which way their triangles face.
+#[test]
+fn states_and_normals_are_those_of_meshes_that_face_outward() {
+    let outward = union_of(&[[[0.0; 3], [2.0; 3]], [[2.0, 0.0, 0.0], [4.0, 2.0, 1.0]]], 1);
+    let [plain, inside_out] = [outward.clone(), outward.flipped()].map(|s| mesh(&s));
+    let shifts = [
+        [0.0; 3],
+        [0.0, 0.5, 0.0],
+        [2.0, 0.0, 1.0],
+        [2.0, 0.0, 0.5],
+        [4.0, 0.0, 0.0],
+        [0.0, 0.0, 2.0],
+        [1.0, 1.0, 0.25],
+        [2.0, 2.0, 0.0],
+    ];
+    for shift in shifts {
+        let at = relative(&Pose::shift(shift));
+        let state = |a: &Mesh, b: &Mesh| PairTracker::new().closest(a, b, &at).state;
+        let expected = state(&plain, &plain);
+        assert_eq!(state(&inside_out, &inside_out), expected, "{shift:?}");
+        assert_eq!(state(&plain, &inside_out), expected, "{shift:?}");
+        assert_eq!(state(&inside_out, &plain), expected, "{shift:?}");
+    }
+    for p in [[1.0, 0.5, 0.0], [2.0, 1.0, 1.5], [3.0, 1.0, 1.0], [4.0, 0.3, 0.2]] {
+        let normal = |m: &Mesh| PointQuery::new(m).closest_point(&Point3::from(p)).unwrap();
+        let [expected, found] = [&plain, &inside_out].map(normal);
+        assert_eq!((found.state, found.normal), (expected.state, expected.normal), "{p:?}");
+    }
 }
 
 #[test]

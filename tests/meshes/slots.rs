@@ -94,3 +94,87 @@ fn pins_in_slots_have_their_depth() {
 fn pins_in_ten_thousand_slots_have_their_depth() {
     play_all(10_000);
 }
+
+/// Returns the bounds of the depth of two unions of boxes as meshes, compounds and voxels.
+fn bounds_of(u: &[[[f64; 3]; 2]], pin: &[[[f64; 3]; 2]]) -> Vec<lin_canny::PenetrationBounds> {
+    use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+    use lin_canny::{Cloud, Compound, Geometry, Piece, Shape};
+    let compound = |boxes: &[[[f64; 3]; 2]]| -> Geometry {
+        let piece = |[low, high]: &[[f64; 3]; 2]| {
+            let (low, high) = (Vector3::from(*low), Vector3::from(*high));
+            Piece {
+                pose: Isometry3::translation(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), 0.5 * (low.z + high.z)),
+                ..Piece::new(Shape::cuboid((high - low) * 0.5).unwrap())
+            }
+        };
+        Compound::new(boxes.iter().map(piece).collect()).unwrap().into()
+    };
+    // Cells of a half.
+    let voxels = |boxes: &[[[f64; 3]; 2]]| -> Geometry {
+        let mut cells = Vec::new();
+        for [low, high] in boxes {
+            let [from, to] = [low, high].map(|p| p.map(|x| (2.0 * (x + 16.0)) as u16));
+            for x in from[0]..to[0] {
+                for y in from[1]..to[1] {
+                    cells.extend((from[2]..to[2]).map(|z| [x, y, z]));
+                }
+            }
+        }
+        Cloud::from_cells(Point3::new(-16.0, -16.0, -16.0), Vector3::repeat(0.5), &cells)
+            .unwrap()
+            .into()
+    };
+    let mesh_of = |boxes: &[[[f64; 3]; 2]]| -> Geometry { mesh(&union_of(boxes, 1)).into() };
+    let at = super::relative(&truth::Pose::IDENTITY);
+    [mesh_of(u), compound(u), voxels(u)]
+        .iter()
+        .zip([mesh_of(pin), compound(pin), voxels(pin)])
+        .map(|(u, pin)| PairTracker::new().penetration(u, &pin, &at).unwrap())
+        .collect()
+}
+
+/// A pin half deep in a lug of a clevis, and a bar in the side of a window, as meshes, compounds and
+/// voxels. If no room is left in the slot after the translation, the bodies touch on both sides: that
+/// is not proven to separate them, and the upper bound is the way out of the slot.
+#[test]
+fn pins_in_clevises_and_bars_in_windows_have_their_depth_in_all_forms() {
+    for room in [0.0, 0.5, 2.0] {
+        let top = 2.5 + room;
+        let clevis = [
+            [[-4.0, -3.0, -4.0], [5.0, 0.5, 4.0]],
+            [[-4.0, top, -4.0], [5.0, top + 3.5, 4.0]],
+            [[5.0, -3.0, -4.0], [8.0, 0.5, 4.0]],
+            [[5.0, 0.5, -4.0], [8.0, top, 4.0]],
+            [[5.0, top, -4.0], [8.0, top + 3.5, 4.0]],
+        ];
+        for pin in [
+            [[-1.0, 0.0, -6.0], [1.0, 2.0, 6.0]],
+            [[-1.0, 0.0, -2.0], [1.0, 2.0, 2.0]],
+            [[-6.0, 0.0, -1.0], [4.0, 2.0, 1.0]],
+        ] {
+            for (form, found) in bounds_of(&clevis, &[pin]).iter().enumerate() {
+                assert!(
+                    found.lower <= 0.5 && found.lower > 0.5 - 1e-8,
+                    "{room} {form} {found:?}"
+                );
+                let most = if room > 0.0 { 0.5 + 1e-8 } else { 5.0 + 1e-7 };
+                assert!(found.upper >= 0.5 && found.upper < most, "{room} {form} {found:?}");
+            }
+        }
+    }
+    let frame = [
+        [[-1.0, -2.0, -2.0], [1.0, 3.0, 12.0]],
+        [[-1.0, 7.0, -2.0], [1.0, 12.0, 12.0]],
+        [[-1.0, 3.0, -2.0], [1.0, 7.0, 3.0]],
+        [[-1.0, 3.0, 7.0], [1.0, 7.0, 12.0]],
+    ];
+    for (form, found) in bounds_of(&frame, &[[[-8.0, 2.0, 4.0], [8.0, 4.0, 6.0]]])
+        .iter()
+        .enumerate()
+    {
+        // Voxels of a half are no deeper than that.
+        let least = [1.0 - 1e-8, 1.0 - 1e-8, 0.5 - 1e-8][form];
+        assert!(found.lower <= 1.0 && found.lower > least, "{form} {found:?}");
+        assert!(found.upper >= 1.0 && found.upper < 1.0 + 1e-8, "{form} {found:?}");
+    }
+}

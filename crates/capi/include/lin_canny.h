@@ -197,7 +197,8 @@
 // The boxes of two bodies stopped overlapping.
 #define LC_BOXES_PARTED 6
 
-// The query is not enabled, or the bodies are beyond its range.
+// The query is not enabled, or was not answered yet: nothing is known. It is not zero, as zero is a
+// proof that the answer is no.
 #define LC_NOT_ASKED 2
 
 // The whole motion is proven free.
@@ -321,7 +322,7 @@ typedef struct lc_verdict {
   uint64_t segment;
   // All pairs are proven apart up to this time.
   double safe;
-  // The pair is proven in contact at this time, if blocked; else as `safe`.
+  // The pair is proven in contact at this time, if blocked; else infinite.
   double hit;
   // The distance that all pairs are proven to keep, if free; else zero.
   double clearance;
@@ -402,7 +403,8 @@ typedef struct lc_pair {
 // The closest points of two geometries, with bounds of the signed distance.
 typedef struct lc_answer {
   // The groups of fields that are set: a mask of `LC_DISTANCE`, `LC_POINTS`, `LC_FEATURES`. The
-  // other fields are zero.
+  // other fields are zero. Without `LC_DISTANCE` the state is `LC_UNDECIDED`, and the bounds are
+  // infinite.
   uint32_t answered;
   // `LC_SEPARATED`, `LC_TOUCHING`, `LC_OVERLAPPING` or `LC_UNDECIDED`.
   uint32_t state;
@@ -495,7 +497,7 @@ typedef struct lc_cast {
   uint32_t queries;
   // The geometries are proven apart up to this time.
   double safe;
-  // The geometries are proven in contact at this time; zero without a hit.
+  // The geometries are proven in contact at this time; infinite without a proof.
   double hit;
   // The witness on A; zero without a contact.
   double point_on_a[3];
@@ -535,7 +537,7 @@ typedef struct lc_ray_hit {
   uint64_t body;
   // All points of the ray up to this distance are outside; infinite for a miss.
   double safe;
-  // A point up to this distance is inside; zero without a hit.
+  // A point up to this distance is inside; infinite without a proof.
   double hit;
   // The point; zero without a hit.
   double point[3];
@@ -618,7 +620,7 @@ typedef struct lc_impact {
   uint32_t reserved;
   // The bodies are proven apart up to this time, or farther apart than `distance`.
   double safe;
-  // The bodies are proven in contact at this time, or within `distance`; zero without a hit.
+  // The bodies are proven in contact at this time, or within `distance`; infinite without a proof.
   double hit;
   // The distance of `LC_QUERY_IMPACT_WITHIN`; zero for a contact.
   double distance;
@@ -1069,7 +1071,7 @@ lc_status lc_pair_ask_many(struct lc_pair pair,
                            size_t *done);
 
 // Writes whether the geometries of a pair are at most `distance` apart: 0 no, 1 yes,
-// `LC_UNDECIDED` unknown.
+// `LC_UNDECIDED` unknown. So the answer is zero only if they are proven to be farther apart.
 //
 // With a distance of zero: whether they share a point. For a negative distance the answer is no,
 // and NaN is `LC_REFUSED`. Exact for polyhedra and meshes; only a Bézier surface leaves it

@@ -68,6 +68,9 @@ inline constexpr lc_pose identity{{0, 0, 0}, {0, 0, 0, 1}};
 /// A pose without rotation.
 constexpr lc_pose at(double x, double y, double z) noexcept { return {{x, y, z}, {0, 0, 0, 1}}; }
 
+/// An answer of three values. It has no conversion to bool, because neither value of a bool is undecided.
+enum class Decision { No, Yes, Undecided };
+
 /// Reports a long call; false stops it. It may throw: the exception leaves the call that runs it.
 using Progress = std::function<bool(const char *stage, std::uint64_t done, std::uint64_t total)>;
 
@@ -287,13 +290,18 @@ class Pair : public Owner<lc_pair, lc_pair_free> {
                            &done));
     return found;
   }
-  /// Empty if a Bézier surface leaves it open.
-  std::optional<bool> within(const lc_pose &a, const lc_pose &b, double distance) {
-    std::uint32_t found = 0;
-    check(lc_pair_within(get(), &a, &b, distance, &found));
-    return found == LC_UNDECIDED ? std::nullopt : std::optional<bool>(found == 1);
+  /// True unless the geometries are proven to be more than the distance apart.
+  bool within(const lc_pose &a, const lc_pose &b, double distance) {
+    return decide_within(a, b, distance) != Decision::No;
   }
-  std::optional<bool> intersects(const lc_pose &a, const lc_pose &b) { return within(a, b, 0); }
+  /// True unless the geometries are proven to share no point.
+  bool intersects(const lc_pose &a, const lc_pose &b) { return within(a, b, 0); }
+  /// Whether the geometries are at most the distance apart; a Bézier surface may leave it undecided.
+  Decision decide_within(const lc_pose &a, const lc_pose &b, double distance) {
+    std::uint32_t found = LC_UNDECIDED;
+    check(lc_pair_within(get(), &a, &b, distance, &found));
+    return found == 0 ? Decision::No : found == 1 ? Decision::Yes : Decision::Undecided;
+  }
   std::vector<lc_contact> contacts(const lc_pose &a, const lc_pose &b, double prediction, std::uint32_t max_points = 4) {
     return detail::all<lc_contact>([&](lc_contact *out, std::size_t capacity, std::size_t *count) {
       return lc_pair_contacts(get(), &a, &b, prediction, max_points, out, sizeof *out, capacity, count);

@@ -47,7 +47,8 @@ pub const LC_LOCAL_DEPTH: u32 = 32;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct lc_answer {
     /// The groups of fields that are set: a mask of `LC_DISTANCE`, `LC_POINTS`, `LC_FEATURES`. The
-    /// other fields are zero.
+    /// other fields are zero. Without `LC_DISTANCE` the state is `LC_UNDECIDED`, and the bounds are
+    /// infinite.
     pub answered: u32,
     /// `LC_SEPARATED`, `LC_TOUCHING`, `LC_OVERLAPPING` or `LC_UNDECIDED`.
     pub state: u32,
@@ -77,13 +78,13 @@ unsafe impl Plain for lc_answer {
     const FIRST: usize = 128;
 }
 
-/// An answer without fields.
+/// An answer without fields, which claims nothing.
 pub(crate) const NOTHING: lc_answer = lc_answer {
     answered: 0,
-    state: 0,
+    state: LC_UNDECIDED,
     distance: 0.0,
-    lower: 0.0,
-    upper: 0.0,
+    lower: f64::NEG_INFINITY,
+    upper: f64::INFINITY,
     point_on_a: [0.0; 3],
     point_on_b: [0.0; 3],
     normal: [0.0; 3],
@@ -188,7 +189,7 @@ pub struct lc_cast {
     pub queries: u32,
     /// The geometries are proven apart up to this time.
     pub safe: f64,
-    /// The geometries are proven in contact at this time; zero without a hit.
+    /// The geometries are proven in contact at this time; infinite without a proof.
     pub hit: f64,
     /// The witness on A; zero without a contact.
     pub point_on_a: [f64; 3],
@@ -237,7 +238,7 @@ pub struct lc_ray_hit {
     pub body: u64,
     /// All points of the ray up to this distance are outside; infinite for a miss.
     pub safe: f64,
-    /// A point up to this distance is inside; zero without a hit.
+    /// A point up to this distance is inside; infinite without a proof.
     pub hit: f64,
     /// The point; zero without a hit.
     pub point: [f64; 3],
@@ -434,7 +435,7 @@ pub unsafe extern "C" fn lc_pair_ask_many(
 }
 
 /// Writes whether the geometries of a pair are at most `distance` apart: 0 no, 1 yes,
-/// `LC_UNDECIDED` unknown.
+/// `LC_UNDECIDED` unknown. So the answer is zero only if they are proven to be farther apart.
 ///
 /// With a distance of zero: whether they share a point. For a negative distance the answer is no,
 /// and NaN is `LC_REFUSED`. Exact for polyhedra and meshes; only a Bézier surface leaves it
@@ -614,12 +615,12 @@ pub unsafe extern "C" fn lc_pair_cast(
                 .map_err(refused)
         })?;
         let (state, safe, hit, seen) = match &found.impact {
-            Impact::Miss => (LC_MISS, given.duration, 0.0, None),
+            Impact::Miss => (LC_MISS, given.duration, f64::INFINITY, None),
             Impact::AtStart { seen } => (LC_AT_START, 0.0, 0.0, Some(seen)),
             Impact::Hit { safe, hit, seen } => (LC_HIT, *safe, *hit, Some(seen)),
-            Impact::Undecided { safe, .. } => (LC_UNCLEAR, *safe, 0.0, None),
-            Impact::Incomplete { safe } => (LC_INCOMPLETE, *safe, 0.0, None),
-            _ => (LC_INCOMPLETE, 0.0, 0.0, None),
+            Impact::Undecided { safe, .. } => (LC_UNCLEAR, *safe, f64::INFINITY, None),
+            Impact::Incomplete { safe } => (LC_INCOMPLETE, *safe, f64::INFINITY, None),
+            _ => (LC_INCOMPLETE, 0.0, f64::INFINITY, None),
         };
         let mut answer = lc_cast {
             state,
@@ -713,24 +714,23 @@ pub(crate) fn ray(ray: &lc_ray) -> Result<Ray, lc_status> {
 }
 
 pub(crate) fn ray_hit(found: &RayCast, body: u64) -> lc_ray_hit {
-    let (state, safe) = match found {
-        RayCast::Miss => (LC_MISS, f64::INFINITY),
-        RayCast::Inside => (LC_AT_START, 0.0),
-        RayCast::Hit(hit) => (LC_HIT, hit.safe),
-        _ => (LC_UNCLEAR, found.safe().unwrap_or(0.0)),
+    let (state, safe, hit) = match found {
+        RayCast::Miss => (LC_MISS, f64::INFINITY, f64::INFINITY),
+        RayCast::Inside => (LC_AT_START, 0.0, 0.0),
+        RayCast::Hit(hit) => (LC_HIT, hit.safe, hit.hit),
+        _ => (LC_UNCLEAR, found.safe().unwrap_or(0.0), f64::INFINITY),
     };
     let mut answer = lc_ray_hit {
         state,
         subshape: 0,
         body,
         safe,
-        hit: 0.0,
+        hit,
         point: [0.0; 3],
         normal: [0.0; 3],
     };
     if let RayCast::Hit(hit) = found {
         answer.subshape = hit.subshape;
-        answer.hit = hit.hit;
         answer.point = hit.point.into();
         answer.normal = hit.normal.into_inner().into();
     }

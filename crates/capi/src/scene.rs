@@ -127,7 +127,7 @@ pub struct lc_impact {
     pub reserved: u32,
     /// The bodies are proven apart up to this time, or farther apart than `distance`.
     pub safe: f64,
-    /// The bodies are proven in contact at this time, or within `distance`; zero without a hit.
+    /// The bodies are proven in contact at this time, or within `distance`; infinite without a proof.
     pub hit: f64,
     /// The distance of `LC_QUERY_IMPACT_WITHIN`; zero for a contact.
     pub distance: f64,
@@ -138,7 +138,8 @@ unsafe impl Plain for lc_impact {
     const FIRST: usize = 40;
 }
 
-/// The query is not enabled, or the bodies are beyond its range.
+/// The query is not enabled, or was not answered yet: nothing is known. It is not zero, as zero is a
+/// proof that the answer is no.
 pub const LC_NOT_ASKED: u32 = 2;
 
 /// Two bodies of a scene and the answers about them. Points and normal are in the world.
@@ -454,8 +455,8 @@ pub unsafe extern "C" fn lc_scene_impacts(
             let impacts = scene.impacts().iter().map(|found| {
                 let (state, hit) = match found.impact {
                     Impact::Hit { hit, .. } => (LC_HIT, hit),
-                    Impact::Undecided { .. } => (LC_UNCLEAR, 0.0),
-                    _ => (LC_INCOMPLETE, 0.0),
+                    Impact::Undecided { .. } => (LC_UNCLEAR, f64::INFINITY),
+                    _ => (LC_INCOMPLETE, f64::INFINITY),
                 };
                 lc_impact {
                     a: number(found.a),

@@ -120,7 +120,7 @@ pub struct lc_verdict {
     pub segment: u64,
     /// All pairs are proven apart up to this time.
     pub safe: f64,
-    /// The pair is proven in contact at this time, if blocked; else as `safe`.
+    /// The pair is proven in contact at this time, if blocked; else infinite.
     pub hit: f64,
     /// The distance that all pairs are proven to keep, if free; else zero.
     pub clearance: f64,
@@ -146,7 +146,7 @@ pub(crate) fn verdict(segment: usize, verdict: &Verdict) -> lc_verdict {
         start_contacts: 0,
         segment: segment as u64,
         safe: verdict.safe(),
-        hit: verdict.safe(),
+        hit: f64::INFINITY,
         clearance: 0.0,
         a: none,
         b: none,

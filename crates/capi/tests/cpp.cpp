@@ -25,6 +25,12 @@ static lc_status status_of(F call) {
 }
 
 static_assert(!std::is_copy_constructible_v<Geometry> && std::is_nothrow_move_constructible_v<Geometry>);
+/* No value of a predicate, a handle or an answer becomes a bool unasked. */
+static_assert(std::is_same_v<decltype(std::declval<Pair &>().intersects(identity, identity)), bool>);
+static_assert(std::is_same_v<decltype(std::declval<Pair &>().within(identity, identity, 0)), bool>);
+static_assert(!std::is_constructible_v<bool, Decision> && !std::is_convertible_v<Geometry, bool>);
+static_assert(!std::is_constructible_v<bool, lc_answer> && !std::is_constructible_v<bool, lc_verdict>);
+static_assert(!std::is_constructible_v<bool, lc_cast> && !std::is_constructible_v<bool, lc_ray_hit>);
 static_assert(!std::is_copy_assignable_v<Pair> && std::is_nothrow_move_assignable_v<Pair>);
 
 static void geometries() {
@@ -50,6 +56,8 @@ static void geometries() {
   TRUE(Geometry::heights(heights, 2, 3, 1, 1, -1.0).info().is_solid == 1);
   const lc_ray_hit hit = box.cast_ray({{2, 0, 0}, {-1, 0, 0}, 9});
   TRUE(hit.state == LC_HIT && std::fabs(hit.hit - 1.5) < 1e-11 && hit.safe <= 1.5);
+  const lc_ray_hit miss = box.cast_ray({{2, 0, 0}, {1, 0, 0}, 9});
+  TRUE(miss.state == LC_MISS && std::isinf(miss.hit) && std::isinf(miss.safe));
   TRUE(status_of([] { Geometry::hull(std::vector<Point>{}); }) == LC_REFUSED);
   TRUE(status_of([] { Geometry::ball(-1); }) == LC_REFUSED);
 }
@@ -80,7 +88,15 @@ static void pairs() {
   TRUE(o.lower <= .5 && .5 <= o.upper && std::fabs(o.point_on_b[0] - 2) < 1e-12 && o.normal[0] == 1);
   const lc_answer local = pair.ask(at(1, 2, 3), at(2.5, 2, 3), LC_DISTANCE | LC_POINTS | LC_BODY_FRAMES);
   TRUE(std::fabs(local.point_on_b[0] + .5) < 1e-12);
-  TRUE(pair.intersects(identity, at(1, 0, 0)) == true && pair.within(identity, at(1.5, 0, 0), .25) == false);
+  /* A predicate stands in a condition: it is false if the geometries are proven apart. */
+  TRUE(pair.intersects(identity, at(1, 0, 0)) && pair.within(identity, at(1.5, 0, 0), .5));
+  TRUE(!pair.intersects(identity, at(99, 0, 0)) && !pair.within(identity, at(1.5, 0, 0), .25));
+  TRUE(pair.decide_within(identity, at(1, 0, 0), 0) == Decision::Yes);
+  TRUE(pair.decide_within(identity, at(99, 0, 0), 0) == Decision::No);
+  const Geometry sheet = Geometry::surface(1, 1, std::vector<Point>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}});
+  Pair open(sheet, Geometry::ball(.5));
+  TRUE(open.decide_within(identity, at(.3, .4, .5), 0) == Decision::Undecided && open.intersects(identity, at(.3, .4, .5)));
+  TRUE(!open.intersects(identity, at(.3, .4, .75)));
   TRUE(status_of([&] { pair.within(identity, identity, std::nan("")); }) == LC_REFUSED);
   TRUE(pair.contacts(identity, at(.99, 0, 0), .1).size() == 4);
   const lc_penetration depth = pair.penetration(identity, at(.75, 0, 0));

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any, Literal, Protocol, TypeAlias, final, overload
+from typing import Any, Literal, NoReturn, Protocol, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -236,6 +236,7 @@ class Penetration:
 
 @final
 class Cast:
+    def __bool__(self) -> NoReturn: ...
     @property
     def state(self) -> Literal["hit", "miss", "start", "undecided", "incomplete"]: ...
     @property
@@ -336,6 +337,7 @@ class PairTracker:
 
 @final
 class RayCast:
+    def __bool__(self) -> NoReturn: ...
     @property
     def state(self) -> Literal["hit", "miss", "inside", "undecided"]: ...
     @property
@@ -643,6 +645,7 @@ class NearPair:
 
 @final
 class Verdict:
+    def __bool__(self) -> NoReturn: ...
     @property
     def state(self) -> Literal["free", "blocked", "undecided"]: ...
     @property
@@ -740,6 +743,7 @@ _Curve: TypeAlias = JointCurve | ArrayLike
 
 @final
 class RangeAnswer:
+    def __bool__(self) -> NoReturn: ...
     @property
     def verdict(self) -> Literal["never", "always", "both", "open"]: ...
     @property
@@ -767,6 +771,7 @@ class RangeAnswer:
 
 @final
 class LinkAudit:
+    def __bool__(self) -> NoReturn: ...
     @property
     def a(self) -> str: ...
     @property

@@ -1,7 +1,7 @@
 //! Exceptions: subclasses of `ValueError` with the messages of the library.
 
 use pyo3::prelude::*;
-use pyo3::{create_exception, exceptions::PyValueError};
+use pyo3::{create_exception, exceptions::PyTypeError, exceptions::PyValueError};
 
 create_exception!(
     lin_canny,
@@ -47,6 +47,13 @@ create_exception!(
     LinCannyError,
     "A configuration, an option or a name that is invalid for a checker."
 );
+
+/// Returns the error of an answer of more than two values that is used as a condition: without it,
+/// every object of Python is true, also one that says no.
+#[cold]
+pub(crate) fn no_condition(answer: &str, member: &str) -> PyErr {
+    PyTypeError::new_err(format!("a {answer} is neither true nor false (expected its `{member}`)"))
+}
 
 macro_rules! conversions {
     ($($function:ident => $exception:ident),* $(,)?) => {

@@ -6,7 +6,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::array::{Argument, triple, vector};
-use crate::errors::motion_error;
+use crate::errors::{motion_error, no_condition};
 use crate::geometry::Geometry;
 use crate::pose::Pose;
 
@@ -34,6 +34,11 @@ impl RayCast {
 
 #[pymethods]
 impl RayCast {
+    /// Raises TypeError: the answer has more than two values.
+    fn __bool__(&self) -> PyResult<bool> {
+        Err(no_condition("RayCast", "state"))
+    }
+
     /// "hit", "miss" (proven for the whole length), "inside" (the origin is in the geometry) or
     /// "undecided" (rounding hides whether they meet).
     #[getter]

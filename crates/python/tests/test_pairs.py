@@ -190,3 +190,15 @@ def test_cast_by_hand():
         lc.PairTracker().cast(BOX, BOX, duration=1, tolerance=-1)
     with pytest.raises(lc.MotionError, match="velocity"):
         lc.PairTracker().cast(BOX, BOX, velocity_a=((1, 0), (0, 0, 0)), duration=1, tolerance=1)
+
+
+def test_an_answer_of_more_than_two_values_is_no_condition():
+    """Every other object of Python is true, also one that says no."""
+    far = (9, 0, 0), ONE
+    cast = lc.PairTracker().cast(BOX, BOX, pose_b=far, duration=1.0, tolerance=1e-6)
+    ray = lc.RayCaster().cast(BOX, (9, 0, 0), (1, 0, 0))
+    assert cast.state == ray.state == "miss"
+    for answer in (cast, ray):
+        with pytest.raises(TypeError, match="neither true nor false"):
+            bool(answer)
+    assert lc.PairTracker().intersects(BOX, BOX, pose_b=far) is False

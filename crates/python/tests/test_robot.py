@@ -108,6 +108,9 @@ def test_certified_segments(checker):
     assert blocked.safe <= touch / 2 <= blocked.blocked_at < touch / 2 + 1e-5
     assert np.allclose(*blocked.points, atol=1e-4)
     assert checker.certify_path([[0, 0], [0, 1], [0, 2]]).segment == 1
+    for verdict in (free, blocked):  # an object is true, also one that says no
+        with pytest.raises(TypeError, match="neither true nor false"):
+            bool(verdict)
     lower, upper, t, pair = checker.clearance_along([0, 0], [1, 1])
     assert lower <= clearance_by_hand(1) <= upper * 1.001 and t == 1 and pair == ("bar", "post")
 

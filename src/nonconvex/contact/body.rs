@@ -28,8 +28,9 @@ use crate::nonconvex::query::triangle;
 ///
 /// Build it once for each body.
 /// [`PairTracker::contacts_between`](crate::PairTracker::contacts_between) finds the contacts of
-/// two of them. The patches of a mesh face outward, whether the mesh is closed or not: a body that
-/// touches an open mesh from behind has no contact.
+/// two of them. The patches of a closed mesh face away from its inside, also if its triangles face
+/// inward. Those of an open mesh face as its triangles do: a body that touches an open mesh from
+/// behind has no contact.
 #[derive(Clone, Debug)]
 pub struct ConvexPatches(PatchedBody, Fingerprint);
 
@@ -110,7 +111,7 @@ impl ConvexPatches {
             PatchedBody::Pieces(..) => None,
         };
         let named = move |s: &'_ PatchedMesh| -> Vec<u32> {
-            let source = &s.mesh.source_triangles;
+            let source = &s.given.source_triangles;
             s.triangles(patch).iter().map(|&t| source[t as usize]).collect()
         };
         surface.map(named).unwrap_or_default().into_iter()
@@ -129,7 +130,7 @@ impl ConvexPatches {
 
     pub(super) fn unit(&self) -> f64 {
         match &self.0 {
-            PatchedBody::Mesh(surface) => surface.mesh.unit(),
+            PatchedBody::Mesh(surface) => surface.given.unit(),
             PatchedBody::Pieces(body, _) => body.stored_unit(),
         }
     }
@@ -145,9 +146,14 @@ impl ConvexPatches {
         matches!(self.0, PatchedBody::Mesh(_))
     }
 
+    /// Returns whether the convex bodies of all patches are parts of the body.
+    pub(super) fn is_whole(&self) -> bool {
+        !self.is_mesh() || self.count() == 1
+    }
+
     pub(super) fn parts(&self) -> PartsRef<'_> {
         match &self.0 {
-            PatchedBody::Mesh(surface) => PartsRef::Mesh(&surface.mesh),
+            PatchedBody::Mesh(surface) => PartsRef::Mesh(&surface.given),
             PatchedBody::Pieces(body, _) => PartsRef::Pieces(body),
         }
     }
@@ -220,6 +226,30 @@ impl ConvexPatches {
         match &self.0 {
             PatchedBody::Mesh(surface) => surface.is_clear(point, depth),
             PatchedBody::Pieces(body, tolerance) => is_clear(body, patch, point, depth, tolerance + doubt),
+        }
+    }
+
+    /// Returns whether the surface of the body is nearer than `reach` to a point in the body's frame.
+    pub(super) fn is_near(&self, point: &Point3<f64>, reach: f64, doubt: f64) -> bool {
+        match &self.0 {
+            PatchedBody::Mesh(surface) => !surface.is_clear(point, reach),
+            PatchedBody::Pieces(body, tolerance) => is_near(body, &point.coords, reach, tolerance + doubt),
+        }
+    }
+
+    /// Returns whether the body contains a point in its frame; true for an open mesh.
+    pub(super) fn holds(&self, point: &Point3<f64>, doubt: f64) -> bool {
+        match &self.0 {
+            PatchedBody::Mesh(surface) => surface.holds(point),
+            PatchedBody::Pieces(body, tolerance) => {
+                // A single piece has no other.
+                let first = &body.pieces()[0];
+                is_in(
+                    &first.shape,
+                    &first.pose.inverse_transform_point(point),
+                    tolerance + doubt,
+                ) || other(body, 0, point, tolerance + doubt, |_, _| true).is_some()
+            }
         }
     }
 
@@ -338,15 +368,21 @@ fn other<'a>(
 
 /// Returns whether a point is within `slack` of a shape, or of the planes of all its faces.
 pub(super) fn is_in(shape: &Shape, point: &Point3<f64>, slack: f64) -> bool {
-    if let (Core::Polyhedron(core), 0.0) = (shape.core(), shape.rounding_radius())
-        && core.face_count() >= 4
-    {
+    if let (Some(core), 0.0) = (solid_core(shape), shape.rounding_radius()) {
         let planes = core.faces().filter_map(|face| core.face_plane(face));
         return planes
             .into_iter()
             .all(|(n, offset)| n.dot(&point.coords) - offset <= slack);
     }
     dot_at(point).is_some_and(|(dot, at)| ShapeTracker::new().within(shape, &dot, &at, slack))
+}
+
+/// Returns the core of a shape if it is a polyhedron with a volume.
+fn solid_core(shape: &Shape) -> Option<&ConvexPolyhedron> {
+    match shape.core() {
+        Core::Polyhedron(core) if core.face_count() >= 4 => Some(core),
+        _ => None,
+    }
 }
 
 /// Returns a point as a shape, and its pose.
@@ -374,16 +410,25 @@ pub(super) fn is_clear(body: &Compound, of: u32, point: &Point3<f64>, depth: f64
             plane.is_none_or(|(n, offset)| offset - n.dot(&point.coords) >= depth - own.shape.rounding_radius())
         });
     }
-    let (unit, reach) = (body.stored_unit(), depth + own.shape.rounding_radius());
-    let place = own.pose * point;
+    !is_near(
+        body,
+        &(own.pose * point).coords,
+        depth + own.shape.rounding_radius(),
+        slack,
+    )
+}
+
+/// Returns whether the surface of the union is nearer than `reach` to a point in the body's frame.
+fn is_near(body: &Compound, point: &Vector3<f64>, reach: f64, slack: f64) -> bool {
+    let (unit, place) = (body.stored_unit(), *point);
     let near = NearPoint {
         body,
-        place: place.coords,
+        place,
         reach,
         slack,
     };
-    let is_near = |item: u32| near.is_exposed(body.number(item));
-    !body.side().tree.any_near(&(place.coords / unit), reach / unit, is_near)
+    let is_exposed = |item: u32| near.is_exposed(body.number(item));
+    body.side().tree.any_near(&(place / unit), reach / unit, is_exposed)
 }
 
 /// A point inside a body, with the body; the point is in the body's frame.
@@ -398,7 +443,7 @@ impl NearPoint<'_> {
     /// Returns whether an uncovered point of a piece's surface is within the depth.
     fn is_exposed(&self, of: u32) -> bool {
         let piece = &self.body.pieces()[of as usize];
-        let Core::Polyhedron(core) = piece.shape.core() else {
+        let Some(core) = solid_core(&piece.shape) else {
             return self.is_foot_exposed(of, piece);
         };
         core.faces().any(|face| {

@@ -12,6 +12,19 @@
 //! vertex's edges. So a body that slides over the edges of a tessellated floor, or along a reflex
 //! edge, feels none of them.
 //!
+//! A hull of a patch may extend outside the solid, and the face of the least overlap may be one that
+//! the bodies do not reach. So a contact that is not sure is checked with the surfaces of both
+//! bodies and all shallower contacts (`unresolved`): it is dropped if an overlap far shallower than
+//! its own explains it.
+//!
+//! ```text
+//!     |  B     |            B touches the wall along its whole side. The hull of wall and floor
+//!     |        |            contains B, and the way out of the hull is up, from the bottom of B
+//!   --|--------'  p_a       to the top of the wall. But p_b is on the surface of the wall, and p_a
+//!  wall        |            on that of B: a shift by nothing ends this overlap.
+//!     |________| p_b
+//! ```
+//!
 //! Bodies may overlap although no patches have a valid contact. Two edges that cross may both not
 //! be edges of a patch's hull, and a vertex that has passed through a thin edge is below the planes
 //! of all faces near it. Then the direction of a separating translation is used (`penetration`),
@@ -27,10 +40,11 @@ mod patches;
 use alloc::collections::BTreeMap;
 use alloc::collections::btree_map::Entry;
 use alloc::vec::Vec;
-use nalgebra::{Translation3, Unit, Vector3};
+use nalgebra::{Point3, Translation3, Unit, Vector3};
 
 pub use body::ConvexPatches;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, ByValue, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
@@ -49,6 +63,11 @@ use patch_pair::NearPatches;
 /// Sine of the largest angle between the normals of contacts that are reduced together. Not
 /// measured.
 const ALIKE: f64 = 1.0 / 64.0;
+
+/// How many times deeper than another contact a contact is that this one may explain. Vertices in
+/// valleys are up to ten times deeper below one face than below the other, and have both contacts.
+/// Not measured.
+const FAR_DEEPER: f64 = 8.0;
 
 /// A contact and the patches on which it lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -184,10 +203,73 @@ impl ContactTracker {
                 },
             };
             near.is_seen = true;
-            near.ask(query, patches, |contact| all.push(contact));
+            near.ask(query, patches, |contact, is_sure| all.push((contact, is_sure)));
         }
         self.near.retain(|_, near| near.is_seen);
-        all
+        unresolved(query, &all)
+    }
+}
+
+/// Returns the contacts that no far shallower overlap explains, each with whether its depth is sure.
+///
+/// An overlap that a shift of B ends is as narrow as the shift: everywhere in it the surfaces of
+/// both bodies are near. So the contacts of two patches are dropped if the surface of A is as near
+/// to all of their points on B, and that of B to all of their points on A. The shift may be along
+/// the normals of three shallower contacts, and it may be none, for bodies that touch.
+///
+/// The points of a wide overlap may all be at its ends, next to other sides of both bodies. Then the
+/// means of the points are inside both bodies, and the contacts are kept.
+fn unresolved(query: &PatchQuery, all: &[(PatchContact, bool)]) -> Vec<PatchContact> {
+    let depth = |c: &PatchContact| -c.point.separation;
+    let mut depths: Vec<f64> = Vec::new();
+    if all.iter().any(|(_, is_sure)| !is_sure) {
+        depths.extend(all.iter().map(|(c, _)| depth(c)).filter(|d| *d > 0.0));
+        depths.sort_unstable_by(f64::total_cmp);
+    }
+    let is_kept = |of: &[(PatchContact, bool)]| {
+        let deepest = of.iter().map(|(c, _)| depth(c)).fold(0.0, f64::larger);
+        let before = depths.partition_point(|d| *d <= deepest / FAR_DEEPER);
+        let shallower = before.checked_sub(1).map_or(0.0, |k| depths[k]);
+        let reach = 2.0 * (shallower + 2.0 * query.doubt);
+        if of[0].1 || !(reach < deepest) {
+            return true;
+        }
+        let (mut sums, mut count) = ([Vector3::zeros(); 2], 0.0);
+        for (c, _) in of.iter().filter(|(c, _)| depth(c) > 0.0) {
+            let points = [c.point.point_on_a.coords, c.point.point_on_b.coords];
+            if !query.are_near(&points, reach) {
+                return true;
+            }
+            (0..2).for_each(|k| sums[k] += points[k]);
+            count += 1.0;
+        }
+        count > 1.0 && query.are_inside(&sums.each(|sum| sum / count), reach)
+    };
+    let pairs = all.chunk_by(|x, y| x.0.patches == y.0.patches).filter(|of| is_kept(of));
+    pairs.flatten().map(|(c, _)| *c).collect()
+}
+
+impl PatchQuery<'_> {
+    /// Returns a point of B in A's frame, and a point of A in B's.
+    fn crossed(&self, [on_a, on_b]: &[Vector3<f64>; 2]) -> [Point3<f64>; 2] {
+        let (rotation, translation) = (self.pose.rotation(), self.pose.translation());
+        [rotation * on_b + translation, rotation.tr_mul(&(on_a - translation))].each(Point3::from)
+    }
+
+    /// Returns whether the surface of A is nearer than `reach` to a point of B, and that of B to a
+    /// point of A.
+    fn are_near(&self, points: &[Vector3<f64>; 2], reach: f64) -> bool {
+        let [in_a, in_b] = self.crossed(points);
+        self.a.is_near(&in_a, reach, self.doubt) && self.b.is_near(&in_b, reach, self.doubt)
+    }
+
+    /// Returns whether A contains the ball of a radius around a point of B, and B that around a point
+    /// of A.
+    fn are_inside(&self, points: &[Vector3<f64>; 2], radius: f64) -> bool {
+        let [in_a, in_b] = self.crossed(points);
+        let holds =
+            |body: &ConvexPatches, point| !body.is_near(point, radius, self.doubt) && body.holds(point, self.doubt);
+        holds(self.a, &in_a) && holds(self.b, &in_b)
     }
 }
 

@@ -40,6 +40,9 @@ pub(super) struct NearPatches {
     manifold: Manifold,
     /// Bit set of the manifold points that lie on both surfaces.
     borne: u8,
+    /// Whether no contact is deeper than the bodies: the normal is that of the hulls, and the hulls
+    /// are parts of the bodies.
+    is_sure: bool,
     /// Whether the last query tested this pair of patches.
     pub(super) is_seen: bool,
 }
@@ -61,6 +64,7 @@ impl NearPatches {
             tracker: ShapeTracker::new(),
             manifold: Manifold::new(),
             borne: 0,
+            is_sure: false,
             is_seen: false,
         })
     }
@@ -70,13 +74,14 @@ impl NearPatches {
         !(self.manifold.lower() > 0.0)
     }
 
-    /// Calls `found` with the contacts of the patches at a pose.
-    pub(super) fn ask(&mut self, query: &PatchQuery, patches: NodePair, mut found: impl FnMut(PatchContact)) {
+    /// Calls `found` with the contacts of the patches at a pose, and whether their depth is sure.
+    pub(super) fn ask(&mut self, query: &PatchQuery, patches: NodePair, mut found: impl FnMut(PatchContact, bool)) {
         let Self {
             parts,
             tracker,
             manifold,
             borne,
+            is_sure,
             ..
         } = self;
         let (pose, _) = query.placed.between(&parts[0].1, &parts[1].1);
@@ -94,6 +99,7 @@ impl NearPatches {
         });
         if is_new {
             *borne = posed.borne(manifold);
+            *is_sure = *borne != 0 && query.a.is_whole() && query.b.is_whole();
             if *borne == 0 && !manifold.points().is_empty() {
                 *borne = posed.by_faces(tracker, manifold);
             }
@@ -101,11 +107,9 @@ impl NearPatches {
         let normal = posed.normal(manifold);
         for (k, point) in manifold.points().iter().enumerate() {
             if *borne >> k & 1 == 1 && point.separation <= query.options.prediction {
-                found(PatchContact {
-                    patches,
-                    normal,
-                    point: posed.point(point),
-                });
+                let point = posed.point(point);
+                let contact = PatchContact { patches, normal, point };
+                found(contact, *is_sure);
             }
         }
     }

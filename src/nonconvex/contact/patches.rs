@@ -63,7 +63,11 @@ pub(super) enum Borne {
 /// A mesh divided into convex patches.
 #[derive(Clone, Debug)]
 pub(super) struct PatchedMesh {
-    pub(super) mesh: Arc<Mesh>,
+    /// The caller's mesh.
+    pub(super) given: Arc<Mesh>,
+    /// The mesh with all triangles facing outward: the given one, or a turned copy of a solid that
+    /// is inside out.
+    mesh: Arc<Mesh>,
     tree: Tree,
     /// The patch of each leaf of the tree.
     order: Vec<u32>,
@@ -81,7 +85,8 @@ pub(super) struct PatchedMesh {
 
 impl PatchedMesh {
     /// Divides a mesh into patches that are convex within a tolerance in stored units.
-    pub(super) fn new(mesh: Arc<Mesh>, tolerance: f64) -> Self {
+    pub(super) fn new(given: Arc<Mesh>, tolerance: f64) -> Self {
+        let mesh = given.facing_outward().map_or_else(|| given.clone(), Arc::new);
         let slack = tolerance.larger(ACROSS * mesh.radius);
         let patches = grow(&mesh, slack);
         let vertices: Vec<Vec<u32>> = patches.iter().map(|p| corners(&mesh, p, slack)).collect();
@@ -99,6 +104,7 @@ impl PatchedMesh {
             corners: Vec::with_capacity(patches.len()),
             slack,
             mesh,
+            given,
         };
         for (k, (patch, corners)) in (0u32..).zip(patches.iter().zip(vertices)) {
             patch.iter().for_each(|&(t, _)| surface.patch_of[t as usize] = k);
@@ -230,6 +236,11 @@ impl PatchedMesh {
         let (place, reach) = (point.coords / self.mesh.unit(), depth / self.mesh.unit() - self.slack);
         let is_nearer = |t: u32| triangle::nearest(&place, &self.mesh.corners(t)).0 < reach * reach;
         !(reach > 0.0 && self.mesh.tree.any_near(&place, reach, is_nearer))
+    }
+
+    /// Returns whether a solid contains a point; true for an open mesh.
+    pub(super) fn holds(&self, point: &Point3<f64>) -> bool {
+        !self.mesh.is_solid() || self.mesh.winding(&(point.coords / self.mesh.unit())) != Some(0)
     }
 
     /// Returns whether a point is below the triangle that is nearest to it.

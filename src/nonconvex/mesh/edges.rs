@@ -3,18 +3,26 @@
 //! Two triangles that share an edge agree if they run along it in opposite directions. The
 //! orientation of the first triangle of a connected component determines that of all others, edge
 //! by edge. If it determines both orientations of one triangle, the surface has one side. Of the
-//! two orientations of a component, the one that most of its triangles have is chosen. Then a
-//! component that lies in no other component is made to face outward.
+//! two orientations of a component, the one that most of its triangles have is chosen. Then sheets
+//! that face inward are flipped.
+//!
+//! Inside is where the winding number is not zero. Behind a triangle the surface winds once more
+//! than before it, from w to w + 1. The triangle faces inward if w is negative. If all such
+//! triangles are flipped, every winding number becomes its absolute value: the same points are
+//! inside, and the surface stays closed.
 
+use alloc::collections::BTreeSet;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use super::{Mesh, MeshError, MeshPart};
 use crate::base::num::each::Each;
-use crate::base::num::extremes::Extremes;
+use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
 use crate::base::tolerance::SLANT;
+use crate::nonconvex::query::inside::ExactSigns;
+use crate::nonconvex::query::triangle;
 
 /// The edges of a mesh that are not shared by two triangles of opposite direction.
 #[derive(Default)]
@@ -190,23 +198,30 @@ pub(crate) fn find(parent: &mut [u32], mut v: u32) -> u32 {
 /// direction.
 type Neighbours = [(u32, bool); 3];
 
-/// A component of triangles that share edges.
-struct SensePart {
-    volume: f64,
-    low: Vector3<f64>,
-    high: Vector3<f64>,
-    triangle: u32,
-}
+/// Number of components whose volumes are looked through for a hint. Not measured.
+const LISTED_PARTS: usize = 16;
+
+/// Number of triangles of a sheet that are probed until one shows the side of the body: the largest
+/// ones. Not measured.
+const PROBES: usize = 16;
+
+/// Distances of the two points that show on which side of a triangle the body is, in units of the
+/// root of twice its area. If another surface is between them and the triangle, a smaller one is
+/// tried.
+const BESIDE: [f64; 3] = [1.0 / 1024.0, 1.0 / (1u64 << 20) as f64, 1.0 / (1u64 << 30) as f64];
 
 impl Mesh {
     /// Builds a solid after reorienting triangles that face the wrong side.
     ///
-    /// Also returns the caller's indices of the reoriented triangles. First, within each connected
-    /// component, as few triangles as possible are flipped so that all agree. Then whole components
-    /// that lie in no other component are flipped to face outward. A component inside another one
-    /// keeps its orientation relative to the outermost component around it, so that a cavity stays
-    /// a cavity. A mesh that is closed as given is not changed, for any orientations. The
-    /// call takes about three times as long as [`new`](Self::new).
+    /// Also returns the caller's indices of the reoriented triangles. If the mesh is not closed as
+    /// given, first as few triangles as possible of each connected component are flipped so that
+    /// all agree. Then every sheet (triangles connected over edges) that faces inward is flipped as
+    /// a whole. A sheet faces inward if the winding numbers on its two sides have a negative sum.
+    /// This keeps the points that are inside: a cavity stays a cavity, and faces into the void.
+    /// Exception: a sheet that crosses another one of opposite sense faces outward only in part,
+    /// and is flipped by its largest triangle; if the mesh would not stay closed, no sheet is
+    /// flipped. The call takes about three times as long as
+    /// [`new`](Self::new).
     ///
     /// # Errors
     ///
@@ -234,23 +249,30 @@ impl Mesh {
     pub fn oriented(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<(Self, Vec<u32>), MeshError> {
         let given = Self::new(points, triangles)?;
         if given.is_solid() {
-            return Ok((given, Vec::new()));
+            let Some(is_inward) = given.inward() else {
+                return Ok((given, Vec::new()));
+            };
+            let (all, turned) = given.turned(triangles, &is_inward);
+            let solid = Self::new(points, &all)?;
+            return Ok(if solid.is_solid() {
+                (solid, turned)
+            } else {
+                (given, Vec::new())
+            });
         }
-        let neighbours = given.neighbours()?;
-        let (mut is_turned, part_of) = given.agreeing(&neighbours)?;
-        let mut solid = Self::new(points, &given.turned(triangles, &is_turned))?;
-        let parts = given.sense_parts(&is_turned, &part_of);
-        let is_inward = solid.inward(&given, &parts, &part_of);
-        if is_inward.contains(&true) {
-            for (is_turned, part) in is_turned.iter_mut().zip(&part_of) {
-                *is_turned ^= is_inward[*part as usize];
-            }
-            solid = Self::new(points, &given.turned(triangles, &is_turned))?;
+        let mut is_turned = given.agreeing(&given.neighbours()?)?;
+        let (all, turned) = given.turned(triangles, &is_turned);
+        let solid = Self::new(points, &all)?;
+        let Some(is_inward) = solid.inward() else {
+            return Ok((solid, turned));
+        };
+        let inward = solid.source_triangles.iter().zip(is_inward).filter(|x| x.1);
+        let inward: BTreeSet<u32> = inward.map(|x| *x.0).collect();
+        for (source, is_turned) in given.source_triangles.iter().zip(&mut is_turned) {
+            *is_turned ^= inward.contains(source);
         }
-        let names = given.source_triangles.iter().zip(&is_turned);
-        let mut turned: Vec<u32> = names.filter(|x| *x.1).map(|x| *x.0).collect();
-        turned.sort_unstable();
-        Ok((solid, turned))
+        let (all, turned) = given.turned(triangles, &is_turned);
+        Ok((Self::new(points, &all)?, turned))
     }
 
     /// Returns the neighbours of every triangle.
@@ -280,16 +302,15 @@ impl Mesh {
         Ok(neighbours)
     }
 
-    /// Returns which triangles to flip, at most half of each component, and the component of each.
-    fn agreeing(&self, neighbours: &[Neighbours]) -> Result<(Vec<bool>, Vec<u32>), MeshError> {
+    /// Returns which triangles to flip, at most half of each component.
+    fn agreeing(&self, neighbours: &[Neighbours]) -> Result<Vec<bool>, MeshError> {
         let count = self.triangles.len();
-        let (mut is_turned, mut part_of) = (vec![false; count], vec![u32::MAX; count]);
-        let mut parts = 0;
+        let (mut is_turned, mut is_seen) = (vec![false; count], vec![false; count]);
         for first in 0..count {
-            if part_of[first] != u32::MAX {
+            if is_seen[first] {
                 continue;
             }
-            part_of[first] = parts;
+            is_seen[first] = true;
             let mut members = vec![first];
             let mut next = 0;
             while let Some(&t) = members.get(next) {
@@ -297,8 +318,8 @@ impl Mesh {
                 for (i, &(u, is_alike)) in neighbours[t].iter().enumerate() {
                     let sense = is_turned[t] ^ is_alike;
                     let u = u as usize;
-                    if part_of[u] == u32::MAX {
-                        (part_of[u], is_turned[u]) = (parts, sense);
+                    if !is_seen[u] {
+                        (is_seen[u], is_turned[u]) = (true, sense);
                         members.push(u);
                     } else if is_turned[u] != sense {
                         let edge = [i, (i + 1) % 3].each(|i| self.source_points[self.triangles[t][i] as usize]);
@@ -309,74 +330,131 @@ impl Mesh {
             if 2 * members.iter().filter(|&&t| is_turned[t]).count() > members.len() {
                 members.iter().for_each(|&t| is_turned[t] = !is_turned[t]);
             }
-            parts += 1;
         }
-        Ok((is_turned, part_of))
+        Ok(is_turned)
     }
 
-    /// Returns the caller's triangles, with the marked ones flipped.
-    fn turned(&self, triangles: &[[u32; 3]], is_turned: &[bool]) -> Vec<[u32; 3]> {
-        let mut all = triangles.to_vec();
-        for (&k, _) in self.source_triangles.iter().zip(is_turned).filter(|x| *x.1) {
-            all[k as usize].swap(1, 2);
-        }
-        all
-    }
-
-    /// Returns the volumes and the boxes of the components.
-    fn sense_parts(&self, is_turned: &[bool], part_of: &[u32]) -> Vec<SensePart> {
-        let mut parts: Vec<SensePart> = Vec::new();
-        let mut bases = Vec::new();
-        for (k, (&part, &is_turned)) in part_of.iter().zip(is_turned).enumerate() {
-            let corners = self.corners(k as u32);
-            // Components are numbered in the order of their first triangles.
-            if part as usize == parts.len() {
-                bases.push(corners[0]);
-                parts.push(SensePart {
-                    volume: 0.0,
-                    low: corners[0],
-                    high: corners[0],
-                    triangle: k as u32,
-                });
-            }
-            let own = &mut parts[part as usize];
-            for p in &corners {
-                (own.low, own.high) = (own.low.smaller(*p), own.high.larger(*p));
-            }
-            let [a, b, c] = corners.each(|p| p - bases[part as usize]);
-            let volume = a.dot(&b.cross(&c)) / 6.0;
-            own.volume += if is_turned { -volume } else { volume };
-        }
-        parts
-    }
-
-    /// Returns which components of a solid must be flipped as a whole.
+    /// Returns the caller's triangles with the marked ones flipped, and the indices of those.
     ///
-    /// These are the components that lie in no other component and face inward, and the components
-    /// inside them.
-    fn inward(&self, given: &Self, parts: &[SensePart], part_of: &[u32]) -> Vec<bool> {
-        let most = given.source_triangles.iter().max().map_or(0, |k| *k as usize + 1);
-        let mut part_of_source = vec![u32::MAX; most];
-        for (&source, &part) in given.source_triangles.iter().zip(part_of) {
-            part_of_source[source as usize] = part;
+    /// A triangle that the build dropped as a repetition is flipped with the one that it repeats.
+    fn turned(&self, triangles: &[[u32; 3]], is_turned: &[bool]) -> (Vec<[u32; 3]>, Vec<u32>) {
+        let marked = self.source_triangles.iter().zip(is_turned).filter(|x| *x.1);
+        let mut turned: Vec<u32> = marked.map(|x| *x.0).collect();
+        turned.sort_unstable();
+        let repeated = self.report.repeated.iter();
+        let repeated = repeated.filter(|(_, kept)| turned.binary_search(kept).is_ok());
+        let repeated: Vec<u32> = repeated.map(|(dropped, _)| *dropped).collect();
+        turned.extend(repeated);
+        turned.sort_unstable();
+        let mut all = triangles.to_vec();
+        turned.iter().for_each(|&k| all[k as usize].swap(1, 2));
+        (all, turned)
+    }
+
+    /// Returns the solid with all of its triangles facing outward; `None` if they do already.
+    ///
+    /// Nothing else changes: trackers must not follow it.
+    pub(crate) fn facing_outward(&self) -> Option<Self> {
+        let is_inward = self.inward()?;
+        let mut mesh = self.clone();
+        let inward = mesh.triangles.iter_mut().zip(is_inward).filter(|x| x.1);
+        inward.for_each(|(corners, _)| corners.swap(1, 2));
+        Some(mesh)
+    }
+
+    /// Returns which triangles of a solid face inward; `None` if none does, or if it is open.
+    ///
+    /// All triangles of a sheet face the same way.
+    fn inward(&self) -> Option<Vec<bool>> {
+        if !self.is_solid() {
+            return None;
         }
-        let of = |t: u32| part_of_source[self.source_triangles[t as usize] as usize];
-        let mut order: Vec<usize> = (0..parts.len()).collect();
-        order.sort_by(|&i, &j| parts[j].volume.abs().total_cmp(&parts[i].volume.abs()));
-        let mut is_inward = vec![false; parts.len()];
-        for (k, &part) in order.iter().enumerate() {
-            let own = &parts[part];
-            let probes = given.corners(own.triangle);
-            let may_hold =
-                |outer: &SensePart| (0..3).all(|k| outer.low[k] <= own.low[k] && own.high[k] <= outer.high[k]);
-            // The larger components come first: the outermost one decides.
-            let outer = order[..k].iter().copied().find(|&outer| {
-                let is_other = |t: u32| of(t) == outer as u32;
-                let winding = |p: &Vector3<f64>| self.winding_of(p, is_other);
-                may_hold(&parts[outer]) && probes.iter().find_map(winding).is_some_and(|w| w != 0)
-            });
-            is_inward[part] = outer.map_or(own.volume < 0.0, |outer| is_inward[outer]);
+        let (sheets, _) = self.sheets();
+        let size = |t: u32| triangle::normal(&self.corners(t)).norm_squared();
+        let mut order: Vec<(u32, f64, u32)> = (0u32..).zip(&sheets).map(|(t, s)| (*s, size(t), t)).collect();
+        order.sort_unstable_by(|x, y| x.0.cmp(&y.0).then(y.1.total_cmp(&x.1)).then(x.2.cmp(&y.2)));
+        let (mut is_inward, mut open) = (vec![false; sheets.len()], Vec::new());
+        for sheet in order.chunk_by(|x, y| x.0 == y.0) {
+            match sheet.iter().take(PROBES).find_map(|x| self.is_inward(x.2)) {
+                Some(true) => sheet.iter().for_each(|x| is_inward[x.2 as usize] = true),
+                Some(false) => {}
+                None => open.extend(sheet.iter().map(|x| x.2)),
+            }
         }
-        is_inward
+        // Two equal triangles between bodies of opposite sense: the later one is flipped, so that
+        // they cancel.
+        let mut twins: Vec<([u32; 3], u32, u32)> = Vec::new();
+        for t in open {
+            let mut corners = self.triangles[t as usize];
+            let first = (0..3).min_by_key(|k| corners[*k]).unwrap_or(0);
+            corners.rotate_left(first);
+            twins.push((corners, self.source_triangles[t as usize], t));
+        }
+        twins.sort_unstable();
+        for equal in twins.chunk_by(|x, y| x.0 == y.0) {
+            equal
+                .iter()
+                .skip(1)
+                .step_by(2)
+                .for_each(|x| is_inward[x.2 as usize] = true);
+        }
+        is_inward.contains(&true).then_some(is_inward)
+    }
+
+    /// Returns false if no triangle of a solid is likely to face inward.
+    ///
+    /// This is so if it has few components, and all volumes are positive. It is a hint alone.
+    pub(crate) fn may_face_inward(&self) -> bool {
+        let parts = &self.report.parts;
+        parts.len() > LISTED_PARTS || parts.iter().any(|part| !(part.volume > 0.0))
+    }
+
+    /// Returns whether the body is in front of a triangle: the winding numbers on both sides of its
+    /// centroid have a negative sum.
+    ///
+    /// Returns `None` if no points beside the triangle show it.
+    pub(crate) fn is_inward(&self, t: u32) -> Option<bool> {
+        let corners = self.corners(t);
+        let normal = triangle::normal(&corners);
+        let length = sqrt(normal.norm_squared());
+        let out = normal / length * sqrt(length);
+        BESIDE.iter().find_map(|part| {
+            let [front, back] = [*part, -*part].each(|part| self.flushed(&(self.triangle_middle(t) + out * part)));
+            if !(front.height(&corners) > 0 && back.height(&corners) < 0) {
+                return None;
+            }
+            let (front, back) = (self.winding(&front)?, self.winding(&back)?);
+            // Behind a triangle the surface winds once more. Two equal triangles between bodies of
+            // opposite sense show nothing.
+            (front < back && front + back != 0).then_some(front + back < 0)
+        })
+    }
+
+    /// Returns the sheet of each triangle, named by one of its triangles, and whether the surface is
+    /// simple at its edges.
+    ///
+    /// A sheet is connected over edges of two triangles that run along them in opposite directions.
+    /// The surface is simple if all edges are such.
+    pub(crate) fn sheets(&self) -> (Vec<u32>, bool) {
+        let mut all: Vec<([u32; 2], bool, u32)> = Vec::with_capacity(3 * self.triangles.len());
+        for (t, corners) in (0..).zip(&self.triangles) {
+            for k in 0..3 {
+                let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                all.push(([a.min(b), a.max(b)], a < b, t));
+            }
+        }
+        all.sort_unstable();
+        let mut sheets: Vec<u32> = (0..self.triangles.len() as u32).collect();
+        let mut is_simple = true;
+        for edge in all.chunk_by(|x, y| x.0 == y.0) {
+            let [(_, false, t), (_, true, u)] = *edge else {
+                is_simple = false;
+                continue;
+            };
+            let (x, y) = (find(&mut sheets, t), find(&mut sheets, u));
+            sheets[x.max(y) as usize] = x.min(y);
+        }
+        let names = (0..sheets.len() as u32).map(|t| find(&mut sheets, t)).collect();
+        (names, is_simple)
     }
 }

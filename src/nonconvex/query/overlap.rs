@@ -12,6 +12,7 @@
 //! 4. So the pairs of triangles in contact decide, together with a point of each connected
 //!    component. [`common`] returns what two triangles have in common up to rounding, and
 //!    [`leaving`] where one leaves the other. Points near there are tested.
+//!    If a mesh may be inside out, both directions of a normal are tested.
 //! 5. Exact winding numbers prove every such point inside both bodies.
 
 use alloc::collections::BTreeSet;
@@ -123,6 +124,8 @@ struct SolidContact<'a, A, B> {
     b: &'a Mesh,
     /// Position error of a point.
     doubt: f64,
+    /// Whether triangles of a body may face inward.
+    may_face_inward: bool,
     /// Triangles of A and of B whose centroids were tested.
     seen: [BTreeSet<u32>; 2],
     /// Number of winding numbers computed.
@@ -151,8 +154,8 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
         }
         touching.pairs().iter().any(|&pair| {
             let (p, q) = self.corners(pair);
-            unit_normal(&p).is_some_and(|n| is_parted(n, &p[0]))
-                || unit_normal(&q).is_some_and(|n| is_parted(-n, &q[0]))
+            let mut any = |n: Vector3<f64>, at| is_parted(n, at) || self.may_face_inward && is_parted(-n, at);
+            unit_normal(&p).is_some_and(|n| any(n, &p[0])) || unit_normal(&q).is_some_and(|n| any(-n, &q[0]))
         })
     }
 
@@ -217,7 +220,12 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
         self.is_held(into, &(from + (to - from) * part))
     }
 
-    /// Returns whether both bodies are behind a point of both surfaces, in direction `-n`.
+    /// Returns whether both bodies are behind a point of both surfaces, in direction `-n`, or before
+    /// it if triangles may face inward.
+    fn are_beside(&mut self, at: &Vector3<f64>, n: &Vector3<f64>) -> bool {
+        self.are_behind(at, n) || self.may_face_inward && self.are_behind(at, &-n)
+    }
+
     fn are_behind(&mut self, at: &Vector3<f64>, n: &Vector3<f64>) -> bool {
         let to = at - n * sqrt((self.a.high - self.a.low).norm_squared());
         let part = 0.5 * self.free(Operand::A, at, &to).smaller(self.free(Operand::B, at, &to));
@@ -239,8 +247,8 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
                     && (self.is_shared_behind(Operand::B, pair[0], &p)
                         || self.is_shared_behind(Operand::A, pair[1], &q))
             }
-            CommonPart::Flat(_, false) => false,
-            CommonPart::Flat(at, true) => unit_normal(&p).is_some_and(|n| self.are_behind(&at, &n)),
+            CommonPart::Flat(_, false) if !self.may_face_inward => false,
+            CommonPart::Flat(at, _) => unit_normal(&p).is_some_and(|n| self.are_beside(&at, &n)),
             CommonPart::Segment(at, s) => {
                 leaving(&p, &q, &at, &s, slack).any(|to| self.enters(Operand::B, &at, &to))
                     || leaving(&q, &p, &at, &s, slack).any(|to| self.enters(Operand::A, &at, &to))
@@ -258,7 +266,7 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
             return false;
         }
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        self.is_held(other, &middle) || unit_normal(corners).is_some_and(|n| self.are_behind(&middle, &n))
+        self.is_held(other, &middle) || unit_normal(corners).is_some_and(|n| self.are_beside(&middle, &n))
     }
 
     /// Tests the pairs of triangles whose boxes meet, up to the limits.
@@ -310,6 +318,7 @@ impl<A: Parted, B: Parted> PosedTrees<'_, A, B> {
             a,
             b,
             doubt: 2.0 * self.frame.error,
+            may_face_inward: a.may_face_inward() || b.may_face_inward(),
             seen: Default::default(),
             windings: 0,
         };

@@ -122,6 +122,7 @@ fn same_verdict(segment: usize, r: &Verdict, c: &lc_verdict) -> bool {
     match r {
         Verdict::Free { clearance, .. } => {
             assert_eq!((c.state, c.clearance.to_bits()), (LC_FREE, clearance.to_bits()));
+            assert_eq!(c.hit, f64::INFINITY);
         }
         Verdict::Blocked { t, pair, witnesses, .. } => {
             assert_eq!((c.state, c.hit.to_bits()), (LC_BLOCKED, t.to_bits()));
@@ -130,7 +131,7 @@ fn same_verdict(segment: usize, r: &Verdict, c: &lc_verdict) -> bool {
             assert_eq!(points, [c.point_on_a, c.point_on_b].map(bits));
             return true;
         }
-        _ => assert_eq!(c.state, LC_OPEN),
+        _ => assert_eq!((c.state, c.hit), (LC_OPEN, f64::INFINITY)),
     }
     false
 }

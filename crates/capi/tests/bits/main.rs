@@ -261,8 +261,8 @@ fn same_points(numbers: [f64; 3], vectors: [[f64; 3]; 3], c: &lc_answer, name: &
 /// Compares a hit with that of Rust, and returns whether it is one.
 fn same_hit(r: &RayCast, c: &lc_ray_hit) -> bool {
     match r {
-        RayCast::Miss => assert_eq!(c.state, LC_MISS),
-        RayCast::Inside => assert_eq!(c.state, LC_AT_START),
+        RayCast::Miss => assert_eq!((c.state, c.hit), (LC_MISS, f64::INFINITY)),
+        RayCast::Inside => assert_eq!((c.state, c.hit), (LC_AT_START, 0.0)),
         RayCast::Hit(r) => {
             assert_eq!((c.state, c.subshape), (LC_HIT, r.subshape));
             assert_eq!(bits([r.safe, r.hit]), bits([c.safe, c.hit]));
@@ -270,7 +270,9 @@ fn same_hit(r: &RayCast, c: &lc_ray_hit) -> bool {
             assert_eq!(bits(r.normal.into_inner().into()), bits(c.normal));
             return true;
         }
-        RayCast::Undecided { safe } => assert_eq!((c.state, c.safe), (LC_UNCLEAR, *safe)),
+        RayCast::Undecided { safe } => {
+            assert_eq!((c.state, c.safe, c.hit), (LC_UNCLEAR, *safe, f64::INFINITY));
+        }
         other => panic!("{other:?}"),
     }
     false

@@ -228,9 +228,9 @@ fn casts_have_the_bits_of_rust() {
             let (state, safe, hit, seen) = match &r.impact {
                 Impact::Hit { safe, hit, seen } => (LC_HIT, *safe, *hit, Some(seen)),
                 Impact::AtStart { seen } => (LC_AT_START, 0.0, 0.0, Some(seen)),
-                Impact::Miss => (LC_MISS, 2.0, 0.0, None),
-                Impact::Undecided { safe, .. } => (LC_UNCLEAR, *safe, 0.0, None),
-                Impact::Incomplete { safe } => (LC_INCOMPLETE, *safe, 0.0, None),
+                Impact::Miss => (LC_MISS, 2.0, f64::INFINITY, None),
+                Impact::Undecided { safe, .. } => (LC_UNCLEAR, *safe, f64::INFINITY, None),
+                Impact::Incomplete { safe } => (LC_INCOMPLETE, *safe, f64::INFINITY, None),
                 other => panic!("{name}: {other:?}"),
             };
             assert_eq!((c.state, bits([c.safe, c.hit])), (state, bits([safe, hit])), "{name}");

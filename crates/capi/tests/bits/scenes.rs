@@ -114,7 +114,9 @@ fn pairs_and_events_of_scenes_have_the_bits_of_rust() {
                 both.answer(outcome, r.subshapes.unwrap_or([0; 2]), [r.a, r.b], &c.answer);
                 compared += 1;
             } else {
-                assert_eq!(c.answer.answered, 0);
+                assert_eq!((c.answer.answered, c.answer.state), (0, LC_UNDECIDED));
+                assert_eq!(c.answer.lower, f64::NEG_INFINITY);
+                assert_eq!(c.answer.upper, f64::INFINITY);
             }
         }
         let found = both.list(lc_scene_events);
@@ -235,8 +237,8 @@ fn first_contacts_of_scenes_have_the_bits_of_rust() {
             assert_eq!((both.body(r.a), both.body(r.b)), (c.a, c.b));
             let (state, hit) = match r.impact {
                 Impact::Hit { hit, .. } => (LC_HIT, hit),
-                Impact::Undecided { .. } => (LC_UNCLEAR, 0.0),
-                Impact::Incomplete { .. } => (LC_INCOMPLETE, 0.0),
+                Impact::Undecided { .. } => (LC_UNCLEAR, f64::INFINITY),
+                Impact::Incomplete { .. } => (LC_INCOMPLETE, f64::INFINITY),
                 ref other => panic!("{other:?}"),
             };
             let numbers = [[r.safe(), hit, r.distance], [c.safe, c.hit, c.distance]];

@@ -5,6 +5,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::world::BodyId;
+use crate::errors::no_condition;
 use crate::array::triple;
 use crate::tracker::StartContact;
 
@@ -173,6 +174,11 @@ impl Verdict {
 
 #[pymethods]
 impl Verdict {
+    /// Raises TypeError: the answer has more than two values.
+    fn __bool__(&self) -> PyResult<bool> {
+        Err(no_condition("Verdict", "is_free"))
+    }
+
     /// "free" (every pair keeps its margin at every instant), "blocked" (a pair is proven not to)
     /// or "undecided" (rounding hides it).
     ///

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 
 use super::Checker;
 use super::range::{RangeAnswer, options};
-use crate::errors::plan_error;
+use crate::errors::{no_condition, plan_error};
 
 /// Whether two links, or a link and an obstacle, can meet at any configuration within the limits,
 /// with proof.
@@ -23,6 +23,11 @@ pub(crate) struct LinkAudit {
 
 #[pymethods]
 impl LinkAudit {
+    /// Raises TypeError: the answer has more than two values.
+    fn __bool__(&self) -> PyResult<bool> {
+        Err(no_condition("LinkAudit", "verdict"))
+    }
+
     /// The name of the first link, or of an attached object.
     #[getter]
     fn a(&self) -> &str {

@@ -12,7 +12,7 @@ use super::Checker;
 use super::answers::{Pair, names};
 use super::world::{Bodies, BodyId};
 use crate::array::{Argument, numbers, of_table};
-use crate::errors::plan_error;
+use crate::errors::{no_condition, plan_error};
 use crate::watch::Watch;
 
 const LOW: Argument = Argument {
@@ -32,6 +32,11 @@ pub(crate) struct RangeAnswer {
 
 #[pymethods]
 impl RangeAnswer {
+    /// Raises TypeError: the answer has more than two values.
+    fn __bool__(&self) -> PyResult<bool> {
+        Err(no_condition("RangeAnswer", "verdict"))
+    }
+
     /// "never" (at every configuration the pair keeps its distance), "always" (at none), "both"
     /// (`witnesses` are a configuration of each) or "open" (the budget ended before).
     #[getter]

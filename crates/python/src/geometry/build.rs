@@ -116,8 +116,8 @@ impl Geometry {
     /// triangles.
     ///
     /// Two triangles must meet at every edge. The call inverts the fewest triangles of each
-    /// component that make it consistent, then whole components to face outward. A cavity stays a
-    /// cavity, and a closed mesh is not changed.
+    /// component that make it consistent, unless the mesh is closed, then whole components to face
+    /// outward. A cavity stays a cavity.
     #[staticmethod]
     fn oriented_mesh(
         py: Python<'_>,

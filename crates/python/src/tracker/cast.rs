@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 
 use super::PairTracker;
 use crate::array::{Argument, triple, vector};
-use crate::errors::motion_error;
+use crate::errors::{motion_error, no_condition};
 use crate::geometry::Geometry;
 use crate::pose::Pose;
 
@@ -89,6 +89,11 @@ impl Cast {
 
 #[pymethods]
 impl Cast {
+    /// Raises TypeError: the answer has more than two values.
+    fn __bool__(&self) -> PyResult<bool> {
+        Err(no_condition("Cast", "state"))
+    }
+
     /// "hit", "miss" (proven for the whole interval), "start" (in contact, or within the distance,
     /// at time 0), "undecided" (within rounding error of contact) or "incomplete" (a limit was reached).
     #[getter]

@@ -4,6 +4,7 @@
 pub mod bytes;
 pub mod calls;
 pub mod clouds;
+pub mod corners;
 pub mod curves;
 pub mod distances;
 pub mod exact_place;

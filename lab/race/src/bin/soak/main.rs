@@ -34,8 +34,8 @@ use race::progress::Progress;
 use tally::Tally;
 use truth::command::{count, number};
 use truth::driven::{
-    bytes, calls, clouds, distances, lattice, planner, points, rays, scenes, slivers, solids, stand_ins, surfaces,
-    throws, turned_boxes, underflow,
+    bytes, calls, clouds, corners, distances, lattice, planner, points, rays, scenes, slivers, solids, stand_ins,
+    surfaces, throws, turned_boxes, underflow,
 };
 use truth::motion::Frame;
 use truth::rng::Rng;
@@ -251,7 +251,7 @@ fn random_bytes(seed: u64, count: usize) -> Vec<u8> {
     (0..count).map(|_| rng.bits() as u8).collect()
 }
 
-const DRIVERS: [Driver; 18] = [
+const DRIVERS: [Driver; 19] = [
     // Lattices, bricks and stacks combine equal bounds, reused indices and slow motion. Brute force
     // checks each step.
     Driver {
@@ -309,6 +309,13 @@ const DRIVERS: [Driver; 18] = [
         salt: 0x501d,
         count: 1,
         play: |seed, tally| solids::play(seed).map(|mix| tally.solids.add(&mix)),
+    },
+    // Unions of boxes of every form pressed into inner corners, and meshes inside out.
+    Driver {
+        name: "bodies in inner corners",
+        salt: 0xc027,
+        count: 4,
+        play: |seed, tally| corners::play(seed).map(|mix| tally.corners.add(&mix)),
     },
     // Points and rays closer to a closed mesh than rounding, judged over the rationals.
     Driver {

@@ -7,8 +7,8 @@ use crate::faulty;
 use lin_canny::Outcome;
 use truth::driven::lattice::Mix;
 use truth::driven::{
-    bytes, calls, clouds, distances, planner, points, rays, scenes, slivers, solids, stand_ins, surfaces, throws,
-    turned_boxes, underflow,
+    bytes, calls, clouds, corners, distances, planner, points, rays, scenes, slivers, solids, stand_ins, surfaces,
+    throws, turned_boxes, underflow,
 };
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
@@ -52,6 +52,8 @@ pub(crate) struct Tally {
     pub(crate) slivers: slivers::Mix,
     /// Solids with faces in common.
     pub(crate) solids: solids::Mix,
+    /// Bodies in inner corners.
+    pub(crate) corners: corners::Mix,
     /// Points and rays next to closed meshes.
     pub(crate) points: points::Mix,
     /// Rays at bodies of every kind.
@@ -108,6 +110,7 @@ impl Tally {
         self.faulty.add(&o.faulty);
         self.slivers.add(&o.slivers);
         self.solids.add(&o.solids);
+        self.corners.add(&o.corners);
         self.points.add(&o.points);
         self.rays.add(&o.rays);
         self.turned_boxes.add(&o.turned_boxes);
@@ -148,6 +151,7 @@ impl Tally {
         println!("meshes with faults: {:?}", self.faulty);
         println!("meshes of slivers: {:?}", self.slivers);
         println!("solids with faces in common: {:?}", self.solids);
+        println!("bodies in inner corners: {:?}", self.corners);
         println!("points and rays next to a mesh: {:?}", self.points);
         println!("rays at bodies: {:?}", self.rays);
         println!("points on rotated pieces: {:?}", self.turned_boxes);
