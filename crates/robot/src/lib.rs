@@ -85,17 +85,24 @@
 //!   the file, bodies and joints are `body3` and `joint2`, with MuJoCo's numbers.
 //! * A coordinate is MuJoCo's `qpos` of the joint, so that `ref` is the drawn pose. A free joint
 //!   has the position in the world, and angles as in `rpy`. A ball joint is an error.
+//! * A joint has limits if `limited` is true, or if it is `auto` and the first number of `range` is
+//!   below the second: `range="0 0"` is no limit. A free joint has none. The flags `limit`,
+//!   `equality` and `constraint` switch limits and equalities off.
+//! * A body with `mocap`, which a program moves, has the coordinates `BODY:mocap/x` to
+//!   `BODY:mocap/yaw`, as with a free joint. Exception: if neither the body nor a body below it
+//!   collides, the body is at rest. Pairs of two bodies without joints above them are not checked.
 //! * Geoms with `contype` and `conaffinity` of zero are visuals, unless an element `pair` names
 //!   them. The bits, `exclude`, `pair` and the flag `filterparent` decide which pairs are checked:
-//!   see [`Robot::excluded`] and [`Robot::adjacent`]. Other flags, masks of a `Cell` and a second
-//!   robot change nothing: all those pairs are checked.
+//!   see [`Robot::excluded`] and [`Robot::adjacent`]. Masks of a `Cell` and a second robot change
+//!   nothing: all those pairs are checked. A flag that switches contacts off changes nothing, and
+//!   is listed in [`Robot::skipped`].
 //! * A mesh is used as its hull, as in MuJoCo, or as [`LoadOptions::meshes`] says. Meshes are STL,
 //!   OBJ and MSH files, or in the file. A geom that MuJoCo would fit to a mesh is an error.
 //! * A plane of a body that no joint moves is a half-space; in a setup it is an obstacle with the
 //!   name of the link. A plane that moves is a box of the size [`LoadOptions::plane_extent`] below
 //!   the plane. A height field is the solid below its heights, which must be in the file.
 //! * An equality of two joints is a mimic joint, and one without a second joint holds the joint.
-//!   Other equalities are listed in [`Robot::skipped`].
+//!   Other equalities are listed in [`Robot::skipped`]. An equality that is not `active` is none.
 //! * `include`, `default`, `frame` and `replicate` are read. `attach`, `composite`, `flexcomp`,
 //!   plugins and fields from pictures are errors.
 //!

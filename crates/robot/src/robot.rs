@@ -249,8 +249,8 @@ impl Robot {
     /// Returns what the file names and the robot does not hold.
     ///
     /// These are collision elements whose mesh file does not exist, if
-    /// [`LoadOptions::skip_missing_meshes`] is set, and elements of SDFormat that are left out by
-    /// rule, such as `actor`.
+    /// [`LoadOptions::skip_missing_meshes`] is set, elements of SDFormat that are left out by rule,
+    /// such as `actor`, and in MJCF equalities of bodies and flags that switch contacts off.
     #[must_use]
     pub fn skipped(&self) -> &[Skipped] {
         &self.skipped

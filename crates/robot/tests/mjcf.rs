@@ -84,6 +84,10 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
     let (mut poses, mut worst, mut replaced, mut pairs, mut limits) = (0, 0.0_f64, 0, 0, 0);
     for line in std::fs::read_to_string(file).expect("results").lines() {
         let model: serde_json::Value = serde_json::from_str(line).expect("JSON");
+        if let Some(what) = model["skipped"].as_str() {
+            println!("skipped: {what}");
+            continue;
+        }
         let name = model["file"].as_str().expect("a name");
         let name = std::path::Path::new(folder).join(name).display().to_string();
         let robot = match model["text"].as_str() {

@@ -13,7 +13,10 @@ import os
 import pathlib
 import sys
 
-import mujoco
+try:
+    import mujoco
+except ImportError:
+    sys.exit(print(json.dumps({"skipped": "MuJoCo: not installed"})))
 import numpy as np
 
 CONFIGURATIONS = int(os.environ.get("CONFIGURATIONS", 100))
@@ -63,6 +66,8 @@ def pairs(model, data):
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     mujoco.mj_collision(model, data)
+    if data.warning[int(mujoco.mjtWarning.mjWARN_CONTACTFULL)].number:
+        raise mujoco.FatalError("too many pairs for the memory of the model")
     return sorted({tuple(sorted(map(int, c.geom))) for c in data.contact})
 
 
@@ -98,7 +103,7 @@ def limits(model):
     found = {}
     for k in range(model.njnt):
         if model.jnt_type[k] in (SLIDE, HINGE) and k not in driven:
-            limited = bool(model.jnt_limited[k]) and has(model, "LIMIT")
+            limited = bool(model.jnt_limited[k]) and has(model, "LIMIT") and np.isfinite(model.jnt_range[k]).any()
             found[name(model, mujoco.mjtObj.mjOBJ_JOINT, k, "joint")] = model.jnt_range[k].tolist() if limited else None
     return found
 
@@ -216,7 +221,7 @@ def main():
                         values[f"{joints[k]}/{part}"] = value
                 elif model.jnt_type[k] != BALL:
                     low, high = limits(model).get(joints[k]) or (-3, 3)
-                    data.qpos[at] = values[joints[k]] = random.uniform(low, high)
+                    data.qpos[at] = values[joints[k]] = random.uniform(max(low, -1e3), min(high, 1e3))
             for joint in follow(model, data):
                 values.pop(joints[joint], None)
             configurations.append({"values": values, "poses": poses(model, data)})
@@ -245,20 +250,20 @@ def main():
                         at = [x * (2 * c / (columns - 1) - 1), y * (2 * r / (rows - 1) - 1), high * float(heights[r, c])]
                         geom["points"].append(at)
             geoms.append(geom)
-        print(
-            json.dumps(
-                {
-                    "file": file,
-                    "text": text,
-                    "bodies": bodies,
-                    "limits": limits(model),
-                    "holds": any(leader < 0 for _, leader, _ in followers(model)),
-                    "geoms": geoms,
-                    "configurations": configurations,
-                    "pairs": pairs(model, data),
-                }
-            )
-        )
+        line = {
+            "file": file,
+            "text": text,
+            "bodies": bodies,
+            "limits": limits(model),
+            "holds": any(leader < 0 for _, leader, _ in followers(model)),
+            "geoms": geoms,
+            "configurations": configurations,
+        }
+        try:
+            line["pairs"] = pairs(model, data)
+        except mujoco.FatalError as error:
+            line = {"file": file, "text": text, "error": str(error).splitlines()[0]}
+        print(json.dumps(line))
 
 
 main()
