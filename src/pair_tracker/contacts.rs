@@ -213,6 +213,10 @@ impl PairTracker {
     /// generators; a surface has its lowest point only. Seen from the lowest point, all of them are
     /// as flat over the plane as `options.max_face_sine` permits.
     ///
+    /// No contact is deeper than the penetration depth of solids in an inner corner, up to rounding.
+    /// Limit: a wall of an inner corner may have no contact. In a test of 10,000 overlaps of 0 to
+    /// 1e-3 of unions of boxes, 22 of 12,194 walls had none, 19 of them at an overlap of 1e-12.
+    ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;

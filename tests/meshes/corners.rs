@@ -16,7 +16,7 @@ fn play_all(first: u64, overlaps: u64) -> Mix {
         seed += 1;
     }
     println!("{mix:?}");
-    let shown = wrong.iter().take(1000).cloned().collect::<Vec<_>>().join("\n");
+    let shown = wrong.iter().take(8).cloned().collect::<Vec<_>>().join("\n");
     assert!(wrong.is_empty(), "{} of {overlaps}:\n{shown}", wrong.len());
     // A known limit, measured: 22 of 12,194 walls.
     assert!(mix.missed * 400 < mix.walls, "{mix:?}");
