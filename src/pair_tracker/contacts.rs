@@ -213,9 +213,10 @@ impl PairTracker {
     /// generators; a surface has its lowest point only. Seen from the lowest point, all of them are
     /// as flat over the plane as `options.max_face_sine` permits.
     ///
-    /// No contact is deeper than the penetration depth of solids in an inner corner, up to rounding.
-    /// Limit: a wall of an inner corner may have no contact. In a test of 10,000 overlaps of 0 to
-    /// 1e-3 of unions of boxes, 22 of 12,194 walls had none, 19 of them at an overlap of 1e-12.
+    /// No contact is deeper than the penetration depth of solids in an inner corner, up to
+    /// rounding. Limit: a wall of an inner corner may have no contact. In a test of 10,000 overlaps
+    /// of 0 to 1e-3 of unions of boxes, 22 of 12,194 walls had none, 19 of them at an overlap of
+    /// 1e-12.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -322,8 +323,9 @@ impl PairTracker {
     ///
     /// The interval may be wide. Bodies that interlock at several positions are deeper than at any
     /// one of them, and slots mislead the search. A translation after which a body exactly fills a
-    /// slot is not proven to separate the bodies, so the upper bound is the way out of the slot. [`penetration_with`](Self::penetration_with)
-    /// narrows it. For two convex geometries, [`closest`](Self::closest) returns the depth itself.
+    /// slot is not proven to separate the bodies, so the upper bound is the way out of the slot.
+    /// [`penetration_with`](Self::penetration_with) narrows it. For two convex geometries,
+    /// [`closest`](Self::closest) returns the depth itself.
     ///
     /// Two meshes take at most 35 queries and 13 passes over up to 2,048 vertices of each body.
     /// This takes milliseconds to tens of milliseconds for meshes of thousands of triangles. For

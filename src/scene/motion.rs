@@ -260,8 +260,8 @@ impl Scene {
     /// ```
     ///
     /// Bodies that share a point before the tick have no impact, and those within the distance no
-    /// impact within; use the queries `overlap` and `within` to find them. A body that [`set_pose`](Self::set_pose) moves before or after the tick jumps: its
-    /// path is not tested.
+    /// impact within; use the queries `overlap` and `within` to find them. A body that
+    /// [`set_pose`](Self::set_pose) moves before or after the tick jumps: its path is not tested.
     #[doc(alias = "ccd")]
     #[doc(alias = "tunnelling")]
     #[must_use]

@@ -78,7 +78,7 @@ impl From<Group> for u8 {
 /// |---|---|---|---|
 /// | nothing | [`none`](Self::none) | the bodies are never paired | nothing |
 /// | boxes | `boxes` | events when boxes start and stop overlapping | a slot |
-/// | predicates | `overlap`, `within`, `impact`, `impact_within` | exact predicate, or the budget | a tracker |
+/// | predicates | `overlap`, `within`, `impact`, `impact_within` | predicate, budget | a tracker |
 /// | distance | `distance`, `depth`, `local_depth` | signed distance, bounds | distance as well |
 /// | features | `features` | features, witnesses and normal as well | the outcome as well |
 /// | manifold | `manifold` | contact points as well | a manifold as well, within its prediction |

@@ -101,8 +101,8 @@ impl StepWork {
     }
 }
 
-// Includes `pairs`, `without_queries`, `fixed_left_out` and `active`, so that a sum over steps divided by `steps` is
-// their mean.
+// Includes `pairs`, `without_queries`, `fixed_left_out` and `active`, so that a sum over steps
+// divided by `steps` is their mean.
 sum_of_counters!(StepWork {
     steps,
     boxes,

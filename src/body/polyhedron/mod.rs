@@ -107,8 +107,8 @@ pub struct ConvexPolyhedron {
     /// Three times the covariance of the vertices. For points on an ellipsoid this is the matrix of
     /// the ellipsoid.
     pub(crate) covariance3: Matrix3<f64>,
-    /// Whether the ellipsoid of `covariance3` is far from a ball: where a walk starts, never a fact.
-    /// It is false for a polygon of few vertices, and true for some bodies with volume.
+    /// Whether the ellipsoid of `covariance3` is far from a ball: where a walk starts, never a
+    /// fact. It is false for a polygon of few vertices, and true for some bodies with volume.
     pub(crate) seems_flat: bool,
     /// Whether some face boundaries or fans are so long that walks jump along them: a hint too.
     pub(crate) has_large_rings: bool,

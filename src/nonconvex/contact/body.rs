@@ -229,7 +229,8 @@ impl ConvexPatches {
         }
     }
 
-    /// Returns whether the surface of the body is nearer than `reach` to a point in the body's frame.
+    /// Returns whether the surface of the body is nearer than `reach` to a point in the body's
+    /// frame.
     pub(super) fn is_near(&self, point: &Point3<f64>, reach: f64, doubt: f64) -> bool {
         match &self.0 {
             PatchedBody::Mesh(surface) => !surface.is_clear(point, reach),

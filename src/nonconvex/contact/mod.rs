@@ -12,8 +12,8 @@
 //! vertex's edges. So a body that slides over the edges of a tessellated floor, or along a reflex
 //! edge, feels none of them.
 //!
-//! A hull of a patch may extend outside the solid, and the face of the least overlap may be one that
-//! the bodies do not reach. So a contact that is not sure is checked with the surfaces of both
+//! A hull of a patch may extend outside the solid, and the face of the least overlap may be one
+//! that the bodies do not reach. So a contact that is not sure is checked with the surfaces of both
 //! bodies and all shallower contacts (`unresolved`): it is dropped if an overlap far shallower than
 //! its own explains it.
 //!
@@ -210,15 +210,16 @@ impl ContactTracker {
     }
 }
 
-/// Returns the contacts that no far shallower overlap explains, each with whether its depth is sure.
+/// Returns the contacts that no far shallower overlap explains, each with whether its depth is
+/// sure.
 ///
 /// An overlap that a shift of B ends is as narrow as the shift: everywhere in it the surfaces of
 /// both bodies are near. So the contacts of two patches are dropped if the surface of A is as near
 /// to all of their points on B, and that of B to all of their points on A. The shift may be along
 /// the normals of three shallower contacts, and it may be none, for bodies that touch.
 ///
-/// The points of a wide overlap may all be at its ends, next to other sides of both bodies. Then the
-/// means of the points are inside both bodies, and the contacts are kept.
+/// The points of a wide overlap may all be at its ends, next to other sides of both bodies. Then
+/// the means of the points are inside both bodies, and the contacts are kept.
 fn unresolved(query: &PatchQuery, all: &[(PatchContact, bool)]) -> Vec<PatchContact> {
     let depth = |c: &PatchContact| -c.point.separation;
     let mut depths: Vec<f64> = Vec::new();
@@ -263,8 +264,8 @@ impl PatchQuery<'_> {
         self.a.is_near(&in_a, reach, self.doubt) && self.b.is_near(&in_b, reach, self.doubt)
     }
 
-    /// Returns whether A contains the ball of a radius around a point of B, and B that around a point
-    /// of A.
+    /// Returns whether A contains the ball of a radius around a point of B, and B that around a
+    /// point of A.
     fn are_inside(&self, points: &[Vector3<f64>; 2], radius: f64) -> bool {
         let [in_a, in_b] = self.crossed(points);
         let holds =

@@ -430,8 +430,8 @@ impl Mesh {
         })
     }
 
-    /// Returns the sheet of each triangle, named by one of its triangles, and whether the surface is
-    /// simple at its edges.
+    /// Returns the sheet of each triangle, named by one of its triangles, and whether the surface
+    /// is simple at its edges.
     ///
     /// A sheet is connected over edges of two triangles that run along them in opposite directions.
     /// The surface is simple if all edges are such.

@@ -215,11 +215,11 @@ pub enum MeshKind {
     /// One edge may cancel two shorter ones. Points with non-zero winding number are inside and
     /// belong to the body, and so does the surface. The triangles may face inward.
     ///
-    /// **Sheets.** Two faces that lie on each other and face opposite directions are a sheet without
-    /// thickness, unless the body is on both sides. A sheet has no inside, but it is a part of the
-    /// body: distances are measured to it, and a body that crosses it overlaps the mesh. The
-    /// overlap lasts until a translation has taken that body out of the sheet, which the bounds of a
-    /// [penetration](crate::PairTracker::penetration) include in `upper`, but not in `lower`.
+    /// **Sheets.** Two faces that lie on each other and face opposite directions are a sheet
+    /// without thickness, unless the body is on both sides. A sheet has no inside, but it is a part
+    /// of the body: distances are measured to it, and a body that crosses it overlaps the mesh. The
+    /// overlap lasts until a translation has taken that body out of the sheet, which the bounds of
+    /// a [penetration](crate::PairTracker::penetration) include in `upper`, but not in `lower`.
     /// [`Mesh::inspect`](super::Mesh::inspect) finds sheets.
     Solid,
     /// Not closed: the body consists of the triangles alone and has no inside.

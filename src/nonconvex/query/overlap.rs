@@ -220,8 +220,8 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
         self.is_held(into, &(from + (to - from) * part))
     }
 
-    /// Returns whether both bodies are behind a point of both surfaces, in direction `-n`, or before
-    /// it if triangles may face inward.
+    /// Returns whether both bodies are behind a point of both surfaces, in direction `-n`, or
+    /// before it if triangles may face inward.
     fn are_beside(&mut self, at: &Vector3<f64>, n: &Vector3<f64>) -> bool {
         self.are_behind(at, n) || self.may_face_inward && self.are_behind(at, &-n)
     }
