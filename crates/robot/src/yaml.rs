@@ -20,12 +20,25 @@ enum Open {
 
 /// Returns the value of a text.
 pub(crate) fn parse(text: &str) -> Result<Value, Fault> {
-    let (mut open, mut whole) = (Vec::new(), None);
+    // The line of the last document's start.
+    let (mut open, mut whole, mut start) = (Vec::new(), None, 1);
     for event in Parser::new_from_str(text.strip_prefix('\u{feff}').unwrap_or(text)) {
         let (event, span) = event.map_err(|error| (error.marker().line() as u32, error.info().to_owned()))?;
         let fault = |reason: String| Err((span.start.line() as u32, reason));
         let value = match event {
-            Event::DocumentStart(_) if whole.is_some() => return fault("several documents (expected one)".into()),
+            Event::DocumentStart(_) => {
+                start = span.start.line() as u32;
+                continue;
+            }
+            // A line `---` at the end, as ROS prints it, starts an empty document.
+            Event::Scalar(text, ScalarStyle::Plain, ..) if whole.is_some() && open.is_empty() && text.is_empty() => {
+                continue;
+            }
+            Event::Scalar(..) | Event::Alias(_) | Event::SequenceStart(..) | Event::MappingStart(..)
+                if whole.is_some() && open.is_empty() =>
+            {
+                return Err((start, "several documents (expected one)".into()));
+            }
             Event::SequenceStart(0, None) | Event::MappingStart(0, None) if open.len() == DEPTH => {
                 return fault(format!("too deep (expected a depth of at most {DEPTH})"));
             }
