@@ -79,7 +79,8 @@ def poses(model, data):
 def follow(model, data):
     """Sets the joints that an equality drives, and returns their numbers."""
     driven = []
-    for one, other, factors in followers(model):
+    # A leader may follow a joint whose equality comes later.
+    for one, other, factors in followers(model) * len(followers(model)):
         move = 0.0
         if other >= 0:
             leader = model.jnt_qposadr[other]
