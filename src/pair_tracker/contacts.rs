@@ -215,8 +215,7 @@ impl PairTracker {
     ///
     /// No contact is deeper than the penetration depth of solids in an inner corner, up to
     /// rounding. Limit: a wall of an inner corner may have no contact. In a test of 10,000 overlaps
-    /// of 0 to 1e-3 of unions of boxes, 22 of 12,194 walls had none, 19 of them at an overlap of
-    /// 1e-12.
+    /// of 0 to 1e-3 of unions of boxes, 63 of 12,368 walls had none, most at an overlap of 1e-12.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
