@@ -146,7 +146,7 @@ fn a_blocked_world_has_no_path() {
         for seed in 0..3 {
             let space = RigidSpace::new(bounds, 0.3, 1).expect("a space");
             let mut checker = Checker::new(space, world(&robot, &obstacles)).expect("a world");
-            let few = options(seed).slices(12);
+            let few = options(seed).method(PlanMethod::Opportunistic).slices(12);
             let plan = checker.plan(&at(-2.0), &at(2.0), &few).expect("free ends");
             assert_eq!(plan.path, None);
             assert!(plan.work.slices == 12 && plan.work.freeways > 0, "{:?}", plan.work);
