@@ -211,7 +211,10 @@ fn configurations_and_segments_on_faces_are_looked_up() {
     }
     // Balls and boxes decide most of them before a lookup.
     let (work, other) = (with.work(), plain.work());
-    assert!(work.lookups > 0 && work.decisions <= other.decisions, "{work:?} {other:?}");
+    assert!(
+        work.lookups > 0 && work.decisions <= other.decisions,
+        "{work:?} {other:?}"
+    );
     assert!(free > 1_500, "{free}");
 }
 
