@@ -355,7 +355,8 @@ pub(crate) const BOX: f64 = 32.0 * UNIT;
 /// Outward rounding of a posed box about the box of a body, in units of the sum of the body's
 /// farthest coordinates and of the distance of its middle: the matrix errs by at most 20 UNIT a
 /// row, products and sums by 8. The rest is room: a box contains its body up to a rounding or two
-/// of its corners, and a compound grows its box by what rotated pieces may be off ([`PLACED`]).
+/// of its corners, and a compound grows its box by what rotated pieces may be off
+/// ([`PLACED_PIECE`]).
 pub(crate) const BOX_TURNED: f64 = 64.0 * UNIT;
 
 /// Outward rounding of a box found by a scan in f32, in units of the radius: one rounding of each
@@ -519,8 +520,8 @@ pub(crate) const TURN: f64 = 64.0 * UNIT;
 
 /// Deviation from one, as computed, of the squared norm of a quaternion that was divided by its
 /// norm: the square errs by 4 UNIT, the root by half of that and UNIT, the quotient by UNIT: 8 of
-/// the square, and 4 of the square taken again.
-pub(crate) const NORMALISED: f64 = 12.0 * UNIT;
+/// the square, and 4 of the square taken again, and a little of second order.
+pub(crate) const NORMALISED: f64 = 13.0 * UNIT;
 
 /// Error of the coefficients of a plane's gap (`separation::plane`), times `(1 + q)^2` with q the
 /// angle that a direction turns by as a shape sees it, in units of both reaches, the ways of the
@@ -695,14 +696,14 @@ pub(crate) const SLAB_HEIGHT: f64 = 12.0 * UNIT;
 /// How far a vertex of a placed piece may be off its place, in units of its distance from the
 /// origin of the piece plus the length of the translation. A quaternion that is divided by its norm
 /// has a squared norm that differs from one by 8 UNIT (four squares and three sums, half of it by
-/// the root, and the quotient), and by 12 as computed. One that does not differ by more as computed
-/// is taken as it is, and differs by 16 UNIT. This turns and stretches the rotated vector by up to
-/// twice that, 32 UNIT.
+/// the root, and the quotient), and by [`NORMALISED`], 13, as computed. One that does not differ by
+/// more as computed is taken as it is, and differs by 17 UNIT. This turns and stretches the rotated
+/// vector by up to twice that, 34 UNIT.
 /// The vector is `v + 2 w (q x v) + 2 q x (q x v)`: a cross product errs by `2 sqrt(2)` UNIT of the
 /// product of the lengths, so the first by 5.7 UNIT with the factor, the second, of a vector up to
 /// `2 |v|`, by as much of its own and of the first one's error, the product with w by 2, and the
-/// sums of terms up to `2 |v|` by 7: 26.1 UNIT. The translation adds UNIT of the sum. Sum: 59.1.
-pub(crate) const PLACED: f64 = 64.0 * UNIT;
+/// sums of terms up to `2 |v|` by 7: 26.1 UNIT. The translation adds UNIT of the sum. Sum: 61.1.
+pub(crate) const PLACED_PIECE: f64 = 64.0 * UNIT;
 
 /// Largest shortfall of a gap in f64 below the distance, in units of L, at which a pair of nodes or
 /// triangles of a compound still passes: pairs in flush contact are all equally far, up to
@@ -719,9 +720,9 @@ pub(crate) const PLACED_BALL: f64 = 3.0 * POSE_UNIT;
 /// ray's origin and of the ball's middle, whose own place is counted by [`PLACED_BALL`]: the
 /// difference, the product with the direction, which is of unit length within 4 UNIT, the foot, its
 /// length and the sums err by 34 UNIT together. The rate at which a ray sinks towards a half-space
-/// errs by 61: the turned normal by 58 (see [`PLACED`]), the product with the direction by 3. A
-/// height of a place of the ray in a mesh's frame along a unit vector, minus that of a corner, errs
-/// by 46: the place, a relative translation, by 31 (see [`CERTIFICATE`]), and by 4 of the
+/// errs by 63: the turned normal by 60 (see [`PLACED_PIECE`]), the product with the direction by 3.
+/// A height of a place of the ray in a mesh's frame along a unit vector, minus that of a corner,
+/// errs by 46: the place, a relative translation, by 31 (see [`CERTIFICATE`]), and by 4 of the
 /// direction; products, the difference and the vector's length by the rest.
 pub(crate) const RAY: f64 = 64.0 * UNIT;
 

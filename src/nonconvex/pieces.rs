@@ -15,7 +15,7 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{RelativePose, normalised};
-use crate::base::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, PLACED, UNIT};
+use crate::base::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, PLACED_PIECE, UNIT};
 use crate::body::polyhedron::{
     BoxHint, BuildError, ConvexPolyhedron, FeaturePair, bounding_box, exponent_of, power_of_two,
 };
@@ -193,7 +193,7 @@ impl Compound {
         // The box contains the pieces: the points of rotated ones are rounded. The corners of the
         // box of a curved piece are up to the root of three farther from its origin than the piece.
         let turned = pieces.iter().filter(|p| p.pose.rotation != UnitQuaternion::identity());
-        let off = 2.0 * PLACED * scale * turned.map(Piece::reach).fold(0.0, f64::larger);
+        let off = 2.0 * PLACED_PIECE * scale * turned.map(Piece::reach).fold(0.0, f64::larger);
         let (low, high) = (low.add_scalar(-off), high.add_scalar(off));
         Self {
             fingerprint: fingerprint(&pieces),
@@ -288,7 +288,7 @@ impl Compound {
     /// Returns the largest position error of a vertex of a posed piece, in the caller's unit.
     fn off(&self) -> f64 {
         let placed = self.pieces.iter().filter(|p| p.pose != Isometry3::identity());
-        PLACED * placed.map(Piece::reach).fold(0.0, f64::larger)
+        PLACED_PIECE * placed.map(Piece::reach).fold(0.0, f64::larger)
     }
 
     /// Returns volume, centre of mass and inertia at unit density, in the body's frame.

@@ -33,7 +33,6 @@ const STEERS: &[&str] = &[
     "SEAM",
     "STAY",
     "STEEP",
-    "TIP",
     "UNIT_LENGTH",
     "WITNESS_CHECK",
 ];
@@ -54,7 +53,6 @@ const LIMITS: &[&str] = &[
     "FAR",
     "FAR_POINT",
     "FLUSH_EXPONENT",
-    "LN2_REST",
     "NEAR",
     "NEARLY_PARALLEL",
     "OPPOSITE",
@@ -96,6 +94,7 @@ const BY_HAND: &[&str] = &[
     "CURVE_DIFFERENCE",
     "CURVE_PART",
     "EXACT_PLACE",
+    "PLACED_PIECE",
     "POINT_BOX",
     "POINT_BOX_SQUARE",
     "POINT_ELEMENT",
