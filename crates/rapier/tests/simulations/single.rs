@@ -14,7 +14,7 @@ mod ordinary;
 mod piles;
 #[path = "small.rs"]
 mod small;
-#[path = "../../examples/common/ordinary.rs"]
+#[path = "../../benches/race/ordinary.rs"]
 mod stage;
 #[path = "terrain.rs"]
 mod terrain;

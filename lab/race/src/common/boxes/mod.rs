@@ -3,7 +3,7 @@
 //! The timed part stores the new boxes of a step and computes the pairs. `ours` also reports the
 //! pairs that started and ended. `parry-bvh` lists all pairs and keeps no pairs between steps,
 //! which is less work. Boxes are tight, except in scenes in which most boxes rest or move slowly:
-//! there `ours` uses the margin that rapier always uses (0.04). The example `race_rapier` of
+//! there `ours` uses the margin that rapier always uses (0.04). The benchmark `race` of
 //! `lin-canny-rapier` is the race with rapier's broad phase.
 
 pub mod engines;

@@ -12,7 +12,7 @@
 //!   its `distance` for each pair of boxes, cold. No events, no features, overlaps by contact
 //!   state.
 //!
-//! The example `race_rapier` of `lin-canny-rapier` is the race with rapier's `CollisionPipeline`.
+//! The benchmark `race` of `lin-canny-rapier` is the race with rapier's `CollisionPipeline`.
 //!
 //! parry and rapier compute in `f32`, ours in `f64`. Sparse: 16 cubic units per body of size about
 //! one; pile: four layers of such bodies.

@@ -1,24 +1,21 @@
 //! Cost per call of the contact dispatcher: replays the recorded calls of the first steps of a
 //! pile.
 //!
-//! `cargo run --release -p lin-canny-rapier --example rapier_calls -- [--csv FILE] [--bodies N] [--steps N] [--vertices N] [--quick]`
+//! `cargo bench -p lin-canny-rapier --bench race -- calls [--csv FILE] [--bodies N] [--steps N] [--vertices N] [--quick]`
 //!
-//! Each engine runs the pile of `rapier_pile` with its own contacts. Every call is recorded with
+//! Each engine runs the race `pile` with its own contacts. Every call is recorded with
 //! the manifolds that the engine had before it, and repeated outside rapier: parry with its warm
 //! manifold, ours with the contacts only. Times are thread CPU time per call in nanoseconds, the
 //! least of the passes. `far` are calls whose shapes are beyond the prediction, `overlap` are calls
 //! with a negative contact distance.
 
-mod common;
-
 use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use clap::Parser;
-use common::{Engine, Setup, bin, layers, pebble};
+use crate::common::{Engine, Setup, bin, layers, pebble};
+use clap::Args;
 use cpu_time::ThreadTime;
 use lin_canny_rapier::single::CertifiedDispatcher;
 use lin_canny_rapier::single::rapier::parry::query::details::{NormalConstraints, ShapeCastOptions};
@@ -31,11 +28,8 @@ use race::progress::Progress;
 use truth::command::{count, file, write};
 use truth::rng::Rng;
 
-/// Measure the cost per call of parry's contact dispatcher and of ours
-///
-/// The calls are replayed from a pile of hulls in rapier.
-#[derive(Parser)]
-struct Options {
+#[derive(Args)]
+pub(crate) struct Options {
     /// Output table, one row per engine, number of vertices and kind of call
     #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
@@ -244,7 +238,7 @@ fn lines(options: &Options, engine: Engine, vertices: usize) -> Vec<String> {
     lines
 }
 
-fn run(options: &Options) -> Result<(), String> {
+pub(crate) fn run(options: &Options) -> Result<(), String> {
     let mut csv = String::from("engine,vertices,kind,calls,ns\n");
     print!("{csv}");
     let bar = Progress::new("piles", 2 * options.sizes().len() as u64);
@@ -258,8 +252,4 @@ fn run(options: &Options) -> Result<(), String> {
         }
     }
     options.csv.as_deref().map_or(Ok(()), |path| write(path, &csv))
-}
-
-fn main() -> ExitCode {
-    truth::command::main(run)
 }

@@ -1,21 +1,18 @@
 //! Hulls fall into a bin: cost per step and deepest overlap, with parry's contacts and with ours.
 //!
-//! `cargo run --release -p lin-canny-rapier --example rapier_pile -- [--csv FILE] [--out FILE.svg] [--bodies N] [--steps N] [--seeds N] [--vertices N] [--quick]`
+//! `cargo bench -p lin-canny-rapier --bench race -- pile [--csv FILE] [--out FILE.svg] [--bodies N] [--steps N] [--seeds N] [--vertices N] [--quick]`
 //!
 //! Both sides use the same rapier; only shape and dispatcher differ. Times are thread CPU time: the
 //! least of the runs for each step, summed, and averaged over the seeds. Depths are in metres, for
 //! bodies with radii of 0.3 to 0.5 m. Separate runs measure them at every fourth step by the
 //! certified distance.
 
-mod common;
-
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
-use clap::Parser;
-use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
-use common::{Engine, Scene, Setup, bin, layers, pebble};
+use crate::common::picture::{BLUE, Drawn, ORANGE, Picture, View};
+use crate::common::{Engine, Scene, Setup, bin, layers, pebble};
+use clap::Args;
 use cpu_time::ThreadTime;
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::Vector;
@@ -23,15 +20,13 @@ use race::progress::Progress;
 use truth::command::{count, file, write};
 use truth::rng::Rng;
 
-/// Measure cost per step and deepest overlap of a pile of hulls, with parry's contacts and with
-/// ours
-#[derive(Parser)]
-struct Options {
+#[derive(Args)]
+pub(crate) struct Options {
     /// Output table, one row per engine, number of vertices and skin
     #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
     /// Output picture of the end states
-    #[arg(long, value_name = "FILE.svg", default_value = "target/rapier_pile.svg", value_parser = file("svg"))]
+    #[arg(long, value_name = "FILE.svg", default_value = "target/pile.svg", value_parser = file("svg"))]
     out: PathBuf,
     /// Number of hulls in the pile
     #[arg(long, value_name = "N", default_value_t = 500, default_value_if("quick", "true", "200"), value_parser = count(1))]
@@ -206,7 +201,7 @@ fn draw(options: &Options, ends: &[Scene]) -> String {
     picture.finish()
 }
 
-fn run(options: &Options) -> Result<(), String> {
+pub(crate) fn run(options: &Options) -> Result<(), String> {
     let mut csv = String::from("engine,vertices,skin,ns_step,ns_narrow,deepest,q99,q999,lost,asleep\n");
     print!("{csv}");
     let mut drawn = None;
@@ -227,8 +222,4 @@ fn run(options: &Options) -> Result<(), String> {
     }
     write(&options.out, &draw(options, &drawn.unwrap_or_default()))?;
     options.csv.as_deref().map_or(Ok(()), |path| write(path, &csv))
-}
-
-fn main() -> ExitCode {
-    truth::command::main(run)
 }

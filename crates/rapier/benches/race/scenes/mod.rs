@@ -1,4 +1,4 @@
-//! `race_rapier scenes`: whole steps of scenes like rapier's own examples, in nanoseconds of thread CPU time a step.
+//! `race -- scenes`: whole steps of scenes like rapier's own examples, in nanoseconds of thread CPU time a step.
 //!
 //! - `parry`: rapier with parry's shapes and narrow phase, as it comes.
 //! - `ours`: the same solver under the dispatcher of `lin-canny-parry`. Column `shape`: `hull` for bodies that are a `Hull` here and
