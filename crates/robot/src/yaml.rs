@@ -22,8 +22,11 @@ enum Open {
 pub(crate) fn parse(text: &str) -> Result<Value, Fault> {
     // The line of the last document's start.
     let (mut open, mut whole, mut start) = (Vec::new(), None, 1);
+    // The reader counts the end of a text without a line break as a line of its own.
+    let lines = text.lines().count().max(1);
     for event in Parser::new_from_str(text.strip_prefix('\u{feff}').unwrap_or(text)) {
-        let (event, span) = event.map_err(|error| (error.marker().line() as u32, error.info().to_owned()))?;
+        let (event, span) =
+            event.map_err(|error| (error.marker().line().min(lines) as u32, error.info().to_owned()))?;
         let fault = |reason: String| Err((span.start.line() as u32, reason));
         let value = match event {
             Event::DocumentStart(_) => {
