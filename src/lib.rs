@@ -139,7 +139,7 @@
 //! |---|---|---|
 //! | When do two moving bodies first touch? | [`impact::cast`], [`cast_within`](impact::cast_within) with [`PairTracker::pair`] and two motions | [`Impact`](impact::Impact): in contact at the start; a hit with a proven bracket; a proven miss; or free until a proven time |
 //! | Does a body leave a contact, or slide along it, without coming closer? | [`PairTracker::cast_from_contact`] | [`Cast`](impact::Cast): the proven distances, and when the bodies have left the contact |
-//! | When do triangles or meshes meet whose vertices move on straight paths, or a mesh and itself? | [`continuous::cast_triangles`], [`vertex_face`](continuous::cast_vertex_face), [`edge_edge`](continuous::cast_edge_edge), [`meshes`](continuous::cast_meshes), [`self_contact`](continuous::cast_self) | a proven bracket, or a proven miss; touching is decided |
+//! | When do meshes meet whose vertices move on straight paths, or a mesh and itself? | [`continuous::cast_meshes`], [`cast_self`](continuous::cast_self) | a proven bracket, or a proven miss; touching is decided |
 //! | When must a pair be queried again? | [`schedule::Schedule`] | due pairs, by integer ticks |
 //! | Is a motion of a robot free over its whole length? Is there a path? | `Checker` of the crate `lin-canny-plan` | proven free, or the time and the pair that collide; a path |
 //!

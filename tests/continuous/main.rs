@@ -8,7 +8,7 @@ mod kinds;
 mod limits;
 mod meshes;
 
-use lin_canny::continuous;
+use lin_canny::continuous::elements;
 use lin_canny::impact::{Cast, Impact, ImpactError, Tolerance};
 use lin_canny::nalgebra::Point3;
 use truth::paths::families::{self, KINDS};
@@ -23,11 +23,8 @@ fn count() -> usize {
     std::env::var(MANY).map_or(400, |n| n.parse().expect("a number of queries"))
 }
 
-fn given<const N: usize>(paths: &[Path]) -> [continuous::VertexPath; N] {
-    std::array::from_fn(|k| {
-        let [begin, end] = paths[k].map(Point3::from);
-        continuous::VertexPath::new(begin, end)
-    })
+fn given<const N: usize>(paths: &[Path]) -> elements::Positions<N> {
+    std::array::from_fn(|k| paths[k].map(Point3::from))
 }
 
 #[derive(Debug, Default)]
@@ -108,10 +105,7 @@ fn run(
 
 #[test]
 fn a_vertex_and_a_face_meet_when_exact_arithmetic_says() {
-    let ask = |p: &[Path]| {
-        let [vertex] = given(&p[..1]);
-        continuous::cast_vertex_face(&vertex, &given(&p[1..]), Tolerance::Time(WIDTH))
-    };
+    let ask = |p: &[Path]| elements::cast_vertex_face(&given(&p[..1]), &given(&p[1..]), Tolerance::Time(WIDTH));
     run("vertex-face", (1, 3), count(), ask, |p| {
         paths::vertex_face(p.try_into().unwrap())
     });
@@ -119,7 +113,7 @@ fn a_vertex_and_a_face_meet_when_exact_arithmetic_says() {
 
 #[test]
 fn two_edges_meet_when_exact_arithmetic_says() {
-    let ask = |p: &[Path]| continuous::cast_edge_edge(&given(&p[..2]), &given(&p[2..]), Tolerance::Time(WIDTH));
+    let ask = |p: &[Path]| elements::cast_edge_edge(&given(&p[..2]), &given(&p[2..]), Tolerance::Time(WIDTH));
     run("edge-edge", (2, 2), count(), ask, |p| {
         paths::edge_edge(p.try_into().unwrap())
     });
@@ -127,45 +121,7 @@ fn two_edges_meet_when_exact_arithmetic_says() {
 
 #[test]
 fn two_triangles_meet_when_exact_arithmetic_says() {
-    let ask = |p: &[Path]| continuous::cast_triangles(&given(&p[..3]), &given(&p[3..]), Tolerance::Time(WIDTH));
+    let ask = |p: &[Path]| elements::cast_triangles(&given(&p[..3]), &given(&p[3..]), Tolerance::Time(WIDTH));
     let truth = |p: &[Path]| paths::triangles(p[..3].try_into().unwrap(), p[3..].try_into().unwrap());
     run("triangles", (3, 3), count() / 10, ask, truth);
-}
-
-#[test]
-fn coordinates_that_are_no_numbers_are_refused_by_the_vertex() {
-    let at = |x: f64, y: f64| continuous::VertexPath::new(Point3::new(x, y, 0.0), Point3::new(x, y, 1.0));
-    let paths = [at(0., 0.), at(1., 0.), at(0., 1.), at(2., 2.), at(3., 2.), at(2., 3.)];
-    let tolerance = Tolerance::Time(WIDTH);
-    for k in 0..6 {
-        for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY, 2e301] {
-            for end in [false, true] {
-                let mut p = paths;
-                let place = if end { &mut p[k].end } else { &mut p[k].start };
-                place[k % 3] = bad;
-                let refused = |cast: Result<Cast, ImpactError>, index: usize| match cast {
-                    Err(ImpactError::Vertex { index: named, value }) => {
-                        assert!(
-                            named == index && (value == bad || value.is_nan()),
-                            "{named} {value} {index} {bad}"
-                        );
-                    }
-                    other => panic!("{other:?} {index} {bad}"),
-                };
-                let [a, b, c, d, e, f] = p;
-                refused(continuous::cast_triangles(&[a, b, c], &[d, e, f], tolerance), k);
-                if k < 4 {
-                    refused(continuous::cast_vertex_face(&a, &[b, c, d], tolerance), k);
-                    refused(continuous::cast_edge_edge(&[a, b], &[c, d], tolerance), k);
-                }
-            }
-        }
-    }
-    let [a, b, c, d, ..] = paths;
-    for bad in [f64::NAN, -1.0, f64::INFINITY] {
-        assert!(
-            continuous::cast_vertex_face(&a, &[b, c, d], Tolerance::Time(bad)).is_err(),
-            "{bad}"
-        );
-    }
 }

@@ -2,7 +2,7 @@
 //! confirms them in the bracket.
 
 use super::given;
-use lin_canny::continuous::{self, MovingMesh};
+use lin_canny::continuous::{self, MovingMesh, elements};
 use lin_canny::impact::{Impact, ImpactError, Tolerance};
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{ContactState, Mesh};
@@ -58,11 +58,8 @@ fn brute(a: [&Soup; 2], b: [&Soup; 2], is_self: bool) -> Option<[f64; 2]> {
             if is_self && (i >= j || s.iter().any(|v| t.contains(v))) {
                 continue;
             }
-            let [p, q]: [[continuous::VertexPath; 3]; 2] = [given(&corners(a, i)), given(&corners(b, j))];
-            match continuous::cast_triangles(&p, &q, Tolerance::Time(WIDTH))
-                .unwrap()
-                .impact
-            {
+            let [p, q]: [elements::Positions<3>; 2] = [given(&corners(a, i)), given(&corners(b, j))];
+            match elements::cast_triangles(&p, &q, Tolerance::Time(WIDTH)).unwrap().impact {
                 Impact::Miss => {}
                 Impact::AtStart { .. } => return Some([-1.0, 0.0]),
                 Impact::Hit { safe, hit, .. } => first = [first[0].min(safe), first[1].min(hit)],

@@ -2,28 +2,9 @@
 //!
 //! A deforming mesh is given by its vertices at the start and at the end of a frame. Between, every
 //! vertex moves on a straight line at constant velocity, from time zero to time one. The functions
-//! of this module return the first time at which two edges, a vertex and a face, two triangles, two
-//! meshes ([`cast_meshes`]) or a mesh and itself ([`cast_self`]) share a point. Like
-//! [`impact`](crate::impact) for rigid bodies, they return a proven time interval, a proven miss,
-//! or the reason why neither is decided.
-//!
-//! ```
-//! use lin_canny::continuous::{self, VertexPath};
-//! use lin_canny::impact::{Impact, Tolerance};
-//! use lin_canny::nalgebra::Point3;
-//!
-//! let rest = |p: [f64; 3]| VertexPath::new(Point3::from(p), Point3::from(p));
-//! let face = [rest([0., 0., 0.]), rest([1., 0., 0.]), rest([0., 1., 0.])];
-//! let above = Point3::new(0.2, 0.2, 0.25);
-//! let falling = VertexPath::new(above, Point3::new(0.2, 0.2, -0.75));
-//! let width = Tolerance::Time(1e-9);
-//! let cast = continuous::cast_vertex_face(&falling, &face, width)?;
-//! let Impact::Hit { safe, hit, .. } = cast.impact else {
-//!     panic!("it falls through")
-//! };
-//! assert!(safe < 0.25 && 0.25 <= hit && hit - safe <= 1e-9);
-//! # Ok::<(), lin_canny::impact::ImpactError>(())
-//! ```
+//! of this module return the first time at which two meshes ([`cast_meshes`], with an example) or a
+//! mesh and itself ([`cast_self`]) share a point. Like [`impact`](crate::impact) for rigid bodies,
+//! they return a proven time interval, a proven miss, or the reason why neither is decided.
 //!
 //! # Method
 //!
@@ -98,7 +79,6 @@ mod search;
 
 pub use frame::MovingMesh;
 pub use meshes::{cast_meshes, cast_self};
-pub use paths::VertexPath;
 
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -110,65 +90,13 @@ use crate::pair::outcome::ContactState;
 use crate::time::impact::{Cast, Impact, ImpactError, Tolerance};
 use crate::time::separation::{Measurement, Tangent};
 
-use paths::{Parts, VertexPaths, VertexPlaces};
+use paths::{Parts, VertexPath, VertexPaths, VertexPlaces};
 use search::{FirstContact, SearchWork};
 
-/// Largest coordinate of a vertex, `2^1000`.
-const LARGEST: f64 = f64::from_bits((1023 + 1000) << 52);
-
-/// Returns the first contact of a vertex and a face.
-///
-/// In errors the vertex has index zero, and the vertices of the face follow.
-///
-/// # Errors
-///
-/// Returns an error if a coordinate is not finite or above `2^1000`, or if the tolerance is
-/// negative or not finite.
-pub fn cast_vertex_face(
-    vertex: &VertexPath,
-    face: &[VertexPath; 3],
-    tolerance: Tolerance,
-) -> Result<Cast, ImpactError> {
-    cast(&[*vertex], face, tolerance, search::vertex_face)
-}
-
-/// Returns the first contact of two edges.
-///
-/// # Errors
-///
-/// Returns an error if a coordinate is not finite or above `2^1000`, or if the tolerance is
-/// negative or not finite. Indices of vertices count those of A first, in the order given.
-pub fn cast_edge_edge(a: &[VertexPath; 2], b: &[VertexPath; 2], tolerance: Tolerance) -> Result<Cast, ImpactError> {
-    cast(a, b, tolerance, search::edge_edge)
-}
-
-/// Returns the first contact of any points of two triangles.
-///
-/// # Errors
-///
-/// Returns an error if a coordinate is not finite or above `2^1000`, or if the tolerance is
-/// negative or not finite. Indices of vertices count those of A first, in the order given.
-pub fn cast_triangles(a: &[VertexPath; 3], b: &[VertexPath; 3], tolerance: Tolerance) -> Result<Cast, ImpactError> {
-    cast(a, b, tolerance, search::triangles)
-}
-
-/// Checks paths and tolerance, finds the contact, and measures the two sides at the safe time.
-fn cast<const A: usize, const B: usize>(
-    a: &[VertexPath; A],
-    b: &[VertexPath; B],
-    tolerance: Tolerance,
-    contact: fn(&[VertexPath; A], &[VertexPath; B], f64, &mut SearchWork) -> FirstContact,
-) -> Result<Cast, ImpactError>
-where
-    VertexPlaces<A, B>: Parts,
-{
-    check(a.iter().chain(b))?;
-    let mut work = SearchWork::default();
-    let width = width(a.iter().chain(b), tolerance)?;
-    let found = contact(a, b, width, &mut work);
-    let seen = |time: f64, state: ContactState| measure(a, b, time, state);
-    Ok(cast_of(found, &work, !cfg!(feature = "exact"), seen))
-}
+/// The searches of two elements, which judges ask without a mesh.
+#[cfg(feature = "__internals")]
+#[doc(hidden)]
+pub mod elements;
 
 /// Returns the result of a search as a cast.
 ///
@@ -202,18 +130,6 @@ fn cast_of(
         start_contact: None,
         proofs: work.proofs,
     }
-}
-
-/// Returns an error if a coordinate is not finite or too large.
-fn check<'a>(paths: impl Iterator<Item = &'a VertexPath>) -> Result<(), ImpactError> {
-    for (index, path) in paths.enumerate() {
-        for value in path.start.iter().chain(path.end.iter()) {
-            if !(value.abs() <= LARGEST) {
-                return Err(ImpactError::Vertex { index, value: *value });
-            }
-        }
-    }
-    Ok(())
 }
 
 /// Returns the interval of time that a tolerance allows.

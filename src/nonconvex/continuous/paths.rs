@@ -11,25 +11,23 @@ use crate::body::polyhedron::{exponent_of, power_of_two};
 use crate::nonconvex::query::triangle;
 
 /// A point that moves on a straight path at constant velocity, from time zero to time one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct VertexPath {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct VertexPath {
     /// The position at time zero.
-    pub start: Point3<f64>,
+    pub(super) start: Point3<f64>,
     /// The position at time one.
-    pub end: Point3<f64>,
+    pub(super) end: Point3<f64>,
 }
 
 impl VertexPath {
     /// Returns the path from one position to another.
-    #[must_use]
-    pub fn new(start: Point3<f64>, end: Point3<f64>) -> Self {
+    pub(super) fn new(start: Point3<f64>, end: Point3<f64>) -> Self {
         Self { start, end }
     }
 
     /// Returns the position at a time from zero to one, rounded.
     #[must_use]
-    pub fn at(&self, time: f64) -> Point3<f64> {
+    pub(super) fn at(&self, time: f64) -> Point3<f64> {
         Point3::from(self.start.coords * (1.0 - time) + self.end.coords * time)
     }
 }

@@ -266,14 +266,6 @@ pub enum ImpactError {
         /// The number.
         value: f64,
     },
-    /// A vertex has a coordinate that is not finite or too large.
-    #[error("vertex {index} has a coordinate that is out of range: {value}")]
-    Vertex {
-        /// The index of the vertex, in the given order.
-        index: usize,
-        /// The coordinate.
-        value: f64,
-    },
     /// The mesh at the end of a frame has other triangles, or another tree, than at the start.
     #[error("the mesh at the end of the frame has other triangles than the mesh at the start")]
     Mesh,

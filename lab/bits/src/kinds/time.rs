@@ -2,7 +2,7 @@
 
 use crate::make::*;
 use crate::{Random, Teller};
-use lin_canny::continuous::{self, MovingMesh, VertexPath};
+use lin_canny::continuous::{self, MovingMesh, elements};
 use lin_canny::impact::{Tolerance, cast, cast_with_certificates, cast_within, free_until, overlapping_until};
 use lin_canny::motion::Motion;
 use lin_canny::nalgebra::{Point3, Vector3};
@@ -96,19 +96,19 @@ pub(super) fn continuous_contacts(t: &mut Teller, r: &mut Random) {
     for _ in 0..t.rounds(2000) {
         let path = |r: &mut Random, z: f64| {
             let p = in_ball(r);
-            VertexPath::new(
+            [
                 Point3::from(p + Vector3::z() * z),
                 Point3::from(p + in_ball(r) - Vector3::z() * z),
-            )
+            ]
         };
         let a = [path(r, 0.0), path(r, 0.0), path(r, 0.0)];
         let b = [path(r, 0.7), path(r, 0.7), path(r, 0.7)];
         let tolerance = Tolerance::Time(1e-6);
-        t.tell("triangles", continuous::cast_triangles(&a, &b, tolerance));
-        t.tell("vertex", continuous::cast_vertex_face(&b[0], &a, tolerance));
+        t.tell("triangles", elements::cast_triangles(&a, &b, tolerance));
+        t.tell("vertex", elements::cast_vertex_face(&[b[0]], &a, tolerance));
         t.tell(
             "edges",
-            continuous::cast_edge_edge(&[a[0], a[1]], &[b[0], b[1]], tolerance),
+            elements::cast_edge_edge(&[a[0], a[1]], &[b[0], b[1]], tolerance),
         );
     }
     for _ in 0..t.rounds(40) {
