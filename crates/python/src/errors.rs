@@ -52,7 +52,9 @@ create_exception!(
 /// every object of Python is true, also one that says no.
 #[cold]
 pub(crate) fn no_condition(answer: &str, member: &str) -> PyErr {
-    PyTypeError::new_err(format!("a {answer} is neither true nor false (expected its `{member}`)"))
+    PyTypeError::new_err(format!(
+        "a {answer} is neither true nor false (expected its `{member}`)"
+    ))
 }
 
 macro_rules! conversions {

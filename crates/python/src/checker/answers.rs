@@ -5,8 +5,8 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::world::BodyId;
-use crate::errors::no_condition;
 use crate::array::triple;
+use crate::errors::no_condition;
 use crate::tracker::StartContact;
 
 /// The names of two bodies.
