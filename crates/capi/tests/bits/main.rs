@@ -74,7 +74,6 @@ fn other_geometries() -> Vec<(Geometry, lc_geometry)> {
         // SAFETY: an array of the stated length.
         written(|out| unsafe { lc_shape_new(kind, parameters.as_ptr(), parameters.len(), out) })
     };
-    let axes = Vector3::new(0.5, 0.25, 0.75);
     let mut all: Vec<(Geometry, lc_geometry)> = vec![
         (Shape::ball(0.5).unwrap().into(), shape(LC_BALL, &[0.5])),
         (
