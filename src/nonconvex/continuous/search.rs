@@ -230,6 +230,7 @@ where
 const TRIANGLE_INTERVALS: u32 = 12;
 
 /// Returns the first contact of a vertex and a face, in a bracket of `width` if rounding allows.
+#[cfg(feature = "__internals")]
 pub(super) fn vertex_face(
     vertex: &[VertexPath; 1],
     face: &[VertexPath; 3],
@@ -241,6 +242,7 @@ pub(super) fn vertex_face(
 }
 
 /// Returns the first contact of two edges, in a bracket of `width` if rounding allows.
+#[cfg(feature = "__internals")]
 pub(super) fn edge_edge(a: &[VertexPath; 2], b: &[VertexPath; 2], width: f64, work: &mut SearchWork) -> FirstContact {
     let found = edge_edge_until(a, b, 1.0, width, work);
     decided(found, width, work, |wide| exact_edge_edge(a, b, width, wide))
