@@ -12,7 +12,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Mesh, Progress, Shape};
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, NearPair, PlanOptions, Verdict};
-use lin_canny_robot::{RobotFiles, RobotRecorder};
+use lin_canny_robot::{RobotFiles, RobotRecorder, record};
 use truth::arm::{Trouble, draw};
 use truth::command::{count, file};
 use truth::rng::Rng;
@@ -20,7 +20,7 @@ use truth::rng::Rng;
 /// Plan how a six-axis arm takes a part from a tray and puts it down behind a post
 ///
 /// A hood over the tray is known only as a cloud of points with noise. Every motion is proven free:
-/// of the arm, and of the part in its gripper. Writes a recording for the viewer, and draws the arm
+/// of the arm, and of the part in its gripper. Writes a recording, and draws the arm
 /// where the part is closest to the post.
 #[derive(Parser)]
 struct Options {
@@ -33,6 +33,9 @@ struct Options {
     /// Output recording
     #[arg(long, value_name = "FILE.jsonl", default_value = "target/pick.jsonl", value_parser = file("jsonl"))]
     out: PathBuf,
+    /// Output page: the recording as one HTML file, for any browser with WebGL 2
+    #[arg(long, value_name = "FILE.html", value_parser = file("html"))]
+    page: Option<PathBuf>,
     /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/pick.svg", value_parser = file("svg"))]
     picture: PathBuf,
@@ -113,6 +116,10 @@ fn run(options: &Options) -> Result<(), Trouble> {
     proven(&mut checker, "leave", &put)?;
     film.show(&mut checker, "leave", &put)?;
     film.to.finish()?;
+    if let Some(page) = &options.page {
+        let recording = record::Recording::open(&options.out)?;
+        truth::command::write(page, &record::page(&recording, &record::PageOptions::default()))?;
+    }
     println!(
         "recorded to {}, drawn to {}, in {:.1?}",
         options.out.display(),

@@ -62,10 +62,28 @@ fn clearances_of_rows() {
 }
 
 #[test]
-fn rows_are_recorded_for_the_viewer() {
-    let out = scratch("carry.jsonl", "");
-    let (code, text) = run("clearance", &with(&["--joints", "carry.csv", "--record", &out]));
+fn rows_are_recorded_and_played_by_a_page() {
+    let (out, page) = (scratch("carry.jsonl", ""), scratch("carry.html", ""));
+    let arguments = ["--joints", "carry.csv", "--record", &out, "--page", &page];
+    let (code, text) = run("clearance", &with(&arguments));
     assert_eq!(code, 0, "{text}");
+    // The page alone is the same page, and the page of the recording.
+    let html = std::fs::read_to_string(&page).expect("the page");
+    let (code, text) = run("clearance", &with(&["--joints", "carry.csv", "--page", &page]));
+    assert_eq!(code, 0, "{text}");
+    assert_eq!(std::fs::read_to_string(&page).expect("the page"), html);
+    let played = lin_canny_record::Recording::open(&out).expect("a recording");
+    let options = lin_canny_record::PageOptions::default();
+    assert_eq!(lin_canny_record::page(&played, &options), html);
+    for command in ["certify", "plan"] {
+        let page = scratch("moved.html", "");
+        let (code, text) = run(command, &with(&["--joints", "carry.csv", "--page", &page]));
+        assert_eq!(code, 0, "{command}: {text}");
+        let html = std::fs::read_to_string(&page).expect("the page");
+        assert!(html.contains("\"name\":\"fence\"") && html.ends_with("</html>\n"), "{command}");
+    }
+    let (code, text) = run("clearance", &with(&["--joints", "carry.csv", "--along", "--page", &page]));
+    assert!(code == 2 && text.contains("--page"), "{text}");
     let file = std::io::BufReader::new(std::fs::File::open(&out).expect("the recording"));
     let film = lin_canny_record::Recording::read(file).expect("a recording");
     assert_eq!(film.frames.len(), 4);
@@ -100,6 +118,10 @@ fn rows_are_recorded_for_the_viewer() {
         "clearance",
         &with(&["--joints", "carry.csv", "--record", &(nowhere + "/x")]),
     );
+    assert_eq!(code, 3, "{text}");
+    assert!(text.contains("cannot be written"), "{text}");
+    let nowhere = scratch("file", "") + "/x";
+    let (code, text) = run("clearance", &with(&["--joints", "carry.csv", "--page", &nowhere]));
     assert_eq!(code, 3, "{text}");
     assert!(text.contains("cannot be written"), "{text}");
 }
