@@ -44,7 +44,7 @@ impl Checker {
         crate::view::call(this.py(), "checker_html", (this,))
     }
 
-    /// Writes a recording of configurations with their closest pairs, for the viewer or rerun.
+    /// Writes a recording of configurations with their closest pairs, for a page or rerun.
     ///
     /// Parameters
     /// ----------
