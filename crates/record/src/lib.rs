@@ -29,6 +29,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! [`svg`] draws a few shapes and a view of things in space as SVG.
+//!
 //! # The format, version 1
 //!
 //! A file is UTF-8 text with one JSON value per line. The first line is the [`Header`]:
@@ -56,6 +58,7 @@ mod page;
 mod picture;
 mod read;
 mod scene;
+pub mod svg;
 mod write;
 
 pub use format::{BodyLine, Bracket, ColumnLine, Contact, FORMAT, Frame, Header, PairLine, VERSION, poses};

@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release -p lin-canny-robot --example pick -- [--points N] [--seed N] [--out FILE.jsonl] [--picture FILE.svg]`
 
+mod common;
+
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -13,7 +15,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Mesh, Progress, Shape};
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, NearPair, PlanOptions, Verdict};
 use lin_canny_robot::{RobotFiles, RobotRecorder, record};
-use truth::arm::{Trouble, draw};
+use truth::arm::Trouble;
 use truth::command::{count, file};
 use truth::rng::Rng;
 
@@ -311,7 +313,7 @@ fn picture(checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<String
             Geometry::HalfSpace(_) => {}
             geometry => {
                 let is_moving = world.obstacle_pose(id).is_none();
-                let outline = draw::outline(geometry)?;
+                let outline = common::outline(geometry)?;
                 if name == "part" {
                     for end in [&path[0], &path[path.len() - 1]] {
                         shapes.push((outline.clone(), false));
@@ -324,7 +326,7 @@ fn picture(checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<String
         }
     }
     let step = cloud.len().div_ceil(DOTS).max(1);
-    let picture = draw::Picture {
+    let picture = common::Picture {
         caption: format!(
             "A part is carried from a tray to the table: {:.3} m from the post",
             near.distance

@@ -80,9 +80,15 @@ fn rows_are_recorded_and_played_by_a_page() {
         let (code, text) = run(command, &with(&["--joints", "carry.csv", "--page", &page]));
         assert_eq!(code, 0, "{command}: {text}");
         let html = std::fs::read_to_string(&page).expect("the page");
-        assert!(html.contains("\"name\":\"fence\"") && html.ends_with("</html>\n"), "{command}");
+        assert!(
+            html.contains("\"name\":\"fence\"") && html.ends_with("</html>\n"),
+            "{command}"
+        );
     }
-    let (code, text) = run("clearance", &with(&["--joints", "carry.csv", "--along", "--page", &page]));
+    let (code, text) = run(
+        "clearance",
+        &with(&["--joints", "carry.csv", "--along", "--page", &page]),
+    );
     assert!(code == 2 && text.contains("--page"), "{text}");
     let file = std::io::BufReader::new(std::fs::File::open(&out).expect("the recording"));
     let film = lin_canny_record::Recording::read(file).expect("a recording");
@@ -1311,12 +1317,12 @@ fn the_page_of_an_audit_draws_each_pair() {
             .first_element_child()
             .and_then(|title| title.text())
             .expect("a title");
-        assert!(count("path", "a") > 0 && count("path", "b") > 0, "{title}");
-        assert_eq!(count("circle", ""), 2, "{title}");
+        assert!(count("polygon", "a") > 0 && count("polygon", "b") > 0, "{title}");
+        assert_eq!(count("circle", "end"), 2, "{title}");
         for circle in svg.descendants().filter(|node| node.has_tag_name("circle")) {
             let [x, y] = ["cx", "cy"].map(|name| circle.attribute(name).and_then(|x| x.parse::<f64>().ok()));
-            assert!(x.is_some_and(|x| (0.0..=4200.0).contains(&x)), "{title}");
-            assert!(y.is_some_and(|y| (0.0..=2800.0).contains(&y)), "{title}");
+            assert!(x.is_some_and(|x| (0.0..=420.0).contains(&x)), "{title}");
+            assert!(y.is_some_and(|y| (0.0..=280.0).contains(&y)), "{title}");
         }
     }
     // The refuted exclusion comes first.
