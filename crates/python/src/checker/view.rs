@@ -100,7 +100,7 @@ impl Checker {
             to.frame(&self.checker, q, &place, &near).map_err(file_error)?;
         }
         match recorder {
-            Some(to) => to.finish().map_err(file_error),
+            Some(to) => to.finish().map(drop).map_err(file_error),
             None => Err(plan_error("configurations: there are none to record")),
         }
     }
