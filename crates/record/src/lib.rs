@@ -31,7 +31,7 @@
 //!
 //! [`svg`] draws a few shapes and a view of things in space as SVG.
 //!
-//! # The format, version 1
+//! # The format, version 2
 //!
 //! A file is UTF-8 text with one JSON value per line. The first line is the [`Header`]:
 //! `{"format":"lin-canny recording","version":2,"title":"two cubes"}`. Each further line is an
