@@ -12,13 +12,12 @@ mod options;
 mod picture;
 
 use std::io::{IsTerminal, Write, stderr};
-use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::{ContactState, ConvexPolyhedron, Geometry, Outcome, PairTracker, RelativePose, Solver, Tracker};
-use lin_canny_record::Recorder;
+use lin_canny_record::{PageOptions, Recorder, Recording, page};
 use load::Loaded;
 use options::Options;
 use picture::{Curve, Shown};
@@ -67,8 +66,15 @@ fn track(options: &Options) -> Result<(), Trouble> {
     let (a, b) = (load::load('A', a)?, load::load('B', b)?);
     let poses = motion::poses(&a.body, &b.body, options.frames as usize);
     let run = follow(&a.body, &b.body, &poses)?;
-    if let Some(file) = &options.record {
-        record(file, [&a.body, &b.body], &poses)?;
+    if options.record.is_some() || options.page.is_some() {
+        let lines = record([&a.body, &b.body], &poses)?;
+        if let Some(file) = &options.record {
+            truth::command::write(file, std::str::from_utf8(&lines)?)?;
+        }
+        if let Some(file) = &options.page {
+            let recording = Recording::read(lines.as_slice())?;
+            truth::command::write(file, &page(&recording, &PageOptions::default()))?;
+        }
     }
     table(&a, &b, &run);
     summary(&run);
@@ -120,11 +126,10 @@ fn progress(done: usize, all: usize) {
     }
 }
 
-/// Writes the motion and the answers for the viewer.
-fn record(file: &Path, bodies: [&ConvexPolyhedron; 2], poses: &[[Isometry3<f64>; 2]]) -> Result<(), Trouble> {
-    println!("recording to {}", file.display());
+/// Returns a recording of the motion and the answers.
+fn record(bodies: [&ConvexPolyhedron; 2], poses: &[[Isometry3<f64>; 2]]) -> Result<Vec<u8>, Trouble> {
     let shapes = bodies.map(|body| Geometry::from(body.clone()));
-    let mut recorder = Recorder::create(file, "two meshes tumble past each other")?;
+    let mut recorder = Recorder::new(Vec::new(), "two meshes tumble past each other")?;
     let a = recorder.body("A", &shapes[0], &poses[0][0])?;
     let b = recorder.body("B", &shapes[1], &poses[0][1])?;
     let mut tracker = PairTracker::new();
@@ -135,8 +140,7 @@ fn record(file: &Path, bodies: [&ConvexPolyhedron; 2], poses: &[[Isometry3<f64>;
         recorder.answer(a, b, &tracker.closest(&shapes[0], &shapes[1], &a_from_b))?;
         recorder.end_frame()?;
     }
-    recorder.finish()?;
-    Ok(())
+    Ok(recorder.finish()?)
 }
 
 /// Prints a line for every frame of a short motion, or for groups of frames: the first of the

@@ -23,9 +23,12 @@ pub(crate) struct Options {
     /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/track.svg", value_parser = file("svg"))]
     pub(crate) out: PathBuf,
-    /// Output recording of at most 2,000 frames, for the viewer (folder crates/viewer/)
+    /// Output recording of at most 2,000 frames
     #[arg(long, value_name = "FILE.jsonl", value_parser = file("jsonl"))]
     pub(crate) record: Option<PathBuf>,
+    /// Output page: the same recording as one HTML file, for any browser with WebGL 2
+    #[arg(long, value_name = "FILE.html", value_parser = file("html"))]
+    pub(crate) page: Option<PathBuf>,
     /// File with one pose of B in A's frame per line, `x y z qx qy qz qw`, separated by blanks or
     /// commas; the first line may name the columns. The bodies are then the meshes, not their hulls
     #[arg(long, value_name = "FILE", requires_all = ["csv", "meshes"])]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{ConvexPolyhedron, Feature, Outcome};
-use truth::svg::{BLUE, GREEN, GREY, INK, ORANGE, SKY, Svg};
+use lin_canny_record::svg::{BLUE, GREEN, GREY, INK, ORANGE, SKY, Svg};
 
 /// Width of the picture in pixels.
 const WIDTH: f64 = 860.0;

@@ -7,13 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The workspaces outside the core.
-const WORKSPACES: [&str; 5] = [
-    "crates/capi",
-    "crates/python",
-    "crates/rerun",
-    "crates/study",
-    "crates/viewer",
-];
+const WORKSPACES: [&str; 4] = ["crates/capi", "crates/python", "crates/rerun", "crates/study"];
 
 fn read(name: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))

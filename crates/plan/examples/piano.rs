@@ -10,11 +10,11 @@ use lin_canny::{ConvexPolyhedron, Progress};
 use lin_canny_plan::{
     Checker, ConfigurationSpace, EdgeKind, FreewayEnd, Plan, PlanMethod, PlanOptions, PlanarSpace, World,
 };
+use lin_canny_record::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use truth::command::{file, number, seconds};
-use truth::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 
 /// Plan the path of an L-shaped body, 0.9 by 0.5, through a door in a wall
 ///

@@ -10,7 +10,7 @@ use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{Checker, PlanOptions, PlanarSpace, SmoothOptions, SmoothPath, World};
-use truth::svg::{BLUE, GREY, INK, ORANGE, Place, SKY, Svg};
+use lin_canny_record::svg::{BLUE, GREY, INK, ORANGE, Place, SKY, Svg};
 
 /// Smooth a planned path of a plank around walls, within limits of velocity and acceleration
 #[derive(Parser)]

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import base64
 import html
-import json
-import math
+import itertools
 import os
 import pathlib
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ._native import Checker, Closest, Geometry, LinCannyError, Scene
+from ._native import Checker, Closest, Geometry, LinCannyError, PairTracker, Scene, _page
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,23 +18,25 @@ __all__ = ["View", "show"]
 
 # Triangles beyond which a notebook shows the text of an object alone; `show` draws any number.
 _MOST_TRIANGLES = 100_000
-_COLORS = [(0.36, 0.54, 0.78), (0.93, 0.62, 0.30), (0.45, 0.69, 0.46), (0.72, 0.53, 0.76), (0.80, 0.74, 0.40)]
-_OF_KIND = {"robot": (0.36, 0.54, 0.78), "attached": (0.93, 0.62, 0.30), "obstacle": (0.72, 0.72, 0.70)}
-_LIT = (0.95, 0.45, 0.40)
+_OF_KIND = {"robot": (92, 138, 199), "attached": (237, 158, 77), "obstacle": (184, 184, 179)}
+_LIT = (242, 115, 102)
 
 
 class _Shown(NamedTuple):
+    """A body; without a color it has one of a palette."""
+
     name: str
     geometry: Geometry
-    color: tuple[float, float, float]
+    color: tuple[int, int, int] | None = None
 
 
 class _Frame(NamedTuple):
-    """A pose for each body, shape (N, 4, 4), a text, and the closest points, shape (2, 3), or None."""
+    """A pose for each body, shape (N, 4, 4), a text, two bodies whose closest points are shown, and a line."""
 
     poses: NDArray[np.float64]
-    text: str
-    closest: Any
+    text: str = ""
+    pair: tuple[int, int] | None = None
+    line: Any = None
 
 
 class View:
@@ -53,11 +53,12 @@ class View:
 
     def html(self) -> str:
         """Return the page: HTML that holds all data, for any browser with WebGL 2."""
-        page = (pathlib.Path(__file__).parent / "_page.html").read_text(encoding="utf-8")
-        title = html.escape(", ".join(body.name for body in self._bodies)[:80])
-        # No text can end the script that holds the data.
-        data = json.dumps(self._data()).replace("<", "\\u003c")
-        return page.replace("@TITLE@", title).replace("@DATA@", data)
+        return self._html(None) or ""
+
+    def _html(self, most: int | None) -> str | None:
+        title = ", ".join(body.name for body in self._bodies)[:80]
+        frames = [(list(f.poses), f.text, f.pair, None if f.line is None else list(f.line)) for f in self._frames]
+        return _page(title, self._bodies, frames, most)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the page to a file."""
@@ -74,45 +75,16 @@ class View:
         return file.name
 
     def _repr_html_(self) -> str:
-        page = html.escape(self.html(), quote=True)
-        return f'<iframe srcdoc="{page}" style="width: 100%; height: 420px; border: 1px solid #ccc"></iframe>'
+        return _framed(self.html())
 
     def __repr__(self) -> str:
         frames = f", {len(self._frames)} frames" if len(self._frames) > 1 else ""
         return f"<View: {len(self._bodies)} bodies{frames}>"
 
-    def _data(self) -> dict[str, Any]:
-        import numpy as np
 
-        center, radius = self._ball()
-        bodies = []
-        for name, geometry, color in self._bodies:
-            triangles, edges = geometry._render_mesh()
-            parts = {"triangles": triangles, "edges": edges}
-            encoded = {key: base64.b64encode(part.astype("<f4").tobytes()).decode() for key, part in parts.items()}
-            bodies.append({"name": name, "color": color, **encoded})
-        frames = []
-        for frame in self._frames:
-            turns = frame.poses[:, :3, :3].reshape(-1, 9)
-            numbers = np.hstack([turns, frame.poses[:, :3, 3] - center])
-            closest = None if frame.closest is None else (np.asarray(frame.closest) - center).ravel().tolist()
-            frames.append({"poses": numbers.tolist(), "text": frame.text, "closest": closest})
-        return {"center": center.tolist(), "radius": radius, "bodies": bodies, "frames": frames}
-
-    def _ball(self) -> tuple[NDArray[np.float64], float]:
-        """Return a ball around all bodies at the first frame, without half-spaces."""
-        import numpy as np
-
-        low, high = np.full(3, math.inf), np.full(3, -math.inf)
-        for body, pose in zip(self._bodies, self._frames[0].poses):
-            if body.geometry.kind == "half-space":
-                continue
-            at, radius = body.geometry.bounding_ball
-            middle = pose[:3, :3] @ at + pose[:3, 3]
-            low, high = np.minimum(low, middle - radius), np.maximum(high, middle + radius)
-        if not np.all(np.isfinite(low)):
-            return np.zeros(3), 5.0
-        return (low + high) / 2, float(np.linalg.norm(high - low)) / 2 or 1.0
+def _framed(page: str) -> str:
+    page = html.escape(page, quote=True)
+    return f'<iframe srcdoc="{page}" style="width: 100%; height: 420px; border: 1px solid #ccc"></iframe>'
 
 
 def _matrix(pose: Any) -> NDArray[np.float64]:
@@ -139,14 +111,28 @@ def show(*bodies: Any, closest: Closest | None = None) -> View:
         if not isinstance(geometry, Geometry):
             kind = type(geometry).__name__
             raise LinCannyError(f"body {k} is a {kind} (expected a Geometry, or a tuple of a Geometry and its pose)")
-        shown.append(_Shown(repr(geometry).strip("<>"), geometry, _COLORS[k % len(_COLORS)]))
+        shown.append(_Shown(repr(geometry).strip("<>"), geometry))
         poses.append(_matrix(pose))
     if not shown:
         raise LinCannyError("there is no body to show")
-    text, ends = "", None
+    frame = _Frame(np.array(poses))
     if closest is not None:
-        text, ends = repr(closest).strip("<>"), (closest.point_a, closest.point_b)
-    return View(shown, [_Frame(np.array(poses), text, ends)])
+        ends = np.array([closest.point_a, closest.point_b])
+        of = _pair_of(ends, shown, poses)
+        frame = frame._replace(text=repr(closest).strip("<>"), pair=of, line=None if of else ends)
+    return View(shown, [frame])
+
+
+def _pair_of(ends: NDArray[np.float64], shown: list[_Shown], poses: list[Any]) -> tuple[int, int] | None:
+    """Return the two bodies with these closest points, or None."""
+    import numpy as np
+
+    for a, b in itertools.combinations(range(len(shown)), 2):
+        for i, j in ((a, b), (b, a)):
+            found = PairTracker().closest(shown[i].geometry, shown[j].geometry, poses[i], poses[j])
+            if np.allclose(ends, [found.point_a, found.point_b]):
+                return i, j
+    return None
 
 
 def pair(a: Geometry, b: Geometry, pose_a: Any, pose_b: Any, closest: Closest) -> View:
@@ -174,15 +160,16 @@ def checker(checker: Checker, q: ArrayLike | None = None) -> View:
     for row, found in zip(rows, near):
         poses = np.array([checker.pose(id, row) for id in ids]).reshape(-1, 4, 4)
         if found is None:
-            frames.append(_Frame(poses, "", None))
+            frames.append(_Frame(poses))
         else:
-            frames.append(_Frame(poses, repr(found).strip("<>"), (found.point_a, found.point_b)))
+            a, b = (ids.index(id) for id in found.ids)
+            frames.append(_Frame(poses, repr(found).strip("<>"), (a, b)))
     return View(bodies, frames)
 
 
 def _small(view: View) -> str | None:
-    count = sum(len(body.geometry._render_mesh()[0]) for body in view._bodies)
-    return view._repr_html_() if count <= _MOST_TRIANGLES else None
+    page = view._html(_MOST_TRIANGLES)
+    return None if page is None else _framed(page)
 
 
 def geometry_html(geometry: Geometry) -> str | None:

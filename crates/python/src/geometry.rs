@@ -10,8 +10,7 @@ use std::borrow::Cow;
 
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{Compound, Geometry as Body, GeometryKind, Mesh, Piece};
-use lin_canny_robot::record::RenderMesh;
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -26,9 +25,6 @@ use crate::pose::Pose;
 /// `GeometryError` for input that makes no geometry, and names the point, triangle or parameter.
 #[pyclass(frozen, subclass, module = "lin_canny")]
 pub(crate) struct Geometry(pub(crate) Body);
-
-/// Triangles of shape (N, 3, 3) and edges of shape (M, 2, 3).
-type Drawn<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray3<f64>>);
 
 /// A piece as an argument: a geometry, or a geometry and its pose.
 #[derive(FromPyObject)]
@@ -150,19 +146,6 @@ impl Geometry {
         let (_, triangles) = self.indexed()?;
         let count = triangles.len();
         PyArray1::from_vec(py, triangles.into_flattened()).reshape([count, 3])
-    }
-
-    /// Returns what draws the geometry: triangles of shape (N, 3, 3), and edges of shape (M, 2, 3).
-    fn _render_mesh<'py>(&self, py: Python<'py>) -> PyResult<Drawn<'py>> {
-        let mesh = py.detach(|| RenderMesh::from_geometry(&self.0));
-        let point = |p: &Point3<f64>| -> [f64; 3] { p.coords.into() };
-        let triangles: Vec<[f64; 3]> = mesh.triangles.iter().flat_map(|(t, _)| t).map(point).collect();
-        let edges: Vec<[f64; 3]> = mesh.edges.iter().flatten().map(point).collect();
-        let array = |points: Vec<[f64; 3]>, width: usize| {
-            let count = points.len() / width;
-            PyArray1::from_vec(py, points.into_flattened()).reshape([count, width, 3])
-        };
-        Ok((array(triangles, 3)?, array(edges, 2)?))
     }
 
     /// Returns a View of the geometry: a page for a notebook or a browser. See `lin_canny.show`.

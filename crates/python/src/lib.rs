@@ -66,6 +66,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(points::signed_distance, module)?)?;
     module.add_function(wrap_pyfunction!(points::contains, module)?)?;
     module.add_function(wrap_pyfunction!(points::closest_points, module)?)?;
+    module.add_function(wrap_pyfunction!(view::page, module)?)?;
     class::<points::PointTracker>(module)?;
     class::<points::ClosestPoint>(module)?;
     module.add_function(wrap_pyfunction!(points::nearest_features, module)?)?;

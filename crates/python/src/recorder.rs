@@ -26,8 +26,8 @@ const VERTICES: Argument = Argument {
 
 /// Writes a recording: bodies that move, and results of queries, frame by frame.
 ///
-/// The viewer of the repository plays the file, and `lin-canny-rerun` converts it to a file of
-/// rerun. Add bodies with `body`; then call for each frame `pose`, `closest`, `path` and `note` as
+/// The example `page` of `lin-canny-record` makes a page that plays the file, and `lin-canny-rerun`
+/// converts it to a file of rerun. Add bodies with `body`; then call for each frame `pose`, `closest`, `path` and `note` as
 /// needed, and at last `end_frame`. `scene` writes a step of a Scene as one frame, and
 /// `Checker.record` the motion of a robot. As a context manager, a recorder closes its file.
 ///

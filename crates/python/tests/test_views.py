@@ -33,8 +33,18 @@ def data_of(page):
     return json.loads(text)
 
 
-def points_of(numbers):
-    return np.frombuffer(base64.b64decode(numbers), "<f4").reshape(-1, 3)
+def points_of(data, body, what):
+    """Return the vertices of the triangles or edges of a body, in its frame."""
+    numbers = data["solids"][data["bodies"][body]["solid"]][what]
+    return np.frombuffer(base64.b64decode(numbers), "<f4").reshape(-1, 3) * data["radius"]
+
+
+def in_the_world(data, point):
+    return np.array(point) * data["radius"] + data["center"]
+
+
+def ends_of(data, frame):
+    return in_the_world(data, frame["pairs"][0]["answer"]["points"])
 
 
 def all_kinds():
@@ -58,20 +68,20 @@ def test_a_view_of_every_kind(geometry):
     # Nothing is loaded from elsewhere.
     assert not re.search(r"(src|href)=|https?:|import |fetch\(", page)
     data = data_of(page)
-    (body,), (frame,) = data["bodies"], data["frames"]
-    triangles = points_of(body["triangles"])
+    (frame,) = data["frames"]
+    triangles = points_of(data, 0, "triangles")
     assert len(triangles) % 3 == 0 and len(triangles) > 0 and np.isfinite(triangles).all()
-    assert len(points_of(body["edges"])) % 2 == 0
+    assert len(points_of(data, 0, "edges")) % 2 == 0
     if geometry.kind != "half-space":
         middle, radius = geometry.bounding_ball
         assert np.linalg.norm(triangles - middle, axis=1).max() <= radius * (1 + 1e-6)
-        assert np.allclose(frame["poses"][0][9:], -np.array(data["center"]))
+        assert np.allclose(in_the_world(data, frame["poses"][0][1][:3]), 0, atol=1e-9)
 
 
 def test_points_and_segments_are_drawn_by_edges():
     for geometry in (lc.Geometry.segment([0, 0, 0], [1, 0, 0]), lc.Geometry.point([1, 2, 3])):
-        (body,) = data_of(geometry.show().html())["bodies"]
-        assert len(points_of(body["triangles"])) == 0 and len(points_of(body["edges"])) == 2
+        data = data_of(geometry.show().html())
+        assert len(points_of(data, 0, "triangles")) == 0 and len(points_of(data, 0, "edges")) == 2
 
 
 def test_a_view_of_a_pair():
@@ -79,12 +89,19 @@ def test_a_view_of_a_pair():
     view = lc.PairTracker().show(BOX, BALL, None, pose)
     data = data_of(view.html())
     (frame,) = data["frames"]
-    assert repr(view) == "<View: 2 bodies>" and frame["text"].startswith("Closest separated: 1.500000 in [")
-    ends = np.array(frame["closest"]).reshape(2, 3) + data["center"]
-    assert np.allclose(ends, [[1, 0, 0], [2.5, 0, 0]], atol=1e-9)
-    assert np.allclose(frame["poses"][1][9:] + np.array(data["center"]), [3, 0, 0])
+    assert repr(view) == "<View: 2 bodies>" and frame["note"].startswith("Closest separated: 1.500000 in [")
+    assert np.allclose(ends_of(data, frame), [[1, 0, 0], [2.5, 0, 0]], atol=1e-9)
+    assert np.allclose(in_the_world(data, frame["poses"][1][1][:3]), [3, 0, 0])
     same = lc.show(BOX, (BALL, pose), closest=lc.PairTracker().closest(BOX, BALL, None, pose))
     assert same.html() == view.html()
+    # Points of bodies that are not the first two, and of one body.
+    far = (BOX, ((0, 9, 0), ONE))
+    closest = lc.PairTracker().closest(BOX, BALL, None, pose)
+    (frame,) = data_of(lc.show(far, (BALL, pose), BOX, closest=closest).html())["frames"]
+    assert frame["pairs"][0]["bodies"] == [2, 1] and not frame["paths"]
+    data = data_of(lc.show(far, closest=closest).html())
+    (frame,) = data["frames"]
+    assert not frame["pairs"] and np.allclose(in_the_world(data, frame["paths"][0]), [[1, 0, 0], [2.5, 0, 0]])
 
 
 def test_a_notebook_shows_pages_of_moderate_size(tmp_path):
@@ -115,13 +132,13 @@ def test_a_browser_draws_a_page(tmp_path):
     command += [f"--user-data-dir={tmp_path / 'profile'}", (tmp_path / "pair.html").as_uri()]
     subprocess.run(command, capture_output=True, check=False, timeout=120)
     r, g, b = image.imread(tmp_path / "pair.png")[..., :3].transpose(2, 0, 1)
-    blue, orange, red = (b > r + 0.15), (r > b + 0.15) & (g > 0.3), (r > 0.6) & (g < 0.3)
-    assert blue.sum() > 5000 and orange.sum() > 500 and 50 < red.sum() < 5000
+    blue, orange, pink = (b > r + 0.2), (r > b + 0.15) & (g > 0.3), (r > 0.85) & (g < 0.47) & (b > 0.55)
+    assert blue.sum() > 3000 and orange.sum() > 500 and 50 < pink.sum() < 5000
 
 
 def test_names_cannot_end_the_script():
     page = lc._show.View(
-        [lc._show._Shown("</script><b>", BOX, (0, 0, 0))], [lc._show._Frame(np.eye(4)[None], "<", None)]
+        [lc._show._Shown("</script><b>", BOX, (0, 0, 0))], [lc._show._Frame(np.eye(4)[None], "<")]
     )
     assert "</script><b>" not in page.html() and data_of(page.html())["bodies"][0]["name"] == "</script><b>"
 
@@ -138,14 +155,12 @@ def test_a_view_of_a_checker():
     checker = arm()
     data = data_of(checker.show().html())
     (frame,) = data["frames"]
-    assert [body["name"] for body in data["bodies"]] == checker.bodies and frame["text"].startswith("NearPair")
+    assert [body["name"] for body in data["bodies"]] == checker.bodies and frame["note"].startswith("NearPair")
     q = np.clip(0.0, *checker.limits.T)
     near = checker.clearance(q)
-    ends = np.array(frame["closest"]).reshape(2, 3) + data["center"]
-    assert np.allclose(ends, [near.point_a, near.point_b], atol=1e-9)
-    for k, id in enumerate(checker.ids):
-        pose = checker.pose(id, q)
-        assert np.allclose(frame["poses"][k][:9], pose[:3, :3].ravel())
+    assert np.allclose(ends_of(data, frame), [near.point_a, near.point_b], atol=1e-9)
+    for (k, pose), id in zip(frame["poses"], checker.ids):
+        assert np.allclose(in_the_world(data, pose[:3]), checker.pose(id, q)[:3, 3])
     lit = [id for id, body in zip(checker.ids, data["bodies"]) if body["color"] == list(lc._show._LIT)]
     assert set(lit) == set(near.ids)
     motion = checker.show(np.linspace(q, checker.limits.mean(axis=1), 5))

@@ -12,10 +12,11 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
+use common::picture::{BLUE, Drawn, ORANGE, hulls, view};
 use common::{Engine, Scene, Setup, Start, prism};
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
+use lin_canny_record::svg::Svg;
 use truth::command::{file, write};
 
 /// Compare coins with 4 to 128 sides, laid flat on a half-space and a cuboid, with parry's hulls
@@ -73,11 +74,11 @@ fn lay(engine: Engine, sides: usize, on_space: bool) -> Lying {
 
 fn draw(coins: &[(Engine, Vec<Lying>)]) -> String {
     let title = "Coins of 4 to 128 sides, laid flat on a half-space, after ten seconds";
-    let mut picture = Picture::new(960, 350, title);
-    picture.word([480.0, 26.0], 17, "middle", title);
+    let mut picture = Svg::new(960, 350, title);
+    picture.words([480.0, 26.0], 17, "middle", title);
     for (row, (engine, coins)) in coins.iter().enumerate() {
         let base = 125.0 + 140.0 * row as f64;
-        picture.word(
+        picture.words(
             [16.0, base - 56.0],
             15,
             "start",
@@ -86,23 +87,20 @@ fn draw(coins: &[(Engine, Vec<Lying>)]) -> String {
                 Engine::Ours => "rapier with lin-canny's hulls and contacts",
             },
         );
-        picture.line([20.0, base], [940.0, base]);
+        picture.line([20.0, base], [940.0, base], "stroke=\"#9aa0a6\" stroke-width=\"1.5\"");
         for (k, coin) in coins.iter().enumerate() {
             let center = 75.0 + 101.0 * k as f64;
             let color = if coin.tilt < 1.0 { BLUE } else { ORANGE };
-            let view = View {
-                origin: [center, base],
-                scale: 105.0,
-                above: 0.06,
-                about: 0.5,
-            };
+            let view = view([center, base], 105.0, 0.06, 0.5);
             let pose = isometry(&coin.scene.pose(0));
             // The place is kept: a coin may have rolled off.
             let pose = lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::Isometry3::from_parts(
                 [0.0, pose.translation.y, 0.0].into(),
                 pose.rotation,
             );
-            picture.bodies(
+            hulls(
+                &mut picture,
+                [960.0, 350.0],
                 &view,
                 &[Drawn {
                     body: coin.scene.hulls[0].body(),
@@ -110,7 +108,7 @@ fn draw(coins: &[(Engine, Vec<Lying>)]) -> String {
                     color,
                 }],
             );
-            picture.word(
+            picture.words(
                 [center, base + 74.0],
                 12,
                 "middle",

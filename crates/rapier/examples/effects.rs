@@ -21,6 +21,7 @@ use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::Pose;
 use lin_canny_rapier::single::{Hull, Simulation};
 use lin_canny_rapier::{Body, Continuous, Effects, FrictionModel, Report, Settings};
+use lin_canny_record::svg::{BLUE, SKY, Svg};
 use truth::command::{count, file, write};
 use truth::rng::Rng;
 
@@ -119,27 +120,17 @@ fn cost(effects: Effects, observe: scene::PairQueries, options: &Options) -> Res
 fn draw(rows: &[(&str, f64)], bodies: usize) -> String {
     let title = format!("A step of {bodies} hulls of 64 vertices, effects added one by one (microseconds)");
     let height = 60 + 26 * rows.len();
-    let mut text = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 860 {height}\" width=\"860\" height=\"{height}\" \
-         style=\"max-width:100%\" font-family=\"sans-serif\" role=\"img\">\n<title>{title}</title>\n\
-         <rect width=\"860\" height=\"{height}\" rx=\"8\" fill=\"#ffffff\"/>\n\
-         <text x=\"430\" y=\"28\" font-size=\"16\" text-anchor=\"middle\" fill=\"#282828\">{title}</text>\n"
-    );
+    let mut svg = Svg::new(860, height as u32, &title);
+    svg.words([430.0, 28.0], 16, "middle", &title);
     let most = rows.iter().map(|r| r.1).fold(1.0, f64::max);
     for (k, (name, time)) in rows.iter().enumerate() {
-        let (y, width) = (46 + 26 * k, 540.0 * time / most);
-        let color = if k < 5 { "#56b4e9" } else { "#005aa0" };
-        let _ = writeln!(
-            text,
-            "<text x=\"190\" y=\"{}\" font-size=\"13\" text-anchor=\"end\" fill=\"#282828\">{name}</text>\
-             <rect x=\"200\" y=\"{y}\" width=\"{width:.1}\" height=\"18\" fill=\"{color}\"/>\
-             <text x=\"{:.1}\" y=\"{}\" font-size=\"12\" fill=\"#282828\">{time:.0}</text>",
-            y + 14,
-            206.0 + width,
-            y + 14
-        );
+        let (y, width) = (46.0 + 26.0 * k as f64, 540.0 * time / most);
+        let color = if k < 5 { SKY } else { BLUE };
+        svg.words([190.0, y + 14.0], 13, "end", name);
+        svg.rect([200.0, y], [width, 18.0], &format!("fill=\"{color}\""));
+        svg.words([206.0 + width, y + 14.0], 12, "start", &format!("{time:.0}"));
     }
-    text + "</svg>\n"
+    svg.finish()
 }
 
 fn run(options: &Options) -> Result<(), Trouble> {

@@ -23,7 +23,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Parser;
-use common::picture::{BLUE, Drawn, GREY, ORANGE, Picture, View};
+use common::picture::{BLUE, Drawn, GREY, ORANGE, hulls, view};
 use common::{Scene, layers, prism};
 use cpu_time::ThreadTime;
 use lin_canny_rapier::lin_canny_parry::lin_canny::ConvexPolyhedron;
@@ -32,6 +32,7 @@ use lin_canny_rapier::lin_canny_parry::lin_canny::polyhedron::solids;
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
 use lin_canny_rapier::single::{CertifiedDispatcher, Hull, MeshShape, certified_world};
+use lin_canny_record::svg::Svg;
 use race::progress::Progress;
 use truth::command::{count, file, number, write};
 use truth::rng::Rng;
@@ -294,8 +295,8 @@ fn slab(half: [f64; 3], at: [f64; 3]) -> (ConvexPolyhedron, Isometry3<f64>) {
 
 fn draw(ends: &[(Way, End)]) -> String {
     let title = "150 steel parts of 1 to 3 cm on a mesh tray after 8 s at 60 Hz, in rapier (f32)";
-    let mut picture = Picture::new(1000, 330, title);
-    picture.word([500.0, 26.0], 17, "middle", title);
+    let mut picture = Svg::new(1000, 330, title);
+    picture.words([500.0, 26.0], 17, "middle", title);
     let (w, h) = (f64::from(TRAY.0), f64::from(TRAY.1));
     let thin = 0.001;
     let walls = [
@@ -305,16 +306,13 @@ fn draw(ends: &[(Way, End)]) -> String {
     ];
     for (column, (way, end)) in ends.iter().take(4).enumerate() {
         let center = [130.0 + 247.0 * column as f64, 195.0];
-        let view = View {
-            origin: center,
-            scale: 1050.0,
-            above: 0.75,
-            about: 0.6,
-        };
+        let view = view(center, 1050.0, 0.75, 0.6);
         let drawn = |(body, pose): &(ConvexPolyhedron, Isometry3<f64>)| (body.clone(), *pose);
         for (body, pose) in walls.iter().map(drawn) {
             let color = GREY;
-            picture.bodies(
+            hulls(
+                &mut picture,
+                [1000.0, 330.0],
                 &view,
                 &[Drawn {
                     body: &body,
@@ -332,17 +330,17 @@ fn draw(ends: &[(Way, End)]) -> String {
                 color: color.map(|c| c * (0.75 + 0.25 * ((k * 7919) % 100) as f64 / 100.0)),
             })
             .collect();
-        picture.bodies(&view, &bodies);
+        hulls(&mut picture, [1000.0, 330.0], &view, &bodies);
         let who = match way.name {
             "rapier" => "rapier as it comes",
             "dispatcher" => "lin-canny's dispatcher alone",
             "hulls" => "lin-canny's hulls alone",
             _ => "lin-canny's hulls and dispatcher",
         };
-        picture.word([center[0], 62.0], 13, "middle", who);
+        picture.words([center[0], 62.0], 13, "middle", who);
         let lost = (0..PARTS).filter(|&k| !is_in(&end.shown, k)).count();
         let words = format!("{lost} of {PARTS} lost");
-        picture.word([center[0], 300.0], 13, "middle", &words);
+        picture.words([center[0], 300.0], 13, "middle", &words);
     }
     picture.finish()
 }

@@ -14,12 +14,13 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
+use common::picture::{BLUE, Drawn, ORANGE, hulls, view};
 use common::{Engine, Setup, Start, prism};
 use lin_canny_rapier::lin_canny_parry::lin_canny::ConvexPolyhedron;
 use lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Unit};
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
+use lin_canny_record::svg::Svg;
 use truth::command::{file, read, write};
 
 /// Simulate towers of ten prisms for 1,000 steps, with parry's contacts and with ours
@@ -131,8 +132,8 @@ fn towers<'a>(rows: &'a [Row], engine: &str, size: f32) -> Vec<(usize, Vec<&'a R
 fn draw(rows: &[Row], engines: &[String]) -> String {
     let title = "Towers of ten prisms of two centimetres after 1,000 steps of 1/240 s";
     let (width, height) = (1000, 40 + 250 * engines.len() as u32);
-    let mut picture = Picture::new(width, height, title);
-    picture.word([500.0, 26.0], 17, "middle", title);
+    let mut picture = Svg::new(width, height, title);
+    picture.words([500.0, 26.0], 17, "middle", title);
     let size = SIZES[SIZES.len() - 1];
     for (row, engine) in engines.iter().enumerate() {
         let base = 240.0 + 250.0 * row as f64;
@@ -141,16 +142,11 @@ fn draw(rows: &[Row], engines: &[String]) -> String {
             "ours" => "rapier with lin-canny's hulls and contacts",
             other => other,
         };
-        picture.word([16.0, base - 180.0], 15, "start", name);
-        picture.line([20.0, base], [980.0, base]);
+        picture.words([16.0, base - 180.0], 15, "start", name);
+        picture.line([20.0, base], [980.0, base], "stroke=\"#9aa0a6\" stroke-width=\"1.5\"");
         for (k, (sides, tower)) in towers(rows, engine, size).into_iter().enumerate() {
             let center = 140.0 + 240.0 * k as f64;
-            let view = View {
-                origin: [center, base],
-                scale: 30.0 / f64::from(size),
-                above: 0.06,
-                about: 0.5,
-            };
+            let view = view([center, base], 30.0 / f64::from(size), 0.06, 0.5);
             let moved = moved(&tower);
             let points = prism(sides, 0.5 * size, 0.25 * size);
             let points: Vec<Point3<f64>> = points.iter().map(|p| [p.x, p.y, p.z].map(f64::from).into()).collect();
@@ -168,8 +164,8 @@ fn draw(rows: &[Row], engines: &[String]) -> String {
                     color,
                 })
                 .collect();
-            picture.bodies(&view, &bodies);
-            picture.word(
+            hulls(&mut picture, [f64::from(width), f64::from(height)], &view, &bodies);
+            picture.words(
                 [center, base + 34.0],
                 12,
                 "middle",

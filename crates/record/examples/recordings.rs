@@ -1,7 +1,7 @@
-//! Writes the recordings of `crates/viewer/examples/`, or a large one.
+//! Writes the recordings of `crates/record/examples/`, or a large one.
 //!
 //! ```text
-//! cargo run --release -p lin-canny-record --example recordings -- crates/viewer/examples
+//! cargo run --release -p lin-canny-record --example recordings -- crates/record/examples
 //! cargo run --release -p lin-canny-record --example recordings -- FOLDER --many BODIES FRAMES
 //! ```
 
@@ -21,7 +21,7 @@ use lin_canny_record::{Bracket, ColumnLine, Recorder};
 
 type Trouble = Box<dyn Error>;
 
-/// Write the recordings of crates/viewer/examples, or a large one, to a folder
+/// Write the recordings of crates/record/examples, or a large one, to a folder
 #[derive(Parser)]
 struct Options {
     /// Output folder

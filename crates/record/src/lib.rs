@@ -1,7 +1,7 @@
 //! Writes and reads recordings of moving bodies and query results.
 //!
 //! A recording is a file of JSON lines. A loop, a [`Scene`](lin_canny::scene::Scene), a robot or a
-//! planner writes one line per frame. The viewer of the repository plays the file.
+//! planner writes one line per frame. [`page`] plays it on a page for a browser.
 //!
 //! ```
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -29,7 +29,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # The format, version 1
+//! [`svg`] draws a few shapes and a view of things in space as SVG.
+//!
+//! # The format, version 2
 //!
 //! A file is UTF-8 text with one JSON value per line. The first line is the [`Header`]:
 //! `{"format":"lin-canny recording","version":2,"title":"two cubes"}`. Each further line is an
@@ -52,13 +54,16 @@
 
 mod format;
 mod markup;
+mod page;
 mod picture;
 mod read;
 mod scene;
+pub mod svg;
 mod write;
 
 pub use format::{BodyLine, Bracket, ColumnLine, Contact, FORMAT, Frame, Header, PairLine, VERSION, poses};
 pub use markup::escaped;
+pub use page::{PageOptions, page};
 pub use picture::RenderMesh;
 pub use read::{Cursor, ReadError, Recording};
 pub use write::{Recorder, WriteError, is_same};

@@ -17,7 +17,7 @@ use rerun::{Clear, EntityPath, Mesh3D, Points3D, Scalars, TextLog, Transform3D};
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../viewer/examples")
+        .join("../record/examples")
         .join(name)
 }
 

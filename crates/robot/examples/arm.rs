@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release -p lin-canny-robot --example arm -- [--cell X.obj ..] [--seed N] [--out FILE.svg]`
 
+mod common;
+
 use clap::Parser;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::Progress;
@@ -12,7 +14,7 @@ use race::plot::Chart;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
-use truth::arm::{Trouble, cell, draw, motion};
+use truth::arm::{Trouble, cell, motion};
 use truth::command::{file, seconds};
 
 /// Plan how a six-axis arm moves its gripper from the left bin to the right bin
@@ -153,7 +155,7 @@ fn picture(
     let (distance, points, name, at) = nearest.ok_or("the path is empty")?;
     let mut bodies: Vec<_> = things.iter().map(|(_, shape, _)| (shape, false)).collect();
     let mut poses: Vec<_> = things.iter().map(|(_, _, pose)| *pose).collect();
-    let links = checker.world().robot_bodies().map(|(_, shape)| draw::outline(shape));
+    let links = checker.world().robot_bodies().map(|(_, shape)| common::outline(shape));
     let shapes: Vec<ConvexPolyhedron> = links.collect::<Result<_, Trouble>>()?;
     let mut placed: Vec<Isometry3<f64>> = vec![];
     for q in [&path[0], &places[at], &path[path.len() - 1]] {
@@ -164,7 +166,7 @@ fn picture(
         }
     }
     let caption = format!("Six axes from bin to bin; at the red line {distance:.4} between {name}");
-    let picture = draw::Picture {
+    let picture = common::Picture {
         caption,
         bodies,
         poses,

@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release -p lin-canny-robot --example clearance -- [--urdf FILE] [--cell X.obj ..] [--frames N] [--out FILE.svg]`
 
+mod common;
+
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -13,7 +15,7 @@ use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, NearPair};
 use lin_canny_robot::{LoadOptions, Packages, Robot, Setup};
 use race::plot::Chart;
 use race::progress::Progress;
-use truth::arm::{Trouble, cell, draw, motion};
+use truth::arm::{Trouble, cell, motion};
 use truth::command::{count, file};
 
 /// Find the closest pair per frame while an arm moves through a cell
@@ -112,13 +114,15 @@ fn picture(
     let world = checker.world();
     // Frames without bodies come last.
     poses.truncate(world.robot_bodies().len());
-    let links = world.robot_bodies().map(|(_, shape)| Ok((draw::outline(shape)?, true)));
+    let links = world
+        .robot_bodies()
+        .map(|(_, shape)| Ok((common::outline(shape)?, true)));
     let things = world
         .obstacles()
-        .map(|(_, shape, _)| Ok((draw::outline(shape)?, false)));
+        .map(|(_, shape, _)| Ok((common::outline(shape)?, false)));
     let shapes: Vec<(ConvexPolyhedron, bool)> = links.chain(things).collect::<Result<_, Trouble>>()?;
     poses.extend(world.obstacles().map(|(_, _, pose)| *pose));
-    let picture = draw::Picture {
+    let picture = common::Picture {
         caption,
         bodies: shapes.iter().map(|(shape, is_robot)| (shape, *is_robot)).collect(),
         poses,

@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release -p lin-canny-robot --example pick -- [--points N] [--seed N] [--out FILE.jsonl] [--picture FILE.svg]`
 
+mod common;
+
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -12,15 +14,15 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Mesh, Progress, Shape};
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, NearPair, PlanOptions, Verdict};
-use lin_canny_robot::{RobotFiles, RobotRecorder};
-use truth::arm::{Trouble, draw};
+use lin_canny_robot::{RobotFiles, RobotRecorder, record};
+use truth::arm::Trouble;
 use truth::command::{count, file};
 use truth::rng::Rng;
 
 /// Plan how a six-axis arm takes a part from a tray and puts it down behind a post
 ///
 /// A hood over the tray is known only as a cloud of points with noise. Every motion is proven free:
-/// of the arm, and of the part in its gripper. Writes a recording for the viewer, and draws the arm
+/// of the arm, and of the part in its gripper. Writes a recording, and draws the arm
 /// where the part is closest to the post.
 #[derive(Parser)]
 struct Options {
@@ -33,6 +35,9 @@ struct Options {
     /// Output recording
     #[arg(long, value_name = "FILE.jsonl", default_value = "target/pick.jsonl", value_parser = file("jsonl"))]
     out: PathBuf,
+    /// Output page: the recording as one HTML file, for any browser with WebGL 2
+    #[arg(long, value_name = "FILE.html", value_parser = file("html"))]
+    page: Option<PathBuf>,
     /// Output picture
     #[arg(long, value_name = "FILE.svg", default_value = "target/pick.svg", value_parser = file("svg"))]
     picture: PathBuf,
@@ -113,6 +118,10 @@ fn run(options: &Options) -> Result<(), Trouble> {
     proven(&mut checker, "leave", &put)?;
     film.show(&mut checker, "leave", &put)?;
     film.to.finish()?;
+    if let Some(page) = &options.page {
+        let recording = record::Recording::open(&options.out)?;
+        truth::command::write(page, &record::page(&recording, &record::PageOptions::default()))?;
+    }
     println!(
         "recorded to {}, drawn to {}, in {:.1?}",
         options.out.display(),
@@ -304,7 +313,7 @@ fn picture(checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<String
             Geometry::HalfSpace(_) => {}
             geometry => {
                 let is_moving = world.obstacle_pose(id).is_none();
-                let outline = draw::outline(geometry)?;
+                let outline = common::outline(geometry)?;
                 if name == "part" {
                     for end in [&path[0], &path[path.len() - 1]] {
                         shapes.push((outline.clone(), false));
@@ -317,7 +326,7 @@ fn picture(checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<String
         }
     }
     let step = cloud.len().div_ceil(DOTS).max(1);
-    let picture = draw::Picture {
+    let picture = common::Picture {
         caption: format!(
             "A part is carried from a tray to the table: {:.3} m from the post",
             near.distance

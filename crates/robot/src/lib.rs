@@ -38,7 +38,7 @@
 //! | read trajectories with times and velocities from CSV, or from the JSON or YAML of ROS | [`Trajectory::load_timed`], [`Trajectory::curves`] |
 //! | cover links by balls, and fill them with balls, for planners that know only spheres | [`cover_links`], [`urdf_of_balls`], [`json_of_balls`] |
 //! | contain links in hulls of few faces, for programs that know only convex polyhedra | [`hull_links`], [`urdf_of_hulls`], [`json_of_hulls`] |
-//! | write a recording for the viewer | [`RobotRecorder`] |
+//! | write a recording, or a page that plays it | [`RobotRecorder`], [`record::page`] |
 //!
 //! The checker of [`lin_canny_plan`] computes clearances with bounds, proves segments free over
 //! their whole length, and searches for paths. The command line tool `lin-canny-robot` does the

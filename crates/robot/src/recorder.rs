@@ -1,8 +1,8 @@
-//! Recordings of a robot in its cell, for the viewer.
+//! Recordings of a robot in its cell.
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Isometry3;
@@ -30,9 +30,9 @@ use crate::error::{FileError, FileErrorKind};
 /// recorder.finish()?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct RobotRecorder {
+pub struct RobotRecorder<W: Write = BufWriter<File>> {
     file: PathBuf,
-    to: Recorder<BufWriter<File>>,
+    to: Recorder<W>,
     /// The bodies of the recording, by their numbers.
     bodies: Vec<Shown>,
     /// The numbers of the bodies that are shown.
@@ -47,16 +47,29 @@ struct Shown {
 }
 
 impl RobotRecorder {
-    /// Starts a recording of the bodies of a checker, with the robot at the configuration `q`, and
-    /// moving obstacles at the time of [`Checker::set_time`].
+    /// Starts a recording in a new file, as [`new`](Self::new).
     ///
     /// # Errors
-    /// Returns an error if the file cannot be written, or if recordings do not support a shape.
+    /// Returns an error if the file cannot be created or written, or if recordings do not support a
+    /// shape.
     pub fn create(file: impl AsRef<Path>, checker: &Checker<JointTree>, q: &[f64]) -> Result<Self, FileError> {
+        let file = file.as_ref();
+        let to = File::create(file).map_err(|fault| refused(file, fault.into()))?;
+        Self::new(BufWriter::new(to), file, checker, q)
+    }
+}
+
+impl<W: Write> RobotRecorder<W> {
+    /// Starts a recording of the bodies of a checker, with the robot at the configuration `q`, and
+    /// moving obstacles at the time of [`Checker::set_time`]. Errors name `file`.
+    ///
+    /// # Errors
+    /// Returns an error if `to` cannot be written, or if recordings do not support a shape.
+    pub fn new(to: W, file: impl AsRef<Path>, checker: &Checker<JointTree>, q: &[f64]) -> Result<Self, FileError> {
         let begin = || -> Result<_, WriteError> {
             let mut recorder = Self {
                 file: file.as_ref().to_owned(),
-                to: Recorder::create(file.as_ref(), "a robot in its cell")?,
+                to: Recorder::new(to, "a robot in its cell")?,
                 bodies: Vec::new(),
                 numbers: BTreeMap::new(),
             };
@@ -183,13 +196,13 @@ impl RobotRecorder {
         gone.into_iter().try_for_each(|number| self.to.remove(number as u32))
     }
 
-    /// Ends the recording.
+    /// Ends the recording and returns the file.
     ///
     /// # Errors
     /// Returns an error if the file cannot be written.
-    pub fn finish(self) -> Result<(), FileError> {
+    pub fn finish(self) -> Result<W, FileError> {
         let Self { file, to, .. } = self;
-        to.finish().map(|_| ()).map_err(|fault| refused(&file, fault))
+        to.finish().map_err(|fault| refused(&file, fault))
     }
 }
 

@@ -62,10 +62,34 @@ fn clearances_of_rows() {
 }
 
 #[test]
-fn rows_are_recorded_for_the_viewer() {
-    let out = scratch("carry.jsonl", "");
-    let (code, text) = run("clearance", &with(&["--joints", "carry.csv", "--record", &out]));
+fn rows_are_recorded_and_played_by_a_page() {
+    let (out, page) = (scratch("carry.jsonl", ""), scratch("carry.html", ""));
+    let arguments = ["--joints", "carry.csv", "--record", &out, "--page", &page];
+    let (code, text) = run("clearance", &with(&arguments));
     assert_eq!(code, 0, "{text}");
+    // The page alone is the same page, and the page of the recording.
+    let html = std::fs::read_to_string(&page).expect("the page");
+    let (code, text) = run("clearance", &with(&["--joints", "carry.csv", "--page", &page]));
+    assert_eq!(code, 0, "{text}");
+    assert_eq!(std::fs::read_to_string(&page).expect("the page"), html);
+    let played = lin_canny_record::Recording::open(&out).expect("a recording");
+    let options = lin_canny_record::PageOptions::default();
+    assert_eq!(lin_canny_record::page(&played, &options), html);
+    for command in ["certify", "plan"] {
+        let page = scratch("moved.html", "");
+        let (code, text) = run(command, &with(&["--joints", "carry.csv", "--page", &page]));
+        assert_eq!(code, 0, "{command}: {text}");
+        let html = std::fs::read_to_string(&page).expect("the page");
+        assert!(
+            html.contains("\"name\":\"fence\"") && html.ends_with("</html>\n"),
+            "{command}"
+        );
+    }
+    let (code, text) = run(
+        "clearance",
+        &with(&["--joints", "carry.csv", "--along", "--page", &page]),
+    );
+    assert!(code == 2 && text.contains("--page"), "{text}");
     let file = std::io::BufReader::new(std::fs::File::open(&out).expect("the recording"));
     let film = lin_canny_record::Recording::read(file).expect("a recording");
     assert_eq!(film.frames.len(), 4);
@@ -100,6 +124,10 @@ fn rows_are_recorded_for_the_viewer() {
         "clearance",
         &with(&["--joints", "carry.csv", "--record", &(nowhere + "/x")]),
     );
+    assert_eq!(code, 3, "{text}");
+    assert!(text.contains("cannot be written"), "{text}");
+    let nowhere = scratch("file", "") + "/x";
+    let (code, text) = run("clearance", &with(&["--joints", "carry.csv", "--page", &nowhere]));
     assert_eq!(code, 3, "{text}");
     assert!(text.contains("cannot be written"), "{text}");
 }
@@ -1289,12 +1317,12 @@ fn the_page_of_an_audit_draws_each_pair() {
             .first_element_child()
             .and_then(|title| title.text())
             .expect("a title");
-        assert!(count("path", "a") > 0 && count("path", "b") > 0, "{title}");
-        assert_eq!(count("circle", ""), 2, "{title}");
+        assert!(count("polygon", "a") > 0 && count("polygon", "b") > 0, "{title}");
+        assert_eq!(count("circle", "end"), 2, "{title}");
         for circle in svg.descendants().filter(|node| node.has_tag_name("circle")) {
             let [x, y] = ["cx", "cy"].map(|name| circle.attribute(name).and_then(|x| x.parse::<f64>().ok()));
-            assert!(x.is_some_and(|x| (0.0..=4200.0).contains(&x)), "{title}");
-            assert!(y.is_some_and(|y| (0.0..=2800.0).contains(&y)), "{title}");
+            assert!(x.is_some_and(|x| (0.0..=420.0).contains(&x)), "{title}");
+            assert!(y.is_some_and(|y| (0.0..=280.0).contains(&y)), "{title}");
         }
     }
     // The refuted exclusion comes first.

@@ -32,7 +32,7 @@
 //! | [`suite`] | files of cases with or without their exact values |
 //! | [`corpus`] | the named hard cases of `tests/corpus/` |
 //! | [`parry`] | the reference engine |
-//! | [`command`], [`svg`] | entry point of programs with options, shapes as SVG: for the examples of all packages |
+//! | [`command`] | entry point of programs with options: for the examples of all packages |
 //!
 //! `exact` and `bound` use [`body`] (bodies at exact poses), [`rational`] (exact arithmetic) and
 //! [`verdict`] (the result of the oracle). [`pose`] contains the pose and a few vector helpers.
@@ -72,7 +72,6 @@ pub mod shapes;
 pub mod soups;
 pub mod suite;
 pub mod support;
-pub mod svg;
 pub mod turned;
 pub mod verdict;
 pub mod workload;

@@ -44,7 +44,7 @@ impl Checker {
         crate::view::call(this.py(), "checker_html", (this,))
     }
 
-    /// Writes a recording of configurations with their closest pairs, for the viewer or rerun.
+    /// Writes a recording of configurations with their closest pairs, for a page or rerun.
     ///
     /// Parameters
     /// ----------
@@ -100,7 +100,7 @@ impl Checker {
             to.frame(&self.checker, q, &place, &near).map_err(file_error)?;
         }
         match recorder {
-            Some(to) => to.finish().map_err(file_error),
+            Some(to) => to.finish().map(drop).map_err(file_error),
             None => Err(plan_error("configurations: there are none to record")),
         }
     }

@@ -10,12 +10,13 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use crate::common::picture::{BLUE, Drawn, ORANGE, Picture, View};
+use crate::common::picture::{BLUE, Drawn, ORANGE, hulls, view};
 use crate::common::{Engine, Scene, Setup, bin, layers, pebble};
 use clap::Args;
 use cpu_time::ThreadTime;
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::Vector;
+use lin_canny_record::svg::Svg;
 use race::progress::Progress;
 use truth::command::{count, file, write};
 use truth::rng::Rng;
@@ -171,21 +172,16 @@ fn line(row: &Row, engine: Engine, vertices: usize, skin: f32, seeds: f64) -> St
 
 fn draw(options: &Options, ends: &[Scene]) -> String {
     let title = format!("{} hulls after {} steps in rapier", options.bodies, options.steps);
-    let mut picture = Picture::new(960, 420, &title);
-    picture.word([480.0, 26.0], 17, "middle", &title);
+    let mut picture = Svg::new(960, 420, &title);
+    picture.words([480.0, 26.0], 17, "middle", &title);
     for (k, (engine, scene)) in Engine::BOTH.iter().zip(ends).enumerate() {
         let center = 240.0 + 480.0 * k as f64;
         let what = format!(
             "contacts of {}",
             if *engine == Engine::Ours { "lin-canny" } else { "parry" }
         );
-        picture.word([center, 52.0], 15, "middle", &what);
-        let view = View {
-            origin: [center, 300.0],
-            scale: 36.0,
-            above: 0.5,
-            about: 0.6,
-        };
+        picture.words([center, 52.0], 15, "middle", &what);
+        let view = view([center, 300.0], 36.0, 0.5, 0.6);
         let color = if *engine == Engine::Ours { BLUE } else { ORANGE };
         let body = |k: usize| {
             let shade = 0.75 + 0.25 * ((k * 7919) % 100) as f64 / 100.0;
@@ -196,7 +192,7 @@ fn draw(options: &Options, ends: &[Scene]) -> String {
             }
         };
         let bodies: Vec<Drawn> = (0..scene.bodies.len()).map(body).collect();
-        picture.bodies(&view, &bodies);
+        hulls(&mut picture, [960.0, 420.0], &view, &bodies);
     }
     picture.finish()
 }

@@ -1,37 +1,14 @@
 //! Pictures of hulls: each visible face filled, far bodies first.
 
-use std::fmt::Write as _;
-
 use lin_canny_rapier::lin_canny_parry::lin_canny::ConvexPolyhedron;
 use lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny_record::svg::{Place, Svg, View};
 
-/// A picture in the making, on a white ground so that it reads on light and dark pages.
-pub(crate) struct Picture {
-    text: String,
-    size: [f64; 2],
-}
-
-/// Where a scene stands on the page: a view from above at an angle, without perspective.
-#[derive(Clone, Copy)]
-pub(crate) struct View {
-    /// Place of the origin of the world on the page.
-    pub(crate) origin: [f64; 2],
-    /// Pixels a unit of length.
-    pub(crate) scale: f64,
-    /// Angle of the view above the horizon, in radians.
-    pub(crate) above: f64,
-    /// Angle of the view about the vertical.
-    pub(crate) about: f64,
-}
-
-impl View {
-    /// Returns the directions right, up and towards the viewer.
-    fn axes(&self) -> [Vector3<f64>; 3] {
-        let ((s, c), (t, d)) = (self.about.sin_cos(), self.above.sin_cos());
-        let towards = Vector3::new(d * s, t, d * c);
-        let right = Vector3::new(c, 0.0, -s);
-        [right, towards.cross(&right), towards]
-    }
+/// Returns a view of a scene, in which y is up, from an angle above the horizon and an angle about
+/// the vertical, in radians. The scale is in pixels per unit of length.
+pub(crate) fn view(origin: Place, scale: f64, above: f64, about: f64) -> View {
+    let ((s, c), (t, d)) = (about.sin_cos(), above.sin_cos());
+    View::new(&Vector3::new(d * s, t, d * c), &Vector3::y(), scale, origin)
 }
 
 /// A body to be drawn.
@@ -41,78 +18,29 @@ pub(crate) struct Drawn<'a> {
     pub(crate) color: [f64; 3],
 }
 
-impl Picture {
-    pub(crate) fn new(width: u32, height: u32, title: &str) -> Self {
-        let mut text = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
-             style=\"max-width:100%\" font-family=\"sans-serif\" role=\"img\">\n<title>{title}</title>\n"
-        );
-        let _ = writeln!(
-            text,
-            "<rect width=\"{width}\" height=\"{height}\" rx=\"8\" fill=\"#ffffff\"/>"
-        );
-        Self {
-            text,
-            size: [f64::from(width), f64::from(height)],
-        }
-    }
-
-    /// Writes a word; `anchor` is start, middle or end.
-    pub(crate) fn word(&mut self, [x, y]: [f64; 2], size: u32, anchor: &str, word: &str) {
-        let _ = writeln!(
-            self.text,
-            "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size}\" text-anchor=\"{anchor}\" fill=\"#282828\">{word}</text>"
-        );
-    }
-
-    pub(crate) fn line(&mut self, [x, y]: [f64; 2], [u, v]: [f64; 2]) {
-        let _ = writeln!(
-            self.text,
-            "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{u:.1}\" y2=\"{v:.1}\" stroke=\"#9aa0a6\" stroke-width=\"1.5\"/>"
-        );
-    }
-
-    /// Draws bodies, those far from the viewer first; what falls off the page is left out.
-    pub(crate) fn bodies(&mut self, view: &View, bodies: &[Drawn]) {
-        let [right, up, towards] = view.axes();
-        let mut order: Vec<&Drawn> = bodies.iter().collect();
-        let near = |d: &Drawn| towards.dot(&(d.pose * d.body.centroid()).coords);
-        order.sort_by(|x, y| near(x).total_cmp(&near(y)));
-        for d in order {
-            let place = |p: Vector3<f64>| {
-                [
-                    view.origin[0] + view.scale * right.dot(&p),
-                    view.origin[1] - view.scale * up.dot(&p),
-                ]
-            };
-            for f in d.body.faces() {
-                let Some((n, _)) = d.body.face_plane(f) else { continue };
-                let n = d.pose.rotation * n.into_inner();
-                let rim = d.body.face_vertices(f).filter_map(|v| d.body.vertex(v));
-                let rim: Vec<[f64; 2]> = rim.map(|p| place((d.pose * p).coords)).collect();
-                let on_page = |p: &[f64; 2]| (0..2).all(|k| (0.0..=self.size[k]).contains(&p[k]));
-                if n.dot(&towards) > 0.0 && rim.iter().all(on_page) {
-                    self.face(&rim, d.color, &n);
-                }
+/// Draws bodies, those far from the reader first; what falls off a page of a size is left out.
+pub(crate) fn hulls(svg: &mut Svg, size: [f64; 2], view: &View, bodies: &[Drawn]) {
+    let mut order: Vec<&Drawn> = bodies.iter().collect();
+    let near = |d: &Drawn| view.depth(&(d.pose * d.body.centroid()));
+    order.sort_by(|x, y| near(x).total_cmp(&near(y)));
+    for d in order {
+        for f in d.body.faces() {
+            let Some((n, _)) = d.body.face_plane(f) else { continue };
+            let n = d.pose.rotation * n.into_inner();
+            let rim = d.body.face_vertices(f).filter_map(|v| d.body.vertex(v));
+            let rim: Vec<Place> = rim.map(|p| view.place(&(d.pose * p))).collect();
+            let on_page = |p: &Place| (0..2).all(|k| (0.0..=size[k]).contains(&p[k]));
+            if n.dot(&view.axes[2]) > 0.0 && rim.iter().all(on_page) {
+                let light = Vector3::new(-0.4, 0.8, 0.45).normalize();
+                let shade = 0.55 + 0.45 * n.dot(&light).max(0.0);
+                let [r, g, b] = d.color.map(|c| (255.0 * c * shade) as u8);
+                let color = format!("#{r:02x}{g:02x}{b:02x}");
+                svg.polygon(
+                    &rim,
+                    &format!("fill=\"{color}\" stroke=\"{color}\" stroke-width=\"0.5\""),
+                );
             }
         }
-    }
-
-    fn face(&mut self, rim: &[[f64; 2]], color: [f64; 3], n: &Vector3<f64>) {
-        let light = Vector3::new(-0.4, 0.8, 0.45).normalize();
-        let shade = 0.55 + 0.45 * n.dot(&light).max(0.0);
-        let [r, g, b] = color.map(|c| (255.0 * c * shade) as u8);
-        let points: Vec<String> = rim.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
-        let _ = writeln!(
-            self.text,
-            "<polygon points=\"{}\" fill=\"#{r:02x}{g:02x}{b:02x}\" stroke=\"#{r:02x}{g:02x}{b:02x}\" stroke-width=\"0.5\"/>",
-            points.join(" ")
-        );
-    }
-
-    pub(crate) fn finish(mut self) -> String {
-        self.text.push_str("</svg>\n");
-        self.text
     }
 }
 

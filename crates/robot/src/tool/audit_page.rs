@@ -80,7 +80,7 @@ impl AuditPage<'_> {
         format!(
             "<tr><td class=\"w\"><a href=\"#pair{k}\">{}</a></td><td>{}</td><td class=\"w\">{}</td><td class=\"{class}\">{claim}</td>\
              <td>{}</td><td>{}</td><td>{:.1}</td></tr>\n",
-            title(one),
+            escaped(&title(one)),
             one.joints,
             one.verdict,
             clearance(one),
@@ -90,8 +90,8 @@ impl AuditPage<'_> {
     }
 
     fn figure(&self, k: usize, one: &LinkAudit, checker: &Checker<JointTree>) -> Result<String, PlanError> {
-        let title = title(one);
-        let svg = picture(one, checker, &title)?;
+        let svg = picture(one, checker)?;
+        let title = escaped(&title(one));
         let moving: BTreeSet<usize> = one.answers.iter().flat_map(|a| a.coordinates.iter().copied()).collect();
         let values = moving.into_iter().filter_map(|c| {
             let (coordinate, value) = (self.coordinates.get(c)?, one.at.get(c)?);
@@ -107,7 +107,7 @@ impl AuditPage<'_> {
 }
 
 /// Draws all bodies of both links at the configuration of the least distance.
-fn picture(one: &LinkAudit, checker: &Checker<JointTree>, title: &str) -> Result<String, PlanError> {
+fn picture(one: &LinkAudit, checker: &Checker<JointTree>) -> Result<String, PlanError> {
     let mut links: BTreeMap<WorldId, usize> = BTreeMap::new();
     let (mut points, mut least) = (None, f64::INFINITY);
     for answer in &one.answers {
@@ -138,11 +138,11 @@ fn picture(one: &LinkAudit, checker: &Checker<JointTree>, title: &str) -> Result
             drawing.body(geometry, &checker.pose(id, &one.at)?, link, near);
         }
     }
-    Ok(drawing.svg(title, points))
+    Ok(drawing.svg(&title(one), points))
 }
 
 fn title(one: &LinkAudit) -> String {
-    let [a, b] = one.names.each_ref().map(|name| escaped(name));
+    let [a, b] = &one.names;
     format!("{a} – {b}")
 }
 

@@ -45,9 +45,8 @@ pub(super) struct CertifyOptions {
     /// Output file with the verdict of each segment
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
-    /// Output recording for the viewer: the motion, its closest pairs, and verdict and time in each frame
-    #[arg(long, value_name = "OUT.jsonl")]
-    record: Option<PathBuf>,
+    #[command(flatten)]
+    film: film::FilmOptions,
     /// Output receipt, a proof that `verify` checks: of all segments if they are free, otherwise of
     /// the first that is blocked
     #[arg(long, value_name = "OUT.jsonl", conflicts_with_all = ["tube", "start_contact"])]
@@ -156,7 +155,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
             error => error.into(),
         })?;
         bar.inc(1);
-        if options.record.is_some() {
+        if options.film.file().is_some() {
             verdicts.push(verdict.clone());
         }
         let safe = verdict.safe();
@@ -213,9 +212,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     if let Some(file) = &options.csv {
         write(file, &table.text())?;
     }
-    if let Some(file) = &options.record {
-        film::record(file, &setup, &path, (&curves, &verdicts), unit)?;
-    }
+    film::record(&options.film, &setup, &path, (&curves, &verdicts), unit)?;
     // A path of straight segments has no curves for spaces that follow segments alone.
     let has_curves = curves.iter().any(|curve| curve.degree() > 1);
     if let Some(file) = &options.scene {

@@ -7,8 +7,9 @@ use clap::{Args, ValueEnum};
 use lin_canny_robot::plan::{
     Checker, JointCurve, JointTree, NearPair, PlanError, SegmentClearance, Verdict, WorldId, WorldPair,
 };
-use lin_canny_robot::{RobotRecorder, Setup, Trajectory};
+use lin_canny_robot::{Setup, Trajectory};
 
+use super::film::FilmOptions;
 use super::options::{RobotOptions, RowOptions};
 use super::text::{Table, distance, names, place, time_at};
 use super::{End, ToolError, check_at_rest, progress, write};
@@ -36,7 +37,7 @@ pub(super) struct ClearanceOptions {
     against: Against,
     /// Measure the least clearance along the motion from row to row, at constant joint speeds; its
     /// bounds differ by 0.1 %, or by up to 10 % if a pair comes close for a short time
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["record", "page"])]
     along: bool,
     /// Output file with the closest pair and its distance at each row, or along each segment
     #[arg(long, value_name = "OUT.csv")]
@@ -45,9 +46,8 @@ pub(super) struct ClearanceOptions {
     /// distance, 0 for a mesh in contact
     #[arg(long, requires = "csv", conflicts_with = "along")]
     pairs: bool,
-    /// Output recording for the viewer: the robot, its cell and the closest pair at each row
-    #[arg(long, value_name = "OUT.jsonl", conflicts_with = "along")]
-    record: Option<PathBuf>,
+    #[command(flatten)]
+    film: FilmOptions,
 }
 
 pub(super) fn run(options: &ClearanceOptions) -> Result<End, ToolError> {
@@ -100,10 +100,7 @@ fn measure_rows(
     };
     let slack = if options.pairs { f64::INFINITY } else { 0.0 };
     let mut table = Table::new(COLUMNS.into_iter().chain(titles.iter().map(String::as_str)));
-    let mut recorder = match &options.record {
-        Some(file) => Some(RobotRecorder::create(file, checker, first)?),
-        None => None,
-    };
+    let mut recorder = options.film.start(checker, first)?;
     let bar = progress("rows", rows.rows.len() as u64);
     let (mut least, mut contacts): (Option<(u32, NearPair)>, usize) = (None, 0);
     for (k, q) in rows.rows.iter().enumerate() {
@@ -134,7 +131,7 @@ fn measure_rows(
     }
     bar.finish_and_clear();
     if let Some(recorder) = recorder {
-        recorder.finish()?;
+        options.film.finish(recorder)?;
     }
     let count = rows.rows.len();
     match least {

@@ -6,10 +6,11 @@ use std::fmt::Write as _;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{Geometry, HalfSpace};
 use lin_canny_record::RenderMesh;
+use lin_canny_record::svg::{Place, Svg, View};
 
-/// Width and height in tenths of a pixel, and the space around the bodies.
-const SIZE: [f64; 2] = [4200.0, 2800.0];
-const BORDER: f64 = 200.0;
+/// Width and height in pixels, and the space around the bodies.
+const SIZE: [f64; 2] = [420.0, 280.0];
+const BORDER: f64 = 20.0;
 
 /// Largest number of triangles of a body that is drawn as it is.
 const MOST_TRIANGLES: usize = 400;
@@ -20,8 +21,8 @@ const MOST_POINTS: usize = 500;
 /// Number of cubes along the longest side of a body in which vertices are merged at first.
 const CUBES: u32 = 32;
 
-/// Directions to the viewer and to the light, not of unit length.
-const VIEWER: Vector3<f64> = Vector3::new(1.0, -0.75, 0.62);
+/// Directions to the reader and to the light, not of unit length.
+const TOWARDS: Vector3<f64> = Vector3::new(1.0, -0.75, 0.62);
 const LIGHT: Vector3<f64> = Vector3::new(0.5, -0.9, 1.6);
 
 /// Part of the view along the line between the closest points.
@@ -43,7 +44,8 @@ pub(super) fn style() -> String {
         }
     }
     style
-        + "svg path{stroke-width:4;stroke-linejoin:round}.gap{fill:none;stroke:#c00000}svg circle{fill:#c00000;stroke:white;stroke-width:6}"
+        + "svg polygon{stroke-width:.4;stroke-linejoin:round}.dot{stroke:none}.gap{stroke:#c00000;stroke-width:1.6}\
+           .end{fill:#c00000;stroke:white;stroke-width:.6}"
 }
 
 /// Two links at their poses in the world.
@@ -78,98 +80,57 @@ impl Drawing {
         self.triangles.extend(placed);
     }
 
-    /// Returns the SVG, with a line between the closest points.
+    /// Returns the SVG for a page of HTML, with a line between the closest points.
     pub(super) fn svg(&self, title: &str, points: Option<[Point3<f64>; 2]>) -> String {
         let view = self.view(points);
-        let mut svg = format!(
-            "<svg viewBox=\"0 0 {} {}\" role=\"img\"><title>{title}</title>\n",
-            SIZE[0], SIZE[1]
-        );
         let light = LIGHT.normalize();
-        let depth = |points: &[Point3<f64>]| points.iter().map(|p| p.coords.dot(&view.near)).sum::<f64>();
-        let mut seen: Vec<(f64, String)> = Vec::new();
+        // What is drawn, and how near it is.
+        let mut seen: Vec<(f64, Vec<Place>, String)> = Vec::new();
         for (corners, normal, link) in &self.triangles {
-            if normal.dot(&view.near) <= 0.0 {
+            if normal.dot(&view.axes[2]) <= 0.0 {
                 continue;
             }
             let tone = (0.5 * (1.0 + normal.dot(&light)) * TONES as f64) as usize;
-            let [[ax, ay], [bx, by], [cx, cy]] = corners.map(|p| view.place(&p));
-            let path = format!(
-                "<path class=\"{}{}\" d=\"M{ax:.0} {ay:.0} {bx:.0} {by:.0} {cx:.0} {cy:.0}z\"/>\n",
-                ['a', 'b'][*link],
-                tone.min(TONES - 1)
-            );
-            seen.push((depth(corners) / 3.0, path));
+            let class = format!("class=\"{}{}\"", ['a', 'b'][*link], tone.min(TONES - 1));
+            let depth = corners.iter().map(|p| view.depth(p)).sum::<f64>() / 3.0;
+            seen.push((depth, corners.iter().map(|p| view.place(p)).collect(), class));
         }
         for (point, link) in &self.dots {
-            let [x, y] = view.place(point);
-            let path = format!("<path class=\"{}2\" d=\"M{x:.0} {y:.0}h8\"/>\n", ['a', 'b'][*link]);
-            seen.push((depth(&[*point]), path));
+            let class = format!("class=\"{}2 dot\"", ['a', 'b'][*link]);
+            seen.push((view.depth(point), vec![view.place(point)], class));
         }
         seen.sort_by(|x, y| x.0.total_cmp(&y.0));
-        svg.extend(seen.into_iter().map(|(_, path)| path));
-        if let Some([p, q]) = points.map(|points| points.map(|p| view.place(&p))) {
-            let _ = writeln!(
-                svg,
-                "<path class=\"gap\" style=\"stroke-width:16\" d=\"M{:.0} {:.0}L{:.0} {:.0}\"/>",
-                p[0], p[1], q[0], q[1]
-            );
-            for [x, y] in [p, q] {
-                let _ = writeln!(svg, "<circle cx=\"{x:.0}\" cy=\"{y:.0}\" r=\"28\"/>");
+        let mut svg = Svg::new(SIZE[0] as u32, SIZE[1] as u32, title);
+        for (_, places, class) in seen {
+            match places[..] {
+                [place] => svg.dot(place, 0.5, &class),
+                _ => svg.polygon(&places, &class),
             }
         }
-        svg + "</svg>\n"
+        if let Some([p, q]) = points.map(|points| points.map(|p| view.place(&p))) {
+            svg.line(p, q, "class=\"gap\"");
+            for end in [p, q] {
+                svg.dot(end, 2.8, "class=\"end\"");
+            }
+        }
+        svg.inline()
     }
 
     /// Returns the view in which everything fills the picture, across the line between the points.
     fn view(&self, points: Option<[Point3<f64>; 2]>) -> View {
         let gap = points.and_then(|[p, q]| (q - p).try_normalize(f64::MIN_POSITIVE));
         let gap = gap.map_or(Vector3::zeros(), |gap| if gap.z < 0.0 { -gap } else { gap });
-        let across = VIEWER - gap * VIEWER.dot(&gap);
+        let across = TOWARDS - gap * TOWARDS.dot(&gap);
         let across = if across.norm() > 0.3 { across } else { Vector3::y() };
         // A little along the gap as well, so that faces which bound it are seen.
-        let near = (across.normalize() + gap * TILT).normalize();
-        let right = Vector3::z().cross(&near).try_normalize(1e-3).unwrap_or_else(Vector3::x);
-        let up = near.cross(&right);
+        let towards = across.normalize() + gap * TILT;
         let corners = self.triangles.iter().flat_map(|(corners, ..)| corners);
         let all = corners
             .chain(self.dots.iter().map(|(p, _)| p))
             .chain(points.iter().flatten());
-        let all: Vec<&Point3<f64>> = all.collect();
-        let span = |axis: &Vector3<f64>| {
-            let along = all.iter().map(|p| p.coords.dot(axis));
-            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)))
-        };
-        let [(left, end), (low, high)] = [&right, &up].map(span);
+        let all: Vec<Point3<f64>> = all.copied().collect();
         let room = SIZE.map(|length| length - 2.0 * BORDER);
-        let scale = (room[0] / (end - left)).min(room[1] / (high - low));
-        // A single point, or nothing.
-        let scale = if scale.is_finite() { scale } else { 1.0 };
-        let middle = [0.5 * (left + end), 0.5 * (low + high)].map(|x| if x.is_finite() { x } else { 0.0 });
-        View {
-            axes: [right, up],
-            near,
-            scale,
-            middle,
-        }
-    }
-}
-
-/// A parallel projection.
-struct View {
-    /// Directions to the right and up in the picture.
-    axes: [Vector3<f64>; 2],
-    /// Direction to the viewer.
-    near: Vector3<f64>,
-    scale: f64,
-    /// What is drawn in the middle, along both axes.
-    middle: [f64; 2],
-}
-
-impl View {
-    fn place(&self, p: &Point3<f64>) -> [f64; 2] {
-        let along = [0, 1].map(|k| self.scale * (p.coords.dot(&self.axes[k]) - self.middle[k]));
-        [0.5 * SIZE[0] + along[0], 0.5 * SIZE[1] - along[1]]
+        View::fitting(&towards, &all, SIZE.map(|length| 0.5 * length), room)
     }
 }
 
@@ -224,12 +185,12 @@ mod tests {
     use super::*;
     use lin_canny::polyhedron::solids;
 
-    /// Returns the numbers of all paths and circles of a drawing.
+    /// Returns the numbers of all polygons and circles of a drawing.
     fn numbers(svg: &str) -> Vec<f64> {
         let shapes = svg
             .lines()
-            .filter(|line| line.starts_with("<path") || line.starts_with("<circle"));
-        let values = shapes.flat_map(|line| line.split(['"', 'M', 'L', ' ', 'z', 'h']));
+            .filter(|line| line.starts_with("<polygon") || line.starts_with("<circle"));
+        let values = shapes.flat_map(|line| line.split(['"', ' ', ',']));
         values.filter_map(|word| word.parse().ok()).collect()
     }
 
@@ -250,11 +211,11 @@ mod tests {
         let all = numbers(&svg);
         let widest = all.iter().copied().fold(0.0, f64::max);
         assert!(all.iter().all(|x| (0.0..=SIZE[0]).contains(x)), "{svg}");
-        assert!(widest > SIZE[0] - BORDER - 200.0, "{widest}");
+        assert!(widest > SIZE[0] - BORDER - 20.0, "{widest}");
         // The gap is seen at its true length, in proportion to the length of both bodies.
         let circles: Vec<Vec<f64>> = svg
             .lines()
-            .filter(|line| line.starts_with("<circle"))
+            .filter(|line| line.contains("class=\"end\""))
             .map(numbers)
             .collect();
         let length = (circles[0][0] - circles[1][0]).hypot(circles[0][1] - circles[1][1]);
@@ -279,7 +240,7 @@ mod tests {
         );
         let svg = drawing.svg("a floor", None);
         let count = |class: &str| svg.matches(class).count();
-        assert_eq!((count("\"a2\""), count("class=\"b")), (MOST_POINTS, 2));
+        assert_eq!((count("\"a2 dot\""), count("class=\"b")), (MOST_POINTS, 2));
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
     }
 }

@@ -1,21 +1,100 @@
-//! Recordings of motions for the viewer, with the verdict about each segment.
+//! Recordings of motions: where they are written, and motions with the verdict about each segment.
 
-use std::path::Path;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use lin_canny_robot::plan::{Checker, JointCurve, JointTree, Verdict};
+use lin_canny_robot::record::{PageOptions, Recording, page};
 use lin_canny_robot::{Coordinate, RobotRecorder, Setup, Trajectory};
 
-use super::ToolError;
 use super::text::{fraction_below, names, place, time_at};
+use super::{ToolError, write};
 
 /// Recorded frames per segment.
 pub(super) const FRAMES: u32 = 32;
+
+/// Where a command writes what it records.
+#[derive(Args)]
+pub(super) struct FilmOptions {
+    /// Output recording: the robot, its cell and the closest pair in each frame; `certify` adds the verdict
+    #[arg(long, value_name = "OUT.jsonl")]
+    record: Option<PathBuf>,
+    /// Output page: the same recording as one HTML file, which any browser with WebGL 2 plays
+    #[arg(long, value_name = "OUT.html")]
+    page: Option<PathBuf>,
+}
+
+/// The lines of a recording, in a file, in memory for a page, or both.
+pub(super) struct Film {
+    file: Option<BufWriter<File>>,
+    lines: Option<Vec<u8>>,
+}
+
+impl Write for Film {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if let Some(file) = &mut self.file {
+            file.write_all(bytes)?;
+        }
+        if let Some(lines) = &mut self.lines {
+            lines.extend_from_slice(bytes);
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.as_mut().map_or(Ok(()), BufWriter::flush)
+    }
+}
+
+impl FilmOptions {
+    /// Returns the file that errors name; `None` if nothing is recorded.
+    pub(super) fn file(&self) -> Option<&Path> {
+        self.record.as_deref().or(self.page.as_deref())
+    }
+
+    /// Starts a recording if one was requested, with the robot at the configuration `q`.
+    pub(super) fn start(
+        &self,
+        checker: &Checker<JointTree>,
+        q: &[f64],
+    ) -> Result<Option<RobotRecorder<Film>>, ToolError> {
+        let Some(named) = self.file() else { return Ok(None) };
+        let create = |file: &PathBuf| {
+            File::create(file)
+                .map(BufWriter::new)
+                .map_err(|reason| ToolError::Write {
+                    file: file.clone(),
+                    reason,
+                })
+        };
+        let film = Film {
+            file: self.record.as_ref().map(create).transpose()?,
+            lines: self.page.as_ref().map(|_| Vec::new()),
+        };
+        Ok(Some(RobotRecorder::new(film, named, checker, q)?))
+    }
+
+    /// Ends the recording and writes the page.
+    pub(super) fn finish(&self, recorder: RobotRecorder<Film>) -> Result<(), ToolError> {
+        let film = recorder.finish()?;
+        let (Some(file), Some(lines)) = (&self.page, film.lines) else {
+            return Ok(());
+        };
+        let recording = Recording::read(lines.as_slice()).map_err(|error| ToolError::State {
+            file: file.clone(),
+            reason: error.to_string(),
+        })?;
+        write(file, &page(&recording, &PageOptions::default()))
+    }
+}
 
 /// Records the motion along curves, with the closest pair and the verdict in each frame.
 ///
 /// A segment that is blocked has one more frame, at the time of the contact.
 pub(super) fn record(
-    file: &Path,
+    film: &FilmOptions,
     setup: &Setup,
     path: &Trajectory,
     (curves, verdicts): (&[JointCurve], &[Verdict]),
@@ -24,7 +103,9 @@ pub(super) fn record(
     // Another checker, so that the queries of the verdicts are counted alone.
     let mut checker = setup.checker()?;
     let coordinates = setup.coordinates();
-    let mut recorder = RobotRecorder::create(file, &checker, &path.rows[0])?;
+    let Some(mut recorder) = film.start(&checker, &path.rows[0])? else {
+        return Ok(());
+    };
     for (k, (curve, verdict)) in curves.iter().zip(verdicts).enumerate() {
         let end = told(&checker, path, k, verdict);
         let segment = format!("{unit} {} to {}", path.lines[k], path.lines[k + 1]);
@@ -44,7 +125,7 @@ pub(super) fn record(
             recorder.frame(&checker, &q, &format!("{segment}, {place} ({end})"), &near)?;
         }
     }
-    Ok(recorder.finish()?)
+    film.finish(recorder)
 }
 
 /// Returns the recorded times of a segment, in order. A segment begins where the one before ended.

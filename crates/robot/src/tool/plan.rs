@@ -1,14 +1,14 @@
 //! The command `plan`: searches for a path from the first to the last row of a file.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 use lin_canny::Progress;
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanError, PlanMethod, PlanOptions};
-use lin_canny_robot::{RobotRecorder, Trajectory, csv_text};
+use lin_canny_robot::{Trajectory, csv_text};
 
-use super::film::FRAMES;
+use super::film::{FRAMES, FilmOptions};
 use super::options::{RobotOptions, RowOptions};
 use super::pair_boxes::PairBoxArguments;
 use super::text::{self, distance, names};
@@ -41,9 +41,8 @@ pub(super) struct PlanArguments {
     /// Output file with the path [default: stdout]
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
-    /// Output recording of the motion along the path, for the viewer
-    #[arg(long, value_name = "OUT.jsonl")]
-    record: Option<PathBuf>,
+    #[command(flatten)]
+    film: FilmOptions,
     /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     margin: Option<f64>,
@@ -102,9 +101,7 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
         Some(file) => write(file, &text)?,
         None => text::put(format_args!("{text}")),
     }
-    if let Some(file) = &options.record {
-        record(file, &mut checker, &short)?;
-    }
+    record(&options.film, &mut checker, &short)?;
     warn!(
         "a path of {} rows, length {:.3} ({:.3} before it was shortened)",
         short.len(),
@@ -141,8 +138,10 @@ fn blocked(
 }
 
 /// Records the motion along a path, with the closest pair of each frame.
-fn record(file: &Path, checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<(), ToolError> {
-    let mut recorder = RobotRecorder::create(file, checker, &path[0])?;
+fn record(film: &FilmOptions, checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<(), ToolError> {
+    let Some(mut recorder) = film.start(checker, &path[0])? else {
+        return Ok(());
+    };
     for (row, ends) in path.windows(2).enumerate() {
         // A segment begins where the one before ended.
         for k in u32::from(row > 0)..=FRAMES {
@@ -153,5 +152,5 @@ fn record(file: &Path, checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> R
             }
         }
     }
-    Ok(recorder.finish()?)
+    film.finish(recorder)
 }

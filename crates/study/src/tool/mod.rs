@@ -18,7 +18,6 @@ mod cells;
 mod cluster;
 mod options;
 mod progress;
-mod report;
 mod roadmap;
 mod run;
 mod sample;
@@ -53,8 +52,6 @@ enum Command {
     Cells(cells::CellOptions),
     /// Compute the clearance of each row, or run your own query
     Run(run::RunArguments),
-    /// Write a report of a run: clearances, worst rows, pairs, a map over two joints
-    Report(report::ReportOptions),
     /// Write a roadmap: free nodes, and edges between them that are proven free
     Roadmap(roadmap::RoadmapOptions),
     /// Start a scheduler, which divides queries among executors
@@ -85,7 +82,6 @@ fn done(command: Command) -> Result<(), StudyError> {
             Command::Sample(options) => sample::run(&options),
             Command::Cells(options) => cells::run(&options),
             Command::Run(options) => run::run(&options).await,
-            Command::Report(options) => report::run(&options).await,
             Command::Roadmap(options) => roadmap::run(&options).await,
             Command::Scheduler(options) => cluster::schedule(&options).await,
             Command::Executor(options) => cluster::execute(&options).await,

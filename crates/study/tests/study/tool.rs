@@ -3,7 +3,7 @@
 use crate::{files, said, scratch, tool};
 
 #[test]
-fn three_commands_make_a_report() {
+fn two_commands_make_clearances_and_a_query_finds_the_worst() {
     let folder = scratch("three");
     let at = |name: &str| folder.join(name).to_string_lossy().into_owned();
     let (code, text) = said(tool("sample").args(["--rows", "3000", "--rows-per-file", "2000", "--out", &at("q")]));
@@ -18,26 +18,22 @@ fn three_commands_make_a_report() {
     );
     let (code, text) = said(tool("run").args(["--in", &at("q"), "--out", &at("out")]));
     assert!(code == 0 && text.contains("3000 rows in 2 part(s), 2 kept"), "{text}");
-    let report = [
+    let query = "SELECT turn, lift, elbow, roll, bend, twist FROM configs ORDER BY distance LIMIT 10";
+    let run = [
         "--in",
         &at("out"),
         "--out",
-        &at("report.html"),
-        "--map",
-        "lift",
-        "elbow",
+        &at("worst"),
+        "--format",
+        "csv",
+        "--sql",
+        query,
     ];
-    let (code, text) = said(tool("report").args(report).args(["--record", &at("worst.jsonl")]));
-    assert!(code == 0 && text.contains("3000 rows"), "{text}");
-    let page = std::fs::read_to_string(at("report.html")).expect("a page");
-    assert_eq!(page.matches("<svg").count(), 3, "histogram, map, picture");
-    assert!(
-        page.contains("Clearances of 3000 configurations") && page.contains("<th>elbow"),
-        "{page:.400}"
-    );
-    // The numbers of all bars are the rows, those of the pairs too.
-    let record = std::fs::read_to_string(at("worst.jsonl")).expect("a recording");
-    assert!(record.lines().count() > 10, "{}", record.lines().count());
+    let (code, text) = said(tool("run").args(run));
+    assert_eq!(code, 0, "{text}");
+    let worst = std::fs::read_to_string(at("worst/result.csv")).expect("an answer");
+    assert_eq!(worst.lines().next(), Some("turn,lift,elbow,roll,bend,twist"));
+    assert_eq!(worst.lines().count(), 11, "{worst}");
 }
 
 #[test]

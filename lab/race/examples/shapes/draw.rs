@@ -4,11 +4,11 @@
 //! from bounding boxes of the shapes, rotated in steps.
 
 use std::f64::consts::TAU;
-use std::fmt::Write as _;
 use std::path::Path;
 
 use lin_canny::nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
 use lin_canny::{BoxHint, Outcome, PairTracker, RelativePose, Shape};
+use lin_canny_record::svg::{Place, Svg};
 
 const CELL: f64 = 118.0;
 const MARGIN: f64 = 92.0;
@@ -61,56 +61,40 @@ fn outline(shape: &Shape, pose: &Isometry3<f64>) -> Vec<[f64; 2]> {
     (0..SIDES).map(corner).collect()
 }
 
-fn path(points: &[[f64; 2]], at: impl Fn([f64; 2]) -> [f64; 2]) -> String {
-    let at = points.iter().map(|&p| at(p)).map(|[x, y]| format!("{x:.1},{y:.1}"));
-    at.collect::<Vec<_>>().join(" ")
-}
-
 /// Draws one cell of the picture, centred at `middle`.
-fn cell(svg: &mut String, (a, b): (&Shape, &Shape), pose: &Isometry3<f64>, o: &Outcome, middle: [f64; 2]) {
+fn cell(svg: &mut Svg, (a, b): (&Shape, &Shape), pose: &Isometry3<f64>, o: &Outcome, middle: [f64; 2]) {
     let view = UnitQuaternion::rotation_between(&o.normal, &Vector3::x()).unwrap_or_default();
     let view = Isometry3::from_parts(Default::default(), view);
     let (p, q) = (view * o.point_on_a, view * pose * o.point_on_b);
     let centre = (p.coords + q.coords) / 2.0;
     let at = |[x, y]: [f64; 2]| [middle[0] + 28.0 * (x - centre.x), middle[1] - 28.0 * (y - centre.y)];
     for (shape, pose, class) in [(a, view, "a"), (b, view * pose, "b")] {
-        let _ = writeln!(
-            svg,
-            r#"<polygon class="{class}" points="{}"/>"#,
-            path(&outline(shape, &pose), at)
-        );
+        let outline: Vec<Place> = outline(shape, &pose).into_iter().map(at).collect();
+        svg.polygon(&outline, &format!("class=\"{class}\""));
     }
-    let (p, q) = (at([p.x, p.y]), at([q.x, q.y]));
-    let _ = writeln!(
-        svg,
-        r#"<path class="w" d="M{:.1} {:.1}L{:.1} {:.1}"/><circle cx="{:.1}" cy="{:.1}" r="2"/><circle cx="{:.1}" cy="{:.1}" r="2"/>"#,
-        p[0], p[1], q[0], q[1], p[0], p[1], q[0], q[1]
-    );
+    let ends = [p, q].map(|p| at([p.x, p.y]));
+    svg.line(ends[0], ends[1], "class=\"w\"");
+    for end in ends {
+        svg.dot(end, 2.0, "");
+    }
 }
 
 /// Draws all pairs, and prints a line for each.
 pub(crate) fn all(out: &Path) -> Result<(), String> {
     let kinds = kinds().map_err(|e| e.to_string())?;
     let side = MARGIN + CELL * kinds.len() as f64;
-    let mut svg = format!(
-        r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {side} {side}" font-family="sans-serif" font-size="12">
-<style>.a{{fill:#4477aa55;stroke:#4477aa}}.b{{fill:#ee667755;stroke:#ee6677}}.w{{stroke:#222;stroke-width:1.5}}text{{fill:#222}}</style>
-<rect width="100%" height="100%" fill="white"/>
-<text x="6" y="24">On and below the diagonal 0.5 apart, above it 0.15 deep; each pair is seen perpendicular to its normal, which runs to the right.</text>
-"#
-    );
+    let title = "On and below the diagonal 0.5 apart, above it 0.15 deep; each pair is seen perpendicular to its normal, which runs to the right.";
+    let mut svg = Svg::new(side as u32, side as u32, title);
+    svg.style(".a{fill:#4477aa55;stroke:#4477aa}.b{fill:#ee667755;stroke:#ee6677}.w{stroke:#222;stroke-width:1.5}");
+    svg.words([6.0, 24.0], 12, "start", title);
     println!(
         "{:13} {:13} {:>22}  {:11} {:>9}  features",
         "A", "B", "signed distance", "state", "width"
     );
     for (i, (name_a, a)) in kinds.iter().enumerate() {
         let middle = |k: usize| MARGIN + CELL * (k as f64 + 0.5);
-        let _ = writeln!(
-            svg,
-            r#"<text x="{:.0}" y="60" text-anchor="middle">{name_a}</text>"#,
-            middle(i)
-        );
-        let _ = writeln!(svg, r#"<text x="6" y="{:.0}">{name_a}</text>"#, middle(i));
+        svg.words([middle(i), 60.0], 12, "middle", name_a);
+        svg.words([6.0, middle(i)], 12, "start", name_a);
         for (k, (name_b, b)) in kinds.iter().enumerate() {
             let goal = if k <= i { 0.5 } else { -0.15 };
             let (pose, o) = placed(a, b, i + 2 * k, goal)?;
@@ -124,8 +108,7 @@ pub(crate) fn all(out: &Path) -> Result<(), String> {
             );
         }
     }
-    svg += "</svg>\n";
-    truth::command::write(out, &svg)?;
+    truth::command::write(out, &svg.finish())?;
     println!("drawn in {}", out.display());
     Ok(())
 }

@@ -1,19 +1,20 @@
-//! Writes the hard cases that the viewer's page shows: small solids of `tests/corpus/`, each with
-//! the exact value and parry's answer.
+//! Writes a page of hard cases: small solids of `tests/corpus/`, a case in each frame, with the
+//! answer of the library, the exact value and parry's answer.
 //!
-//! ```text
-//! cargo run --release -p race --bin hard_cases -- --out crates/viewer/cases.json
-//! ```
+//! `cargo run --release -p race --bin hard_cases -- --page target/cases.html`
 
+use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use serde_json::{Value, json};
+use lin_canny::nalgebra::Point3;
+use lin_canny::{ConvexPolyhedron, Geometry, PairTracker, RelativePose};
+use lin_canny_record::{PageOptions, Recorder, Recording, page, poses};
 use truth::command::{file, write};
 use truth::corpus::{self, Case};
-use truth::{Pose, parry};
+use truth::{Point, Pose, parry};
 
 /// Largest number of cases taken per family in which parry errs.
 const MOST_OF_A_FAMILY: usize = 3;
@@ -29,22 +30,23 @@ const NAMED: [&str; 4] = [
 /// Largest number of points of a body.
 const MOST_POINTS: usize = 40;
 
-/// Write the hard cases for the web page of the viewer
+/// Write a page of hard cases, with the exact value and parry's answer
 #[derive(Parser)]
 struct Options {
-    /// Output file
-    #[arg(long, value_name = "FILE.json", default_value = "target/cases.json", value_parser = file("json"))]
-    out: PathBuf,
+    /// Output page: one HTML file, for any browser with WebGL 2
+    #[arg(long, value_name = "FILE.html", default_value = "target/cases.html", value_parser = file("html"))]
+    page: PathBuf,
 }
 
 fn main() -> ExitCode {
     truth::command::main(run)
 }
 
-fn run(options: &Options) -> Result<(), String> {
+fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     std::panic::set_hook(Box::new(|_| {})); // a panic of parry counts as an answer
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/corpus");
-    let mut taken: Vec<(String, Value)> = Vec::new();
+    let mut recorder = Recorder::new(Vec::new(), "Hard cases")?;
+    let mut taken: Vec<String> = Vec::new();
     for case in corpus::load(&folder) {
         let is_small = case.a.points.len().max(case.b.points.len()) <= MOST_POINTS;
         let Some(distance) = case
@@ -55,32 +57,40 @@ fn run(options: &Options) -> Result<(), String> {
         };
         let parry = parry_of(&case);
         let errs = parry.is_none_or(|d| (d - distance).abs() > 1e-9 * distance.abs() + 1e-13 * case.size());
-        let of_family = taken.iter().filter(|(family, _)| *family == case.family).count();
+        let of_family = taken.iter().filter(|family| **family == case.family).count();
         let is_motion = case.motion.is_some();
         if NAMED.contains(&case.name.as_str()) || (errs && !is_motion && of_family < MOST_OF_A_FAMILY) {
-            taken.push((case.family.clone(), entry(&case, distance, parry)));
+            record(&mut recorder, &case, distance, parry)?;
+            taken.push(case.family.clone());
         }
     }
-    let list: Vec<Value> = taken.into_iter().map(|(_, value)| value).collect();
-    let lines: Vec<String> = list.iter().map(Value::to_string).collect();
-    write(&options.out, &format!("[\n{}\n]\n", lines.join(",\n")))?;
-    println!("{} cases: {}", list.len(), options.out.display());
+    let recording = Recording::read(recorder.finish()?.as_slice())?;
+    write(&options.page, &page(&recording, &PageOptions::default()))?;
+    println!("{} cases: {}", taken.len(), options.page.display());
     Ok(())
 }
 
-fn entry(case: &Case, distance: f64, parry: Option<f64>) -> Value {
-    let pose = |p: &Pose| [p.t[0], p.t[1], p.t[2], p.q[0], p.q[1], p.q[2], p.q[3]];
-    json!({
-        "name": case.name,
-        "family": case.family,
-        "a": case.a.points,
-        "b": case.b.points,
-        "pose_a": pose(&case.pose_a),
-        "pose_b": pose(&case.pose_b),
-        "class": case.state.word(),
-        "distance": distance,
-        "parry": parry,
-    })
+/// Adds a frame with the two bodies of a case, which the next frame no longer shows.
+fn record(to: &mut Recorder<Vec<u8>>, case: &Case, distance: f64, parry: Option<f64>) -> Result<(), Box<dyn Error>> {
+    let hull = |points: &[Point]| {
+        let points: Vec<Point3<f64>> = points.iter().copied().map(Point3::from).collect();
+        ConvexPolyhedron::from_points(&points).map(Geometry::from)
+    };
+    let bodies = [hull(&case.a.points)?, hull(&case.b.points)?];
+    let pose = |Pose { t, q }: &Pose| poses::pose([t[0], t[1], t[2], q[0], q[1], q[2], q[3]]).ok_or("an invalid pose");
+    let poses = [pose(&case.pose_a)?, pose(&case.pose_b)?];
+    let a = to.body("a", &bodies[0], &poses[0])?;
+    let b = to.body("b", &bodies[1], &poses[1])?;
+    let pose = RelativePose::new_normalized(&poses[0], &poses[1])?;
+    to.answer(a, b, &PairTracker::new().closest(&bodies[0], &bodies[1], &pose))?;
+    let parry = parry.map_or("none".into(), |d| d.to_string());
+    to.note(format!(
+        "{} ({})\nexact: {distance}\nparry: {parry}",
+        case.name, case.family
+    ));
+    to.end_frame()?;
+    to.remove(a)?;
+    Ok(to.remove(b)?)
 }
 
 /// Returns parry's signed distance in `f64`, of parry's hulls; `None` if parry gives none.

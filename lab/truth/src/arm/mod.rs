@@ -1,9 +1,7 @@
-//! A six-axis arm in its cell: the obstacles, the motion of the arm, and a picture in three
-//! dimensions.
+//! A six-axis arm in its cell: the obstacles, and the motion of the arm.
 
 pub mod cell;
 pub mod chain;
-pub mod draw;
 pub mod motion;
 pub mod robot;
 

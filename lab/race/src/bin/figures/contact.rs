@@ -4,7 +4,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vecto
 use lin_canny::{ConvexPolyhedron, Feature, Manifold, ManifoldOptions, RelativePose, Tracker, polyhedron::solids};
 
 use crate::Trouble;
-use truth::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
+use lin_canny_record::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 
 const SCALE: f64 = 100.0;
 const PANEL: f64 = 270.0;

@@ -9,7 +9,7 @@ use truth::motion::orbit_and_spin;
 use truth::rng::Rng;
 
 use crate::Trouble;
-use truth::svg::{BLUE, GREEN, INK, ORANGE, Place, Svg};
+use lin_canny_record::svg::{BLUE, GREEN, INK, ORANGE, Place, Svg};
 
 /// Frames of the motion on the left; the last one is drawn.
 const FRAMES: usize = 90;

@@ -5,7 +5,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Feature, Outcome, RelativePose, Tracker};
 
 use crate::Trouble;
-use truth::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
+use lin_canny_record::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 
 /// The middle slice of a body, and a point whose closest feature is queried.
 ///

@@ -10,7 +10,7 @@ use truth::exact::solve;
 use truth::{ContactState, Pose, shapes};
 
 use crate::Trouble;
-use truth::svg::Svg;
+use lin_canny_record::svg::Svg;
 
 /// Cells along a side of a map.
 const SIDE: usize = 40;

@@ -1,11 +1,12 @@
 //! Picture of a scene in three dimensions: convex bodies, drawn from back to front.
 
-use std::fmt::Write as _;
+#![allow(dead_code, reason = "no example uses all of it")]
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{ConvexPolyhedron, Geometry, PairTracker, RelativePose, Tracker};
 
-use super::Trouble;
+use lin_canny_robot::record::svg::{Svg, View};
+use truth::arm::Trouble;
 
 /// Width and height of the picture, and the height of the caption.
 const SIZE: [f64; 2] = [860.0, 520.0];
@@ -20,27 +21,27 @@ const LATITUDES: u32 = 18;
 /// Length of a line of sight from a point of a cloud.
 const FAR: f64 = 10.0;
 
-/// Directions to the viewer and to the light, not of unit length.
-const VIEWER: Vector3<f64> = Vector3::new(1.0, -0.75, 0.62);
+/// Directions to the reader and to the light, not of unit length.
+const TOWARDS: Vector3<f64> = Vector3::new(1.0, -0.75, 0.62);
 const LIGHT: Vector3<f64> = Vector3::new(0.5, -0.9, 1.6);
 
 /// Bodies at their poses, and two points to connect.
-pub struct Picture<'a> {
+pub(crate) struct Picture<'a> {
     /// Text above the picture.
-    pub caption: String,
+    pub(crate) caption: String,
     /// Shapes, with whether each belongs to the robot.
-    pub bodies: Vec<(&'a ConvexPolyhedron, bool)>,
+    pub(crate) bodies: Vec<(&'a ConvexPolyhedron, bool)>,
     /// Poses of the shapes, in the same order.
-    pub poses: Vec<Isometry3<f64>>,
+    pub(crate) poses: Vec<Isometry3<f64>>,
     /// Points joined by a red line.
-    pub points: [Point3<f64>; 2],
+    pub(crate) points: [Point3<f64>; 2],
     /// Points of a cloud, which bodies in front of them hide.
-    pub cloud: Vec<Point3<f64>>,
+    pub(crate) cloud: Vec<Point3<f64>>,
 }
 
 /// Returns the hull of the points of a convex geometry closest to far points all around, for
 /// pictures only.
-pub fn outline(geometry: &Geometry) -> Result<ConvexPolyhedron, Trouble> {
+pub(crate) fn outline(geometry: &Geometry) -> Result<ConvexPolyhedron, Trouble> {
     if let Some(body) = geometry.as_polyhedron() {
         return Ok(body.clone());
     }
@@ -59,54 +60,9 @@ pub fn outline(geometry: &Geometry) -> Result<ConvexPolyhedron, Trouble> {
     Ok(ConvexPolyhedron::from_points(&points)?)
 }
 
-/// A parallel projection: axes to the right and up in the picture, and towards the viewer.
-struct View {
-    right: Vector3<f64>,
-    up: Vector3<f64>,
-    near: Vector3<f64>,
-    /// Pixels per unit, and the position of the origin.
-    scale: f64,
-    origin: [f64; 2],
-}
-
-impl View {
-    /// Returns the view in which all points fill the picture.
-    fn of(points: &[Point3<f64>]) -> Self {
-        let near = VIEWER.normalize();
-        let right = Vector3::z().cross(&near).normalize();
-        let up = near.cross(&right);
-        let span = |axis: &Vector3<f64>| {
-            let along = points.iter().map(|p| p.coords.dot(axis));
-            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)))
-        };
-        let ((left, end), (low, high)) = (span(&right), span(&up));
-        let room = [SIZE[0] - 40.0, SIZE[1] - CAPTION - 20.0];
-        let scale = (room[0] / (end - left)).min(room[1] / (high - low));
-        let middle = [0.5 * (left + end), 0.5 * (low + high)];
-        let origin = [
-            0.5 * SIZE[0] - scale * middle[0],
-            CAPTION + 0.5 * room[1] + scale * middle[1],
-        ];
-        Self {
-            right,
-            up,
-            near,
-            scale,
-            origin,
-        }
-    }
-
-    fn place(&self, p: &Point3<f64>) -> [f64; 2] {
-        [
-            self.origin[0] + self.scale * p.coords.dot(&self.right),
-            self.origin[1] - self.scale * p.coords.dot(&self.up),
-        ]
-    }
-}
-
 impl Picture<'_> {
     /// Returns the picture above a chart, which is a separate SVG.
-    pub fn above(&self, chart: &str) -> String {
+    pub(crate) fn above(&self, chart: &str) -> String {
         let size = |word: &str| {
             let value = chart.split_once(word).and_then(|(_, rest)| rest.split('"').nth(1));
             value.and_then(|v| v.parse::<f64>().ok()).unwrap_or(SIZE[0])
@@ -115,63 +71,46 @@ impl Picture<'_> {
         // Inside another picture, the size of the chart comes from its attributes: its style is for
         // pages.
         let chart = chart.replacen("height:auto", "", 1).replacen("max-width:100%;", "", 1);
-        let chart = chart.replacen("<svg ", &format!("<svg y=\"{}\" ", SIZE[1]), 1);
-        let _ = writeln!(svg, "{chart}\n</svg>");
-        svg
+        svg.inset([0.0, SIZE[1]], &chart);
+        svg.finish()
     }
 
     /// Returns the picture alone.
-    pub fn alone(&self) -> String {
-        self.begun(SIZE) + "</svg>\n"
+    pub(crate) fn alone(&self) -> String {
+        self.begun(SIZE).finish()
     }
 
-    /// Returns an SVG with the picture at its top, without the closing tag.
-    fn begun(&self, [width, height]: [f64; 2]) -> String {
-        let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
-             font-family=\"sans-serif\" role=\"img\">\n<title>{0}</title>\n<rect width=\"{width}\" height=\"{height}\" fill=\"white\"/>\n\
-             <text x=\"20\" y=\"24\" font-size=\"17\">{0}</text>\n",
-            escaped(&self.caption)
-        );
+    /// Returns a page with the picture at its top.
+    fn begun(&self, [width, height]: [f64; 2]) -> Svg {
+        let mut svg = Svg::new(width as u32, height as u32, &self.caption);
+        svg.words([20.0, 24.0], 17, "start", &self.caption);
         self.draw(&mut svg);
         svg
     }
 
-    fn draw(&self, svg: &mut String) {
+    fn draw(&self, svg: &mut Svg) {
         let placed = self.bodies.iter().zip(&self.poses);
         let corners = placed.flat_map(|((shape, _), pose)| shape.vertex_points().map(move |p| pose * p));
-        let view = View::of(&corners.chain(self.cloud.iter().copied()).collect::<Vec<_>>());
+        let points: Vec<_> = corners.chain(self.cloud.iter().copied()).collect();
+        let room = [SIZE[0] - 40.0, SIZE[1] - CAPTION - 20.0];
+        let view = View::fitting(&TOWARDS, &points, [0.5 * SIZE[0], CAPTION + 0.5 * room[1]], room);
         for k in self.order(&view) {
             let opacity = if self.hides_robot(k, &view) { GLASS } else { 1.0 };
             self.draw_body(k, opacity, &view, svg);
         }
-        self.draw_cloud(&view, svg);
+        let seen = self.cloud.iter().filter(|p| !self.is_hidden(p, &view));
+        let dots: Vec<_> = seen.map(|p| view.place(p)).collect();
+        svg.points(&dots, "stroke=\"#17805b\" stroke-opacity=\"0.6\" stroke-width=\"1.9\"");
         let [p, q] = self.points.map(|p| view.place(&p));
-        let _ = writeln!(
-            svg,
-            "<path d=\"M{:.1} {:.1}L{:.1} {:.1}\" stroke=\"#c00\" stroke-width=\"3\"/>",
-            p[0], p[1], q[0], q[1]
-        );
-        for [x, y] in [p, q] {
-            let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4.5\" fill=\"#c00\"/>");
+        svg.line(p, q, "stroke=\"#c00\" stroke-width=\"3\"");
+        for end in [p, q] {
+            svg.dot(end, 4.5, "fill=\"#c00\"");
         }
     }
 
-    fn draw_cloud(&self, view: &View, svg: &mut String) {
-        let seen = self.cloud.iter().filter(|p| !self.is_hidden(p, view));
-        let dots = seen.map(|p| view.place(p)).map(|[x, y]| format!("M{x:.1} {y:.1}h0"));
-        let dots: String = dots.collect();
-        if !dots.is_empty() {
-            let _ = writeln!(
-                svg,
-                "<path d=\"{dots}\" stroke=\"#17805b\" stroke-opacity=\"0.6\" stroke-width=\"1.9\" stroke-linecap=\"round\"/>"
-            );
-        }
-    }
-
-    /// Returns whether a body is between a point and the viewer.
+    /// Returns whether a body is between a point and the reader.
     fn is_hidden(&self, p: &Point3<f64>, view: &View) -> bool {
-        let Ok(sight) = ConvexPolyhedron::segment(*p, p + view.near * FAR) else {
+        let Ok(sight) = ConvexPolyhedron::segment(*p, p + view.axes[2] * FAR) else {
             return false;
         };
         let mut bodies = self.bodies.iter().zip(&self.poses);
@@ -181,7 +120,7 @@ impl Picture<'_> {
         })
     }
 
-    /// Returns whether an obstacle is between a body of the robot and the viewer.
+    /// Returns whether an obstacle is between a body of the robot and the reader.
     fn hides_robot(&self, k: usize, view: &View) -> bool {
         let robot = |&j: &usize| self.bodies[j].1;
         !self.bodies[k].1
@@ -197,11 +136,11 @@ impl Picture<'_> {
             return false;
         };
         let found = Tracker::new().closest(self.bodies[i].0, self.bodies[j].0, &pose);
-        (self.poses[i] * found.normal.into_inner()).dot(&view.near) > 0.0
+        (self.poses[i] * found.normal.into_inner()).dot(&view.axes[2]) > 0.0
     }
 
-    /// Draws the faces that face the viewer.
-    fn draw_body(&self, k: usize, opacity: f64, view: &View, svg: &mut String) {
+    /// Draws the faces that face the reader.
+    fn draw_body(&self, k: usize, opacity: f64, view: &View, svg: &mut Svg) {
         let ((shape, is_of_robot), pose) = (self.bodies[k], &self.poses[k]);
         let hue = if is_of_robot { 205 } else { 35 };
         let light = LIGHT.normalize();
@@ -210,12 +149,11 @@ impl Picture<'_> {
                 continue;
             };
             let normal = pose * normal.into_inner();
-            if normal.dot(&view.near) <= 0.0 {
+            if normal.dot(&view.axes[2]) <= 0.0 {
                 continue;
             }
             let rim = shape.face_vertices(face).filter_map(|v| shape.vertex(v));
-            let path = rim.map(|p| view.place(&(pose * p)));
-            let path: Vec<_> = path.map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
+            let rim: Vec<_> = rim.map(|p| view.place(&(pose * p))).collect();
             let tone = 62.0 + 22.0 * normal.dot(&light);
             let edge = tone - 14.0;
             let glass = if opacity < 1.0 {
@@ -223,18 +161,17 @@ impl Picture<'_> {
             } else {
                 String::new()
             };
-            let _ = writeln!(
-                svg,
-                "<polygon points=\"{}\" fill=\"hsl({hue},50%,{tone:.0}%)\" stroke=\"hsl({hue},45%,{edge:.0}%)\" stroke-width=\"0.6\"{glass}/>",
-                path.join(" ")
+            let style = format!(
+                "fill=\"hsl({hue},50%,{tone:.0}%)\" stroke=\"hsl({hue},45%,{edge:.0}%)\" stroke-width=\"0.6\"{glass}"
             );
+            svg.polygon(&rim, &style);
         }
     }
 
     /// Returns the bodies from back to front. If bodies hide each other in a cycle, the one with
     /// the farthest centre comes first.
     fn order(&self, view: &View) -> Vec<usize> {
-        let depth = |k: usize| (self.poses[k] * self.bodies[k].0.centroid()).coords.dot(&view.near);
+        let depth = |k: usize| (self.poses[k] * self.bodies[k].0.centroid()).coords.dot(&view.axes[2]);
         let mut left: Vec<usize> = (0..self.bodies.len()).collect();
         left.sort_by(|&i, &j| depth(i).total_cmp(&depth(j)));
         let mut order = Vec::new();
@@ -262,8 +199,4 @@ impl Picture<'_> {
             low_i <= high_j && low_j <= high_i
         })
     }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;")
 }
