@@ -198,10 +198,10 @@
 //! | [`impact::cast`] | a bracket of the first contact, a miss, or a time until which the bodies are free: proven for every instant |
 //!
 //! The pair size L is the sum of both bounding radii plus the distance between the reference
-//! points. The reference point of a body is its origin. If the middle of the body's box is more
-//! than two half diagonals from the origin in a coordinate, the reference point has that coordinate
-//! of the middle; then 2^-49 of the distance from the origin is added to L. The chapter
-//! [accuracy](guide::accuracy) has the time of each level.
+//! points. The reference point of a body is its origin. If the middle of the box of a polyhedron,
+//! mesh, compound or cloud is more than two half diagonals from the origin in a coordinate, the
+//! reference point has that coordinate of the middle; then 2^-49 of the distance from the origin is
+//! added to L. The chapter [accuracy](guide::accuracy) has the time of each level.
 //!
 //! # Limits
 //!

@@ -196,7 +196,7 @@ impl<'a> Above<'a> {
             Self::Parts(body) => {
                 let (side, unit) = (body.side(), body.stored_unit());
                 // The heights of nodes and of members err separately.
-                let size = side.radius * unit;
+                let size = side.radius * unit + far(&side.frame.origin);
                 (size, side.off * unit + CERTIFICATE * UNIT * size)
             }
             #[cfg(feature = "surfaces")]

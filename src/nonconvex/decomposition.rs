@@ -138,15 +138,20 @@ impl Decomposition {
     }
 
     fn measured(mesh: Arc<Mesh>, pieces: Arc<Compound>, watch: &mut Watch<'_>) -> Result<Self, MeshError> {
-        let mut hulls = hulls(&pieces)?;
+        // About the middle of the mesh, if the mesh is stored about it.
+        let origin = &mesh.frame.origin;
+        let (near, members) = (mesh.centred(), pieces.pieces_about(origin));
+        let mut hulls = hulls(&members)?;
         let resolution = RESOLUTION * sqrt((mesh.high - mesh.low).norm_squared()) * 0.5;
         watch.slow_stage("excess")?;
-        let excess = excess(&mesh, &hulls, resolution, watch);
+        let excess = excess(&near, &hulls, resolution, watch);
         watch.slow_stage("shortfall")?;
-        let shortfall = shortfall(&mesh, &mut hulls, resolution, watch);
+        let shortfall = shortfall(&near, &mut hulls, resolution, watch);
         watch.check()?;
         // The rounding error of distances of points.
-        let noise = CERTIFICATE * UNIT * (mesh.radius * mesh.unit() + pieces.side().radius * pieces.stored_unit());
+        let off = (pieces.side().frame.origin - origin).abs().sum();
+        let size = mesh.radius * mesh.unit() + pieces.side().radius * pieces.stored_unit() + off;
+        let noise = CERTIFICATE * UNIT * size;
         let fit = DecompositionFit {
             excess_lower: (excess.0 * mesh.unit() - noise).at_least(0.0),
             excess_upper: excess.1 * mesh.unit() + noise,
@@ -314,9 +319,9 @@ struct InnerPlanes {
     last: usize,
 }
 
-pub(super) fn hulls(pieces: &Compound) -> Result<Vec<PieceHull<'_>>, MeshError> {
-    let mut hulls = Vec::with_capacity(pieces.pieces().len());
-    for (piece, Piece { shape, pose, .. }) in pieces.pieces().iter().enumerate() {
+pub(super) fn hulls(pieces: &[Piece]) -> Result<Vec<PieceHull<'_>>, MeshError> {
+    let mut hulls = Vec::with_capacity(pieces.len());
+    for (piece, Piece { shape, pose, .. }) in pieces.iter().enumerate() {
         let (Core::Polyhedron(body), 0.0) = (shape.core(), shape.rounding_radius()) else {
             return Err(MeshError::Curved { piece });
         };

@@ -13,19 +13,20 @@ use crate::nonconvex::point::StoredPoint;
 use crate::nonconvex::query::near::nearest_of_fan;
 use crate::pair::location::WitnessLocation;
 use crate::pair::point::PointOutcome;
+use crate::pair::transform::StoredFrame;
 
 /// Returns the outcomes of the faces of a polyhedron and a point, in rising order of their upper
 /// bounds; `None` for a body without faces.
 pub(crate) fn outcomes_of_faces(body: &ConvexPolyhedron, point: &Point3<f64>) -> Option<Vec<PointOutcome>> {
-    let (unit, size) = (body.unit(), body.radius);
-    let mut stored = StoredPoint::new(point, unit, &(body.origin / unit), size);
+    let (frame, size) = (StoredFrame::of(body), body.radius);
+    let mut stored = StoredPoint::new(point, frame, &Vector3::zeros(), size);
     stored.flush(body.flush());
     let (mut rim, mut found) = (Vec::new(), Vec::new());
     let mut all = Vec::with_capacity(body.face_count());
     for face in body.faces() {
-        let vertices = body.face_vertices(face).filter_map(|v| body.vertex(v));
+        let vertices = body.face_vertices(face);
         rim.clear();
-        rim.extend(vertices.map(|p| p.coords / unit));
+        rim.extend(vertices.map(|v| body.points[v.index()]));
         let corners = |k: u32| -> [Vector3<f64>; 3] { [rim[0], rim[k as usize], rim[k as usize + 1]] };
         if rim.len() < 3 {
             continue;

@@ -35,7 +35,7 @@ pub(crate) trait NearItems: Parted {
 /// `level`. All items with a lower bound of at most the last level are among those passed.
 fn search(body: &impl NearItems, point: &Point3<f64>, level: f64, mut keep: impl FnMut(PointOutcome) -> f64) {
     let (side, unit) = (body.side(), body.stored_unit());
-    let place = point.coords / unit;
+    let place = side.frame.stored(point);
     let size = f64::from(side.tree.reach) * side.tree.unit();
     let (mut level, start) = (level, level.at_least(0.0) / unit);
     let mut each = |items: core::ops::Range<u32>| {
@@ -143,12 +143,14 @@ pub(crate) fn outcome_of_union(body: &impl NearItems, point: &Point3<f64>) -> Po
 
 /// Returns an upper bound of the distance of a point to the outside of the box of a body.
 fn room_in_box(body: &impl Parted, point: &Point3<f64>) -> f64 {
+    let origin = body.side().frame.origin;
     let (low, high) = body.corners_of_box();
     let least = (0..3).fold(f64::INFINITY, |least, k| {
         least.smaller(high[k] - point[k]).smaller(point[k] - low[k])
     });
     // The box contains the body up to a rounding of its corners.
-    least.at_least(0.0) + 64.0 * UNIT * low.coords.amax().larger(high.coords.amax())
+    let far = (low - origin).coords.amax().larger((high - origin).coords.amax());
+    least.at_least(0.0) + 64.0 * UNIT * far + 4.0 * UNIT * origin.amax()
 }
 
 /// Returns the outcome of a shape at a pose and a point.

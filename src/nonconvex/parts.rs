@@ -16,7 +16,7 @@ use crate::convex::exact::place::ExactVector;
 use crate::nonconvex::cloud::Cloud;
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::pieces::Compound;
-use crate::nonconvex::query::frame::TreeSide;
+use crate::nonconvex::query::frame::{TreeSide, of_stored};
 
 /// Number of triangles whose centroids are tested for being inside another solid.
 ///
@@ -62,7 +62,7 @@ pub(crate) trait Parted {
 
     /// Returns the size of the body, wherever its origin is, in the caller's unit.
     ///
-    /// It is half the diagonal of the bounding box, or the radius about the body's origin if that
+    /// It is half the diagonal of the bounding box, or the radius about the stored origin if that
     /// is smaller.
     fn half_size(&self) -> f64 {
         let (low, high) = self.corners_of_box();
@@ -72,6 +72,13 @@ pub(crate) trait Parted {
 
     /// Returns whether the frames of all members equal the body's, so that no pose is composed.
     fn is_in_place(&self) -> bool;
+
+    /// Returns whether the body and its members are stored in their frames as given.
+    ///
+    /// If not, depths are computed in a frame about the stored origin ([`Centred`]).
+    fn is_near(&self) -> bool {
+        self.side().frame.is_at_origin()
+    }
 
     /// Returns whether the frames of all members are shifted, never rotated.
     ///
@@ -85,10 +92,15 @@ pub(crate) trait Parted {
 
     /// Returns the highest point of an item along a unit direction, in the caller's unit.
     fn peak(&self, item: u32, n: &Vector3<f64>) -> Top {
-        match self.part(item) {
+        let (part, origin) = if self.is_near() || self.is_in_place() {
+            (self.part(item), Vector3::zeros())
+        } else {
+            (self.stored_part(item), self.side().frame.origin)
+        };
+        match part {
             Some((shape, pose)) => {
                 let top = shape.top(&pose.rotation.inverse_transform_vector(n));
-                let point = pose.rotation * top.point + pose.translation.vector;
+                let point = pose.rotation * top.point + pose.translation.vector + origin;
                 Top { point, ..top }
             }
             None => {
@@ -117,6 +129,10 @@ pub(crate) trait Parted {
     ///
     /// Returns `None` for a triangle that is too small, compared with its mesh, to be a body.
     fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
+
+    /// Returns [`part`](Self::part) in a frame about the stored origin: shape and pose are near
+    /// this origin, whatever their coordinates in the body.
+    fn stored_part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
 
     /// Returns the pose of an item whose shape is that of other items; `None` for other items.
     ///
@@ -164,7 +180,7 @@ impl Parted for Mesh {
     fn side(&self) -> TreeSide<'_> {
         TreeSide {
             tree: &self.tree,
-            exponent: self.exponent,
+            frame: self.frame,
             radius: self.radius,
             off: self.off,
         }
@@ -215,6 +231,10 @@ impl Parted for Mesh {
         Some((Shape::from(self.polygon(item)?), Isometry3::identity()))
     }
 
+    fn stored_part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)> {
+        Some((Shape::from(self.stored_polygon(item)?), Isometry3::identity()))
+    }
+
     fn is_solid(&self) -> bool {
         Mesh::is_solid(self)
     }
@@ -240,11 +260,39 @@ impl Parted for Mesh {
     #[cfg(feature = "exact")]
     fn exact_probe(&self, k: usize) -> ExactVector {
         let [first, ..] = self.probe(k);
-        ExactVector::new(&first).in_units(-self.exponent)
+        let about = ExactVector::new(&first).in_units(-self.frame.exponent);
+        about.plus(&self.frame.origin)
     }
 
     fn holds(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
         self.holds_point(point, doubt)
+    }
+}
+
+/// A body whose frame is about its stored origin.
+#[derive(Clone, Debug)]
+pub(crate) enum Centred {
+    Mesh(Mesh),
+    Pieces(Compound),
+    Cloud(Cloud),
+}
+
+impl Centred {
+    /// Moves the frame of a body to its stored origin.
+    pub(crate) fn new(body: PartsRef) -> Self {
+        match body {
+            PartsRef::Mesh(mesh) => Self::Mesh(mesh.centred()),
+            PartsRef::Pieces(pieces) => Self::Pieces(pieces.centred()),
+            PartsRef::Cloud(cloud) => Self::Cloud(cloud.centred()),
+        }
+    }
+
+    pub(crate) fn parts(&self) -> PartsRef<'_> {
+        match self {
+            Self::Mesh(mesh) => PartsRef::Mesh(mesh),
+            Self::Pieces(pieces) => PartsRef::Pieces(pieces),
+            Self::Cloud(cloud) => PartsRef::Cloud(cloud),
+        }
     }
 }
 
@@ -283,12 +331,14 @@ impl Parted for PartsRef<'_> {
         fn stored_unit(&self) -> f64;
         fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>);
         fn is_in_place(&self) -> bool;
+        fn is_near(&self) -> bool;
         fn is_shifted(&self) -> bool;
         fn highest(&self, item: u32, n: &Vector3<f64>) -> f64;
         fn peak(&self, item: u32, n: &Vector3<f64>) -> Top;
         fn heights(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) -> ();
         fn number(&self, item: u32) -> u32;
         fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
+        fn stored_part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
         fn shared_pose(&self, item: u32) -> Option<Isometry3<f64>>;
         fn is_solid(&self) -> bool;
         fn may_hold(&self) -> bool;
@@ -320,7 +370,7 @@ enum MemberFrames {
     /// Members have the poses of their bodies, or shifted frames in a body whose frame is the
     /// world: no pose is rounded.
     World([Isometry3<f64>; 2]),
-    /// Poses are composed with the pose of B in A's frame.
+    /// Poses are composed with the pose of B in A's frame, both about the stored origins.
     Composed(Isometry3<f64>),
 }
 
@@ -349,10 +399,25 @@ impl<'a> Placed<'a> {
             let frames = MemberFrames::World([pose_a, pose_b]);
             return Self { pose, frames };
         }
-        Self::new(pose, a.is_in_place() && b.is_in_place())
+        let is_in_place = a.is_in_place() && b.is_in_place();
+        match of_stored(a.side(), b.side(), pose) {
+            Some((about, _)) if !is_in_place => Self {
+                pose,
+                frames: MemberFrames::Composed(relative(&about)),
+            },
+            _ => Self::new(pose, is_in_place),
+        }
+    }
+
+    /// Returns whether the poses of members are those in the caller's frames.
+    pub(crate) fn is_given(&self) -> bool {
+        !matches!(self.frames, MemberFrames::Composed(_))
     }
 
     /// Returns the relative pose of two members, and whether it has no rounding error.
+    ///
+    /// The poses of the members are those of [`Parted::part`] if [`is_given`](Self::is_given), and
+    /// those of [`Parted::stored_part`] otherwise.
     pub(crate) fn between(&self, p: &Isometry3<f64>, q: &Isometry3<f64>) -> (RelativePose, bool) {
         match &self.frames {
             MemberFrames::Bodies => (*self.pose, true),

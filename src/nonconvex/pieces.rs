@@ -2,6 +2,7 @@
 //!
 //! Cached trackers query the pairs of members at a pose ([`PartJudge`]).
 
+use alloc::borrow::Cow;
 use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -17,7 +18,7 @@ use crate::base::num::scalar::sqrt;
 use crate::base::pose::{RelativePose, normalised};
 use crate::base::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, PLACED_PIECE, UNIT};
 use crate::body::polyhedron::{
-    BoxHint, BuildError, ConvexPolyhedron, FeaturePair, bounding_box, exponent_of, power_of_two,
+    BoxHint, BuildError, ConvexPolyhedron, FeaturePair, bounding_box, exponent_of, far_origin, power_of_two,
 };
 use crate::body::shape::{Core, Mass, Shape};
 #[cfg(feature = "exact")]
@@ -38,6 +39,7 @@ use crate::nonconvex::tree::Tree;
 use crate::pair::location::{PairOutcome, WitnessLocation};
 use crate::pair::outcome::{ContactState, Outcome};
 use crate::pair::point::PointOutcome;
+use crate::pair::transform::{StoredFrame, placed_from};
 
 /// A convex piece of a [`Compound`]: a shape of any kind, its pose, and a name.
 #[derive(Clone, Debug)]
@@ -63,15 +65,45 @@ impl Piece {
             pose: Isometry3::identity(),
         }
     }
+}
 
-    /// Returns an upper bound of the piece's radius about the body's origin.
-    ///
-    /// It is the radius of the shape about the origin of its frame, plus the length of the
-    /// translation.
-    fn reach(&self) -> f64 {
-        let (centre, radius) = self.shape.bounding_ball();
-        sqrt(centre.coords.norm_squared()) + radius + sqrt(self.pose.translation.vector.norm_squared())
+/// A shape and its pose in the frame of a body.
+type Member = (Shape, Isometry3<f64>);
+
+/// Returns an upper bound of the radius of a posed shape about a point.
+///
+/// It is the radius of the shape about this point in its frame, plus the length of the translation.
+/// A shape with a rotation is taken about the origin.
+fn reach((shape, pose): &Member, from: &Vector3<f64>) -> f64 {
+    let (centre, radius) = shape.bounding_ball();
+    sqrt((centre.coords - from).norm_squared()) + radius + sqrt(pose.translation.vector.norm_squared())
+}
+
+/// Returns the origin about which the polyhedral core of a shape is stored, in its frame.
+fn core_origin(shape: &Shape) -> Vector3<f64> {
+    match shape.core() {
+        Core::Polyhedron(body) => body.origin,
+        _ => Vector3::zeros(),
     }
+}
+
+/// Returns a piece about another origin of its body's frame, as the queries use it.
+///
+/// A shape that is far from the origin of its frame becomes one about this origin. Its pose is then
+/// rounded by less than the rounding of the piece.
+fn about(piece: &Piece, origin: &Vector3<f64>) -> Member {
+    let (shape, pose) = (&piece.shape, &piece.pose);
+    let core = core_origin(shape);
+    if core == Vector3::zeros() && *origin == core {
+        return (shape.clone(), *pose);
+    }
+    let place = placed_from(pose, &core, origin);
+    let shape = if core == Vector3::zeros() {
+        shape.clone()
+    } else {
+        shape.with_origin(&Vector3::zeros())
+    };
+    (shape, Isometry3::from_parts(place.into(), pose.rotation))
 }
 
 /// Error returned if pieces do not form a valid compound.
@@ -121,13 +153,19 @@ pub enum CompoundError {
 pub struct Compound {
     /// The pieces in the caller's order.
     pieces: Vec<Piece>,
+    /// The pieces about the stored origin, unless all frames equal the body's, or the pieces are
+    /// about this origin as given.
+    stored: Option<Vec<Member>>,
     /// The index of the piece of each leaf of the tree.
     order: Vec<u32>,
     /// Whether all frames equal the body's, so that no pose is composed.
     in_place: bool,
     tree: Tree,
-    exponent: i32,
+    /// The frame of stored coordinates: about the middle of the box if that is far from the
+    /// caller's origin.
+    frame: StoredFrame,
     radius: f64,
+    /// Corners of the bounding box, in stored coordinates.
     low: Vector3<f64>,
     high: Vector3<f64>,
     /// An inner point of each piece and another point of the piece, in stored units.
@@ -167,43 +205,55 @@ impl Compound {
 
     fn assemble(pieces: Vec<Piece>, given: &[Vector3<f64>], corners: &[Vec<u32>]) -> Self {
         let (low, high) = bounding_box(given);
+        let half = sqrt(((high - low) * 0.5).norm_squared());
+        let origin = far_origin(&(low * 0.5 + high * 0.5), half, given.iter().copied());
+        let in_place = pieces.iter().all(|p| p.pose == Isometry3::identity());
+        let is_far = origin != Vector3::zeros() || pieces.iter().any(|p| core_origin(&p.shape) != Vector3::zeros());
+        let stored = (is_far && !in_place).then(|| pieces.iter().map(|p| about(p, &origin)).collect::<Vec<_>>());
+        let (given, from) = match &stored {
+            Some(members) => (Cow::Owned(hulls_of(members)), Vector3::zeros()),
+            None => (Cow::Borrowed(given), origin),
+        };
+        let members = stored.clone();
+        let members = members.unwrap_or_else(|| pieces.iter().map(|p| (p.shape.clone(), p.pose)).collect());
         // The size is at least the rounding error of the position: for a point, and for a body far
         // smaller than its distance from the origin.
         let place = low.amax().larger(high.amax()) * UNIT;
-        let size = sqrt(((high - low) * 0.5).norm_squared()).larger(place);
+        let size = half.larger(place);
         // A point at the body's origin has no size, so any unit will do.
         let size = if size > 0.0 { size } else { 1.0 };
         let window = 2 * EXPONENT_FREE;
         let exponent = (exponent_of(size) + EXPONENT_FREE).div_euclid(window) * window;
         let scale = power_of_two(-exponent);
-        let stored: Vec<_> = given.iter().map(|p| p * scale).collect();
-        let (mut tree, order) = Tree::split(&stored, corners, 1, &mut Watch::none());
-        let mut points = Vec::with_capacity(stored.len());
+        let places: Vec<_> = given.iter().map(|p| (p - from) * scale).collect();
+        let (mut tree, order) = Tree::split(&places, corners, 1, &mut Watch::none());
+        let mut points = Vec::with_capacity(places.len());
         let items: Vec<Vec<u32>> = order
             .iter()
             .map(|&k| {
                 let first = points.len() as u32;
-                points.extend(corners[k as usize].iter().map(|&v| stored[v as usize]));
+                points.extend(corners[k as usize].iter().map(|&v| places[v as usize]));
                 (first..points.len() as u32).collect()
             })
             .collect();
-        let farthest = pieces.iter().map(Piece::reach).fold(0.0, f64::larger) * scale;
+        let farthest = members.iter().map(|m| reach(m, &from)).fold(0.0, f64::larger) * scale;
         tree.fit(&points, &items, CERTIFICATE * UNIT * farthest, &mut Watch::none());
         let (low, high) = bounding_box(&points);
         // The box contains the pieces: the points of rotated ones are rounded. The corners of the
         // box of a curved piece are up to the root of three farther from its origin than the piece.
-        let turned = pieces.iter().filter(|p| p.pose.rotation != UnitQuaternion::identity());
-        let off = 2.0 * PLACED_PIECE * scale * turned.map(Piece::reach).fold(0.0, f64::larger);
+        let turned = members.iter().filter(|m| m.1.rotation != UnitQuaternion::identity());
+        let off = 2.0 * PLACED_PIECE * scale * turned.map(|m| reach(m, &from)).fold(0.0, f64::larger);
         let (low, high) = (low.add_scalar(-off), high.add_scalar(off));
         Self {
             fingerprint: fingerprint(&pieces),
-            in_place: pieces.iter().all(|p| p.pose == Isometry3::identity()),
+            in_place,
             radius: farthest * (1.0 + 64.0 * UNIT),
-            probes: pieces.iter().map(|p| probe(p).each(|x| x * scale)).collect(),
+            probes: members.iter().map(|m| probe(m).each(|x| (x - from) * scale)).collect(),
             pieces,
+            stored,
             order,
             tree,
-            exponent,
+            frame: StoredFrame { origin, exponent },
             low,
             high,
         }
@@ -223,11 +273,10 @@ impl Compound {
     /// Returns the corners of a bounding box in the body's frame, exact up to rounding.
     ///
     /// The box of rotated pieces is larger by the rounding of their vertices, `1.5e-14` of the
-    /// distances from the origins of the pieces.
+    /// distances from the origins of the pieces, or from their middles if those are far away.
     #[must_use]
     pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
-        let unit = self.unit();
-        (Point3::from(self.low * unit), Point3::from(self.high * unit))
+        (self.frame.given(&self.low), self.frame.given(&self.high))
     }
 
     /// Returns the surfaces of all pieces as one solid mesh, whose components may overlap.
@@ -239,33 +288,8 @@ impl Compound {
     /// Returns an error if a piece is rounded or curved ([`MeshError::Curved`]), if a piece would
     /// be missing from the mesh ([`MeshError::Thin`]), or if the extent is outside 1e-100..1e100.
     pub fn to_mesh(&self) -> Result<Mesh, MeshError> {
-        let (mut points, mut triangles, mut ends) = (Vec::new(), Vec::new(), Vec::new());
-        for (k, piece) in self.pieces.iter().enumerate() {
-            let (Core::Polyhedron(shape), 0.0) = (piece.shape.core(), piece.shape.rounding_radius()) else {
-                return Err(MeshError::Curved { piece: k });
-            };
-            if shape.face_count() == 0 {
-                return Err(MeshError::Thin { piece: k });
-            }
-            let base = points.len() as u32;
-            points.extend(shape.vertex_points().map(|p| piece.pose * p));
-            for face in shape.faces() {
-                let rim: Vec<u32> = shape.face_vertices(face).map(|v| base + v.index() as u32).collect();
-                triangles.extend(rim.windows(2).skip(1).map(|w| [rim[0], w[0], w[1]]));
-            }
-            ends.push(triangles.len());
-        }
-        let lost = |triangle: u32| MeshError::Thin {
-            piece: ends.partition_point(|end| *end <= triangle as usize),
-        };
-        match Mesh::new(&points, &triangles) {
-            Ok(mesh) => match mesh.report().degenerate.first() {
-                Some(&triangle) => Err(lost(triangle)),
-                None => Ok(mesh),
-            },
-            Err(MeshError::Empty { .. }) => Err(lost(0)),
-            Err(other) => Err(other),
-        }
+        let given: Vec<Member> = self.pieces.iter().map(|p| (p.shape.clone(), p.pose)).collect();
+        mesh_of(given.iter())
     }
 
     /// Returns the mesh that is the same body as the compound, up to rounding.
@@ -278,7 +302,10 @@ impl Compound {
         if !self.pieces.iter().all(has_volume) {
             return None;
         }
-        let mesh = self.to_mesh().ok()?;
+        let mesh = match &self.stored {
+            Some(members) => mesh_of(members.iter()).ok()?.moved_to(&self.frame.origin)?,
+            None => self.to_mesh().ok()?,
+        };
         // Welding points and dropping repeated triangles changes neither the set of points nor its
         // inside.
         let is_same = mesh.kind() == MeshKind::Solid && mesh.report().flushed_coordinates == 0;
@@ -287,8 +314,61 @@ impl Compound {
 
     /// Returns the largest position error of a vertex of a posed piece, in the caller's unit.
     fn off(&self) -> f64 {
-        let placed = self.pieces.iter().filter(|p| p.pose != Isometry3::identity());
-        PLACED_PIECE * placed.map(Piece::reach).fold(0.0, f64::larger)
+        if self.in_place {
+            return 0.0;
+        }
+        // Vertices of pieces about another origin are rounded too, whatever their pose.
+        let placed = self
+            .members()
+            .filter(|m| self.stored.is_some() || m.1 != Isometry3::identity());
+        PLACED_PIECE * placed.map(|m| reach(&m, &Vector3::zeros())).fold(0.0, f64::larger)
+    }
+
+    /// Returns the pieces about the stored origin, if their frames are not all the body's, and the
+    /// pieces as given otherwise.
+    fn members(&self) -> impl Iterator<Item = Member> + '_ {
+        let given = |k: usize| (self.pieces[k].shape.clone(), self.pieces[k].pose);
+        (0..self.pieces.len()).map(move |k| self.stored.as_ref().map_or_else(|| given(k), |m| m[k].clone()))
+    }
+
+    /// Returns the pieces about another origin of the body's frame.
+    pub(crate) fn pieces_about(&self, origin: &Vector3<f64>) -> Vec<Piece> {
+        let moved = |p: &Piece| {
+            let (name, (shape, pose)) = (p.name.clone(), about(p, origin));
+            Piece { name, shape, pose }
+        };
+        self.pieces.iter().map(moved).collect()
+    }
+
+    /// Returns a shape of a piece in place, moved to a frame about the stored origin.
+    ///
+    /// The shift is exact, as for the vertices.
+    fn to_middle(&self, shape: &Shape) -> Shape {
+        shape.with_origin(&(core_origin(shape) - self.frame.origin))
+    }
+
+    /// Returns the body with its frame moved to the stored origin.
+    pub(crate) fn centred(&self) -> Self {
+        let origin = &self.frame.origin;
+        let to_middle = |p: &Piece| Piece {
+            shape: self.to_middle(&p.shape),
+            ..p.clone()
+        };
+        let pieces = if self.in_place {
+            self.pieces.iter().map(to_middle).collect()
+        } else {
+            self.pieces_about(origin)
+        };
+        Self {
+            pieces,
+            stored: None,
+            frame: StoredFrame {
+                origin: Vector3::zeros(),
+                ..self.frame
+            },
+            fingerprint: self.fingerprint.with(*b"centred ", 0.0),
+            ..self.clone()
+        }
     }
 
     /// Returns volume, centre of mass and inertia at unit density, in the body's frame.
@@ -338,7 +418,38 @@ impl Compound {
     }
 
     fn unit(&self) -> f64 {
-        power_of_two(self.exponent)
+        self.frame.unit()
+    }
+}
+
+/// Returns the surfaces of posed shapes as one mesh.
+fn mesh_of<'a>(members: impl Iterator<Item = &'a Member>) -> Result<Mesh, MeshError> {
+    let (mut points, mut triangles, mut ends) = (Vec::new(), Vec::new(), Vec::new());
+    for (k, (shape, pose)) in members.enumerate() {
+        let (Core::Polyhedron(body), 0.0) = (shape.core(), shape.rounding_radius()) else {
+            return Err(MeshError::Curved { piece: k });
+        };
+        if body.face_count() == 0 {
+            return Err(MeshError::Thin { piece: k });
+        }
+        let base = points.len() as u32;
+        points.extend(body.vertex_points().map(|p| pose * p));
+        for face in body.faces() {
+            let rim: Vec<u32> = body.face_vertices(face).map(|v| base + v.index() as u32).collect();
+            triangles.extend(rim.windows(2).skip(1).map(|w| [rim[0], w[0], w[1]]));
+        }
+        ends.push(triangles.len());
+    }
+    let lost = |triangle: u32| MeshError::Thin {
+        piece: ends.partition_point(|end| *end <= triangle as usize),
+    };
+    match Mesh::new(&points, &triangles) {
+        Ok(mesh) => match mesh.report().degenerate.first() {
+            Some(&triangle) => Err(lost(triangle)),
+            None => Ok(mesh),
+        },
+        Err(MeshError::Empty { .. }) => Err(lost(0)),
+        Err(other) => Err(other),
     }
 }
 
@@ -360,7 +471,7 @@ impl Parted for Compound {
     fn side(&self) -> TreeSide<'_> {
         TreeSide {
             tree: &self.tree,
-            exponent: self.exponent,
+            frame: self.frame,
             radius: self.radius,
             // Queries of pieces count the rounding of composed poses.
             off: 0.0,
@@ -387,15 +498,22 @@ impl Parted for Compound {
         self.in_place
     }
 
+    fn is_near(&self) -> bool {
+        self.stored.is_none() && self.frame.is_at_origin()
+    }
+
     fn highest(&self, item: u32, n: &Vector3<f64>) -> f64 {
-        let piece = &self.pieces[self.order[item as usize] as usize];
-        let scale = power_of_two(-self.exponent);
+        let number = self.order[item as usize] as usize;
+        let scale = power_of_two(-self.frame.exponent);
         if self.in_place {
-            return piece.shape.support_height(n) * scale;
+            return self.pieces[number].shape.support_from(n, &self.frame.origin) * scale;
         }
-        let pose = &piece.pose;
+        let (shape, pose) = match &self.stored {
+            Some(members) => (&members[number].0, &members[number].1),
+            None => (&self.pieces[number].shape, &self.pieces[number].pose),
+        };
         let local = pose.rotation.inverse_transform_vector(n);
-        let height = pose.translation.vector.dot(n) + piece.shape.support_height(&local);
+        let height = pose.translation.vector.dot(n) + shape.support_height(&local);
         height * scale + CERTIFICATE * UNIT * self.radius * (n.x.abs() + n.y.abs() + n.z.abs())
     }
 
@@ -406,6 +524,17 @@ impl Parted for Compound {
     fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)> {
         let piece = &self.pieces[self.order[item as usize] as usize];
         Some((piece.shape.clone(), piece.pose))
+    }
+
+    fn stored_part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)> {
+        match &self.stored {
+            Some(members) => Some(members[self.order[item as usize] as usize].clone()),
+            None if self.frame.is_at_origin() => self.part(item),
+            None => {
+                let shape = &self.pieces[self.order[item as usize] as usize].shape;
+                Some((self.to_middle(shape), Isometry3::identity()))
+            }
+        }
     }
 
     fn is_solid(&self) -> bool {
@@ -457,11 +586,23 @@ impl NearItems for Compound {
     }
 }
 
-/// Returns an inner point of a piece and another of its points.
+/// Returns an inner point of a posed shape and another of its points.
 ///
 /// Both are in the caller's unit and the body's frame.
-fn probe(piece: &Piece) -> [Vector3<f64>; 2] {
-    inner_points(&piece.shape).each(|p| (piece.pose * p).coords)
+fn probe((shape, pose): &Member) -> [Vector3<f64>; 2] {
+    inner_points(shape).each(|p| (pose * p).coords)
+}
+
+/// Returns points whose hulls contain posed shapes, in their order.
+fn hulls_of(members: &[Member]) -> Vec<Vector3<f64>> {
+    let mut points = Vec::new();
+    for (shape, pose) in members {
+        let first = points.len();
+        extend_by_hull(&mut points, shape);
+        let placed = points[first..].iter_mut();
+        placed.for_each(|p| *p = (pose * Point3::from(*p)).coords);
+    }
+    points
 }
 
 /// Returns an inner point of a shape and another of its points, in the caller's unit.
@@ -662,6 +803,8 @@ fn answered<A: Parted, B: Parted>(a: &A, b: &B, found: &TreeAnswer<FeaturePair>)
 /// Two members that came near each other, and their tracker.
 #[derive(Clone, Debug)]
 struct NearParts {
+    /// Whether the members are in the frames of their bodies, not about the stored origins.
+    is_given: bool,
     parts: [(Shape, Isometry3<f64>); 2],
     tracker: ShapeTracker,
 }
@@ -738,19 +881,32 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
 
     fn measure(&mut self, frame: &TreeFrame, pair: NodePair, _: f64) -> Measured<FeaturePair> {
         let (a, b) = (self.posed.a, self.posed.b);
-        let shared = [a.shared_pose(pair[0]), b.shared_pose(pair[1])];
+        let is_given = self.placed.is_given();
+        let mut shared = [a.shared_pose(pair[0]), b.shared_pose(pair[1])];
+        if !is_given {
+            shared = [
+                shared[0].map(|at| a.side().frame.about(&at)),
+                shared[1].map(|at| b.side().frame.about(&at)),
+            ];
+        }
         let key = [0, 1].each(|k: usize| if shared[k].is_some() { 0 } else { pair[k] });
-        if !self.near.contains_key(&key) {
-            let (Some(p), Some(q)) = (a.part(pair[0]), b.part(pair[1])) else {
+        if self.near.get(&key).is_none_or(|near| near.is_given != is_given) {
+            let parts = if is_given {
+                (a.part(pair[0]), b.part(pair[1]))
+            } else {
+                (a.stored_part(pair[0]), b.stored_part(pair[1]))
+            };
+            let (Some(p), Some(q)) = parts else {
                 return self.unknown(frame, pair);
             };
             let near = NearParts {
+                is_given,
                 parts: [p, q],
                 tracker: ShapeTracker::new(),
             };
             self.near.insert(key, near);
         }
-        let Some(NearParts { parts, tracker }) = self.near.get_mut(&key) else {
+        let Some(NearParts { parts, tracker, .. }) = self.near.get_mut(&key) else {
             return self.unknown(frame, pair);
         };
         let [(p, at_p), (q, at_q)] = parts;
@@ -765,6 +921,13 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
             o = tracker.closest(p, q, &pose);
         }
         let meets = o.state == ContactState::Overlapping;
+        let stored = |side: TreeSide, point: Point3<f64>| {
+            if is_given {
+                side.frame.stored(&point)
+            } else {
+                point.coords / side.frame.unit()
+            }
+        };
         let distance = if meets { 0.0 } else { (o.distance * unit).at_least(0.0) };
         let mut m = Measured {
             pair,
@@ -781,8 +944,8 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
                 (o.upper * unit).larger(distance) + error
             },
             normal: at_p.rotation * *o.normal,
-            on_a: (*at_p * o.point_on_a).coords * unit,
-            on_b: (*at_q * o.point_on_b).coords / b.stored_unit(),
+            on_a: stored(a.side(), *at_p * o.point_on_a),
+            on_b: stored(b.side(), *at_q * o.point_on_b),
             features: o.features,
             crosses: meets && (exact || o.upper * unit < -error),
         };

@@ -29,6 +29,7 @@ use crate::pair::draft::unit;
 use crate::pair::location::WitnessLocation;
 use crate::pair::outcome::ContactState;
 use crate::pair::point::PointOutcome;
+use crate::pair::transform::StoredFrame;
 
 /// A distance this many times wider than its bounds gives the normal; a shorter one leaves it to
 /// the triangle. Not measured.
@@ -103,7 +104,7 @@ impl Mesh {
     /// Returns a point in stored coordinates.
     fn stored_point(&self, point: &Point3<f64>) -> StoredPoint {
         let size = self.tree.unit() * f64::from(self.tree.reach);
-        let mut stored = StoredPoint::new(point, self.unit(), &self.tree.centre, size);
+        let mut stored = StoredPoint::new(point, self.frame, &self.tree.centre, size);
         if !stored.is_far {
             stored.place = self.flushed(&stored.place);
         }
@@ -154,7 +155,8 @@ pub(super) struct StoredPoint {
     pub(super) place: Vector3<f64>,
     /// Whether the place was moved towards the body.
     is_far: bool,
-    /// One stored unit in the caller's unit, a power of two.
+    /// The frame of stored coordinates, and one stored unit in the caller's unit.
+    frame: StoredFrame,
     unit: f64,
 }
 
@@ -163,8 +165,8 @@ impl StoredPoint {
     ///
     /// A point beyond 2^60 sizes is moved along its line to the body. The closest point stays the
     /// same up to rounding.
-    pub(super) fn new(given: &Point3<f64>, unit: f64, centre: &Vector3<f64>, size: f64) -> Self {
-        let place = given.coords / unit;
+    pub(super) fn new(given: &Point3<f64>, frame: StoredFrame, centre: &Vector3<f64>, size: f64) -> Self {
+        let place = frame.stored(given);
         let apart = place - centre;
         let (length, far) = (apart.amax(), FAR_POINT * size);
         let is_far = length > far;
@@ -172,7 +174,8 @@ impl StoredPoint {
             given: *given,
             place: if is_far { centre + apart * (far / length) } else { place },
             is_far,
-            unit,
+            unit: frame.unit(),
+            frame,
         }
     }
 
@@ -214,7 +217,7 @@ impl StoredPoint {
         let mut distance = sqrt(square).clamped(lower, upper);
         let mut to_point = self.place - foot;
         if self.is_far {
-            to_point = self.given.coords / self.unit - foot;
+            to_point = self.frame.stored(&self.given) - foot;
             let size = to_point.amax();
             distance = size * sqrt((to_point / size).norm_squared());
             (lower, upper) = (distance * (1.0 - POINT_HEIGHT), distance * (1.0 + POINT_HEIGHT));
@@ -254,7 +257,7 @@ impl StoredPoint {
             distance,
             lower,
             upper,
-            point: Point3::from(foot * self.unit),
+            point: self.frame.given(&foot),
             normal: unit(&normal),
             location: located(spot),
         }

@@ -48,7 +48,7 @@ use crate::nonconvex::mesh::tracker::MeshTracker;
 use crate::nonconvex::parts::{Parted, PartsRef};
 use crate::nonconvex::pieces::CompoundTracker;
 use crate::nonconvex::query::box_gaps::{BoundAim, bounds};
-use crate::nonconvex::query::frame::split_pair;
+use crate::nonconvex::query::frame::{TreeSide, split_pair};
 use crate::nonconvex::query::state::PosedTrees;
 use crate::nonconvex::tree::height;
 use crate::pair::location::PairOutcome;
@@ -346,13 +346,14 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
             return 0.0;
         }
         let (a, b) = (self.posed.a, self.posed.b);
-        let ball = |tree: &crate::nonconvex::tree::Tree, node: u32, unit: f64| {
-            let of = &tree.boxes[node as usize];
-            let scale = tree.unit() * unit;
-            (tree.centre * unit + of.centre() * scale, f64::from(of.radius()) * scale)
+        let ball = |side: TreeSide, node: u32| {
+            let (of, unit) = (&side.tree.boxes[node as usize], side.frame.unit());
+            let scale = side.tree.unit() * unit;
+            let centre = side.tree.centre * unit + of.centre() * scale;
+            (centre + side.frame.origin, f64::from(of.radius()) * scale)
         };
-        let (of_a, radius_a) = ball(a.side().tree, x, a.stored_unit());
-        let (of_b, radius_b) = ball(b.side().tree, y, b.stored_unit());
+        let (of_a, radius_a) = ball(a.side(), x);
+        let (of_b, radius_b) = ball(b.side(), y);
         let n = self.movers[0].pose.rotation * n;
         // The direction rotates with the body of the larger node.
         if radius_b <= radius_a {

@@ -15,7 +15,7 @@ use crate::nonconvex::tree::{Below, height};
 /// far. Of equally high members the first that the search meets is returned, so the result depends
 /// on nothing but the body and the direction.
 pub(crate) fn top(body: &impl Parted, n: &Vector3<f64>) -> (Top, u32) {
-    let (tree, unit) = (body.side().tree, body.stored_unit());
+    let (tree, frame) = (body.side().tree, body.side().frame);
     let (mut best, mut found) = (f64::NEG_INFINITY, 0);
     let mut stack = Vec::with_capacity(64);
     stack.push((f64::INFINITY, 0));
@@ -40,16 +40,17 @@ pub(crate) fn top(body: &impl Parted, n: &Vector3<f64>) -> (Top, u32) {
         }
     }
     let top = body.peak(found, n);
-    let missing = best * unit - n.dot(&top.point);
+    let missing = best * frame.unit() - n.dot(&(top.point - frame.origin));
     let excess = missing.at_least(0.0);
     (Top { excess, ..top }, body.number(found))
 }
 
 /// Calls `each` with the members that may be as high as `level` along a unit direction.
 ///
-/// `level` is in the caller's unit.
+/// `level` is in the caller's unit, from the origin of the body.
 pub(crate) fn each_above(body: &impl Parted, n: &Vector3<f64>, level: f64, mut each: impl FnMut(u32)) {
     let (tree, unit) = (body.side().tree, body.stored_unit());
+    let level = level - n.dot(&body.side().frame.origin);
     let mut stack = alloc::vec![0];
     while let Some(node) = stack.pop() {
         if height(tree, node, n) * unit < level {

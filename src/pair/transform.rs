@@ -1,11 +1,11 @@
 //! The relative pose in the arithmetic of a solver, and the lengths that scale rounding errors.
 
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::each::Each;
 use crate::base::num::scalar::Scalar;
-use crate::base::pose::RelativePose;
+use crate::base::pose::{PoseBits, RelativePose};
 use crate::base::tolerance::FAR;
 use crate::body::polyhedron::{ConvexPolyhedron, power_of_two};
 use crate::pair::posed::PosedPair;
@@ -51,6 +51,7 @@ impl Transform<f64> {
 /// The frame in which a body is stored.
 ///
 /// Its origin in the body, and the exponent of its unit, a power of two.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct StoredFrame {
     pub(crate) origin: Vector3<f64>,
     pub(crate) exponent: i32,
@@ -63,6 +64,70 @@ impl StoredFrame {
             exponent: body.exponent,
         }
     }
+
+    /// Returns one stored unit in the caller's unit.
+    pub(crate) fn unit(&self) -> f64 {
+        power_of_two(self.exponent)
+    }
+
+    /// Returns whether the frame has the origin of the body.
+    pub(crate) fn is_at_origin(&self) -> bool {
+        self.origin == Vector3::zeros()
+    }
+
+    /// Maps a stored point to the frame of the body.
+    ///
+    /// The result is exact for the vertices and points of which the body was made.
+    pub(crate) fn given(&self, stored: &Vector3<f64>) -> Point3<f64> {
+        let place = stored * self.unit();
+        // A sum with zero would lose the sign of a zero.
+        Point3::from(if self.is_at_origin() {
+            place
+        } else {
+            place + self.origin
+        })
+    }
+
+    /// Maps a point of the body's frame to the stored frame. The inverse of [`given`](Self::given).
+    ///
+    /// Near the body the difference is exact (Sterbenz); it errs by one rounding elsewhere.
+    pub(crate) fn stored(&self, given: &Point3<f64>) -> Vector3<f64> {
+        (given.coords - self.origin) / self.unit()
+    }
+
+    /// Maps the pose of a member from the frame of the body to a frame about the stored origin.
+    ///
+    /// Lengths stay in the caller's unit.
+    pub(crate) fn about(&self, pose: &Isometry3<f64>) -> Isometry3<f64> {
+        let place = pose.translation.vector - self.origin;
+        Isometry3::from_parts(place.into(), pose.rotation)
+    }
+}
+
+/// Maps a point by a pose, relative to another point; rounded once.
+pub(crate) fn placed_from(pose: &Isometry3<f64>, point: &Vector3<f64>, from: &Vector3<f64>) -> Vector3<f64> {
+    let pose = PoseBits::new(pose);
+    let (q, t) = (pose.q(), pose.t());
+    let there = turned(&q, &rotation(&q), &point.map(DoubleDouble::from).into());
+    Vector3::from_fn(|k, _| (there[k] + DoubleDouble::sum(t[k], -from[k])).value())
+}
+
+/// Returns the relative pose of two bodies about other origins, which are given in their frames.
+///
+/// The offset of the new origins is the difference of the two translations, in double-double: the
+/// old origins may be far away and cancel. Returns `None` if it is out of range.
+pub(crate) fn about_origins(pose: &RelativePose, [a, b]: [&Vector3<f64>; 2]) -> Option<RelativePose> {
+    if *a == Vector3::zeros() && *b == *a {
+        return Some(*pose);
+    }
+    let (pose_a, pose_b) = pose.poses();
+    let in_world = |q: [f64; 4], p: &Vector3<f64>| turned(&q, &rotation(&q), &p.map(DoubleDouble::from).into());
+    let (of_a, of_b) = (in_world(pose.a.q(), a), in_world(pose.b.q(), b));
+    let apart = apart(pose, 1.0);
+    let offset: [DoubleDouble; 3] = core::array::from_fn(|k| (of_b[k] - of_a[k]) + apart[k]);
+    let at = |part: [f64; 3], q| Isometry3::from_parts(Vector3::from(part).into(), q);
+    let (low, high) = (offset.each(|x| -x.lo), offset.each(|x| x.hi));
+    RelativePose::new(&at(low, pose_a.rotation), &at(high, pose_b.rotation)).ok()
 }
 
 impl Transform<DoubleDouble> {

@@ -94,7 +94,8 @@ impl From<Stopped> for PointError {
 /// | compound, cloud | that of its pieces | outside that of its pieces; inside see below |
 /// | Bézier surface | outside or undecided: it has no inside | that of [`PairTracker::closest`] |
 ///
-/// L is the size of the geometry plus the distance of the point. Exceptions:
+/// L is the size of the geometry plus the distance of the point; for pieces of compounds and
+/// elements of clouds it is the pair size (see the [front page](crate)). Exceptions:
 ///
 /// - **Meshes.** A closed mesh contains the points with a winding number that is not zero, and its
 ///   surface. An [open mesh](crate::MeshKind::Open) contains only its surface. The distance is that

@@ -22,6 +22,7 @@ use crate::base::pose::rigid;
 use crate::body::polyhedron::fans::LARGE;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, Feature, VertexId};
 use crate::nonconvex::query::ray::MeshRay;
+use crate::pair::transform::StoredFrame;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::ray::mesh::in_body;
 use crate::ray::{Ray, RayCast, RayHit};
@@ -79,9 +80,8 @@ pub(super) fn entered(
     if hull.face_count() < 4 {
         return None;
     }
-    let mut on_hull = in_body(GeometryRef::from(hull), hull.unit(), pose, ray, span, length, width)?;
-    let origin = hull.origin / hull.unit();
-    on_hull.ends = on_hull.ends.map(|p| p - origin);
+    let frame = StoredFrame::of(hull);
+    let on_hull = in_body(GeometryRef::from(hull), &frame, pose, ray, span, length, width)?;
     let walk = Walk {
         hull,
         doubt: 2.0 * on_hull.error,

@@ -10,12 +10,13 @@
 use crate::base::num::each::Each;
 use crate::base::num::sign;
 use crate::base::pose::rigid;
-use crate::base::tolerance::RAY;
+use crate::base::tolerance::{RAY, UNIT, UNIT_DOUBLE_DOUBLE};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use crate::nonconvex::mesh::Mesh;
 #[cfg(feature = "exact")]
 use crate::nonconvex::query::exact::{ExactRay, PointSide};
 use crate::nonconvex::query::ray::{MeshRay, Met};
+use crate::pair::transform::{StoredFrame, about_origins};
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::ray::{Ray, RayCast, RayHit, placed};
 use nalgebra::{Isometry3, Unit, Vector3};
@@ -31,7 +32,7 @@ pub(super) fn pierce(
     length: f64,
     width: f64,
 ) -> Option<RayCast> {
-    let mut on_mesh = in_body(mesh.into(), mesh.unit(), pose, ray, [from, until], length, width)?;
+    let mut on_mesh = in_body(mesh.into(), &mesh.frame, pose, ray, [from, until], length, width)?;
     if from == 0.0 && begins_in(mesh, &on_mesh)? {
         return Some(RayCast::Inside);
     }
@@ -42,12 +43,12 @@ pub(super) fn pierce(
     })
 }
 
-/// Returns a segment of a ray in the frame of a body at a pose, in a unit of length.
+/// Returns a segment of a ray in the stored frame of a body at a pose.
 ///
 /// `None` if the body is out of range.
 pub(super) fn in_body(
     body: GeometryRef,
-    unit: f64,
+    frame: &StoredFrame,
     pose: &Isometry3<f64>,
     ray: &Ray,
     [from, until]: [f64; 2],
@@ -55,18 +56,31 @@ pub(super) fn in_body(
     width: f64,
 ) -> Option<MeshRay> {
     let (centre, radius) = body.bounding_ball();
-    let size = radius + centre.coords.abs().sum() + ray.origin.coords.abs().sum() + until;
-    let seen = placed(pose, &ray.origin)?;
-    let place = |at: f64| Some(placed(pose, &ray.at(at))?.translation() / unit);
+    let (seen, unit) = (placed(pose, &ray.origin)?, frame.unit());
+    let direction = seen.rotation() * ray.direction.into_inner();
+    let (ends, error) = if frame.is_at_origin() {
+        let size = radius + centre.coords.abs().sum() + ray.origin.coords.abs().sum() + until;
+        let place = |at: f64| Some(placed(pose, &ray.at(at))?.translation() / unit);
+        let ends = [place(from)?, place(until)?];
+        (ends, RAY * (size + pose.translation.vector.abs().sum()) / unit)
+    } else {
+        // From the stored origin, no length is longer than the ray or the body. The direction errs
+        // by 80 UNIT, and the stored origin is put in double-double.
+        let start = about_origins(&seen, [&frame.origin, &Vector3::zeros()])?.translation();
+        let off = UNIT_DOUBLE_DOUBLE / UNIT * frame.origin.abs().sum();
+        let size = radius + start.abs().sum() + until + off;
+        let ends = [from, until].each(|at| (start + direction * at) / unit);
+        (ends, 2.0 * RAY * size / unit)
+    };
     Some(MeshRay {
-        ends: [place(from)?, place(until)?],
-        error: RAY * (size + pose.translation.vector.abs().sum()) / unit,
-        direction: seen.rotation() * ray.direction.into_inner(),
+        ends,
+        error,
+        direction,
         span: [from, until],
         length,
         width,
         #[cfg(feature = "exact")]
-        exact: ExactRay::new(seen, ray.direction.into_inner()),
+        exact: ExactRay::new(seen, ray.direction.into_inner(), frame.origin),
     })
 }
 
@@ -74,7 +88,7 @@ pub(super) fn in_body(
 fn begins_in(mesh: &Mesh, ray: &MeshRay) -> Option<bool> {
     let held = mesh.held_by_rounding(&ray.ends[0], ray.error);
     #[cfg(feature = "exact")]
-    let held = held.or_else(|| Some(mesh.side_of(&ray.exact.origin(mesh.exponent)) != PointSide::Outside));
+    let held = held.or_else(|| Some(mesh.side_of(&ray.exact.origin(mesh.frame.exponent)) != PointSide::Outside));
     held
 }
 
@@ -119,7 +133,8 @@ pub(super) fn proven(
         return None;
     }
     // In the unit of the body, products of three lengths do not underflow.
-    let mut on_hull = in_body(GeometryRef::from(hull), hull.unit(), pose, ray, span, length, width)?;
+    let frame = StoredFrame::of(hull);
+    let mut on_hull = in_body(GeometryRef::from(hull), &frame, pose, ray, span, length, width)?;
     if let RayCast::Hit(RayHit {
         safe,
         hit,
@@ -144,9 +159,9 @@ pub(super) fn proven(
     is_clear.then_some(met)
 }
 
-/// Returns three vertices as the caller passed them, in the unit of the body.
+/// Returns three vertices in stored coordinates.
 fn corners_of(hull: &ConvexPolyhedron, vertices: [VertexId; 3]) -> [Vector3<f64>; 3] {
-    vertices.each(|v| hull.to_user(&hull.points[v.index()]).coords / hull.unit())
+    vertices.each(|v| hull.points[v.index()])
 }
 
 /// Returns whether the vertices of each face are in one plane.

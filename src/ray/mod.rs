@@ -10,13 +10,20 @@ use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 use crate::base::motion::{MotionError, Steady, Velocity};
 use crate::base::num::extremes::{Bounded, Extremes};
+#[cfg(feature = "meshes")]
+use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{RelativePose, rigid};
 use crate::base::tolerance::{PLACED_BALL, RAY};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature};
 #[cfg(feature = "meshes")]
-use crate::nonconvex::query::ray::Met;
+use crate::nonconvex::{
+    parts::{Centred, Parted},
+    query::ray::Met,
+};
 use crate::pair::options::QueryOptions;
+#[cfg(feature = "meshes")]
+use crate::pair::transform::about_origins;
 use crate::pair_tracker::PairTracker;
 use crate::pair_tracker::geometry::{GeometryKind, GeometryRef};
 use crate::time::impact::{Impact, ImpactError, Tolerance, cast};
@@ -221,6 +228,9 @@ pub struct RayCaster {
     /// A point at the origin.
     point: ConvexPolyhedron,
     tracker: PairTracker,
+    /// The last compound or cloud that is far from the origin of its frame, about its middle.
+    #[cfg(feature = "meshes")]
+    centred: Option<(Fingerprint, Centred)>,
 }
 
 impl Default for RayCaster {
@@ -228,6 +238,8 @@ impl Default for RayCaster {
         Self {
             point: ConvexPolyhedron::origin(),
             tracker: PairTracker::new(),
+            #[cfg(feature = "meshes")]
+            centred: None,
         }
     }
 }
@@ -252,6 +264,10 @@ impl RayCaster {
         length: f64,
     ) -> Result<RayCast, RayError> {
         let body = body.into();
+        #[cfg(feature = "meshes")]
+        if let Some(found) = self.cast_far(body, pose, ray, length) {
+            return found;
+        }
         let flight = ray.flight(length)?;
         let still = Steady::new(pose, Velocity::default())?;
         if let Some(space) = body.half_space() {
@@ -312,6 +328,36 @@ impl RayCaster {
             return Ok(mesh::entered(mesh, pose, ray, [hit.safe, hit.hit], None));
         }
         Ok(found)
+    }
+
+    /// Returns where a ray enters a compound or a cloud that is far from the origin of its frame;
+    /// `None` for other bodies.
+    ///
+    /// The body is taken about its middle, and the ray from there, so that no rounding is relative
+    /// to the distance from the origin.
+    #[cfg(feature = "meshes")]
+    fn cast_far(
+        &mut self,
+        body: GeometryRef,
+        pose: &Isometry3<f64>,
+        ray: &Ray,
+        length: f64,
+    ) -> Option<Result<RayCast, RayError>> {
+        let union = body.union().filter(|union| !union.is_near())?;
+        let origins = [&union.side().frame.origin, &Vector3::zeros()];
+        let (pose, start) = about_origins(&placed(pose, &ray.origin)?, origins)?.poses();
+        let known = self.centred.take().filter(|(of, _)| *of == union.fingerprint());
+        let (of, centred) = known.unwrap_or_else(|| (union.fingerprint(), Centred::new(union)));
+        let from_start = Ray {
+            origin: start.translation.vector.into(),
+            ..*ray
+        };
+        let mut found = self.cast(centred.parts(), &pose, &from_start, length);
+        self.centred = Some((of, centred));
+        if let Ok(RayCast::Hit(hit)) = &mut found {
+            hit.point += ray.origin - from_start.origin;
+        }
+        Some(found)
     }
 
     /// Returns the result of a cast after the exact predicate has decided whether the origin is in

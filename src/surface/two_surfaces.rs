@@ -308,7 +308,7 @@ impl SurfacePair<'_> {
         for (patch, net) in (0..).zip(surface.patches()) {
             let point = net.point(0.0, 0.0);
             let place = moved(&point, pose, is_mesh_a);
-            match mesh.holds_point(&(place.coords / unit), doubt / unit) {
+            match mesh.holds_point(&mesh.frame.stored(&place), doubt / unit) {
                 Some(true) => return Side::Inside(WitnessLocation::on_patch(patch, [0.0; 2]), point),
                 Some(false) => {}
                 None => is_clear = false,

@@ -11,6 +11,7 @@ mod corners;
 mod crossing;
 mod crowds;
 mod decomposition;
+mod far;
 mod faults;
 mod frames;
 mod hard;

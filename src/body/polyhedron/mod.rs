@@ -31,7 +31,7 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::rigid;
 pub use crate::body::polyhedron::aabb::BoxHint;
 pub use crate::body::polyhedron::build::BuildReport;
-pub(crate) use crate::body::polyhedron::build::cloud::{bounding_box, exponent_of, power_of_two};
+pub(crate) use crate::body::polyhedron::build::cloud::{bounding_box, exponent_of, far_origin, power_of_two};
 #[cfg(feature = "exact")]
 pub(crate) use crate::body::polyhedron::build::cloud::{lowest_bit, odd_part};
 pub use crate::body::polyhedron::build::error::BuildError;
@@ -364,16 +364,16 @@ impl PartialEq for ConvexPolyhedron {
 }
 
 impl ConvexPolyhedron {
-    /// Returns the support value along a direction of any length, in the caller's unit, up to
-    /// rounding. `None` for bodies with too many vertices for a scan.
+    /// Returns the support value along a direction of any length, from a point of the caller's
+    /// frame, up to rounding. `None` for bodies with too many vertices for a scan.
     #[inline]
-    pub(crate) fn scanned_height(&self, n: &Vector3<f64>) -> Option<f64> {
+    pub(crate) fn scanned_height(&self, n: &Vector3<f64>, from: &Vector3<f64>) -> Option<f64> {
         if self.points.len() > SCANNED {
             return None;
         }
         let higher = |top: f64, h: f64| if h > top { h } else { top };
         let top = self.points.iter().map(|p| n.dot(p)).fold(f64::NEG_INFINITY, higher);
-        Some(top * self.unit() + n.dot(&self.origin))
+        Some(top * self.unit() + n.dot(&(self.origin - from)))
     }
 
     /// Returns the centre of the bounding box, in stored coordinates.

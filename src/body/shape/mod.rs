@@ -306,25 +306,49 @@ impl Shape {
     #[doc(alias = "support")]
     #[must_use]
     pub fn support_height(&self, direction: &Vector3<f64>) -> f64 {
+        self.support_from(direction, &Vector3::zeros())
+    }
+
+    /// Returns an upper bound of `direction . (x - from)`, as [`support_height`] does.
+    ///
+    /// If the shape and `from` are far from the origin and near each other, the bound is relative
+    /// to their distance from each other.
+    ///
+    /// [`support_height`]: Self::support_height
+    pub(crate) fn support_from(&self, direction: &Vector3<f64>, from: &Vector3<f64>) -> f64 {
         let size = direction.amax();
         if !(size > 0.0 && size.is_finite()) {
             return 0.0;
         }
         if let Core::Polyhedron(body) = &self.core
             && self.rounding == 0.0
-            && let Some(height) = body.scanned_height(direction)
+            && let Some(height) = body.scanned_height(direction, from)
         {
-            let reach = body.radius * body.unit() + body.origin.abs().sum();
+            let reach = body.radius * body.unit() + (body.origin - from).abs().sum();
             return height + BOX * reach * direction.abs().sum();
         }
         let length = size * sqrt((direction / size).norm_squared());
         let n = direction / length;
         let of = |height: f64, reach: f64| height + BOX * reach;
         let height = match_core!(&self.core, body => {
-            let v = body.vertex(body.extreme_vertex(&n)).unwrap_or_else(Point3::origin);
-            of(n.dot(&v.coords), body.radius * body.unit() + v.coords.abs().sum())
-        }, core => of(height(core, &n), core.reach()));
+            let v = body.vertex(body.extreme_vertex(&n)).unwrap_or_else(Point3::origin).coords - from;
+            of(n.dot(&v), body.radius * body.unit() + v.abs().sum())
+        }, core => of(height(core, &n) - n.dot(from), core.reach() + from.abs().sum()));
         (height + self.rounding * (1.0 + BOX)) * length
+    }
+
+    /// Returns the shape with a polyhedral core stored about another origin: the shape moves with
+    /// it. Curved cores, which have no other origin, stay as they are.
+    pub(crate) fn with_origin(&self, origin: &Vector3<f64>) -> Self {
+        let Core::Polyhedron(body) = &self.core else {
+            return self.clone();
+        };
+        let core = Core::Polyhedron(Arc::new(body.with_origin(origin)));
+        Self {
+            fingerprint: core.rounded_fingerprint(self.rounding),
+            core,
+            rounding: self.rounding,
+        }
     }
 
     /// Returns an approximate support point of the core along a unit direction, and the vertex of a

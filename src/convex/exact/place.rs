@@ -58,6 +58,16 @@ impl ExactVector {
         }
     }
 
+    /// Returns the vector plus another one.
+    pub(crate) fn plus(self, v: &Vector3<f64>) -> Self {
+        self.shifted(&(*v).into(), false)
+    }
+
+    /// Returns the vector minus another one.
+    pub(crate) fn minus(self, v: &Vector3<f64>) -> Self {
+        self.shifted(&(*v).into(), true)
+    }
+
     /// Maps a point from the frame of a piece to the frame of its body.
     pub(crate) fn placed(self, pose: &Isometry3<f64>) -> Self {
         let pose = PoseBits::new(pose);

@@ -18,7 +18,7 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{EXPONENT_FREE, EXTENT_MAX, PLACE_MAX, UNIT};
-use crate::body::polyhedron::{BuildError, ConvexPolyhedron, exponent_of, power_of_two};
+use crate::body::polyhedron::{BuildError, ConvexPolyhedron, exponent_of, far_origin, power_of_two};
 use crate::body::shape::{Shape, ShapeError, is_rounding};
 #[cfg(feature = "exact")]
 use crate::convex::exact::place::ExactVector;
@@ -30,6 +30,7 @@ use crate::nonconvex::separation::ball_about;
 use crate::nonconvex::tree::Tree;
 use crate::nonconvex::tree::morton::ElementExtent;
 use crate::pair::point::PointOutcome;
+use crate::pair::transform::StoredFrame;
 
 /// Largest number of points: the index of an item in a leaf has 27 bits.
 const POINTS_MOST: usize = 1 << 27;
@@ -182,9 +183,12 @@ pub struct Cloud {
     /// An inner point of the element at the origin and another of its points.
     probes: [Vector3<f64>; 2],
     tree: Tree,
-    exponent: i32,
-    /// Radius about the origin of the frame, in stored units.
+    /// The frame of stored coordinates: about the middle of the box if that is far from the
+    /// caller's origin.
+    frame: StoredFrame,
+    /// Radius about the stored origin, in stored units.
     radius: f64,
+    /// Corners of the bounding box about the stored origin, in the caller's unit.
     low: Vector3<f64>,
     high: Vector3<f64>,
     fingerprint: Fingerprint,
@@ -279,7 +283,7 @@ impl Cloud {
             return Err(CloudError::Count { count });
         }
         let (element, shape) = Element::new(element, count)?;
-        let all: Vec<[f64; 3]> = (0..count).map(|k| given.at(k).into()).collect();
+        let mut all: Vec<[f64; 3]> = (0..count).map(|k| given.at(k).into()).collect();
         // Written so that NaN is an error.
         let is_bad = |p: &[f64; 3]| !p.iter().all(|x| x.abs() < PLACE_MAX);
         if let Some(point) = all.iter().position(is_bad) {
@@ -298,22 +302,29 @@ impl Cloud {
         let core = |n: &Vector3<f64>| element.support(&shape, n);
         let of_point = |k: u32| element.radius_at(k as usize);
         let reach = element.reach(&shape);
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+        let own = if let Element::Balls(_) = element { reach } else { 0.0 };
+        let wide = |sign: f64| Vector3::from_fn(|k, _| core(&(axes[k] * sign)) + own);
+        let (low, high) = (low - wide(-1.0), high + wide(1.0));
+        let half = sqrt(((high - low) * 0.5).norm_squared());
+        let origin = far_origin(&(low * 0.5 + high * 0.5), half, all.iter().map(|p| Vector3::from(*p)));
+        if origin != Vector3::zeros() {
+            all.iter_mut().for_each(|p| *p = (Vector3::from(*p) - origin).into());
+        }
+        // A cloud of equal points has no size but the rounding of its place.
+        let size = half.larger(low.amax().larger(high.amax()) * UNIT);
+        let size = if size > 0.0 { size } else { 1.0 };
+        let (low, high) = (low - origin, high - origin);
         let extents = ElementExtent {
             reach,
             support: &core,
             round: matches!(element, Element::Balls(_)).then_some(&of_point),
         };
         let (mut tree, order) = Tree::over_points(&all, &extents);
-        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-        let own = if let Element::Balls(_) = element { reach } else { 0.0 };
-        let wide = |sign: f64| Vector3::from_fn(|k, _| core(&(axes[k] * sign)) + own);
-        let (low, high) = (low - wide(-1.0), high + wide(1.0));
         let square = all
             .iter()
             .fold(0.0, |far: f64, p| far.larger(Vector3::from(*p).norm_squared()));
         drop(all);
-        let size = sqrt(((high - low) * 0.5).norm_squared()).larger(low.amax().larger(high.amax()) * UNIT);
-        let size = if size > 0.0 { size } else { 1.0 };
         let window = 2 * EXPONENT_FREE;
         let exponent = (exponent_of(size) + EXPONENT_FREE).div_euclid(window) * window;
         let scale = power_of_two(-exponent);
@@ -331,7 +342,7 @@ impl Cloud {
             element,
             shape,
             tree,
-            exponent,
+            frame: StoredFrame { origin, exponent },
             low,
             high,
             fingerprint: Fingerprint::default(),
@@ -406,7 +417,8 @@ impl Cloud {
     /// Returns the corners of a bounding box of all elements, exact up to rounding.
     #[must_use]
     pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
-        (Point3::from(self.low), Point3::from(self.high))
+        let about = |p: &Vector3<f64>| Point3::from(p + self.frame.origin);
+        (about(&self.low), about(&self.high))
     }
 
     /// Returns a ball that contains all elements, in the frame of the cloud: centre and radius.
@@ -458,7 +470,7 @@ impl Cloud {
         let (scale, mut items) = (1.0 / self.unit(), Vec::new());
         // The tree doubles the length; a hundredth covers rounding.
         let half = 0.505 * radius * scale;
-        self.tree.any_near(&(centre.coords * scale), half, |item| {
+        self.tree.any_near(&self.frame.stored(&centre), half, |item| {
             items.push(item);
             false
         });
@@ -467,7 +479,8 @@ impl Cloud {
 
     /// Returns a polyhedron that contains the cloud: its box.
     pub(super) fn hull(&self) -> Result<ConvexPolyhedron, BuildError> {
-        let end = |k: usize, i: usize| if k >> i & 1 == 1 { self.high[i] } else { self.low[i] };
+        let (low, high) = self.aabb();
+        let end = |k: usize, i: usize| if k >> i & 1 == 1 { high[i] } else { low[i] };
         let corners: Vec<_> = (0..8).map(|k| Point3::new(end(k, 0), end(k, 1), end(k, 2))).collect();
         ConvexPolyhedron::from_points(&corners)
     }
@@ -503,7 +516,32 @@ impl Cloud {
     }
 
     fn unit(&self) -> f64 {
-        power_of_two(self.exponent)
+        self.frame.unit()
+    }
+
+    /// Returns a point about the stored origin, in the caller's unit.
+    #[inline(always)]
+    fn place(&self, item: usize) -> Vector3<f64> {
+        let point = self.points.at(item);
+        if self.frame.is_at_origin() {
+            point
+        } else {
+            point - self.frame.origin
+        }
+    }
+
+    /// Returns the cloud with its frame moved to the stored origin.
+    pub(crate) fn centred(&self) -> Self {
+        let places = (0..self.len()).map(|item| self.place(item).into());
+        Self {
+            points: Points::Double(places.collect()),
+            frame: StoredFrame {
+                origin: Vector3::zeros(),
+                ..self.frame
+            },
+            fingerprint: self.fingerprint.with(*b"centred ", 0.0),
+            ..self.clone()
+        }
     }
 }
 
@@ -587,7 +625,7 @@ impl Parted for Cloud {
     fn side(&self) -> TreeSide<'_> {
         TreeSide {
             tree: &self.tree,
-            exponent: self.exponent,
+            frame: self.frame,
             radius: self.radius,
             // Queries of elements count the rounding of composed poses.
             off: 0.0,
@@ -621,8 +659,8 @@ impl Parted for Cloud {
     #[inline(always)]
     fn highest(&self, item: u32, n: &Vector3<f64>) -> f64 {
         // Scaled first: the square of a direction in the unit of another body may leave the range.
-        let n = &(n * power_of_two(-self.exponent));
-        let height = n.dot(&self.points.at(item as usize)) + self.element.support(&self.shape, n);
+        let n = &(n * power_of_two(-self.frame.exponent));
+        let height = n.dot(&self.place(item as usize)) + self.element.support(&self.shape, n);
         match &self.element {
             Element::Balls(radii) => height + radii.at(item as usize) * (sqrt(n.norm_squared()) * (1.0 + 4.0 * UNIT)),
             _ => height,
@@ -630,12 +668,12 @@ impl Parted for Cloud {
     }
 
     fn heights(&self, items: Range<u32>, n: &Vector3<f64>, to: &mut [f64]) {
-        if let Element::Balls(_) = &self.element {
+        if matches!(self.element, Element::Balls(_)) || !self.frame.is_at_origin() {
             items.zip(to).for_each(|(item, to)| *to = self.highest(item, n));
             return;
         }
         // As in `highest`, but the support value of the element is computed once.
-        let n = &(n * power_of_two(-self.exponent));
+        let n = &(n * power_of_two(-self.frame.exponent));
         let own = self.element.support(&self.shape, n);
         let range = items.start as usize..items.end as usize;
         self.points.for_each(range.zip(to), |p, to| *to = n.dot(&p) + own);
@@ -647,6 +685,11 @@ impl Parted for Cloud {
 
     fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)> {
         Some(self.posed(item))
+    }
+
+    fn stored_part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)> {
+        let (shape, pose) = self.posed(item);
+        Some((shape, self.frame.about(&pose)))
     }
 
     fn shared_pose(&self, item: u32) -> Option<Isometry3<f64>> {
@@ -667,7 +710,7 @@ impl Parted for Cloud {
     }
 
     fn probe(&self, k: usize) -> [Vector3<f64>; 4] {
-        let (at, scale) = (self.points.at(k), power_of_two(-self.exponent));
+        let (at, scale) = (self.place(k), power_of_two(-self.frame.exponent));
         let [inner, other] = self.probes.each(|offset| (at + offset) * scale);
         [inner, other, inner, other]
     }

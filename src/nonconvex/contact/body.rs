@@ -32,7 +32,13 @@ use crate::nonconvex::query::triangle;
 /// inward. Those of an open mesh face as its triangles do: a body that touches an open mesh from
 /// behind has no contact.
 #[derive(Clone, Debug)]
-pub struct ConvexPatches(PatchedBody, Fingerprint);
+pub struct ConvexPatches {
+    /// The body in a frame about its stored origin, if that is far from the caller's.
+    body: PatchedBody,
+    fingerprint: Fingerprint,
+    /// The origin of this frame in the caller's.
+    origin: Vector3<f64>,
+}
 
 /// Returns the fingerprint of the patches of a mesh for a tolerance in stored units.
 fn of_mesh(mesh: &Mesh, tolerance: f64) -> Fingerprint {
@@ -52,7 +58,8 @@ impl ConvexPatches {
     /// and walls seen from inside give small patches.
     ///
     /// The error of convexity is at most `64 * 2^-53` times the radius of the mesh about its
-    /// origin. This is the rounding error of a rotated mesh in double precision.
+    /// reference point (see the [front page](crate)). This is the rounding error of a rotated mesh
+    /// in double precision.
     #[must_use]
     pub fn from_mesh(mesh: impl Into<Arc<Mesh>>) -> Self {
         Self::from_mesh_within(mesh, 0.0)
@@ -66,14 +73,23 @@ impl ConvexPatches {
     #[must_use]
     pub fn from_mesh_within(mesh: impl Into<Arc<Mesh>>, tolerance: f64) -> Self {
         let mesh: Arc<Mesh> = mesh.into();
-        let stored = tolerance.at_least(0.0) / mesh.unit();
+        let (stored, origin) = (tolerance.at_least(0.0) / mesh.unit(), mesh.frame.origin);
         let fingerprint = of_mesh(&mesh, stored);
-        Self(PatchedBody::Mesh(Arc::new(PatchedMesh::new(mesh, stored))), fingerprint)
+        let near = if mesh.frame.is_at_origin() {
+            mesh
+        } else {
+            Arc::new(mesh.centred())
+        };
+        Self {
+            body: PatchedBody::Mesh(Arc::new(PatchedMesh::new(near, stored))),
+            fingerprint,
+            origin,
+        }
     }
 
     /// Returns whether these are the patches of the mesh in its current state, without a tolerance.
     pub(crate) fn are_of(&self, mesh: &Mesh) -> bool {
-        self.1 == of_mesh(mesh, 0.0)
+        self.fingerprint == of_mesh(mesh, 0.0)
     }
 
     /// Returns the pieces of a compound as its convex patches.
@@ -92,13 +108,19 @@ impl ConvexPatches {
     pub fn from_compound_within(body: impl Into<Arc<Compound>>, tolerance: f64) -> Self {
         let (body, tolerance): (Arc<Compound>, f64) = (body.into(), tolerance.at_least(0.0));
         let fingerprint = body.fingerprint().with(*b"patches ", tolerance);
-        Self(PatchedBody::Pieces(body, tolerance), fingerprint)
+        let (frame, is_near) = (body.side().frame, body.is_near());
+        let near = if is_near { body } else { Arc::new(body.centred()) };
+        Self {
+            body: PatchedBody::Pieces(near, tolerance),
+            fingerprint,
+            origin: frame.origin,
+        }
     }
 
     /// Returns the number of patches or pieces.
     #[must_use]
     pub fn count(&self) -> usize {
-        match &self.0 {
+        match &self.body {
             PatchedBody::Mesh(surface) => surface.count(),
             PatchedBody::Pieces(body, _) => body.pieces().len(),
         }
@@ -106,7 +128,7 @@ impl ConvexPatches {
 
     /// Returns the caller's indices of the triangles of a patch; empty for pieces.
     pub fn triangles(&self, patch: u32) -> impl Iterator<Item = u32> + '_ {
-        let surface = match &self.0 {
+        let surface = match &self.body {
             PatchedBody::Mesh(surface) => Some(&**surface),
             PatchedBody::Pieces(..) => None,
         };
@@ -118,32 +140,37 @@ impl ConvexPatches {
     }
 
     pub(super) fn side(&self) -> TreeSide<'_> {
-        match &self.0 {
+        match &self.body {
             PatchedBody::Mesh(surface) => surface.side(),
             PatchedBody::Pieces(body, _) => body.side(),
         }
     }
 
     pub(super) fn fingerprint(&self) -> Fingerprint {
-        self.1
+        self.fingerprint
+    }
+
+    /// Returns the origin of the frame of these patches in the caller's frame.
+    pub(super) fn origin(&self) -> &Vector3<f64> {
+        &self.origin
     }
 
     pub(super) fn unit(&self) -> f64 {
-        match &self.0 {
+        match &self.body {
             PatchedBody::Mesh(surface) => surface.given.unit(),
             PatchedBody::Pieces(body, _) => body.stored_unit(),
         }
     }
 
     pub(super) fn is_in_place(&self) -> bool {
-        match &self.0 {
+        match &self.body {
             PatchedBody::Mesh(_) => true,
             PatchedBody::Pieces(body, _) => body.is_in_place(),
         }
     }
 
     pub(super) fn is_mesh(&self) -> bool {
-        matches!(self.0, PatchedBody::Mesh(_))
+        matches!(self.body, PatchedBody::Mesh(_))
     }
 
     /// Returns whether the convex bodies of all patches are parts of the body.
@@ -152,7 +179,7 @@ impl ConvexPatches {
     }
 
     pub(super) fn parts(&self) -> PartsRef<'_> {
-        match &self.0 {
+        match &self.body {
             PatchedBody::Mesh(surface) => PartsRef::Mesh(&surface.given),
             PatchedBody::Pieces(body, _) => PartsRef::Pieces(body),
         }
@@ -162,7 +189,7 @@ impl ConvexPatches {
     ///
     /// The point is in the caller's unit.
     pub(super) fn patch_at(&self, piece: u32, point: &Point3<f64>) -> u32 {
-        match &self.0 {
+        match &self.body {
             PatchedBody::Mesh(surface) => surface.patch_at(point),
             PatchedBody::Pieces(..) => piece,
         }
@@ -170,7 +197,7 @@ impl ConvexPatches {
 
     /// Returns the patch of an item of the tree.
     pub(super) fn patch(&self, item: u32) -> u32 {
-        match &self.0 {
+        match &self.body {
             PatchedBody::Mesh(surface) => surface.patch_of_item(item),
             PatchedBody::Pieces(body, _) => body.number(item),
         }
@@ -178,7 +205,7 @@ impl ConvexPatches {
 
     /// Returns the convex body of a patch, and its pose in the body's frame.
     pub(super) fn part(&self, patch: u32) -> Option<(Shape, Isometry3<f64>)> {
-        match &self.0 {
+        match &self.body {
             PatchedBody::Mesh(surface) => Some((surface.hull(patch)?, Isometry3::identity())),
             PatchedBody::Pieces(body, _) => {
                 let piece = body.pieces().get(patch as usize)?;
@@ -189,7 +216,7 @@ impl ConvexPatches {
 
     /// Returns whether a normal in the body's frame is the normal of a face of a patch.
     pub(super) fn has_face(&self, patch: u32, n: &Vector3<f64>) -> bool {
-        match &self.0 {
+        match &self.body {
             PatchedBody::Mesh(surface) => surface.has_face(patch, n),
             PatchedBody::Pieces(..) => true,
         }
@@ -200,14 +227,14 @@ impl ConvexPatches {
     /// The contacts are along an outward normal; point and normal are in the body's frame. The
     /// region is closed.
     pub(super) fn ends(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, doubt: f64) -> bool {
-        matches!(&self.0, PatchedBody::Pieces(body, tolerance) if is_end(body, patch, point, n, tolerance + doubt))
+        matches!(&self.body, PatchedBody::Pieces(body, tolerance) if is_end(body, patch, point, n, tolerance + doubt))
     }
 
     /// Returns whether a contact at a point along an outward normal is valid on a patch.
     ///
     /// Point and normal are in the body's frame and the caller's unit.
     pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, sine: f64, doubt: f64) -> Borne {
-        match &self.0 {
+        match &self.body {
             PatchedBody::Mesh(surface) => surface.bears(patch, point, n, sine, doubt),
             PatchedBody::Pieces(body, tolerance) => {
                 if is_covered(body, patch, point, n, tolerance + doubt) {
@@ -223,7 +250,7 @@ impl ConvexPatches {
     ///
     /// The point is in the frame of the patch's convex body.
     pub(super) fn is_clear(&self, patch: u32, point: &Point3<f64>, depth: f64, doubt: f64) -> bool {
-        match &self.0 {
+        match &self.body {
             PatchedBody::Mesh(surface) => surface.is_clear(point, depth),
             PatchedBody::Pieces(body, tolerance) => is_clear(body, patch, point, depth, tolerance + doubt),
         }
@@ -232,7 +259,7 @@ impl ConvexPatches {
     /// Returns whether the surface of the body is nearer than `reach` to a point in the body's
     /// frame.
     pub(super) fn is_near(&self, point: &Point3<f64>, reach: f64, doubt: f64) -> bool {
-        match &self.0 {
+        match &self.body {
             PatchedBody::Mesh(surface) => !surface.is_clear(point, reach),
             PatchedBody::Pieces(body, tolerance) => is_near(body, &point.coords, reach, tolerance + doubt),
         }
@@ -240,7 +267,7 @@ impl ConvexPatches {
 
     /// Returns whether the body contains a point in its frame; true for an open mesh.
     pub(super) fn holds(&self, point: &Point3<f64>, doubt: f64) -> bool {
-        match &self.0 {
+        match &self.body {
             PatchedBody::Mesh(surface) => surface.holds(point),
             PatchedBody::Pieces(body, tolerance) => {
                 // A single piece has no other.
@@ -258,7 +285,7 @@ impl ConvexPatches {
     ///
     /// The point is in the body's frame.
     pub(super) fn under(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, doubt: f64) -> Under {
-        match &self.0 {
+        match &self.body {
             PatchedBody::Mesh(surface) if surface.is_below(point, doubt) => Under::Body,
             PatchedBody::Mesh(_) => Under::Unknown,
             PatchedBody::Pieces(body, tolerance) => under(body, patch, point, n, tolerance + doubt),
@@ -267,7 +294,7 @@ impl ConvexPatches {
 
     /// Returns whether the path from a point of the surface to a point below it leaves the body.
     pub(super) fn is_left(&self, from: &Point3<f64>, to: &Point3<f64>, doubt: f64) -> bool {
-        matches!(&self.0, PatchedBody::Mesh(surface) if surface.is_left(from, to, doubt))
+        matches!(&self.body, PatchedBody::Mesh(surface) if surface.is_left(from, to, doubt))
     }
 }
 

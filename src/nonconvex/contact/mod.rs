@@ -58,6 +58,7 @@ use crate::nonconvex::pieces::CompoundTracker;
 use crate::nonconvex::query::box_gaps::{BoundAim, WIDTH, bounds};
 use crate::nonconvex::query::frame::{TreeFrame, split_pair};
 use crate::pair::outcome::ContactState;
+use crate::pair::transform::about_origins;
 use patch_pair::NearPatches;
 
 /// Sine of the largest angle between the normals of contacts that are reduced together. Not
@@ -155,6 +156,10 @@ impl ContactTracker {
         }
         let before = self.names();
         self.found.clear();
+        let Some(a_from_b) = about_origins(a_from_b, [a.origin(), b.origin()]) else {
+            return &self.found;
+        };
+        let a_from_b = &a_from_b;
         let Some(frame) = TreeFrame::new(a.side(), b.side(), a_from_b) else {
             return &self.found;
         };
@@ -181,6 +186,13 @@ impl ContactTracker {
         let size = a.parts().half_size().smaller(b.parts().half_size());
         let merge = query.doubt.larger(options.rebuild_motion * size);
         self.found = groups(&all, is_old, options.most(), merge, query.doubt);
+        let is_far = |origin: &Vector3<f64>| *origin != Vector3::zeros();
+        if is_far(a.origin()) || is_far(b.origin()) {
+            for contact in self.found.iter_mut().flat_map(|group| &mut group.contacts) {
+                contact.point.point_on_a += a.origin();
+                contact.point.point_on_b += b.origin();
+            }
+        }
         &self.found
     }
 

@@ -120,7 +120,7 @@ impl PatchedMesh {
     pub(super) fn side(&self) -> TreeSide<'_> {
         TreeSide {
             tree: &self.tree,
-            exponent: self.mesh.exponent,
+            frame: self.mesh.frame,
             radius: self.mesh.radius,
             off: self.mesh.off,
         }

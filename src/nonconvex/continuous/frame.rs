@@ -214,7 +214,7 @@ impl<'a> MovingMesh<'a> {
     /// time.
     pub(super) fn height(&self, node: u32, n: &Vector3<f64>, moment: &Moment) -> f64 {
         let own = moment.rotation.tr_mul(n);
-        let of = |mesh: &Mesh| height(&mesh.tree, node, &own) * mesh.unit();
+        let of = |mesh: &Mesh| height(&mesh.tree, node, &own) * mesh.unit() + own.dot(&mesh.frame.origin);
         let [begin, end] = self.both();
         let highest = match moment.time {
             1.0 => of(end),
@@ -228,7 +228,8 @@ impl<'a> MovingMesh<'a> {
     pub(super) fn middle(&self, node: u32, moment: &Moment) -> Vector3<f64> {
         let of = |mesh: &Mesh| {
             let tree = &mesh.tree;
-            (tree.centre + tree.boxes[node as usize].centre() * tree.unit()) * mesh.unit()
+            let centre = tree.centre + tree.boxes[node as usize].centre() * tree.unit();
+            mesh.given(&centre).coords
         };
         let own = match moment.time {
             0.0 => of(&self.meshes[0]),
@@ -248,7 +249,7 @@ impl<'a> MovingMesh<'a> {
 
     /// Returns the largest distance of a vertex from the origin of the mesh's frame.
     pub(super) fn radius(&self) -> f64 {
-        let [begin, end] = self.both().each(|mesh| mesh.radius * mesh.unit());
+        let [begin, end] = self.both().each(far);
         begin.larger(end)
     }
 
@@ -262,7 +263,7 @@ impl<'a> MovingMesh<'a> {
     pub(super) fn reach(&self) -> f64 {
         let [begin, end] = [0, 1].each(|k| {
             let mesh = &self.meshes[k];
-            mesh.radius * mesh.unit() + self.ends[k].place.abs().sum()
+            far(mesh) + self.ends[k].place.abs().sum()
         });
         begin.larger(end)
     }
@@ -308,6 +309,15 @@ impl<'a> MovingMesh<'a> {
         }
         self.sagitta(most.0, most.1)
     }
+}
+
+/// Returns an upper bound of the distance of a vertex from the origin of the mesh's frame.
+fn far(mesh: &Mesh) -> f64 {
+    let radius = mesh.radius * mesh.unit();
+    if mesh.frame.is_at_origin() {
+        return radius;
+    }
+    (radius + mesh.frame.origin.abs().sum()) * (1.0 + 4.0 * UNIT)
 }
 
 /// Returns the error for a motion that is rejected.

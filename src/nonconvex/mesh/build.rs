@@ -19,8 +19,9 @@ use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
 use crate::base::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT, PLACE_MAX, SIDE_ERROR, UNIT};
-use crate::body::polyhedron::{ConvexPolyhedron, bounding_box, exponent_of, power_of_two};
+use crate::body::polyhedron::{ConvexPolyhedron, bounding_box, exponent_of, far_origin, power_of_two};
 use crate::nonconvex::tree::{LEAF, Tree};
+use crate::pair::transform::StoredFrame;
 
 impl Mesh {
     /// Builds a mesh from points and triangles.
@@ -209,7 +210,7 @@ fn assemble(
     watch.check()?;
     let points = &ordered.points;
     let (low, high) = bounding_box(points);
-    let unit = crate::body::polyhedron::power_of_two(welded.exponent);
+    let unit = welded.frame.unit();
     parts.iter_mut().for_each(|p| p.volume *= unit * unit * unit);
     let kind = if found.closed { MeshKind::Solid } else { MeshKind::Open };
     let welded_away = (0u32..).zip(&welded.same_as).filter(|(k, v)| k != *v).count();
@@ -245,7 +246,7 @@ fn assemble(
         source_triangles: ordered.sources(&sieved.source),
         source_points: ordered.source,
         triangles: ordered.triangles,
-        exponent: welded.exponent,
+        frame: welded.frame,
         radius: sqrt(square) * (1.0 + 4.0 * UNIT),
         points: ordered.points,
         tree: ordered.tree,
@@ -324,7 +325,10 @@ impl Mesh {
     /// Returns the fingerprint of the mesh with the tree that the build makes.
     pub(super) fn fingerprint_as_built(&self) -> Fingerprint {
         let mut all = Fingerprinter::new(*b"mesh    ");
-        all.word(self.exponent as u64);
+        all.word(self.frame.exponent as u64);
+        if !self.frame.is_at_origin() {
+            all.vector(&self.frame.origin);
+        }
         all.word(self.points.len() as u64);
         self.points.iter().for_each(|p| all.vector(p));
         all.word(self.triangles.len() as u64);
@@ -368,7 +372,7 @@ pub(super) const MOST: usize = 1 << 27;
 struct Welded {
     points: Vec<Vector3<f64>>,
     same_as: Vec<u32>,
-    exponent: i32,
+    frame: StoredFrame,
     flushed: usize,
 }
 
@@ -393,13 +397,14 @@ fn weld(given: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Welded, MeshErr
         return Err(MeshError::OutOfRange { extent });
     }
     let units = Units::of(&sides);
+    let frame = units.frame(&low, &high, used());
     let scale = power_of_two(-units.exponent);
     let mut flushed = 0;
     let points: Vec<Vector3<f64>> = given
         .iter()
         .zip(&is_used)
         .map(|(p, is_used)| {
-            (p.coords * scale).map(|x| {
+            ((p.coords - frame.origin) * scale).map(|x| {
                 let kept = units.flushed(x);
                 flushed += usize::from(*is_used && kept != x);
                 kept
@@ -410,7 +415,7 @@ fn weld(given: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Welded, MeshErr
     Ok(Welded {
         points,
         same_as,
-        exponent: units.exponent,
+        frame,
         flushed,
     })
 }
@@ -432,6 +437,20 @@ impl Units {
         Self {
             exponent,
             flush: power_of_two(size - exponent - FLUSH_EXPONENT),
+        }
+    }
+
+    /// Returns the frame of stored coordinates for vertices with the given bounding box.
+    pub(super) fn frame<'a>(
+        &self,
+        low: &Vector3<f64>,
+        high: &Vector3<f64>,
+        points: impl Iterator<Item = &'a Vector3<f64>> + Clone,
+    ) -> StoredFrame {
+        let radius = sqrt(((high - low) * 0.5).norm_squared());
+        StoredFrame {
+            origin: far_origin(&(low * 0.5 + high * 0.5), radius, points.copied()),
+            exponent: self.exponent,
         }
     }
 

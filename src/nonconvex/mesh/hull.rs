@@ -141,8 +141,7 @@ impl Mesh {
 
     /// Returns bounds of the largest gap, in stored units.
     fn gap(&self, hull: &ConvexPolyhedron) -> (f64, f64) {
-        let scale = 1.0 / self.unit();
-        let points: Vec<Vector3<f64>> = hull.vertex_points().map(|p| p.coords * scale).collect();
+        let points: Vec<Vector3<f64>> = hull.vertex_points().map(|p| self.frame.stored(&p)).collect();
         let triangles = hull.triangles().map(|t| t.each(|v| points[v.index()]));
         let size = sqrt((self.high - self.low).norm_squared()) * 0.5;
         greatest(triangles, RESOLUTION * size, &mut Watch::none(), |corners, _| {

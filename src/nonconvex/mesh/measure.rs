@@ -138,7 +138,7 @@ impl Mesh {
         point: &Vector3<f64>,
         first: Option<u32>,
     ) -> (Point3<f64>, Vector3<f64>, WitnessLocation) {
-        let place = point / self.unit();
+        let place = self.frame.stored(&Point3::from(*point));
         let foot = self.nearest_from(&place, 0.0, first);
         let corners = self.corners(foot.triangle);
         let normal = triangle::normal(&corners);

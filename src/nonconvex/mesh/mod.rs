@@ -28,6 +28,7 @@ use crate::base::tolerance::PART_EXTENT_MIN;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::polyhedron::obj;
 use crate::nonconvex::tree::Tree;
+use crate::pair::transform::StoredFrame;
 use vertices::{Bending, Stiff};
 
 /// A body made of the caller's triangles, without a convex decomposition.
@@ -55,7 +56,7 @@ use vertices::{Bending, Stiff};
 #[doc(alias = "triangle soup")]
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    /// The caller's coordinates times `2^-exponent`, in the order in which the triangles use them.
+    /// The vertices in stored coordinates, in the order in which the triangles use them.
     pub(crate) points: Vec<Vector3<f64>>,
     /// Vertices of each triangle, in the order of the tree's leaves.
     pub(crate) triangles: Vec<[u32; 3]>,
@@ -66,9 +67,10 @@ pub struct Mesh {
     /// Four vertices of each connected component, far from each other.
     pub(crate) part_vertices: Vec<[u32; 4]>,
     pub(crate) tree: Tree,
-    /// A stored length times `2^exponent` is the caller's length; zero for ordinary sizes.
-    pub(crate) exponent: i32,
-    /// Largest distance of a vertex from the origin, rounded up, in stored units.
+    /// The frame of stored coordinates: about the middle of the box if that is far from the
+    /// caller's origin. The caller's vertices are mapped there without rounding.
+    pub(crate) frame: StoredFrame,
+    /// Largest distance of a vertex from the stored origin, rounded up, in stored units.
     pub(crate) radius: f64,
     /// Corners of the bounding box, in stored coordinates.
     pub(crate) low: Vector3<f64>,
@@ -177,16 +179,12 @@ impl Mesh {
 
     /// Returns a stored point in the caller's coordinates.
     pub(crate) fn given(&self, stored: &Vector3<f64>) -> Point3<f64> {
-        Point3::from(if self.exponent == 0 {
-            *stored
-        } else {
-            stored * self.unit()
-        })
+        self.frame.given(stored)
     }
 
     /// Returns one stored unit in the caller's unit.
     pub(crate) fn unit(&self) -> f64 {
-        crate::body::polyhedron::power_of_two(self.exponent)
+        self.frame.unit()
     }
 
     /// Returns the centroid of a triangle in stored coordinates.
@@ -211,11 +209,40 @@ impl Mesh {
     /// The body is a segment or a point if the triangle has no area. The result is `None` if the
     /// triangle is smaller than [`PART_EXTENT_MIN`].
     pub(crate) fn polygon(&self, triangle: u32) -> Option<ConvexPolyhedron> {
-        let corners: [Point3<f64>; 3] = self.corners(triangle).each(|p| self.given(&p));
-        ConvexPolyhedron::polygon_of(&corners, PART_EXTENT_MIN)
-            .ok()
-            .or_else(|| line(&corners))
+        polygon(&self.corners(triangle).each(|p| self.given(&p)))
     }
+
+    /// Returns [`polygon`](Self::polygon) in a frame about the stored origin.
+    pub(crate) fn stored_polygon(&self, triangle: u32) -> Option<ConvexPolyhedron> {
+        let unit = self.unit();
+        polygon(&self.corners(triangle).each(|p| Point3::from(p * unit)))
+    }
+
+    /// Returns the mesh with its frame moved to the stored origin.
+    pub(crate) fn centred(&self) -> Self {
+        let mut mesh = self.clone();
+        mesh.frame.origin = Vector3::zeros();
+        mesh.fingerprint = self.fingerprint.with(*b"centred ", 0.0);
+        mesh
+    }
+
+    /// Returns a mesh that is stored about the origin, moved to another one.
+    ///
+    /// Returns `None` if the mesh is stored about another origin than that of its frame.
+    pub(super) fn moved_to(mut self, origin: &Vector3<f64>) -> Option<Self> {
+        if !self.frame.is_at_origin() {
+            return None;
+        }
+        self.frame.origin = *origin;
+        self.fingerprint = self.fingerprint_as_built();
+        Some(self)
+    }
+}
+
+fn polygon(corners: &[Point3<f64>; 3]) -> Option<ConvexPolyhedron> {
+    ConvexPolyhedron::polygon_of(corners, PART_EXTENT_MIN)
+        .ok()
+        .or_else(|| line(corners))
 }
 
 /// Returns the segment or the point that three collinear points span.

@@ -141,7 +141,7 @@ impl Mesh {
 /// Returns the outcome of a pair of triangles with a lower bound over all pairs, in the caller's
 /// unit.
 fn told(mesh: &Mesh, frame: &TreeFrame, m: &Measured<[TriangleSpot; 2]>, lower: f64) -> PairOutcome {
-    let answer = TreeAnswer::of_one_body(m, lower, mesh.unit(), frame);
+    let answer = TreeAnswer::of_one_body(m, lower, mesh.frame, frame);
     answer.on(spots(mesh, mesh, m.pair, m.features))
 }
 

@@ -10,6 +10,7 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
+use crate::base::tolerance::UNIT;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
 use crate::convex::tracker::Tracker;
 use crate::nonconvex::front::memory::FrontMemory;
@@ -17,7 +18,7 @@ use crate::nonconvex::front::{FrontFault, NodePair, audit};
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::mesh::self_distance::SelfState;
 use crate::nonconvex::parts::Parted;
-use crate::nonconvex::query::frame::TreeFrame;
+use crate::nonconvex::query::frame::{TreeFrame, of_stored};
 use crate::nonconvex::query::overlap::Touching;
 use crate::nonconvex::query::search::TreeWork;
 use crate::nonconvex::query::search::{Judge, Measured};
@@ -196,11 +197,17 @@ impl<'a> TriangleJudge<'a> {
     #[cold]
     fn settle(&mut self, frame: &TreeFrame, pair: NodePair, found: &Closest) -> Option<Measured<[TriangleSpot; 2]>> {
         self.settled += 1;
-        let (p, q) = self.polygons(pair)?;
-        let o: Outcome = Tracker::new().closest(&p, &q, self.posed.pose);
-        let unit = 1.0 / self.posed.a.unit();
+        let (a, b) = (self.posed.a, self.posed.b);
+        // Vertices about a stored origin may be no numbers of the caller's frame.
+        let (pose, _) = of_stored(a.side(), b.side(), self.posed.pose)?;
+        let (p, q) = (a.stored_polygon(pair[0])?, b.stored_polygon(pair[1])?);
+        let o: Outcome = Tracker::new().closest(&p, &q, &pose);
+        let unit = 1.0 / a.unit();
         let distance = (o.distance * unit).at_least(0.0);
-        let (lower, upper) = (o.lower * unit - frame.off, o.upper * unit + frame.off);
+        // The pose of the stored origins errs by far less than one rounding of L.
+        let is_far = !(a.frame.is_at_origin() && b.frame.is_at_origin());
+        let off = frame.off + if is_far { UNIT * frame.size } else { 0.0 };
+        let (lower, upper) = (o.lower * unit - off, o.upper * unit + off);
         Some(Measured {
             pair,
             distance,
@@ -208,7 +215,7 @@ impl<'a> TriangleJudge<'a> {
             upper: upper.larger(distance),
             normal: *o.normal,
             on_a: o.point_on_a.coords * unit,
-            on_b: o.point_on_b.coords / self.posed.b.unit(),
+            on_b: o.point_on_b.coords / b.unit(),
             features: found.spots,
             crosses: upper < 0.0,
         })

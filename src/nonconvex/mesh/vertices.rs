@@ -14,12 +14,13 @@ use super::build::InTreeOrder;
 use super::build::Units;
 use super::{Mesh, VertexError};
 use crate::base::callbacks::Watch;
+use crate::base::num::double_double::two_sum;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes, largest};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{EXTENT_MAX, EXTENT_MIN, PLACE_MAX, UNIT};
-use crate::body::polyhedron::power_of_two;
+use crate::body::polyhedron::{bounding_box, power_of_two};
 use crate::nonconvex::tree::{Paths, Refit};
 
 /// Number of past states that a mesh keeps, so that trackers recognise it.
@@ -379,20 +380,23 @@ impl Mesh {
 
     /// Takes vertices that exist and are finite.
     fn replace(&mut self, bending: &mut Bending, first: usize, vertices: &[Point3<f64>]) -> Result<f64, VertexError> {
-        self.place(bending, first, vertices)?;
+        let lost = self.place(bending, first, vertices)?;
         let moves = self.moves(bending);
         let extent = largest(&(moves.high - moves.low)) * self.unit();
         if !(EXTENT_MIN..=EXTENT_MAX).contains(&extent) {
             return Err(VertexError::OutOfRange { extent });
         }
         let units = Units::of(&((moves.high - moves.low) * self.unit()));
-        let is_near = self.is_near(&moves) && units.exponent == self.exponent;
+        let is_near = lost == 0.0 && self.is_near(&moves) && units.exponent == self.frame.exponent;
         if is_near && moves.longest == 0 {
             return Ok(0.0);
         }
-        let moved = sqrt(moves.square) * (1.0 + 8.0 * UNIT) * self.unit();
+        let moved = sqrt(moves.square) * (1.0 + 8.0 * UNIT) * self.unit() + 2.0 * lost;
         let before = self.fingerprint;
         self.fingerprint = Bending::fingerprint(before, first, vertices);
+        if !is_near {
+            self.move_frame(bending, first, vertices, &units);
+        }
         self.take_points(bending, &units);
         if is_near {
             bending.past[bending.replacements % STATES] = before;
@@ -408,10 +412,12 @@ impl Mesh {
         Ok(moved)
     }
 
-    /// Sets the next points.
-    fn place(&self, bending: &mut Bending, first: usize, vertices: &[Point3<f64>]) -> Result<(), VertexError> {
+    /// Sets the next points, and returns the largest rounding error of a stored coordinate, in the
+    /// caller's unit.
+    fn place(&self, bending: &mut Bending, first: usize, vertices: &[Point3<f64>]) -> Result<f64, VertexError> {
         let replaced = &bending.order[first..first + vertices.len()];
-        let (next, stored) = (&mut bending.next, power_of_two(-self.exponent));
+        let (next, stored) = (&mut bending.next, power_of_two(-self.frame.exponent));
+        let (origin, mut lost) = (self.frame.origin, 0.0f64);
         if vertices.len() < self.points.len() || next.len() < self.points.len() {
             next.clone_from(&self.points);
         }
@@ -421,9 +427,26 @@ impl Mesh {
                     extent: p.coords.amax(),
                 });
             }
-            next[v as usize] = p.coords * stored;
+            let place = p.coords - origin;
+            if !self.frame.is_at_origin() {
+                lost = (0..3).fold(lost, |lost, k| lost.larger(two_sum(p[k], -origin[k]).1.abs()));
+            }
+            next[v as usize] = place * stored;
         }
-        Ok(())
+        Ok(lost)
+    }
+
+    /// Chooses the frame of stored coordinates again, and sets the next points in that frame.
+    fn move_frame(&mut self, bending: &mut Bending, first: usize, vertices: &[Point3<f64>], units: &Units) {
+        let mut given: Vec<Point3<f64>> = self.points.iter().map(|p| self.given(p)).collect();
+        for (&v, p) in bending.order[first..].iter().zip(vertices) {
+            given[v as usize] = *p;
+        }
+        let all = || given.iter().map(|p| &p.coords);
+        let (low, high) = bounding_box(all());
+        self.frame = units.frame(&low, &high, all());
+        bending.next.clear();
+        bending.next.extend(given.iter().map(|p| self.frame.stored(p)));
     }
 
     /// Computes how far each vertex moves to its next position.
@@ -462,15 +485,13 @@ impl Mesh {
     /// Makes the next points the points of the mesh.
     fn take_points(&mut self, bending: &mut Bending, units: &Units) {
         core::mem::swap(&mut self.points, &mut bending.next);
-        let ratio = power_of_two((self.exponent - units.exponent).clamp(-1000, 1000));
         let start = Vector3::repeat(f64::INFINITY);
         let (mut low, mut high, mut square) = (start, -start, 0.0f64);
         for p in &mut self.points {
-            *p = p.map(|x| units.flushed(x * ratio));
+            *p = p.map(|x| units.flushed(x));
             square = square.at_least(p.norm_squared());
             (low, high) = (low.zip_map(p, f64::at_most), high.zip_map(p, f64::at_least));
         }
-        self.exponent = units.exponent;
         self.radius = sqrt(square) * (1.0 + 4.0 * UNIT);
         (self.low, self.high) = (low, high);
     }

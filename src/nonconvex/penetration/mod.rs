@@ -54,11 +54,12 @@ use crate::convex::tracker::Tracker;
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::mesh::tracker::MeshTracker;
 use crate::nonconvex::parts::relative;
-use crate::nonconvex::parts::{Parted, PartsRef};
+use crate::nonconvex::parts::{Centred, Parted, PartsRef};
 use crate::nonconvex::pieces::{Compound, CompoundTracker, Piece};
 use crate::nonconvex::query::state::PosedTrees;
 use crate::nonconvex::separation::ball_about;
 use crate::pair::outcome::ContactState;
+use crate::pair::transform::about_origins;
 
 /// If the bounds differ by less than this part of the upper one, edges are not searched.
 const TIGHT: f64 = 1.0 / 1_048_576.0;
@@ -451,6 +452,10 @@ impl MeshTracker {
         a_from_b: &RelativePose,
         narrowing: Option<Narrowing>,
     ) -> Option<PenetrationBounds> {
+        if !(a.is_near() && b.is_near()) {
+            let pose = about_origins(a_from_b, [&a.frame.origin, &b.frame.origin])?;
+            return self.penetration(&a.centred(), &b.centred(), &pose, narrowing);
+        }
         let whole = whole(a, b, a_from_b)?;
         let (found, windings) = bounds(a, b, whole, a_from_b, narrowing, |pose| {
             let found = self.closest(a, b, pose);
@@ -472,6 +477,12 @@ impl CompoundTracker {
         a_from_b: &RelativePose,
         narrowing: Option<Narrowing>,
     ) -> Option<PenetrationBounds> {
+        if !(a.is_near() && b.is_near()) {
+            let origins = [a.side().frame.origin, b.side().frame.origin];
+            let pose = about_origins(a_from_b, origins.each_ref())?;
+            let (a, b) = (Centred::new(a.by_kind()), Centred::new(b.by_kind()));
+            return self.penetration(&a.parts(), &b.parts(), &pose, narrowing);
+        }
         let whole = whole(a, b, a_from_b)?;
         let (at, balls) = (relative(a_from_b), whole.0.each(|(low, high)| ball_about(low, high)));
         let of_a = near_elements(a.by_kind(), (at * balls[1].0, balls[1].1));

@@ -134,6 +134,8 @@ impl Mesh {
 pub(crate) struct ExactRay {
     /// Maps the origin of the ray to the body.
     pose: RelativePose,
+    /// The origin of the stored coordinates in the body.
+    about: Vector3<f64>,
     direction: Vector3<f64>,
     /// Computed when floating point first leaves a doubt.
     integers: Option<IntegerRay>,
@@ -156,18 +158,19 @@ struct RayLength {
 }
 
 impl ExactRay {
-    pub(crate) fn new(pose: RelativePose, direction: Vector3<f64>) -> Self {
+    pub(crate) fn new(pose: RelativePose, direction: Vector3<f64>, about: Vector3<f64>) -> Self {
         Self {
             pose,
+            about,
             direction,
             integers: None,
         }
     }
 
     fn integers(&mut self, exponent: i32) -> &IntegerRay {
-        let (pose, direction) = (&self.pose, &self.direction);
+        let (pose, direction, about) = (&self.pose, &self.direction, &self.about);
         self.integers.get_or_insert_with(|| {
-            let origin = origin_of(pose, exponent);
+            let origin = origin_of(pose, about, exponent);
             let direction = ExactVector::new(direction).direction_in_a(pose);
             let moment = cross(&origin.at, &direction.at);
             let weighed = direction.at.each_ref().each(|x| x * &origin.over);
@@ -182,7 +185,7 @@ impl ExactRay {
 
     /// Returns the origin of the ray in units of `2^exponent`.
     pub(crate) fn origin(&self, exponent: i32) -> ExactVector {
-        origin_of(&self.pose, exponent)
+        origin_of(&self.pose, &self.about, exponent)
     }
 
     /// Returns where the ray meets a triangle; `sides` are the known signs of its edges.
@@ -212,9 +215,10 @@ impl ExactRay {
     }
 }
 
-/// Returns the origin of a ray in units of `2^exponent`.
-fn origin_of(pose: &RelativePose, exponent: i32) -> ExactVector {
-    ExactVector::new(&Vector3::zeros()).in_a(pose).in_units(exponent)
+/// Returns the origin of a ray, minus `about`, in units of `2^exponent`.
+fn origin_of(pose: &RelativePose, about: &Vector3<f64>, exponent: i32) -> ExactVector {
+    let origin = ExactVector::new(&Vector3::zeros()).in_a(pose);
+    origin.minus(about).in_units(exponent)
 }
 
 impl IntegerRay {

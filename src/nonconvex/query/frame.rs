@@ -1,25 +1,27 @@
 //! A pair of trees at one relative pose: the maps between the frames in single and double
 //! precision, with their error bounds.
 
+use alloc::borrow::Cow;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
-use crate::base::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
+use crate::base::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT, UNIT_DOUBLE_DOUBLE};
 use crate::body::polyhedron::power_of_two;
 use crate::nonconvex::front::NodePair;
 use crate::nonconvex::tree::{Below, Paths, Tree, up};
 use crate::pair::draft::origins_apart;
+use crate::pair::transform::{StoredFrame, about_origins};
 
 /// A body as the tree searches use it.
 #[derive(Clone, Copy)]
 pub(crate) struct TreeSide<'a> {
     pub(crate) tree: &'a Tree,
-    /// A stored length times `2^exponent` is the caller's length.
-    pub(crate) exponent: i32,
-    /// Largest distance of a point from the body's origin, in stored units.
+    /// The frame of stored coordinates. Its origin is near the body, wherever the body's is.
+    pub(crate) frame: StoredFrame,
+    /// Largest distance of a point from the stored origin, in stored units.
     pub(crate) radius: f64,
     /// Largest error of the position of a stored point, in stored units.
     pub(crate) off: f64,
@@ -111,9 +113,14 @@ impl TreeFrame {
     /// the range of f64.
     pub(crate) fn new(a: TreeSide, b: TreeSide, pose: &RelativePose) -> Option<Self> {
         let scale = ratio(a, b);
+        let (pose, offsets) = of_stored(a, b, pose)?;
         let rotation = pose.rotation();
-        let translation = pose.translation() * power_of_two(-a.exponent);
-        let size = a.radius + scale * b.radius + sqrt(translation.norm_squared());
+        let per_unit = power_of_two(-a.frame.exponent);
+        let translation = pose.translation() * per_unit;
+        // The stored origins are put in double-double, with an error relative to them. L contains
+        // them, so every term in UNIT L covers it.
+        let extra = UNIT_DOUBLE_DOUBLE / UNIT * offsets * per_unit;
+        let size = a.radius + scale * b.radius + sqrt(translation.norm_squared()) + extra;
         // Written so that NaN returns `None`.
         if !(size > NEAR && size < FAR) {
             return None;
@@ -230,15 +237,35 @@ impl<'a> TreeMoves<'a> {
 
 /// Returns one unit of B's stored frame in A's stored units.
 fn ratio(a: TreeSide, b: TreeSide) -> f64 {
-    power_of_two((b.exponent - a.exponent).clamp(-1000, 1000))
+    power_of_two((b.frame.exponent - a.frame.exponent).clamp(-1000, 1000))
 }
 
-/// Returns the distance of the origins, the error as a distance of the bodies, and the direction.
+/// Returns the relative pose of the stored origins, and the sum of their distances from the bodies'
+/// origins.
+///
+/// `None` if their offset is out of range.
+#[inline(always)]
+pub(crate) fn of_stored<'p>(a: TreeSide, b: TreeSide, pose: &'p RelativePose) -> Option<(Cow<'p, RelativePose>, f64)> {
+    if a.frame.is_at_origin() && b.frame.is_at_origin() {
+        return Some((Cow::Borrowed(pose), 0.0));
+    }
+    let origins = [&a.frame.origin, &b.frame.origin];
+    let offsets = origins[0].abs().sum() + origins[1].abs().sum();
+    Some((Cow::Owned(about_origins(pose, origins)?), offsets))
+}
+
+/// Returns the distance of the stored origins, the error as a distance of the bodies, and the
+/// direction.
 ///
 /// The lengths are in the caller's unit.
 pub(super) fn far(a: TreeSide, b: TreeSide, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
-    let (distance, n) = origins_apart(pose);
-    let reach = a.radius * power_of_two(a.exponent) + b.radius * power_of_two(b.exponent);
+    let lengths = |v: &Vector3<f64>| v.abs().sum();
+    let (pose, off) = match of_stored(a, b, pose) {
+        Some((pose, offsets)) => (pose, UNIT * offsets),
+        None => (Cow::Borrowed(pose), lengths(&a.frame.origin) + lengths(&b.frame.origin)),
+    };
+    let (distance, n) = origins_apart(&pose);
+    let reach = a.radius * a.frame.unit() + b.radius * b.frame.unit() + off;
     (distance, distance * (CERTIFICATE * UNIT) + reach, n)
 }
 

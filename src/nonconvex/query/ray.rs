@@ -62,7 +62,7 @@ impl Mesh {
         let ([from, to], error) = (ray.ends, ray.error);
         let (mut last, span) = (f64::INFINITY, ray.span[1] - ray.span[0]);
         self.along(&from, &to, error, |t| {
-            is_clear = met.add(ray.meets(&self.corners(t), self.exponent));
+            is_clear = met.add(ray.meets(&self.corners(t), self.frame.exponent));
             if !is_clear {
                 return -1.0;
             }

@@ -11,6 +11,8 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::UNIT;
+#[cfg(feature = "exact")]
+use crate::convex::exact::place::ExactVector;
 use crate::nonconvex::front::NodePair;
 use crate::nonconvex::front::memory::FrontMemory;
 use crate::nonconvex::parts::Parted;
@@ -23,6 +25,7 @@ use crate::nonconvex::query::search::{Judge, Measured, MeshGoal, TreeSearch};
 use crate::nonconvex::tree::Below;
 use crate::pair::location::{PairOutcome, WitnessLocation, features_on};
 use crate::pair::outcome::{ContactState, Outcome};
+use crate::pair::transform::StoredFrame;
 
 /// The state of a tracker between queries.
 ///
@@ -94,7 +97,7 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
     ///
     /// It must if lengths leave the range in A's unit and B's unit is larger.
     pub(crate) fn is_turned(a: &A, b: &B, pose: &RelativePose) -> bool {
-        a.side().exponent < b.side().exponent && TreeFrame::new(a.side(), b.side(), pose).is_none()
+        a.side().frame.exponent < b.side().frame.exponent && TreeFrame::new(a.side(), b.side(), pose).is_none()
     }
 
     fn search<J: Judge>(&self, judge: J, goal: MeshGoal) -> TreeSearch<'_, J> {
@@ -185,23 +188,16 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
         let PartsRef::Mesh(mesh) = other else {
             return Some((false, Vector3::zeros(), Vector3::zeros()));
         };
-        let place = point.clone().in_a(&pose).in_units(mesh.exponent);
+        let stored = |point: ExactVector, frame: &StoredFrame| point.minus(&frame.origin).in_units(frame.exponent);
+        let place = stored(point.clone().in_a(&pose), &mesh.frame);
         let is_held = match mesh.side_of(&place) {
             PointSide::Outside => false,
             PointSide::On => return None,
             PointSide::Inside => true,
         };
         Some(match of {
-            Operand::A => (
-                is_held,
-                point.in_units(self.a.side().exponent).rounded(),
-                place.rounded(),
-            ),
-            Operand::B => (
-                is_held,
-                place.rounded(),
-                point.in_units(self.b.side().exponent).rounded(),
-            ),
+            Operand::A => (is_held, stored(point, &self.a.side().frame).rounded(), place.rounded()),
+            Operand::B => (is_held, place.rounded(), stored(point, &self.b.side().frame).rounded()),
         })
     }
 
@@ -217,7 +213,7 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
     pub(crate) fn far<F>(a: &A, b: &B, pose: &RelativePose) -> TreeAnswer<F> {
         let (distance, slack, normal) = crate::nonconvex::query::frame::far(a.side(), b.side(), pose);
         let lower = (distance - slack).at_least(0.0);
-        let middle = |side: TreeSide, unit: f64| Point3::from(side.tree.centre * unit);
+        let middle = |side: TreeSide| side.frame.given(&side.tree.centre);
         TreeAnswer {
             state: if lower > 0.0 {
                 ContactState::Separated
@@ -228,8 +224,8 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
             lower,
             upper: distance + slack,
             of: None,
-            point_on_a: middle(a.side(), a.stored_unit()),
-            point_on_b: middle(b.side(), b.stored_unit()),
+            point_on_a: middle(a.side()),
+            point_on_b: middle(b.side()),
             normal: Unit::new_unchecked(normal),
         }
     }
@@ -317,7 +313,7 @@ impl TreeState {
             return PosedTrees::far(posed.a, posed.b, posed.pose);
         };
         let lower = search.lower.smaller(best.lower).at_least(0.0);
-        let mut answer = TreeAnswer::of_pair(&best, lower, [posed.a.stored_unit(), posed.b.stored_unit()]);
+        let mut answer = TreeAnswer::of_pair(&best, lower, [posed.a.side().frame, posed.b.side().frame]);
         if best.crosses {
             answer.share(posed.a.is_solid() && posed.b.is_solid());
         } else {
@@ -334,12 +330,12 @@ impl TreeState {
         best: &Measured<F>,
         answer: &mut TreeAnswer<F>,
     ) {
-        let (unit_a, unit_b) = (posed.a.stored_unit(), posed.b.stored_unit());
+        let (of_a, of_b) = (posed.a.side().frame, posed.b.side().frame);
         if answer.lower > 0.0 {
-            match self.held(posed, answer.lower / unit_a) {
+            match self.held(posed, answer.lower / of_a.unit()) {
                 Inside::No => answer.state = ContactState::Separated,
                 Inside::At(on_a, on_b) => {
-                    (answer.point_on_a, answer.point_on_b) = ((on_a * unit_a).into(), (on_b * unit_b).into());
+                    (answer.point_on_a, answer.point_on_b) = (of_a.given(&on_a), of_b.given(&on_b));
                     answer.share(posed.a.is_solid() && posed.b.is_solid());
                 }
                 Inside::Unclear => (answer.state, answer.lower) = (ContactState::Undecided, 0.0),
@@ -430,15 +426,16 @@ impl<F: Copy> TreeAnswer<F> {
     /// Converts two items and a lower bound of the distance to the caller's units.
     ///
     /// The contact state is touching; the caller may change it.
-    fn of_pair(best: &Measured<F>, lower: f64, [unit, unit_b]: [f64; 2]) -> Self {
+    fn of_pair(best: &Measured<F>, lower: f64, [of_a, of_b]: [StoredFrame; 2]) -> Self {
+        let unit = of_a.unit();
         Self {
             state: ContactState::Touching,
             distance: best.distance * unit,
             lower: lower * unit,
             upper: best.upper * unit,
             of: Some((best.pair, best.features)),
-            point_on_a: Point3::from(best.on_a * unit),
-            point_on_b: Point3::from(best.on_b * unit_b),
+            point_on_a: of_a.given(&best.on_a),
+            point_on_b: of_b.given(&best.on_b),
             normal: Unit::new_unchecked(best.normal),
         }
     }
@@ -446,8 +443,8 @@ impl<F: Copy> TreeAnswer<F> {
     /// Returns the answer for two items of one body, which has no inside.
     ///
     /// `lower` is a lower bound of their distance.
-    pub(crate) fn of_one_body(best: &Measured<F>, lower: f64, unit: f64, frame: &TreeFrame) -> Self {
-        let mut answer = Self::of_pair(best, lower, [unit; 2]);
+    pub(crate) fn of_one_body(best: &Measured<F>, lower: f64, stored: StoredFrame, frame: &TreeFrame) -> Self {
+        let mut answer = Self::of_pair(best, lower, [stored; 2]);
         if best.crosses {
             answer.share(false);
         } else if lower > 0.0 {

@@ -115,6 +115,16 @@ impl<'a> GeometryRef<'a> {
         }
     }
 
+    /// Returns the compound or the cloud of a geometry that is one of them.
+    #[cfg(feature = "meshes")]
+    pub(crate) fn union(self) -> Option<PartsRef<'a>> {
+        match self.0 {
+            Lent::Compound(body) => Some(PartsRef::Pieces(body.get())),
+            Lent::Cloud(cloud) => Some(PartsRef::Cloud(cloud.get())),
+            _ => None,
+        }
+    }
+
     /// Returns the mesh of a geometry that is a mesh.
     #[cfg(feature = "meshes")]
     pub(crate) fn mesh(self) -> Option<&'a Mesh> {
@@ -210,6 +220,17 @@ impl<'a> From<&'a Geometry> for GeometryRef<'a> {
     #[inline]
     fn from(geometry: &'a Geometry) -> Self {
         match_kind!(Geometry, geometry, body => Self::from(LentBody::shared(body)))
+    }
+}
+
+#[cfg(feature = "meshes")]
+impl<'a> From<PartsRef<'a>> for GeometryRef<'a> {
+    fn from(body: PartsRef<'a>) -> Self {
+        match body {
+            PartsRef::Mesh(mesh) => Self::from(mesh),
+            PartsRef::Pieces(pieces) => Self::from(pieces),
+            PartsRef::Cloud(cloud) => Self::from(cloud),
+        }
     }
 }
 

@@ -8,6 +8,7 @@ pub mod corners;
 pub mod curves;
 pub mod distances;
 pub mod exact_place;
+pub mod far;
 pub mod lattice;
 pub mod planner;
 pub mod points;

@@ -249,6 +249,24 @@ pub(crate) fn bounding_box<'a>(points: impl IntoIterator<Item = &'a Vector3<f64>
         .fold(start, |(low, high), p| (low.smaller(*p), high.larger(*p)))
 }
 
+/// Returns the origin about which a body is stored, given the middle of its box, half the diagonal
+/// of the box, and its points.
+///
+/// A coordinate is that of the middle if the body is far from its own origin, and zero otherwise.
+/// Then the rounding of positions is relative to the size of the body, not to its distance.
+pub(crate) fn far_origin(
+    middle: &Vector3<f64>,
+    radius: f64,
+    points: impl Iterator<Item = Vector3<f64>> + Clone,
+) -> Vector3<f64> {
+    // The shift is exact by Sterbenz' lemma; the check costs nothing and covers the rounding of
+    // `middle`.
+    Vector3::from_fn(|k, _| {
+        let shifts = middle[k].abs() > 2.0 * radius && points.clone().all(|p| two_sum(p[k], -middle[k]).1 == 0.0);
+        if shifts { middle[k] } else { 0.0 }
+    })
+}
+
 /// Returns the magnitude below which stored coordinates count as zero, given half the diagonal of
 /// the stored box.
 pub(crate) fn flush_below(radius: f64) -> f64 {
@@ -323,13 +341,7 @@ impl Placement {
         // extreme points only, without rounding in between.
         let middle = low * 0.5 + high * 0.5;
         let radius = sqrt((sides * 0.5).norm_squared());
-        // The shift is exact by Sterbenz' lemma; the check costs nothing and covers the rounding of
-        // `middle`.
-        let origin = Vector3::from_fn(|k, _| {
-            let shifts =
-                middle[k].abs() > 2.0 * radius && points.clone().all(|(_, p)| two_sum(p[k], -middle[k]).1 == 0.0);
-            if shifts { middle[k] } else { 0.0 }
-        });
+        let origin = far_origin(&middle, radius, points.clone().map(|(_, p)| p.coords));
         let size = exponent_of(radius);
         // The nearest multiple of the window, so that bodies of similar size share a stored unit,
         // for any unit of the caller.

@@ -256,6 +256,24 @@ impl ConvexPolyhedron {
         }
     }
 
+    /// Returns the body whose stored coordinates are about another origin: the body moves with it.
+    ///
+    /// The vertices must stay numbers of `f64`, which they do near zero.
+    pub(crate) fn with_origin(&self, origin: &Vector3<f64>) -> Self {
+        let moved = Self {
+            origin: *origin,
+            is_unscaled: self.exponent == 0 && *origin == Vector3::zeros(),
+            fingerprint: (0..3).fold(self.fingerprint, |all, k| all.with(*b"origin  ", origin[k])),
+            ..self.clone()
+        };
+        #[cfg(feature = "exact")]
+        let moved = Self {
+            lowest_bit: lowest_bit(moved.points.iter().flat_map(|p| (p * self.unit() + origin).data.0[0])),
+            ..moved
+        };
+        moved
+    }
+
     /// Returns an exact sign: positive if a point in stored coordinates is outside the plane of a
     /// face, 0 if it is in the plane.
     pub(crate) fn face_side(&self, face: FaceId, p: &Vector3<f64>) -> f64 {

@@ -34,7 +34,7 @@ use race::progress::Progress;
 use tally::Tally;
 use truth::command::{count, number};
 use truth::driven::{
-    bytes, calls, clouds, corners, distances, lattice, planner, points, rays, scenes, slivers, solids, stand_ins,
+    bytes, calls, clouds, corners, distances, far, lattice, planner, points, rays, scenes, slivers, solids, stand_ins,
     surfaces, throws, turned_boxes, underflow,
 };
 use truth::motion::Frame;
@@ -44,9 +44,10 @@ use truth::support;
 /// Test random bodies in random motions and check every frame with independent arithmetic
 ///
 /// Bodies are polyhedra of every hard family, curved shapes, meshes with the errors of real files,
-/// meshes that bend, clouds and surfaces. Worlds are of boxes, scenes with bodies of every kind,
-/// and worlds of the planner with segments, curves and ranges. A failure is written to DIR as a
-/// text for the example replay, and the program then ends with status 1.
+/// meshes that bend, clouds and surfaces, near their origins and far away. Worlds are of boxes,
+/// scenes with bodies of every kind, and worlds of the planner with segments, curves and ranges. A
+/// failure is written to DIR as a text for the example replay, and the program then ends with
+/// status 1.
 #[derive(Parser)]
 struct Options {
     /// Duration in minutes
@@ -251,7 +252,7 @@ fn random_bytes(seed: u64, count: usize) -> Vec<u8> {
     (0..count).map(|_| rng.bits() as u8).collect()
 }
 
-const DRIVERS: [Driver; 19] = [
+const DRIVERS: [Driver; 20] = [
     // Lattices, bricks and stacks combine equal bounds, reused indices and slow motion. Brute force
     // checks each step.
     Driver {
@@ -375,6 +376,13 @@ const DRIVERS: [Driver; 19] = [
         salt: 0xc10d,
         count: 2,
         play: |seed, tally| clouds::play(seed).map(|mix| tally.clouds.add(&mix)),
+    },
+    // Solids of every kind far from the origins of their frames, judged by exact arithmetic.
+    Driver {
+        name: "far pair",
+        salt: 0xfa22,
+        count: 2,
+        play: |seed, tally| far::play(seed).map(|mix| tally.far.add(&mix)),
     },
     // Bézier surfaces, judged by points of both.
     Driver {

@@ -7,7 +7,7 @@ use crate::faulty;
 use lin_canny::Outcome;
 use truth::driven::lattice::Mix;
 use truth::driven::{
-    bytes, calls, clouds, corners, distances, planner, points, rays, scenes, slivers, solids, stand_ins, surfaces,
+    bytes, calls, clouds, corners, distances, far, planner, points, rays, scenes, slivers, solids, stand_ins, surfaces,
     throws, turned_boxes, underflow,
 };
 
@@ -70,6 +70,7 @@ pub(crate) struct Tally {
     pub(crate) underflows: underflow::Mix,
     /// Clouds.
     pub(crate) clouds: clouds::Mix,
+    pub(crate) far: far::Mix,
     /// Pairs of surfaces.
     pub(crate) surfaces: surfaces::Mix,
     /// Worlds of the planner.
@@ -119,6 +120,7 @@ impl Tally {
         self.distances.add(&o.distances);
         self.underflows.add(&o.underflows);
         self.clouds.add(&o.clouds);
+        self.far.add(&o.far);
         self.surfaces.add(&o.surfaces);
         self.planner.add(&o.planner);
         self.scenes.add(&o.scenes);
@@ -160,6 +162,7 @@ impl Tally {
         println!("signed distances of points: {:?}", self.distances);
         println!("distances that underflow: {:?}", self.underflows);
         println!("clouds: {:?}", self.clouds);
+        println!("far: {:?}", self.far);
         println!("pairs of surfaces: {:?}", self.surfaces);
         println!("worlds of the planner: {:?}", self.planner);
         let c = &self.curves;
