@@ -18,11 +18,44 @@ fn play_all(first: u64, overlaps: u64) -> Mix {
     println!("{mix:?}");
     let shown = wrong.iter().take(8).cloned().collect::<Vec<_>>().join("\n");
     assert!(wrong.is_empty(), "{} of {overlaps}:\n{shown}", wrong.len());
-    // A known limit, measured: 63 of 12,368 walls have no contact.
-    assert!(mix.missed * 150 < mix.walls, "{mix:?}");
     let parts = [mix.inner, mix.meshes, mix.inward, mix.compounds, mix.voxels, mix.convex];
     assert!(parts.iter().all(|n| *n * 200 > overlaps), "{mix:?}");
     mix
+}
+
+/// Bodies whose deepest point along a face is outside the other body, past another side of it: the
+/// contact there was as deep as a whole box.
+#[test]
+fn bodies_that_pass_a_face_sideways_have_no_contact_with_it() {
+    let seeds = [
+        6_431,
+        8_627,
+        11_520,
+        12_556,
+        14_012,
+        14_087,
+        14_602,
+        14_967,
+        15_972,
+        19_344,
+        4_294_967_815,
+        4_294_968_690,
+        4_294_969_119,
+        4_294_970_536,
+        4_294_972_463,
+        4_294_977_004,
+        4_294_977_022,
+        4_294_977_753,
+        4_294_978_653,
+        4_294_981_442,
+        4_294_981_492,
+        4_294_983_871,
+        4_294_990_428,
+        4_294_999_550,
+    ];
+    for seed in seeds {
+        play(0xC0_0000_0000 + seed).unwrap_or_else(|why| panic!("seed {seed}: {why}"));
+    }
 }
 
 #[test]

@@ -70,6 +70,18 @@ const ALIKE: f64 = 1.0 / 64.0;
 /// Not measured.
 const FAR_DEEPER: f64 = 8.0;
 
+/// How far beside a contact the middle of its overlap is searched for, and the radius of the ball
+/// that must be in the overlap there, in depths of the contact.
+///
+/// In the inner corner of two or three perpendicular sides, the overlap beside the contact is a
+/// square or a cube of side 1. One of eight directions leads at most 22.5 degrees past its middle,
+/// 0.7 away: to 0.27 and 0.65 from two of the sides.
+const ASIDE: f64 = 0.7;
+const ROOM: f64 = 0.25;
+
+/// The square root of one half.
+const HALF_ROOT: f64 = core::f64::consts::FRAC_1_SQRT_2;
+
 /// A contact and the patches on which it lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -226,12 +238,12 @@ impl ContactTracker {
 /// sure.
 ///
 /// An overlap that a shift of B ends is as narrow as the shift: everywhere in it the surfaces of
-/// both bodies are near. So the contacts of two patches are dropped if the surface of A is as near
-/// to all of their points on B, and that of B to all of their points on A. The shift may be along
-/// the normals of three shallower contacts, and it may be none, for bodies that touch.
+/// both bodies are near. So the contacts of two patches are kept if one of their points on B is
+/// deep inside A, or one of their points on A is deep inside B. The shift may be along the normals
+/// of three shallower contacts, and it may be none, for bodies that touch.
 ///
-/// The points of a wide overlap may all be at its ends, next to other sides of both bodies. Then
-/// the means of the points are inside both bodies, and the contacts are kept.
+/// The points of a real contact may all be at the ends of the overlap, next to other sides of both
+/// bodies. Then both bodies contain a ball beside one of them, and the contacts are kept as well.
 fn unresolved(query: &PatchQuery, all: &[(PatchContact, bool)]) -> Vec<PatchContact> {
     let depth = |c: &PatchContact| -c.point.separation;
     let mut depths: Vec<f64> = Vec::new();
@@ -247,42 +259,52 @@ fn unresolved(query: &PatchQuery, all: &[(PatchContact, bool)]) -> Vec<PatchCont
         if of[0].1 || !(reach < deepest) {
             return true;
         }
-        let (mut sums, mut count) = ([Vector3::zeros(); 2], 0.0);
-        for (c, _) in of.iter().filter(|(c, _)| depth(c) > 0.0) {
-            let points = [c.point.point_on_a.coords, c.point.point_on_b.coords];
-            if !query.are_near(&points, reach) {
-                return true;
-            }
-            (0..2).for_each(|k| sums[k] += points[k]);
-            count += 1.0;
-        }
-        count > 1.0 && query.are_inside(&sums.each(|sum| sum / count), reach)
+        let overlaps = || of.iter().map(|(c, _)| c).filter(|c| depth(c) > 0.0);
+        overlaps().any(|c| query.is_deep(c, reach)) || overlaps().any(|c| query.have_room(c))
     };
     let pairs = all.chunk_by(|x, y| x.0.patches == y.0.patches).filter(|of| is_kept(of));
     pairs.flatten().map(|(c, _)| *c).collect()
 }
 
 impl PatchQuery<'_> {
-    /// Returns a point of B in A's frame, and a point of A in B's.
-    fn crossed(&self, [on_a, on_b]: &[Vector3<f64>; 2]) -> [Point3<f64>; 2] {
-        let (rotation, translation) = (self.pose.rotation(), self.pose.translation());
-        [rotation * on_b + translation, rotation.tr_mul(&(on_a - translation))].each(Point3::from)
+    /// Returns a point of A's frame in B's.
+    fn in_b(&self, point: &Point3<f64>) -> Point3<f64> {
+        Point3::from(self.pose.rotation().tr_mul(&(point.coords - self.pose.translation())))
     }
 
-    /// Returns whether the surface of A is nearer than `reach` to a point of B, and that of B to a
-    /// point of A.
-    fn are_near(&self, points: &[Vector3<f64>; 2], reach: f64) -> bool {
-        let [in_a, in_b] = self.crossed(points);
-        self.a.is_near(&in_a, reach, self.doubt) && self.b.is_near(&in_b, reach, self.doubt)
+    /// Returns a point of B's frame in A's.
+    fn in_a(&self, point: &Point3<f64>) -> Point3<f64> {
+        self.pose.rotation() * point + self.pose.translation()
     }
 
-    /// Returns whether A contains the ball of a radius around a point of B, and B that around a
-    /// point of A.
-    fn are_inside(&self, points: &[Vector3<f64>; 2], radius: f64) -> bool {
-        let [in_a, in_b] = self.crossed(points);
-        let holds =
-            |body: &ConvexPatches, point| !body.is_near(point, radius, self.doubt) && body.holds(point, self.doubt);
-        holds(self.a, &in_a) && holds(self.b, &in_b)
+    /// Returns whether a contact's point on B is deeper than `reach` inside A, or its point on A
+    /// inside B.
+    ///
+    /// The path from point to point is known to stay in the body, unless it starts along a side.
+    fn is_deep(&self, contact: &PatchContact, reach: f64) -> bool {
+        let (n, point) = (contact.normal.into_inner(), &contact.point);
+        let deep = |body: &ConvexPatches, from: &Point3<f64>, to: &Point3<f64>| {
+            !body.is_near(to, reach, self.doubt) && !body.is_near(from, 0.5 * reach, self.doubt)
+        };
+        let (on_a, on_b) = (point.point_on_a, self.in_a(&point.point_on_b));
+        deep(self.a, &(on_a - n * reach), &on_b) || deep(self.b, &self.in_b(&(on_b + n * reach)), &self.in_b(&on_a))
+    }
+
+    /// Returns whether both bodies contain a ball beside a contact: its radius is a part of the
+    /// depth, so no far shorter shift separates the bodies.
+    fn have_room(&self, contact: &PatchContact) -> bool {
+        let PatchContact { normal, point, .. } = contact;
+        let depth = -point.separation;
+        let middle = point.point_on_a + (self.in_a(&point.point_on_b) - point.point_on_a) * 0.5;
+        let [u, v] = tangents_of(normal).each(|w| w * (ASIDE * depth));
+        let [sum, difference] = [u + v, u - v].each(|w| w * HALF_ROOT);
+        let ways = [Vector3::zeros(), u, -u, v, -v, sum, -sum, difference, -difference];
+        let radius = ROOM * depth;
+        let contains = |body: &ConvexPatches, place: &Point3<f64>| {
+            !body.is_near(place, radius, self.doubt) && body.holds(place, self.doubt)
+        };
+        let mut places = ways.iter().map(|way| middle + way);
+        places.any(|place| contains(self.a, &place) && contains(self.b, &self.in_b(&place)))
     }
 }
 

@@ -242,14 +242,19 @@ impl PosedPatches<'_> {
         let mut beside = None;
         for (is_of_a, outcome) in self.faces() {
             let is_nearest = self.is_nearest(is_of_a, &outcome);
-            if is_nearest {
-                let mut trial = Manifold::new();
-                tracker.manifold_by(shapes, &self.pose, self.query.options, &mut trial, |_| outcome);
-                let borne = self.borne(&trial) & self.on_parts(&trial);
-                if borne != 0 {
-                    *manifold = trial;
-                    return borne;
-                }
+            let mut trial = Manifold::new();
+            tracker.manifold_by(shapes, &self.pose, self.query.options, &mut trial, |_| outcome);
+            let on_both = |trial: &Manifold| self.borne(trial) & self.on_parts(trial);
+            let mut borne = if is_nearest { on_both(&trial) } else { 0 };
+            if borne == 0
+                && let Some(middle) = self.middle_of(is_of_a, &outcome, &trial)
+            {
+                trial = ShapeTracker::manifold_of_witnesses(shapes, &self.pose, self.query.options, &middle);
+                borne = on_both(&trial);
+            }
+            if borne != 0 {
+                *manifold = trial;
+                return borne;
             }
             beside = beside.or_else(|| self.beside(is_of_a, &outcome, is_nearest));
         }
@@ -269,6 +274,29 @@ impl PosedPatches<'_> {
             *manifold = trial;
         }
         borne
+    }
+
+    /// Returns the outcome at the middle of a manifold's points along the normal of a face, if the
+    /// face is the nearest one there.
+    ///
+    /// The points are the outermost ones of the region of contact. All of them may be where the
+    /// surface goes on along other faces.
+    fn middle_of(&self, is_of_a: bool, outcome: &Outcome, manifold: &Manifold) -> Option<Outcome> {
+        let points = manifold.points();
+        let features = manifold.features().filter(|_| points.len() > 1)?;
+        let share = 1.0 / points.len() as f64;
+        let [on_a, on_b] = [0, 1].each(|k| self.parts[k].0.rounding_radius());
+        let step = if is_of_a {
+            let shell = self.pose.rotation().tr_mul(&outcome.normal) * on_b;
+            let sum: Vector3<f64> = points.iter().map(|p| p.point_on_b - outcome.point_on_b).sum();
+            sum * share + shell
+        } else {
+            let sum: Vector3<f64> = points.iter().map(|p| p.point_on_a - outcome.point_on_a).sum();
+            sum * share - *outcome.normal * on_a
+        };
+        let mut middle = self.moved(is_of_a, outcome, step);
+        middle.features = features;
+        self.is_nearest(is_of_a, &middle).then_some(middle)
     }
 
     /// Returns a bit set of the manifold points that lie on those patches that are convex bodies.
@@ -415,7 +443,15 @@ impl PosedPatches<'_> {
         level: f64,
     ) -> Option<Outcome> {
         let n = self.parts[0].1 * outcome.normal;
-        let at = |t: f64| self.moved(is_of_a, outcome, edge, along * t);
+        let at = |t: f64| {
+            let mut moved = self.moved(is_of_a, outcome, along * t);
+            *(if is_of_a {
+                &mut moved.features.b
+            } else {
+                &mut moved.features.a
+            }) = Feature::Edge(edge);
+            moved
+        };
         let height = |t: f64| self.witness(&at(t)).separation;
         let is_borne = |t: f64| {
             let place = self.witness(&at(t));
@@ -444,11 +480,10 @@ impl PosedPatches<'_> {
         Some(at(on))
     }
 
-    /// Returns an outcome along a face after the point on the other convex body moves along an
-    /// edge.
+    /// Returns an outcome along a face after the point on the other convex body moves.
     ///
     /// The step is in that body's frame.
-    fn moved(&self, is_of_a: bool, outcome: &Outcome, edge: EdgeId, step: Vector3<f64>) -> Outcome {
+    fn moved(&self, is_of_a: bool, outcome: &Outcome, step: Vector3<f64>) -> Outcome {
         let (n, rotation, mut moved) = (outcome.normal, self.pose.rotation(), *outcome);
         if is_of_a {
             let in_a = rotation * step;
@@ -456,13 +491,11 @@ impl PosedPatches<'_> {
             moved.distance += rise;
             moved.point_on_b += step;
             moved.point_on_a += in_a - *n * rise;
-            moved.features.b = Feature::Edge(edge);
         } else {
             let rise = n.dot(&step);
             moved.distance -= rise;
             moved.point_on_a += step;
             moved.point_on_b += rotation.tr_mul(&(step - *n * rise));
-            moved.features.a = Feature::Edge(edge);
         }
         (moved.lower, moved.upper) = (moved.distance, moved.distance);
         moved.state = if moved.distance > 0.0 {
