@@ -281,6 +281,17 @@ pub(crate) const OPPOSITE: f64 = 64.0 * UNIT;
 /// above `2^-345`; roots lose less than `2^-536`.
 pub(crate) const DISPLACEMENT: f64 = 256.0 * UNIT;
 
+/// Largest difference, in units of the size of the pair, between a stored contact and one that is
+/// computed again at the same pose: depths of curved shapes are known to `2^-19 L`. A larger one
+/// means that a text is false, or that one of several equal answers was chosen; then contacts are
+/// computed again, so the value steers work alone.
+#[cfg(feature = "serde")]
+pub(crate) const REPEATED: f64 = f64::from_bits((1023 - 16) << 52);
+
+/// Square of the largest difference between the normals of two such contacts.
+#[cfg(feature = "serde")]
+pub(crate) const REPEATED_NORMAL: f64 = f64::from_bits((1023 - 20) << 52);
+
 /// Least extent (longest side of the bounding box) of a body, in the caller's unit: cubes of
 /// lengths, as volumes are, stay above the least f64.
 pub(crate) const EXTENT_MIN: f64 = 1e-100;

@@ -16,7 +16,7 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{RelativePose, normalised};
-use crate::base::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, PLACED_PIECE, UNIT};
+use crate::base::tolerance::{CERTIFICATE, EXPONENT_FREE, NORMALISED, PLACE_MAX, PLACED_PIECE, UNIT};
 use crate::body::polyhedron::{
     BoxHint, BuildError, ConvexPolyhedron, FeaturePair, bounding_box, exponent_of, far_origin, power_of_two,
 };
@@ -116,7 +116,8 @@ pub enum CompoundError {
         /// Number of pieces given.
         count: usize,
     },
-    /// A pose is not finite, or a piece is farther than 1e116 from the body's origin.
+    /// A pose is not finite, squares of its quaternion leave the range of f64, or a piece is
+    /// farther than 1e116 from the body's origin.
     #[error("the pose of piece {piece} is not finite or farther than 1e116 from the origin")]
     Pose {
         /// Index of the piece.
@@ -194,8 +195,10 @@ impl Compound {
             placed
                 .iter_mut()
                 .for_each(|p| *p = (piece.pose * Point3::from(*p)).coords);
+            // Squares of a very long or short quaternion leave the range of f64.
+            let is_unit = (piece.pose.rotation.norm_squared() - 1.0).abs() <= NORMALISED;
             // Written so that NaN is an error.
-            if !placed.iter().all(|p: &Vector3<f64>| p.amax() < PLACE_MAX) {
+            if !is_unit || !placed.iter().all(|p: &Vector3<f64>| p.amax() < PLACE_MAX) {
                 return Err(CompoundError::Pose { piece: k });
             }
             corners.push((first as u32..points.len() as u32).collect());

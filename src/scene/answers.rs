@@ -293,6 +293,7 @@ impl StoredAnswer for Outcome {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct StoredContact {
     pub(super) outcome: Outcome,
+    #[cfg_attr(feature = "serde", serde(with = "crate::convex::contact::complete"))]
     pub(super) manifold: Option<Box<Manifold>>,
 }
 

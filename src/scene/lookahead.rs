@@ -182,13 +182,13 @@ impl StepContext<'_> {
         whole > 0
     }
 
-    fn motions(&self, sweeps: &[Sweep; 2]) -> Option<[Steady; 2]> {
+    pub(super) fn motions(&self, sweeps: &[Sweep; 2]) -> Option<[Steady; 2]> {
         Some([sweeps[0].motion()?, sweeps[1].motion()?])
     }
 
     /// Returns an upper bound of the difference between the poses of both bodies and their motions,
     /// after as many ticks as a pair may sleep.
-    fn margin(&self, header: &PairHeader, motions: &[Steady; 2], span: f64) -> f64 {
+    pub(super) fn margin(&self, header: &PairHeader, motions: &[Steady; 2], span: f64) -> f64 {
         let drift = |i: u32, motion: &Steady| {
             let reach = self.bodies.solids[i as usize].as_ref().map_or(0.0, |s| s.reach());
             motion.model(0.0, span).drift(reach).at(span)

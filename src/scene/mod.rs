@@ -124,6 +124,11 @@
 //!   the lists are rebuilt. Trackers of compounds and meshes are not written, so the distances of
 //!   such a pair agree within the bounds. The format must keep every bit of an `f64`: with
 //!   `serde_json`, enable its feature `float_roundtrip`.
+//! * No bound of a file is believed. Reading costs a query for each pair. A pair keeps a stored
+//!   answer if the query gives the same contact state and predicates, and bounds that agree up to
+//!   rounding. Any other pair has no answer before the next step, which tests it: so does a pair
+//!   with a measured distance if a body was moved after the last step. Events, impacts and counts
+//!   of that step are read as a record.
 //! * A call that returns an error ([`SceneError`]) changes nothing.
 //!
 //! # Limits
@@ -171,6 +176,8 @@ mod pair_table;
 mod parallel;
 mod queries;
 mod report;
+#[cfg(feature = "serde")]
+mod reprove;
 mod search;
 #[cfg(feature = "serde")]
 mod snapshot;

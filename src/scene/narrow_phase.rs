@@ -205,7 +205,7 @@ fn drop_contacts<T: PairEngine, A: StoredAnswer>(tracker: &mut T, answer: &mut A
 
 /// Returns how much the distance of a pair without a measured distance may change before a result
 /// changes.
-fn slack_of(plan: &PairPlan, outcome: &Outcome) -> f64 {
+pub(super) fn slack_of(plan: &PairPlan, outcome: &Outcome) -> f64 {
     // The upper bound of an overlap without depth is 0.
     let upper = if outcome.state == ContactState::Overlapping {
         0.0

@@ -1,6 +1,6 @@
 //! Feature `serde`: the complete state of a scene, so that a restored scene continues as if it was
-//! never interrupted. All input is checked, so no text can produce a scene that panics. If a text
-//! contains a false result, the result stays false until the pair is tested again.
+//! never interrupted. All input is checked, so no text can produce a scene that panics. All answers
+//! are proven again ([`reprove`](super::reprove)).
 
 use alloc::collections::BTreeMap;
 use alloc::string::String;
@@ -115,7 +115,8 @@ fn pair_rows<T: PairEngine, A: StoredAnswer, S>(
         .zip(&pair_table.trackers)
         .zip(&pair_table.answers);
     let pair_row = |((header, tracker), answer): ((&PairHeader, &T), &A)| {
-        let answer = if header.state.measured {
+        // A scene that was read may keep an answer that it does not give before the next step.
+        let answer = if header.state.measured || !header.state.known {
             answer.clone()
         } else {
             A::blank()
@@ -278,7 +279,8 @@ impl SceneSnapshot {
         scene.check_tables()?;
         scene.fixed_left_out = scene.count_fixed_left_out();
         #[cfg(feature = "meshes")]
-        let scene = scene.with_patches();
+        let mut scene = scene.with_patches();
+        scene.reprove();
         Ok(scene)
     }
 }

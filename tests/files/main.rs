@@ -5,3 +5,4 @@ mod flips;
 mod hostile;
 mod replay;
 mod serde;
+mod states;

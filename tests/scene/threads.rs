@@ -49,18 +49,26 @@ fn scene(crowd: &Crowd, settings: Settings) -> (Scene, Vec<BodyId>) {
     (scene, ids)
 }
 
-type Seen = (
-    Vec<Event>,
-    Vec<(
-        u32,
-        Option<bool>,
-        Option<bool>,
-        Option<Distance>,
-        Option<Outcome>,
-        Option<Manifold>,
-    )>,
-    lin_canny::scene::StepWork,
+type Answers = (
+    u32,
+    Option<bool>,
+    Option<bool>,
+    Option<Distance>,
+    Option<Outcome>,
+    Option<Manifold>,
 );
+
+type Seen = (Vec<Event>, Vec<Answers>, lin_canny::scene::StepWork);
+
+/// Returns whether each answer of a pair is the known one, or none.
+fn is_same_or_none(known: &Answers, told: &Answers) -> bool {
+    known.0 == told.0
+        && (told.1.is_none() || told.1 == known.1)
+        && (told.2.is_none() || told.2 == known.2)
+        && (told.3.is_none() || told.3 == known.3)
+        && (told.4.is_none() || told.4 == known.4)
+        && (told.5.is_none() || told.5 == known.5)
+}
 
 fn seen(scene: &Scene) -> Seen {
     let pairs = scene.pairs().map(|p| {
@@ -150,13 +158,23 @@ fn a_scene_goes_on_from_a_file_bit_for_bit() {
             };
             let text = serde_json::to_string(&one).expect("serialises");
             let mut two: Scene = serde_json::from_str(&text).expect("deserialises");
-            assert_eq!(serde_json::to_string(&two).expect("serialises"), text);
-            assert!(seen(&one) == seen(&two));
+            let (x, y) = (seen(&one), seen(&two));
+            assert!((&x.0, x.2) == (&y.0, y.2) && x.1.len() == y.1.len());
+            // Answers about poses that no text has are not given before the next step.
+            let has_calls = k % 5 != 0;
+            if has_calls {
+                assert!(x.1.iter().zip(&y.1).all(|(x, y)| is_same_or_none(x, y)));
+            } else {
+                assert_eq!(serde_json::to_string(&two).expect("serialises"), text);
+                assert!(x.1 == y.1);
+            }
             for scene in [&mut one, &mut two] {
                 scene.advance(0.1).unwrap();
                 scene.step();
             }
-            assert!(seen(&one) == seen(&two), "{kind:?} {k}");
+            let (x, y) = (seen(&one), seen(&two));
+            let differing = x.1.iter().zip(&y.1).find(|(x, y)| x != y);
+            assert!(x == y, "{kind:?} {k}: {differing:?}");
             let id = one.bodies().next().unwrap();
             assert_eq!(one.pairs_of(id), two.pairs_of(id));
         }

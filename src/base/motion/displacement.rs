@@ -73,6 +73,12 @@ impl BallAtPose {
         }
     }
 
+    /// Returns the size that scales rounding errors.
+    #[cfg(feature = "serde")]
+    pub(crate) fn size(&self) -> f64 {
+        self.size
+    }
+
     /// Upper bound of the displacement of any point of the ball since `then`, rounded up.
     ///
     /// Infinite if squares of lengths leave the range.

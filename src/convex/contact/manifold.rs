@@ -1,5 +1,8 @@
 //! The contact manifold of a pair of bodies, which persists from frame to frame.
 
+#[cfg(feature = "serde")]
+pub(crate) mod persist;
+
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::base::motion::BallAtPose;
@@ -75,22 +78,19 @@ impl ContactPoint {
 /// treated alike, in either order of the bodies).
 ///
 /// A manifold has at most eight points and no heap memory. If the bodies or the options change, it
-/// is computed from scratch. A deserialized manifold (feature `serde`) resumes in its saved state;
-/// its points are not checked until they are chosen again.
+/// is computed from scratch. A deserialized manifold (feature `serde`) has the points and ids of the
+/// saved one, which are not checked, and no bounds: the next query computes all contacts again, and
+/// ids continue.
 ///
 /// [`Tracker::manifold`]: crate::Tracker::manifold
 #[doc(alias = "contact points")]
 #[doc(alias = "clipping")]
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Manifold {
     points: [ContactPoint; MOST_POINTS],
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "at_most_all"))]
     count: usize,
     normal: Unit<Vector3<f64>>,
-    #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
     lower: f64,
-    #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
     upper: f64,
     made: Option<Made>,
     fresh: bool,
@@ -110,6 +110,8 @@ struct Made {
     #[cfg_attr(feature = "serde", serde(default, rename = "fingerprints"))]
     bodies: [Fingerprint; 2],
     options: ManifoldOptions,
+    #[cfg(feature = "serde")]
+    pose: RelativePose,
     /// Bounding ball of the smaller body at its pose.
     ball: BallAtPose,
     features: FeaturePair,
@@ -118,23 +120,14 @@ struct Made {
     normal: Vector3<f64>,
     #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
     lower: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
     upper: f64,
     /// How far the bodies may move from `ball`.
     #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
     budget: f64,
     /// How far the bodies had moved since the points were chosen.
+    #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
     since: f64,
-}
-
-/// Deserializes the number of points; returns an error for more points than the manifold can hold.
-#[cfg(feature = "serde")]
-fn at_most_all<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<usize, D::Error> {
-    let count: usize = serde::Deserialize::deserialize(deserializer)?;
-    if count <= MOST_POINTS {
-        Ok(count)
-    } else {
-        Err(serde::de::Error::custom("a manifold holds at most 8 points"))
-    }
 }
 
 impl Default for Manifold {
@@ -304,6 +297,8 @@ impl Manifold {
         self.made = Some(Made {
             bodies: query.bodies(),
             options: *query.options,
+            #[cfg(feature = "serde")]
+            pose: *query.pose,
             ball: query.ball,
             features,
             reference,

@@ -54,6 +54,8 @@ use refresh::Projections;
 pub(crate) use bearing::{Facet, RoundFace};
 pub use gradient::Gradient;
 pub use half_space::{HalfSpace, HalfSpaceContact, HalfSpaceContacts, HalfSpaceError};
+#[cfg(feature = "serde")]
+pub(crate) use manifold::persist::complete;
 pub use manifold::{ContactPoint, Manifold};
 pub use query::ManifoldOptions;
 pub(crate) use query::{Extent, Query};

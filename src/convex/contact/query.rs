@@ -158,6 +158,8 @@ pub(crate) struct Query<'a> {
     pub(super) translation: Vector3<f64>,
     /// Bounding ball of the smaller body at its pose relative to the larger body.
     pub(super) ball: BallAtPose,
+    #[cfg(feature = "serde")]
+    pub(super) pose: &'a RelativePose,
     pub(super) options: &'a ManifoldOptions,
 }
 
@@ -167,7 +169,7 @@ impl<'a> Query<'a> {
     pub(crate) fn new(
         a: &'a ConvexPolyhedron,
         b: &'a ConvexPolyhedron,
-        pose: &RelativePose,
+        pose: &'a RelativePose,
         options: &'a ManifoldOptions,
     ) -> Self {
         let facets = [Facet::Body(a), Facet::Body(b)];
@@ -179,7 +181,7 @@ impl<'a> Query<'a> {
     pub(crate) fn of(
         extents: [Extent; 2],
         facets: [Facet<'a>; 2],
-        pose: &RelativePose,
+        pose: &'a RelativePose,
         options: &'a ManifoldOptions,
     ) -> Self {
         let (rotation, translation) = (pose.rotation(), pose.translation());
@@ -197,6 +199,8 @@ impl<'a> Query<'a> {
             rotation,
             translation,
             ball,
+            #[cfg(feature = "serde")]
+            pose,
             options,
         }
     }
