@@ -127,7 +127,6 @@ impl Scale {
     fn length(&self, v: &Vector3<f64>) -> [f64; 3] {
         (v / self.radius).into()
     }
-
 }
 
 /// The data in the making.
