@@ -35,8 +35,9 @@ def data_of(page):
 
 def points_of(data, body, what):
     """Return the vertices of the triangles or edges of a body, in its frame."""
-    numbers = data["solids"][data["bodies"][body]["solid"]][what]
-    return np.frombuffer(base64.b64decode(numbers), "<f4").reshape(-1, 3) * data["radius"]
+    solid = data["solids"][data["bodies"][body]["solid"]]
+    unit = (solid["radius"] or 1) * data["radius"]
+    return np.frombuffer(base64.b64decode(solid[what]), "<f4").reshape(-1, 3) * unit
 
 
 def in_the_world(data, point):

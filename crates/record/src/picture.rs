@@ -90,7 +90,11 @@ impl RenderMesh {
 
     fn triangle(&mut self, corners: [Point3<f64>; 3]) {
         let [p, q, r] = corners;
-        if let Some(normal) = (q - p).cross(&(r - p)).try_normalize(0.0) {
+        let edges = [q - p, r - p];
+        // Products of lengths neither overflow nor underflow.
+        let size = edges[0].amax().max(edges[1].amax());
+        let [u, v] = edges.map(|edge| edge / size);
+        if let Some(normal) = u.cross(&v).try_normalize(0.0) {
             self.triangles.push((corners, normal));
         }
     }

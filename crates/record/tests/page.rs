@@ -144,6 +144,28 @@ fn features_are_those_of_the_outcome_and_options_are_kept() {
     assert_eq!(counts, [[4, 1], [1, 3]], "{}", answer.outcome.features);
 }
 
+/// A frame may show bodies of any other size than the first frame does.
+#[test]
+fn solids_of_any_size_have_coordinates_up_to_one() {
+    for size in [1e-90, 1.0, 1e90] {
+        let mut file = Vec::new();
+        let mut recorder = Recorder::new(&mut file, "").expect("a recording");
+        for side in [1.0, size] {
+            let cube = Geometry::from(solids::cuboid(Vector3::repeat(side)).expect("a cube"));
+            let body = recorder.body("a", &cube, &Isometry3::identity()).expect("a body");
+            recorder.end_frame().expect("a frame");
+            recorder.remove(body).expect("a body");
+        }
+        recorder.finish().expect("an end");
+        let recording = Recording::read(file.as_slice()).expect("a recording");
+        let data = data_of(&page(&recording, &PageOptions::default()));
+        let [first, second] = [0, 1].map(|k| &data["solids"][k]);
+        assert_eq!(first["triangles"], second["triangles"], "{size}");
+        let ratio = second["radius"].as_f64().expect("a radius") / first["radius"].as_f64().expect("a radius");
+        assert!((ratio / size - 1.0).abs() < 1e-12, "{size}: {ratio}");
+    }
+}
+
 /// Frames beyond the numbers of the page, and a recording with bodies alone, are pages too.
 #[test]
 fn every_recording_has_a_page() {

@@ -1,7 +1,7 @@
 //! What the script of the page draws.
 //!
-//! Lengths are relative to the ball around all bodies at the first frame that is shown, so that
-//! single precision suffices: 0 is its centre and 1 its radius.
+//! Positions and lengths are relative to the ball around all bodies at the first frame that is
+//! shown: 0 is its centre and 1 its radius. Bodies of another frame may be of any other size.
 
 use std::collections::BTreeMap;
 
@@ -40,7 +40,8 @@ pub(super) struct Data<'r> {
     frames: Vec<Shown<'r>>,
 }
 
-/// Triangles and edges in the body's frame: single precision, little-endian, in base 64.
+/// Triangles and edges in the body's frame, in units of its radius: single precision,
+/// little-endian, in base 64.
 #[derive(Serialize)]
 struct Solid {
     triangles: String,
@@ -125,11 +126,6 @@ impl Scale {
 
     fn length(&self, v: &Vector3<f64>) -> [f64; 3] {
         (v / self.radius).into()
-    }
-
-    fn floats(&self, points: impl Iterator<Item = Point3<f64>>) -> String {
-        let numbers = points.flat_map(|p| self.length(&p.coords));
-        base64(numbers.flat_map(|x| (x as f32).to_le_bytes()))
     }
 }
 
@@ -225,9 +221,10 @@ impl<'r> Builder<'r> {
     fn solid(&mut self, geometry: Geometry) -> usize {
         let mesh = RenderMesh::from_geometry(&geometry);
         let corners = mesh.triangles.iter().flat_map(|(corners, _)| corners);
+        let unit = if mesh.radius > 0.0 { mesh.radius } else { 1.0 };
         self.solids.push(Solid {
-            triangles: self.scale.floats(corners.copied()),
-            edges: self.scale.floats(mesh.edges.iter().flatten().copied()),
+            triangles: floats(corners, unit),
+            edges: floats(mesh.edges.iter().flatten(), unit),
             radius: mesh.radius / self.scale.radius,
         });
         self.geometries.push(geometry);
@@ -423,6 +420,12 @@ fn number(x: f64) -> String {
     } else {
         format!("{x:.12e}")
     }
+}
+
+/// Returns the coordinates of points in a unit of length.
+fn floats<'p>(points: impl Iterator<Item = &'p Point3<f64>>, unit: f64) -> String {
+    let numbers = points.flat_map(|p| [p.x / unit, p.y / unit, p.z / unit]);
+    base64(numbers.flat_map(|x| (x as f32).to_le_bytes()))
 }
 
 /// Returns bytes in base 64 (RFC 4648).

@@ -83,7 +83,7 @@ fn record(to: &mut Recorder<Vec<u8>>, case: &Case, distance: f64, parry: Option<
     let b = to.body("b", &bodies[1], &poses[1])?;
     let pose = RelativePose::new_normalized(&poses[0], &poses[1])?;
     to.answer(a, b, &PairTracker::new().closest(&bodies[0], &bodies[1], &pose))?;
-    let parry = parry.map_or("none".into(), |d| d.to_string());
+    let parry = parry.map_or("none".into(), |d| format!("{d:e}"));
     to.note(format!(
         "{} ({})\nexact: {distance}\nparry: {parry}",
         case.name, case.family
