@@ -70,6 +70,7 @@ pub(crate) struct Tally {
     pub(crate) underflows: underflow::Mix,
     /// Clouds.
     pub(crate) clouds: clouds::Mix,
+    /// Bodies far from the origins of their frames.
     pub(crate) far: far::Mix,
     /// Pairs of surfaces.
     pub(crate) surfaces: surfaces::Mix,
