@@ -313,10 +313,17 @@ impl TreeState {
     ) -> TreeAnswer<J::Features> {
         let mut search = posed.search(judge, MeshGoal::Least);
         self.kept.closest(&mut search);
-        let Some(best) = search.best else {
+        let Some(mut best) = search.best else {
             return PosedTrees::far(posed.a, posed.b, posed.pose);
         };
-        let lower = search.lower.smaller(best.lower).at_least(0.0);
+        let mut lower = search.lower.smaller(best.lower).at_least(0.0);
+        if lower == 0.0 && !best.crosses {
+            let before = search.judge.settled();
+            if let Some(decided) = search.judge.decide_contact(&search.touching, &best) {
+                (best, lower, search.touching) = (decided.best, decided.lower, decided.touching);
+            }
+            self.kept.work.settled.count(search.judge.settled() - before);
+        }
         let mut answer = TreeAnswer::of_pair(&best, lower, [posed.a.stored_unit(), posed.b.stored_unit()]);
         if best.crosses {
             answer.share(posed.a.is_solid() && posed.b.is_solid());
@@ -440,6 +447,19 @@ impl<F: Copy> TreeAnswer<F> {
             point_on_a: Point3::from(best.on_a * unit),
             point_on_b: Point3::from(best.on_b * unit_b),
             normal: Unit::new_unchecked(best.normal),
+        }
+    }
+
+    /// Moves the witness points of bodies that share a point to one point of both, up to rounding.
+    pub(crate) fn join<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>) {
+        let (unit_a, unit_b) = (posed.a.stored_unit(), posed.b.stored_unit());
+        let (on_a, on_b) = (self.point_on_a.coords / unit_a, self.point_on_b.coords / unit_b);
+        let between = posed.frame.point(&on_b) - on_a;
+        let error = posed.frame.error;
+        if self.upper == 0.0 && between.norm_squared() > error * error {
+            let middle = on_a + between * 0.5;
+            self.point_on_a = Point3::from(middle * unit_a);
+            self.point_on_b = Point3::from(posed.back(&middle) * unit_b);
         }
     }
 
