@@ -215,9 +215,12 @@ impl PairTracker {
     /// more are needed, an overlap may be missed; the contact state is then
     /// [`ContactState::Touching`](crate::ContactState::Touching). The bounds of meshes bound the
     /// unsigned distance, which is zero for bodies that touch or overlap. The lower bound of an
-    /// overlap is minus infinity, because no depth is searched. Within `1e-13 L` of contact the
-    /// contact state of such a pair may differ between warm and cold trackers, and between A to B
-    /// and B to A.
+    /// overlap is minus infinity, because no depth is searched.
+    ///
+    /// **Meshes within `1e-13 L` of contact**: integers decide the contact state if at most 16
+    /// pairs of triangles are that near, and none of them lies in one plane (feature `exact`).
+    /// Otherwise the state may differ between warm and cold trackers, and between A to B and B to
+    /// A. Witnesses of meshes that share a point are one point, up to `1e-13 L`.
     ///
     /// **Cost of meshes**: time in proportion to the pairs of triangles that are as close as the
     /// closest pair, up to rounding. Most bodies have a few such pairs; a dome 1e-9 above a copy of

@@ -293,8 +293,15 @@ impl StoredAnswer for Outcome {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct StoredContact {
     pub(super) outcome: Outcome,
-    #[cfg_attr(feature = "serde", serde(with = "crate::convex::contact::complete"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "complete"))]
     pub(super) manifold: Option<Box<Manifold>>,
+}
+
+/// Reads the complete state of a manifold, which the scene proves again.
+#[cfg(feature = "serde")]
+fn complete<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<Box<Manifold>>, D::Error> {
+    let read: Option<crate::convex::contact::Complete> = serde::Deserialize::deserialize(deserializer)?;
+    Ok(read.map(|complete| Box::new(complete.0)))
 }
 
 impl StoredAnswer for StoredContact {

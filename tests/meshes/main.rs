@@ -5,6 +5,7 @@ mod ahead;
 mod bending;
 mod bent_kinds;
 mod bumps;
+mod contact_state;
 mod contacts;
 mod contain;
 mod corners;

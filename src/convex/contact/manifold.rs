@@ -78,9 +78,9 @@ impl ContactPoint {
 /// treated alike, in either order of the bodies).
 ///
 /// A manifold has at most eight points and no heap memory. If the bodies or the options change, it
-/// is computed from scratch. A deserialized manifold (feature `serde`) has the points and ids of the
-/// saved one, which are not checked, and no bounds: the next query computes all contacts again, and
-/// ids continue.
+/// is computed from scratch. A deserialized manifold (feature `serde`) has the points and ids of
+/// the saved one, which are not checked, and no bounds: the next query computes all contacts again,
+/// and ids continue.
 ///
 /// [`Tracker::manifold`]: crate::Tracker::manifold
 #[doc(alias = "contact points")]

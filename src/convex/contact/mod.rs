@@ -55,7 +55,7 @@ pub(crate) use bearing::{Facet, RoundFace};
 pub use gradient::Gradient;
 pub use half_space::{HalfSpace, HalfSpaceContact, HalfSpaceContacts, HalfSpaceError};
 #[cfg(feature = "serde")]
-pub(crate) use manifold::persist::complete;
+pub(crate) use manifold::persist::Complete;
 pub use manifold::{ContactPoint, Manifold};
 pub use query::ManifoldOptions;
 pub(crate) use query::{Extent, Query};

@@ -12,6 +12,8 @@ use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::UNIT;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
+#[cfg(feature = "exact")]
+use crate::convex::exact::separation;
 use crate::convex::tracker::Tracker;
 use crate::nonconvex::front::memory::FrontMemory;
 use crate::nonconvex::front::{FrontFault, NodePair, audit};
@@ -19,12 +21,18 @@ use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::mesh::self_distance::SelfState;
 use crate::nonconvex::parts::Parted;
 use crate::nonconvex::query::frame::{TreeFrame, of_stored};
+#[cfg(feature = "exact")]
+use crate::nonconvex::query::overlap;
 use crate::nonconvex::query::overlap::Touching;
+#[cfg(feature = "exact")]
+use crate::nonconvex::query::search::DecidedContact;
 use crate::nonconvex::query::search::TreeWork;
 use crate::nonconvex::query::search::{Judge, Measured};
 use crate::nonconvex::query::state::{PosedTrees, TreeAnswer, TreeState};
 use crate::nonconvex::query::triangle::{self, Closest, Triangle, TriangleSpot, certainly_cross};
 use crate::pair::location::{PairOutcome, WitnessLocation};
+#[cfg(feature = "exact")]
+use crate::pair::outcome::ContactState;
 use crate::pair::outcome::Outcome;
 
 /// State of a pair of meshes: the front of the last answer, and work counters.
@@ -121,7 +129,11 @@ impl MeshTracker {
         self.state.recognise(a, b);
         self.state.kept.work.queries.count(1);
         let answer = match PosedTrees::new(a, b, a_from_b) {
-            Some(posed) => self.state.closest(&posed, TriangleJudge::new(&posed, None)),
+            Some(posed) => {
+                let mut answer = self.state.closest(&posed, TriangleJudge::new(&posed, None));
+                answer.join(&posed);
+                answer
+            }
             None => PosedTrees::far(a, b, a_from_b),
         };
         answered(a, b, &answer)
@@ -173,6 +185,14 @@ fn answered(a: &Mesh, b: &Mesh, found: &TreeAnswer<[TriangleSpot; 2]>) -> PairOu
 /// of 3,000 triangles at a gap of 1e-3 need 300 bounds per query without it.
 const SHARP: f64 = 1.0 / 256.0;
 
+/// Largest number of pairs of triangles in contact, and of pairs of boxes on the way to them, for
+/// which integers decide the contact state. Two vertices of six triangles each have 36 pairs, a
+/// vertex and a face or two edges have at most eight. Not measured.
+#[cfg(feature = "exact")]
+const NEAR_PAIRS: usize = 16;
+#[cfg(feature = "exact")]
+const NEAR_BOXES: usize = 1024;
+
 /// Measures pairs of triangles.
 pub(super) struct TriangleJudge<'a> {
     posed: &'a PosedTrees<'a, Mesh, Mesh>,
@@ -208,18 +228,46 @@ impl<'a> TriangleJudge<'a> {
         let is_far = !(a.frame.is_at_origin() && b.frame.is_at_origin());
         let off = frame.off + if is_far { UNIT * frame.size } else { 0.0 };
         let (lower, upper) = (o.lower * unit - off, o.upper * unit + off);
+        // The witness points of a depth are as far apart as the depth.
+        let (on_a, on_b) = if o.distance < 0.0 {
+            (found.on_p, self.posed.back(&found.on_q))
+        } else {
+            (o.point_on_a.coords * unit, o.point_on_b.coords / b.unit())
+        };
         Some(Measured {
             pair,
             distance,
             lower: lower.at_least(0.0).smaller(distance),
             upper: upper.larger(distance),
             normal: *o.normal,
-            on_a: o.point_on_a.coords * unit,
-            on_b: o.point_on_b.coords / b.unit(),
+            on_a,
+            on_b,
             features: found.spots,
             crosses: upper < 0.0,
         })
         .filter(|m| m.lower >= m.distance - frame.tie)
+    }
+
+    /// Decides by integers whether two triangles share a point, and whether they cross.
+    #[cfg(feature = "exact")]
+    fn decide_pair(&mut self, m: &Measured<[TriangleSpot; 2]>) -> Option<Measured<[TriangleSpot; 2]>> {
+        self.settled += 1;
+        let (p, q) = self.polygons(m.pair)?;
+        let (state, distance) = separation(&p, &q, self.posed.pose, [VertexId(0); 2])?;
+        let unit = 1.0 / self.posed.a.unit();
+        let bounds = if state == ContactState::Separated {
+            [distance.next_down() * unit, distance.next_up() * unit]
+        } else {
+            [0.0; 2]
+        };
+        // A distance below the range of f64 is not decided.
+        (state != ContactState::Separated || bounds[0] > 0.0).then(|| Measured {
+            distance: distance * unit,
+            lower: bounds[0],
+            upper: bounds[1],
+            crosses: state == ContactState::Overlapping,
+            ..*m
+        })
     }
 
     fn is_within(&mut self, pair: NodePair, d: f64) -> bool {
@@ -325,6 +373,67 @@ impl Judge for TriangleJudge<'_> {
 
     fn shares_inside(&self, touching: &Touching, found: &Measured<[TriangleSpot; 2]>) -> (bool, u64) {
         self.posed.shares_inside(touching, found, false)
+    }
+
+    #[cfg(feature = "exact")]
+    #[cold]
+    fn decide_contact(
+        &mut self,
+        touching: &Touching,
+        found: &Measured<Self::Features>,
+    ) -> Option<DecidedContact<Self::Features>> {
+        let posed = self.posed;
+        let frame = &posed.frame;
+        // Pairs in one plane are many, or cost more than all the rest of the query.
+        let is_flush = |[i, j]: NodePair| {
+            let q = posed.b.corners(j).each(|x| frame.point(&x));
+            overlap::is_flush(&posed.a.corners(i), &q, 2.0 * frame.error)
+        };
+        let mut met = touching.pairs().iter().chain([&found.pair]);
+        // Far from the origin of a frame, a mesh that was moved has vertices between numbers.
+        let is_far = !(posed.a.frame.is_at_origin() && posed.b.frame.is_at_origin());
+        if is_far || frame.off > 0.0 || touching.is_full() || met.any(|pair| is_flush(*pair)) {
+            return None;
+        }
+        let level = 2.0 * frame.tie;
+        let (mut near, mut lower, mut measured) = (Touching::NONE, level, 0);
+        let mut best: Option<Measured<_>> = None;
+        let mut take = |m: Measured<_>| {
+            lower = lower.smaller(m.lower);
+            let is_better =
+                |b: &Measured<_>| m.crosses && !b.crosses || m.crosses == b.crosses && m.distance < b.distance;
+            if best.as_ref().is_none_or(is_better) {
+                best = Some(m);
+            }
+        };
+        let is_whole = posed.meet(level, NEAR_BOXES, |pair| {
+            let q = posed.b.corners(pair[1]).each(|x| frame.point(&x));
+            if gap(&posed.a.corners(pair[0]), &q, &found.normal) - frame.error > level {
+                return false;
+            }
+            measured += 1;
+            let m = self.measure(frame, pair, level);
+            if m.lower > 0.0 {
+                take(m);
+            } else {
+                near.push(pair);
+            }
+            let is_many = near.pairs().len() > NEAR_PAIRS || measured > 4 * NEAR_PAIRS;
+            is_many || !(m.lower > 0.0) && is_flush(pair)
+        });
+        if !is_whole {
+            return None;
+        }
+        near.sort();
+        for &pair in near.pairs() {
+            let m = self.measure(frame, pair, level);
+            take(if m.crosses { m } else { self.decide_pair(&m)? });
+        }
+        Some(DecidedContact {
+            best: best?,
+            lower,
+            touching: near,
+        })
     }
 
     fn measure(&mut self, frame: &TreeFrame, pair: NodePair, known: f64) -> Measured<[TriangleSpot; 2]> {

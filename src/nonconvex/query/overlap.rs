@@ -55,20 +55,32 @@ pub(crate) struct Touching {
 }
 
 impl Touching {
-    pub(super) const NONE: Self = Self {
+    pub(crate) const NONE: Self = Self {
         pairs: [[0; 2]; TOUCHES],
         count: 0,
     };
 
-    pub(super) fn push(&mut self, pair: NodePair) {
+    pub(crate) fn push(&mut self, pair: NodePair) {
         if self.count < TOUCHES {
             self.pairs[self.count] = pair;
             self.count += 1;
         }
     }
 
-    fn pairs(&self) -> &[NodePair] {
+    pub(crate) fn pairs(&self) -> &[NodePair] {
         &self.pairs[..self.count]
+    }
+
+    /// Returns whether further pairs were left out.
+    #[cfg(feature = "exact")]
+    pub(crate) fn is_full(&self) -> bool {
+        self.count == TOUCHES
+    }
+
+    /// Sorts the pairs by their items.
+    #[cfg(feature = "exact")]
+    pub(crate) fn sort(&mut self) {
+        self.pairs[..self.count].sort_unstable();
     }
 }
 
@@ -271,14 +283,32 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
 
     /// Tests the pairs of triangles whose boxes meet, up to the limits.
     fn is_shared_anywhere(&mut self) -> bool {
-        let frame = &self.posed.frame;
-        let trees = [&self.a.tree, &self.b.tree];
-        let level = frame.single_up(self.doubt);
+        let (posed, level) = (self.posed, self.doubt);
+        let mut is_shared = false;
+        posed.meet(level, MEETING_BOXES, |pair| {
+            is_shared = self.is_shared_at(pair);
+            is_shared || self.windings >= LOOKS
+        });
+        is_shared
+    }
+}
+
+impl<A: Parted, B: Parted> PosedTrees<'_, A, B> {
+    /// Passes the pairs of items of leaves whose boxes are at most `level` apart to a function,
+    /// until it returns true or about `limit` pairs of boxes are tested.
+    ///
+    /// Returns whether all pairs were passed.
+    pub(crate) fn meet(&self, level: f64, limit: usize, mut is_enough: impl FnMut(NodePair) -> bool) -> bool {
+        let (frame, trees) = (&self.frame, [self.a.side().tree, self.b.side().tree]);
+        let level = frame.single_up(level);
         let aim = BoundAim::to((level + frame.single.error).next_up());
-        let (mut stack, mut asked) = (alloc::vec![[0, 0]], 0);
-        while !stack.is_empty() && asked < MEETING_BOXES && self.windings < LOOKS {
+        let (mut stack, mut tested) = (alloc::vec![[0, 0]], 0);
+        while !stack.is_empty() {
             let batch = stack.split_off(stack.len().saturating_sub(WIDTH));
-            asked += batch.len();
+            tested += batch.len();
+            if tested > limit {
+                return false;
+            }
             let gaps = bounds(&frame.single, trees, &batch, &aim);
             for (&pair, gap) in batch.iter().zip(gaps.gap) {
                 if frame.single.error.is_finite() && gap - frame.single.error > level {
@@ -290,12 +320,12 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
                 }
                 let [of_a, of_b] = [0, 1].each(|k| trees[k].range(pair[k]));
                 let mut all = of_a.flat_map(|i| of_b.clone().map(move |j| [i, j]));
-                if all.any(|pair| self.is_shared_at(pair)) {
-                    return true;
+                if all.any(&mut is_enough) {
+                    return false;
                 }
             }
         }
-        false
+        true
     }
 }
 
@@ -357,6 +387,17 @@ pub(crate) fn unit_normal(t: &Triangle) -> Option<Vector3<f64>> {
     let n = triangle::normal(t);
     let length = sqrt(n.norm_squared());
     (length > 0.0 && length.is_finite()).then(|| n / length)
+}
+
+/// Returns whether two triangles lie in one plane, with heights up to `slack`.
+///
+/// It is true of two triangles without area, which have no plane.
+#[cfg(feature = "exact")]
+pub(crate) fn is_flush(p: &Triangle, q: &Triangle, slack: f64) -> bool {
+    let is_in = |t: &Triangle, from: &Triangle| {
+        unit_normal(from).is_none_or(|n| t.iter().all(|x| n.dot(&(x - from[0])).abs() <= slack))
+    };
+    is_in(p, q) && is_in(q, p)
 }
 
 /// Returns the common part of two triangles.

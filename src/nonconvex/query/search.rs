@@ -86,6 +86,18 @@ pub(crate) trait Judge {
     /// Points near the pairs in contact are tested. `found` is a contact.
     fn shares_inside(&self, touching: &Touching, found: &Measured<Self::Features>) -> (bool, u64);
 
+    /// Decides by integers whether bodies share a point, if few pairs of items are in contact.
+    ///
+    /// `found` is a contact, and `touching` are the pairs that the search met. The result depends
+    /// on neither. Returns `None` if there are too many pairs.
+    fn decide_contact(
+        &mut self,
+        _touching: &Touching,
+        _found: &Measured<Self::Features>,
+    ) -> Option<DecidedContact<Self::Features>> {
+        None
+    }
+
     /// Returns the distance of two items with proven bounds.
     ///
     /// If any arithmetic can, the lower bound is at most the frame's `tie` below the lesser of the
@@ -109,6 +121,16 @@ pub(crate) struct Measured<F> {
     pub(crate) features: F,
     /// Whether the items certainly share inner points.
     pub(crate) crosses: bool,
+}
+
+/// The items of bodies that are in contact up to rounding, as integers decide.
+pub(crate) struct DecidedContact<F> {
+    /// The closest pair, or one that crosses.
+    pub(crate) best: Measured<F>,
+    /// Lower bound of the distance of all pairs, in A's stored units.
+    pub(crate) lower: f64,
+    /// The pairs that rounding does not separate.
+    pub(crate) touching: Touching,
 }
 
 impl<F> Measured<F> {

@@ -309,10 +309,17 @@ impl TreeState {
     ) -> TreeAnswer<J::Features> {
         let mut search = posed.search(judge, MeshGoal::Least);
         self.kept.closest(&mut search);
-        let Some(best) = search.best else {
+        let Some(mut best) = search.best else {
             return PosedTrees::far(posed.a, posed.b, posed.pose);
         };
-        let lower = search.lower.smaller(best.lower).at_least(0.0);
+        let mut lower = search.lower.smaller(best.lower).at_least(0.0);
+        if lower == 0.0 && !best.crosses {
+            let before = search.judge.settled();
+            if let Some(decided) = search.judge.decide_contact(&search.touching, &best) {
+                (best, lower, search.touching) = (decided.best, decided.lower, decided.touching);
+            }
+            self.kept.work.settled.count(search.judge.settled() - before);
+        }
         let mut answer = TreeAnswer::of_pair(&best, lower, [posed.a.side().frame, posed.b.side().frame]);
         if best.crosses {
             answer.share(posed.a.is_solid() && posed.b.is_solid());
@@ -437,6 +444,19 @@ impl<F: Copy> TreeAnswer<F> {
             point_on_a: of_a.given(&best.on_a),
             point_on_b: of_b.given(&best.on_b),
             normal: Unit::new_unchecked(best.normal),
+        }
+    }
+
+    /// Moves the witness points of bodies that share a point to one point of both, up to rounding.
+    pub(crate) fn join<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>) {
+        let [of_a, of_b] = [posed.a.side().frame, posed.b.side().frame];
+        let (on_a, on_b) = (of_a.stored(&self.point_on_a), of_b.stored(&self.point_on_b));
+        let between = posed.frame.point(&on_b) - on_a;
+        let error = posed.frame.error;
+        if self.upper == 0.0 && between.norm_squared() > error * error {
+            let middle = on_a + between * 0.5;
+            self.point_on_a = of_a.given(&middle);
+            self.point_on_b = of_b.given(&posed.back(&middle));
         }
     }
 

@@ -2,9 +2,7 @@
 //!
 //! The text contains the complete state. No bound of a text is believed: a manifold that is read
 //! keeps points and ids, and computes its contacts again at the next query. A scene reads the
-//! complete state ([`complete`]) and proves it again.
-
-use alloc::boxed::Box;
+//! complete state ([`Complete`]) and proves it again.
 
 use nalgebra::{Unit, Vector3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
@@ -64,22 +62,9 @@ impl<'de> Deserialize<'de> for Manifold {
     }
 }
 
-/// The complete state of a manifold that may be missing, for a reader that proves it again.
-pub(crate) mod complete {
-    use super::*;
-
-    #[derive(Deserialize)]
-    struct Complete(#[serde(with = "StoredManifold")] Manifold);
-
-    pub(crate) fn serialize<S: Serializer>(manifold: &Option<Box<Manifold>>, serializer: S) -> Result<S::Ok, S::Error> {
-        manifold.serialize(serializer)
-    }
-
-    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Box<Manifold>>, D::Error> {
-        let read = Option::<Complete>::deserialize(deserializer)?;
-        Ok(read.map(|complete| Box::new(complete.0)))
-    }
-}
+/// The complete state of a manifold, for a reader that proves it again.
+#[derive(Deserialize)]
+pub(crate) struct Complete(#[serde(with = "StoredManifold")] pub(crate) Manifold);
 
 impl Manifold {
     /// Drops the bounds, so that the next query computes contacts again. Points and ids stay.
