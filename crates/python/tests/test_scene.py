@@ -74,7 +74,7 @@ def test_impacts_between_two_steps():
 def test_bodies_that_come_near_between_two_steps():
     scene = lc.Scene()
     scene.set_queries(0, 0, within=0.05, impact_within=0.05)
-    block = scene.insert(lc.Geometry.box(1, 1, 1), fixed=True)
+    block = scene.insert(lc.Geometry.box(0.5, 0.5, 0.5), fixed=True)
     ball = scene.insert(lc.Geometry.ball(0.1), ((-5, 0.63, 0), ONE))
     scene.step()
     scene.set_velocity(ball, (10, 0, 0), (0, 0, 0))
@@ -88,7 +88,7 @@ def test_bodies_that_come_near_between_two_steps():
 
 def test_parts_of_an_assembly():
     scene = lc.Scene()
-    plate = lc.Geometry.box(10, 80, 60)
+    plate = lc.Geometry.box(5, 40, 30)
     for x in (0, 9.5, 20):
         scene.insert(plate, ((x, 0, 0), ONE), fixed=True)
     scene.set_queries(0, 0, overlap=True)
