@@ -214,7 +214,7 @@ impl PairTracker {
     /// as flat over the plane as `options.max_face_sine` permits.
     ///
     /// In an inner corner, each wall has a contact, and no contact is deeper than the penetration
-    /// depth of the solids, up to rounding. This is tested, not proven.
+    /// depth of the solids, up to the rounding error of the pair. This is tested, not proven.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
