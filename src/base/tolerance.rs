@@ -288,7 +288,7 @@ pub(crate) const DISPLACEMENT: f64 = 256.0 * UNIT;
 #[cfg(feature = "serde")]
 pub(crate) const REPEATED: f64 = f64::from_bits((1023 - 16) << 52);
 
-/// Square of the largest difference between the normals of two such contacts.
+/// Square of the largest difference between the normals of two such contacts. It steers work alone.
 #[cfg(feature = "serde")]
 pub(crate) const REPEATED_NORMAL: f64 = f64::from_bits((1023 - 20) << 52);
 

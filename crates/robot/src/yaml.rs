@@ -23,7 +23,7 @@ pub(crate) fn parse(text: &str) -> Result<Value, Fault> {
     // The line of the last document's start.
     let (mut open, mut whole, mut start) = (Vec::new(), None, 1);
     // The reader counts the end of a text without a line break as a line of its own.
-    let lines = text.lines().count().max(1);
+    let lines = text.split('\n').count();
     for event in Parser::new_from_str(text.strip_prefix('\u{feff}').unwrap_or(text)) {
         let (event, span) =
             event.map_err(|error| (error.marker().line().min(lines) as u32, error.info().to_owned()))?;

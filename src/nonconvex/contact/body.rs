@@ -265,7 +265,7 @@ impl ConvexPatches {
         }
     }
 
-    /// Returns whether the body contains a point in its frame; true for an open mesh.
+    /// Returns whether the body contains a point in its frame; false for an open mesh.
     pub(super) fn holds(&self, point: &Point3<f64>, doubt: f64) -> bool {
         match &self.body {
             PatchedBody::Mesh(surface) => surface.holds(point),

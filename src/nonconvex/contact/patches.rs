@@ -238,9 +238,9 @@ impl PatchedMesh {
         !(reach > 0.0 && self.mesh.tree.any_near(&place, reach, is_nearer))
     }
 
-    /// Returns whether a solid contains a point; true for an open mesh.
+    /// Returns whether a solid contains a point; false for an open mesh.
     pub(super) fn holds(&self, point: &Point3<f64>) -> bool {
-        !self.mesh.is_solid() || self.mesh.winding(&(point.coords / self.mesh.unit())) != Some(0)
+        self.mesh.is_solid() && self.mesh.winding(&(point.coords / self.mesh.unit())) != Some(0)
     }
 
     /// Returns whether a point is below the triangle that is nearest to it.

@@ -30,6 +30,8 @@ const STEERS: &[&str] = &[
     "PARALLEL_SIDES",
     "PIVOT",
     "RECEIPT",
+    "REPEATED",
+    "REPEATED_NORMAL",
     "SEAM",
     "STAY",
     "STEEP",
@@ -173,6 +175,7 @@ fn documentation(name: &str) -> String {
         .lines()
         .rev()
         .skip(1)
+        .skip_while(|l| l.starts_with("#["))
         .take_while(|l| l.starts_with("//"))
         .collect();
     let words = lines.iter().rev().map(|l| l.trim_start_matches('/').trim());
