@@ -2,8 +2,9 @@
 //!
 //! No claim of a text is believed. A pair keeps its answers if a query at the present poses of its
 //! bodies gives the same contact state and predicates, and bounds that agree: that is what the
-//! tracker of an uninterrupted scene guarantees as well. A pair stays asleep as long as the bounds
-//! or a cast prove. Every other pair is tested in the next step, and has no answer until then.
+//! tracker of an uninterrupted scene guarantees as well. Every other pair is tested in the next
+//! step, and has no answer until then. A pair stays asleep, or untested while its bodies move, as
+//! long as the bounds or a cast prove.
 //! Distances and contacts of bodies that moved since the last step belong to poses that a text does
 //! not have, so they are among those. Events, impacts and counts of the last step are a record, and
 //! claim nothing about the present poses.
@@ -37,8 +38,10 @@ impl Scene {
             budget: self.budget,
             schedule: self.schedule,
         };
-        context.reprove_tables(&mut self.pair_tables.polyhedra);
-        context.reprove_tables(&mut self.pair_tables.mixed);
+        let mut is_whole = context.reprove_tables(&mut self.pair_tables.polyhedra);
+        is_whole &= context.reprove_tables(&mut self.pair_tables.mixed);
+        // A step without calls tests no pair.
+        self.changed |= !is_whole && !self.is_due();
     }
 }
 
@@ -51,20 +54,23 @@ struct Repeated {
 }
 
 impl StepContext<'_> {
-    fn reprove_tables<T: PairEngine>(&self, tables: &mut DetailTables<T>) {
-        self.reprove_table(&mut tables.predicates);
-        self.reprove_table(&mut tables.distances);
-        self.reprove_table(&mut tables.features);
-        self.reprove_table(&mut tables.contacts);
+    /// Returns whether all pairs keep their answers.
+    fn reprove_tables<T: PairEngine>(&self, tables: &mut DetailTables<T>) -> bool {
+        let mut is_whole = self.reprove_table(&mut tables.predicates);
+        is_whole &= self.reprove_table(&mut tables.distances);
+        is_whole &= self.reprove_table(&mut tables.features);
+        is_whole & self.reprove_table(&mut tables.contacts)
     }
 
-    fn reprove_table<T: PairEngine, A: StoredAnswer>(&self, table: &mut PairTable<T, A>) {
-        let rows = zip(&mut table.headers, zip(&table.trackers, &mut table.answers));
-        rows.for_each(|(header, (tracker, answer))| {
+    fn reprove_table<T: PairEngine, A: StoredAnswer>(&self, table: &mut PairTable<T, A>) -> bool {
+        let mut is_whole = true;
+        for (header, (tracker, answer)) in zip(&mut table.headers, zip(&table.trackers, &mut table.answers)) {
             if self.reprove_row(header, tracker, answer).is_none() {
                 (header.state.known, header.state.measured, header.state.sleeps) = (false, false, false);
+                is_whole = false;
             }
-        });
+        }
+        is_whole
     }
 
     /// Returns `None` if the answers of a pair are not proven.
@@ -102,16 +108,13 @@ impl StepContext<'_> {
         if !is_same || state.measured && !repeated.outcome.as_ref().is_some_and(is_told) {
             return None;
         }
-        if state.sleeps {
-            return self.stays_asleep(header, tracker, shapes, plan).then_some(());
+        if !state.sleeps {
+            let slack = if state.measured { 0.0 } else { repeated.slack };
+            header.wake = header.wake.smaller(self.sum(header) + slack.larger(0.0));
+        } else if !self.stays_asleep(header, tracker, shapes, plan) {
+            (header.state.sleeps, header.wake) = (false, 0.0);
         }
-        let slack = if state.measured {
-            0.0
-        } else {
-            repeated.slack.larger(0.0)
-        };
-        // With NaN the pair is tested.
-        (header.wake <= self.sum(header) + slack).then_some(())
+        Some(())
     }
 
     /// Answers all queries of a pair.
