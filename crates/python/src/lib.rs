@@ -66,7 +66,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(points::signed_distance, module)?)?;
     module.add_function(wrap_pyfunction!(points::contains, module)?)?;
     module.add_function(wrap_pyfunction!(points::closest_points, module)?)?;
-    module.add_function(wrap_pyfunction!(view::page, module)?)?;
+    // Private, so not among the names of `__all__`.
+    module.setattr("_page", wrap_pyfunction!(view::page, module)?)?;
     class::<points::PointTracker>(module)?;
     class::<points::ClosestPoint>(module)?;
     module.add_function(wrap_pyfunction!(points::nearest_features, module)?)?;
