@@ -51,9 +51,14 @@ const DEFAULT_WIDTH_FAR: f64 = 1.0 / (1u64 << 38) as f64;
 const NARROWER: f64 = 1.0 / 2.0;
 
 /// A step gives up if its bound proves less than this fraction of the remaining distance. The
-/// search for a narrower interval has then reached its limit, and each further step would cost as
-/// much and prove less. Measured: no cast of the tests ends for this reason.
+/// searches for a narrower interval have then reached their limit, and each further step would cost
+/// as much and prove less. Measured: no cast of the tests ends for this reason.
 const HOPE: f64 = 0.125;
+
+/// Largest number of searches of a step. A search ends early if its bounds approach each other too
+/// slowly; the next one starts where it ended. Measured: a cold tracker needed two where a warm one
+/// needed one. More than four were never tried.
+const SEARCHES: usize = 4;
 
 /// The tracker of a surface (A) and a body of another kind (B).
 pub(crate) trait BesideSurface {
@@ -153,28 +158,35 @@ pub(super) fn width_of(pair: &impl Separation, pose: &RelativePose, options: &Qu
     options.width.unwrap_or_else(default)
 }
 
-/// Returns how long a lower bound stays valid. `lower` takes a width and returns a new bound. It is
-/// called if the measured bound is far below the remaining distance. The span is zero if no search
-/// comes near that distance.
+/// Returns how long a lower bound stays valid. `bounds` takes a width and returns both bounds of a
+/// new search, which starts from the front of the last one. It is called if the measured bound is
+/// far below the remaining distance. The span is zero if no search comes near that distance.
 pub(super) fn held<S: Separation>(
     pair: &mut S,
     seen: &Measurement,
     flight: &PairMotion,
-    lower: impl FnOnce(&mut S, &RelativePose, f64) -> f64,
+    mut bounds: impl FnMut(&mut S, &RelativePose, f64) -> [f64; 2],
 ) -> FreeSpan {
-    let left = seen.upper - flight.keep;
-    let mut bound = seen.lower;
-    if left > 0.0
-        && bound - flight.keep < (1.0 - NARROWER) * left
-        && let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b)
-    {
-        bound = bound.larger(lower(pair, &pose, MEASURED * left));
+    let [mut lower, mut upper] = [seen.lower, seen.upper];
+    let mut needed = 1.0 - NARROWER;
+    for _ in 0..SEARCHES {
+        let left = upper - flight.keep;
+        if !(left > 0.0 && lower - flight.keep < needed * left) {
+            break;
+        }
+        let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b) else {
+            break;
+        };
+        let found = bounds(pair, &pose, MEASURED * left);
+        (lower, upper) = (lower.larger(found[0]), upper.smaller(found[1]));
+        // The first search aims at a long step, the others only at one that is worth its cost.
+        needed = HOPE;
     }
     let proof = Proof::Own;
-    if bound - flight.keep < HOPE * left {
+    if lower - flight.keep < HOPE * (upper - flight.keep) {
         return FreeSpan { span: 0.0, proof };
     }
-    let way = bound - flight.keep - flight.apart(pair).noise;
+    let way = lower - flight.keep - flight.apart(pair).noise;
     let span = flight.held(pair, way);
     FreeSpan { span, proof }
 }
@@ -198,7 +210,8 @@ impl<T: BesideSurface> Separation for SurfaceSolidPair<'_, T> {
 
     fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
         held(self, seen, flight, |pair, pose, width| {
-            pair.answer(pose, NetGoal::Width(width)).lower
+            let found = pair.answer(pose, NetGoal::Width(width));
+            [found.lower, found.upper]
         })
     }
 }

@@ -343,7 +343,8 @@ impl Separation for SurfacePair<'_> {
 
     fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
         held(self, seen, flight, |pair, pose, width| {
-            pair.answer(pose, NetGoal::Width(width)).lower
+            let found = pair.answer(pose, NetGoal::Width(width));
+            [found.lower, found.upper]
         })
     }
 }
