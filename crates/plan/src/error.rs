@@ -2,7 +2,7 @@
 
 use std::string::String;
 
-use crate::world::{WorldId, WorldPair};
+use crate::names::{WorldId, WorldPair};
 use lin_canny::PoseError;
 use lin_canny::broad::{AabbError, BroadPhaseError};
 use lin_canny::impact::ImpactError;

@@ -183,68 +183,41 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod arm;
-mod ascent;
-mod attached;
-mod batch;
-mod changes;
-mod checker;
-mod clearance;
-mod curve;
+mod cell;
+mod check;
 mod error;
 mod extremes;
-mod free;
-mod freeway;
-mod links;
-mod mesh_hull;
+mod fingerprint;
+mod motion;
 mod names;
-mod pair_boxes;
-mod pairs;
-mod path;
-#[cfg(feature = "serde")]
-mod persist;
-mod planner;
 mod random;
 mod range;
 pub mod receipt;
-mod rigid;
-mod roadmap;
-mod rrt_connect;
 mod search;
-mod smooth;
-mod space;
-mod speeds;
-mod sweep;
-mod timed_poses;
 mod tolerance;
-mod tree;
-mod tree_motion;
-mod tube;
-mod verdict;
-mod world;
 
-pub use arm::{Joint, JointKind};
-pub use batch::NearPairs;
-pub use checker::{Checker, PairProof};
-pub use clearance::{NearPair, SegmentClearance};
-pub use curve::JointCurve;
+pub use cell::world::{AttachedObject, Named, World};
+pub use check::batch::NearPairs;
+pub use check::checker::{Checker, PairProof};
+pub use check::clearance::{NearPair, SegmentClearance};
+pub use check::verdict::{CheckWork, LeavingPair, Verdict};
 pub use error::PlanError;
-pub use freeway::FreewayEnd;
-pub use names::nearest_name;
-pub use pair_boxes::PairBoxes;
-pub use path::Path;
-pub use planner::{Plan, PlanMethod, PlanOptions, PlanWork};
+pub use motion::curve::JointCurve;
+pub use motion::joint::{Drive, Joint, JointKind, TreeJoint};
+pub use motion::rigid::{PlanarSpace, RigidSegment, RigidSpace, TranslationSpace};
+pub use motion::space::{BodyBall, BodyMotion, ConfigurationSpace, JointPath, SegmentMotion};
+pub use motion::timed_poses::TimedPoses;
+pub use motion::tree::JointTree;
+pub use motion::tree_motion::TreeSegment;
+pub use motion::tube::JointTube;
+pub use names::{Select, WorldId, WorldPair, nearest_name};
+pub use range::pair_boxes::PairBoxes;
 pub use range::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};
-pub use rigid::{PlanarSpace, RigidSegment, RigidSpace, TranslationSpace};
-pub use roadmap::{Edge, EdgeKind, Freeway, Roadmap};
-pub use smooth::{SmoothOptions, SmoothPath};
-pub use space::{BodyBall, BodyMotion, ConfigurationSpace, JointPath, SegmentMotion};
-pub use timed_poses::TimedPoses;
-pub use tree::{Drive, JointTree, TreeJoint};
-pub use tree_motion::TreeSegment;
-pub use tube::JointTube;
-pub use verdict::{CheckWork, LeavingPair, Verdict};
-pub use world::{AttachedObject, Named, Select, World, WorldId, WorldPair};
+pub use search::freeway::FreewayEnd;
+pub use search::options::{Plan, PlanMethod, PlanOptions, PlanWork};
+pub use search::roadmap::{Edge, EdgeKind, Freeway, Roadmap};
+pub use search::shorten::Path;
+pub use search::smooth::{SmoothOptions, SmoothPath};
 
 #[doc = include_str!("../docs/gradients.md")]
 pub mod gradients {}

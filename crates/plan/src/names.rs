@@ -1,4 +1,106 @@
-//! Suggests the name that was meant by a misspelt one.
+//! Names and ids of bodies, and the name that was meant by a misspelt one.
+
+use core::fmt;
+
+/// A robot body, an attached object or an obstacle, by its index in the order of insertion.
+///
+/// [`World::name`] returns its name, and [`World::show`] prints it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum WorldId {
+    /// A robot body; the first is 0.
+    Robot(usize),
+    /// An object that was attached to the robot; the first is 0. Never used again.
+    Attached(usize),
+    /// An obstacle; the first is 0. Never used again.
+    Obstacle(usize),
+}
+
+impl fmt::Display for WorldId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Robot(k) => write!(f, "robot body {k}"),
+            Self::Attached(k) => write!(f, "attached object {k}"),
+            Self::Obstacle(k) => write!(f, "obstacle {k}"),
+        }
+    }
+}
+
+/// A pair of bodies, at least one of which moves with the robot; the smaller id comes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct WorldPair {
+    /// A robot body or an attached object.
+    pub a: WorldId,
+    /// The obstacle, or a later body that moves with the robot.
+    pub b: WorldId,
+}
+
+impl WorldPair {
+    /// Returns the pair of two bodies, in any order.
+    ///
+    /// Returns `None` if the bodies are the same or both are obstacles: there is no such pair.
+    #[must_use]
+    pub fn new(x: WorldId, y: WorldId) -> Option<Self> {
+        let (a, b) = (x.min(y), x.max(y));
+        (a != b && !matches!(a, WorldId::Obstacle(_))).then_some(Self { a, b })
+    }
+}
+
+impl fmt::Display for WorldPair {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} and {}", self.a, self.b)
+    }
+}
+
+/// Names the bodies that a call acts on: one id, a name, or several names such as a group of links.
+///
+/// A name stands for all bodies that have it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Select<'a> {
+    /// One body.
+    Id(WorldId),
+    /// All bodies with this name.
+    Name(&'a str),
+    /// All bodies with one of these names. Links without bodies are passed over.
+    Names(&'a [String]),
+}
+
+impl From<WorldId> for Select<'_> {
+    fn from(id: WorldId) -> Self {
+        Self::Id(id)
+    }
+}
+
+impl<'a> From<&'a str> for Select<'a> {
+    fn from(name: &'a str) -> Self {
+        Self::Name(name)
+    }
+}
+
+impl<'a> From<&&'a str> for Select<'a> {
+    fn from(name: &&'a str) -> Self {
+        Self::Name(name)
+    }
+}
+
+impl<'a> From<&'a String> for Select<'a> {
+    fn from(name: &'a String) -> Self {
+        Self::Name(name)
+    }
+}
+
+impl<'a> From<&'a [String]> for Select<'a> {
+    fn from(names: &'a [String]) -> Self {
+        Self::Names(names)
+    }
+}
+
+impl<'a> From<&'a Vec<String>> for Select<'a> {
+    fn from(names: &'a Vec<String>) -> Self {
+        Self::Names(names)
+    }
+}
 
 /// The longest name, in letters, that gets a suggestion.
 const LONGEST: usize = 100;

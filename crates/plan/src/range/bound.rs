@@ -32,8 +32,8 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
-use super::body::{Part, Points};
 use super::chain::{PosedChain, Screw};
+use crate::cell::range_body::{Part, Points};
 use crate::extremes::Extremes;
 
 /// An affine function of a point.

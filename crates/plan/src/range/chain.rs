@@ -4,11 +4,11 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use crate::arm::JointKind;
 use crate::extremes::Extremes;
-use crate::space::JointPath;
+use crate::motion::joint::JointKind;
+use crate::motion::joint::{Drive, TreeJoint};
+use crate::motion::space::JointPath;
 use crate::tolerance::{ARM_PLACE, ARM_TURN, ARM_VALUE, RANGE_FRAME, RANGE_TERM};
-use crate::tree::{Drive, TreeJoint};
 use lin_canny::normalize_rotation;
 
 /// A full turn, rounded up.

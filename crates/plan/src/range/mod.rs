@@ -31,37 +31,32 @@
 //! Sources: Brockett 1984 (product of exponentials); Schwarzer, Saha and Latombe 2005 (bounds of
 //! displacements); Lin 1993 (closest features). Departures: planes of any link, second order.
 
-mod body;
 mod bound;
 mod chain;
 mod contact;
-mod fingerprint;
+pub(crate) mod pair_boxes;
 mod parts;
 mod prover;
 mod search;
 mod verdict;
 
 use core::ops::ControlFlow;
-use std::collections::BTreeMap;
 use std::vec::Vec;
 
 use nalgebra::Isometry3;
 
-use crate::checker::Checker;
+use crate::cell::range_body::RangeBody;
+use crate::check::checker::Checker;
 use crate::error::PlanError;
-use crate::space::ConfigurationSpace;
-use crate::world::{WorldId, WorldPair};
-use body::RangeBody;
+use crate::motion::space::ConfigurationSpace;
+use crate::names::{WorldId, WorldPair};
 use chain::{Chain, ChainEnd};
 use lin_canny::{PairTracker, Progress, normalize_rotation};
-use search::Search;
+use search::{Search, fingerprint_of};
 
 pub(crate) use prover::PairProver;
 pub(crate) use search::BoxProof;
 pub use verdict::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};
-
-/// Bodies that calls have prepared.
-pub(crate) type RangeBodies = BTreeMap<WorldId, RangeBody>;
 
 impl<C: ConfigurationSpace> Checker<C> {
     /// Returns whether two bodies can meet at any configuration of a range, with proof.
@@ -263,7 +258,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let shapes = self.world.shapes(pair);
         let bodies = [pair.a, pair.b].map(|id| &self.range_bodies[&id]);
         let kept = self.world.kept_distance(pair);
-        let fingerprint = fingerprint::of_pair(shapes, bodies, &chain, kept);
+        let fingerprint = fingerprint_of(shapes, bodies, &chain, kept);
         let (space, places) = (&self.space, &self.pairs.places);
         let place = |q: &[f64], poses: &mut Vec<Isometry3<f64>>| {
             space.place(q, poses);

@@ -5,9 +5,9 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::body::{Part, RangeBody};
 use super::search::Search;
 use super::verdict::RangeCell;
+use crate::cell::range_body::{Part, RangeBody};
 use crate::extremes::Extremes;
 use lin_canny::{ConvexPolyhedron, Outcome, RelativePose, Tracker};
 

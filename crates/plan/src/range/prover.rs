@@ -4,13 +4,12 @@ use std::vec::Vec;
 
 use nalgebra::Isometry3;
 
-use super::fingerprint;
-use super::search::{BoxProof, Place, Search};
+use super::search::{BoxProof, Place, Search, fingerprint_of};
 use super::verdict::{RangeAnswer, RangeCell, RangeOptions};
-use crate::checker::Checker;
+use crate::check::checker::Checker;
 use crate::error::PlanError;
-use crate::space::ConfigurationSpace;
-use crate::world::WorldPair;
+use crate::motion::space::ConfigurationSpace;
+use crate::names::WorldPair;
 use lin_canny::PairTracker;
 
 /// Proves boxes of configurations for a pair.
@@ -69,7 +68,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let mut search = Search {
             shapes,
             bodies,
-            fingerprint: fingerprint::of_pair(shapes, bodies, &chain, kept),
+            fingerprint: fingerprint_of(shapes, bodies, &chain, kept),
             chain: &chain,
             place,
             kept,

@@ -1,20 +1,22 @@
 //! Branch and bound over the cells of a range.
 
 use core::cmp::Ordering;
+use core::fmt::Write;
 use core::ops::ControlFlow;
 use std::collections::BinaryHeap;
 use std::vec::Vec;
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::body::RangeBody;
 use super::bound::Scratch;
 use super::chain::{Chain, PosedChain};
 use super::verdict::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};
+use crate::cell::range_body::RangeBody;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
+use crate::fingerprint::Fingerprint;
+use crate::names::WorldPair;
 use crate::random::Random;
-use crate::world::WorldPair;
 use lin_canny::{ContactState, Geometry, Outcome, PairTracker, Progress, RelativePose};
 
 /// Number of cells that are searched before configurations are sampled, if the options have no
@@ -686,4 +688,18 @@ fn share(cells: &[RangeCell], ranges: &[[f64; 2]]) -> f64 {
         parts.product::<f64>()
     };
     cells.iter().map(of).sum::<f64>().smaller(1.0)
+}
+
+/// Returns the fingerprint of a pair: the kinds and parts of its bodies, all points of clouds, the
+/// joints between the bodies, and the distance that the pair must keep.
+pub(super) fn fingerprint_of(shapes: [&Geometry; 2], bodies: [&RangeBody; 2], chain: &Chain, kept: f64) -> u64 {
+    let mut all = Fingerprint::new();
+    for (shape, body) in shapes.into_iter().zip(bodies) {
+        // Writing to a hash never fails.
+        let _ = write!(all, "{:?}", shape.kind());
+        all.word(body.fingerprint);
+    }
+    let _ = write!(all, "{chain:?}");
+    all.number(kept);
+    all.0
 }

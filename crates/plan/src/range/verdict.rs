@@ -5,7 +5,8 @@ use std::vec::Vec;
 
 use nalgebra::Vector3;
 
-use crate::world::{Named, WorldPair};
+use crate::cell::world::Named;
+use crate::names::WorldPair;
 
 /// How far a proof over a range goes.
 #[derive(Clone, Copy, Debug, PartialEq)]

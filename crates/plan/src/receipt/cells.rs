@@ -6,7 +6,8 @@
 use nalgebra::Vector3;
 
 use super::evidence::{Missing, PairJudge, Piece};
-use super::parts::{Group, half};
+use super::groups::Group;
+use super::stated::half;
 use lin_canny::separation::Proof;
 
 /// Greatest number of halvings of the time before parts are cut, and of two single parts.

@@ -4,12 +4,13 @@
 use nalgebra::{Isometry3, Vector3};
 
 use super::cells::{PIECES, TOO_MANY};
+use super::contact::{PARTS, missing, points_within, weights, weights_text};
 use super::error::ReceiptError;
 use super::evidence::BITS;
+use super::groups::{Group, Groups, near_parts};
 use super::number::{hex, hexes, rounded};
-use super::pair::{PARTS, missing, points_within, weights, weights_text};
-use super::parts::{Group, Groups, half, near_parts};
 use super::scene::{Body, Scene, list};
+use super::stated::half;
 use crate::extremes::Extremes;
 use crate::tolerance::{INSIDE, RECEIPT};
 use lin_canny::{ContactState, RelativePose, Tracker};

@@ -12,8 +12,8 @@
 
 use nalgebra::Vector3;
 
+use super::groups::{Group, Groups};
 use super::number::{hex, hexes, rounded};
-use super::parts::{Group, Groups};
 use super::scene::{Body, Scene};
 use super::taylor::{Step, constant, dot, heights, least, place, pose};
 use crate::extremes::Extremes;

@@ -88,17 +88,18 @@
 //! [`Steady::with_acceleration_bounds`]: lin_canny::motion::Steady::with_acceleration_bounds
 
 mod cells;
+mod contact;
 mod distance;
 mod error;
 mod evidence;
-mod hull;
+mod groups;
 mod number;
 mod pair;
-mod parts;
 mod range;
 mod scene;
 mod segment;
 mod sha256;
+mod stated;
 mod taylor;
 
 use core::fmt;

@@ -10,19 +10,20 @@ use std::collections::BTreeMap;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::error::ReceiptError;
+use super::groups::{Group, Groups};
 use super::number::{hex, hexes, rounded};
-use super::parts::{Group, Groups, half};
 use super::scene::{Ignored, Scene, Way};
 use super::segment::{EXCLUDED, Stated};
+use super::stated::half;
 use super::{Claim, Leg, Receipt};
-use crate::arm::JointKind;
-use crate::checker::Checker;
+use crate::check::checker::Checker;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
+use crate::motion::joint::JointKind;
+use crate::motion::space::ConfigurationSpace;
+use crate::names::WorldPair;
 use crate::range::{RangeAnswer, RangeVerdict};
-use crate::space::ConfigurationSpace;
 use crate::tolerance::RECEIPT;
-use crate::world::WorldPair;
 use lin_canny::motion::Velocity;
 use lin_canny::{ContactState, RelativePose, Tracker};
 

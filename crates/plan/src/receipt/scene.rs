@@ -7,13 +7,13 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 use super::error::ReceiptError;
-use super::hull::StatedHull;
 use super::number::{hex, hexes};
-use super::parts::{StatedParts, hull_of};
+use super::stated::StatedHull;
+use super::stated::{StatedParts, hull_of};
 use super::taylor::Step;
-use crate::arm::JointKind;
-use crate::space::JointPath;
-use crate::tree::TreeJoint;
+use crate::motion::joint::JointKind;
+use crate::motion::joint::TreeJoint;
+use crate::motion::space::JointPath;
 use lin_canny::Geometry;
 use lin_canny::motion::{Motion, Steady, Velocity};
 use lin_canny::polyhedron::ConvexPolyhedron;

@@ -4,17 +4,17 @@ use std::collections::BTreeMap;
 
 use nalgebra::Isometry3;
 
+use super::contact::contact;
 use super::error::ReceiptError;
-use super::pair::contact;
 use super::scene::{Body, Ignored, Scene, SteadyWay, Way};
 use super::{Claim, Leg, Receipt, Wanted, apart};
-use crate::checker::{Checker, PairProof};
-use crate::curve::JointCurve;
+use crate::check::checker::{Checker, PairProof};
+use crate::check::verdict::Verdict;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::space::{ConfigurationSpace, SegmentMotion};
-use crate::verdict::Verdict;
-use crate::world::{WorldId, WorldPair};
+use crate::motion::curve::JointCurve;
+use crate::motion::space::{ConfigurationSpace, SegmentMotion};
+use crate::names::{WorldId, WorldPair};
 use lin_canny::Geometry;
 
 /// The reasons of pairs that are not looked at.

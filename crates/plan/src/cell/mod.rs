@@ -1,0 +1,5 @@
+//! The cell: bodies of a robot, attached objects and obstacles, and what each pair must keep.
+
+pub(crate) mod mesh_hull;
+pub(crate) mod range_body;
+pub(crate) mod world;

@@ -1,0 +1,976 @@
+//! The world: robot bodies, attached objects, obstacles, and what each pair must keep.
+
+use core::fmt;
+use std::collections::{BTreeMap, BTreeSet};
+use std::string::{String, ToString};
+use std::sync::Arc;
+use std::vec::Vec;
+
+use nalgebra::Isometry3;
+
+use crate::cell::mesh_hull::MeshHull;
+use crate::error::PlanError;
+use crate::extremes::Extremes;
+use crate::motion::timed_poses::TimedPoses;
+use crate::names::nearest_name;
+use crate::names::{Select, WorldId, WorldPair};
+use lin_canny::{EXTENT_MAX, Geometry, GeometryKind, RelativePose, normalize_rotation};
+
+/// The bodies of a robot, objects attached to it, and obstacles, of any kind of geometry.
+///
+/// Robot bodies must be added in the order of the bodies of the configuration space. The geometry
+/// of a rigid robot is in the frame of the robot, the geometry of an arm in the frame of its link.
+///
+/// A world changes at any time. Ids of attached objects and obstacles are never used again, so an
+/// id names the same body for ever, or is an error. A [`Checker`](crate::Checker) has the same
+/// methods for its world, and `Checker::new(space, checker.world().clone())` has the same ids.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "StoredWorld", into = "StoredWorld"))]
+pub struct World {
+    /// Shared by all copies of the world, as the geometries are.
+    pub(crate) robot: Arc<Vec<(String, Geometry)>>,
+    /// Names of frames. A body of the space has each of them.
+    pub(crate) frames: Arc<Vec<(String, Frame)>>,
+    /// `None` for an object that was detached.
+    pub(crate) attached: Vec<Option<AttachedObject>>,
+    /// `None` for an obstacle that was removed.
+    pub(crate) obstacles: Vec<Option<(String, Geometry, Isometry3<f64>)>>,
+    /// The poses of the obstacles that move; their poses in `obstacles` are the first.
+    pub(crate) motions: BTreeMap<WorldId, TimedPoses>,
+    /// The hulls of the bodies that are meshes.
+    pub(crate) hulls: BTreeMap<WorldId, MeshHull>,
+    pub(crate) excluded: BTreeSet<WorldPair>,
+    pub(crate) margin: f64,
+    pub(crate) paddings: BTreeMap<WorldId, f64>,
+    pub(crate) margins: BTreeMap<WorldPair, f64>,
+}
+
+/// The frame of a body of the space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) enum Frame {
+    /// That of a robot body.
+    Robot(usize),
+    /// That of a body of the space without geometry; these come after all robot bodies.
+    Bare(usize),
+}
+
+/// An object that a link carries.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct AttachedObject {
+    /// The name of the object.
+    pub name: String,
+    /// The geometry of the object.
+    pub geometry: Geometry,
+    /// The link that carries the object.
+    pub link: String,
+    /// Pose of the object in the frame of the link.
+    pub pose: Isometry3<f64>,
+    pub(crate) frame: Frame,
+}
+
+/// Bodies.
+impl World {
+    /// Returns a world without bodies.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a robot body.
+    pub fn robot_body(&mut self, name: impl ToString, shape: impl Into<Geometry>) -> WorldId {
+        Arc::make_mut(&mut self.robot).push((name.to_string(), shape.into()));
+        let id = WorldId::Robot(self.robot.len() - 1);
+        self.note_hull(id);
+        id
+    }
+
+    /// Names the frame of a body of the space that has no geometry, such as the tool flange.
+    ///
+    /// Objects can be attached there. In the space, bodies without geometry come after all robot
+    /// bodies, in the order of these calls.
+    pub fn bare_frame(&mut self, name: impl ToString) {
+        let bare = self.bare_frames();
+        Arc::make_mut(&mut self.frames).push((name.to_string(), Frame::Bare(bare)));
+    }
+
+    /// Names the frame of a robot body, if it differs from the body's name.
+    ///
+    /// Without this call, a name stands for the frame of the first robot body that has it.
+    pub fn body_frame(&mut self, name: impl ToString, body: usize) {
+        Arc::make_mut(&mut self.frames).push((name.to_string(), Frame::Robot(body)));
+    }
+
+    /// Returns this world without its obstacles.
+    ///
+    /// The robot, its attached objects, and what their pairs must keep are the same.
+    ///
+    /// The result shares all shapes with this world, so that checkers of many cells need the robot
+    /// only once.
+    ///
+    /// ```
+    /// use lin_canny::Shape;
+    /// use lin_canny::nalgebra::Isometry3;
+    /// use lin_canny_plan::{Checker, TranslationSpace, World};
+    ///
+    /// let mut world = World::new();
+    /// world.robot_body("drone", Shape::ball(0.1)?);
+    /// world.obstacle("mast", Shape::ball(0.1)?, Isometry3::identity());
+    /// let space = TranslationSpace::new([[-4.0, 4.0]; 3], Default::default(), 1)?;
+    /// let mut first = Checker::new(space.clone(), world)?;
+    /// assert!(!first.is_free_at(&[0.0; 3])?);
+    ///
+    /// let mut world = first.world().without_obstacles();
+    /// world.obstacle("wall", Shape::ball(0.5)?, Isometry3::translation(2.0, 0.0, 0.0));
+    /// let mut second = Checker::new(space, world)?;
+    /// assert!(second.is_free_at(&[0.0; 3])?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn without_obstacles(&self) -> Self {
+        let is_kept = |id: &WorldId| !matches!(id, WorldId::Obstacle(_));
+        Self {
+            robot: self.robot.clone(),
+            frames: self.frames.clone(),
+            attached: self.attached.clone(),
+            obstacles: Vec::new(),
+            motions: BTreeMap::new(),
+            hulls: entries(&self.hulls, is_kept),
+            excluded: self.excluded.iter().filter(|pair| is_kept(&pair.b)).copied().collect(),
+            margin: self.margin,
+            paddings: entries(&self.paddings, is_kept),
+            margins: entries(&self.margins, |pair: &WorldPair| is_kept(&pair.b)),
+        }
+    }
+
+    /// Returns the number of bodies of the space without geometry.
+    pub(crate) fn bare_frames(&self) -> usize {
+        let bare = self.frames.iter().filter(|(_, frame)| matches!(frame, Frame::Bare(_)));
+        bare.count()
+    }
+
+    /// Adds an obstacle at a pose in the world.
+    pub fn obstacle(&mut self, name: impl ToString, shape: impl Into<Geometry>, pose: Isometry3<f64>) -> WorldId {
+        self.obstacles.push(Some((name.to_string(), shape.into(), pose)));
+        let id = WorldId::Obstacle(self.obstacles.len() - 1);
+        self.note_hull(id);
+        id
+    }
+
+    /// Adds an obstacle that moves: it has these poses in the world at times on a clock.
+    ///
+    /// A motion among moving obstacles is a curve with times ([`JointCurve::with_times`](crate::JointCurve::with_times)),
+    /// and configurations are queried at the time of [`Checker::set_time`](crate::Checker::set_time). All
+    /// other motions and configurations are errors ([`PlanError::NoTime`]), as are times at which the
+    /// obstacle has no pose ([`PlanError::PoseTime`]).
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, UnitQuaternion};
+    /// use lin_canny::Shape;
+    /// use lin_canny_plan::{Checker, JointCurve, TimedPoses, TranslationSpace, World};
+    ///
+    /// // A drone flies 4 m along x in the seconds 0 to 2. A train crosses its path.
+    /// let at = |y: f64| Isometry3::translation(2.0, y, 0.0);
+    /// let crossing = TimedPoses::new(&[0.0, 4.0], &[at(-4.0), at(4.0)])?;
+    /// let mut world = World::new();
+    /// world.robot_body("drone", Shape::ball(0.2)?);
+    /// world.moving_obstacle("train", Shape::ball(0.5)?, crossing);
+    /// let space = TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1)?;
+    /// let mut checker = Checker::new(space, world)?;
+    ///
+    /// let flight = JointCurve::bezier(&[[0.0; 3], [4.0, 0.0, 0.0]])?;
+    /// let verdict = checker.certify_curve(&flight.clone().with_times([0.0, 2.0])?)?;
+    /// assert!(verdict.is_free(), "it is past before the train arrives");
+    /// let verdict = checker.certify_curve(&flight.clone().with_times([1.0, 3.0])?)?;
+    /// assert!(checker.show(&verdict).to_string().starts_with("blocked by drone and train"));
+    /// assert!(checker.certify_curve(&flight).is_err(), "the curve has no times");
+    ///
+    /// checker.set_time(2.0)?;
+    /// assert_eq!(checker.clearance(&[0.0; 3])?.unwrap().distance, 1.3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn moving_obstacle(&mut self, name: impl ToString, shape: impl Into<Geometry>, poses: TimedPoses) -> WorldId {
+        let id = self.obstacle(name, shape, poses.poses()[0]);
+        self.motions.insert(id, poses);
+        id
+    }
+
+    /// Returns the poses of an obstacle that moves; `None` for any other body.
+    #[must_use]
+    pub fn obstacle_motion(&self, id: WorldId) -> Option<&TimedPoses> {
+        self.motions.get(&id)
+    }
+
+    /// Returns the error of a query without a time, if an obstacle moves.
+    pub(crate) fn check_at_rest(&self) -> Result<(), PlanError> {
+        match self.motions.keys().next() {
+            Some(id) => Err(PlanError::NoTime(self.name(*id).to_string())),
+            None => Ok(()),
+        }
+    }
+
+    /// Moves obstacles to a pose in the world, and returns them. An obstacle that moved is at rest
+    /// from then on.
+    ///
+    /// # Errors
+    /// Returns an error if the pose is invalid or out of range, or if a body does not exist or is
+    /// not an obstacle. Then nothing changes.
+    pub fn move_obstacle<'a>(
+        &mut self,
+        bodies: impl Into<Select<'a>>,
+        pose: Isometry3<f64>,
+    ) -> Result<Vec<WorldId>, PlanError> {
+        RelativePose::from_isometry(&pose)?;
+        let found = self.select_obstacles(bodies.into())?;
+        for id in &found {
+            if let Some(obstacle) = self.obstacle_mut(*id) {
+                obstacle.2 = pose;
+            }
+            self.motions.remove(id);
+        }
+        Ok(found)
+    }
+
+    /// Replaces the geometry of obstacles, and returns them. Poses, names and ids stay.
+    ///
+    /// # Errors
+    /// Returns an error if a body does not exist or is not an obstacle. Then nothing changes.
+    pub fn replace_obstacle<'a>(
+        &mut self,
+        bodies: impl Into<Select<'a>>,
+        geometry: impl Into<Geometry>,
+    ) -> Result<Vec<WorldId>, PlanError> {
+        let found = self.select_obstacles(bodies.into())?;
+        let geometry = geometry.into();
+        for id in &found {
+            if let Some(obstacle) = self.obstacle_mut(*id) {
+                obstacle.1 = geometry.clone();
+            }
+            self.note_hull(*id);
+        }
+        Ok(found)
+    }
+
+    /// Removes obstacles with their exclusions, padding and margins, and returns their ids, which
+    /// are never used again.
+    ///
+    /// # Errors
+    /// Returns an error if a body does not exist or is not an obstacle. Then nothing changes.
+    pub fn remove_obstacle<'a>(&mut self, bodies: impl Into<Select<'a>>) -> Result<Vec<WorldId>, PlanError> {
+        let found = self.select_obstacles(bodies.into())?;
+        for id in &found {
+            if let WorldId::Obstacle(k) = *id {
+                self.obstacles[k] = None;
+                self.forget_body(*id);
+            }
+        }
+        Ok(found)
+    }
+
+    /// Attaches an object to a link, and returns its id.
+    ///
+    /// The object moves with the link in every query. Its pairs with bodies that keep their pose
+    /// relative to the link are never measured, nor are its pairs with the touch links, such as the
+    /// fingers that hold it: they are [excluded](Self::exclude). The link is the frame of that name
+    /// ([`bare_frame`](Self::bare_frame)), or else that of the first robot body of that name.
+    ///
+    /// # Errors
+    /// Returns an error if the pose is invalid or out of range, or if a name does not exist. Then
+    /// nothing changes.
+    pub fn attach(
+        &mut self,
+        link: &str,
+        name: impl ToString,
+        geometry: impl Into<Geometry>,
+        pose: Isometry3<f64>,
+        touch_links: &[&str],
+    ) -> Result<WorldId, PlanError> {
+        RelativePose::from_isometry(&pose)?;
+        let geometry = geometry.into();
+        if geometry.kind() == GeometryKind::HalfSpace {
+            return Err(PlanError::Unbounded(name.to_string()));
+        }
+        let frame = self.frame(link)?;
+        let mut touched = Vec::new();
+        for name in touch_links {
+            match self.select(*name) {
+                Ok(found) => touched.extend(found),
+                // A link without bodies has no pairs.
+                Err(PlanError::WithoutBodies(_)) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        let id = WorldId::Attached(self.attached.len());
+        self.attached.push(Some(AttachedObject {
+            name: name.to_string(),
+            geometry,
+            link: link.to_string(),
+            pose: normalized_once(&pose),
+            frame,
+        }));
+        self.note_hull(id);
+        self.excluded
+            .extend(touched.into_iter().filter_map(|body| WorldPair::new(id, body)));
+        Ok(id)
+    }
+
+    /// Removes attached objects with their exclusions, padding and margins, and returns their ids,
+    /// which are never used again.
+    ///
+    /// # Errors
+    /// Returns an error if a body does not exist or is not attached. Then nothing changes.
+    pub fn detach<'a>(&mut self, bodies: impl Into<Select<'a>>) -> Result<Vec<WorldId>, PlanError> {
+        let bodies = bodies.into();
+        let found = self.select_kind(bodies, |id| matches!(id, WorldId::Attached(_)), "an attached object")?;
+        for id in &found {
+            if let WorldId::Attached(k) = *id {
+                self.attached[k] = None;
+                self.forget_body(*id);
+            }
+        }
+        Ok(found)
+    }
+
+    /// Returns the index of the body of the space whose frame has this name.
+    pub(crate) fn frame(&self, link: &str) -> Result<Frame, PlanError> {
+        if let Some((_, frame)) = self.frames.iter().find(|(name, _)| name == link) {
+            return Ok(*frame);
+        }
+        let body = self.robot.iter().position(|(name, _)| name == link);
+        body.map(Frame::Robot).ok_or_else(|| {
+            let names = self.frames.iter().map(|f| &f.0).chain(self.robot.iter().map(|b| &b.0));
+            PlanError::Unnamed {
+                name: link.to_string(),
+                near: nearest_name(link, names.map(String::as_str)),
+            }
+        })
+    }
+
+    /// Returns the index of the body of the space that has a frame.
+    pub(crate) fn body_of(&self, frame: Frame) -> usize {
+        match frame {
+            Frame::Robot(body) => body,
+            Frame::Bare(k) => self.robot.len() + k,
+        }
+    }
+
+    fn obstacle_mut(&mut self, id: WorldId) -> Option<&mut (String, Geometry, Isometry3<f64>)> {
+        match id {
+            WorldId::Obstacle(k) => self.obstacles.get_mut(k)?.as_mut(),
+            _ => None,
+        }
+    }
+
+    /// Removes what is known about the pairs of a body.
+    fn forget_body(&mut self, id: WorldId) {
+        self.paddings.remove(&id);
+        self.motions.remove(&id);
+        self.hulls.remove(&id);
+        let robot = (0..self.robot.len()).map(WorldId::Robot);
+        let attached = (0..self.attached.len()).map(WorldId::Attached);
+        let mut partners: Vec<WorldId> = robot.chain(attached).collect();
+        if matches!(id, WorldId::Attached(_)) {
+            partners.extend((0..self.obstacles.len()).map(WorldId::Obstacle));
+        }
+        for pair in partners.into_iter().filter_map(|other| WorldPair::new(id, other)) {
+            self.excluded.remove(&pair);
+            self.margins.remove(&pair);
+        }
+    }
+
+    /// Returns the bodies that a selection stands for.
+    ///
+    /// # Errors
+    /// Returns an error if a name does not exist, which states the nearest name; if a name is that
+    /// of a link without bodies; or if the body of an id does not exist or was removed.
+    pub fn select<'a>(&self, bodies: impl Into<Select<'a>>) -> Result<Vec<WorldId>, PlanError> {
+        match bodies.into() {
+            Select::Id(id) if self.contains(id) => Ok([id].into()),
+            Select::Id(id) => Err(match id {
+                WorldId::Attached(k) if k < self.attached.len() => PlanError::Removed(id),
+                WorldId::Obstacle(k) if k < self.obstacles.len() => PlanError::Removed(id),
+                _ => PlanError::NoBody(id),
+            }),
+            Select::Name(name) => {
+                let found: Vec<WorldId> = self.bodies().filter(|b| b.1 == name).map(|b| b.0).collect();
+                if !found.is_empty() {
+                    return Ok(found);
+                }
+                if self.frames.iter().any(|frame| frame.0 == name) {
+                    return Err(PlanError::WithoutBodies(name.to_string()));
+                }
+                let frames = self.frames.iter().map(|frame| frame.0.as_str());
+                Err(PlanError::Unnamed {
+                    name: name.to_string(),
+                    near: nearest_name(name, self.bodies().map(|b| b.1).chain(frames)),
+                })
+            }
+            Select::Names(names) => {
+                let mut all = BTreeSet::new();
+                for name in names {
+                    match self.select(name) {
+                        Ok(found) => all.extend(found),
+                        Err(PlanError::WithoutBodies(_)) => {}
+                        Err(error) => return Err(error),
+                    }
+                }
+                Ok(all.into_iter().collect())
+            }
+        }
+    }
+
+    fn select_obstacles(&self, bodies: Select<'_>) -> Result<Vec<WorldId>, PlanError> {
+        self.select_kind(bodies, |id| matches!(id, WorldId::Obstacle(_)), "an obstacle")
+    }
+
+    /// Returns the bodies of one kind that a selection stands for; at least one.
+    fn select_kind(
+        &self,
+        bodies: Select<'_>,
+        is_kind: fn(&WorldId) -> bool,
+        kind: &'static str,
+    ) -> Result<Vec<WorldId>, PlanError> {
+        let mut found = self.select(bodies)?;
+        let first = found.first().copied();
+        found.retain(is_kind);
+        match (found.is_empty(), first) {
+            (true, Some(id)) => Err(PlanError::Kind {
+                body: self.show(&id).to_string(),
+                kind,
+            }),
+            _ => Ok(found),
+        }
+    }
+
+    /// Returns whether a body exists and was not removed.
+    #[must_use]
+    pub fn contains(&self, id: WorldId) -> bool {
+        self.geometry(id).is_some()
+    }
+
+    /// Returns the name of a body; empty if the body does not exist.
+    #[must_use]
+    pub fn name(&self, part: WorldId) -> &str {
+        match part {
+            WorldId::Robot(k) => self.robot.get(k).map(|b| &b.0),
+            WorldId::Attached(k) => self.attached.get(k).and_then(Option::as_ref).map(|o| &o.name),
+            WorldId::Obstacle(k) => self.obstacles.get(k).and_then(Option::as_ref).map(|o| &o.0),
+        }
+        .map_or("", String::as_str)
+    }
+
+    /// Returns the geometry of a body; `None` if the body does not exist.
+    #[must_use]
+    pub fn geometry(&self, part: WorldId) -> Option<&Geometry> {
+        match part {
+            WorldId::Robot(k) => self.robot.get(k).map(|b| &b.1),
+            WorldId::Attached(k) => self.attached.get(k)?.as_ref().map(|o| &o.geometry),
+            WorldId::Obstacle(k) => self.obstacles.get(k)?.as_ref().map(|o| &o.1),
+        }
+    }
+
+    /// Returns the pose of an obstacle in the world, the first if it moves; `None` if it does not
+    /// exist.
+    #[must_use]
+    pub fn obstacle_pose(&self, id: WorldId) -> Option<&Isometry3<f64>> {
+        match id {
+            WorldId::Obstacle(k) => self.obstacles.get(k)?.as_ref().map(|o| &o.2),
+            _ => None,
+        }
+    }
+
+    /// Returns id and name of all bodies: of the robot, then attached, then obstacles.
+    pub fn bodies(&self) -> impl Iterator<Item = (WorldId, &str)> {
+        let robot = self.robot.iter().enumerate();
+        let robot = robot.map(|(k, b)| (WorldId::Robot(k), b.0.as_str()));
+        let obstacles = self.obstacles.iter().enumerate();
+        let obstacles = obstacles.filter_map(|(k, o)| Some((WorldId::Obstacle(k), o.as_ref()?.0.as_str())));
+        robot
+            .chain(self.attached().map(|(id, object)| (id, object.name.as_str())))
+            .chain(obstacles)
+    }
+
+    /// Returns name and geometry of the robot bodies, in the order of the configuration space.
+    pub fn robot_bodies(&self) -> impl ExactSizeIterator<Item = (&str, &Geometry)> {
+        self.robot.iter().map(|(name, shape)| (name.as_str(), shape))
+    }
+
+    /// Returns the attached objects with their ids.
+    pub fn attached(&self) -> impl Iterator<Item = (WorldId, &AttachedObject)> {
+        let attached = self.attached.iter().enumerate();
+        attached.filter_map(|(k, object)| Some((WorldId::Attached(k), object.as_ref()?)))
+    }
+
+    /// Returns name, geometry and pose of the obstacles, without those that were removed. An
+    /// obstacle that moves has its first pose: see [`obstacle_motion`](Self::obstacle_motion).
+    ///
+    /// If none was removed, the k-th obstacle has the id `WorldId::Obstacle(k)`.
+    pub fn obstacles(&self) -> impl ExactSizeIterator<Item = (&str, &Geometry, &Isometry3<f64>)> {
+        let all: Vec<_> = self.obstacles.iter().flatten().collect();
+        all.into_iter().map(|(name, shape, pose)| (name.as_str(), shape, pose))
+    }
+
+    /// Returns what prints a body, a pair, a [`NearPair`](crate::NearPair) or a
+    /// [`Verdict`](crate::Verdict) with the names of the bodies.
+    ///
+    /// ```
+    /// # use lin_canny_plan::{World, WorldPair};
+    /// # use lin_canny::{Shape, nalgebra::Isometry3};
+    /// let mut world = World::new();
+    /// let hand = world.robot_body("hand", Shape::ball(0.1)?);
+    /// let post = world.obstacle("post", Shape::ball(0.2)?, Isometry3::identity());
+    /// let pair = WorldPair::new(post, hand).unwrap();
+    /// assert_eq!(world.show(&pair).to_string(), "hand and post");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn show<'a, T>(&'a self, value: &'a T) -> Named<'a, T> {
+        Named { world: self, value }
+    }
+
+    /// Returns the geometries of a pair of bodies that exist.
+    pub(crate) fn shapes(&self, pair: WorldPair) -> [&Geometry; 2] {
+        [self.shape(pair.a), self.shape(pair.b)]
+    }
+
+    /// Pairs that are measured have bodies that exist.
+    fn shape(&self, part: WorldId) -> &Geometry {
+        match part {
+            WorldId::Robot(k) => &self.robot[k].1,
+            WorldId::Attached(k) => self.attached[k].as_ref().map_or(&self.robot[0].1, |o| &o.geometry),
+            WorldId::Obstacle(k) => self.obstacles[k].as_ref().map_or(&self.robot[0].1, |o| &o.1),
+        }
+    }
+
+    /// Prepares the hull of a body that is new or has a new geometry, if it is a mesh.
+    pub(crate) fn note_hull(&mut self, id: WorldId) {
+        match self.geometry(id).is_some_and(|body| body.kind() == GeometryKind::Mesh) {
+            true => self.hulls.insert(id, MeshHull::default()),
+            false => self.hulls.remove(&id),
+        };
+    }
+
+    /// Returns the convex bodies that contain those of a pair, with hulls in place of meshes.
+    ///
+    /// Returns `None` if no body is a mesh, or if a body has no hull and is not convex.
+    pub(crate) fn hulls(&self, pair: WorldPair) -> Option<[&Geometry; 2]> {
+        if self.hulls.is_empty() {
+            return None;
+        }
+        let meshes = [pair.a, pair.b].map(|id| self.hulls.get(&id));
+        if meshes.iter().all(Option::is_none) {
+            return None;
+        }
+        let [a, b] = self.shapes(pair);
+        Some([hull(meshes[0], a)?, hull(meshes[1], b)?])
+    }
+
+    /// Returns whether a body is not convex, so that a distance costs many times a predicate.
+    pub(crate) fn has_parts(&self) -> bool {
+        let attached = self.attached.iter().flatten().map(|o| &o.geometry);
+        let obstacles = self.obstacles.iter().flatten().map(|o| &o.1);
+        !self
+            .robot
+            .iter()
+            .map(|b| &b.1)
+            .chain(attached)
+            .chain(obstacles)
+            .all(is_convex)
+    }
+
+    /// Returns an error if something refers to a body or frame that does not exist, or if a length
+    /// is out of range.
+    pub(crate) fn validate(&self) -> Result<(), PlanError> {
+        let has = |id: WorldId| match self.contains(id) {
+            true => Ok(()),
+            // The error says why.
+            false => self.select(id).map(|_| ()),
+        };
+        let bare = self.bare_frames();
+        let objects = self.attached().map(|(_, object)| (&object.name, &object.geometry));
+        let moving = self
+            .robot
+            .iter()
+            .map(|(name, geometry)| (name, geometry))
+            .chain(objects);
+        if let Some((name, _)) = moving.into_iter().find(|(_, g)| g.kind() == GeometryKind::HalfSpace) {
+            return Err(PlanError::Unbounded(name.clone()));
+        }
+        for (_, object) in self.attached() {
+            RelativePose::from_isometry(&object.pose)?;
+            match object.frame {
+                Frame::Robot(k) => has(WorldId::Robot(k))?,
+                Frame::Bare(k) if k < bare => {}
+                Frame::Bare(_) => {
+                    return Err(PlanError::Unnamed {
+                        name: object.link.clone(),
+                        near: None,
+                    });
+                }
+            }
+        }
+        for (_, frame) in self.frames.iter() {
+            if let Frame::Robot(k) = *frame {
+                has(WorldId::Robot(k))?;
+            }
+        }
+        let pairs = self.excluded.iter().chain(self.margins.keys());
+        for pair in pairs {
+            has(pair.a)?;
+            has(pair.b)?;
+            if WorldPair::new(pair.a, pair.b) != Some(*pair) {
+                return Err(PlanError::NoBody(pair.b));
+            }
+        }
+        self.paddings.keys().try_for_each(|id| has(*id))?;
+        for id in self.motions.keys() {
+            has(*id)?;
+            if self.obstacle_pose(*id).is_none() {
+                return Err(PlanError::NoBody(*id));
+            }
+        }
+        check_length("margin", self.margin)?;
+        self.margins
+            .values()
+            .try_for_each(|m| check_length("margin of a pair", *m))?;
+        self.paddings.values().try_for_each(|p| check_length("padding", *p))
+    }
+}
+
+/// Excluded pairs.
+impl World {
+    /// Excludes all pairs of a body of `a` and a body of `b`, and returns those that were measured
+    /// before.
+    ///
+    /// Excluded pairs are never measured and may touch, for example adjacent links of an arm. A
+    /// body that is added later is not excluded, even if it has the name.
+    ///
+    /// # Errors
+    /// Returns an error if no body has one of the names, or if it is the name of a link without
+    /// bodies. Then nothing changes.
+    #[doc(alias = "allow")]
+    #[doc(alias = "ignore")]
+    #[doc(alias = "allowed collision matrix")]
+    pub fn exclude<'a>(
+        &mut self,
+        a: impl Into<Select<'a>>,
+        b: impl Into<Select<'a>>,
+    ) -> Result<Vec<WorldPair>, PlanError> {
+        let mut pairs = self.pairs_of(a.into(), b.into())?;
+        pairs.retain(|pair| self.excluded.insert(*pair));
+        Ok(pairs)
+    }
+
+    /// Includes all pairs of a body of `a` and a body of `b` again, and returns those that were
+    /// excluded.
+    ///
+    /// # Errors
+    /// As [`exclude`](Self::exclude).
+    #[doc(alias = "disallow")]
+    pub fn include<'a>(
+        &mut self,
+        a: impl Into<Select<'a>>,
+        b: impl Into<Select<'a>>,
+    ) -> Result<Vec<WorldPair>, PlanError> {
+        let mut pairs = self.pairs_of(a.into(), b.into())?;
+        pairs.retain(|pair| self.excluded.remove(pair));
+        Ok(pairs)
+    }
+
+    /// Excludes all pairs for which `is_excluded` returns true.
+    ///
+    /// ```
+    /// # use lin_canny_plan::{World, WorldId};
+    /// # use lin_canny::{Shape, nalgebra::Isometry3};
+    /// let mut world = World::new();
+    /// let [arm, hand] = ["arm", "hand"].map(|name| world.robot_body(name, Shape::ball(0.1).unwrap()));
+    /// world.obstacle("post", Shape::ball(0.2)?, Isometry3::translation(1.0, 0.0, 0.0));
+    /// // The robot is checked against the post only.
+    /// world.exclude_if(|pair| matches!(pair.b, WorldId::Robot(_)));
+    /// assert!(world.excluded().eq([[arm, hand]]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn exclude_if(&mut self, is_excluded: impl Fn(WorldPair) -> bool) {
+        let all: Vec<WorldId> = self.bodies().map(|b| b.0).collect();
+        for (k, &a) in all.iter().enumerate() {
+            let pairs = all[k + 1..].iter().filter_map(|&b| WorldPair::new(a, b));
+            self.excluded.extend(pairs.filter(|pair| is_excluded(*pair)));
+        }
+    }
+
+    /// Returns the excluded pairs in ascending order, each with the smaller id first.
+    ///
+    /// Pairs of bodies that keep their relative pose are never measured, and are not in this view
+    /// unless they are excluded as well.
+    #[doc(alias = "allow")]
+    #[doc(alias = "allowed collision matrix")]
+    pub fn excluded(&self) -> impl ExactSizeIterator<Item = [WorldId; 2]> {
+        self.excluded.iter().map(|pair| [pair.a, pair.b])
+    }
+
+    /// Returns the names of excluded pairs: each two names once, if all their pairs are excluded.
+    #[must_use]
+    #[doc(alias = "allowed collision matrix")]
+    pub fn excluded_names(&self) -> Vec<[&str; 2]> {
+        let mut counts: BTreeMap<[&str; 2], usize> = BTreeMap::new();
+        for pair in &self.excluded {
+            let mut names = [self.name(pair.a), self.name(pair.b)];
+            names.sort_unstable();
+            *counts.entry(names).or_default() += 1;
+        }
+        let mut of_name: BTreeMap<&str, Vec<WorldId>> = BTreeMap::new();
+        for (id, name) in self.bodies() {
+            of_name.entry(name).or_default().push(id);
+        }
+        let is_whole = |names: &[&str; 2], count: usize| {
+            let pairs = of_name[names[0]]
+                .iter()
+                .flat_map(|a| of_name[names[1]].iter().map(move |b| (*a, *b)));
+            let pairs: BTreeSet<_> = pairs.filter_map(|(a, b)| WorldPair::new(a, b)).collect();
+            pairs.len() == count
+        };
+        let whole = counts.into_iter().filter(|(names, count)| is_whole(names, *count));
+        whole.map(|(names, _)| names).collect()
+    }
+
+    fn pairs_of(&self, a: Select<'_>, b: Select<'_>) -> Result<Vec<WorldPair>, PlanError> {
+        let (first, second) = (self.select(a)?, self.select(b)?);
+        let pairs = first.iter().flat_map(|x| second.iter().map(move |y| (*x, *y)));
+        let pairs: BTreeSet<_> = pairs.filter_map(|(x, y)| WorldPair::new(x, y)).collect();
+        Ok(pairs.into_iter().collect())
+    }
+}
+
+/// Margins.
+impl World {
+    /// Sets the distance that every pair without an explicit margin must keep. The default is 0.
+    ///
+    /// # Errors
+    /// Returns an error if the margin is negative or not finite.
+    pub fn set_margin(&mut self, margin: f64) -> Result<(), PlanError> {
+        check_length("margin", margin)?;
+        self.margin = margin;
+        Ok(())
+    }
+
+    /// Returns the distance that every pair without an explicit margin must keep.
+    #[must_use]
+    pub fn margin(&self) -> f64 {
+        self.margin
+    }
+
+    /// Sets the padding of bodies, and returns them: all their pairs must keep so much more.
+    ///
+    /// The padded body is the body with a rounded layer of this thickness. The default is 0.
+    ///
+    /// # Errors
+    /// Returns an error if the padding is negative or not finite, or if a body does not exist. Then
+    /// nothing changes.
+    pub fn pad<'a>(&mut self, bodies: impl Into<Select<'a>>, padding: f64) -> Result<Vec<WorldId>, PlanError> {
+        check_length("padding", padding)?;
+        let found = self.select(bodies)?;
+        for id in &found {
+            if padding > 0.0 {
+                self.paddings.insert(*id, padding);
+            } else {
+                self.paddings.remove(id);
+            }
+        }
+        Ok(found)
+    }
+
+    /// Returns the padding of a body.
+    #[must_use]
+    pub fn padding(&self, id: WorldId) -> f64 {
+        self.paddings.get(&id).copied().unwrap_or(0.0)
+    }
+
+    /// Returns the bodies with a padding above 0, in ascending order.
+    pub fn paddings(&self) -> impl ExactSizeIterator<Item = (WorldId, f64)> {
+        self.paddings.iter().map(|(id, padding)| (*id, *padding))
+    }
+
+    /// Returns the pairs with an explicit margin, in ascending order.
+    pub fn margins(&self) -> impl ExactSizeIterator<Item = (WorldPair, f64)> {
+        self.margins.iter().map(|(pair, margin)| (*pair, *margin))
+    }
+
+    /// Sets or removes the explicit margin of all pairs of a body of `a` and a body of `b`, and
+    /// returns the pairs. It replaces the [`margin`](Self::margin).
+    ///
+    /// # Errors
+    /// Returns an error if the margin is negative or not finite, or if a body does not exist. Then
+    /// nothing changes.
+    pub fn set_pair_margin<'a>(
+        &mut self,
+        a: impl Into<Select<'a>>,
+        b: impl Into<Select<'a>>,
+        margin: Option<f64>,
+    ) -> Result<Vec<WorldPair>, PlanError> {
+        check_length("margin of a pair", margin.unwrap_or(0.0))?;
+        let pairs = self.pairs_of(a.into(), b.into())?;
+        for pair in &pairs {
+            match margin {
+                Some(margin) => self.margins.insert(*pair, margin),
+                None => self.margins.remove(pair),
+            };
+        }
+        Ok(pairs)
+    }
+
+    /// Returns the explicit margin of a pair.
+    #[must_use]
+    pub fn pair_margin(&self, pair: WorldPair) -> Option<f64> {
+        self.margins.get(&pair).copied()
+    }
+
+    /// Returns the distance that a pair must keep: its explicit margin, or else the margin of all
+    /// pairs, plus the paddings of both bodies.
+    #[must_use]
+    pub fn kept_distance(&self, pair: WorldPair) -> f64 {
+        let margin = self.pair_margin(pair).unwrap_or(self.margin);
+        let pads = [pair.a, pair.b].map(|id| self.padding(id));
+        if pads == [0.0; 2] {
+            return margin;
+        }
+        // Rounded up, so that no verdict allows less than the sum.
+        (margin + (pads[0] + pads[1]) * (1.0 + 2.0 * f64::EPSILON)).next_up()
+    }
+
+    /// Returns an upper bound of what a pair with an obstacle must keep without the padding of the
+    /// other body, and a lower bound of what any pair must keep.
+    pub(crate) fn kept_bounds(&self) -> (f64, f64) {
+        let margins = || self.margins.values().copied();
+        let most = margins().fold(self.margin, f64::larger);
+        let pads = self
+            .paddings
+            .iter()
+            .filter(|(id, _)| matches!(id, WorldId::Obstacle(_)));
+        let pad = pads.map(|(_, pad)| *pad).fold(0.0, f64::larger);
+        (most + pad, margins().fold(self.margin, f64::smaller))
+    }
+}
+
+/// Returns the convex body that contains a body: itself or its hull.
+fn hull<'a>(mesh: Option<&'a MeshHull>, shape: &'a Geometry) -> Option<&'a Geometry> {
+    match mesh {
+        Some(hull) => hull.of(shape),
+        None => Some(shape).filter(|shape| is_convex(shape)),
+    }
+}
+
+/// Returns the entries of a map whose keys are kept.
+fn entries<K: Copy + Ord, V: Clone>(map: &BTreeMap<K, V>, is_kept: impl Fn(&K) -> bool) -> BTreeMap<K, V> {
+    let kept = map.iter().filter(|(key, _)| is_kept(key));
+    kept.map(|(key, value)| (*key, value.clone())).collect()
+}
+
+fn is_convex(shape: &Geometry) -> bool {
+    matches!(
+        shape,
+        Geometry::Polyhedron(_) | Geometry::Convex(_) | Geometry::HalfSpace(_)
+    )
+}
+
+/// Returns the pose with a normalised rotation. A rotation that was normalised before keeps its
+/// bits, so that a world that was saved is the same when it is loaded.
+fn normalized_once(pose: &Isometry3<f64>) -> Isometry3<f64> {
+    // Components of a normalised quaternion err by less than 5 units of rounding.
+    match (pose.rotation.norm_squared() - 1.0).abs() <= 8.0 * f64::EPSILON {
+        true => *pose,
+        false => normalize_rotation(pose),
+    }
+}
+
+/// Returns an error if a length is negative or not finite.
+pub(crate) fn check_length(what: &'static str, value: f64) -> Result<(), PlanError> {
+    match (0.0..=EXTENT_MAX).contains(&value) {
+        true => Ok(()),
+        false => Err(PlanError::Value { what, value }),
+    }
+}
+
+/// Prints a value with the names of its bodies: see [`World::show`].
+#[derive(Clone, Copy, Debug)]
+pub struct Named<'a, T> {
+    pub(crate) world: &'a World,
+    pub(crate) value: &'a T,
+}
+
+impl fmt::Display for Named<'_, WorldId> {
+    /// Writes the name; an id without a name as such.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.world.name(*self.value) {
+            "" => self.value.fmt(f),
+            name => f.pad(name),
+        }
+    }
+}
+
+impl fmt::Display for Named<'_, WorldPair> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [a, b] = [&self.value.a, &self.value.b].map(|id| self.world.show(id));
+        write!(f, "{a} and {b}")
+    }
+}
+
+/// A world as it is stored: lists, checked when they are read. Removed bodies keep their places, so
+/// that ids stay. No field is left out: formats without field names need all of them.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename = "World")]
+struct StoredWorld {
+    robot: Vec<(String, Geometry)>,
+    frames: Vec<(String, Frame)>,
+    attached: Vec<Option<AttachedObject>>,
+    obstacles: Vec<Option<(String, Geometry, Isometry3<f64>)>>,
+    #[serde(default)]
+    motions: Vec<(WorldId, TimedPoses)>,
+    excluded: Vec<WorldPair>,
+    margin: f64,
+    paddings: Vec<(WorldId, f64)>,
+    margins: Vec<(WorldPair, f64)>,
+}
+
+#[cfg(feature = "serde")]
+impl From<World> for StoredWorld {
+    fn from(world: World) -> Self {
+        Self {
+            robot: Arc::unwrap_or_clone(world.robot),
+            frames: Arc::unwrap_or_clone(world.frames),
+            attached: world.attached,
+            obstacles: world.obstacles,
+            motions: world.motions.into_iter().collect(),
+            excluded: world.excluded.into_iter().collect(),
+            margin: world.margin,
+            paddings: world.paddings.into_iter().collect(),
+            margins: world.margins.into_iter().collect(),
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredWorld> for World {
+    type Error = PlanError;
+
+    fn try_from(stored: StoredWorld) -> Result<Self, PlanError> {
+        let mut world = Self {
+            robot: stored.robot.into(),
+            frames: stored.frames.into(),
+            attached: stored.attached,
+            obstacles: stored.obstacles,
+            motions: stored.motions.into_iter().collect(),
+            hulls: BTreeMap::new(),
+            excluded: stored.excluded.into_iter().collect(),
+            margin: stored.margin,
+            paddings: stored.paddings.into_iter().collect(),
+            margins: stored.margins.into_iter().collect(),
+        };
+        world.validate()?;
+        let bodies: Vec<WorldId> = world.bodies().map(|body| body.0).collect();
+        bodies.into_iter().for_each(|id| world.note_hull(id));
+        Ok(world)
+    }
+}

@@ -1,0 +1,968 @@
+//! The checker: proves segments free over their whole length.
+
+use core::ops::Range;
+use std::collections::BTreeMap;
+use std::vec::Vec;
+
+use nalgebra::{Isometry3, Point3};
+
+use crate::cell::range_body::RangeBody;
+use crate::cell::world::{Named, World};
+use crate::check::boxes::{GROWN, PlacedBox};
+use crate::check::pairs::{PairKey, Pairs, Places, Stretch, cut, cut_at_knots};
+use crate::check::sweep::Sweep;
+use crate::check::verdict::{CheckWork, LeavingPair, Verdict};
+use crate::error::PlanError;
+use crate::extremes::Extremes;
+use crate::motion::carried::CarriedMotion;
+use crate::motion::carried::PartMotion;
+use crate::motion::curve::JointCurve;
+use crate::motion::space::{BodyBall, BodyMotion, ConfigurationSpace, SegmentMotion};
+use crate::motion::tube::JointTube;
+use crate::names::{WorldId, WorldPair};
+use lin_canny::impact::{Cast, CastOptions, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
+use lin_canny::motion::Motion;
+use lin_canny::separation::{Measurement, Proof, Separation};
+use lin_canny::{EXTENT_MAX, MovingPair, Operand, RelativePose};
+
+/// Width of the bracket of a contact, in units of the sum of both radii. Free segments that come
+/// closer than this need more queries. Not measured.
+const CONTACT: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// Number of recent collisions that are tested first at the next configuration. The first few of
+/// them are tested before any box. Not measured.
+pub(crate) const HITS: usize = 16;
+pub(crate) const HITS_FIRST: usize = 2;
+
+/// Least number of parts of a curve with a tube of joints, a power of two. Not measured.
+const TUBE_PARTS: u32 = 16;
+
+/// The proof that a pair stays apart on a segment: consecutive certificates from time 0 to 1.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct PairProof {
+    /// The pair.
+    pub pair: WorldPair,
+    /// The certificates, in order of time.
+    pub certificates: Vec<Certificate>,
+}
+
+/// Checks motions of a robot among obstacles, with one tracker per pair.
+pub struct Checker<C> {
+    pub(crate) space: C,
+    pub(crate) world: World,
+    pub(crate) pairs: Pairs,
+    /// What all pairs must keep in addition: inside a tube.
+    pub(crate) tube: f64,
+    /// How much each coordinate may deviate: inside a tube of joints.
+    pub(crate) joint_tube: Option<JointTube>,
+    pub(crate) start_contact_margin: Option<f64>,
+    /// The time at which configurations are queried.
+    pub(crate) time: Option<f64>,
+    pub(crate) work: CheckWork,
+    /// Scratch memory: pairs to check, and poses.
+    pub(crate) candidates: Vec<usize>,
+    stretches: Vec<Stretch>,
+    /// The boxes of the movers along the last motion.
+    sweep: Sweep,
+    pub(crate) poses: Vec<Isometry3<f64>>,
+    /// The balls around the movers at a configuration, and the boxes that were needed.
+    pub(crate) placed_balls: Vec<(Point3<f64>, f64)>,
+    pub(crate) placed_boxes: Vec<Option<PlacedBox>>,
+    /// Pairs that were not free at single configurations, the latest first.
+    pub(crate) hits: Vec<usize>,
+    /// Scratch memory: ranks among the recent collisions and distances of balls, with their pairs.
+    pub(crate) order: Vec<(usize, f64, PairKey, usize)>,
+    /// Distance within which the last clearance was found; the next search starts with it.
+    pub(crate) reach: f64,
+    /// Whether predicates run before distances.
+    pub(crate) has_parts: bool,
+    /// Bodies that proofs over ranges have prepared.
+    pub(crate) range_bodies: BTreeMap<WorldId, RangeBody>,
+}
+
+impl<C: ConfigurationSpace> Checker<C> {
+    /// Returns the checker of a robot in a world.
+    ///
+    /// # Errors
+    /// Returns an error if the space and the world have different numbers of robot bodies, if a
+    /// pose is out of range, or if two kinds of geometry cannot be measured.
+    pub fn new(mut space: C, world: World) -> Result<Self, PlanError> {
+        world.validate()?;
+        let bodies = world.robot.len() + world.bare_frames();
+        if space.bodies() != bodies {
+            return Err(PlanError::Bodies {
+                space: space.bodies(),
+                world: bodies,
+            });
+        }
+        let mut pairs = Pairs::new(&world, bodies);
+        let middles = pairs.mover_balls.iter();
+        let middles: Vec<_> = middles.map(|ball| ball.map_or(Point3::origin(), |b| b.0)).collect();
+        space.set_middles(&middles);
+        for k in 0..world.attached.len() {
+            pairs.set_attached(&world, k);
+        }
+        for k in 0..world.obstacles.len() {
+            pairs.set_obstacle(&world, k)?;
+        }
+        pairs.step_boxes();
+        pairs.take_margins(&world);
+        let mut checker = Self {
+            reach: pairs.robot_radius,
+            has_parts: world.has_parts(),
+            space,
+            world,
+            pairs,
+            tube: 0.0,
+            joint_tube: None,
+            start_contact_margin: None,
+            time: None,
+            work: CheckWork::default(),
+            candidates: Vec::new(),
+            stretches: Vec::new(),
+            sweep: Sweep::default(),
+            poses: Vec::new(),
+            placed_balls: Vec::new(),
+            placed_boxes: Vec::new(),
+            hits: Vec::new(),
+            order: Vec::new(),
+            range_bodies: BTreeMap::new(),
+        };
+        checker.set_all_pairs();
+        Ok(checker)
+    }
+
+    /// Returns another checker of the same robot and world, for example for another thread.
+    ///
+    /// It has the margins, the accepted contacts, the time and the boxes of pairs of this checker, and
+    /// no cached state: each answer has the bits of an answer after [`forget`](Self::forget).
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::Isometry3;
+    /// # use lin_canny::Shape;
+    /// # use lin_canny_plan::{Checker, TranslationSpace, World};
+    /// # let mut world = World::new();
+    /// # world.robot_body("drone", Shape::ball(0.1)?);
+    /// # world.obstacle("mast", Shape::ball(0.1)?, Isometry3::identity());
+    /// # let space = TranslationSpace::new([[-4.0, 4.0]; 3], Default::default(), 1)?;
+    /// # let mut checker = Checker::new(space, world)?;
+    /// checker.set_margin(0.5)?;
+    /// let mut other = checker.fork()?;
+    /// assert!(!other.is_free_at(&[0.6, 0.0, 0.0])?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error as [`new`](Self::new) and [`set_time`](Self::set_time) do.
+    pub fn fork(&self) -> Result<Self, PlanError>
+    where
+        C: Clone,
+    {
+        let mut other = Self::new(self.space.clone(), self.world.clone())?;
+        other.start_contact_margin = self.start_contact_margin;
+        if let Some(time) = self.time {
+            other.set_time(time)?;
+        }
+        for tracked in self.pairs.own.values().map(|k| &self.pairs.all[*k]) {
+            if let Some(boxes) = &tracked.apart {
+                other.pairs.set_apart(tracked.pair, boxes);
+            }
+        }
+        Ok(other)
+    }
+
+    /// Sets the distance that every pair without an explicit margin must keep. Closer counts as
+    /// blocked. The default is 0.
+    ///
+    /// # Errors
+    /// Returns an error if the margin is negative or not finite.
+    pub fn set_margin(&mut self, margin: f64) -> Result<(), PlanError> {
+        self.world.set_margin(margin)?;
+        self.margins_changed();
+        for index in self.pairs.ordered() {
+            self.pairs.all[index].kept = self.world.kept_distance(self.pairs.all[index].pair);
+        }
+        Ok(())
+    }
+
+    /// Returns the distance that every pair without an explicit margin must keep.
+    #[must_use]
+    pub fn margin(&self) -> f64 {
+        self.world.margin()
+    }
+
+    /// Accepts contacts at the start of a segment, for example of a part that is lifted from a
+    /// table.
+    ///
+    /// A pair that is within this distance at the start of a segment, or overlaps by no more, is
+    /// accepted if it is proven not to come closer than at the start, minus `2^-30` of the pair
+    /// size, until it has left the margin. From then on it must keep its distance like any other
+    /// pair. Sliding along a face is accepted too. [`Verdict::Free`] lists such pairs. A contact with
+    /// a moving obstacle is never accepted.
+    ///
+    /// The option acts on segments ([`certify`](Self::certify), [`is_free`](Self::is_free),
+    /// [`prove`](Self::prove), [`certify_path`](Self::certify_path)), not on configurations
+    /// ([`is_free_at`](Self::is_free_at)), tubes or [`clearance_along`](Self::clearance_along). To
+    /// put a part down, certify the motion from the contact, in reverse.
+    /// [`PairTracker::cast_from_contact`](lin_canny::PairTracker::cast_from_contact) gives the
+    /// details. The default is `None`: no contact is accepted.
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// # use lin_canny::polyhedron::solids;
+    /// # use lin_canny_plan::{Checker, RigidSpace, Verdict, World};
+    /// # let mut world = World::new();
+    /// # world.robot_body("part", solids::cuboid(Vector3::new(0.1, 0.1, 0.1))?);
+    /// # let table = solids::cuboid(Vector3::new(1.0, 1.0, 0.1))?;
+    /// # world.obstacle("table", table, Isometry3::translation(0.0, 0.0, -0.1));
+    /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, world)?;
+    /// let at = |x: f64, z: f64| [x, 0.0, z, 0.0, 0.0, 0.0, 1.0];
+    /// let (table, above) = (at(0.0, 0.1), at(0.0, 0.5));
+    /// assert!(!checker.certify(&table, &above)?.is_free());
+    /// checker.set_start_contact_margin(Some(1e-3))?;
+    /// let verdict = checker.certify(&table, &above)?;
+    /// assert!(matches!(verdict, Verdict::Free { start_contacts, .. } if start_contacts.len() == 1));
+    /// assert!(checker.certify(&table, &at(0.5, 0.1))?.is_free());
+    /// assert!(!checker.certify(&table, &at(0.5, 0.09))?.is_free());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error if the margin is negative or not finite.
+    pub fn set_start_contact_margin(&mut self, margin: Option<f64>) -> Result<(), PlanError> {
+        if let Some(value) = margin
+            && !(0.0..=EXTENT_MAX).contains(&value)
+        {
+            let what = "start contact margin";
+            return Err(PlanError::Value { what, value });
+        }
+        self.start_contact_margin = margin;
+        Ok(())
+    }
+
+    /// Returns the margin within which contacts at the start of a segment are accepted.
+    #[must_use]
+    pub fn start_contact_margin(&self) -> Option<f64> {
+        self.start_contact_margin
+    }
+
+    /// Returns the distance that a pair must keep, inside a tube as well.
+    pub(crate) fn kept(&self, index: usize) -> f64 {
+        let kept = self.pairs.all[index].kept;
+        match self.tube > 0.0 {
+            true => (kept + self.tube).next_up(),
+            false => kept,
+        }
+    }
+
+    /// Returns the distance that a pair must keep during an interval, inside a tube of joints as
+    /// well.
+    fn kept_along(&self, index: usize, segment: &C::Segment, interval: &Range<f64>) -> f64 {
+        let kept = self.kept(index);
+        let Some(tube) = &self.joint_tube else { return kept };
+        let ball = |part: WorldId| {
+            let mover = self.pairs.places.mover(part)?;
+            let (body, carried) = self.pairs.places.carrier(mover);
+            Some(BodyBall::new(self.pairs.ball(part), body, carried))
+        };
+        let pair = self.pairs.all[index].pair;
+        let span = (interval.end - interval.start).next_up();
+        let tube = tube.over(interval.start, span);
+        let spread = ball(pair.a).and_then(|a| segment.spread(a, ball(pair.b), interval.start, span, &tube));
+        kept + spread.unwrap_or(f64::INFINITY)
+    }
+
+    /// Returns the number of parts in which pairs are cast: more in a tube of joints, whose width
+    /// depends on the configuration.
+    fn parts(&self, segment: &C::Segment) -> u32 {
+        let least = if self.joint_tube.is_none() { 1 } else { TUBE_PARTS };
+        segment.parts().max(least)
+    }
+
+    /// Returns the intervals in which a pair is cast: equal parts of the times 0 to 1, cut where the
+    /// motion of a moving obstacle changes.
+    pub(crate) fn intervals(&self, index: usize, parts: u32) -> Vec<Range<f64>> {
+        let obstacle = self.pairs.all[index].pair.b;
+        let mut all = Vec::new();
+        for Range { start, end } in parts_of_time(parts) {
+            let mut from = start;
+            for at in self.pairs.places.knots(obstacle, start, end) {
+                all.push(from..at);
+                from = at;
+            }
+            all.push(from..end);
+        }
+        all
+    }
+
+    /// Returns whether a pair is one with a moving obstacle.
+    fn is_moving(&self, index: usize) -> bool {
+        self.world.obstacle_motion(self.pairs.all[index].pair.b).is_some()
+    }
+
+    /// Sets the time on the clock at which configurations are queried: moving obstacles are at their
+    /// poses at this time. Curves have times of their own.
+    ///
+    /// # Errors
+    /// Returns an error if the time is not finite, or if a moving obstacle has no pose at this time
+    /// ([`PlanError::PoseTime`]). Then nothing changes.
+    pub fn set_time(&mut self, time: f64) -> Result<(), PlanError> {
+        if !(time.abs() <= EXTENT_MAX) {
+            let what = "time";
+            return Err(PlanError::Value { what, value: time });
+        }
+        self.place_moving(time)?;
+        self.time = Some(time);
+        Ok(())
+    }
+
+    /// Returns the time at which configurations are queried.
+    #[must_use]
+    pub fn time(&self) -> Option<f64> {
+        self.time
+    }
+
+    /// Returns an error if an obstacle moves, and there is no time to query configurations.
+    pub(crate) fn check_time(&self) -> Result<(), PlanError> {
+        match self.time {
+            Some(_) => Ok(()),
+            None => self.world.check_at_rest(),
+        }
+    }
+
+    /// Puts all moving obstacles at their poses at a time.
+    pub(crate) fn place_moving(&mut self, time: f64) -> Result<(), PlanError> {
+        let each = self.world.motions.keys().map(|&id| self.pose_at(id, time));
+        let placed: Vec<(WorldId, Isometry3<f64>)> = each.collect::<Result<_, _>>()?;
+        for (id, pose) in placed {
+            if let WorldId::Obstacle(k) = id {
+                self.pairs.place_obstacle(k, &pose);
+            }
+        }
+        Ok(())
+    }
+
+    fn pose_at(&self, id: WorldId, time: f64) -> Result<(WorldId, Isometry3<f64>), PlanError> {
+        let poses = self.world.obstacle_motion(id);
+        let pose = poses.and_then(|poses| poses.at(time));
+        pose.map(|pose| (id, pose)).ok_or_else(|| self.no_pose(id, time))
+    }
+
+    pub(crate) fn no_pose(&self, id: WorldId, time: f64) -> PlanError {
+        let [from, until] = self.world.obstacle_motion(id).map_or([0.0; 2], |poses| poses.ends());
+        PlanError::PoseTime {
+            name: self.world.name(id).into(),
+            time,
+            from,
+            until,
+        }
+    }
+
+    /// Sets the motions of the obstacles along a curve that runs between these times on the clock.
+    fn set_parts(&mut self, times: [f64; 2]) -> Result<(), PlanError> {
+        for (&id, poses) in &self.world.motions {
+            let WorldId::Obstacle(k) = id else { continue };
+            let Some(parts) = poses.parts(times) else {
+                let is_covered = poses.at(times[0]).is_some();
+                return Err(self.no_pose(id, times[usize::from(is_covered)]));
+            };
+            self.pairs.places.parts[k] = parts;
+        }
+        Ok(())
+    }
+
+    /// Returns the configuration space.
+    #[must_use]
+    pub fn space(&self) -> &C {
+        &self.space
+    }
+
+    /// Returns the world.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// Returns the name of a body.
+    #[must_use]
+    pub fn name(&self, part: WorldId) -> &str {
+        self.world.name(part)
+    }
+
+    /// Returns what prints a body, a pair, a [`NearPair`](crate::NearPair) or a [`Verdict`] with
+    /// the names of the bodies: see [`World::show`].
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::Isometry3;
+    /// # use lin_canny::Shape;
+    /// # use lin_canny_plan::{Checker, RigidSpace, World};
+    /// # let mut world = World::new();
+    /// # world.robot_body("drone", Shape::ball(0.1)?);
+    /// # world.obstacle("mast", Shape::ball(0.1)?, Isometry3::identity());
+    /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, world)?;
+    /// let [p, q] = [-1.0, 1.0].map(|x| [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+    /// let verdict = checker.certify(&p, &q)?;
+    /// assert!(checker.show(&verdict).to_string().starts_with("blocked by drone and mast at 0.4"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn show<'a, T>(&'a self, value: &'a T) -> Named<'a, T> {
+        self.world.show(value)
+    }
+
+    /// Returns the counts of work since the checker was made.
+    #[must_use]
+    pub fn work(&self) -> CheckWork {
+        CheckWork {
+            pairs_made: self.pairs.made,
+            ..self.work
+        }
+    }
+
+    /// Drops all cached state: the next call returns, bit for bit, what a new checker would.
+    ///
+    /// Call it before each configuration to make results independent of order, threads and
+    /// machines. The call itself is cheap, but trackers then save no time between neighbouring
+    /// configurations. Without it, classes and predicates are the same; only the last bits of
+    /// distances may differ.
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// # use lin_canny::polyhedron::solids;
+    /// # use lin_canny_plan::{Checker, RigidSpace, World};
+    /// # let mut world = World::new();
+    /// # world.robot_body("plank", solids::cuboid(Vector3::new(0.5, 0.1, 0.1))?);
+    /// # world.obstacle("wall", solids::cuboid(Vector3::new(0.1, 1.0, 1.0))?, Isometry3::translation(2.0, 0.0, 0.0));
+    /// # let space = RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?;
+    /// # let mut checker = Checker::new(space, world)?;
+    /// # let [p, q] = [[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], [1.0, 0.1, 0.0, 0.0, 0.0, 0.6, 0.8]];
+    /// let first = checker.clearance(&p)?;
+    /// checker.clearance(&q)?;
+    /// checker.forget();
+    /// assert_eq!(checker.clearance(&p)?, first);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn forget(&mut self) {
+        self.pairs.forget();
+        self.hits.clear();
+        self.range_bodies.clear();
+        self.reach = self.pairs.robot_radius;
+    }
+
+    /// Returns whether the segment between two configurations is free, blocked at a time, or
+    /// unknown.
+    ///
+    /// The verdict covers the whole length of the segment. A blocked segment is proven free up to
+    /// `safe`, so the reported contact is the first.
+    ///
+    /// # Errors
+    /// Returns an error if a configuration is invalid.
+    pub fn certify(&mut self, from: &[f64], to: &[f64]) -> Result<Verdict, PlanError> {
+        let segment = self.segment(from, to)?;
+        self.judged(&segment, Some([from, to]), false)
+    }
+
+    /// Returns whether the segment between two configurations is proven free.
+    ///
+    /// Does not search for the first contact. A predicate costs less than a proof, so the middle
+    /// configuration is tested first ([`is_free_at`](Self::is_free_at)), and the last one if a body
+    /// is not convex.
+    ///
+    /// # Errors
+    /// Returns an error if a configuration is invalid.
+    pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
+        self.check_ends(from, to)?;
+        if self.has_parts && self.samples_first() && !self.is_free_at(to)? {
+            self.work.segments += 1;
+            return Ok(false);
+        }
+        self.is_free_inside(from, to)
+    }
+
+    /// Returns whether a segment is proven free whose last configuration is free.
+    pub(crate) fn is_free_inside(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
+        if self.samples_first() && !self.is_free_at(&self.space.between(from, to, 0.5))? {
+            self.work.segments += 1;
+            return Ok(false);
+        }
+        self.is_proven_free(from, to)
+    }
+
+    /// Returns whether a segment is proven free.
+    pub(crate) fn is_proven_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
+        let segment = self.segment(from, to)?;
+        Ok(self.judged(&segment, Some([from, to]), true)?.is_free())
+    }
+
+    /// Returns whether predicates at single configurations come before the proof of a segment.
+    fn samples_first(&self) -> bool {
+        self.start_contact_margin.is_none()
+    }
+
+    /// Returns the proof that a segment is free: the certificates of all pairs.
+    ///
+    /// Returns `None` if the segment is not proven free. The proof contains pairs whose boxes never
+    /// overlap as well, so it does not depend on the boxes.
+    ///
+    /// # Errors
+    /// Returns an error if a configuration is invalid.
+    pub fn prove(&mut self, from: &[f64], to: &[f64]) -> Result<Option<Vec<PairProof>>, PlanError> {
+        self.prove_until(from, to, 1.0)
+    }
+
+    /// Returns the proof that a segment is free up to a time: the certificates of all pairs from 0
+    /// until `until`.
+    ///
+    /// If the segment is blocked, it is free up to the time `safe` of its [`Verdict::Blocked`].
+    /// Returns `None` if a pair is not proven apart until then. `prove_until(from, to, 1.0)` is
+    /// [`prove`](Self::prove).
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
+    /// # use lin_canny::polyhedron::solids;
+    /// # use lin_canny_plan::{Checker, TranslationSpace, Verdict, World};
+    /// # let die = solids::cuboid(Vector3::repeat(0.5))?;
+    /// # let mut world = World::new();
+    /// # world.robot_body("die", die.clone());
+    /// # world.obstacle("block", die, Isometry3::translation(3.0, 0.0, 0.0));
+    /// # let bounds = [[-9.0, 9.0]; 3];
+    /// # let space = TranslationSpace::new(bounds, UnitQuaternion::identity(), 1)?;
+    /// # let mut checker = Checker::new(space, world)?;
+    /// let (from, to) = ([0.0; 3], [6.0, 0.1, 0.0]);
+    /// let Verdict::Blocked { safe, .. } = checker.certify(&from, &to)? else {
+    ///     panic!("the block is in the way")
+    /// };
+    /// let proofs = checker.prove_until(&from, &to, safe)?.expect("free so far");
+    /// let last = proofs[0].certificates.last().expect("a certificate");
+    /// assert_eq!(last.until, safe);
+    /// assert!(checker.prove(&from, &to)?.is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error if a configuration is invalid, or if `until` is not a number from 0 to 1.
+    pub fn prove_until(&mut self, from: &[f64], to: &[f64], until: f64) -> Result<Option<Vec<PairProof>>, PlanError> {
+        if !(0.0..=1.0).contains(&until) {
+            let what = "end of the proven time";
+            return Err(PlanError::Value { what, value: until });
+        }
+        let segment = self.segment(from, to)?;
+        self.proven(&segment, until)
+    }
+
+    pub(crate) fn proven(&mut self, segment: &C::Segment, until: f64) -> Result<Option<Vec<PairProof>>, PlanError> {
+        let mut proofs = Vec::new();
+        for k in self.pairs.ordered() {
+            let mut certificates = Vec::new();
+            let start_contact = self.start_contact_margin.filter(|_| !self.is_moving(k));
+            let parts = if start_contact.is_none() { segment.parts() } else { 1 };
+            for mut part in self.intervals(k, parts) {
+                if part.start >= until && part.start > 0.0 {
+                    break;
+                }
+                part.end = part.end.smaller(until);
+                let kept = self.kept(k);
+                let found = self.cast(k, segment, part, kept, start_contact, Some(&mut certificates))?;
+                if found.impact != Impact::Miss {
+                    return Ok(None);
+                }
+            }
+            let pair = self.pairs.all[k].pair;
+            proofs.push(PairProof { pair, certificates });
+        }
+        Ok(Some(proofs))
+    }
+
+    /// Returns whether a curve is free, blocked at a time, or unknown: see
+    /// [`certify`](Self::certify).
+    ///
+    /// The verdict covers the whole curve, not samples of it. Times are those of the curve.
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// # use lin_canny::polyhedron::solids;
+    /// use lin_canny_plan::{Checker, Joint, JointCurve, JointTree, World};
+    ///
+    /// // A block on two rails, x and y.
+    /// let origin = Isometry3::identity();
+    /// let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
+    /// let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
+    /// let block = JointTree::serial(origin, rails, vec![2], 0.1)?;
+    /// let mut world = World::new();
+    /// world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
+    /// let post = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
+    /// world.obstacle("post", post, Isometry3::identity());
+    /// let mut checker = Checker::new(block, world)?;
+    ///
+    /// // The lowest point of this parabola is half as high as its middle control point.
+    /// let over = |y: f64| JointCurve::bezier(&[[-2.0, 0.0], [0.0, y], [2.0, 0.0]]);
+    /// assert!(checker.certify_curve(&over(1.7)?)?.is_free());
+    /// assert!(!checker.certify_curve(&over(1.1)?)?.is_free());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error if the curve has a wrong number of coordinates, if a coordinate leaves its
+    /// bounds at any time ([`PlanError::CurveLimit`]), or if the space follows straight segments
+    /// only ([`PlanError::CurveDegree`]).
+    pub fn certify_curve(&mut self, curve: &JointCurve) -> Result<Verdict, PlanError> {
+        self.judged_curve(curve, false)
+    }
+
+    /// Judges a curve; if it stays on a straight segment, the segment first, whose proof takes fewer
+    /// queries.
+    pub(crate) fn judged_curve(&mut self, curve: &JointCurve, any: bool) -> Result<Verdict, PlanError> {
+        let motion = self.curve(curve)?;
+        if let Some(straight) = self.straightened(curve)? {
+            let verdict = self.judged(&straight, None, true)?;
+            if verdict.is_free() {
+                return Ok(verdict);
+            }
+            self.work.segments -= 1;
+        }
+        self.judged(&motion, None, any)
+    }
+
+    /// Returns the motion along the straight segment on which a curve stays, if its proof is one of
+    /// the curve: contacts that are left have their times on the curve, and obstacles that move theirs.
+    fn straightened(&self, curve: &JointCurve) -> Result<Option<C::Segment>, PlanError> {
+        if self.start_contact_margin.is_some() || !self.world.motions.is_empty() {
+            return Ok(None);
+        }
+        let straight = curve.straightened();
+        straight.map(|straight| self.space.curve(&straight)).transpose()
+    }
+
+    /// Returns the proof that a curve is free: see [`prove`](Self::prove).
+    ///
+    /// The certificates hold at the times of the curve. Very close to contact, a curve that stays on
+    /// a straight segment may be proven only as the segment, whose times differ: then each pair has
+    /// one certificate of the kind [`Proof::Own`], and [`prove`](Self::prove) returns those of the
+    /// segment between its ends.
+    ///
+    /// # Errors
+    /// Returns an error as [`certify_curve`](Self::certify_curve) does.
+    pub fn prove_curve(&mut self, curve: &JointCurve) -> Result<Option<Vec<PairProof>>, PlanError> {
+        let motion = self.curve(curve)?;
+        let proofs = self.proven(&motion, 1.0)?;
+        let None = proofs else { return Ok(proofs) };
+        let Some(straight) = self.straightened(curve)? else {
+            return Ok(None);
+        };
+        let mut proofs = self.proven(&straight, 1.0)?;
+        for proof in proofs.iter_mut().flatten() {
+            let distance = proof.certificates.iter().map(|c| c.distance);
+            let distance = distance.fold(f64::INFINITY, f64::smaller);
+            // The last certificate ends at 1.
+            if let Some(mut whole) = proof.certificates.pop() {
+                (whole.from, whole.distance, whole.proof) = (0.0, distance, Proof::Own);
+                proof.certificates = std::vec![whole];
+            }
+        }
+        Ok(proofs)
+    }
+
+    /// Returns the motion along a curve, after a check of the curve, and sets the motions of the
+    /// obstacles along it.
+    pub(crate) fn curve(&mut self, curve: &JointCurve) -> Result<C::Segment, PlanError> {
+        let motion = self.space.curve(curve)?;
+        match curve.times() {
+            Some(times) => self.set_parts(times)?,
+            None => self.world.check_at_rest()?,
+        }
+        Ok(motion)
+    }
+
+    /// Returns the motion along a segment, after a check of its ends.
+    pub(crate) fn segment(&self, from: &[f64], to: &[f64]) -> Result<C::Segment, PlanError> {
+        self.check_ends(from, to)?;
+        self.space.segment(from, to)
+    }
+
+    /// Returns an error if an end of a segment is invalid, or if an obstacle moves.
+    pub(crate) fn check_ends(&self, from: &[f64], to: &[f64]) -> Result<(), PlanError> {
+        self.world.check_at_rest()?;
+        self.space.check(from)?;
+        self.space.check(to)
+    }
+
+    /// Returns the verdict on a motion; `ends` if it is the segment between two configurations.
+    pub(crate) fn judged(
+        &mut self,
+        segment: &C::Segment,
+        ends: Option<[&[f64]; 2]>,
+        any: bool,
+    ) -> Result<Verdict, PlanError> {
+        self.work.segments += 1;
+        let mut stretches = core::mem::take(&mut self.stretches);
+        let found = self.gather(segment, &mut stretches).and_then(|()| {
+            if any {
+                // Any contact decides, so recent collisions come first.
+                let recent = &self.hits[..self.hits.len().min(HITS_FIRST)];
+                stretches.sort_by_key(|s| !recent.contains(&s.pair));
+            }
+            self.judge(segment, ends, &stretches, any)
+        });
+        self.stretches = stretches;
+        if let Ok(Verdict::Free { .. }) = found {
+            self.work.free += 1;
+        }
+        found
+    }
+
+    /// Collects the pairs whose swept boxes overlap, with their times; the earliest first.
+    fn gather(&mut self, segment: &C::Segment, stretches: &mut Vec<Stretch>) -> Result<(), PlanError> {
+        stretches.clear();
+        let parts = self.parts(segment);
+        let longest = 1.0 / f64::from(parts);
+        let kept = self.pairs.own.values().map(|&pair| self.pairs.all[pair].kept);
+        let kept = kept.fold(0.0, f64::larger) + self.start_contact_margin.unwrap_or_default();
+        let tube = if self.tube > 0.0 {
+            self.tube.next_up() * GROWN
+        } else {
+            0.0
+        };
+        self.sweep.run(&self.pairs, segment, parts, |ball, time, span| {
+            let Some(joints) = &self.joint_tube else { return tube };
+            let spread = segment.spread(ball, None, time, span, &joints.over(time, span));
+            tube + spread.unwrap_or(f64::INFINITY)
+        });
+        for mover in 0..self.pairs.mover_balls.len() {
+            self.pairs.near_along(mover, &self.sweep, stretches)?;
+        }
+        let pairs = &self.pairs;
+        stretches.extend(pairs.own.iter().filter_map(|(&(a, b), &pair)| {
+            let near = self.sweep.overlap(a, b, kept)?;
+            // A pair that is in contact at the start is followed until the end.
+            let [from, until] = if self.start_contact_margin.is_none() {
+                near
+            } else {
+                [0.0, 1.0]
+            };
+            let key = pairs.all[pair].key;
+            Some(Stretch { pair, key, from, until })
+        }));
+        if longest < 1.0 && self.start_contact_margin.is_none() {
+            cut(stretches, longest);
+        }
+        cut_at_knots(stretches, &self.pairs);
+        stretches.sort_unstable_by(|x, y| x.from.total_cmp(&y.from).then(x.key.cmp(&y.key)));
+        self.work.pairs += stretches.len() as u64;
+        Ok(())
+    }
+
+    /// Casts pair after pair, each up to the first contact found so far.
+    fn judge(
+        &mut self,
+        segment: &C::Segment,
+        ends: Option<[&[f64]; 2]>,
+        stretches: &[Stretch],
+        any: bool,
+    ) -> Result<Verdict, PlanError> {
+        let clearance = self.pairs.least_kept;
+        let mut start_contacts = Vec::new();
+        let (mut blocked, mut until) = (None, 1.0);
+        for stretch in stretches {
+            if stretch.from > until {
+                break;
+            }
+            let (k, end) = (stretch.pair, stretch.until.smaller(until));
+            let is_start = stretch.from == 0.0 && !self.is_moving(k);
+            let start_contact = self.start_contact_margin.filter(|_| is_start);
+            let kept = self.kept_along(k, segment, &(stretch.from..stretch.until));
+            let mut interval = stretch.from..end;
+            if start_contact.is_none() {
+                if self.apart_along(k, ends, kept) {
+                    continue;
+                }
+                if !self.is_moving(k) {
+                    let pair = self.pairs.all[k].pair;
+                    let Some(near) = self.sweep.boxes_meet(&self.pairs, pair, &interval, kept) else {
+                        continue;
+                    };
+                    interval = near;
+                }
+                let Some(from) = self.hulls_meet(k, segment, &interval, kept)? else {
+                    continue;
+                };
+                interval.start = from;
+            }
+            let Range { start: from, end } = interval;
+            let found = self.cast(k, segment, from..end, kept, start_contact, None)?;
+            self.work.queries += u64::from(found.queries + found.proofs);
+            let (safe, hit) = match found.impact {
+                Impact::Miss => {
+                    let pair = self.pairs.all[k].pair;
+                    start_contacts.extend(found.start_contact.map(|contact| LeavingPair { pair, contact }));
+                    continue;
+                }
+                Impact::AtStart { seen } => (from, Some((from, seen))),
+                Impact::Hit { safe, hit, seen } => (safe, Some((hit, seen))),
+                Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => {
+                    // The contact may be at the end of the interval, where the motion is at rest.
+                    let seen = self.contact_at(k, segment, end, kept)?;
+                    (safe, seen.map(|seen| (end, seen)))
+                }
+                // A variant that is unknown here proves nothing.
+                _ => (from, None),
+            };
+            blocked = Some(match hit {
+                Some((t, seen)) => {
+                    let pair = self.pairs.all[k].pair;
+                    let points = [seen.point_on_a, seen.point_on_b];
+                    Verdict::Blocked {
+                        safe,
+                        t,
+                        pair,
+                        witnesses: self.in_world(segment, pair, safe, points),
+                    }
+                }
+                None => Verdict::Undecided { t: safe },
+            });
+            until = safe;
+            if any {
+                self.remember_hit(k);
+            }
+            if any || !(until > 0.0) {
+                break;
+            }
+        }
+        Ok(blocked.unwrap_or(Verdict::Free {
+            clearance,
+            start_contacts,
+        }))
+    }
+
+    /// Puts a pair first among the recent collisions.
+    pub(crate) fn remember_hit(&mut self, index: usize) {
+        self.hits.retain(|&k| k != index);
+        self.hits.insert(0, index);
+        self.hits.truncate(HITS);
+    }
+
+    /// Returns whether boxes prove a pair farther apart than a distance along a segment.
+    fn apart_along(&mut self, index: usize, ends: Option<[&[f64]; 2]>, kept: f64) -> bool {
+        let boxes = self.pairs.all[index].apart.as_ref();
+        let is_apart = boxes
+            .zip(ends)
+            .is_some_and(|(boxes, ends)| boxes.apart_along(ends, kept));
+        self.work.lookups += u64::from(is_apart);
+        is_apart
+    }
+
+    /// Casts a pair along a segment. A contact at the start of the interval is accepted within
+    /// `start_contact`.
+    pub(crate) fn cast(
+        &mut self,
+        index: usize,
+        segment: &C::Segment,
+        interval: Range<f64>,
+        margin: f64,
+        start_contact: Option<f64>,
+        trail: Option<&mut Vec<Certificate>>,
+    ) -> Result<Cast, PlanError> {
+        let (tracked, places) = self.pairs.tracked(index);
+        // Certificates must be in the world frame; other results may be in any frame.
+        let (motion, partner) = motions(segment, places, tracked.pair, interval.start, trail.is_some());
+        let [a, b] = self.world.shapes(tracked.pair);
+        let mut pair = tracked.tracker.pair(a, b);
+        let tolerance = contact_tolerance(&pair);
+        let found = match (start_contact, trail) {
+            (Some(contact), trail) => {
+                let options = CastOptions::new(tolerance)
+                    .distance(margin)
+                    .start_contact_margin(contact);
+                let bodies = [a.into(), b.into()];
+                tracked
+                    .tracker
+                    .cast_from_contact(bodies, &motion, &partner, interval, &options, trail)
+            }
+            (None, Some(trail)) => {
+                cast_with_certificates(&mut pair, &motion, &partner, interval, tolerance, margin, trail)
+            }
+            (None, None) => cast_within(&mut pair, &motion, &partner, interval, tolerance, margin),
+        };
+        found.map_err(PlanError::from)
+    }
+
+    /// Returns the closest points of a pair at a time, if it is proven to be in contact or closer
+    /// than it must keep.
+    fn contact_at(
+        &mut self,
+        index: usize,
+        segment: &C::Segment,
+        time: f64,
+        kept: f64,
+    ) -> Result<Option<Measurement>, PlanError> {
+        let (tracked, places) = self.pairs.tracked(index);
+        let pair = tracked.pair;
+        let [pose_a, pose_b] = [pair.a, pair.b].map(|part| pose_of(segment, places, part, time));
+        let relative = RelativePose::new(&pose_a, &pose_b)?;
+        let [a, b] = self.world.shapes(pair);
+        let mut pair = tracked.tracker.pair(a, b);
+        let seen = pair.measure(&relative);
+        Ok(pair.meets(&relative, kept, &seen).then_some(seen))
+    }
+
+    fn in_world(&self, segment: &C::Segment, pair: WorldPair, time: f64, points: [Point3<f64>; 2]) -> [Point3<f64>; 2] {
+        let places = &self.pairs.places;
+        [(pair.a, points[0]), (pair.b, points[1])].map(|(part, point)| pose_of(segment, places, part, time) * point)
+    }
+}
+
+/// Returns the width of the bracket of a contact.
+pub(crate) fn contact_tolerance(pair: &MovingPair<'_>) -> Tolerance {
+    let radii = pair.ball(Operand::A).1 + pair.ball(Operand::B).1;
+    Tolerance::Distance(CONTACT * radii)
+}
+
+/// Returns the motions of both bodies of a pair from a time on: in the world, or relative to the
+/// last link that carries both.
+pub(crate) fn motions<'a, M: SegmentMotion>(
+    segment: &'a M,
+    places: &'a Places,
+    pair: WorldPair,
+    start: f64,
+    in_world: bool,
+) -> (CarriedMotion<'a, M>, PartMotion<'a, M>) {
+    let [body, other] = [pair.a, pair.b].map(|id| places.mover(id));
+    let body = body.unwrap_or_default();
+    let stem = match other {
+        Some(other) if !in_world => segment.stem(places.carrier(body).0, places.carrier(other).0),
+        _ => 0,
+    };
+    let partner = match (other, pair.b) {
+        (None, WorldId::Obstacle(k)) => match places.part(k, start) {
+            Some(part) => PartMotion::Moving(part),
+            None => PartMotion::Obstacle(&places.resting[k]),
+        },
+        _ => PartMotion::Robot(moving(segment, places, other.unwrap_or_default(), stem)),
+    };
+    (moving(segment, places, body, stem), partner)
+}
+
+/// Returns the pose of a body at a time.
+fn pose_of<M: SegmentMotion>(segment: &M, places: &Places, part: WorldId, time: f64) -> Isometry3<f64> {
+    match (part, places.mover(part)) {
+        (WorldId::Obstacle(k), _) => match places.part(k, time) {
+            Some(part) => part.pose(time),
+            None => places.obstacle_poses[k],
+        },
+        (_, mover) => moving(segment, places, mover.unwrap_or_default(), 0).pose(time),
+    }
+}
+
+/// Returns equal parts of the times 0 to 1.
+fn parts_of_time(count: u32) -> impl Iterator<Item = Range<f64>> {
+    let at = move |k: u32| f64::from(k) / f64::from(count);
+    (0..count).map(move |k| at(k)..at(k + 1))
+}
+
+/// Returns the motion of a body that moves with the robot, relative to a stem.
+fn moving<'a, M: SegmentMotion>(segment: &'a M, places: &'a Places, mover: usize, stem: usize) -> CarriedMotion<'a, M> {
+    let (body, carried) = places.carrier(mover);
+    CarriedMotion {
+        motion: BodyMotion { segment, body, stem },
+        carried,
+    }
+}

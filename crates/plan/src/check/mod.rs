@@ -1,0 +1,15 @@
+//! The checker: pairs with trackers, swept boxes, and verdicts about configurations and motions.
+
+pub(crate) mod apart;
+pub(crate) mod batch;
+pub(crate) mod boxes;
+mod changes;
+pub(crate) mod checker;
+pub(crate) mod clearance;
+mod free;
+mod hulls;
+pub(crate) mod pairs;
+mod path;
+pub(crate) mod sweep;
+mod tube;
+pub(crate) mod verdict;

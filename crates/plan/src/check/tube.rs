@@ -1,0 +1,231 @@
+//! Verdicts about tubes of joints, and configurations in them at which a pair is closer than it must
+//! be.
+
+use std::vec::Vec;
+
+use crate::check::checker::Checker;
+use crate::check::clearance::NearPair;
+use crate::check::verdict::Verdict;
+use crate::error::PlanError;
+use crate::extremes::Extremes;
+use crate::motion::curve::JointCurve;
+use crate::motion::space::{BodyBall, ConfigurationSpace, SegmentMotion};
+use crate::motion::tube::JointTube;
+use crate::names::WorldPair;
+use nalgebra::Point3;
+
+/// Number of times after the first at which a contact is searched for. Not measured.
+const TIMES: u32 = 64;
+
+/// Number of pairs that are tried, and of corners of the tube for each. Not measured.
+const PAIRS: usize = 8;
+const CORNERS: usize = 4;
+
+/// Pairs are tried if they are closer than this many times what the tube moves to first order. Not
+/// measured.
+const HOPE: f64 = 2.0;
+
+impl<C: ConfigurationSpace> Checker<C> {
+    /// Returns the verdict for a tube of joints around a curve.
+    ///
+    /// The tube contains all motions whose coordinates deviate from the curve by at most the
+    /// entries of `tube` at every time, for example by the tracking error of a controller: numbers,
+    /// or a curve of them (see [`JointTube`]). The margin of the checker holds inside the tube.
+    ///
+    /// `Blocked` and `Undecided` mean that a pair comes closer on the curve than the margin plus a
+    /// bound of what the tube moves. A free motion may still exist in such a tube;
+    /// [`tube_contact`](Self::tube_contact) searches for a configuration that is in contact.
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// # use lin_canny::polyhedron::solids;
+    /// # use lin_canny_plan::{Checker, Joint, JointCurve, JointTree, World};
+    /// # let origin = Isometry3::identity();
+    /// # let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
+    /// # let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
+    /// # let block = JointTree::serial(origin, rails, vec![2], 0.1)?;
+    /// # let mut world = World::new();
+    /// # world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
+    /// # let post = solids::cuboid(Vector3::repeat(0.5))?;
+    /// # world.obstacle("post", post, origin);
+    /// # let mut checker = Checker::new(block, world)?;
+    /// // The lowest point of this parabola is 0.1 above contact.
+    /// let curve = JointCurve::bezier(&[[-1.0, 1.6], [0.0, -0.2], [1.0, 1.6]])?;
+    /// assert!(checker.certify_curve_tube(&curve, &[0.0, 0.09])?.is_free());
+    /// assert!(!checker.certify_curve_tube(&curve, &[0.0, 0.11])?.is_free());
+    /// // The error falls from 0.4 to 0.05 at the lowest point, and grows again.
+    /// let error = JointCurve::bezier(&[[0.0, 0.4], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.4]])?;
+    /// assert!(checker.certify_curve_tube(&curve, error)?.is_free());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error as [`certify_curve`](Self::certify_curve) does, or if `tube` has a wrong
+    /// length or an entry that is negative or not finite, or if the space has no tubes.
+    pub fn certify_curve_tube(&mut self, curve: &JointCurve, tube: impl Into<JointTube>) -> Result<Verdict, PlanError> {
+        let tube = tube.into();
+        let motion = self.check_tube(curve, &tube)?;
+        self.joint_tube = Some(tube).filter(|tube| !tube.is_zero());
+        let start_contact = self.start_contact_margin.take();
+        let verdict = self.judged(&motion, None, false);
+        self.start_contact_margin = start_contact;
+        self.joint_tube = None;
+        verdict
+    }
+
+    /// Returns the motion along a curve, after a check of the curve and of a tube of joints.
+    fn check_tube(&mut self, curve: &JointCurve, tube: &JointTube) -> Result<C::Segment, PlanError> {
+        let refused = |what, value| Err(PlanError::Value { what, value });
+        let (expected, found) = (self.space.coordinates(), tube.coordinates());
+        if found != expected {
+            return Err(PlanError::Length { expected, found });
+        }
+        if let Some(value) = tube.wrong_entry() {
+            return refused("entry of a tube", value);
+        }
+        let motion = self.curve(curve)?;
+        let ball = BodyBall {
+            body: 0,
+            centre: Point3::origin(),
+            radius: 0.0,
+        };
+        if self.space.bodies() > 0 && motion.spread(ball, None, 0.0, 1.0, &tube.over(0.0, 1.0)).is_none() {
+            return refused("length of a tube in a space without joints", expected as f64);
+        }
+        Ok(motion)
+    }
+
+    /// Returns a time of a curve, and a configuration of its tube at this time at which a pair is
+    /// closer than it must be, if one is found.
+    ///
+    /// [`certify_curve_tube`](Self::certify_curve_tube) compares distances on the curve with a
+    /// bound, so a tube that is not free need not contain a contact. This call searches for one: at
+    /// `from`, such as [`Verdict::safe`](crate::Verdict::safe), and at 64 later times, at corners
+    /// of the tube against the gradients of the distances. Deviations are cut at the bounds of the
+    /// coordinates. The predicate of [`is_free_at`](Self::is_free_at) decides about what is
+    /// returned. `None` proves nothing.
+    ///
+    /// ```
+    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// # use lin_canny::polyhedron::solids;
+    /// # use lin_canny_plan::{Checker, Joint, JointCurve, JointTree, World};
+    /// # let origin = Isometry3::identity();
+    /// # let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
+    /// # let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
+    /// # let block = JointTree::serial(origin, rails, vec![2], 0.1)?;
+    /// # let mut world = World::new();
+    /// # world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
+    /// # let post = solids::cuboid(Vector3::repeat(0.5))?;
+    /// # world.obstacle("post", post, origin);
+    /// # let mut checker = Checker::new(block, world)?;
+    /// // The lowest point of this parabola is 0.1 above contact.
+    /// let curve = JointCurve::bezier(&[[-1.0, 1.6], [0.0, -0.2], [1.0, 1.6]])?;
+    /// let tube = [0.0, 0.11];
+    /// let verdict = checker.certify_curve_tube(&curve, &tube)?;
+    /// assert!(!verdict.is_free());
+    /// let found = checker.tube_contact(&curve, &tube, verdict.safe())?;
+    /// let (t, q) = found.ok_or("no contact")?;
+    /// assert!(!checker.is_free_at(&q)? && q[0] == curve.at(t)[0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error as [`certify_curve_tube`](Self::certify_curve_tube) does, or if `from` is
+    /// not between 0 and 1.
+    pub fn tube_contact(
+        &mut self,
+        curve: &JointCurve,
+        tube: impl Into<JointTube>,
+        from: f64,
+    ) -> Result<Option<(f64, Vec<f64>)>, PlanError> {
+        let tube = tube.into();
+        self.check_tube(curve, &tube)?;
+        if !(0.0..=1.0).contains(&from) {
+            let (what, value) = ("time of a curve", from);
+            return Err(PlanError::Value { what, value });
+        }
+        let before = self.time;
+        let mut found = Ok(None);
+        for k in 0..=TIMES {
+            let time = (from + (1.0 - from) * (f64::from(k) / f64::from(TIMES))).at_most(1.0);
+            found = self.tube_contact_at(curve, &tube.at(time), time);
+            if !matches!(found, Ok(None)) {
+                break;
+            }
+        }
+        self.time = before;
+        if let Some(time) = before {
+            self.place_moving(time)?;
+        }
+        found
+    }
+
+    fn tube_contact_at(
+        &mut self,
+        curve: &JointCurve,
+        tube: &[f64],
+        time: f64,
+    ) -> Result<Option<(f64, Vec<f64>)>, PlanError> {
+        if let Some([start, end]) = curve.times() {
+            self.set_time((start + (end - start) * time).clamped(start, end))?;
+        }
+        let found = self.contact_about(&curve.at(time), tube)?;
+        Ok(found.map(|q| (time, q)))
+    }
+
+    /// Searches for a contact at configurations that deviate from `q` by at most the entries of
+    /// `tube`.
+    fn contact_about(&mut self, q: &[f64], tube: &[f64]) -> Result<Option<Vec<f64>>, PlanError> {
+        let bounds = self.space.bounds();
+        let ends = q.iter().zip(tube).zip(bounds).map(|((&x, e), [low, high])| {
+            // The curve may exceed its bounds by rounding.
+            [(x - e).clamped(*low, *high), (x + e).clamped(*low, *high)]
+        });
+        let ends: Vec<[f64; 2]> = ends.collect();
+        let middle: Vec<f64> = q
+            .iter()
+            .zip(bounds)
+            .map(|(x, [low, high])| x.clamped(*low, *high))
+            .collect();
+        if !self.is_free_at(&middle)? {
+            return Ok(Some(middle));
+        }
+        let mut pairs: Vec<(f64, WorldPair, Vec<f64>)> = Vec::new();
+        for near in self.nearest(&middle, f64::INFINITY)? {
+            let moved: f64 = near.gradient.iter().zip(tube).map(|(g, e)| g.abs() * e).sum();
+            if near.excess <= HOPE * moved {
+                pairs.push((near.excess - moved, near.pair, corner(&near, &middle, &ends)));
+            }
+        }
+        pairs.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        for (_, pair, mut at) in pairs.into_iter().take(PAIRS) {
+            for _ in 0..CORNERS {
+                if !self.is_free_at(&at)? {
+                    return Ok(Some(at));
+                }
+                let all = self.nearest(&at, f64::INFINITY)?;
+                let next = all
+                    .iter()
+                    .find(|near| near.pair == pair)
+                    .map(|near| corner(near, &at, &ends));
+                match next.filter(|next| *next != at) {
+                    Some(next) => at = next,
+                    None => break,
+                }
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// Returns the corner of a box of configurations at which a pair is nearest, to first order about
+/// `q`.
+fn corner(near: &NearPair, q: &[f64], ends: &[[f64; 2]]) -> Vec<f64> {
+    let each = near.gradient.iter().zip(q).zip(ends);
+    let of = |((slope, x), [low, high]): ((&f64, &f64), &[f64; 2])| match () {
+        () if *slope > 0.0 => *low,
+        () if *slope < 0.0 => *high,
+        () => *x,
+    };
+    each.map(of).collect()
+}
