@@ -1,5 +1,5 @@
-//! Promise: the source respects its layers. The test reads `src/**` as text, and checks nothing
-//! that a compiler checks.
+//! Promise: the source respects its layers, and so do the packages of [`PACKAGES`]. The test reads
+//! the source as text, and checks nothing that a compiler checks.
 //!
 //! `rustfmt` formats the source, so a function ends at the first closing brace at its indentation.
 
@@ -13,7 +13,8 @@ const FUNCTION: usize = 100;
 
 /// One source file.
 struct Source {
-    /// Path below `src`, with `/`, without the top-level module of its layer.
+    /// Path below the folder of the package, with `/`; of the library, without the top-level module
+    /// of its layer.
     name: String,
     text: String,
 }
@@ -40,7 +41,11 @@ impl Source {
 fn sources() -> Vec<Source> {
     let all = below("src");
     assert!(all.len() > 30, "only {} files found", all.len());
-    all
+    let of_layer = |s: Source| Source {
+        name: layer_of(&s.name).to_owned(),
+        ..s
+    };
+    all.into_iter().map(of_layer).collect()
 }
 
 /// Returns the sources of the library and of the planner.
@@ -69,7 +74,7 @@ fn below(folder: &str) -> Vec<Source> {
             .collect::<Vec<_>>()
             .join("/");
         Source {
-            name: layer_of(&name).to_owned(),
+            name,
             text: std::fs::read_to_string(path).expect("src is text"),
         }
     };
@@ -618,6 +623,268 @@ fn data_flows_one_way() {
         }
     }
     none("a layer uses one above it", found);
+}
+
+/// The folders of packages around the library, with their files, lowest first: a file uses only
+/// files before it. A folder has its own line, `folder: files`. A file without a place fails the
+/// test, except those that declare the modules of a package.
+const PACKAGES: &[(&str, &[&str])] = &[
+    (
+        "crates/formats/src",
+        &[
+            "error number text xml polygon transform",
+            // What readers return.
+            "mesh points grid",
+            "stl obj ply msh pcd xyz npy",
+            "collada: geometry mod",
+            "gltf: json buffer mesh mod",
+            "load",
+            "volume",
+        ],
+    ),
+    (
+        "crates/parry/src/bridge",
+        &[
+            "number contact mass ray_point",
+            // Shapes.
+            "hull hull_shape mesh_shape known far part",
+            // Manifolds.
+            "manifold half_space curved convex surface mesh",
+            "cast guard dispatcher",
+            "decomposition",
+        ],
+    ),
+    (
+        "crates/robot/src",
+        &[
+            "error text turn xml csv_rows yaml",
+            "packages options mesh_file geometry",
+            // What the readers of robots return.
+            "robot link_tree",
+            "groups srdf drake urdf",
+            "mjcf: element settings geom bodies pairs mod",
+            "trajectory message pose_file",
+            "cell_body cell cell_save",
+            "sdformat: frames values shape model include mod",
+            "load",
+            // Robots in a cell.
+            "space files excludable audit recorder",
+            "cover hulls",
+            "tool: end text options receipt pair_boxes film drawing audit_page grid audit cell certify \
+             clearance cover ignorable plan points smooth verify mod",
+        ],
+    ),
+];
+
+/// Files that declare the modules of a package.
+const ROOTS: [&str; 3] = ["lib", "main", "mod"];
+
+/// What the root of a package passes on from another package.
+const PASSED_ON: [&str; 1] = ["parry"];
+
+/// A file uses only the files before it in [`PACKAGES`].
+#[test]
+fn files_of_packages_stand_in_order() {
+    let mut found = Vec::new();
+    for (root, lines) in PACKAGES {
+        let order = files_in_order(lines);
+        let sources = below(root);
+        let names: Vec<&str> = sources.iter().map(|s| s.name.trim_end_matches(".rs")).collect();
+        let unknown = order.iter().filter(|file| !names.contains(&file.as_str()));
+        found.extend(unknown.map(|file| format!("{root}/{file}.rs: does not exist")));
+        for s in &sources {
+            let name = s.name.trim_end_matches(".rs");
+            let Some(place) = order.iter().position(|file| file == name) else {
+                if !ROOTS.contains(&name) {
+                    found.push(format!("{root}/{}: in no layer", s.name));
+                }
+                continue;
+            };
+            let code: Vec<(usize, &str)> = s.code().collect();
+            for (k, path) in paths(&code) {
+                let is_before = match used(name, &path, &names) {
+                    Use::Foreign => true,
+                    Use::Root(item) => PASSED_ON.contains(&item),
+                    Use::File(file) => order[..=place].contains(&file),
+                };
+                if !is_before {
+                    found.push(format!("{root}/{}:{k}: {}", s.name, path.join("::")));
+                }
+            }
+        }
+    }
+    none("a file uses one above it, or the root of its package", found);
+}
+
+/// Returns the paths of the files that the lines of a package name, without `.rs`.
+fn files_in_order(lines: &[&str]) -> Vec<String> {
+    let files = |line: &&str| {
+        let (folder, files) = line
+            .split_once(": ")
+            .map_or((String::new(), *line), |(folder, files)| (format!("{folder}/"), files));
+        let each = files.split_whitespace().map(|file| format!("{folder}{file}"));
+        each.collect::<Vec<_>>()
+    };
+    lines.iter().flat_map(files).collect()
+}
+
+/// What a path of a file uses.
+#[derive(Debug, PartialEq)]
+enum Use<'a> {
+    /// Something that is not in the package, or is in the file itself.
+    Foreign,
+    /// An item of the root of the package.
+    Root(&'a str),
+    File(String),
+}
+
+/// Returns what a path uses in a file of a package with these files.
+fn used<'a>(file: &str, path: &[&'a str], files: &[&str]) -> Use<'a> {
+    let mut module: Vec<&str> = file.split('/').collect();
+    module.pop_if(|name| ROOTS.contains(name));
+    let file_of = |module: &[&str]| {
+        let name = module.join("/");
+        let names = [format!("{name}/mod"), name];
+        names.into_iter().find(|name| files.contains(&name.as_str()))
+    };
+    let mut rest = path;
+    match path[0] {
+        "crate" => (module, rest) = (Vec::new(), &path[1..]),
+        "self" | "super" => {
+            while let Some((first @ ("self" | "super"), after)) = rest.split_first().map(|(f, a)| (*f, a)) {
+                if first == "super" && module.pop().is_none() {
+                    return Use::Root("super");
+                }
+                rest = after;
+            }
+        }
+        // A module that the file declares, or something of another package.
+        name if file_of(&[&module[..], &[name]].concat()).is_none() => return Use::Foreign,
+        _ => {}
+    }
+    while let Some((name, after)) = rest.split_first() {
+        module.push(*name);
+        if file_of(&module).is_none() {
+            module.pop();
+            break;
+        }
+        rest = after;
+    }
+    match file_of(&module) {
+        Some(other) if other == file => Use::Foreign,
+        Some(other) => Use::File(other),
+        None => Use::Root(rest.first().copied().unwrap_or_default()),
+    }
+}
+
+/// Returns all paths in lines of code, `a::{b, c::d}` as `a::b` and `a::c::d`, with their lines.
+fn paths<'a>(code: &[(usize, &'a str)]) -> Vec<(usize, Vec<&'a str>)> {
+    let mut words: Vec<(usize, &str)> = Vec::new();
+    for (k, line) in code {
+        let mut rest = line.trim_start();
+        while let Some(first) = rest.chars().next() {
+            let of_name = |c: char| c.is_alphanumeric() || c == '_';
+            let end = match rest.find(|c| !of_name(c)).unwrap_or(rest.len()) {
+                0 if rest.starts_with("::") => 2,
+                0 => first.len_utf8(),
+                end => end,
+            };
+            words.push((*k, &rest[..end]));
+            rest = rest[end..].trim_start();
+        }
+    }
+    let (mut found, mut at) = (Vec::new(), 0);
+    while at < words.len() {
+        let is_path = is_name(&words, at) && words.get(at + 1).is_some_and(|(_, word)| *word == "::");
+        let is_start = at == 0 || words[at - 1].1 != "::";
+        at = if is_path && is_start {
+            read_path(&words, at, Vec::new(), &mut found)
+        } else {
+            at + 1
+        };
+    }
+    found
+}
+
+fn is_name(words: &[(usize, &str)], at: usize) -> bool {
+    let of_name = |c: char| c.is_alphabetic() || c == '_';
+    words.get(at).is_some_and(|(_, word)| word.starts_with(of_name))
+}
+
+/// Adds the paths that start with `path` and go on at a word. Returns where the next word is.
+fn read_path<'a>(
+    words: &[(usize, &'a str)],
+    mut at: usize,
+    mut path: Vec<&'a str>,
+    found: &mut Vec<(usize, Vec<&'a str>)>,
+) -> usize {
+    let is = |at: usize, word: &str| words.get(at).is_some_and(|(_, other)| *other == word);
+    while is_name(words, at) {
+        path.push(words[at].1);
+        at += 1;
+        if !(is(at, "::") && (is(at + 1, "{") || is_name(words, at + 1))) {
+            found.push((words[at - 1].0, path));
+            return at;
+        }
+        at += 1;
+    }
+    at += 1;
+    while at < words.len() && !is(at, "}") {
+        at = match is_name(words, at) {
+            true if is(at, "as") => at + 2,
+            true => read_path(words, at, path.clone(), found),
+            false => at + 1,
+        };
+    }
+    at + 1
+}
+
+#[test]
+fn uses_of_files_are_read() {
+    let code = [
+        (1, "use crate::{text, mesh::{self, MeshFile as File}};"),
+        (2, "let x = super::json::Item::<f64>::new(buffer::chunks(y));"),
+        (3, "use super::super::{Reader, other::*};"),
+    ];
+    let names = [
+        "lib",
+        "text",
+        "mesh",
+        "other",
+        "gltf/mod",
+        "gltf/json",
+        "gltf/buffer",
+        "gltf/mesh",
+    ];
+    let uses = |file: &str| -> Vec<(usize, String)> {
+        let each = paths(&code)
+            .into_iter()
+            .map(|(k, path)| match used(file, &path, &names) {
+                Use::Foreign => (k, "-".to_owned()),
+                Use::Root(item) => (k, format!("root {item}")),
+                Use::File(file) => (k, file),
+            });
+        each.collect()
+    };
+    let told = |list: &[(usize, &str)]| -> Vec<(usize, String)> {
+        list.iter().map(|(k, text)| (*k, (*text).to_owned())).collect()
+    };
+    let common = [(1, "text"), (1, "mesh"), (1, "mesh")];
+    let of_mesh = [(2, "gltf/json"), (2, "-"), (3, "root Reader"), (3, "other")];
+    assert_eq!(uses("gltf/mesh"), told(&[&common[..], &of_mesh].concat()));
+    // The parent of a `mod.rs` is the root, and a folder above that is outside.
+    let of_mod = [
+        (2, "root json"),
+        (2, "gltf/buffer"),
+        (3, "root super"),
+        (3, "root super"),
+    ];
+    assert_eq!(uses("gltf/mod"), told(&[&common[..], &of_mod].concat()));
+    let lines = ["error text", "gltf: json mod", "load"];
+    assert_eq!(
+        files_in_order(&lines),
+        ["error", "text", "gltf/json", "gltf/mod", "load"]
+    );
 }
 
 #[test]

@@ -1,9 +1,7 @@
-//! A grid of numbers: an array of numpy with two axes, or a text with a row per line.
+//! A grid of numbers, and its text with a row per line. The module `load` picks its reader.
 
-use std::path::Path;
-
-use crate::error::{Fault, FormatError};
-use crate::{npy, text};
+use crate::error::Fault;
+use crate::text;
 
 /// A rectangle of finite numbers from a file, such as the heights of a terrain.
 ///
@@ -33,32 +31,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Returns the grid of a file.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be read or is malformed, if it is an array of other than
-    /// two axes, if rows differ in length, if there is no number, or if a number is not finite.
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, FormatError> {
-        let path = path.as_ref();
-        let bytes = FormatError::read(path)?;
-        Self::parse(&bytes, path)
-    }
-
-    /// Returns the grid of the bytes of a file. Errors name the file `path`.
-    ///
-    /// # Errors
-    /// As [`read`](Self::read).
-    pub fn parse(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, FormatError> {
-        let is_array = bytes.starts_with(npy::MAGIC);
-        let found = match (is_array, text::foreign(bytes)) {
-            (true, _) => npy::read_grid(bytes),
-            (false, None) => from_text(bytes),
-            (false, Some(why)) => Err(Fault::malformed(None, why)),
-        };
-        found.and_then(Self::checked).map_err(|fault| fault.of(path.as_ref()))
-    }
-
-    fn checked(self) -> Result<Self, Fault> {
+    /// Returns the grid, or an error that names the first number that is not finite.
+    pub(crate) fn checked(self) -> Result<Self, Fault> {
         let Some(at) = self.values.iter().position(|x| !x.is_finite()) else {
             return Ok(self);
         };
@@ -68,7 +42,8 @@ impl Grid {
     }
 }
 
-fn from_text(bytes: &[u8]) -> Result<Grid, Fault> {
+/// Reads a text with a row per line.
+pub(crate) fn read_text(bytes: &[u8]) -> Result<Grid, Fault> {
     let text = text::decode(bytes);
     let mut grid = Grid {
         rows: 0,

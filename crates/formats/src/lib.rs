@@ -70,6 +70,7 @@ mod collada;
 mod error;
 mod gltf;
 mod grid;
+mod load;
 mod mesh;
 mod msh;
 mod npy;

@@ -1,10 +1,6 @@
-//! A mesh file: its objects, and what was skipped.
+//! A mesh file: its objects, and what was skipped. The module `load` picks its reader.
 
 use std::collections::HashMap;
-use std::path::Path;
-
-use crate::error::{Fault, FormatError, FormatFault};
-use crate::{collada, gltf, msh, obj, ply, stl, text};
 
 /// Format of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -59,43 +55,6 @@ pub struct Skipped {
 }
 
 impl MeshFile {
-    /// Returns the mesh of a file.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be read, has no known format, is malformed, contains
-    /// geometry that is not supported, or contains no triangle. The error names file and line.
-    pub fn load(path: impl AsRef<Path>) -> Result<Self, FormatError> {
-        let path = path.as_ref();
-        let bytes = FormatError::read(path)?;
-        Self::parse(&bytes, path)
-    }
-
-    /// Returns the mesh of the bytes of a file. Errors name the file `path`; its extension matters
-    /// if the content does not decide the format. The buffers of a glTF may be in other files, which
-    /// are read from the folder of `path`.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn parse(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, FormatError> {
-        let path = path.as_ref();
-        let error = |fault: Fault| fault.of(path);
-        let file = match format_of(bytes, path).map_err(error)? {
-            MeshFormat::Stl => stl::read(bytes),
-            MeshFormat::Obj => obj::read(bytes),
-            MeshFormat::Collada => collada::read(bytes),
-            MeshFormat::Msh => msh::read(bytes),
-            MeshFormat::Ply => ply::read(bytes),
-            MeshFormat::Gltf => gltf::read(bytes, path.parent().unwrap_or(Path::new(""))),
-        };
-        let mut file = file.map_err(error)?;
-        file.objects.retain(|object| !object.triangles.is_empty());
-        if file.objects.is_empty() {
-            let (line, fault) = (None, FormatFault::Empty);
-            return Err(error(Fault { line, fault }));
-        }
-        Ok(file)
-    }
-
     /// Returns the points and triangles of all objects as one mesh.
     #[must_use]
     pub fn whole(&self) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
@@ -107,45 +66,6 @@ impl MeshFile {
         }
         (points, triangles)
     }
-}
-
-/// Returns the format of a file: by its content, or else by its extension.
-fn format_of(bytes: &[u8], path: &Path) -> Result<MeshFormat, Fault> {
-    let unknown = |why: &str| Fault {
-        line: None,
-        fault: FormatFault::Unknown(why.into()),
-    };
-    if let Some(why) = text::foreign(bytes) {
-        return Err(unknown(why));
-    }
-    let start = text::start(bytes);
-    let lower = start.to_ascii_lowercase();
-    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    Ok(match extension.as_deref() {
-        _ if stl::is_binary(bytes) => MeshFormat::Stl,
-        _ if bytes.starts_with(b"glTF") => MeshFormat::Gltf,
-        _ if text::first_line(&start).eq_ignore_ascii_case("ply") => MeshFormat::Ply,
-        _ if start.contains("<COLLADA") => MeshFormat::Collada,
-        _ if start.starts_with('{') && (start.contains(ASSET) || contains(bytes, ASSET)) => MeshFormat::Gltf,
-        Some("stl") => MeshFormat::Stl,
-        Some("obj") => MeshFormat::Obj,
-        Some("dae") => MeshFormat::Collada,
-        Some("msh") => MeshFormat::Msh,
-        Some("ply") => MeshFormat::Ply,
-        Some("gltf" | "glb") => MeshFormat::Gltf,
-        _ if lower.starts_with("solid") => MeshFormat::Stl,
-        _ => {
-            let why = "unknown file extension (expected .stl, .obj, .dae, .ply, .gltf, .glb or .msh)";
-            return Err(unknown(why));
-        }
-    })
-}
-
-/// The property of a glTF that must be there, and that may be anywhere in the file.
-const ASSET: &str = "\"asset\"";
-
-fn contains(bytes: &[u8], word: &str) -> bool {
-    bytes.windows(word.len()).any(|window| window == word.as_bytes())
 }
 
 /// Collects the triangles of one object; points that no triangle uses are left out.

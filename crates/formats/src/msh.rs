@@ -1,9 +1,8 @@
 //! MSH, the binary meshes of MuJoCo: four counts, and then points, normals, texture coordinates and
 //! triangles, all in little endian with 32 bits. Source: MuJoCo's chapter "XML reference", `mesh`.
 
-use crate::MeshFile;
 use crate::error::Fault;
-use crate::mesh::{MeshFormat, ObjectBuilder, SkippedList};
+use crate::mesh::{MeshFile, MeshFormat, ObjectBuilder, SkippedList};
 
 /// Bytes of the four counts.
 const HEADER: usize = 16;

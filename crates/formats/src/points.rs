@@ -1,11 +1,9 @@
-//! A point file: its points, and what was skipped.
+//! A point file: its points, and what was skipped. The module `load` picks its reader.
 
-use std::path::Path;
-
-use crate::error::{Fault, FormatError, FormatFault};
+use crate::error::{Fault, FormatFault};
 use crate::mesh::{Skipped, SkippedList};
 use crate::number::{Order, Type};
-use crate::{npy, pcd, ply, text, xyz};
+use crate::text;
 
 /// Format of a point file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -84,100 +82,6 @@ pub struct PointFile {
     pub skipped: Vec<Skipped>,
 }
 
-impl PointFile {
-    /// Returns the points of a file, without those that are not finite.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be read, has no known format, is malformed, contains
-    /// coordinates of a type that is not supported, or contains no finite point.
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, FormatError> {
-        Self::read_with(path, Invalid::Drop)
-    }
-
-    /// As [`read`](Self::read), with a choice of what happens to points that are not finite.
-    ///
-    /// # Errors
-    /// As [`read`](Self::read), and [`FormatFault::Invalid`] for the first point that is refused.
-    pub fn read_with(path: impl AsRef<Path>, invalid: Invalid) -> Result<Self, FormatError> {
-        let path = path.as_ref();
-        let bytes = FormatError::read(path)?;
-        Self::parse_with(&bytes, path, invalid)
-    }
-
-    /// Returns the points of the bytes of a file, without those that are not finite. Errors name the
-    /// file `path`; its extension matters if the content does not decide the format.
-    ///
-    /// # Errors
-    /// As [`read`](Self::read).
-    pub fn parse(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, FormatError> {
-        Self::parse_with(bytes, path, Invalid::Drop)
-    }
-
-    /// As [`parse`](Self::parse), with a choice of what happens to points that are not finite.
-    ///
-    /// # Errors
-    /// As [`read_with`](Self::read_with).
-    pub fn parse_with(bytes: &[u8], path: impl AsRef<Path>, invalid: Invalid) -> Result<Self, FormatError> {
-        let path = path.as_ref();
-        read(bytes, path, invalid).map_err(|fault| fault.of(path))
-    }
-}
-
-fn read(bytes: &[u8], path: &Path, invalid: Invalid) -> Result<PointFile, Fault> {
-    let format = format_of(bytes, path)?;
-    let mut list = PointList::new(invalid);
-    match format {
-        PointFormat::Ply => ply::read_points(bytes, &mut list),
-        PointFormat::Pcd => pcd::read(bytes, &mut list),
-        PointFormat::Xyz => xyz::read(bytes, &mut list),
-        PointFormat::Npy => npy::read(bytes, &mut list),
-    }?;
-    let dropped = list.dropped;
-    if list.points.is_empty() {
-        let (line, fault) = (None, FormatFault::NoPoint(dropped));
-        return Err(Fault { line, fault });
-    }
-    Ok(PointFile {
-        format,
-        points: list.points,
-        radii: list.radii,
-        dropped,
-        skipped: list.skipped.build(),
-    })
-}
-
-/// Returns the format of a file: by its content, or else by its extension.
-fn format_of(bytes: &[u8], path: &Path) -> Result<PointFormat, Fault> {
-    let unknown = |why: &str| Fault {
-        line: None,
-        fault: FormatFault::Unknown(why.into()),
-    };
-    if bytes.starts_with(b"PK\x03\x04") {
-        return Err(unknown(
-            "the file is an archive, such as .npz (expected one array: .npy)",
-        ));
-    }
-    if let Some(why) = text::foreign(bytes) {
-        return Err(unknown(why));
-    }
-    let start = text::start(bytes);
-    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    Ok(match extension.as_deref() {
-        _ if bytes.starts_with(npy::MAGIC) => PointFormat::Npy,
-        _ if text::first_line(&start).eq_ignore_ascii_case("ply") => PointFormat::Ply,
-        _ if pcd::is_start(&start) => PointFormat::Pcd,
-        Some("ply") => PointFormat::Ply,
-        Some("pcd") => PointFormat::Pcd,
-        Some("npy") => PointFormat::Npy,
-        Some("xyz" | "xyzn" | "xyzrgb" | "asc" | "pts" | "txt" | "csv") => PointFormat::Xyz,
-        _ => {
-            return Err(unknown(
-                "unknown file extension (expected .ply, .pcd, .xyz, .txt, .csv or .npy)",
-            ));
-        }
-    })
-}
-
 /// Collects points; those that are not finite are dropped or refused.
 #[derive(Debug)]
 pub(crate) struct PointList {
@@ -196,7 +100,7 @@ pub(crate) struct PointList {
 const NAMED: usize = 32;
 
 impl PointList {
-    fn new(invalid: Invalid) -> Self {
+    pub(crate) fn new(invalid: Invalid) -> Self {
         Self {
             points: Points::F64(Vec::new()),
             radii: None,
@@ -206,6 +110,22 @@ impl PointList {
             skipped: SkippedList::default(),
             named: 0,
         }
+    }
+
+    /// Returns the file of the points; there must be one.
+    pub(crate) fn build(self, format: PointFormat) -> Result<PointFile, Fault> {
+        let dropped = self.dropped;
+        if self.points.is_empty() {
+            let (line, fault) = (None, FormatFault::NoPoint(dropped));
+            return Err(Fault { line, fault });
+        }
+        Ok(PointFile {
+            format,
+            points: self.points,
+            radii: self.radii,
+            dropped,
+            skipped: self.skipped.build(),
+        })
     }
 
     /// States what follows: points of single precision or not, with a radius each or not. `count` is

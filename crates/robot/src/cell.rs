@@ -10,10 +10,7 @@ use crate::cell_body::{AttachedBody, BodyText, parse_json};
 use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::options::LoadOptions;
 use crate::packages::Packages;
-use crate::sdformat;
-use crate::space::Setup;
 use crate::text::check_content;
-use crate::xml::Xml;
 
 /// An obstacle of a cell.
 #[derive(Clone, Debug)]
@@ -125,7 +122,7 @@ impl From<NameText> for BodyName {
 /// |---|---|
 /// | `attached` | objects: `{"link": "hand", "body": {...}}`, with the pose in the frame of the link and `touch_links` in the body |
 /// | `margin` | the distance that all pairs must keep |
-/// | `paddings` | `[name, length]`: see [`Setup::pad`] |
+/// | `paddings` | `[name, length]`: see [`Setup::pad`](crate::Setup::pad) |
 /// | `margins` | `[name, name, length]`: the explicit margin of pairs |
 /// | `exclude` | `[name, name]`: pairs that are excluded, in addition to those of the setup |
 /// | `exclude_exactly` | `[name, name]`: the pairs that are excluded; no others are |
@@ -186,36 +183,13 @@ struct AttachedText {
 }
 
 impl Cell {
-    /// Returns the cell of a JSON or SDFormat file.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be read or a body is invalid. The error names the line
-    /// or the body.
-    pub fn load(path: impl AsRef<Path>, packages: &Packages, options: &LoadOptions) -> Result<Self, FileError> {
-        let path = path.as_ref();
-        Self::parse(&FileError::read(path)?, path, packages, options)
-    }
-
-    /// Returns the cell of a JSON or SDFormat text. Errors name the file `path`, and mesh paths are
-    /// relative to its folder.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn parse(
+    /// Returns the cell of a JSON text.
+    pub(crate) fn from_json(
         text: &str,
-        path: impl AsRef<Path>,
+        path: &Path,
         packages: &Packages,
         options: &LoadOptions,
     ) -> Result<Self, FileError> {
-        let path = path.as_ref();
-        if text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
-            let (obstacles, skipped) = sdformat::obstacles(&Xml::parse(path, text)?, packages, options)?;
-            return Ok(Self {
-                obstacles,
-                skipped,
-                ..Self::default()
-            });
-        }
         check_content(text).map_err(|reason| FileError::new(path, Some(1), "", reason))?;
         let cell: CellText = parse_json(text, path)?;
         let mut found = Self::default();
@@ -279,31 +253,5 @@ impl Cell {
             }
             Err(error) => Err(error),
         }
-    }
-}
-
-impl Setup {
-    /// Adds the obstacles and attached objects of a cell, excludes its pairs, and sets its margins.
-    ///
-    /// If the cell [excludes exactly](Cell::excludes_exactly) its pairs, pairs that were excluded
-    /// before this call are not excluded any more. An obstacle that equals a half-space of a robot
-    /// of this setup is not added again.
-    pub fn cell(&mut self, cell: &Cell) {
-        let added = cell.obstacles.iter().filter(|obstacle| !self.has_half_space(obstacle));
-        for obstacle in added.collect::<Vec<_>>() {
-            let (name, geometry) = (&obstacle.name, obstacle.geometry.clone());
-            match &obstacle.poses {
-                Some(poses) => self.moving_obstacle(name, geometry, poses.clone()),
-                None => self.obstacle(name, geometry, obstacle.pose),
-            }
-        }
-        for (link, object) in &cell.attached {
-            self.attach(link, object.clone());
-        }
-        self.skipped.extend(cell.skipped.iter().cloned());
-        // Another body of this name still has its pairs.
-        let missing = cell.missing.iter().filter(|name| !self.has_body(name));
-        self.frames.extend(missing.cloned().collect::<Vec<_>>());
-        self.pairs_and_margins_of(cell);
     }
 }

@@ -8,9 +8,9 @@ use lin_canny_formats::{Grid, Invalid, PointFile, Points};
 use lin_canny_plan::TimedPoses;
 
 use crate::error::{FileError, FileErrorKind, Skipped};
-use crate::geometry::{self, MeshUse, Solid};
+use crate::geometry::{self, Solid};
 use crate::mesh_file::MeshPlacing;
-use crate::options::LoadOptions;
+use crate::options::{LoadOptions, MeshUse};
 use crate::packages::Packages;
 use crate::pose_file::{self, PoseRow};
 use crate::text::check_content;

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use crate::text;
 use lin_canny_plan::nearest_name as nearest;
 
 /// Error of a file: the file, the line, the element and the reason.
@@ -221,12 +220,6 @@ impl FileError {
             element: element.into(),
             reason,
         }
-    }
-
-    /// Returns the text of a file.
-    pub(crate) fn read(file: &Path) -> Result<String, Self> {
-        let bytes = std::fs::read(file).map_err(|e| Self::new(file, None, "", FileErrorKind::Read(e)))?;
-        text::decode(&bytes).map_err(|(line, reason)| Self::new(file, Some(line), "", reason))
     }
 }
 

@@ -153,6 +153,14 @@ impl Counted {
     }
 }
 
+impl Setup {
+    /// Excludes the pairs that these counts allow to exclude: see
+    /// [`find_excludable`].
+    pub fn exclude_counts(&mut self, counts: &[LinkPairCount]) {
+        self.exclude_srdf("", &Srdf::from_counts(counts));
+    }
+}
+
 impl Srdf {
     /// Returns the pairs that these counts allow to exclude.
     #[must_use]

@@ -9,21 +9,7 @@ use lin_canny::{BuildError, Compound, ConvexPolyhedron, Geometry, HalfSpace, Hul
 
 use crate::error::FileErrorKind;
 use crate::mesh_file::{self, MeshPlacing, Soup};
-use crate::options::LoadOptions;
-
-/// The body that is made from a mesh.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-#[non_exhaustive]
-pub enum MeshUse {
-    /// The convex hull: the fastest queries, but the hull is larger than the mesh.
-    #[default]
-    Hull,
-    /// The triangles of the mesh; a closed mesh is solid.
-    Mesh,
-    /// Convex pieces from a separate file: the hull of each object of an OBJ.
-    Pieces,
-}
+use crate::options::{LoadOptions, MeshUse};
 
 /// A solid that is centred at its origin, with its axis along z.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,6 @@ use roxmltree::Node;
 
 use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::robot::{MotionKind, Robot};
-use crate::srdf::Srdf;
 use crate::turn::{from_xyzw, to_roll_pitch_yaw};
 use crate::xml::{Xml, attribute};
 use lin_canny_plan::nearest_name as nearest;
@@ -82,13 +81,16 @@ struct Reader<'a> {
     skipped: Vec<Skipped>,
 }
 
+/// What the elements of groups, states and virtual joints hold.
+pub(crate) struct Groups {
+    pub(crate) groups: Vec<JointGroup>,
+    pub(crate) states: Vec<GroupState>,
+    pub(crate) virtual_joints: Vec<VirtualJoint>,
+    pub(crate) skipped: Vec<Skipped>,
+}
+
 /// Reads the groups, states and virtual joints among the elements of an SRDF.
-pub(crate) fn read<'a>(
-    srdf: &mut Srdf,
-    xml: &'a Xml<'a>,
-    robot: &'a Robot,
-    elements: &[Node<'a, 'a>],
-) -> Result<(), FileError> {
+pub(crate) fn read<'a>(xml: &'a Xml<'a>, robot: &'a Robot, elements: &[Node<'a, 'a>]) -> Result<Groups, FileError> {
     let of = |kind: &'static str| elements.iter().copied().filter(move |n| n.tag_name().name() == kind);
     let links = robot.links().iter().enumerate();
     let joints = robot.joints().iter().enumerate();
@@ -101,26 +103,30 @@ pub(crate) fn read<'a>(
         virtual_joints: HashSet::new(),
         skipped: Vec::new(),
     };
+    let mut virtual_joints = Vec::new();
     for node in of("virtual_joint") {
-        srdf.virtual_joints.extend(reader.virtual_joint(node)?);
+        virtual_joints.extend(reader.virtual_joint(node)?);
     }
     for (k, node) in of("group").enumerate() {
         if reader.groups.insert(xml.needed(&node, "name")?, k).is_some() {
             return Err(xml.error(&node, FileErrorKind::Repeated));
         }
     }
-    srdf.groups = reader.groups(&of("group").collect::<Vec<_>>())?;
-    let mut names = HashSet::new();
+    let groups = reader.groups(&of("group").collect::<Vec<_>>())?;
+    let (mut states, mut names) = (Vec::new(), HashSet::new());
     for node in of("group_state") {
         let state = reader.state(node)?;
         if !names.insert([state.group.clone(), state.name.clone()]) {
             return Err(xml.error(&node, FileErrorKind::Repeated));
         }
-        srdf.states.push(state);
+        states.push(state);
     }
-    srdf.skipped.extend(reader.skipped);
-    srdf.skipped.sort_by_key(|skipped| skipped.line);
-    Ok(())
+    Ok(Groups {
+        groups,
+        states,
+        virtual_joints,
+        skipped: reader.skipped,
+    })
 }
 
 impl<'a> Reader<'a> {

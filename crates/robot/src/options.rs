@@ -3,7 +3,19 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use crate::geometry::MeshUse;
+/// The body that is made from a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum MeshUse {
+    /// The convex hull: the fastest queries, but the hull is larger than the mesh.
+    #[default]
+    Hull,
+    /// The triangles of the mesh; a closed mesh is solid.
+    Mesh,
+    /// Convex pieces from a separate file: the hull of each object of an OBJ.
+    Pieces,
+}
 
 /// Options for loading a robot or a cell from files.
 ///

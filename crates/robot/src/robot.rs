@@ -1,17 +1,12 @@
 //! Robots: links, joints, and the geometry of the links.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
-use lin_canny::{Geometry, GeometryKind, HullFit};
+use lin_canny::{Geometry, HullFit};
 use lin_canny_plan::Drive;
 
-use crate::error::{FileError, FileErrorKind, Skipped};
-use crate::geometry::Solid;
-use crate::options::LoadOptions;
-use crate::packages::Packages;
-use crate::xml::Xml;
-use crate::{mjcf, sdformat, urdf};
+use crate::error::{FileErrorKind, Skipped};
 use lin_canny_plan::nearest_name as nearest;
 
 /// The kind of a joint.
@@ -147,72 +142,6 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Returns the robot of a file; meshes are replaced by their hulls. The root element decides
-    /// the format: URDF (`robot`) or MJCF (`mujoco`).
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be read or is not a valid robot. The error names the
-    /// file, the line and the element.
-    pub fn load(path: impl AsRef<Path>, packages: &Packages) -> Result<Self, FileError> {
-        Self::load_with(path, packages, &LoadOptions::default())
-    }
-
-    /// Returns the robot of a file, with options.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn load_with(path: impl AsRef<Path>, packages: &Packages, options: &LoadOptions) -> Result<Self, FileError> {
-        let path = path.as_ref();
-        Self::parse(&FileError::read(path)?, path, packages, options)
-    }
-
-    /// Returns the robot of the text of a file. Errors name the file `path`, and relative mesh
-    /// paths are relative to its folder.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn parse(
-        text: &str,
-        path: impl AsRef<Path>,
-        packages: &Packages,
-        options: &LoadOptions,
-    ) -> Result<Self, FileError> {
-        let path = path.as_ref();
-        let xml = Xml::parse(path, text)?;
-        let infinite = options.clone().plane_extent(f64::INFINITY);
-        let mut robot = match xml.root().tag_name().name() {
-            "robot" => urdf::read(&xml, packages, options),
-            "mujoco" => mjcf::read(&xml, &infinite),
-            "sdf" => sdformat::read(&xml, packages, &infinite),
-            _ => Err(xml.unknown_root("robot, mujoco or sdf")),
-        }?;
-        robot.bound_planes(options.plane_extent, path)?;
-        Ok(robot)
-    }
-
-    /// Replaces the half-spaces of links that a joint moves by boxes: a body that moves is bounded.
-    fn bound_planes(&mut self, extent: f64, path: &Path) -> Result<(), FileError> {
-        let mut is_at_rest = vec![true; self.links.len()];
-        for (k, joint) in self.joints.iter().enumerate() {
-            is_at_rest[k + 1] = is_at_rest[joint.parent] && joint.kind == MotionKind::Fixed;
-        }
-        let moving = self
-            .links
-            .iter_mut()
-            .zip(is_at_rest)
-            .filter(|(_, is_at_rest)| !is_at_rest);
-        for (link, _) in moving {
-            for body in &mut link.bodies {
-                if body.geometry.kind() == GeometryKind::HalfSpace {
-                    let bounded = Solid::HalfSpace { extent }.geometry();
-                    let element = || format!("link {:?}", link.name);
-                    body.geometry = bounded.map_err(|reason| FileError::new(path, None, element(), reason))?;
-                }
-            }
-        }
-        Ok(())
-    }
-
     /// Returns the name.
     #[must_use]
     pub fn name(&self) -> &str {
@@ -249,7 +178,7 @@ impl Robot {
     /// Returns what the file names and the robot does not hold.
     ///
     /// These are collision elements whose mesh file does not exist, if
-    /// [`LoadOptions::skip_missing_meshes`] is set, elements of SDFormat that are left out by rule,
+    /// [`LoadOptions::skip_missing_meshes`](crate::LoadOptions::skip_missing_meshes) is set, elements of SDFormat that are left out by rule,
     /// such as `actor`, and in MJCF equalities of bodies and flags that switch contacts off.
     #[must_use]
     pub fn skipped(&self) -> &[Skipped] {

@@ -12,7 +12,6 @@ use lin_canny_plan::{
 use crate::cell::{BodyName, Cell, Obstacle};
 use crate::cell_body::AttachedBody;
 use crate::error::Skipped;
-use crate::excludable::LinkPairCount;
 use crate::geometry::radius;
 use crate::robot::{Coordinate, MotionKind, Robot};
 use crate::srdf::Srdf;
@@ -61,7 +60,7 @@ pub struct Setup {
     /// Pairs of bodies that files exclude.
     excluded_bodies: BTreeSet<WorldPair>,
     /// Links without bodies, because an SRDF may name them, and skipped obstacles.
-    pub(crate) frames: BTreeSet<String>,
+    frames: BTreeSet<String>,
     /// Names of links whose frame is not that of their first body, with a body or the link of the
     /// tree.
     link_frames: Vec<(String, LinkFrame)>,
@@ -77,7 +76,7 @@ pub struct Setup {
     margin: Option<f64>,
     paddings: Vec<(BodyName, f64)>,
     margins: Vec<([BodyName; 2], f64)>,
-    pub(crate) skipped: Vec<Skipped>,
+    skipped: Vec<Skipped>,
     /// What all checkers share: made by the first one, dropped when the robots or their pairs
     /// change.
     shared: Arc<OnceLock<RobotPart>>,
@@ -240,8 +239,32 @@ impl Setup {
         self.paddings.push((BodyName { name, index }, padding));
     }
 
+    /// Adds the obstacles and attached objects of a cell, excludes its pairs, and sets its margins.
+    ///
+    /// If the cell [excludes exactly](Cell::excludes_exactly) its pairs, pairs that were excluded
+    /// before this call are not excluded any more. An obstacle that equals a half-space of a robot
+    /// of this setup is not added again.
+    pub fn cell(&mut self, cell: &Cell) {
+        let added = cell.obstacles.iter().filter(|obstacle| !self.has_half_space(obstacle));
+        for obstacle in added.collect::<Vec<_>>() {
+            let (name, geometry) = (&obstacle.name, obstacle.geometry.clone());
+            match &obstacle.poses {
+                Some(poses) => self.moving_obstacle(name, geometry, poses.clone()),
+                None => self.obstacle(name, geometry, obstacle.pose),
+            }
+        }
+        for (link, object) in &cell.attached {
+            self.attach(link, object.clone());
+        }
+        self.skipped.extend(cell.skipped.iter().cloned());
+        // Another body of this name still has its pairs.
+        let missing = cell.missing.iter().filter(|name| !self.has_body(name));
+        self.frames.extend(missing.cloned().collect::<Vec<_>>());
+        self.pairs_and_margins_of(cell);
+    }
+
     /// Excludes the pairs of a cell and sets its margins.
-    pub(crate) fn pairs_and_margins_of(&mut self, cell: &Cell) {
+    fn pairs_and_margins_of(&mut self, cell: &Cell) {
         if cell.excludes_exactly {
             self.shared = Arc::default();
             self.excluded.clear();
@@ -287,12 +310,6 @@ impl Setup {
             let [a, b] = pair.links.each_ref().map(|name| format!("{prefix}{name}"));
             self.exclude_because(&a, &b, &pair.reason);
         }
-    }
-
-    /// Excludes the pairs that these counts allow to exclude: see
-    /// [`find_excludable`](crate::find_excludable).
-    pub fn exclude_counts(&mut self, counts: &[LinkPairCount]) {
-        self.exclude_srdf("", &Srdf::from_counts(counts));
     }
 
     /// Excludes all pairs of two links, or of a link and an obstacle.
@@ -531,6 +548,15 @@ impl Setup {
             names,
             pair_boxes,
         }))
+    }
+}
+
+impl Srdf {
+    /// Returns the SRDF of the excluded pairs of links of a robot: of one whose names have this prefix
+    /// in the setup. The pairs of links and obstacles are left out.
+    #[must_use]
+    pub fn from_setup(setup: &Setup, prefix: &str, robot: &Robot) -> Self {
+        Self::from_pairs(setup.excluded(), prefix, robot)
     }
 }
 

@@ -10,7 +10,6 @@ use lin_canny_record::escaped;
 use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::groups::{self, GroupState, JointGroup, VirtualJoint};
 use crate::robot::Robot;
-use crate::space::Setup;
 use crate::xml::{Xml, attribute};
 
 /// Two links that are excluded: not checked against each other, and why.
@@ -120,7 +119,11 @@ impl Srdf {
                 _ => {}
             }
         }
-        groups::read(&mut srdf, &xml, robot, &elements)?;
+        let found = groups::read(&xml, robot, &elements)?;
+        (srdf.groups, srdf.states) = (found.groups, found.states);
+        srdf.virtual_joints = found.virtual_joints;
+        srdf.skipped.extend(found.skipped);
+        srdf.skipped.sort_by_key(|skipped| skipped.line);
         // A pair that is both disabled and enabled is disabled, as in MoveIt.
         let disabled: HashSet<[String; 2]> = srdf.excluded.iter().map(|pair| sorted(&pair.links)).collect();
         srdf.enabled.retain(|pair| !disabled.contains(&sorted(pair)));
@@ -166,13 +169,6 @@ impl Srdf {
         }
     }
 
-    /// Returns the SRDF of the excluded pairs of links of a robot: of one whose names have this prefix
-    /// in the setup. The pairs of links and obstacles are left out.
-    #[must_use]
-    pub fn from_setup(setup: &Setup, prefix: &str, robot: &Robot) -> Self {
-        Self::from_pairs(setup.excluded(), prefix, robot)
-    }
-
     /// Returns the SRDF of the links of a robot all of whose pairs are excluded in a world, for one
     /// reason. The pairs of links and obstacles are left out.
     #[must_use]
@@ -181,7 +177,12 @@ impl Srdf {
         Self::from_pairs(pairs.map(|pair| (pair, reason)), prefix, robot)
     }
 
-    fn from_pairs<'a>(pairs: impl Iterator<Item = ([&'a str; 2], &'a str)>, prefix: &str, robot: &Robot) -> Self {
+    /// Returns the SRDF of the pairs that are links of a robot, each with its reason.
+    pub(crate) fn from_pairs<'a>(
+        pairs: impl Iterator<Item = ([&'a str; 2], &'a str)>,
+        prefix: &str,
+        robot: &Robot,
+    ) -> Self {
         let excluded = pairs.filter_map(|(pair, reason)| {
             let links = own_links(pair, prefix, robot)?;
             let reason = reason.to_owned();

@@ -1,6 +1,8 @@
 //! The text of a file, by its encoding.
 
-use crate::error::FileErrorKind;
+use std::path::Path;
+
+use crate::error::{FileError, FileErrorKind};
 
 /// The byte order mark that some programs write at the start of a text.
 const MARK: char = '\u{feff}';
@@ -10,6 +12,14 @@ const WINDOWS: [char; 32] = [
     '€', '\u{81}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{8d}', 'Ž', '\u{8f}', '\u{90}', '‘', '’',
     '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\u{9d}', 'ž', 'Ÿ',
 ];
+
+impl FileError {
+    /// Returns the text of a file.
+    pub(crate) fn read(file: &Path) -> Result<String, Self> {
+        let bytes = std::fs::read(file).map_err(|e| Self::new(file, None, "", FileErrorKind::Read(e)))?;
+        decode(&bytes).map_err(|(line, reason)| Self::new(file, Some(line), "", reason))
+    }
+}
 
 /// Returns the text of a file without its byte order mark, or the line that is wrong and why.
 ///

@@ -4,9 +4,7 @@ use std::path::Path;
 
 use crate::csv_rows::Records;
 use crate::error::{FileError, FileErrorKind};
-use crate::message;
 use crate::robot::Coordinate;
-use crate::yaml;
 use lin_canny_plan::{JointCurve, JointTube, PlanError, SmoothPath, nearest_name as nearest};
 
 /// A sequence of configurations.
@@ -78,64 +76,6 @@ impl Trajectory {
     ) -> Result<Self, FileError> {
         let path = path.as_ref();
         Self::read(&FileError::read(path)?, path, coordinates, rest, false)
-    }
-
-    /// Returns a trajectory with times, and optionally velocities, accelerations and tubes.
-    ///
-    /// The extension of the file decides its format:
-    ///
-    /// * `csv`: the columns of [`load`](Self::load) with `time`. Joint `elbow` has the optional
-    ///   columns `elbow.velocity` and `elbow.acceleration`. All joints have velocities if one has,
-    ///   and likewise accelerations, which need velocities. A joint may have a column `elbow.tube`:
-    ///   how much it may deviate from the motion, at least 0, linear between the rows.
-    /// * `json`, `yaml` or `yml`: a message `JointTrajectory` of ROS 1 or 2, alone or as the
-    ///   `joint_trajectory` of another message. Names may be in any order. Of YAML, everything but
-    ///   anchors, aliases, tags and complex keys is read.
-    ///
-    /// A coordinate that the file does not name has its value of `rest`, as in
-    /// [`load_with_rest`](Self::load_with_rest), and stays there.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load), or if there are no times. The error names the line of a CSV file,
-    /// or the number of the point, counted from 1.
-    pub fn load_timed(
-        path: impl AsRef<Path>,
-        coordinates: &[Coordinate],
-        rest: &[Option<f64>],
-    ) -> Result<Self, FileError> {
-        let path = path.as_ref();
-        Self::parse_timed(&FileError::read(path)?, path, coordinates, rest)
-    }
-
-    /// Returns the trajectory of a text, as [`load_timed`](Self::load_timed) does. The extension of
-    /// `path` decides the format; errors name it.
-    ///
-    /// # Errors
-    /// As [`load_timed`](Self::load_timed).
-    pub fn parse_timed(
-        text: &str,
-        path: impl AsRef<Path>,
-        coordinates: &[Coordinate],
-        rest: &[Option<f64>],
-    ) -> Result<Self, FileError> {
-        let path = path.as_ref();
-        let malformed = |line, text| FileError::new(path, line, "", FileErrorKind::Malformed(text));
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("csv") => Self::read(text, path, coordinates, rest, true),
-            Some("json") => {
-                let value = serde_json::from_str(text).map_err(|e| malformed(Some(e.line() as u32), e.to_string()))?;
-                message::read(&value, path, coordinates, rest)
-            }
-            Some("yaml" | "yml") => {
-                let value = yaml::parse(text).map_err(|(line, reason)| malformed(Some(line), reason))?;
-                message::read(&value, path, coordinates, rest)
-            }
-            _ => Err(malformed(
-                None,
-                "extension of a trajectory is unknown (expected csv, json, yaml or yml)".into(),
-            )),
-        }
     }
 
     /// Returns the curve from each row to the next, as the joint trajectory controller of ROS 2
@@ -234,7 +174,7 @@ impl Trajectory {
     }
 
     /// Reads a CSV text; `is_timed` requires times, and accepts velocities and accelerations.
-    fn read(
+    pub(crate) fn read(
         text: &str,
         path: &Path,
         coordinates: &[Coordinate],

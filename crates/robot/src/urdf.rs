@@ -8,10 +8,10 @@ use roxmltree::Node;
 
 use crate::drake;
 use crate::error::{FileError, FileErrorKind, Skipped};
-use crate::geometry::{self, MeshUse, Solid};
+use crate::geometry::{self, Solid};
 use crate::link_tree::{FileJoint, Follows, LinkTree};
 use crate::mesh_file::MeshPlacing;
-use crate::options::LoadOptions;
+use crate::options::{LoadOptions, MeshUse};
 use crate::packages::Packages;
 use crate::robot::{LinkBody, MotionKind, Robot, RobotLink, adjacent_by_joints};
 use crate::turn::direction;

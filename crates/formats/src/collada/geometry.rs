@@ -1,15 +1,17 @@
 //! Geometries: the primitives of a mesh as triangles over the positions that they use.
 
+use std::collections::HashMap;
 use std::rc::Rc;
 
-use super::Reader;
+use roxmltree::NodeId;
+
 use crate::error::Fault;
-use crate::mesh::{MeshObject, ObjectBuilder};
+use crate::mesh::{MeshObject, ObjectBuilder, SkippedList};
 use crate::polygon;
 use crate::xml::{Element, Xml, children, elements, name};
 
 /// Positions: a part of an array of numbers, as its accessor describes it.
-pub(super) struct Positions<'a> {
+struct Positions<'a> {
     source: Element<'a>,
     array: Element<'a>,
     numbers: Rc<Vec<f64>>,
@@ -54,10 +56,36 @@ struct Primitive<'a> {
     stride: usize,
 }
 
-impl<'a> Reader<'a> {
+/// The geometries of a file, each read once, and what readers have passed over.
+pub(super) struct Geometries<'a> {
+    xml: &'a Xml<'a>,
+    pub(super) skipped: SkippedList,
+    /// The geometries as in the file, without the transforms of nodes.
+    known: HashMap<NodeId, Rc<MeshObject>>,
+    /// The positions of an element `vertices`, and those of an element `source`.
+    positions: HashMap<NodeId, Rc<Positions<'a>>>,
+    arrays: HashMap<NodeId, Rc<Vec<f64>>>,
+}
+
+impl<'a> Geometries<'a> {
+    pub(super) fn new(xml: &'a Xml<'a>) -> Self {
+        Self {
+            xml,
+            skipped: SkippedList::default(),
+            known: HashMap::new(),
+            positions: HashMap::new(),
+            arrays: HashMap::new(),
+        }
+    }
+
+    /// Returns whether a geometry was read.
+    pub(super) fn is_known(&self, node: Element) -> bool {
+        self.known.contains_key(&node.id())
+    }
+
     /// Returns a geometry without the transforms of nodes.
     pub(super) fn geometry(&mut self, node: Element<'a>) -> Result<Rc<MeshObject>, Fault> {
-        if let Some(known) = self.geometries.get(&node.id()) {
+        if let Some(known) = self.known.get(&node.id()) {
             return Ok(known.clone());
         }
         let title = node.attribute("name").or(node.attribute("id"));
@@ -77,7 +105,7 @@ impl<'a> Reader<'a> {
         }
         self.skipped.append(std::mem::take(&mut builder.skipped));
         let geometry = Rc::new(builder.build());
-        self.geometries.insert(node.id(), geometry.clone());
+        self.known.insert(node.id(), geometry.clone());
         Ok(geometry)
     }
 
@@ -280,6 +308,17 @@ impl<'a> Reader<'a> {
             stride,
             axes,
         })
+    }
+
+    /// Returns the numbers of an array.
+    pub(super) fn array(&mut self, node: Element<'a>) -> Result<Rc<Vec<f64>>, Fault> {
+        if let Some(known) = self.arrays.get(&node.id()) {
+            return Ok(known.clone());
+        }
+        let numbers = Rc::new(self.xml.numbers(node)?);
+        self.xml.check_count(node, numbers.len(), "numbers")?;
+        self.arrays.insert(node.id(), numbers.clone());
+        Ok(numbers)
     }
 }
 

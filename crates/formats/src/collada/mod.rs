@@ -14,10 +14,10 @@ use std::rc::Rc;
 use roxmltree::NodeId;
 
 use crate::error::Fault;
-use crate::mesh::{MeshFile, MeshFormat, MeshObject, SkippedList};
+use crate::mesh::{MeshFile, MeshFormat, MeshObject};
 use crate::transform::{self, FLAT, IDENTITY, Matrix, apply, from_rows, orientation, product};
 use crate::xml::{Element, Text, Xml, children, elements, name, shown};
-use geometry::Positions;
+use geometry::Geometries;
 
 /// Most nodes above each other, and most controllers in a row.
 const DEPTH: usize = 1000;
@@ -33,11 +33,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
     let xml = Xml::new(&document, &text);
     let mut reader = Reader {
         xml: &xml,
-        skipped: SkippedList::default(),
+        geometries: Geometries::new(&xml),
         nodes: HashMap::new(),
-        geometries: HashMap::new(),
-        positions: HashMap::new(),
-        arrays: HashMap::new(),
         objects: Vec::new(),
         left: bytes.len().saturating_mul(SCENE.1).saturating_add(SCENE.0),
     };
@@ -45,20 +42,15 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
     Ok(MeshFile {
         format: MeshFormat::Collada,
         objects: reader.objects,
-        skipped: reader.skipped.build(),
+        skipped: reader.geometries.skipped.build(),
     })
 }
 
 /// A file as far as it is read. Everything is read once, however often the scene contains it.
 struct Reader<'a> {
     xml: &'a Xml<'a>,
-    skipped: SkippedList,
+    geometries: Geometries<'a>,
     nodes: HashMap<NodeId, Rc<Contents<'a>>>,
-    /// The geometries as in the file, without the transforms of nodes.
-    geometries: HashMap<NodeId, Rc<MeshObject>>,
-    /// The positions of an element `vertices`, and those of an element `source`.
-    positions: HashMap<NodeId, Rc<Positions<'a>>>,
-    arrays: HashMap<NodeId, Rc<Vec<f64>>>,
     objects: Vec<MeshObject>,
     /// Bytes of nodes and objects that may still follow.
     left: usize,
@@ -105,7 +97,7 @@ impl<'a> Reader<'a> {
                 | "library_nodes"
                 | "library_visual_scenes"
                 | "scene" => {}
-                other => self.skipped.add(xml.line(child), known_library(other)),
+                other => self.geometries.skipped.add(xml.line(child), known_library(other)),
             }
         }
         let unit = self.unit()?;
@@ -119,6 +111,7 @@ impl<'a> Reader<'a> {
                     return Err(xml.malformed(child, "is there twice (expected one for the file)"));
                 }
                 _ => self
+                    .geometries
                     .skipped
                     .add(xml.line(child), "physics, kinematics and extra of the scene"),
             }
@@ -127,12 +120,14 @@ impl<'a> Reader<'a> {
         let all: Vec<_> = library("library_visual_scenes", "visual_scene").collect();
         let scenes = if selected.is_empty() { &all } else { &selected };
         if selected.is_empty() && all.len() > 1 {
-            self.skipped
+            self.geometries
+                .skipped
                 .add(xml.line(all[0]), "missing choice of a scene (all are read)");
         }
         let is_left_out = |scene: &&Element| !selected.is_empty() && !selected.contains(scene);
         if let Some(left_out) = all.iter().find(is_left_out) {
-            self.skipped
+            self.geometries
+                .skipped
                 .add(xml.line(*left_out), "visual scenes that are not selected");
         }
         for scene in scenes {
@@ -143,15 +138,19 @@ impl<'a> Reader<'a> {
             if let Some(node) = placed.next() {
                 return Err(xml.unsupported(node, format!("a {} in a file without a scene", name(node))));
             }
-            self.skipped.add(None, "missing scene (all geometries are read)");
+            self.geometries
+                .skipped
+                .add(None, "missing scene (all geometries are read)");
             for geometry in library("library_geometries", "geometry") {
-                let body = self.geometry(geometry)?;
+                let body = self.geometries.geometry(geometry)?;
                 self.put(&body, &unit, geometry)?;
             }
         }
         for geometry in library("library_geometries", "geometry") {
-            if !self.geometries.contains_key(&geometry.id()) {
-                self.skipped.add(xml.line(geometry), "geometries outside the scene");
+            if !self.geometries.is_known(geometry) {
+                self.geometries
+                    .skipped
+                    .add(xml.line(geometry), "geometries outside the scene");
             }
         }
         Ok(())
@@ -162,7 +161,9 @@ impl<'a> Reader<'a> {
         let (xml, root) = (self.xml, self.xml.document.root_element());
         let mut asset = children(root, "asset").flat_map(elements);
         if let Some(axis) = asset.find(|n| name(*n) == "up_axis" && n.text().is_none_or(|t| t.trim() != "Z_UP")) {
-            self.skipped.add(xml.line(axis), "up_axis (points are not turned)");
+            self.geometries
+                .skipped
+                .add(xml.line(axis), "up_axis (points are not turned)");
         }
         let mut metres = None;
         for unit in xml
@@ -185,7 +186,10 @@ impl<'a> Reader<'a> {
                         return Err(xml.malformed(unit, why));
                     }
                 }
-                Some(_) => self.skipped.add(xml.line(unit), "units outside the asset of the file"),
+                Some(_) => self
+                    .geometries
+                    .skipped
+                    .add(xml.line(unit), "units outside the asset of the file"),
                 None => {}
             }
         }
@@ -276,7 +280,7 @@ impl<'a> Reader<'a> {
                 "instance_node" => found.push(Child::Node(xml.named(child, "url", &["node"])?)),
                 "instance_geometry" => {
                     self.skip_materials(child);
-                    let body = self.geometry(xml.named(child, "url", &["geometry"])?)?;
+                    let body = self.geometries.geometry(xml.named(child, "url", &["geometry"])?)?;
                     found.push(Child::Body(body, IDENTITY, child));
                 }
                 "instance_controller" => {
@@ -287,9 +291,9 @@ impl<'a> Reader<'a> {
                 "matrix" | "translate" | "rotate" | "scale" | "lookat" | "skew" if name(node) == "node" => {
                     transform = product(&transform, &self.transform(child)?);
                 }
-                "instance_camera" => self.skipped.add(xml.line(child), "cameras"),
-                "instance_light" => self.skipped.add(xml.line(child), "lights"),
-                "extra" => self.skipped.add(xml.line(child), "extra"),
+                "instance_camera" => self.geometries.skipped.add(xml.line(child), "cameras"),
+                "instance_light" => self.geometries.skipped.add(xml.line(child), "lights"),
+                "extra" => self.geometries.skipped.add(xml.line(child), "extra"),
                 "evaluate_scene" | "asset" => {}
                 _ => return Err(xml.unknown(child)),
             }
@@ -304,7 +308,7 @@ impl<'a> Reader<'a> {
 
     fn skip_materials(&mut self, instance: Element) {
         if let Some(material) = children(instance, "bind_material").next() {
-            self.skipped.add(self.xml.line(material), "materials");
+            self.geometries.skipped.add(self.xml.line(material), "materials");
         }
     }
 
@@ -322,7 +326,9 @@ impl<'a> Reader<'a> {
             ("translate", &[x, y, z]) => Ok(transform::translation([x, y, z])),
             ("scale", &[x, y, z]) => Ok(transform::scaling([x, y, z])),
             ("rotate", &[x, y, z, degrees]) => Ok(transform::rotation([x, y, z], degrees).unwrap_or_else(|| {
-                self.skipped.add(xml.line(node), "rotate about an axis of length zero");
+                self.geometries
+                    .skipped
+                    .add(xml.line(node), "rotate about an axis of length zero");
                 IDENTITY
             })),
             ("lookat", &[a, b, c, d, e, f, g, h, i]) => transform::look_at([a, b, c], [d, e, f], [g, h, i])
@@ -349,7 +355,9 @@ impl<'a> Reader<'a> {
     fn controller(&mut self, instance: Element<'a>) -> Result<(Rc<MeshObject>, Matrix), Fault> {
         let xml = self.xml;
         if let Some(skeleton) = children(instance, "skeleton").next() {
-            self.skipped.add(xml.line(skeleton), "skeletons (skins are at rest)");
+            self.geometries
+                .skipped
+                .add(xml.line(skeleton), "skeletons (skins are at rest)");
         }
         let mut node = xml.named(instance, "url", &["controller"])?;
         let mut bind = IDENTITY;
@@ -365,7 +373,7 @@ impl<'a> Reader<'a> {
             }
             node = xml.named(kind, "source", &["geometry", "controller"])?;
             if name(node) == "geometry" {
-                return Ok((self.geometry(node)?, bind));
+                return Ok((self.geometries.geometry(node)?, bind));
             }
         }
         Err(xml.malformed(node, "is inside itself: controllers form a cycle"))
@@ -393,7 +401,7 @@ impl<'a> Reader<'a> {
 
     /// Returns an error if a morph is not its base mesh.
     fn morph(&mut self, morph: Element<'a>) -> Result<(), Fault> {
-        self.skipped.add(self.xml.line(morph), "morph targets");
+        self.geometries.skipped.add(self.xml.line(morph), "morph targets");
         for child in elements(morph) {
             match name(child) {
                 "targets" => {
@@ -401,7 +409,7 @@ impl<'a> Reader<'a> {
                     for input in children(child, "input").filter(is_weight) {
                         let source = self.xml.named(input, "source", &["source"])?;
                         for array in children(source, "float_array") {
-                            if self.array(array)?.iter().any(|weight| *weight != 0.0) {
+                            if self.geometries.array(array)?.iter().any(|weight| *weight != 0.0) {
                                 return Err(self.xml.unsupported(array, "a morph with a weight other than 0"));
                             }
                         }
@@ -412,17 +420,6 @@ impl<'a> Reader<'a> {
             }
         }
         Ok(())
-    }
-
-    /// Returns the numbers of an array.
-    fn array(&mut self, node: Element<'a>) -> Result<Rc<Vec<f64>>, Fault> {
-        if let Some(known) = self.arrays.get(&node.id()) {
-            return Ok(known.clone());
-        }
-        let numbers = Rc::new(self.xml.numbers(node)?);
-        self.xml.check_count(node, numbers.len(), "numbers")?;
-        self.arrays.insert(node.id(), numbers.clone());
-        Ok(numbers)
     }
 }
 

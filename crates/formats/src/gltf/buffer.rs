@@ -55,7 +55,7 @@ type Bytes<'a> = Rc<Cow<'a, [u8]>>;
 /// The buffers of a file, each read once.
 pub(super) struct Buffers<'a> {
     /// The whole file.
-    root: Item<'a>,
+    pub(super) root: Item<'a>,
     folder: &'a Path,
     binary: Option<&'a [u8]>,
     known: HashMap<usize, Bytes<'a>>,

@@ -1,16 +1,50 @@
 //! Meshes: the triangles of primitives over the positions that they use, and skins.
 
-use super::buffer::Accessor;
+use super::buffer::{Accessor, Buffers};
 use super::json::Item;
-use super::{CORNER, NUMBER, Reader};
 use crate::error::Fault;
-use crate::mesh::{MeshObject, ObjectBuilder};
+use crate::mesh::{MeshObject, ObjectBuilder, SkippedList};
 use crate::transform::{FLAT, Matrix, apply, orientation};
 
 /// Largest difference of the sum of the weights of a vertex from 1.
 const SUM: f64 = 0.02;
 
-impl<'a> Reader<'a> {
+/// Most bytes of objects and of corners that a file may have: so many, and so many for each of its
+/// bytes. A file that puts every mesh once has fewer than the second.
+const SCENE: (usize, usize) = (48 << 20, 100);
+
+/// Bytes of a corner of a primitive, with what finds it again, and of the numbers of a vertex in a
+/// skin or a sparse accessor.
+const CORNER: usize = 64;
+const NUMBER: usize = 8;
+
+/// The meshes of a file, what may be spent on them, and what readers have passed over.
+pub(super) struct Meshes<'a> {
+    pub(super) buffers: Buffers<'a>,
+    pub(super) skipped: SkippedList,
+    /// Number of bytes of objects and corners that may still follow.
+    left: usize,
+}
+
+impl<'a> Meshes<'a> {
+    /// Returns the meshes of a file of `size` bytes.
+    pub(super) fn new(buffers: Buffers<'a>, skipped: SkippedList, size: usize) -> Self {
+        Self {
+            buffers,
+            skipped,
+            left: size.saturating_mul(SCENE.1).saturating_add(SCENE.0),
+        }
+    }
+
+    /// Counts the bytes of objects and corners.
+    pub(super) fn spend(&mut self, count: usize, item: &Item) -> Result<(), Fault> {
+        let external = std::mem::take(&mut self.buffers.external);
+        let left = self.left.saturating_add(external.saturating_mul(SCENE.1));
+        let left = left.checked_sub(count);
+        self.left = left.ok_or_else(|| item.malformed("makes the scene too large by repeated use of data"))?;
+        Ok(())
+    }
+
     /// Returns a mesh without the transforms of nodes, or moved by the joints of a skin.
     pub(super) fn mesh(&mut self, item: &Item<'a>, joints: Option<&[Matrix]>) -> Result<MeshObject, Fault> {
         item.check_keys(&["primitives", "weights"])?;
@@ -138,7 +172,7 @@ impl<'a> Reader<'a> {
         }
         for (user, key) in [(attributes, "POSITION"), (item, "indices")] {
             if let Some(accessor) = user.whole(key)?
-                && !self.root.element("accessors", accessor)?.has("bufferView")
+                && !self.buffers.root.element("accessors", accessor)?.has("bufferView")
             {
                 return Err(item.unsupported(format!("{DRACO} without other data")));
             }

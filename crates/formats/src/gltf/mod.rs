@@ -24,6 +24,7 @@ use crate::text;
 use crate::transform::{self, FLAT, IDENTITY, Matrix, apply, from_rows, orientation, product};
 use buffer::Buffers;
 use json::Item;
+use mesh::Meshes;
 
 /// Extensions that change no position. Positions of `KHR_mesh_quantization` are errors by their
 /// type.
@@ -53,15 +54,6 @@ const HARMLESS: [&str; 23] = [
     "MSFT_texture_dds",
 ];
 
-/// Most bytes of objects and of corners that a file may have: so many, and so many for each of its
-/// bytes. A file that puts every mesh once has fewer than the second.
-const SCENE: (usize, usize) = (48 << 20, 100);
-
-/// Bytes of a corner of a primitive, with what finds it again, and of the numbers of a vertex in a
-/// skin or a sparse accessor.
-const CORNER: usize = 64;
-const NUMBER: usize = 8;
-
 /// Largest difference of the square of the length of a rotation from 1.
 const UNIT: f64 = 0.01;
 
@@ -75,15 +67,13 @@ pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<MeshFile, Fault> {
     let value = json::parse(&text::decode(json))?;
     let root = Item::new(String::new(), &value)?;
     let mut reader = Reader {
-        buffers: Buffers::new(&root, folder, binary),
+        meshes: Meshes::new(Buffers::new(&root, folder, binary), skipped, bytes.len()),
         root,
-        skipped,
         worlds: Vec::new(),
         children: Vec::new(),
-        meshes: HashMap::new(),
+        known: HashMap::new(),
         skins: HashMap::new(),
         objects: Vec::new(),
-        left: bytes.len().saturating_mul(SCENE.1).saturating_add(SCENE.0),
     };
     reader.check()?;
     let roots = reader.roots()?;
@@ -91,7 +81,7 @@ pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<MeshFile, Fault> {
     Ok(MeshFile {
         format: MeshFormat::Gltf,
         objects: reader.objects,
-        skipped: reader.skipped.build(),
+        skipped: reader.meshes.skipped.build(),
     })
 }
 
@@ -99,18 +89,15 @@ pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<MeshFile, Fault> {
 struct Reader<'a> {
     /// The whole file.
     root: Item<'a>,
-    buffers: Buffers<'a>,
-    skipped: SkippedList,
+    meshes: Meshes<'a>,
     /// The transform of each node into the scene.
     worlds: Vec<Matrix>,
     children: Vec<Vec<usize>>,
     /// The meshes as in the file, without the transforms of nodes.
-    meshes: HashMap<usize, Rc<MeshObject>>,
+    known: HashMap<usize, Rc<MeshObject>>,
     /// The transform of each joint of a skin: from the mesh into the scene.
     skins: HashMap<usize, Rc<Vec<Matrix>>>,
     objects: Vec<MeshObject>,
-    /// Number of bytes of objects and corners that may still follow.
-    left: usize,
 }
 
 impl<'a> Reader<'a> {
@@ -143,7 +130,9 @@ impl<'a> Reader<'a> {
             .filter_map(|name| name.as_str())
             .collect();
         if !used.is_empty() {
-            self.skipped.add(None, &format!("extensions: {}", used.join(", ")));
+            self.meshes
+                .skipped
+                .add(None, &format!("extensions: {}", used.join(", ")));
         }
         root.check_keys(&[
             "accessors",
@@ -166,7 +155,7 @@ impl<'a> Reader<'a> {
         ])?;
         for key in ["animations", "cameras", "images", "materials", "textures"] {
             if root.has(key) {
-                self.skipped.add(None, key);
+                self.meshes.skipped.add(None, key);
             }
         }
         Ok(())
@@ -212,13 +201,13 @@ impl<'a> Reader<'a> {
         }
         let scenes = root.list("scenes")?.len();
         if scenes > 1 {
-            self.skipped.add(None, "scenes that are not selected");
+            self.meshes.skipped.add(None, "scenes that are not selected");
         }
         let selected = match root.whole("scene")? {
             Some(selected) => root.element("scenes", selected)?,
             None if scenes > 0 => root.element("scenes", 0)?,
             None => {
-                self.skipped.add(None, "missing scene (all root nodes are read)");
+                self.meshes.skipped.add(None, "missing scene (all root nodes are read)");
                 return Ok(all);
             }
         };
@@ -232,7 +221,7 @@ impl<'a> Reader<'a> {
             }
         }
         if roots.len() < all.len() {
-            self.skipped.add(None, "nodes outside the scene");
+            self.meshes.skipped.add(None, "nodes outside the scene");
         }
         Ok(roots)
     }
@@ -255,7 +244,7 @@ impl<'a> Reader<'a> {
             is_placed[mesh] = true;
         }
         if is_placed.contains(&false) {
-            self.skipped.add(None, "meshes outside the scene");
+            self.meshes.skipped.add(None, "meshes outside the scene");
         }
         Ok(())
     }
@@ -267,25 +256,26 @@ impl<'a> Reader<'a> {
             Some(weights) => Some(weights),
             None => item.numbers("weights")?,
         };
-        self.spend(weights.as_ref().map_or(0, Vec::len), node)?;
+        self.meshes.spend(weights.as_ref().map_or(0, Vec::len), node)?;
         if weights.is_some_and(|weights| weights.iter().any(|weight| *weight != 0.0)) {
             return Err(node.unsupported("a morph with a weight other than 0"));
         }
         if let Some(skin) = node.whole("skin")? {
-            self.skipped.add(None, "skins (meshes are at rest)");
+            self.meshes.skipped.add(None, "skins (meshes are at rest)");
             let joints = self.skin(skin)?;
-            let mut object = self.mesh(&item, Some(&joints))?;
+            let mut object = self.meshes.mesh(&item, Some(&joints))?;
             name(&mut object, node)?;
             self.objects.push(object);
             return Ok(());
         }
-        let body = match self.meshes.get(&mesh) {
+        let body = match self.known.get(&mesh) {
             Some(known) => known.clone(),
-            None => Rc::new(self.mesh(&item, None)?),
+            None => Rc::new(self.meshes.mesh(&item, None)?),
         };
-        self.meshes.insert(mesh, body.clone());
+        self.known.insert(mesh, body.clone());
         let lists = size_of_val(&body.points[..]) + size_of_val(&body.triangles[..]);
-        self.spend(size_of::<MeshObject>() + body.name.len() + lists, node)?;
+        self.meshes
+            .spend(size_of::<MeshObject>() + body.name.len() + lists, node)?;
         if body.triangles.is_empty() {
             return Ok(());
         }
@@ -311,15 +301,6 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Counts the bytes of objects and corners.
-    fn spend(&mut self, count: usize, item: &Item) -> Result<(), Fault> {
-        let external = std::mem::take(&mut self.buffers.external);
-        let left = self.left.saturating_add(external.saturating_mul(SCENE.1));
-        let left = left.checked_sub(count);
-        self.left = left.ok_or_else(|| item.malformed("makes the scene too large by repeated use of data"))?;
-        Ok(())
-    }
-
     /// Returns the transforms of the joints of a skin: from the mesh to where the nodes are.
     fn skin(&mut self, index: usize) -> Result<Rc<Vec<Matrix>>, Fault> {
         if let Some(known) = self.skins.get(&index) {
@@ -328,7 +309,7 @@ impl<'a> Reader<'a> {
         let item = self.root.element("skins", index)?;
         item.check_keys(&["inverseBindMatrices", "joints", "skeleton"])?;
         let joints = item.indices("joints", self.worlds.len())?;
-        let inverses = self.buffers.accessor(&item, "inverseBindMatrices")?;
+        let inverses = self.meshes.buffers.accessor(&item, "inverseBindMatrices")?;
         if let Some(inverses) = &inverses {
             let is_right = inverses.is_float() && inverses.width == 16 && inverses.count >= joints.len();
             if !is_right {

@@ -6,10 +6,10 @@
 use lin_canny::nalgebra::{Unit, Vector3};
 use lin_canny::{ContactPoint, Manifold, ManifoldOptions, PairTracker, RelativePose};
 
-use super::dispatcher::ContactOptions;
+use super::contact::{ContactOptions, exchange};
 use super::far::Planes;
 use super::known::Known;
-use super::manifold::{exchange, packed};
+use super::manifold::packed;
 use super::number::{isometry, narrow, wide};
 use super::parry::math::{Pose, Real};
 use super::parry::query::{ContactManifold, TrackedContact};

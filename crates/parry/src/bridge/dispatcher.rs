@@ -6,12 +6,10 @@ use lin_canny::nalgebra::{Point3, UnitQuaternion};
 use lin_canny::{ContactState, Outcome, PairTracker, RelativePose};
 
 use super::cast::{self, Flown};
-use super::curved;
-use super::far::are_far;
+use super::contact::ContactOptions;
+use super::convex;
 use super::guard::{self, Turning, margin, parrys};
-use super::half_space;
 use super::known::Known;
-use super::manifold::PosedPair;
 use super::mesh;
 use super::number::{isometry, narrow};
 use super::parry::math::{Pose, Real, Vector};
@@ -32,56 +30,6 @@ use super::parry::query::{
 use super::parry::shape::{CompositeShape, Shape, ShapeType};
 use super::part::{self, Placed};
 use super::surface;
-
-/// Options of contact manifolds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct ContactOptions {
-    /// Sine of the largest angle between the normal and a contact face (default 1/2).
-    ///
-    /// With 1/64, overlaps in piles of round hulls are 1.3 times as deep.
-    pub max_face_sine: Real,
-    /// Factor by which the prediction of the engine is multiplied (default 4).
-    ///
-    /// An engine drops contacts that do not close within a step. Overlaps in piles of hulls are
-    /// half as deep as with 1.
-    pub prediction_factor: Real,
-    /// Largest number of points of a manifold, 1 to 8 (default 8). rapier itself reduces them to 4.
-    pub max_points: usize,
-}
-
-impl Default for ContactOptions {
-    fn default() -> Self {
-        Self {
-            max_face_sine: 0.5,
-            prediction_factor: 4.0,
-            max_points: 8,
-        }
-    }
-}
-
-impl ContactOptions {
-    /// Returns the options with another sine of the largest angle between normal and contact face.
-    #[must_use]
-    pub const fn max_face_sine(mut self, sine: Real) -> Self {
-        self.max_face_sine = sine;
-        self
-    }
-
-    /// Returns the options with another factor for the prediction of the engine.
-    #[must_use]
-    pub const fn prediction_factor(mut self, factor: Real) -> Self {
-        self.prediction_factor = factor;
-        self
-    }
-
-    /// Returns the options with another largest number of points.
-    #[must_use]
-    pub const fn max_points(mut self, points: usize) -> Self {
-        self.max_points = points;
-        self
-    }
-}
 
 /// Query dispatcher that handles convex shapes with [`lin_canny`] and all others with parry.
 ///
@@ -130,34 +78,6 @@ impl CertifiedDispatcher {
     #[must_use]
     pub fn options(&self) -> ContactOptions {
         self.options
-    }
-
-    /// Writes the contacts of two convex shapes. Returns false, with nothing written, for a pair
-    /// that parry handles.
-    pub(super) fn write_convex<M, C: Default + Copy>(
-        &self,
-        pos12: &Pose,
-        (a, b): (&dyn Shape, &dyn Shape),
-        prediction: Real,
-        out: &mut ContactManifold<M, C>,
-    ) -> bool {
-        let (known, options) = (&*self.known, &self.options);
-        if are_far(pos12, (a, b), prediction * options.prediction_factor) {
-            out.clear();
-            return true;
-        }
-        if let Some(pair) = part::pair(known, a, b) {
-            if pair.0.is_far(&pair.1, pos12, prediction * options.prediction_factor) {
-                out.clear();
-                return true;
-            }
-            if let Some(posed) = PosedPair::new(&pair, pos12) {
-                posed.write(prediction, options, out);
-                return true;
-            }
-        }
-        half_space::write(known, pos12, (a, b), prediction, options, out)
-            || curved::write(known, pos12, (a, b), prediction, options, out)
     }
 
     /// Returns two shapes that [`lin_canny`] supports, at their pose; `None` if the pose is not
@@ -482,9 +402,10 @@ where
         prediction: Real,
         out: &mut ContactManifold<M, C>,
     ) -> Result<(), Unsupported> {
-        if self.write_convex(pos12, (a, b), prediction, out) {
+        if convex::write(&self.known, pos12, (a, b), prediction, &self.options, out) {
             if self.is_surface || constraints1.or(constraints2).is_some() {
-                surface::correct(self, pos12, (a, b), [constraints1, constraints2], prediction, out);
+                let constraints = [constraints1, constraints2];
+                surface::correct(&self.known, pos12, (a, b), constraints, prediction, &self.options, out);
             }
             return Ok(());
         }

@@ -1,7 +1,7 @@
 //! Proves that pairs are far apart without a solver, in the engine's numbers.
 
+use super::contact::exchange;
 use super::hull::Hull;
-use super::manifold::exchange;
 use super::parry::bounding_volume::BoundingSphere;
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::{ContactManifold, TrackedContact};

@@ -2,7 +2,7 @@
 
 use lin_canny::{HalfSpace, HalfSpaceContact, ManifoldOptions, RelativePose};
 
-use super::dispatcher::ContactOptions;
+use super::contact::ContactOptions;
 use super::known::Known;
 use super::number::{isometry, narrow, wide};
 use super::parry::math::{Pose, Real};

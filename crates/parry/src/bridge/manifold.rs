@@ -3,37 +3,12 @@
 use lin_canny::nalgebra::{Point3, UnitQuaternion};
 use lin_canny::{ContactState, Feature, FeaturePair, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
 
-use super::dispatcher::ContactOptions;
+use super::contact::{ContactOptions, exchange};
 use super::number::{isometry, narrow};
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::{ContactManifold, TrackedContact};
 use super::parry::shape::{FeatureId, PackedFeatureId};
 use super::part::Part;
-
-/// Maximum number of points that are copied for matching; other engines may have more.
-const MOST_KEPT: usize = 8;
-
-/// Replaces the contacts of a manifold, and keeps the data of contacts with equal features.
-pub(super) fn exchange<M, C: Default + Copy>(
-    out: &mut ContactManifold<M, C>,
-    write: impl FnOnce(&mut Vec<TrackedContact<C>>),
-) {
-    match out.points[..] {
-        [first, ..] if out.points.len() <= MOST_KEPT => {
-            let mut kept = [first; MOST_KEPT];
-            let count = out.points.len();
-            kept[..count].copy_from_slice(&out.points);
-            out.points.clear();
-            write(&mut out.points);
-            out.match_contacts(&kept[..count]);
-        }
-        _ => {
-            let kept = core::mem::take(&mut out.points);
-            write(&mut out.points);
-            out.match_contacts(&kept);
-        }
-    }
-}
 
 /// A pair of rounded polyhedra at a pose.
 pub(super) struct PosedPair<'a> {

@@ -1,116 +1,20 @@
-//! Meshes of [`lin_canny`] as shapes of parry, and their manifolds.
-
-use std::sync::Arc;
+//! Manifolds of meshes, and shapes of parry as geometries.
 
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{
-    Compound, ContactGroup, ContactPoint, ConvexPatches, Feature, Geometry, ManifoldOptions, Mesh, MeshError,
-    PairTracker, Piece, RelativePose,
+    Compound, ContactGroup, ContactPoint, ConvexPatches, Feature, Geometry, ManifoldOptions, Mesh, PairTracker, Piece,
+    RelativePose,
 };
 
-use super::dispatcher::ContactOptions;
+use super::contact::ContactOptions;
 use super::known::Known;
-use super::mass::UnitMass;
+use super::mesh_shape::mesh;
 use super::number::{isometry, narrow, wide_point};
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::details::{TypedWorkspaceData, WorkspaceData};
 use super::parry::query::{Contact, ContactManifold, ContactManifoldsWorkspace, TrackedContact};
-use super::parry::shape::{PackedFeatureId, Shape, SharedShape, TriMesh};
+use super::parry::shape::{PackedFeatureId, Shape};
 use super::part;
-
-/// A mesh as a shape for parry: a floor, a terrain, a tool or another body.
-///
-/// A closed mesh is solid. All queries with convex shapes of parry, [`Hull`](super::Hull)s and
-/// other meshes use [`lin_canny`], in `f64` and without an absolute tolerance. Contacts belong to
-/// the convex patches of the mesh, from outside only, so an edge between two triangles of a flat
-/// floor has no contact. The shape is cheap to clone, because clones share all data.
-///
-/// ```
-/// use lin_canny_parry::single::{CertifiedDispatcher, Hull, MeshShape, parry};
-/// use parry::math::{Pose, Vector};
-/// use parry::query::{ContactManifold, PersistentQueryDispatcher};
-/// use parry::shape::Cuboid;
-///
-/// // A floor of two triangles, and a die of a millimetre on the edge between them.
-/// let corners = [[0., 0., 0.], [1., 0., 0.], [1., 0., 1.], [0., 0., 1.]].map(Vector::from);
-/// let floor = MeshShape::from_triangles(&corners, &[[0, 2, 1], [0, 3, 2]])?;
-/// let die = Cuboid::new(Vector::splat(5e-4));
-/// let at = Pose::translation(0.5, 5.1e-4, 0.5);
-/// let mut found: Vec<ContactManifold<(), ()>> = Vec::new();
-/// let dispatcher = CertifiedDispatcher::default();
-/// dispatcher.contact_manifolds(&at, &floor, &die, 1e-4, &mut found, &mut None).unwrap();
-/// assert_eq!((found.len(), found[0].points.len()), (1, 4));
-/// assert!((found[0].points[0].dist - 1e-5).abs() < 1e-9);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone)]
-pub struct MeshShape {
-    pub(super) mesh: Arc<Mesh>,
-    pub(super) geometry: Geometry,
-    patches: ConvexPatches,
-    pub(super) mass: UnitMass,
-}
-
-impl MeshShape {
-    /// Returns the shape of a mesh, which may be shared with other users.
-    ///
-    /// Divides the mesh into convex patches, which takes microseconds per triangle.
-    pub fn new(mesh: impl Into<Arc<Mesh>>) -> Self {
-        Self::within(mesh, 0.0)
-    }
-
-    /// Returns the shape of a mesh whose patches are convex within a tolerance, in its unit.
-    ///
-    /// For flat floors that are stored in single precision, use about 1e-6 of their size.
-    pub fn within(mesh: impl Into<Arc<Mesh>>, tolerance: f64) -> Self {
-        let mesh: Arc<Mesh> = mesh.into();
-        Self {
-            geometry: Geometry::from(mesh.clone()),
-            patches: ConvexPatches::from_mesh_within(mesh.clone(), tolerance),
-            mass: UnitMass::new(mesh.volume().max(0.0), &mesh.centroid(), &mesh.inertia()),
-            mesh,
-        }
-    }
-
-    /// Returns the shape of triangles, counter-clockwise seen from outside.
-    ///
-    /// # Errors
-    /// Returns an error if the triangles cannot form a [`Mesh`]. The error names the index.
-    pub fn from_triangles(points: &[Vector], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
-        let points: Vec<Point3<f64>> = points.iter().map(|&p| wide_point(p)).collect();
-        Ok(Self::new(Mesh::new(&points, triangles)?))
-    }
-
-    /// Returns the mesh.
-    #[must_use]
-    pub fn mesh(&self) -> &Arc<Mesh> {
-        &self.mesh
-    }
-}
-
-impl From<Mesh> for MeshShape {
-    fn from(mesh: Mesh) -> Self {
-        Self::new(mesh)
-    }
-}
-
-/// Converts the triangles of a mesh of parry.
-///
-/// The flags of the mesh are ignored. The triangles decide which side is outside and whether the
-/// mesh is closed.
-impl TryFrom<&TriMesh> for MeshShape {
-    type Error = MeshError;
-
-    fn try_from(mesh: &TriMesh) -> Result<Self, MeshError> {
-        Self::from_triangles(mesh.vertices(), mesh.indices())
-    }
-}
-
-impl From<MeshShape> for SharedShape {
-    fn from(mesh: MeshShape) -> Self {
-        SharedShape(Arc::new(mesh))
-    }
-}
 
 /// The state that an engine keeps for a pair with a mesh.
 ///
@@ -127,11 +31,6 @@ impl WorkspaceData for MeshPair {
     fn clone_dyn(&self) -> Box<dyn WorkspaceData> {
         Box::new(self.clone())
     }
-}
-
-/// Returns the mesh if a shape is a `MeshShape`.
-pub(super) fn mesh(shape: &dyn Shape) -> Option<&MeshShape> {
-    shape.as_shape::<MeshShape>()
 }
 
 /// Returns the patches of a mesh, or of a convex shape or compound in the frame of the engine's
@@ -161,8 +60,8 @@ fn compound(known: &Known, shape: &dyn Shape) -> Option<Compound> {
 /// Returns a shape of parry as a geometry of [`lin_canny`], and its pose in the frame of the shape.
 ///
 /// Use it for trackers and scenes with the shapes of an engine. Returns `None` for half-spaces,
-/// voxels, custom shapes other than [`Hull`](super::Hull) and [`MeshShape`], and shapes with
-/// numbers that are out of range for [`lin_canny`].
+/// voxels, custom shapes other than [`Hull`](super::Hull) and [`MeshShape`](super::MeshShape), and
+/// shapes with numbers that are out of range for [`lin_canny`].
 ///
 /// ```
 /// use lin_canny_parry::lin_canny::{PairTracker, RelativePose};

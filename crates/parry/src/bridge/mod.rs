@@ -6,6 +6,8 @@
 use super::parry;
 
 mod cast;
+mod contact;
+mod convex;
 mod curved;
 mod decomposition;
 mod dispatcher;
@@ -24,8 +26,10 @@ mod part;
 mod ray_point;
 mod surface;
 
+pub use contact::ContactOptions;
 pub use decomposition::{DecompositionError, decompose};
-pub use dispatcher::{CertifiedDispatcher, ContactOptions};
+pub use dispatcher::CertifiedDispatcher;
 pub use hull::{Conversion, Hull, HullError};
-pub use mesh::{MeshShape, geometry};
+pub use mesh::geometry;
+pub use mesh_shape::MeshShape;
 pub use number::{isometry, pose};

@@ -9,7 +9,7 @@ use lin_canny::{ConvexPolyhedron, Geometry, Shape};
 use super::far::are_balls_far;
 use super::hull::{Hull, Solid, corners};
 use super::known::Known;
-use super::mesh::mesh;
+use super::mesh_shape::mesh;
 use super::parry::bounding_volume::BoundingSphere;
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::shape;

@@ -1,7 +1,8 @@
 //! Contacts with a triangle of a mesh: an edge has no contact if a neighbour continues the mesh.
 
-use super::dispatcher::CertifiedDispatcher;
-use super::manifold::exchange;
+use super::contact::{ContactOptions, exchange};
+use super::convex;
+use super::known::Known;
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::details::{NormalConstraints, NormalConstraintsPair};
 use super::parry::query::{ContactManifold, TrackedContact};
@@ -28,11 +29,12 @@ pub(super) type Constraints<'a> = [Option<&'a dyn NormalConstraints>; 2];
 /// If the contact is within the triangle, the overlap is measured along the triangle's normal. If
 /// the constraints reject a normal, the contact is removed.
 pub(super) fn correct<M, C>(
-    by: &CertifiedDispatcher,
+    known: &Known,
     pos12: &Pose,
     (a, b): (&dyn Shape, &dyn Shape),
     constraints: Constraints,
     prediction: Real,
+    options: &ContactOptions,
     out: &mut ContactManifold<M, C>,
 ) where
     M: Default + Clone + Send + Sync,
@@ -52,7 +54,7 @@ pub(super) fn correct<M, C>(
     if let Some(face) = Face::new(pos12, (a, b)) {
         let is_meant = if is_bound { face.is_along(n1) } else { least < 0.0 };
         if is_meant && !face.is_along(own) {
-            let found = face.contacts(by, pos12, (a, b), prediction);
+            let found = face.contacts(known, pos12, (a, b), prediction, options);
             let deepest = found.find_deepest_contact().map(|p| p.dist);
             if deepest.is_some_and(|d| d >= MOST_BEYOND * least.min(0.0) - prediction) {
                 (out.local_n1, out.local_n2) = (found.local_n1, found.local_n2);
@@ -126,15 +128,16 @@ impl Face {
     /// triangle.
     fn contacts(
         &self,
-        by: &CertifiedDispatcher,
+        known: &Known,
         pos12: &Pose,
         (a, b): (&dyn Shape, &dyn Shape),
         prediction: Real,
+        options: &ContactOptions,
     ) -> ContactManifold<(), ()> {
         let wide = self.widened();
         let mut found = ContactManifold::new();
         let shapes: (&dyn Shape, &dyn Shape) = if self.is_first { (&wide, b) } else { (a, &wide) };
-        let is_answered = by.write_convex(pos12, shapes, prediction, &mut found);
+        let is_answered = convex::write(known, pos12, shapes, prediction, options, &mut found);
         if !is_answered || !self.is_along(found.local_n1) {
             found.points.clear();
         }

@@ -2,13 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use lin_canny::nalgebra::Isometry3;
 use roxmltree::Node;
 
-use super::frames::{Target, WORLD};
-use super::model::{Description, Owner};
+use super::frames::WORLD;
+use super::model::{Description, Override, Owner};
 use super::values::SdfFile;
-use crate::error::{FileError, FileErrorKind, Place};
+use crate::error::{FileError, FileErrorKind};
 use crate::xml::{Xml, attribute};
 
 /// The most files that are included in all, and the most bytes of them. A file counts as often as
@@ -18,20 +17,6 @@ const BYTES: usize = 16 << 20;
 
 /// The file in the folder of a model that names the file of each version.
 const CONFIG: &str = "model.config";
-
-/// What an element `include` states in place of the model that it includes.
-#[derive(Default)]
-pub(super) struct Override {
-    pub(super) name: Option<String>,
-    /// The pose, and the frame that it is relative to.
-    pub(super) pose: Option<(Option<Target>, Isometry3<f64>)>,
-    pub(super) is_static: Option<bool>,
-    pub(super) placement: Option<(Place, String)>,
-    /// Whether the elements of the model belong to the model that includes it.
-    pub(super) is_merged: bool,
-    /// Whether names of links and joints start without the name of the model.
-    pub(super) hides_name: bool,
-}
 
 impl Description<'_> {
     /// Reads an included model, and returns its frame; `None` for a file without a model.

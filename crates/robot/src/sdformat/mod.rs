@@ -21,8 +21,7 @@ use lin_canny::normalize_rotation;
 use roxmltree::Node;
 
 use frames::{Carrier, Poses, Target, WORLD};
-use include::Override;
-use model::{ALL_BITS, Description, Joint, Link, Owner};
+use model::{ALL_BITS, Description, Joint, Link, Override, Owner};
 use values::SdfFile;
 
 use crate::cell::Obstacle;

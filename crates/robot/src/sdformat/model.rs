@@ -3,11 +3,10 @@
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-use lin_canny::nalgebra::{Unit, Vector3};
+use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use roxmltree::Node;
 
 use super::frames::{Attachment, Frame, Frames, Reference, Scope, Target, WORLD};
-use super::include::Override;
 use super::shape;
 use super::values::SdfFile;
 use crate::error::{FileError, FileErrorKind, Place, Skipped};
@@ -162,6 +161,20 @@ pub(super) struct Owner {
     pub(super) prefix: String,
     pub(super) is_static: bool,
     pub(super) depth: usize,
+}
+
+/// What an element `include` states in place of the model that it includes.
+#[derive(Default)]
+pub(super) struct Override {
+    pub(super) name: Option<String>,
+    /// The pose, and the frame that it is relative to.
+    pub(super) pose: Option<(Option<Target>, Isometry3<f64>)>,
+    pub(super) is_static: Option<bool>,
+    pub(super) placement: Option<(Place, String)>,
+    /// Whether the elements of the model belong to the model that includes it.
+    pub(super) is_merged: bool,
+    /// Whether names of links and joints start without the name of the model.
+    pub(super) hides_name: bool,
 }
 
 impl Owner {

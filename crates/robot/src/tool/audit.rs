@@ -11,10 +11,10 @@ use lin_canny_robot::plan::{ClearanceWidth, RangeAnswer, RangeOptions};
 use lin_canny_robot::{AuditVerdict, LinkAudit, Srdf, audit};
 
 use super::audit_page::AuditPage;
-use super::options::RobotOptions;
-use super::plan::duration;
-use super::text::{configuration, distance};
-use super::{End, ToolError, progress, receipt, write};
+use super::end::{End, ToolError};
+use super::options::{RobotOptions, duration};
+use super::receipt;
+use super::text::{configuration, distance, progress, write};
 
 #[derive(Args)]
 pub(super) struct AuditOptions {

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use lin_canny_robot::Cell;
 
+use super::end::{End, ToolError};
 use super::options::RobotOptions;
-use super::{End, ToolError, text};
+use super::text;
 
 #[derive(Args)]
 pub(super) struct CellOptions {

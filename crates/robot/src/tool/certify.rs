@@ -8,10 +8,11 @@ use lin_canny_robot::plan::receipt::Receipt;
 use lin_canny_robot::plan::{PlanError, Verdict, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory};
 
-use super::options::{ReadRows, RestOptions, RobotOptions, not_negative};
+use super::end::{End, ToolError};
+use super::options::{ReadRows, RestOptions, RobotOptions, check_at_rest, not_negative};
 use super::pair_boxes::PairBoxArguments;
-use super::text::{Table, configuration, fraction_below, names, place, time_at};
-use super::{End, ToolError, check_at_rest, film, progress, receipt, write};
+use super::text::{Table, configuration, fraction_below, names, place, progress, time_at, write};
+use super::{film, receipt};
 
 #[derive(Args)]
 pub(super) struct CertifyOptions {

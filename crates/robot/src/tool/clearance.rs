@@ -9,10 +9,10 @@ use lin_canny_robot::plan::{
 };
 use lin_canny_robot::{Setup, Trajectory};
 
+use super::end::{End, ToolError};
 use super::film::FilmOptions;
-use super::options::{RobotOptions, RowOptions};
-use super::text::{Table, distance, names, place, time_at};
-use super::{End, ToolError, check_at_rest, progress, write};
+use super::options::{RobotOptions, RowOptions, check_at_rest};
+use super::text::{Table, distance, names, place, progress, time_at, write};
 
 /// The pairs that are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

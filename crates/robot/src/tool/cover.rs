@@ -10,8 +10,9 @@ use lin_canny_robot::{
     urdf_of_hulls,
 };
 
+use super::end::{End, ToolError};
 use super::options::RobotOptions;
-use super::{End, ToolError, text, write};
+use super::text::{self, write};
 
 #[derive(Args)]
 pub(super) struct CoverOptions {

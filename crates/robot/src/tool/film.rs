@@ -9,8 +9,8 @@ use lin_canny_robot::plan::{Checker, JointCurve, JointTree, Verdict};
 use lin_canny_robot::record::{PageOptions, Recording, page};
 use lin_canny_robot::{Coordinate, RobotRecorder, Setup, Trajectory};
 
-use super::text::{fraction_below, names, place, time_at};
-use super::{ToolError, write};
+use super::end::ToolError;
+use super::text::{fraction_below, names, place, time_at, write};
 
 /// Recorded frames per segment.
 pub(super) const FRAMES: u32 = 32;

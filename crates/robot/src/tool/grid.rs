@@ -7,7 +7,8 @@ use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{DistanceGrid, Mesh, PointError, PointQuery, Progress};
 use lin_canny_formats::{Volume, VolumeFormat};
 
-use super::{ToolError, progress};
+use super::end::ToolError;
+use super::text::progress;
 
 #[derive(Args)]
 pub(super) struct GridOptions {

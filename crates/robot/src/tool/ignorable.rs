@@ -6,8 +6,9 @@ use std::path::PathBuf;
 use clap::Args;
 use lin_canny_robot::{Srdf, find_excludable};
 
+use super::end::{End, ToolError};
 use super::options::RobotOptions;
-use super::{End, ToolError, progress, write};
+use super::text::{progress, write};
 
 #[derive(Args)]
 pub(super) struct IgnorableOptions {

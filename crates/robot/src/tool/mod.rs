@@ -21,6 +21,7 @@ mod certify;
 mod clearance;
 mod cover;
 mod drawing;
+mod end;
 mod film;
 mod grid;
 mod ignorable;
@@ -33,13 +34,10 @@ mod smooth;
 mod text;
 mod verify;
 
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use lin_canny_robot::FileError;
-use lin_canny_robot::plan::{PlanError, World, WorldId};
+use end::{End, ToolError};
 
 const ENDS: &str = "\
 Exit codes:
@@ -86,38 +84,6 @@ enum Command {
     Verify(verify::VerifyOptions),
 }
 
-/// Result of a run, worst last.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum End {
-    Free,
-    Unknown,
-    Blocked,
-    NoPath,
-}
-
-/// Error of a run.
-#[derive(Debug, thiserror::Error)]
-enum ToolError {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    #[error("{}: cannot be written: {reason}", file.display())]
-    Write { file: PathBuf, reason: std::io::Error },
-    #[error("{}:{line}: {reason}", file.display())]
-    Blocked { file: PathBuf, line: u32, reason: String },
-    #[error("{error}; see {see}")]
-    Rows { error: Box<FileError>, see: &'static str },
-    #[error("{}: {reason}", file.display())]
-    State { file: PathBuf, reason: String },
-    #[error(transparent)]
-    Format(#[from] lin_canny_formats::FormatError),
-    #[error("{}: {reason}", file.display())]
-    Input { file: PathBuf, reason: String },
-    #[error("{}: too few rows: {count} (expected at least {least})", file.display())]
-    TooFew { file: PathBuf, count: usize, least: usize },
-}
-
 pub(crate) fn main() -> ExitCode {
     let found = match Arguments::parse().command {
         Command::Clearance(options) => clearance::run(&options),
@@ -144,33 +110,5 @@ pub(crate) fn main() -> ExitCode {
                 3
             })
         }
-    }
-}
-
-/// Returns an error if an obstacle moves, because `expected` is missing.
-fn check_at_rest(world: &World, file: &Path, expected: &str) -> Result<(), ToolError> {
-    let moves = |id: &WorldId| world.obstacle_motion(*id).is_some();
-    match world.bodies().map(|(id, _)| id).find(moves) {
-        None => Ok(()),
-        Some(id) => Err(ToolError::State {
-            file: file.to_owned(),
-            reason: format!("obstacle {:?} moves (expected {expected})", world.name(id)),
-        }),
-    }
-}
-
-fn write(file: &Path, text: &str) -> Result<(), ToolError> {
-    std::fs::write(file, text).map_err(|reason| ToolError::Write {
-        file: file.to_owned(),
-        reason,
-    })
-}
-
-/// Returns a progress bar on stderr, visible on a terminal only.
-fn progress(what: &'static str, length: u64) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
-    match ProgressStyle::with_template("{prefix} {wide_bar} {pos}/{len} {eta}") {
-        Ok(style) => bar.with_style(style).with_prefix(what),
-        Err(_) => bar,
     }
 }

@@ -2,16 +2,18 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion};
+use lin_canny_robot::plan::{World, WorldId};
 use lin_canny_robot::{
     Coordinate, FileError, FileErrorKind, LoadOptions, MeshUse, OtherRobot, Packages, Robot, RobotFiles, Setup,
     Skipped, Srdf, Trajectory,
 };
 
-use super::ToolError;
+use super::end::ToolError;
 
 /// The body that is made from a mesh.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -419,5 +421,23 @@ fn print_hull_fits(robot: &Robot) {
                 mesh.display()
             );
         }
+    }
+}
+
+/// Returns the time of a number of seconds.
+pub(super) fn duration(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse::<f64>().map_err(|e| e.to_string())?;
+    Duration::try_from_secs_f64(seconds).map_err(|e| e.to_string())
+}
+
+/// Returns an error if an obstacle moves, because `expected` is missing.
+pub(super) fn check_at_rest(world: &World, file: &Path, expected: &str) -> Result<(), ToolError> {
+    let moves = |id: &WorldId| world.obstacle_motion(*id).is_some();
+    match world.bodies().map(|(id, _)| id).find(moves) {
+        None => Ok(()),
+        Some(id) => Err(ToolError::State {
+            file: file.to_owned(),
+            reason: format!("obstacle {:?} moves (expected {expected})", world.name(id)),
+        }),
     }
 }

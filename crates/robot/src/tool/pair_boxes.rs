@@ -3,7 +3,8 @@
 use clap::Args;
 use lin_canny_robot::plan::{Checker, JointTree};
 
-use super::{ToolError, progress};
+use super::end::ToolError;
+use super::text::progress;
 
 #[derive(Args)]
 pub(super) struct PairBoxArguments {

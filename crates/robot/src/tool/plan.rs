@@ -8,11 +8,11 @@ use lin_canny::Progress;
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanError, PlanMethod, PlanOptions};
 use lin_canny_robot::{Trajectory, csv_text};
 
+use super::end::{End, ToolError};
 use super::film::{FRAMES, FilmOptions};
-use super::options::{RobotOptions, RowOptions};
+use super::options::{RobotOptions, RowOptions, check_at_rest, duration};
 use super::pair_boxes::PairBoxArguments;
-use super::text::{self, distance, names};
-use super::{End, ToolError, check_at_rest, write};
+use super::text::{self, distance, names, write};
 
 /// The method of the search.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -60,11 +60,6 @@ pub(super) struct PlanArguments {
     /// Number of attempts to shorten the path
     #[arg(long, default_value_t = 300)]
     shorten: usize,
-}
-
-pub(super) fn duration(text: &str) -> Result<Duration, String> {
-    let seconds = text.parse::<f64>().map_err(|e| e.to_string())?;
-    Duration::try_from_secs_f64(seconds).map_err(|e| e.to_string())
 }
 
 pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {

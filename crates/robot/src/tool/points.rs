@@ -8,8 +8,9 @@ use lin_canny::nalgebra::Point3;
 use lin_canny::{Mesh, MeshKind, PointOutcome, PointQuery};
 use lin_canny_formats::{Invalid, MeshFile, PointFile};
 
+use super::end::{End, ToolError};
 use super::grid::GridOptions;
-use super::{End, ToolError, progress, write};
+use super::text::{progress, write};
 
 /// Number of points between two updates of the progress bar.
 const BLOCK: usize = 1 << 16;

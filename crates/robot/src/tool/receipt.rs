@@ -5,8 +5,9 @@ use std::path::Path;
 use lin_canny_robot::Setup;
 use lin_canny_robot::plan::receipt::{Receipt, ReceiptError};
 
+use super::end::ToolError;
 use super::options::RobotOptions;
-use super::{ToolError, write as write_text};
+use super::text::write as write_text;
 
 /// Returns the error of a receipt that cannot be written or read.
 pub(super) fn refused(file: &Path, reason: impl ToString) -> ToolError {

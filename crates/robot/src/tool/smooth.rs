@@ -7,8 +7,9 @@ use lin_canny::Progress;
 use lin_canny_robot::plan::{PlanError, SmoothOptions, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory};
 
+use super::end::{End, ToolError};
 use super::options::{RobotOptions, RowOptions, not_negative};
-use super::{End, ToolError, progress, text, write};
+use super::text::{self, progress, write};
 
 #[derive(Args)]
 pub(super) struct SmoothArguments {

@@ -2,9 +2,13 @@
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, WorldPair};
 use lin_canny_robot::{Coordinate, Trajectory};
+
+use super::end::ToolError;
 
 /// Writes a text to stdout. If its reader has gone, as in `... | head`, the text is dropped: the
 /// command still writes its files, and its exit code is that of the result.
@@ -22,6 +26,23 @@ pub(super) fn put(text: Arguments<'_>) {
 /// Writes a line to stderr. If that is not possible, nobody can be told.
 pub(super) fn complain(text: Arguments<'_>) {
     let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// Writes a file.
+pub(super) fn write(file: &Path, text: &str) -> Result<(), ToolError> {
+    std::fs::write(file, text).map_err(|reason| ToolError::Write {
+        file: file.to_owned(),
+        reason,
+    })
+}
+
+/// Returns a progress bar on stderr, visible on a terminal only.
+pub(super) fn progress(what: &'static str, length: u64) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
+    match ProgressStyle::with_template("{prefix} {wide_bar} {pos}/{len} {eta}") {
+        Ok(style) => bar.with_style(style).with_prefix(what),
+        Err(_) => bar,
+    }
 }
 
 pub(super) fn names<C: ConfigurationSpace>(checker: &Checker<C>, pair: WorldPair) -> [String; 2] {

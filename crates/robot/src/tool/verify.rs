@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use lin_canny_verify::{verify, verify_on};
 
+use super::end::{End, ToolError};
 use super::receipt::refused;
-use super::{End, ToolError};
 
 #[derive(Args)]
 pub(super) struct VerifyOptions {
