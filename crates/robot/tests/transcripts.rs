@@ -1,0 +1,16 @@
+//! The tool: what users see of each command, as recorded. `TRYCMD=overwrite` records it again.
+//!
+//! A transcript is a file of commands that run one after the other in a copy of `transcripts/files`; what they write is
+//! printed by `cat`, or, if it is large, as the sum and size that `cksum` prints.
+
+use std::path::Path;
+
+#[test]
+fn transcripts_are_as_recorded() {
+    let cases = trycmd::TestCases::new();
+    cases.register_bin("lin-canny-robot", Path::new(env!("CARGO_BIN_EXE_lin-canny-robot")));
+    for name in ["cat", "cksum", "head", "tail"] {
+        cases.register_bin(name, Path::new("/usr/bin").join(name).as_path());
+    }
+    cases.case("tests/transcripts/*.trycmd");
+}
