@@ -1,7 +1,8 @@
-//! The tool: what users see of each command, as recorded. `TRYCMD=overwrite` records it again.
+//! Promise: users see of each command of the tool what is recorded. `TRYCMD=overwrite` records it again.
 //!
-//! A transcript is a file of commands that run one after the other in a copy of `transcripts/files`; what they write is
-//! printed by `cat`, or, if it is large, as the sum and size that `cksum` prints.
+//! A transcript is a file of commands that run one after the other in a copy of
+//! `transcripts/files`. What they write is printed by `cat`, or, if it is large, as the sum and the
+//! size that `cksum` prints; of pages only the last line, because their script has its own tests.
 
 use std::path::Path;
 
