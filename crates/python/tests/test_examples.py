@@ -91,11 +91,3 @@ def test_an_arm_of_the_repository():
     # Where the robot alone is deeper than any pair with the cell, the answers agree.
     alone = robot.clearances(q)
     assert np.all(found["distance"] <= alone["upper"] + 1e-12)
-
-
-def test_the_lines_of_the_readme():
-    blocks = re.findall(r"```python\n(.*?)```", (HERE.parent / "README.md").read_text(), re.DOTALL)
-    assert len(blocks) >= 2
-    names: dict[str, object] = {}
-    for block in blocks:
-        exec(compile(block, "README.md", "exec"), names)
