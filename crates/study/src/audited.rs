@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use datafusion::arrow::array::{ArrayRef, Float64Builder, Int64Array, ListBuilder, RecordBatch, StringArray};
+use datafusion::arrow::array::{ArrayRef, Int64Array, RecordBatch, StringArray};
 use datafusion::arrow::datatypes::{DataType, Field, Schema};
 use lin_canny_robot::{AuditCell, audit_cells};
 
 use crate::error::StudyError;
 use crate::input::ID;
-use crate::rows::list_type;
+use crate::rows::{list_column, list_type};
 use crate::study::Study;
 
 /// Rows per row group of a file of cells: each may take seconds.
@@ -35,13 +35,7 @@ pub fn cells(study: &Study, count: usize) -> Result<RecordBatch, StudyError> {
     let id = Field::new(ID, DataType::Int64, false);
     let fields = vec![id, word("a"), word("b"), list("low"), list("high")];
     let names = |k: usize| Arc::new(StringArray::from_iter_values(cells.iter().map(|cell| &cell.names[k]))) as ArrayRef;
-    let ends = |k: usize| {
-        let mut lists = ListBuilder::new(Float64Builder::new());
-        for cell in &cells {
-            lists.append_value(cell.range[k].iter().copied().map(Some));
-        }
-        Arc::new(lists.finish()) as ArrayRef
-    };
+    let ends = |k: usize| list_column(cells.iter().map(|cell| cell.range[k].as_slice()));
     let ids = Arc::new(Int64Array::from_iter_values(0..cells.len() as i64));
     let columns = vec![ids, names(0), names(1), ends(0), ends(1)];
     Ok(RecordBatch::try_new(Arc::new(Schema::new(fields)), columns)?)

@@ -9,6 +9,7 @@ use ballista_executor::executor_process::{ExecutorProcessConfig, start_executor_
 use ballista_scheduler::cluster::BallistaCluster;
 use ballista_scheduler::config::SchedulerConfig;
 use ballista_scheduler::scheduler_process::start_server;
+use clap::Args;
 use datafusion::prelude::SessionConfig;
 
 use crate::error::StudyError;
@@ -39,20 +40,27 @@ pub async fn schedule(study: &Arc<Study>, bind: &str, port: u16, executor_timeou
     start_server(cluster, listen, Arc::new(config)).await.map_err(failed)
 }
 
-/// A process that computes rows for a scheduler.
-#[derive(Clone, Debug)]
+/// A process that computes rows for a scheduler; the options of the command `executor`.
+#[derive(Args, Clone, Debug)]
 pub struct Executor {
-    /// Address of the scheduler, `host:port`.
+    /// Address of the scheduler
+    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:50050")]
     pub scheduler: String,
-    /// Address to listen on.
+    /// Address to listen on; 0.0.0.0 admits other machines (no authentication: trusted networks
+    /// only)
+    #[arg(long, value_name = "HOST", default_value = "127.0.0.1")]
     pub bind: String,
-    /// Host name under which other machines reach this machine.
+    /// Host name under which other machines reach this machine
+    #[arg(long, value_name = "HOST")]
     pub external_host: Option<String>,
-    /// Port to listen on; the next port is used as well.
+    /// Port to listen on; the next port is used as well
+    #[arg(long, default_value_t = 50_051)]
     pub port: u16,
-    /// Number of partitions that run in parallel; the number of cores if `None`.
+    /// Number of partitions that run in parallel [default: number of cores]
+    #[arg(long, value_name = "N")]
     pub cores: Option<usize>,
-    /// Folder for results until they are fetched; a new folder for temporary files if `None`.
+    /// Folder for results until they are fetched [default: a new folder for temporary files]
+    #[arg(long, value_name = "DIR")]
     pub work: Option<PathBuf>,
 }
 

@@ -110,3 +110,23 @@ pub enum RowError {
     #[error("{0}")]
     Refused(String),
 }
+
+impl RowError {
+    pub(crate) fn null(name: &str) -> Self {
+        Self::Null { name: name.into() }
+    }
+
+    pub(crate) fn limits(name: impl Into<String>, value: f64, [lower, upper]: [f64; 2]) -> Self {
+        let name = name.into();
+        Self::Limits {
+            name,
+            value,
+            lower,
+            upper,
+        }
+    }
+
+    pub(crate) fn refused(error: impl ToString) -> Self {
+        Self::Refused(error.to_string())
+    }
+}

@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use clap::ValueEnum;
 use datafusion::arrow::array::{Array, ArrayRef, AsArray, RecordBatch, new_null_array};
 use datafusion::arrow::compute::nullif;
 use datafusion::arrow::datatypes::{DataType, Field, FieldRef, Schema, SchemaRef};
@@ -17,21 +18,18 @@ use datafusion::parquet::schema::types::ColumnPath;
 use crate::error::StudyError;
 
 /// The format of a file of rows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 #[non_exhaustive]
 pub enum Format {
-    /// Apache Parquet, `.parquet`.
+    /// Apache Parquet
     Parquet,
-    /// CSV with a header line, `.csv`.
+    /// CSV with a header line
     Csv,
-    /// Arrow IPC, `.arrow`.
+    /// Arrow IPC
     Arrow,
 }
 
 impl Format {
-    /// All formats.
-    pub const ALL: [Self; 3] = [Self::Parquet, Self::Csv, Self::Arrow];
-
     /// Returns the file extension of the format.
     #[must_use]
     pub fn extension(self) -> &'static str {
@@ -49,7 +47,7 @@ impl Format {
             path.extension()
                 .is_some_and(|e| e.eq_ignore_ascii_case(format.extension()))
         };
-        Self::ALL.into_iter().find(ends)
+        Self::value_variants().iter().copied().find(ends)
     }
 
     /// Writes rows to a file atomically: the file is complete or does not exist.

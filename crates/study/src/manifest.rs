@@ -11,9 +11,6 @@ use crate::run::Run;
 /// over names that begin with an underscore: pyarrow, pandas, Spark and DataFusion.
 const NAME: &str = "_study.json";
 
-/// The name until November 2026.
-const OLD_NAME: &str = "study.json";
-
 /// The run that wrote the parts of a folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -49,10 +46,6 @@ impl Manifest {
     pub(crate) fn claim(&self, folder: &Path) -> Result<(), StudyError> {
         std::fs::create_dir_all(folder).map_err(StudyError::io(folder))?;
         let path = folder.join(NAME);
-        let old = folder.join(OLD_NAME);
-        if !path.exists() && old.exists() {
-            std::fs::rename(&old, &path).map_err(StudyError::io(&old))?;
-        }
         if !path.exists() {
             let is_empty = std::fs::read_dir(folder)
                 .map_err(StudyError::io(folder))?

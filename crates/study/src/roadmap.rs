@@ -3,14 +3,13 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use datafusion::arrow::array::{ArrayRef, AsArray, Float64Array, Int64Array, ListArray, RecordBatch};
-use datafusion::arrow::buffer::OffsetBuffer;
+use datafusion::arrow::array::{ArrayRef, AsArray, Float64Array, Int64Array, RecordBatch};
 use datafusion::arrow::datatypes::{DataType, Field, Float64Type, Int64Type, Schema};
 use lin_canny_robot::Coordinate;
 
 use crate::error::StudyError;
 use crate::input::ID;
-use crate::rows::list_type;
+use crate::rows::{list_column, list_type};
 
 /// Returns the segments from each node to its nearest nodes, each segment once.
 ///
@@ -49,7 +48,7 @@ pub fn candidates(
     let ends = |pick: fn(&(usize, usize)) -> usize| pairs.iter().map(pick);
     let id = |pick| Arc::new(Int64Array::from_iter_values(ends(pick).map(|k| ids.value(k)))) as ArrayRef;
     let lengths = Float64Array::from_iter_values(pairs.iter().map(|&(i, j)| length(i, j)));
-    let list = |pick: fn(&(usize, usize)) -> usize| lists(ends(pick).map(|k| points[k].as_slice()), coordinates.len());
+    let list = |pick: fn(&(usize, usize)) -> usize| list_column(ends(pick).map(|k| points[k].as_slice()));
     let fields = [
         Field::new("a", DataType::Int64, false),
         Field::new("b", DataType::Int64, false),
@@ -61,8 +60,8 @@ pub fn candidates(
         id(|p| p.0),
         id(|p| p.1),
         Arc::new(lengths),
-        list(|p| p.0)?,
-        list(|p| p.1)?,
+        list(|p| p.0),
+        list(|p| p.1),
     ];
     Ok(RecordBatch::try_new(Arc::new(Schema::new(fields.to_vec())), columns)?)
 }
@@ -138,12 +137,4 @@ fn points(coordinates: &[Coordinate], nodes: &RecordBatch) -> Result<Vec<Vec<f64
     Ok((0..nodes.num_rows())
         .map(|row| columns.iter().map(|c| c.value(row)).collect())
         .collect())
-}
-
-fn lists<'p>(points: impl Iterator<Item = &'p [f64]>, length: usize) -> Result<ArrayRef, StudyError> {
-    let values: Vec<f64> = points.flatten().copied().collect();
-    let offsets = OffsetBuffer::from_lengths(std::iter::repeat_n(length, values.len() / length.max(1)));
-    let field = Arc::new(Field::new_list_field(DataType::Float64, true));
-    let lists = ListArray::try_new(field, offsets, Arc::new(Float64Array::from(values)), None)?;
-    Ok(Arc::new(lists))
 }

@@ -1,6 +1,8 @@
 //! Configurations in the arguments of a function.
 
-use datafusion::arrow::array::{Array, ArrayRef, AsArray, Float64Array, ListArray};
+use datafusion::arrow::array::{
+    Array, ArrayRef, AsArray, Float64Array, Float64Builder, ListArray, ListBuilder, StringArray,
+};
 use datafusion::arrow::datatypes::{DataType, Field, Float64Type};
 use datafusion::common::plan_err;
 use datafusion::error::Result;
@@ -27,8 +29,8 @@ impl Vectors {
         }
     }
 
-    /// Reads the vector of a row; `name` returns the name of each number, or of the whole list for
-    /// `None`.
+    /// Adds the vector of a row to numbers; `name` returns the name of each number, or of the whole
+    /// list for `None`.
     pub(crate) fn read<'n>(
         &self,
         row: usize,
@@ -36,21 +38,17 @@ impl Vectors {
         name: impl Fn(Option<usize>) -> &'n str,
         into: &mut Vec<f64>,
     ) -> Result<(), RowError> {
-        into.clear();
-        let null = |k: Option<usize>| RowError::Null { name: name(k).into() };
         match self {
             Self::Columns(columns) => {
                 for (k, column) in columns.iter().enumerate() {
                     if column.is_null(row) {
-                        return Err(null(Some(k)));
+                        return Err(RowError::null(name(Some(k))));
                     }
                     into.push(column.value(row));
                 }
             }
+            Self::Lists(lists) if lists.is_null(row) => return Err(RowError::null(name(None))),
             Self::Lists(lists) => {
-                if lists.is_null(row) {
-                    return Err(null(None));
-                }
                 let values = lists.value(row);
                 let values = values.as_primitive::<Float64Type>();
                 if values.len() != needed {
@@ -58,7 +56,7 @@ impl Vectors {
                     return Err(RowError::Length { name, found, needed });
                 }
                 if let Some(k) = (0..needed).find(|&k| values.is_null(k)) {
-                    return Err(null(Some(k)));
+                    return Err(RowError::null(name(Some(k))));
                 }
                 into.extend_from_slice(values.values());
             }
@@ -67,34 +65,69 @@ impl Vectors {
     }
 }
 
-/// Reads the configuration of a row, within its limits.
+/// Adds the configuration of a row to numbers, if it is within its limits.
 pub(crate) fn configuration(
     vectors: &Vectors,
     row: usize,
     coordinates: &[Coordinate],
     into: &mut Vec<f64>,
 ) -> Result<(), RowError> {
+    let start = into.len();
     let name = |k: Option<usize>| k.map_or("the configuration", |k| coordinates[k].name.as_str());
     vectors.read(row, coordinates.len(), name, into)?;
-    for (&value, coordinate) in into.iter().zip(coordinates) {
-        let [lower, upper] = coordinate.limits;
-        // NaN is outside.
-        if !(lower..=upper).contains(&value) {
-            let name = coordinate.name.clone();
-            return Err(RowError::Limits {
-                name,
-                value,
-                lower,
-                upper,
-            });
-        }
+    // NaN is outside.
+    let is_outside = |(value, of): &(&f64, &Coordinate)| !(of.limits[0]..=of.limits[1]).contains(*value);
+    match into[start..].iter().zip(coordinates).find(is_outside) {
+        None => Ok(()),
+        Some((&value, coordinate)) => Err(RowError::limits(&coordinate.name, value, coordinate.limits)),
     }
-    Ok(())
+}
+
+/// Two configurations per row: the ends of a segment or of a range.
+pub(crate) struct Ends([Vectors; 2]);
+
+impl Ends {
+    /// Returns the ends in arguments, one half for each.
+    pub(crate) fn new(arguments: &[ArrayRef]) -> Self {
+        let (first, second) = arguments.split_at(arguments.len() / 2);
+        Self([Vectors::new(first), Vectors::new(second)])
+    }
+
+    /// Reads both ends of a row into an empty list.
+    pub(crate) fn read<'n>(
+        &self,
+        row: usize,
+        coordinates: &[Coordinate],
+        numbers: &'n mut Vec<f64>,
+    ) -> Result<[&'n [f64]; 2], RowError> {
+        for end in &self.0 {
+            configuration(end, row, coordinates, numbers)?;
+        }
+        let (first, second) = numbers.split_at(coordinates.len());
+        Ok([first, second])
+    }
+}
+
+/// Returns the word of a row.
+pub(crate) fn word<'w>(words: &'w StringArray, row: usize, name: &str) -> Result<&'w str, RowError> {
+    match words.is_null(row) {
+        true => Err(RowError::null(name)),
+        false => Ok(words.value(row)),
+    }
 }
 
 /// Returns the type of a list of numbers.
 pub(crate) fn list_type() -> DataType {
     DataType::List(Arc::new(Field::new_list_field(DataType::Float64, true)))
+}
+
+/// Returns a column of lists of numbers.
+pub(crate) fn list_column<'l>(lists: impl IntoIterator<Item = &'l [f64]>) -> ArrayRef {
+    let mut column = ListBuilder::new(Float64Builder::new());
+    for list in lists {
+        column.append_value(list.iter().copied().map(Some));
+    }
+    Arc::new(column.finish())
 }
 
 /// Returns the types to which the arguments of a vector are cast: `count` numbers, or one list.

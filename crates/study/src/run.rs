@@ -91,8 +91,6 @@ pub struct RunProgress {
 pub struct RunSummary {
     /// Rows of the input.
     pub rows: u64,
-    /// Number of invalid rows, for which the result is NULL.
-    pub faults: u64,
     /// Number of parts of the result.
     pub parts: usize,
     /// Number of parts that an earlier run had finished.

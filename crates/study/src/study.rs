@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use lin_canny_plan::{Checker, JointTree, WorldId};
+use lin_canny_plan::{Checker, JointTree, World};
 use lin_canny_robot::{Coordinate, RobotFiles, Setup};
 
 use crate::error::StudyError;
@@ -129,17 +129,17 @@ impl Study {
             None => self.first.fork()?,
         };
         let answer = ask(&mut checker);
-        self.put_back(checker);
+        self.pool.lock().unwrap_or_else(PoisonError::into_inner).push(checker);
         Ok(answer)
+    }
+
+    /// Returns the bodies of every checker.
+    pub(crate) fn world(&self) -> &World {
+        self.first.world()
     }
 
     pub(crate) fn count(&self, rows: usize) {
         self.rows.fetch_add(rows as u64, Ordering::Relaxed);
-    }
-
-    fn put_back(&self, checker: Checker<JointTree>) {
-        let mut pool = self.pool.lock().unwrap_or_else(PoisonError::into_inner);
-        pool.push(checker);
     }
 }
 
@@ -160,13 +160,6 @@ fn fingerprint(setup: &Setup, checker: &Checker<JointTree>, options: StudyOption
     // The whole world: bodies, frames, excluded pairs, margins and paddings.
     serde_json::to_writer(&mut hasher, checker.world())?;
     Ok(hasher.finalize().to_hex()[..16].to_owned())
-}
-
-/// Returns the bodies with a name.
-pub(crate) fn bodies_called(checker: &Checker<JointTree>, name: &str) -> Vec<WorldId> {
-    let world = checker.world();
-    let bodies = world.bodies().filter(|(_, of_body)| *of_body == name);
-    bodies.map(|(id, _)| id).collect()
 }
 
 #[cfg(test)]

@@ -1,18 +1,17 @@
 //! `certify(from, to)`: proves a segment free, or returns the time and the pair that collides.
 
 use datafusion::arrow::array::ArrayRef;
-use datafusion::arrow::datatypes::{DataType, Fields};
+use datafusion::arrow::datatypes::DataType;
 use datafusion::common::plan_err;
 use datafusion::error::Result;
 use lin_canny_plan::{Checker, JointTree, Verdict};
 
-use super::answers::{Answers, Kind, Value, fields_of};
-use super::outside;
+use super::answers::{Kind, Value, structs};
 use crate::error::RowError;
-use crate::rows::{Vectors, configuration, vector_types};
+use crate::rows::{Ends, vector_types};
 use crate::study::Study;
 
-const FIELDS: [(&str, Kind); 6] = [
+pub(super) const FIELDS: [(&str, Kind); 6] = [
     ("verdict", Kind::Word),
     ("safe", Kind::Number),
     ("t", Kind::Number),
@@ -20,10 +19,6 @@ const FIELDS: [(&str, Kind); 6] = [
     ("b", Kind::Word),
     ("start_contacts", Kind::Word),
 ];
-
-pub(super) fn fields() -> Fields {
-    fields_of(&FIELDS)
-}
 
 /// Accepts two lists, or the numbers of both ends.
 pub(super) fn argument_types(name: &str, types: &[DataType], count: usize) -> Result<Vec<DataType>> {
@@ -40,53 +35,38 @@ pub(super) fn argument_types(name: &str, types: &[DataType], count: usize) -> Re
 }
 
 pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRef> {
-    let coordinates = study.coordinates();
-    let (from, to) = arguments.split_at(arguments.len() / 2);
-    let (from, to) = (Vectors::new(from), Vectors::new(to));
-    let (mut answers, mut p, mut q) = (Answers::new(fields(), rows), Vec::new(), Vec::new());
-    study
-        .with_checker(|checker| {
-            for row in 0..rows {
-                q.clear();
-                let verdict = configuration(&from, row, coordinates, &mut p)
-                    .and_then(|()| configuration(&to, row, coordinates, &mut q))
-                    .and_then(|()| {
-                        checker.forget();
-                        checker.certify(&p, &q).map_err(|e| RowError::Refused(e.to_string()))
-                    });
-                let ends = [p.as_slice(), q.as_slice()].concat();
-                let verdict = study.settled(row, &ends, verdict)?;
-                push(&mut answers, checker, verdict);
-            }
-            answers.finish()
-        })
-        .map_err(outside)?
+    let (ends, coordinates) = (Ends::new(arguments), study.coordinates());
+    structs(study, &FIELDS, rows, |checker, row, numbers| {
+        let [from, to] = ends.read(row, coordinates, numbers)?;
+        checker.forget();
+        let verdict = checker.certify(from, to).map_err(RowError::refused)?;
+        Ok(values(checker, &verdict))
+    })
 }
 
-/// Adds a verdict, or NULL.
-pub(super) fn push(answers: &mut Answers, checker: &Checker<JointTree>, verdict: Option<Verdict>) {
-    let Some(verdict) = verdict else {
-        answers.push(None);
-        return;
-    };
+/// Returns the fields of a verdict.
+pub(super) fn values(checker: &Checker<JointTree>, verdict: &Verdict) -> Vec<Value> {
     let safe = Value::Number(verdict.safe());
     match verdict {
+        Verdict::Free { start_contacts, .. } if start_contacts.is_empty() => vec![Value::word("free"), safe],
         Verdict::Free { start_contacts, .. } => {
             let pairs = start_contacts
                 .iter()
                 .map(|leaving| checker.show(&leaving.pair).to_string());
             let pairs = pairs.collect::<Vec<_>>().join(", ");
-            let contacts = match pairs.as_str() {
-                "" => Value::Null,
-                pairs => Value::Word(pairs),
-            };
-            let [t, a, b] = [Value::Null, Value::Null, Value::Null];
-            answers.push(Some(&[Value::Word("free"), safe, t, a, b, contacts]));
+            vec![
+                Value::word("free"),
+                safe,
+                Value::Null,
+                Value::Null,
+                Value::Null,
+                Value::Word(pairs),
+            ]
         }
         Verdict::Blocked { t, pair, .. } => {
-            let [a, b] = [pair.a, pair.b].map(|part| Value::Word(checker.name(part)));
-            answers.push(Some(&[Value::Word("blocked"), safe, Value::Number(t), a, b]));
+            let [a, b] = [pair.a, pair.b].map(|part| Value::word(checker.name(part)));
+            vec![Value::word("blocked"), safe, Value::Number(*t), a, b]
         }
-        _ => answers.push(Some(&[Value::Word("undecided"), safe])),
+        _ => vec![Value::word("undecided"), safe],
     }
 }

@@ -5,13 +5,12 @@ use datafusion::arrow::array::{Array, ArrayRef, AsArray, ListArray};
 use datafusion::arrow::datatypes::{DataType, Field};
 use datafusion::common::plan_err;
 use datafusion::error::Result;
-use lin_canny_plan::{Checker, JointCurve, JointTree, PlanError, Verdict};
+use lin_canny_plan::{JointCurve, PlanError};
 use lin_canny_robot::Coordinate;
 use std::sync::Arc;
 
-use super::answers::Answers;
-use super::certify::{fields, push};
-use super::outside;
+use super::answers::structs;
+use super::certify::{FIELDS, values};
 use crate::error::RowError;
 use crate::rows::{Vectors, list_type};
 use crate::study::Study;
@@ -55,17 +54,13 @@ impl Curves {
 
     /// Reads the control points of a row, one after the other.
     fn read(&self, row: usize, coordinates: &[Coordinate], all: &mut Vec<f64>) -> Result<(), RowError> {
-        all.clear();
         match self {
             Self::Columns(columns) => {
                 let mut points = columns.iter().enumerate();
                 points.try_for_each(|(k, column)| control_point(column, row, k, coordinates, all))
             }
+            Self::Lists(lists) if lists.is_null(row) => Err(RowError::null("the curve")),
             Self::Lists(lists) => {
-                if lists.is_null(row) {
-                    let name = "the curve".into();
-                    return Err(RowError::Null { name });
-                }
                 let points = lists.value(row);
                 let count = points.len();
                 let points = Vectors::new(&[points]);
@@ -84,56 +79,34 @@ fn control_point(
     all: &mut Vec<f64>,
 ) -> Result<(), RowError> {
     let name = |k: Option<usize>| k.map_or("the list", |k| coordinates[k].name.as_str());
-    let mut point = Vec::with_capacity(coordinates.len());
-    let read = vectors.read(row, coordinates.len(), name, &mut point);
-    all.extend_from_slice(&point);
-    read.map_err(|error| RowError::Refused(format!("control point {number}: {error}")))?;
-    match point.iter().zip(coordinates).find(|(x, _)| !x.is_finite()) {
+    let refused = |what: String| RowError::refused(format!("control point {number}: {what}"));
+    let start = all.len();
+    let read = vectors.read(row, coordinates.len(), name, all);
+    read.map_err(|error| refused(error.to_string()))?;
+    match all[start..].iter().zip(coordinates).find(|(x, _)| !x.is_finite()) {
         None => Ok(()),
-        Some((x, coordinate)) => {
-            let name = &coordinate.name;
-            let reason = format!("control point {number}: {name} is {x:?} (expected a finite number)");
-            Err(RowError::Refused(reason))
-        }
+        Some((x, Coordinate { name, .. })) => Err(refused(format!("{name} is {x:?} (expected a finite number)"))),
     }
-}
-
-fn verdict(checker: &mut Checker<JointTree>, coordinates: &[Coordinate], points: &[f64]) -> Result<Verdict, RowError> {
-    let rows: Vec<&[f64]> = points.chunks(coordinates.len().max(1)).collect();
-    checker.forget();
-    let curve = JointCurve::bezier(&rows);
-    let found = curve.and_then(|curve| checker.certify_curve(&curve));
-    found.map_err(|error| match error {
-        PlanError::CurveLimit {
-            coordinate,
-            time,
-            value,
-        } => {
-            let Coordinate { name, limits, .. } = &coordinates[coordinate];
-            let ([lower, upper], name) = (*limits, format!("{name} at {time:?} of the curve"));
-            RowError::Limits {
-                name,
-                value,
-                lower,
-                upper,
-            }
-        }
-        error => RowError::Refused(error.to_string()),
-    })
 }
 
 pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRef> {
     let (curves, coordinates) = (Curves::new(arguments), study.coordinates());
-    let (mut answers, mut points) = (Answers::new(fields(), rows), Vec::new());
-    study
-        .with_checker(|checker| {
-            for row in 0..rows {
-                let found = curves.read(row, coordinates, &mut points);
-                let found = found.and_then(|()| verdict(checker, coordinates, &points));
-                let found = study.settled(row, &points, found)?;
-                push(&mut answers, checker, found);
+    structs(study, &FIELDS, rows, |checker, row, numbers| {
+        curves.read(row, coordinates, numbers)?;
+        let points: Vec<&[f64]> = numbers.chunks(coordinates.len().max(1)).collect();
+        checker.forget();
+        let verdict = JointCurve::bezier(&points).and_then(|curve| checker.certify_curve(&curve));
+        let verdict = verdict.map_err(|error| match error {
+            PlanError::CurveLimit {
+                coordinate,
+                time,
+                value,
+            } => {
+                let Coordinate { name, limits, .. } = &coordinates[coordinate];
+                RowError::limits(format!("{name} at {time:?} of the curve"), value, *limits)
             }
-            answers.finish()
-        })
-        .map_err(outside)?
+            error => RowError::refused(error),
+        })?;
+        Ok(values(checker, &verdict))
+    })
 }

@@ -15,70 +15,92 @@ use std::sync::Arc;
 use datafusion::arrow::array::{ArrayRef, BooleanBuilder, StringBuilder};
 use datafusion::arrow::datatypes::DataType;
 use datafusion::common::exec_err;
-use datafusion::error::Result;
+use datafusion::error::{DataFusionError, Result};
 use datafusion::execution::{FunctionRegistry, SessionState, SessionStateBuilder};
 use datafusion::logical_expr::{
     ColumnarValue, Expr, ScalarFunctionArgs, ScalarUDF, ScalarUDFImpl, Signature, Volatility,
 };
 use datafusion::prelude::{SessionConfig, SessionContext};
+use lin_canny_plan::{Checker, JointTree};
 
+use self::answers::fields_of;
 use crate::error::RowError;
 use crate::rows::{Vectors, configuration, vector_types};
 use crate::study::Study;
 
-/// The kind of a function.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Question {
-    Clearance,
-    IsFree,
-    Certify,
-    CertifyCurve,
-    Separation,
-    SignedDistance,
-    ProvePair,
-    Receipt,
-    Fault,
+/// A kind of function: its name, the type of a result, the types of its arguments, and the results
+/// of the rows of a batch.
+#[derive(Clone, Copy)]
+struct Question {
+    name: &'static str,
+    answer_type: fn() -> DataType,
+    argument_types: fn(&Study, &[DataType]) -> Result<Vec<DataType>>,
+    answer: fn(&Study, &[ArrayRef], usize) -> Result<ArrayRef>,
 }
 
-impl Question {
-    const ALL: [Self; 9] = [
-        Self::Clearance,
-        Self::IsFree,
-        Self::Certify,
-        Self::CertifyCurve,
-        Self::Separation,
-        Self::SignedDistance,
-        Self::ProvePair,
-        Self::Receipt,
-        Self::Fault,
-    ];
+const FAULT: &str = "configuration_error";
 
-    fn name(self) -> &'static str {
-        match self {
-            Self::Clearance => "clearance",
-            Self::IsFree => "is_free",
-            Self::Certify => "certify",
-            Self::CertifyCurve => "certify_curve",
-            Self::Separation => "separation",
-            Self::SignedDistance => "signed_distance",
-            Self::ProvePair => "prove_pair",
-            Self::Receipt => "receipt",
-            Self::Fault => "configuration_error",
-        }
-    }
+const QUESTIONS: [Question; 9] = [
+    Question {
+        name: "clearance",
+        answer_type: || DataType::Struct(fields_of(&clearance::FIELDS)),
+        argument_types: |study, types| configuration_types(study, "clearance", types),
+        answer: clearance::answer,
+    },
+    Question {
+        name: "is_free",
+        answer_type: || DataType::Boolean,
+        argument_types: |study, types| configuration_types(study, "is_free", types),
+        answer: is_free,
+    },
+    Question {
+        name: "certify",
+        answer_type: || DataType::Struct(fields_of(&certify::FIELDS)),
+        argument_types: |study, types| certify::argument_types("certify", types, study.coordinates().len()),
+        answer: certify::answer,
+    },
+    Question {
+        name: "certify_curve",
+        answer_type: || DataType::Struct(fields_of(&certify::FIELDS)),
+        argument_types: |_, types| certify_curve::argument_types(types),
+        answer: certify_curve::answer,
+    },
+    Question {
+        name: "separation",
+        answer_type: || DataType::Struct(fields_of(&separation::FIELDS)),
+        argument_types: |_, types| separation::argument_types(types),
+        answer: separation::answer,
+    },
+    Question {
+        name: "signed_distance",
+        answer_type: || DataType::Struct(fields_of(&signed_distance::FIELDS)),
+        argument_types: |_, types| signed_distance::argument_types(types),
+        answer: signed_distance::answer,
+    },
+    Question {
+        name: "prove_pair",
+        answer_type: || DataType::Struct(fields_of(&prove_pair::FIELDS)),
+        argument_types: |study, types| prove_pair::argument_types(types, study.coordinates().len()),
+        answer: prove_pair::answer,
+    },
+    Question {
+        name: "receipt",
+        answer_type: || DataType::Struct(fields_of(&receipt::FIELDS)),
+        argument_types: |study, types| certify::argument_types("receipt", types, study.coordinates().len()),
+        answer: receipt::answer,
+    },
+    Question {
+        name: FAULT,
+        answer_type: || DataType::Utf8,
+        argument_types: |study, types| configuration_types(study, FAULT, types),
+        answer: faults,
+    },
+];
 
-    fn answer_type(self) -> DataType {
-        match self {
-            Self::Clearance => DataType::Struct(clearance::fields()),
-            Self::Certify | Self::CertifyCurve => DataType::Struct(certify::fields()),
-            Self::Separation => DataType::Struct(separation::fields()),
-            Self::SignedDistance => DataType::Struct(signed_distance::fields()),
-            Self::ProvePair => DataType::Struct(prove_pair::fields()),
-            Self::Receipt => DataType::Struct(receipt::fields()),
-            Self::IsFree => DataType::Boolean,
-            Self::Fault => DataType::Utf8,
-        }
-    }
+/// Accepts the numbers of a configuration, or one list of them.
+fn configuration_types(study: &Study, function: &str, types: &[DataType]) -> Result<Vec<DataType>> {
+    let names: Vec<_> = study.coordinates().iter().map(|c| c.name.as_str()).collect();
+    vector_types(types, names.len(), &format!("{function} ({})", names.join(", ")))
 }
 
 /// A function of a study.
@@ -91,39 +113,8 @@ struct StudyFunction {
     study: Arc<Study>,
     question: Question,
     name: String,
-    aliases: Vec<String>,
+    aliases: [String; 1],
     signature: Signature,
-}
-
-impl StudyFunction {
-    fn new(study: &Arc<Study>, question: Question) -> Self {
-        Self {
-            study: Arc::clone(study),
-            question,
-            name: format!("{}_{}", question.name(), study.fingerprint()),
-            aliases: vec![question.name().into()],
-            signature: Signature::user_defined(Volatility::Immutable),
-        }
-    }
-
-    /// Returns the results of the rows of a batch.
-    fn answer(&self, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRef> {
-        let study = &*self.study;
-        if self.question != Question::Fault {
-            study.count(rows);
-        }
-        match self.question {
-            Question::Clearance => clearance::answer(study, arguments, rows),
-            Question::IsFree => is_free(study, arguments, rows),
-            Question::Certify => certify::answer(study, arguments, rows),
-            Question::CertifyCurve => certify_curve::answer(study, arguments, rows),
-            Question::Separation => separation::answer(study, arguments, rows),
-            Question::SignedDistance => signed_distance::answer(study, arguments, rows),
-            Question::ProvePair => prove_pair::answer(study, arguments, rows),
-            Question::Receipt => receipt::answer(study, arguments, rows),
-            Question::Fault => Ok(faults(study, arguments, rows)),
-        }
-    }
 }
 
 impl std::fmt::Debug for StudyFunction {
@@ -160,7 +151,7 @@ impl ScalarUDFImpl for StudyFunction {
 
     fn schema_name(&self, arguments: &[Expr]) -> Result<String> {
         let arguments: Vec<_> = arguments.iter().map(|a| a.schema_name().to_string()).collect();
-        Ok(format!("{}({})", self.question.name(), arguments.join(",")))
+        Ok(format!("{}({})", self.question.name, arguments.join(",")))
     }
 
     fn signature(&self) -> &Signature {
@@ -168,44 +159,43 @@ impl ScalarUDFImpl for StudyFunction {
     }
 
     fn coerce_types(&self, types: &[DataType]) -> Result<Vec<DataType>> {
-        let count = self.study.coordinates().len();
-        match self.question {
-            Question::Clearance | Question::IsFree | Question::Fault => {
-                let names: Vec<_> = self.study.coordinates().iter().map(|c| c.name.as_str()).collect();
-                vector_types(
-                    types,
-                    count,
-                    &format!("{} ({})", self.question.name(), names.join(", ")),
-                )
-            }
-            Question::Certify | Question::Receipt => certify::argument_types(self.question.name(), types, count),
-            Question::CertifyCurve => certify_curve::argument_types(types),
-            Question::Separation => separation::argument_types(types),
-            Question::SignedDistance => signed_distance::argument_types(types),
-            Question::ProvePair => prove_pair::argument_types(types, count),
-        }
+        (self.question.argument_types)(&self.study, types)
     }
 
     fn return_type(&self, _: &[DataType]) -> Result<DataType> {
-        Ok(self.question.answer_type())
+        Ok((self.question.answer_type)())
     }
 
     fn invoke_with_args(&self, called: ScalarFunctionArgs) -> Result<ColumnarValue> {
         let rows = called.number_rows;
-        let arguments = called.args.iter().map(|a| a.to_array(rows));
-        let arguments: Vec<_> = arguments.collect::<Result<_>>()?;
-        Ok(ColumnarValue::Array(self.answer(&arguments, rows)?))
+        let arguments: Vec<_> = called.args.iter().map(|a| a.to_array(rows)).collect::<Result<_>>()?;
+        if self.question.name != FAULT {
+            self.study.count(rows);
+        }
+        Ok(ColumnarValue::Array((self.question.answer)(
+            &self.study,
+            &arguments,
+            rows,
+        )?))
     }
 }
 
 impl Study {
     /// Returns the functions `clearance`, `is_free`, `certify`, `certify_curve`, `separation`,
-    /// `signed_distance`, `prove_pair`, `receipt` and `configuration_error`, to be registered with a context or an
-    /// executor.
+    /// `signed_distance`, `prove_pair`, `receipt` and `configuration_error`, to be registered with a
+    /// context or an executor.
     #[must_use]
     pub fn functions(self: &Arc<Self>) -> Vec<Arc<ScalarUDF>> {
-        let function = |question| Arc::new(ScalarUDF::from(StudyFunction::new(self, question)));
-        Question::ALL.map(function).into()
+        let function = |question: Question| StudyFunction {
+            study: Arc::clone(self),
+            name: format!("{}_{}", question.name, self.fingerprint()),
+            aliases: [question.name.into()],
+            signature: Signature::user_defined(Volatility::Immutable),
+            question,
+        };
+        QUESTIONS
+            .map(|question| Arc::new(ScalarUDF::from(function(question))))
+            .into()
     }
 
     /// Registers the functions with a context.
@@ -229,46 +219,50 @@ impl Study {
         }
         Ok(state)
     }
+}
 
-    /// Returns the result of a row; `None` for an invalid row of a lenient study.
-    fn settled<T>(&self, row: usize, values: &[f64], answer: Result<T, RowError>) -> Result<Option<T>> {
-        match answer {
-            Ok(answer) => Ok(Some(answer)),
-            Err(_) if self.options().lenient => Ok(None),
-            Err(fault) => exec_err!("row {row} of its batch, {values:?}: {fault}"),
+/// Answers the rows of a batch one after the other: `ask` reads the numbers of a row into an empty
+/// list and returns its result, `push` takes it, or `None` for an invalid row of a lenient study.
+fn each_row<T>(
+    study: &Study,
+    rows: usize,
+    mut ask: impl FnMut(&mut Checker<JointTree>, usize, &mut Vec<f64>) -> Result<T, RowError>,
+    mut push: impl FnMut(Option<T>),
+) -> Result<()> {
+    let mut numbers = Vec::new();
+    let answered = study.with_checker(|checker| {
+        for row in 0..rows {
+            numbers.clear();
+            match ask(checker, row, &mut numbers) {
+                Ok(answer) => push(Some(answer)),
+                Err(_) if study.options().lenient => push(None),
+                Err(fault) => return exec_err!("row {row} of its batch, {numbers:?}: {fault}"),
+            }
         }
-    }
+        Ok(())
+    });
+    answered.map_err(|error| DataFusionError::External(Box::new(error)))?
 }
 
 fn is_free(study: &Study, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRef> {
     let (vectors, coordinates) = (Vectors::new(arguments), study.coordinates());
-    let (mut answers, mut q) = (BooleanBuilder::with_capacity(rows), Vec::new());
-    study
-        .with_checker(|checker| {
-            for row in 0..rows {
-                let answer = configuration(&vectors, row, coordinates, &mut q).and_then(|()| {
-                    checker.forget();
-                    checker.is_free_at(&q).map_err(|e| RowError::Refused(e.to_string()))
-                });
-                answers.append_option(study.settled(row, &q, answer)?);
-            }
-            Ok::<(), datafusion::error::DataFusionError>(())
-        })
-        .map_err(outside)??;
+    let mut answers = BooleanBuilder::with_capacity(rows);
+    let ask = |checker: &mut Checker<JointTree>, row, q: &mut Vec<f64>| {
+        configuration(&vectors, row, coordinates, q)?;
+        checker.forget();
+        checker.is_free_at(q).map_err(RowError::refused)
+    };
+    each_row(study, rows, ask, |answer| answers.append_option(answer))?;
     Ok(Arc::new(answers.finish()))
 }
 
-fn faults(study: &Study, arguments: &[ArrayRef], rows: usize) -> ArrayRef {
+fn faults(study: &Study, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRef> {
     let (vectors, coordinates) = (Vectors::new(arguments), study.coordinates());
     let (mut answers, mut q) = (StringBuilder::new(), Vec::new());
     for row in 0..rows {
+        q.clear();
         let fault = configuration(&vectors, row, coordinates, &mut q).err();
         answers.append_option(fault.map(|f| f.to_string()));
     }
-    Arc::new(answers.finish())
-}
-
-/// Converts an error of this crate to an error of the engine.
-fn outside(error: crate::StudyError) -> datafusion::error::DataFusionError {
-    datafusion::error::DataFusionError::External(Box::new(error))
+    Ok(Arc::new(answers.finish()))
 }

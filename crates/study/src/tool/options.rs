@@ -135,24 +135,3 @@ impl WhereArguments {
         options
     }
 }
-
-/// A file format, as an argument.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(super) enum FormatArgument {
-    /// Apache Parquet
-    Parquet,
-    /// CSV with a header line
-    Csv,
-    /// Arrow IPC
-    Arrow,
-}
-
-impl From<FormatArgument> for Format {
-    fn from(argument: FormatArgument) -> Self {
-        match argument {
-            FormatArgument::Parquet => Self::Parquet,
-            FormatArgument::Csv => Self::Csv,
-            FormatArgument::Arrow => Self::Arrow,
-        }
-    }
-}

@@ -9,7 +9,7 @@ use lin_canny_study::{
     Format, Input, Run, RunProgress, Study, StudyError, TABLE, cluster_error, configuration_of, engine, look_over,
 };
 
-use super::options::{FormatArgument, StudyArguments, WhereArguments};
+use super::options::{StudyArguments, WhereArguments};
 use super::progress::{shown, wait};
 
 #[derive(Args)]
@@ -45,7 +45,7 @@ pub(super) struct RunArguments {
     rows_per_part: u32,
     /// Output format
     #[arg(long, value_enum, default_value = "parquet")]
-    format: FormatArgument,
+    format: Format,
 }
 
 pub(super) async fn run(arguments: &RunArguments) -> Result<(), StudyError> {
@@ -59,7 +59,7 @@ pub(super) async fn run(arguments: &RunArguments) -> Result<(), StudyError> {
 
 /// Computes the clearance of each row, or the selected columns, part by part.
 async fn rows(study: &Arc<Study>, input: &Input, arguments: &RunArguments) -> Result<(), StudyError> {
-    let mut options = arguments.place.options(arguments.format.into());
+    let mut options = arguments.place.options(arguments.format);
     options.rows_per_part = arguments.rows_per_part as usize;
     let (partitions, began) = (options.partitions, Instant::now());
     let (columns, faults) = match &arguments.select {
@@ -104,7 +104,7 @@ pub(super) async fn configuration_in(study: &Arc<Study>, input: &Input) -> Resul
 
 /// Runs a query and writes one file.
 async fn whole(study: &Arc<Study>, input: &Input, query: &str, arguments: &RunArguments) -> Result<(), StudyError> {
-    let format = Format::from(arguments.format);
+    let format = arguments.format;
     let options = arguments.place.options(format);
     let (began, waiting) = (Instant::now(), wait("the query"));
     let context = match &options.scheduler {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use lin_canny_study::{Format, StudyError, sampled};
 
-use super::options::{FormatArgument, StudyArguments};
+use super::options::StudyArguments;
 use super::progress::bar;
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -34,7 +34,7 @@ pub(super) struct SampleOptions {
     rows_per_file: u64,
     /// Output format
     #[arg(long, value_enum, default_value = "parquet")]
-    format: FormatArgument,
+    format: Format,
     /// Output folder; it must not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -43,7 +43,7 @@ pub(super) struct SampleOptions {
 pub(super) fn run(options: &SampleOptions) -> Result<(), StudyError> {
     let study = options.study.load()?;
     std::fs::create_dir(&options.out).map_err(StudyError::io(&options.out))?;
-    let format = Format::from(options.format);
+    let format = options.format;
     let source = match options.method {
         Method::Halton => sampled::Source::Halton,
         Method::Random => sampled::Source::Random { seed: options.seed },

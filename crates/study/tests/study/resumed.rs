@@ -89,13 +89,3 @@ fn another_run_is_refused() {
     std::fs::remove_file(place.folder.join("out/_study.json")).expect("a manifest");
     refused(0.0, QUERY, 700, "not empty");
 }
-
-#[test]
-fn a_folder_with_the_old_name_of_its_manifest_is_resumed() {
-    let place = Place::new("old-name");
-    place.run(0.0, QUERY, 700).expect("a run");
-    let [old, new] = ["out/study.json", "out/_study.json"].map(|name| place.folder.join(name));
-    std::fs::rename(&new, &old).expect("a manifest");
-    place.run(0.0, QUERY, 700).expect("the same run");
-    assert!(new.exists() && !old.exists());
-}

@@ -1,6 +1,6 @@
 //! The tool as a user runs it.
 
-use crate::{files, said, scratch, tool};
+use crate::{said, scratch, tool};
 
 #[test]
 fn two_commands_make_clearances_and_a_query_finds_the_worst() {
