@@ -575,7 +575,11 @@ fn checkers(library: &Library) -> u32 {
     over += race(
         "six-axis cell: certify, random segments",
         30,
-        |k| rust.certify(at(k), at(k + 1)).expect("a segment").safe(),
+        |k| {
+            rust.certify(&JointMotion::segment(at(k), at(k + 1)))
+                .expect("a segment")
+                .free_until()
+        },
         |k| {
             let (mut done, size) = (0, size_of::<lc_verdict>());
             let (from, to) = (at(k).as_ptr(), at(k + 1).as_ptr());

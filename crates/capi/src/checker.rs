@@ -4,8 +4,8 @@ use std::ffi::{c_char, c_void};
 
 use lin_canny::nalgebra::UnitQuaternion;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, JointCurve, JointTree, Path, PlanError, PlanMethod, PlanOptions, RigidSpace,
-    TranslationSpace, World,
+    Checker, ConfigurationSpace, JointCurve, JointMotion, JointTree, Path, PlanError, PlanMethod, PlanOptions,
+    RigidSpace, TranslationSpace, World,
 };
 
 use crate::border::{Status, bad_argument, error, guarded, lc_status, refused};
@@ -729,8 +729,9 @@ pub unsafe extern "C" fn lc_checker_certify_many(
             object.check(coordinates)?;
             for k in 0..count {
                 let row = k * coordinates..(k + 1) * coordinates;
-                let found = each!(&mut object.checker, c => c.certify(&from[row.clone()], &to[row.clone()]));
-                out.write(k, verdict(0, &found.map_err(refused)?));
+                let motion = JointMotion::segment(&from[row.clone()], &to[row]);
+                let found = each!(&mut object.checker, c => c.certify(&motion));
+                out.write(k, verdict(&found.map_err(refused)?));
                 done.write(k + 1);
             }
             Ok(())
@@ -766,9 +767,9 @@ pub unsafe extern "C" fn lc_checker_certify_path(
         let out = unsafe { Places::new(out, out_size, 1, "out") }?;
         with(checker, |object| {
             object.check(coordinates)?;
-            let path = rows(q, coordinates);
-            let (segment, found) = each!(&mut object.checker, c => c.certify_path(&path)).map_err(refused)?;
-            out.write(0, verdict(segment, &found));
+            let motion = JointMotion::path(&rows(q, coordinates)).map_err(refused)?;
+            let found = each!(&mut object.checker, c => c.certify(&motion)).map_err(refused)?;
+            out.write(0, verdict(&found));
             Ok(())
         })
     })
@@ -797,8 +798,8 @@ pub unsafe extern "C" fn lc_checker_certify_curve(
         with(checker, |object| {
             object.check(coordinates)?;
             let curve = JointCurve::bezier(&rows(points, coordinates)).map_err(refused)?;
-            let found = each!(&mut object.checker, c => c.certify_curve(&curve)).map_err(refused)?;
-            out.write(0, verdict(0, &found));
+            let found = each!(&mut object.checker, c => c.certify(&JointMotion::curve(&curve))).map_err(refused)?;
+            out.write(0, verdict(&found));
             Ok(())
         })
     })

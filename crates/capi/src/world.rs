@@ -139,13 +139,13 @@ unsafe impl Plain for lc_verdict {
     const FIRST: usize = 104;
 }
 
-pub(crate) fn verdict(segment: usize, verdict: &Verdict) -> lc_verdict {
+pub(crate) fn verdict(verdict: &Verdict) -> lc_verdict {
     let none = lc_world_body { id: 0 };
     let mut answer = lc_verdict {
         state: LC_OPEN,
         start_contacts: 0,
-        segment: segment as u64,
-        safe: verdict.safe(),
+        segment: verdict.piece().unwrap_or(0) as u64,
+        safe: verdict.free_until(),
         hit: f64::INFINITY,
         clearance: 0.0,
         a: none,
@@ -162,9 +162,14 @@ pub(crate) fn verdict(segment: usize, verdict: &Verdict) -> lc_verdict {
             answer.clearance = *clearance;
             answer.start_contacts = start_contacts.len() as u32;
         }
-        Verdict::Blocked { t, pair, witnesses, .. } => {
+        Verdict::Blocked {
+            contact_at,
+            pair,
+            witnesses,
+            ..
+        } => {
             answer.state = LC_BLOCKED;
-            answer.hit = *t;
+            answer.hit = *contact_at;
             [answer.a, answer.b] = bodies(*pair);
             [answer.point_on_a, answer.point_on_b] = witnesses.map(Into::into);
         }

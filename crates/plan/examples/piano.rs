@@ -8,7 +8,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Progress};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, EdgeKind, FreewayEnd, Plan, PlanMethod, PlanOptions, PlanarSpace, World,
+    Checker, ConfigurationSpace, EdgeKind, FreewayEnd, JointMotion, Plan, PlanMethod, PlanOptions, PlanarSpace, World,
 };
 use lin_canny_record::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 use std::path::PathBuf;
@@ -108,7 +108,11 @@ fn run(options: &Options) -> Result<(), Trouble> {
             let wide = checker.widen(&short, 0.1, 0.2, 4)?;
             let mut least = f64::INFINITY;
             for ends in wide.windows(2) {
-                least = least.min(checker.clearance_along(&ends[0], &ends[1], 0.05)?.lower);
+                least = least.min(
+                    checker
+                        .clearance_along(&JointMotion::segment(&ends[0], &ends[1]), 0.05)?
+                        .lower,
+                );
             }
             println!(
                 "path: {} segments of length {:.2}; shortened to {:.2}, widened to a proven clearance of {least:.4}",

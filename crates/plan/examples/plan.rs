@@ -9,7 +9,7 @@
 use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, Geometry, Progress};
-use lin_canny_plan::{Checker, Path, PlanError, PlanOptions, RigidSpace, World};
+use lin_canny_plan::{Checker, JointMotion, Path, PlanError, PlanOptions, RigidSpace, World};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -250,7 +250,11 @@ fn shortened(checker: &mut Checker<RigidSpace>, found: &[Vec<f64>], seed: u64) -
     let (length, short) = (checker.path_length(found), checker.path_length(&path));
     let mut least = f64::INFINITY;
     for ends in path.windows(2) {
-        least = least.min(checker.clearance_along(&ends[0], &ends[1], 0.05)?.lower);
+        least = least.min(
+            checker
+                .clearance_along(&JointMotion::segment(&ends[0], &ends[1]), 0.05)?
+                .lower,
+        );
     }
     println!(
         "path: {} configurations, length {short:.3} ({length:.3} before shortening), proven clearance {least:.2e}",

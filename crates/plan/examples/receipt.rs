@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use lin_canny_plan::receipt::Receipt;
-use lin_canny_plan::{Checker, Verdict};
+use lin_canny_plan::{CertifyOptions, Checker, JointMotion};
 use truth::arm::{self, motion};
 
 /// Write the proof that an arm moves freely through its cell as a file, and check it
@@ -37,12 +37,13 @@ fn run(options: &Options) -> Result<(), Box<dyn Error>> {
 
     let count = options.segments;
     let rows: Vec<Vec<f64>> = (0..=count).map(|k| motion::carry(k as f64 / count as f64)).collect();
-    let (segment, verdict) = checker.certify_path(&rows)?;
-    let receipt = match verdict {
-        Verdict::Free { .. } => Receipt::path(&mut checker, &rows)?,
-        _ => {
-            println!("segment {segment} is {}", checker.show(&verdict));
-            Receipt::segment(&mut checker, &rows[segment], &rows[segment + 1])?
+    let path = JointMotion::path(&rows)?;
+    let found = checker.certify_with(&path, CertifyOptions::default().certificates(true))?;
+    let receipt = match found.verdict.piece() {
+        None => Receipt::certified(&checker, &path, &found)?,
+        Some(piece) => {
+            println!("segment {piece} is {}", checker.show(&found.verdict));
+            Receipt::motion(&mut checker, &JointMotion::segment(&rows[piece], &rows[piece + 1]))?
         }
     };
     let text = receipt.to_string();

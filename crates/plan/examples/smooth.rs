@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Checker, PlanOptions, PlanarSpace, SmoothOptions, SmoothPath, World};
+use lin_canny_plan::{Checker, JointMotion, PlanOptions, PlanarSpace, SmoothOptions, SmoothPath, World};
 use lin_canny_record::svg::{BLUE, GREY, INK, ORANGE, Place, SKY, Svg};
 
 /// Smooth a planned path of a plank around walls, within limits of velocity and acceleration
@@ -68,7 +68,7 @@ fn run(options: &Options) -> Result<(), Box<dyn Error>> {
             .deviation(deviation)
             .continuous_acceleration(is_continuous);
         let motion = checker.smooth(&path, &limits)?;
-        let is_free = checker.certify_spline(&motion.curves)?.1.is_free();
+        let is_free = checker.certify(&JointMotion::spline(&motion.curves)?)?.is_free();
         println!(
             "{name}: {:.3} s, {} curves, stops at {} of {} corners, free = {is_free}",
             motion.duration(),

@@ -9,7 +9,7 @@
 //!
 //! ```
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
-//! use lin_canny_plan::{Checker, PlanOptions, RigidSpace, World};
+//! use lin_canny_plan::{Checker, JointMotion, PlanOptions, RigidSpace, World};
 //! use lin_canny::polyhedron::solids;
 //!
 //! // A rod, and a wall of two blocks with a slit between them.
@@ -25,29 +25,27 @@
 //!
 //! let at = |x: f64| Isometry3::translation(x, 0.8, 0.0);
 //! let ends = [-1.5, 1.5].map(|x| RigidSpace::configuration(&at(x)));
-//! assert!(!checker.certify(&ends[0], &ends[1])?.is_free());
+//! assert!(!checker.certify(&JointMotion::segment(&ends[0], &ends[1]))?.is_free());
 //! let plan = checker.plan(&ends[0], &ends[1], &PlanOptions::default())?;
 //! let path = plan.path.expect("the slit is wide enough");
 //! let short = checker.shorten(&path, 100, 1)?;
-//! assert!(checker.certify_path(&short)?.1.is_free());
+//! assert!(checker.certify(&JointMotion::path(&short)?)?.is_free());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Segments
+//! # Motions
 //!
 //! | question | function | result |
 //! |---|---|---|
-//! | Is a segment free? | [`Checker::certify`], [`is_free`](Checker::is_free) | [`Verdict`]: free, blocked by a pair at a time, or unknown |
+//! | Is a motion free: a segment, a path, a polynomial curve or a spline? | [`Checker::certify`] of a [`JointMotion`], [`is_free`](Checker::is_free) | [`Verdict`]: free, blocked by a pair at a time of a piece, or undecided |
 //! | May a part leave the table on which it lies? | [`Checker::set_start_contact_margin`], then `certify` | [`Verdict::Free`] with the contacts that are left |
-//! | Is a path free? | [`Checker::certify_path`] | the first segment that is not free |
-//! | Is a polynomial curve or a spline free? | [`Checker::certify_curve`], [`certify_spline`](Checker::certify_spline) | [`Verdict`] for a [`JointCurve`] |
-//! | And with a tracking error of each joint? | [`Checker::certify_curve_tube`], [`tube_contact`](Checker::tube_contact) | [`Verdict`] for all motions within the error; a contact within it |
+//! | And with a tracking error of each joint? | [`JointMotion::with_tube`]; [`Checker::tube_contact`] | [`Verdict`] for all motions within the error; a contact within it |
+//! | Are all motions near a segment free? | [`JointMotion::with_radius`] | [`Verdict`] for all motions within a distance of the segment |
 //! | How does a robot execute a path smoothly, within its limits? | [`Checker::smooth`] | rows of times, positions and velocities, and curves proven free |
-//! | And among obstacles that move? | [`World::moving_obstacle`], [`JointCurve::with_times`], then `certify_curve` | [`Verdict`] on one clock |
-//! | Are all motions near a segment free? | [`Checker::certify_tube`] | [`Verdict`] for all motions within a distance of the segment |
-//! | Why is a segment free? | [`Checker::prove`], [`prove_until`](Checker::prove_until) | the certificates of every pair, in order of time |
-//! | How does somebody else check it? | [`Receipt::segment`](receipt::Receipt::segment) | a text that proves it without this library: see [`receipt`] |
-//! | How large is the clearance along a segment? | [`Checker::clearance_along`] | a proven lower bound, and a distance that is attained |
+//! | And among obstacles that move? | [`World::moving_obstacle`], [`JointMotion::with_times`] | [`Verdict`] on one clock |
+//! | Why is a motion free? | [`Checker::certify_with`] | the certificates of every pair, in order of time |
+//! | How does somebody else check it? | [`Receipt::motion`](receipt::Receipt::motion) | a text that proves it without this library: see [`receipt`] |
+//! | How large is the clearance along a motion? | [`Checker::clearance_along`] | a proven lower bound, and a distance that is attained |
 //! | Is a configuration free? | [`Checker::is_free_at`] | `true` or `false`, without distances |
 //! | How large is the clearance at a configuration? | [`Checker::clearance`], [`nearest`](Checker::nearest) | signed distance, witness points, gradient |
 //! | And at many configurations? | [`Checker::nearest_batch`] | the same as arrays; see the chapter [`gradients`] |
@@ -198,12 +196,14 @@ mod tolerance;
 
 pub use cell::world::{AttachedObject, Named, World};
 pub use check::batch::NearPairs;
-pub use check::checker::{Checker, PairProof};
+pub use check::certify::{Certified, CertifyOptions, PairProof};
+pub use check::checker::Checker;
 pub use check::clearance::{NearPair, SegmentClearance};
 pub use check::verdict::{CheckWork, LeavingPair, Verdict};
 pub use error::PlanError;
 pub use motion::curve::JointCurve;
 pub use motion::joint::{Drive, Joint, JointKind, TreeJoint};
+pub use motion::joint_motion::JointMotion;
 pub use motion::rigid::{PlanarSpace, RigidSegment, RigidSpace, TranslationSpace};
 pub use motion::space::{BodyBall, BodyMotion, ConfigurationSpace, JointPath, SegmentMotion};
 pub use motion::timed_poses::TimedPoses;

@@ -8,8 +8,8 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{ContactState, Geometry, HalfSpace, PairTracker, RelativePose, Shape, Tracker};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, PlanarSpace, RangeOptions, RigidSpace,
-    TranslationSpace, TreeJoint, Verdict, World, WorldId,
+    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, PlanarSpace, RangeOptions,
+    RigidSpace, TranslationSpace, TreeJoint, Verdict, World, WorldId,
 };
 use lin_canny_verify::verify;
 use truth::arm::{self, motion};
@@ -43,8 +43,8 @@ fn arm() -> Checker<JointTree> {
 /// Writes and checks the receipt of a segment; returns whether it is free, blocked later (1), at
 /// the start (2) or undecided.
 fn judge<C: ConfigurationSpace>(checker: &mut Checker<C>, from: &[f64], to: &[f64]) -> usize {
-    let verdict = checker.certify(from, to).expect("a segment");
-    let receipt = Receipt::segment(checker, from, to);
+    let verdict = checker.certify(&JointMotion::segment(from, to)).expect("a segment");
+    let receipt = Receipt::motion(checker, &JointMotion::segment(from, to));
     if matches!(verdict, Verdict::Undecided { .. }) {
         assert!(matches!(receipt, Err(ReceiptError::Undecided { .. })), "{receipt:?}");
         return 3;
@@ -58,7 +58,7 @@ fn judge<C: ConfigurationSpace>(checker: &mut Checker<C>, from: &[f64], to: &[f6
             assert!(is_apart && !meets, "{text}");
             0
         }
-        Verdict::Blocked { safe, .. } if safe > 0.0 => {
+        Verdict::Blocked { free_until: safe, .. } if safe > 0.0 => {
             assert!(is_apart && meets, "{text}");
             1
         }
@@ -84,7 +84,7 @@ fn random_segments_of_an_arm_have_receipts() {
         let step: Vec<f64> = (0..6).map(|_| rng.range(-most, most)).collect();
         let to = checker.space().moved(&from, &step);
         counts[judge(&mut checker, &from, &to)] += 1;
-        if let Ok(receipt) = Receipt::segment(&mut checker, &from, &to) {
+        if let Ok(receipt) = Receipt::motion(&mut checker, &JointMotion::segment(&from, &to)) {
             let of_evidence = |line: &&str| line.starts_with("{\"plane\"") || line.starts_with("{\"balls\"");
             size = size.max(receipt.to_string().lines().filter(of_evidence).map(str::len).sum());
         }
@@ -97,8 +97,13 @@ fn random_segments_of_an_arm_have_receipts() {
 fn a_path_has_the_scene_once() {
     let mut checker = arm();
     let rows: Vec<Vec<f64>> = (0..=20).map(|k| motion::carry(f64::from(k) / 20.0)).collect();
-    assert!(checker.certify_path(&rows).expect("a path").1.is_free());
-    let receipt = Receipt::path(&mut checker, &rows).expect("a free path");
+    assert!(
+        checker
+            .certify(&JointMotion::path(&rows).expect("a motion"))
+            .expect("a path")
+            .is_free()
+    );
+    let receipt = Receipt::motion(&mut checker, &JointMotion::path(&rows).expect("a motion")).expect("a free path");
     let [text, _] = holds(&receipt);
     let count = |kind: &str| {
         text.lines()
@@ -110,11 +115,12 @@ fn a_path_has_the_scene_once() {
         [20, 1, 6, 9 + 12]
     );
     println!("{} bytes, {} pieces of evidence", text.len(), receipt.certificates());
-    // A path that is blocked has none.
-    let rows = [vec![0.0, 0.3, 1.0, 0.0, 1.0, 0.0], vec![0.0, 1.7, 0.0, 0.0, 0.0, 0.0]];
+    // A path of several segments that is blocked has none.
+    let first = vec![0.0, 0.3, 1.0, 0.0, 1.0, 0.0];
+    let rows = [first.clone(), first, vec![0.0, 1.7, 0.0, 0.0, 0.0, 0.0]];
     assert_eq!(
-        Receipt::path(&mut checker, &rows).unwrap_err(),
-        ReceiptError::Blocked { segment: 0 }
+        Receipt::motion(&mut checker, &JointMotion::path(&rows).expect("a motion")).unwrap_err(),
+        ReceiptError::Blocked { piece: 1 }
     );
 }
 
@@ -150,14 +156,14 @@ fn a_wrong_proof_is_refused() {
         let from = motion::carry(rng.uniform());
         let step: Vec<f64> = (0..6).map(|_| rng.range(-1.5, 1.5)).collect();
         let to = checker.space().moved(&from, &step);
-        let Ok(Verdict::Blocked { safe, .. }) = checker.certify(&from, &to) else {
+        let Ok(Verdict::Blocked { free_until: safe, .. }) = checker.certify(&JointMotion::segment(&from, &to)) else {
             continue;
         };
         if !(safe > 0.1 && safe < 0.9) {
             continue;
         }
         tried += 1;
-        let receipt = Receipt::segment(&mut checker, &from, &to).expect("a receipt");
+        let receipt = Receipt::motion(&mut checker, &JointMotion::segment(&from, &to)).expect("a receipt");
         let [text, _] = holds(&receipt);
         let lines: Vec<String> = text.lines().map(String::from).collect();
         let lines = &lines[..lines.len() - 1];
@@ -208,10 +214,11 @@ fn random_curves_of_an_arm_have_receipts() {
         let Ok(curve) = JointCurve::bezier(&points) else {
             panic!("{points:?}")
         };
-        let Ok(verdict) = checker.certify_curve(&curve) else {
+        let Ok(verdict) = checker.certify(&JointMotion::curve(&curve)) else {
             continue;
         };
-        let receipt = Receipt::curve(&mut checker, &curve).unwrap_or_else(|error| panic!("{error} {verdict:?}"));
+        let receipt = Receipt::motion(&mut checker, &JointMotion::curve(&curve))
+            .unwrap_or_else(|error| panic!("{error} {verdict:?}"));
         let [text, _] = holds(&receipt);
         counts[usize::from(!verdict.is_free())] += 1;
         // The control points matter: another curve has other legs, and needs another proof.
@@ -222,7 +229,8 @@ fn random_curves_of_an_arm_have_receipts() {
                 curve.clone(),
                 JointCurve::bezier(&[curve.at(1.0), curve.at(1.0)]).expect("a curve"),
             ];
-            let spline = Receipt::spline(&mut checker, &spline).expect("a free spline");
+            let spline =
+                Receipt::motion(&mut checker, &JointMotion::spline(&spline).expect("a motion")).expect("a free spline");
             counts[2] += usize::from(holds(&spline)[1].contains("each of 2 legs"));
         }
     }
@@ -288,20 +296,26 @@ fn a_proof_of_a_library_that_errs_is_refused() {
         let mut checker = arm();
         let step: Vec<f64> = (0..6).map(|_| rng.range(-0.6, 0.6)).collect();
         let to = checker.space().moved(&from, &step);
-        let Ok(Verdict::Blocked { pair, .. }) = checker.certify(&from, &to) else {
+        let Ok(Verdict::Blocked { pair, .. }) = checker.certify(&JointMotion::segment(&from, &to)) else {
             continue;
         };
         if !matches!(pair.b, WorldId::Obstacle(_)) {
             continue;
         }
         let path = [from.clone(), to.clone()];
-        let truth = Receipt::scene(&checker, &path).expect("a scene").to_string();
+        let truth = Receipt::scene(&checker, &JointMotion::path(&path).expect("a motion"))
+            .expect("a scene")
+            .to_string();
         let elsewhere = Isometry3::translation(0.0, 0.0, -3.0);
         checker.move_obstacle(pair.b, elsewhere).expect("an obstacle");
-        if !checker.certify(&from, &to).expect("a segment").is_free() {
+        if !checker
+            .certify(&JointMotion::segment(&from, &to))
+            .expect("a segment")
+            .is_free()
+        {
             continue;
         }
-        let receipt = Receipt::segment(&mut checker, &from, &to).expect("a receipt");
+        let receipt = Receipt::motion(&mut checker, &JointMotion::segment(&from, &to)).expect("a receipt");
         let [text, _] = holds(&receipt);
         let is_body = |line: &&str| line.starts_with("{\"body\"");
         let mut bodies = truth.lines().filter(is_body);
@@ -330,9 +344,11 @@ fn sizes_and_times() {
                 .map(|k| motion::carry(f64::from(k) / f64::from(segments)))
                 .collect(),
         };
-        let receipt = Receipt::path(&mut checker, &rows).expect("a receipt");
+        let receipt = Receipt::motion(&mut checker, &JointMotion::path(&rows).expect("a motion")).expect("a receipt");
         let text = receipt.to_string();
-        let scene = Receipt::scene(&checker, &rows).expect("a scene").to_string();
+        let scene = Receipt::scene(&checker, &JointMotion::path(&rows).expect("a motion"))
+            .expect("a scene")
+            .to_string();
         let bytes = |kinds: &[&str]| -> usize {
             let lines = text
                 .lines()
@@ -484,8 +500,11 @@ fn a_tree_with_attached_objects_and_margins_has_receipts() {
     let mut counts = [0; 2];
     for _ in 0..60 {
         let [from, to] = [(); 2].map(|()| checker.space().sample(&mut || rng.uniform()));
-        let is_free = checker.certify(&from, &to).expect("a segment").is_free();
-        let receipt = match Receipt::segment(&mut checker, &from, &to) {
+        let is_free = checker
+            .certify(&JointMotion::segment(&from, &to))
+            .expect("a segment")
+            .is_free();
+        let receipt = match Receipt::motion(&mut checker, &JointMotion::segment(&from, &to)) {
             Ok(receipt) => receipt,
             // The polyhedron around a cylinder or a cone is larger than the body, and proves no
             // contact.
@@ -576,7 +595,7 @@ fn what_has_no_receipt_is_an_error_with_a_name() {
         world.robot_body("die", die.clone());
         world.obstacle("thing", geometry, Isometry3::translation(0.0, 0.0, -5.0));
         let mut checker = Checker::new(space(), world).expect("a world");
-        Receipt::segment(&mut checker, &[0.0; 3], &[1.0, 0.0, 0.0])
+        Receipt::motion(&mut checker, &JointMotion::segment(&[0.0; 3], &[1.0, 0.0, 0.0]))
             .unwrap_err()
             .to_string()
     };
@@ -592,8 +611,13 @@ fn what_has_no_receipt_is_an_error_with_a_name() {
     let mut checker = Checker::new(space(), world).expect("a world");
     checker.set_start_contact_margin(Some(1e-3)).expect("a margin");
     let (down, up) = ([0.0; 3], [0.0, 0.0, 2.0]);
-    assert!(checker.certify(&down, &up).expect("a segment").is_free());
-    let error = Receipt::segment(&mut checker, &down, &up).unwrap_err();
+    assert!(
+        checker
+            .certify(&JointMotion::segment(&down, &up))
+            .expect("a segment")
+            .is_free()
+    );
+    let error = Receipt::motion(&mut checker, &JointMotion::segment(&down, &up)).unwrap_err();
     assert!(
         error
             .to_string()
@@ -601,12 +625,15 @@ fn what_has_no_receipt_is_an_error_with_a_name() {
         "{error}"
     );
     let path = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [2.0, 0.0, 1.0]].map(Vec::from);
-    let error = Receipt::path(&mut checker, &path).unwrap_err();
+    let error = Receipt::motion(&mut checker, &JointMotion::path(&path).expect("a motion")).unwrap_err();
     assert!(
         error.to_string().starts_with("the motion of \"die\" has no receipt"),
         "{error}"
     );
-    assert!(holds(&Receipt::path(&mut checker, &path[..2]).expect("a segment"))[0].contains("steady"));
+    assert!(
+        holds(&Receipt::motion(&mut checker, &JointMotion::path(&path[..2]).expect("a motion")).expect("a segment"))[0]
+            .contains("steady")
+    );
 
     // Motions with unknown accelerations.
     let rest = Steady::new(&Isometry3::identity(), lin_canny::Velocity::default()).expect("a pose");

@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Compound, ContactState, Geometry, Mesh, Outcome, PairTracker, Piece, RelativePose, Shape, Velocity};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
-use lin_canny_plan::{Checker, Joint, JointTree, RangeOptions, TranslationSpace, Verdict, World};
+use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, RangeOptions, TranslationSpace, Verdict, World};
 use lin_canny_verify::verify;
 use truth::casts::aimed;
 use truth::rng::Rng;
@@ -69,8 +69,13 @@ fn a_rod_through_a_frame_has_a_receipt() {
             // Through the hole, and within it.
             for (from, inside) in [(-3.0, false), (-0.2, true)] {
                 let (from, to) = ([0.05, 0.0, from], [0.0, 0.05, 0.2]);
-                assert!(checker.certify(&from, &to).expect("a segment").is_free());
-                let receipt = Receipt::segment(&mut checker, &from, &to).expect("a receipt");
+                assert!(
+                    checker
+                        .certify(&JointMotion::segment(&from, &to))
+                        .expect("a segment")
+                        .is_free()
+                );
+                let receipt = Receipt::motion(&mut checker, &JointMotion::segment(&from, &to)).expect("a receipt");
                 let [text, said] = holds(&receipt);
                 assert!(text.contains("\"cut\":["), "{text}");
                 assert!(said.contains("1 pair of bodies stays more than 0 apart"), "{said}");
@@ -86,7 +91,7 @@ fn a_rod_through_a_frame_has_a_receipt() {
 fn hulls_that_part_later_prove_that_no_body_is_inside() {
     let [_, around] = frames();
     let mut checker = moved(rod(1), around);
-    let receipt = Receipt::segment(&mut checker, &[0.0; 3], &[0.0, 0.0, 3.0]).expect("a receipt");
+    let receipt = Receipt::motion(&mut checker, &JointMotion::segment(&[0.0; 3], &[0.0, 0.0, 3.0])).expect("a receipt");
     let [text, said] = holds(&receipt);
     assert!(text.contains("{\"outside\":[0,1],"), "{text}");
     assert!(!said.contains(INSIDE), "{said}");
@@ -100,9 +105,11 @@ fn a_body_inside_a_mesh_is_not_said_to_be_free() {
         Geometry::from(Mesh::from_convex(&solids::cuboid(Vector3::repeat(0.1)).expect("a box")).expect("a mesh"));
     let solid = Geometry::from(Mesh::from_convex(&shell).expect("a mesh"));
     let mut checker = moved(grain.clone(), solid);
-    let verdict = checker.certify(&[0.0; 3], &[0.1, 0.0, 0.0]).expect("a segment");
+    let verdict = checker
+        .certify(&JointMotion::segment(&[0.0; 3], &[0.1, 0.0, 0.0]))
+        .expect("a segment");
     assert!(matches!(verdict, Verdict::Blocked { .. }), "{verdict:?}");
-    let error = Receipt::segment(&mut checker, &[0.0; 3], &[0.1, 0.0, 0.0]).unwrap_err();
+    let error = Receipt::motion(&mut checker, &JointMotion::segment(&[0.0; 3], &[0.1, 0.0, 0.0])).unwrap_err();
     assert!(matches!(error, ReceiptError::Pair { .. }), "{error}");
     // Without a wall the box is no solid: its inside is free.
     let points = [-2.0, 2.0].map(|x| [-2.0, 2.0].map(|y| [-2.0, 2.0].map(|z| Point3::new(x, y, z))));
@@ -114,7 +121,7 @@ fn a_body_inside_a_mesh_is_not_said_to_be_free() {
         .collect();
     let open = Geometry::from(Mesh::new(&points, &triangles).expect("a mesh"));
     let mut checker = moved(grain, open);
-    let receipt = Receipt::segment(&mut checker, &[0.0; 3], &[0.1, 0.0, 0.0]).expect("a receipt");
+    let receipt = Receipt::motion(&mut checker, &JointMotion::segment(&[0.0; 3], &[0.1, 0.0, 0.0])).expect("a receipt");
     let [text, said] = holds(&receipt);
     assert!(text.contains("\"parts\":[") && text.contains("\"faces\":["), "{text}");
     assert!(said.contains(INSIDE), "{said}");
@@ -130,8 +137,11 @@ fn a_rod_that_hits_a_frame_has_a_receipt() {
             let from = [rng.range(-0.2, 0.2), rng.range(-0.2, 0.2), rng.range(-2.0, 0.0)];
             let most = if k % 2 == 0 { 0.2 } else { 2.0 };
             let to = [rng.range(-most, most), rng.range(-most, most), rng.range(-1.0, 2.0)];
-            let verdict = checker.certify(&from, &to).expect("a segment");
-            let receipt = match (&verdict, Receipt::segment(&mut checker, &from, &to)) {
+            let verdict = checker.certify(&JointMotion::segment(&from, &to)).expect("a segment");
+            let receipt = match (
+                &verdict,
+                Receipt::motion(&mut checker, &JointMotion::segment(&from, &to)),
+            ) {
                 (Verdict::Undecided { .. }, _) => continue,
                 (_, Ok(receipt)) => receipt,
                 (_, Err(error)) => panic!("{k}: {error} {verdict:?}"),
@@ -183,11 +193,11 @@ fn pieces_with_radii_have_the_greatest_one() {
     let rod = Piece::new(Shape::capsule(0.5, 0.1).expect("a capsule"));
     let body = Geometry::from(Compound::new(vec![rod, ball]).expect("a body"));
     let mut checker = moved(body, frame().into());
-    let receipt = Receipt::segment(&mut checker, &[0.0; 3], &[0.1, 0.0, 0.3]).expect("a receipt");
+    let receipt = Receipt::motion(&mut checker, &JointMotion::segment(&[0.0; 3], &[0.1, 0.0, 0.3])).expect("a receipt");
     let [text, _] = holds(&receipt);
     assert!(text.contains("\"rod (all pieces with the greatest radius)\""), "{text}");
     // A body around another proves no contact.
-    let error = Receipt::segment(&mut checker, &[0.0; 3], &[2.0, 0.0, 0.0]).unwrap_err();
+    let error = Receipt::motion(&mut checker, &JointMotion::segment(&[0.0; 3], &[2.0, 0.0, 0.0])).unwrap_err();
     assert!(matches!(error, ReceiptError::Pair { .. }), "{error}");
 }
 

@@ -23,7 +23,7 @@ use std::time::Instant;
 use lin_canny::Progress;
 use lin_canny_robot::plan::receipt::Receipt;
 use lin_canny_robot::plan::{
-    Checker as Loaded, ConfigurationSpace, JointTree, Path, PlanError, PlanMethod, PlanOptions, World,
+    Checker as Loaded, ConfigurationSpace, JointMotion, JointTree, Path, PlanError, PlanMethod, PlanOptions, World,
 };
 use lin_canny_robot::{Cell, Coordinate, Setup};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
@@ -278,7 +278,7 @@ impl Checker {
     fn is_free(&mut self, q: &Bound<'_, PyAny>, to: Option<&Bound<'_, PyAny>>) -> PyResult<bool> {
         let q = configuration(q)?;
         match to {
-            Some(to) => self.checker.is_free(&q, &configuration(to)?),
+            Some(to) => self.checker.is_free(&JointMotion::segment(&q, &configuration(to)?)),
             None => self.checker.is_free_at(&q),
         }
         .map_err(|e| self.fault(&e))
@@ -290,8 +290,8 @@ impl Checker {
     /// The verdict is free, blocked by a pair at a time, or undecided.
     fn certify(&mut self, py: Python<'_>, start: &Bound<'_, PyAny>, goal: &Bound<'_, PyAny>) -> PyResult<Verdict> {
         let ends = [configuration(start)?, configuration(goal)?];
-        let verdict = py.detach(|| self.checker.certify(&ends[0], &ends[1]));
-        Ok(Verdict::new(0, verdict.map_err(|e| self.fault(&e))?, &self.checker))
+        let verdict = py.detach(|| self.checker.certify(&JointMotion::segment(&ends[0], &ends[1])));
+        Ok(Verdict::new(verdict.map_err(|e| self.fault(&e))?, &self.checker))
     }
 
     /// Returns the receipt of a path, shape (K, dof), as a text: its proof, which `verify.py` checks.
@@ -304,10 +304,8 @@ impl Checker {
     /// clouds, surfaces, half-spaces and curved shapes but cylinders, cones and balls.
     fn receipt(&mut self, py: Python<'_>, path: &Bound<'_, PyAny>) -> PyResult<String> {
         let path = self.path(path)?;
-        let written = py.detach(|| match &path[..] {
-            [from, to] => Receipt::segment(&mut self.checker, from, to),
-            _ => Receipt::path(&mut self.checker, &path),
-        });
+        let motion = JointMotion::path(&path).map_err(plan_error)?;
+        let written = py.detach(|| Receipt::motion(&mut self.checker, &motion));
         Ok(written.map_err(plan_error)?.to_string())
     }
 
@@ -316,9 +314,9 @@ impl Checker {
     /// It is free, or the verdict on the first segment that is not free; `segment` is its index.
     fn certify_path(&mut self, py: Python<'_>, path: &Bound<'_, PyAny>) -> PyResult<Verdict> {
         let path = self.path(path)?;
-        let found = py.detach(|| self.checker.certify_path(&path));
-        let (segment, verdict) = found.map_err(|e| self.fault(&e))?;
-        Ok(Verdict::new(segment, verdict, &self.checker))
+        let motion = JointMotion::path(&path).map_err(|e| self.fault(&e))?;
+        let verdict = py.detach(|| self.checker.certify(&motion));
+        Ok(Verdict::new(verdict.map_err(|e| self.fault(&e))?, &self.checker))
     }
 
     /// Returns the least clearance along the straight segment between two configurations.
@@ -335,7 +333,10 @@ impl Checker {
         relative: f64,
     ) -> PyResult<(f64, f64, f64, Option<Pair>)> {
         let ends = [configuration(start)?, configuration(goal)?];
-        let found = py.detach(|| self.checker.clearance_along(&ends[0], &ends[1], relative));
+        let found = py.detach(|| {
+            self.checker
+                .clearance_along(&JointMotion::segment(&ends[0], &ends[1]), relative)
+        });
         let found = found.map_err(|e| self.fault(&e))?;
         let pair = found.pair.map(|pair| answers::names(&self.checker, pair));
         Ok((found.lower, found.upper, found.t, pair))

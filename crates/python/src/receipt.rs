@@ -3,6 +3,7 @@
 use lin_canny::RelativePose;
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::Isometry3;
+use lin_canny_robot::plan::JointMotion;
 use lin_canny_robot::plan::receipt::{Receipt, ReceiptError};
 use pyo3::prelude::*;
 
@@ -26,7 +27,7 @@ impl Checker {
     /// curve : JointCurve, or array_like of shape (degree + 1, dof)
     fn receipt_curve(&mut self, py: Python<'_>, curve: &Bound<'_, PyAny>) -> PyResult<String> {
         let curve = curve_of(curve)?;
-        let written = py.detach(|| Receipt::curve(&mut self.checker, &curve));
+        let written = py.detach(|| Receipt::motion(&mut self.checker, &JointMotion::curve(&curve)));
         Ok(written.map_err(plan_error)?.to_string())
     }
 
@@ -39,7 +40,8 @@ impl Checker {
     /// curves : sequence of JointCurve, or array_like of shape (N, degree + 1, dof)
     fn receipt_spline(&mut self, py: Python<'_>, curves: &Bound<'_, PyAny>) -> PyResult<String> {
         let curves = curves_of(curves)?;
-        let written = py.detach(|| Receipt::spline(&mut self.checker, &curves));
+        let motion = JointMotion::spline(&curves).map_err(plan_error)?;
+        let written = py.detach(|| Receipt::motion(&mut self.checker, &motion));
         Ok(written.map_err(plan_error)?.to_string())
     }
 }

@@ -8,7 +8,7 @@ use clap::Parser;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanOptions};
+use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointMotion, JointTree, PlanOptions};
 use lin_canny_robot::{LoadOptions, Packages, Robot, Setup};
 use race::plot::Chart;
 use std::path::PathBuf;
@@ -84,10 +84,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
     };
     let short = checker.shorten(&found, 300, options.seed)?;
     let wide = checker.widen(&short, 0.05, 0.15, 6)?;
-    let mut least = f64::INFINITY;
-    for ends in wide.windows(2) {
-        least = least.min(checker.clearance_along(&ends[0], &ends[1], 0.05)?.lower);
-    }
+    let least = checker.clearance_along(&JointMotion::path(&wide)?, 0.05)?.lower;
     println!(
         "path: length {:.2}; shortened to {:.2}, widened to {:.2}; proven clearance {least:.4}",
         checker.path_length(&found),

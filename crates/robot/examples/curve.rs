@@ -8,7 +8,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_robot::plan::{JointCurve, TimedPoses, Verdict};
+use lin_canny_robot::plan::{JointCurve, JointMotion, TimedPoses, Verdict};
 use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup, Trajectory};
 
 /// A message `JointTrajectory`: up beside the fence, over it, and down on the other side.
@@ -48,8 +48,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let rest = [&[0.0; 6][..]; 2];
     let quintic = JointCurve::quintic([&from[..], &to[..]], rest, rest, 2.0)?;
-    match checker.certify_curve(&quintic)? {
-        Verdict::Blocked { safe, t, pair, .. } => {
+    match checker.certify(&JointMotion::curve(&quintic))? {
+        Verdict::Blocked {
+            free_until: safe,
+            contact_at: t,
+            pair,
+            ..
+        } => {
             let (safe, t, pair) = (2.0 * safe, 2.0 * t, checker.show(&pair));
             println!("from rest to rest in 2 s: free up to {safe:.6} s, {pair} meet at {t:.6} s");
         }
@@ -57,18 +62,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 
     let curves = trajectory.curves()?;
-    let (piece, verdict) = checker.certify_spline(&curves)?;
+    let motion = JointMotion::spline(&curves)?;
+    let verdict = checker.certify(&motion)?;
     println!("trajectory of {} cubics: free = {}", curves.len(), verdict.is_free());
     if !verdict.is_free() {
-        println!("  piece {piece}: {verdict:?}");
+        println!("  {}", checker.show(&verdict));
     }
 
     // A controller whose joints are off by so much at any time.
     for radius in [0.001, 0.01, 0.1] {
-        let mut is_free = true;
-        for curve in &curves {
-            is_free &= checker.certify_curve_tube(curve, &[radius; 6])?.is_free();
-        }
+        let is_free = checker.certify(&motion.clone().with_tube(&[radius; 6])?)?.is_free();
         println!("tracking error of {radius} rad: free = {is_free}");
     }
 
@@ -77,17 +80,21 @@ fn main() -> Result<(), Box<dyn Error>> {
     let lowered = [at(1.5, 0.0), at(0.45, FRAC_PI_2), at(0.45, FRAC_PI_2)];
     let poses = TimedPoses::new(&[0.0, 2.0, 9.0], &lowered)?;
     checker.add_moving_obstacle("crate", solids::cuboid(Vector3::repeat(0.1))?, poses)?;
+    let times = trajectory.times.ok_or("the points have times")?;
     for delay in [0.0, 1.0, 2.0] {
-        let mut found = "free for all times".to_owned();
-        for curve in &curves {
-            let times = curve.times().ok_or("the points have times")?.map(|time| time + delay);
-            let curve = curve.clone().with_times(times)?;
-            if let Verdict::Blocked { t, pair, .. } = checker.certify_curve(&curve)? {
-                let time = times[0] + t * (times[1] - times[0]);
-                found = format!("{} meet at {time:.6} s", checker.show(&pair));
-                break;
+        let times: Vec<f64> = times.iter().map(|time| time + delay).collect();
+        let found = match checker.certify(&motion.clone().with_times(&times)?)? {
+            Verdict::Blocked {
+                contact_at,
+                piece,
+                pair,
+                ..
+            } => {
+                let time = times[piece] + contact_at * (times[piece + 1] - times[piece]);
+                format!("{} meet at {time:.6} s", checker.show(&pair))
             }
-        }
+            verdict => format!("{} for all times", verdict.name()),
+        };
         println!("started at {delay} s: {found}");
     }
     Ok(())

@@ -13,7 +13,7 @@ use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Mesh, Progress, Shape};
-use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, NearPair, PlanOptions, Verdict};
+use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointMotion, JointTree, NearPair, PlanOptions, Verdict};
 use lin_canny_robot::{RobotFiles, RobotRecorder, record};
 use truth::arm::Trouble;
 use truth::command::{count, file};
@@ -100,8 +100,11 @@ fn run(options: &Options) -> Result<(), Trouble> {
 
     proven(&mut checker, "lift", &taken)?;
     film.show(&mut checker, "lift", &taken)?;
-    let straight = checker.certify(&taken[LAST], &put[LAST])?;
-    if let Verdict::Blocked { t, pair, .. } = &straight {
+    let straight = checker.certify(&JointMotion::segment(&taken[LAST], &put[LAST]))?;
+    if let Verdict::Blocked {
+        contact_at: t, pair, ..
+    } = &straight
+    {
         println!(
             "straight from tray to table: {} meet at {t:.3} of the way",
             checker.show(pair)
@@ -234,7 +237,7 @@ fn proven(checker: &mut Checker<JointTree>, what: &str, path: &[Vec<f64>]) -> Re
     checker.set_start_contact_margin(Some(START))?;
     let mut touching = Vec::new();
     for ends in path.windows(2) {
-        let verdict = checker.certify(&ends[0], &ends[1])?;
+        let verdict = checker.certify(&JointMotion::segment(&ends[0], &ends[1]))?;
         let Verdict::Free { start_contacts, .. } = &verdict else {
             return Err(format!("{what}: {}", checker.show(&verdict)).into());
         };
@@ -269,14 +272,12 @@ fn planned(
     let path = plan.path.ok_or(format!("{what}: no path found in {limit:.0?}"))?;
     let path = checker.shorten(&path, 200, seed)?;
     let path = checker.widen(&path, 0.03, 0.2, 4)?;
-    let (segments, verdict) = checker.certify_path(&path)?;
+    let motion = JointMotion::path(&path)?;
+    let verdict = checker.certify(&motion)?;
     if !verdict.is_free() {
-        return Err(format!("{what}: segment {segments}: {}", checker.show(&verdict)).into());
+        return Err(format!("{what}: {}", checker.show(&verdict)).into());
     }
-    let mut least = f64::INFINITY;
-    for ends in path.windows(2) {
-        least = least.min(checker.clearance_along(&ends[0], &ends[1], 0.05)?.lower);
-    }
+    let least = checker.clearance_along(&motion, 0.05)?.lower;
     let length = checker.path_length(&path);
     println!(
         "{what}: {} segments, {length:.2} rad, proven free in {:.1?}; all pairs at least {least:.4} m apart",

@@ -2,6 +2,7 @@
 //!
 //! ```
 //! use lin_canny::nalgebra::Isometry3;
+//! use lin_canny_robot::plan::JointMotion;
 //! use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory};
 //!
 //! let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
@@ -17,7 +18,7 @@
 //!
 //! let motion = Trajectory::load(format!("{folder}/carry.csv"), setup.coordinates())?;
 //! let mut checker = setup.checker()?;
-//! let (_, verdict) = checker.certify_path(&motion.rows)?;
+//! let verdict = checker.certify(&JointMotion::path(&motion.rows)?)?;
 //! assert!(verdict.is_free());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

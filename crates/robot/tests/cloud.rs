@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, PairTracker, RelativePose, Shape};
-use lin_canny_plan::{Checker, JointTree, Verdict, WorldId};
+use lin_canny_plan::{Checker, JointMotion, JointTree, Verdict, WorldId};
 use lin_canny_robot::RobotFiles;
 use truth::rng::Rng;
 
@@ -178,7 +178,7 @@ fn judge_motions(holder: &Holder, points: usize, step: f64, [count, places]: [us
             .zip(&limits)
             .map(|(x, [low, high])| (x + rng.range(-step, step)).clamp(*low, *high))
             .collect();
-        match checker.certify(&from, &to).expect("a motion") {
+        match checker.certify(&JointMotion::segment(&from, &to)).expect("a motion") {
             Verdict::Free { .. } => free += 1,
             Verdict::Blocked { .. } => {
                 blocked += 1;

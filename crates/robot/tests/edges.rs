@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Geometry, Mesh, Shape};
-use lin_canny_plan::{Checker, ConfigurationSpace, Drive, JointKind, JointTree, TreeJoint, Verdict, World, WorldId};
+use lin_canny_plan::{
+    Checker, ConfigurationSpace, Drive, JointKind, JointMotion, JointTree, TreeJoint, Verdict, World, WorldId,
+};
 use lin_canny_robot::RobotFiles;
 use truth::rng::Rng;
 
@@ -119,8 +121,12 @@ fn judged(
             each.map(|(x, [low, high])| (x + rng.range(-far, far)).clamp(*low, *high))
                 .collect()
         };
-        let free = checker.is_free(&here, &there).expect("a segment");
-        let verdict = checker.certify(&here, &there).expect("a segment");
+        let free = checker
+            .is_free(&JointMotion::segment(&here, &there))
+            .expect("a segment");
+        let verdict = checker
+            .certify(&JointMotion::segment(&here, &there))
+            .expect("a segment");
         let at = |t: f64| -> Vec<f64> { here.iter().zip(&there).map(|(a, b)| a + t * (b - a)).collect() };
         match verdict {
             Verdict::Free { .. } => {
@@ -134,7 +140,7 @@ fn judged(
                 }
                 counts[0] += 1;
             }
-            Verdict::Blocked { t, .. } => {
+            Verdict::Blocked { contact_at: t, .. } => {
                 assert!(!free, "{here:?} {there:?}");
                 let q = at(t);
                 let near = checker.clearance(&q).expect("a configuration").expect("a pair");

@@ -1,5 +1,6 @@
 //! Moving obstacles and several robots on one clock: cells with timed poses, and trajectories of two arms.
 
+use lin_canny_plan::JointMotion;
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -188,7 +189,7 @@ fn cells_with_poses_are_saved_bit_for_bit() {
         let curve = curve.with_times([begin, begin + 0.5]).expect("times");
         let verdicts = [&mut one, &mut other].map(|checker| {
             checker.forget();
-            checker.certify_curve(&curve).expect("within limits")
+            checker.certify(&JointMotion::curve(&curve)).expect("within limits")
         });
         assert_eq!(verdicts[0], verdicts[1]);
         free += u32::from(verdicts[0].is_free());
@@ -253,40 +254,52 @@ fn two_robots_exchange_places() {
     assert_eq!(checker.work().pairs_made, 4);
     let certify = |checker: &mut Checker<JointTree>, text: &str| {
         let path = Trajectory::parse_timed(text, "two.csv", setup.coordinates(), &[]).expect("a trajectory");
-        checker.certify_spline(&path.curves().expect("curves")).expect("limits")
+        checker
+            .certify(&JointMotion::spline(&path.curves().expect("curves")).expect("a motion"))
+            .expect("limits")
     };
     // On one rail they meet in the middle.
     let same = "time,x,y,b_x,b_y\n0,-2,0,2,0\n4,2,0,-2,0\n";
-    let (0, Verdict::Blocked { safe, t, pair, .. }) = certify(&mut checker, same) else {
+    let Verdict::Blocked {
+        free_until: safe,
+        contact_at: t,
+        piece: 0,
+        pair,
+        ..
+    } = certify(&mut checker, same)
+    else {
         panic!("they meet")
     };
     assert_eq!(checker.show(&pair).to_string(), "base and b_base");
     assert!(safe <= 0.45 && t >= 0.45 && t - safe < 1e-5, "{safe} {t}");
     // One of them waits: they meet where it is, or not at all.
     let fast = "time,x,y,b_x,b_y\n0,-2,0,2,0\n1,-2,0,-1.9,0\n";
-    let (_, Verdict::Blocked { t, .. }) = certify(&mut checker, fast) else {
+    let Verdict::Blocked { contact_at: t, .. } = certify(&mut checker, fast) else {
         panic!("they meet")
     };
     assert!((t - 3.6 / 3.9).abs() < 1e-5, "{t}");
     let aside = "time,x,y,b_x,b_y\n0,-2,0,2,0\n1,-2,0,-1.5999,0\n";
-    assert!(certify(&mut checker, aside).1.is_free());
+    assert!(certify(&mut checker, aside).is_free());
     // On two rails 0.5 apart the trolleys pass, the boxes on top only if they are drawn in.
     let setup_of_two = two_trolleys(Isometry3::translation(0.0, 0.5, 0.0));
     let mut checker = setup_of_two.checker().expect("a checker");
-    assert!(certify(&mut checker, same).1.is_free());
-    let (_, verdict) = certify(&mut checker, "time,x,y,b_x,b_y\n0,-2,0.2,2,-0.2\n4,2,0.2,-2,-0.2\n");
+    assert!(certify(&mut checker, same).is_free());
+    let verdict = certify(&mut checker, "time,x,y,b_x,b_y\n0,-2,0.2,2,-0.2\n4,2,0.2,-2,-0.2\n");
     assert!(matches!(verdict, Verdict::Blocked { pair, .. }
         if checker.show(&pair).to_string() == "top and b_top"));
     // With speeds: from rest to rest, the box is drawn in in time.
     let cubic = "time,x,x.velocity,y,y.velocity,b_x,b_x.velocity,b_y,b_y.velocity\n\
                  0,-2,0,0.3,0,2,0,0,0\n2,0,2,0,0,0,-2,0,0\n4,2,0,0.3,0,-2,0,0,0\n";
-    assert!(certify(&mut checker, cubic).1.is_free());
+    assert!(certify(&mut checker, cubic).is_free());
     // They arrive in contact at the end.
     let mut checker = setup.checker().expect("a checker");
-    let (1, Verdict::Blocked { t, .. }) = certify(
-        &mut checker,
-        "time,x,y,b_x,b_y\n0,-2,0,2,0\n1,-1,0,1,0\n2,-0.2,0,0.2,0\n",
-    ) else {
+    let end = "time,x,y,b_x,b_y\n0,-2,0,2,0\n1,-1,0,1,0\n2,-0.2,0,0.2,0\n";
+    let Verdict::Blocked {
+        contact_at: t,
+        piece: 1,
+        ..
+    } = certify(&mut checker, end)
+    else {
         panic!("they meet in the second piece")
     };
     assert!(t > 0.999, "{t}");
@@ -377,7 +390,7 @@ fn judged(count: usize, places: u32, seed: u64) -> Counts {
         for (from, to, v, w, times) in pieces {
             let curve = JointCurve::cubic(from, to, v, w, times[1] - times[0]).expect("a curve");
             let curve = curve.with_times(times).expect("times");
-            let Ok(verdict) = checker.certify_curve(&curve) else {
+            let Ok(verdict) = checker.certify(&JointMotion::curve(&curve)) else {
                 continue; // A limit.
             };
             let mut is_free = |t: f64| {
@@ -387,19 +400,19 @@ fn judged(count: usize, places: u32, seed: u64) -> Counts {
             };
             match verdict {
                 Verdict::Free { .. } => counts.free += 1,
-                Verdict::Blocked { t: 0.0, .. } => {
+                Verdict::Blocked { contact_at: 0.0, .. } => {
                     assert!(!is_free(0.0), "{k}: {verdict:?}");
                     counts.at_start += 1;
                     continue;
                 }
-                Verdict::Blocked { t, .. } => {
+                Verdict::Blocked { contact_at: t, .. } => {
                     assert!(!is_free(t), "{k}: {verdict:?}");
                     counts.blocked += 1;
                 }
                 _ => panic!("{k}: {verdict:?}"),
             }
             for i in 0..=places {
-                let t = verdict.safe() * f64::from(i) / f64::from(places);
+                let t = verdict.free_until() * f64::from(i) / f64::from(places);
                 assert!(is_free(t), "{k}: {verdict:?} meets at {t}");
             }
         }

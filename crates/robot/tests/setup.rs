@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::{PairTracker, Progress, RelativePose};
-use lin_canny_plan::{ConfigurationSpace, Joint, JointKind, JointTree, SegmentMotion, Verdict};
+use lin_canny_plan::{ConfigurationSpace, Joint, JointKind, JointMotion, JointTree, SegmentMotion, Verdict};
 use lin_canny_robot::{
     Cell, ExcludeReason, LoadOptions, MeshUse, MotionKind, Packages, Robot, Setup, Srdf, find_excludable,
 };
@@ -168,7 +168,9 @@ fn certified_segments_are_judged_right() {
             .zip(&from)
             .map(|(x, y)| 0.7 * y + 0.3 * x)
             .collect();
-        let verdict = checker.certify(&from, &to).expect("configurations");
+        let verdict = checker
+            .certify(&JointMotion::segment(&from, &to))
+            .expect("configurations");
         let meets = |t: f64, judge: &mut Judge| {
             let q: Vec<f64> = from.iter().zip(&to).map(|(x, y)| x + (y - x) * t).collect();
             judge.meets(&robot, &q)
@@ -182,7 +184,11 @@ fn certified_segments_are_judged_right() {
                     "{from:?} {to:?}"
                 );
             }
-            Verdict::Blocked { safe, t, .. } => {
+            Verdict::Blocked {
+                free_until: safe,
+                contact_at: t,
+                ..
+            } => {
                 blocked += 1;
                 let before = (0..50).all(|k| !meets(safe * f64::from(k) / 50.0, &mut judge));
                 assert!((before || safe == 0.0) && t >= safe, "{from:?} {to:?} {verdict:?}");
@@ -391,9 +397,13 @@ fn links_without_size_are_checked() {
             (near.distance - 2.0).abs() < 1e-12 && near.lower <= 2.0 && near.upper >= 2.0,
             "{k}: {near:?}"
         );
-        let verdict = checker.certify(&[3.0], &[1.5]).expect("configurations");
+        let verdict = checker
+            .certify(&JointMotion::segment(&[3.0], &[1.5]))
+            .expect("configurations");
         assert!(matches!(verdict, Verdict::Free { .. }), "{k}: {verdict:?}");
-        let verdict = checker.certify(&[3.0], &[-3.0]).expect("configurations");
+        let verdict = checker
+            .certify(&JointMotion::segment(&[3.0], &[-3.0]))
+            .expect("configurations");
         assert!(matches!(verdict, Verdict::Blocked { .. }), "{k}: {verdict:?}");
     }
 }

@@ -2,6 +2,7 @@
 //! written and read.
 
 use lin_canny::nalgebra::Isometry3;
+use lin_canny_plan::JointMotion;
 use lin_canny_robot::plan::SmoothOptions;
 use lin_canny_robot::{Cell, FileError, LoadOptions, Packages, Robot, Setup, Trajectory};
 
@@ -339,7 +340,10 @@ fn smooth_motions_are_read_back_bit_for_bit_and_proven() {
                 .iter()
                 .map(|x| (x + rng.range(-way, way)).clamp(-1.8, 1.8))
                 .collect();
-            if checker.is_free(last, &next).expect("within limits") {
+            if checker
+                .is_free(&JointMotion::segment(last, &next))
+                .expect("within limits")
+            {
                 path.push(next);
             }
         }
@@ -360,7 +364,12 @@ fn smooth_motions_are_read_back_bit_for_bit_and_proven() {
         assert_eq!(read.curves().expect("curves"), curves);
         assert_eq!(read, written);
         for curve in read.curves().expect("curves") {
-            assert!(checker.certify_curve(&curve).expect("within limits").is_free());
+            assert!(
+                checker
+                    .certify(&JointMotion::curve(&curve))
+                    .expect("within limits")
+                    .is_free()
+            );
         }
     }
     assert!(stops < 20, "{stops}");

@@ -1,6 +1,7 @@
 //! Promise: a world that is saved as a cell file and loaded again answers as before, bit for bit; a recording shows it as it
 //! is in each frame.
 
+use lin_canny_plan::JointMotion;
 use std::path::Path;
 
 use lin_canny_robot::lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
@@ -150,7 +151,7 @@ fn ask(checker: &mut Checker<JointTree>, question: usize, q: &[f64], p: &[f64]) 
     match question {
         0 => format!("{:?}", checker.nearest(q, 0.2)),
         1 => format!("{:?}", checker.is_free_at(q)),
-        2 => format!("{:?}", checker.certify(q, p)),
+        2 => format!("{:?}", checker.certify(&JointMotion::segment(q, p))),
         3 => format!("{:?}", checker.clearance(q)),
         4 => format!("{:?}", checker.in_contact(q)),
         _ => format!("{:?}", checker.nearest(q, f64::INFINITY)),

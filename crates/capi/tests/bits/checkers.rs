@@ -4,8 +4,8 @@ use std::ffi::CString;
 
 use lin_canny_c::*;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, JointCurve, NearPair, Path, PlanOptions, RigidSpace, TranslationSpace, Verdict, World,
-    WorldId,
+    Checker, ConfigurationSpace, JointCurve, JointMotion, NearPair, Path, PlanOptions, RigidSpace, TranslationSpace,
+    Verdict, World, WorldId,
 };
 use lin_canny_robot::RobotFiles;
 
@@ -117,14 +117,23 @@ fn same_numbers(r: &[f64], c: &[f64]) {
 }
 
 /// Compares verdicts, and returns whether the motion is blocked.
-fn same_verdict(segment: usize, r: &Verdict, c: &lc_verdict) -> bool {
-    assert_eq!((segment as u64, r.safe().to_bits()), (c.segment, c.safe.to_bits()));
+fn same_verdict(r: &Verdict, c: &lc_verdict) -> bool {
+    let segment = r.piece().unwrap_or(0);
+    assert_eq!(
+        (segment as u64, r.free_until().to_bits()),
+        (c.segment, c.safe.to_bits())
+    );
     match r {
         Verdict::Free { clearance, .. } => {
             assert_eq!((c.state, c.clearance.to_bits()), (LC_FREE, clearance.to_bits()));
             assert_eq!(c.hit, f64::INFINITY);
         }
-        Verdict::Blocked { t, pair, witnesses, .. } => {
+        Verdict::Blocked {
+            contact_at: t,
+            pair,
+            witnesses,
+            ..
+        } => {
             assert_eq!((c.state, c.hit.to_bits()), (LC_BLOCKED, t.to_bits()));
             assert_eq!((number(pair.a), number(pair.b)), (c.a.id, c.b.id));
             let points = witnesses.map(|point| bits(point.into()));
@@ -210,7 +219,10 @@ fn compare<C: ConfigurationSpace + Clone + Sync>(rust: &mut Checker<C>, c: lc_ch
     unsafe { verdicts.set_len(count - 1) };
     let mut blocked = 0;
     for (k, c) in verdicts.iter().enumerate() {
-        blocked += u32::from(same_verdict(0, &rust.certify(at(k), at(k + 1)).unwrap(), c));
+        blocked += u32::from(same_verdict(
+            &rust.certify(&JointMotion::segment(at(k), at(k + 1))).unwrap(),
+            c,
+        ));
     }
     assert!(blocked > 100, "{blocked} segments are blocked");
 
@@ -220,9 +232,9 @@ fn compare<C: ConfigurationSpace + Clone + Sync>(rust: &mut Checker<C>, c: lc_ch
         // SAFETY: three configurations and a place for a verdict.
         let c = written(|out| unsafe { lc_checker_certify_path(c, path.as_ptr(), n, 3, out, size) });
         let path: Path = path.chunks(n).map(<[f64]>::to_vec).collect();
-        let (segment, r) = rust.certify_path(&path).unwrap();
-        same_verdict(segment, &r, &c);
-        later += segment;
+        let r = rust.certify(&JointMotion::path(&path).unwrap()).unwrap();
+        same_verdict(&r, &c);
+        later += r.piece().unwrap_or(0);
     }
     assert!(later > 100, "{later} paths are blocked in their second segment");
 
@@ -293,8 +305,10 @@ fn compare_curves<C: ConfigurationSpace + Clone>(rust: &mut Checker<C>, c: lc_ch
         // SAFETY: as many control points as stated, and a place for a verdict.
         let c = written(|out| unsafe { lc_checker_certify_curve(c, points.as_ptr(), n, count, out, size) });
         let points: Path = points.chunks(n).map(<[f64]>::to_vec).collect();
-        let r = rust.certify_curve(&JointCurve::bezier(&points).unwrap()).unwrap();
-        blocked += u32::from(same_verdict(0, &r, &c));
+        let r = rust
+            .certify(&JointMotion::curve(&JointCurve::bezier(&points).unwrap()))
+            .unwrap();
+        blocked += u32::from(same_verdict(&r, &c));
     }
     assert!(blocked > 100, "{blocked} curves are blocked");
     ok(lc_checker_free(c));

@@ -170,7 +170,7 @@ impl World {
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, UnitQuaternion};
     /// use lin_canny::Shape;
-    /// use lin_canny_plan::{Checker, JointCurve, TimedPoses, TranslationSpace, World};
+    /// use lin_canny_plan::{Checker, JointCurve, JointMotion, TimedPoses, TranslationSpace, World};
     ///
     /// // A drone flies 4 m along x in the seconds 0 to 2. A train crosses its path.
     /// let at = |y: f64| Isometry3::translation(2.0, y, 0.0);
@@ -182,11 +182,11 @@ impl World {
     /// let mut checker = Checker::new(space, world)?;
     ///
     /// let flight = JointCurve::bezier(&[[0.0; 3], [4.0, 0.0, 0.0]])?;
-    /// let verdict = checker.certify_curve(&flight.clone().with_times([0.0, 2.0])?)?;
+    /// let verdict = checker.certify(&JointMotion::curve(&flight.clone().with_times([0.0, 2.0])?))?;
     /// assert!(verdict.is_free(), "it is past before the train arrives");
-    /// let verdict = checker.certify_curve(&flight.clone().with_times([1.0, 3.0])?)?;
+    /// let verdict = checker.certify(&JointMotion::curve(&flight.clone().with_times([1.0, 3.0])?))?;
     /// assert!(checker.show(&verdict).to_string().starts_with("blocked by drone and train"));
-    /// assert!(checker.certify_curve(&flight).is_err(), "the curve has no times");
+    /// assert!(checker.certify(&JointMotion::curve(&flight)).is_err(), "the curve has no times");
     ///
     /// checker.set_time(2.0)?;
     /// assert_eq!(checker.clearance(&[0.0; 3])?.unwrap().distance, 1.3);

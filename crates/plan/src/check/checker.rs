@@ -16,13 +16,12 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::motion::carried::CarriedMotion;
 use crate::motion::carried::PartMotion;
-use crate::motion::curve::JointCurve;
 use crate::motion::space::{BodyBall, BodyMotion, ConfigurationSpace, SegmentMotion};
 use crate::motion::tube::JointTube;
 use crate::names::{WorldId, WorldPair};
 use lin_canny::impact::{Cast, CastOptions, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
 use lin_canny::motion::Motion;
-use lin_canny::separation::{Measurement, Proof, Separation};
+use lin_canny::separation::{Measurement, Separation};
 use lin_canny::{EXTENT_MAX, MovingPair, Operand, RelativePose};
 
 /// Width of the bracket of a contact, in units of the sum of both radii. Free segments that come
@@ -36,16 +35,6 @@ pub(crate) const HITS_FIRST: usize = 2;
 
 /// Least number of parts of a curve with a tube of joints, a power of two. Not measured.
 const TUBE_PARTS: u32 = 16;
-
-/// The proof that a pair stays apart on a segment: consecutive certificates from time 0 to 1.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct PairProof {
-    /// The pair.
-    pub pair: WorldPair,
-    /// The certificates, in order of time.
-    pub certificates: Vec<Certificate>,
-}
 
 /// Checks motions of a robot among obstacles, with one tracker per pair.
 pub struct Checker<C> {
@@ -201,9 +190,9 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// pair. Sliding along a face is accepted too. [`Verdict::Free`] lists such pairs. A contact with
     /// a moving obstacle is never accepted.
     ///
-    /// The option acts on segments ([`certify`](Self::certify), [`is_free`](Self::is_free),
-    /// [`prove`](Self::prove), [`certify_path`](Self::certify_path)), not on configurations
-    /// ([`is_free_at`](Self::is_free_at)), tubes or [`clearance_along`](Self::clearance_along). To
+    /// The option acts on motions ([`certify`](Self::certify), [`is_free`](Self::is_free)), not on
+    /// configurations ([`is_free_at`](Self::is_free_at)), tubes or
+    /// [`clearance_along`](Self::clearance_along). To
     /// put a part down, certify the motion from the contact, in reverse.
     /// [`PairTracker::cast_from_contact`](lin_canny::PairTracker::cast_from_contact) gives the
     /// details. The default is `None`: no contact is accepted.
@@ -211,7 +200,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// # use lin_canny_plan::{Checker, RigidSpace, Verdict, World};
+    /// # use lin_canny_plan::{Checker, JointMotion, RigidSpace, Verdict, World};
     /// # let mut world = World::new();
     /// # world.robot_body("part", solids::cuboid(Vector3::new(0.1, 0.1, 0.1))?);
     /// # let table = solids::cuboid(Vector3::new(1.0, 1.0, 0.1))?;
@@ -219,12 +208,12 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, world)?;
     /// let at = |x: f64, z: f64| [x, 0.0, z, 0.0, 0.0, 0.0, 1.0];
     /// let (table, above) = (at(0.0, 0.1), at(0.0, 0.5));
-    /// assert!(!checker.certify(&table, &above)?.is_free());
+    /// assert!(!checker.certify(&JointMotion::segment(&table, &above))?.is_free());
     /// checker.set_start_contact_margin(Some(1e-3))?;
-    /// let verdict = checker.certify(&table, &above)?;
+    /// let verdict = checker.certify(&JointMotion::segment(&table, &above))?;
     /// assert!(matches!(verdict, Verdict::Free { start_contacts, .. } if start_contacts.len() == 1));
-    /// assert!(checker.certify(&table, &at(0.5, 0.1))?.is_free());
-    /// assert!(!checker.certify(&table, &at(0.5, 0.09))?.is_free());
+    /// assert!(checker.certify(&JointMotion::segment(&table, &at(0.5, 0.1)))?.is_free());
+    /// assert!(!checker.certify(&JointMotion::segment(&table, &at(0.5, 0.09)))?.is_free());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -258,7 +247,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the distance that a pair must keep during an interval, inside a tube of joints as
     /// well.
-    fn kept_along(&self, index: usize, segment: &C::Segment, interval: &Range<f64>) -> f64 {
+    pub(crate) fn kept_along(&self, index: usize, segment: &C::Segment, interval: &Range<f64>) -> f64 {
         let kept = self.kept(index);
         let Some(tube) = &self.joint_tube else { return kept };
         let ball = |part: WorldId| {
@@ -275,7 +264,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the number of parts in which pairs are cast: more in a tube of joints, whose width
     /// depends on the configuration.
-    fn parts(&self, segment: &C::Segment) -> u32 {
+    pub(crate) fn parts(&self, segment: &C::Segment) -> u32 {
         let least = if self.joint_tube.is_none() { 1 } else { TUBE_PARTS };
         segment.parts().max(least)
     }
@@ -297,7 +286,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Returns whether a pair is one with a moving obstacle.
-    fn is_moving(&self, index: usize) -> bool {
+    pub(crate) fn is_moving(&self, index: usize) -> bool {
         self.world.obstacle_motion(self.pairs.all[index].pair.b).is_some()
     }
 
@@ -360,7 +349,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Sets the motions of the obstacles along a curve that runs between these times on the clock.
-    fn set_parts(&mut self, times: [f64; 2]) -> Result<(), PlanError> {
+    pub(crate) fn set_parts(&mut self, times: [f64; 2]) -> Result<(), PlanError> {
         for (&id, poses) in &self.world.motions {
             let WorldId::Obstacle(k) = id else { continue };
             let Some(parts) = poses.parts(times) else {
@@ -396,13 +385,13 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::Isometry3;
     /// # use lin_canny::Shape;
-    /// # use lin_canny_plan::{Checker, RigidSpace, World};
+    /// # use lin_canny_plan::{Checker, JointMotion, RigidSpace, World};
     /// # let mut world = World::new();
     /// # world.robot_body("drone", Shape::ball(0.1)?);
     /// # world.obstacle("mast", Shape::ball(0.1)?, Isometry3::identity());
     /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, world)?;
     /// let [p, q] = [-1.0, 1.0].map(|x| [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
-    /// let verdict = checker.certify(&p, &q)?;
+    /// let verdict = checker.certify(&JointMotion::segment(&p, &q))?;
     /// assert!(checker.show(&verdict).to_string().starts_with("blocked by drone and mast at 0.4"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -447,243 +436,6 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.hits.clear();
         self.range_bodies.clear();
         self.reach = self.pairs.robot_radius;
-    }
-
-    /// Returns whether the segment between two configurations is free, blocked at a time, or
-    /// unknown.
-    ///
-    /// The verdict covers the whole length of the segment. A blocked segment is proven free up to
-    /// `safe`, so the reported contact is the first.
-    ///
-    /// # Errors
-    /// Returns an error if a configuration is invalid.
-    pub fn certify(&mut self, from: &[f64], to: &[f64]) -> Result<Verdict, PlanError> {
-        let segment = self.segment(from, to)?;
-        self.judged(&segment, Some([from, to]), false)
-    }
-
-    /// Returns whether the segment between two configurations is proven free.
-    ///
-    /// Does not search for the first contact. A predicate costs less than a proof, so the middle
-    /// configuration is tested first ([`is_free_at`](Self::is_free_at)), and the last one if a body
-    /// is not convex.
-    ///
-    /// # Errors
-    /// Returns an error if a configuration is invalid.
-    pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
-        self.check_ends(from, to)?;
-        if self.has_parts && self.samples_first() && !self.is_free_at(to)? {
-            self.work.segments += 1;
-            return Ok(false);
-        }
-        self.is_free_inside(from, to)
-    }
-
-    /// Returns whether a segment is proven free whose last configuration is free.
-    pub(crate) fn is_free_inside(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
-        if self.samples_first() && !self.is_free_at(&self.space.between(from, to, 0.5))? {
-            self.work.segments += 1;
-            return Ok(false);
-        }
-        self.is_proven_free(from, to)
-    }
-
-    /// Returns whether a segment is proven free.
-    pub(crate) fn is_proven_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
-        let segment = self.segment(from, to)?;
-        Ok(self.judged(&segment, Some([from, to]), true)?.is_free())
-    }
-
-    /// Returns whether predicates at single configurations come before the proof of a segment.
-    fn samples_first(&self) -> bool {
-        self.start_contact_margin.is_none()
-    }
-
-    /// Returns the proof that a segment is free: the certificates of all pairs.
-    ///
-    /// Returns `None` if the segment is not proven free. The proof contains pairs whose boxes never
-    /// overlap as well, so it does not depend on the boxes.
-    ///
-    /// # Errors
-    /// Returns an error if a configuration is invalid.
-    pub fn prove(&mut self, from: &[f64], to: &[f64]) -> Result<Option<Vec<PairProof>>, PlanError> {
-        self.prove_until(from, to, 1.0)
-    }
-
-    /// Returns the proof that a segment is free up to a time: the certificates of all pairs from 0
-    /// until `until`.
-    ///
-    /// If the segment is blocked, it is free up to the time `safe` of its [`Verdict::Blocked`].
-    /// Returns `None` if a pair is not proven apart until then. `prove_until(from, to, 1.0)` is
-    /// [`prove`](Self::prove).
-    ///
-    /// ```
-    /// # use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
-    /// # use lin_canny::polyhedron::solids;
-    /// # use lin_canny_plan::{Checker, TranslationSpace, Verdict, World};
-    /// # let die = solids::cuboid(Vector3::repeat(0.5))?;
-    /// # let mut world = World::new();
-    /// # world.robot_body("die", die.clone());
-    /// # world.obstacle("block", die, Isometry3::translation(3.0, 0.0, 0.0));
-    /// # let bounds = [[-9.0, 9.0]; 3];
-    /// # let space = TranslationSpace::new(bounds, UnitQuaternion::identity(), 1)?;
-    /// # let mut checker = Checker::new(space, world)?;
-    /// let (from, to) = ([0.0; 3], [6.0, 0.1, 0.0]);
-    /// let Verdict::Blocked { safe, .. } = checker.certify(&from, &to)? else {
-    ///     panic!("the block is in the way")
-    /// };
-    /// let proofs = checker.prove_until(&from, &to, safe)?.expect("free so far");
-    /// let last = proofs[0].certificates.last().expect("a certificate");
-    /// assert_eq!(last.until, safe);
-    /// assert!(checker.prove(&from, &to)?.is_none());
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// Returns an error if a configuration is invalid, or if `until` is not a number from 0 to 1.
-    pub fn prove_until(&mut self, from: &[f64], to: &[f64], until: f64) -> Result<Option<Vec<PairProof>>, PlanError> {
-        if !(0.0..=1.0).contains(&until) {
-            let what = "end of the proven time";
-            return Err(PlanError::Value { what, value: until });
-        }
-        let segment = self.segment(from, to)?;
-        self.proven(&segment, until)
-    }
-
-    pub(crate) fn proven(&mut self, segment: &C::Segment, until: f64) -> Result<Option<Vec<PairProof>>, PlanError> {
-        let mut proofs = Vec::new();
-        for k in self.pairs.ordered() {
-            let mut certificates = Vec::new();
-            let start_contact = self.start_contact_margin.filter(|_| !self.is_moving(k));
-            let parts = if start_contact.is_none() { segment.parts() } else { 1 };
-            for mut part in self.intervals(k, parts) {
-                if part.start >= until && part.start > 0.0 {
-                    break;
-                }
-                part.end = part.end.smaller(until);
-                let kept = self.kept(k);
-                let found = self.cast(k, segment, part, kept, start_contact, Some(&mut certificates))?;
-                if found.impact != Impact::Miss {
-                    return Ok(None);
-                }
-            }
-            let pair = self.pairs.all[k].pair;
-            proofs.push(PairProof { pair, certificates });
-        }
-        Ok(Some(proofs))
-    }
-
-    /// Returns whether a curve is free, blocked at a time, or unknown: see
-    /// [`certify`](Self::certify).
-    ///
-    /// The verdict covers the whole curve, not samples of it. Times are those of the curve.
-    ///
-    /// ```
-    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// # use lin_canny::polyhedron::solids;
-    /// use lin_canny_plan::{Checker, Joint, JointCurve, JointTree, World};
-    ///
-    /// // A block on two rails, x and y.
-    /// let origin = Isometry3::identity();
-    /// let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
-    /// let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
-    /// let block = JointTree::serial(origin, rails, vec![2], 0.1)?;
-    /// let mut world = World::new();
-    /// world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
-    /// let post = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
-    /// world.obstacle("post", post, Isometry3::identity());
-    /// let mut checker = Checker::new(block, world)?;
-    ///
-    /// // The lowest point of this parabola is half as high as its middle control point.
-    /// let over = |y: f64| JointCurve::bezier(&[[-2.0, 0.0], [0.0, y], [2.0, 0.0]]);
-    /// assert!(checker.certify_curve(&over(1.7)?)?.is_free());
-    /// assert!(!checker.certify_curve(&over(1.1)?)?.is_free());
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// Returns an error if the curve has a wrong number of coordinates, if a coordinate leaves its
-    /// bounds at any time ([`PlanError::CurveLimit`]), or if the space follows straight segments
-    /// only ([`PlanError::CurveDegree`]).
-    pub fn certify_curve(&mut self, curve: &JointCurve) -> Result<Verdict, PlanError> {
-        self.judged_curve(curve, false)
-    }
-
-    /// Judges a curve; if it stays on a straight segment, the segment first, whose proof takes fewer
-    /// queries.
-    pub(crate) fn judged_curve(&mut self, curve: &JointCurve, any: bool) -> Result<Verdict, PlanError> {
-        let motion = self.curve(curve)?;
-        if let Some(straight) = self.straightened(curve)? {
-            let verdict = self.judged(&straight, None, true)?;
-            if verdict.is_free() {
-                return Ok(verdict);
-            }
-            self.work.segments -= 1;
-        }
-        self.judged(&motion, None, any)
-    }
-
-    /// Returns the motion along the straight segment on which a curve stays, if its proof is one of
-    /// the curve: contacts that are left have their times on the curve, and obstacles that move theirs.
-    fn straightened(&self, curve: &JointCurve) -> Result<Option<C::Segment>, PlanError> {
-        if self.start_contact_margin.is_some() || !self.world.motions.is_empty() {
-            return Ok(None);
-        }
-        let straight = curve.straightened();
-        straight.map(|straight| self.space.curve(&straight)).transpose()
-    }
-
-    /// Returns the proof that a curve is free: see [`prove`](Self::prove).
-    ///
-    /// The certificates hold at the times of the curve. Very close to contact, a curve that stays on
-    /// a straight segment may be proven only as the segment, whose times differ: then each pair has
-    /// one certificate of the kind [`Proof::Own`], and [`prove`](Self::prove) returns those of the
-    /// segment between its ends.
-    ///
-    /// # Errors
-    /// Returns an error as [`certify_curve`](Self::certify_curve) does.
-    pub fn prove_curve(&mut self, curve: &JointCurve) -> Result<Option<Vec<PairProof>>, PlanError> {
-        let motion = self.curve(curve)?;
-        let proofs = self.proven(&motion, 1.0)?;
-        let None = proofs else { return Ok(proofs) };
-        let Some(straight) = self.straightened(curve)? else {
-            return Ok(None);
-        };
-        let mut proofs = self.proven(&straight, 1.0)?;
-        for proof in proofs.iter_mut().flatten() {
-            let distance = proof.certificates.iter().map(|c| c.distance);
-            let distance = distance.fold(f64::INFINITY, f64::smaller);
-            // The last certificate ends at 1.
-            if let Some(mut whole) = proof.certificates.pop() {
-                (whole.from, whole.distance, whole.proof) = (0.0, distance, Proof::Own);
-                proof.certificates = std::vec![whole];
-            }
-        }
-        Ok(proofs)
-    }
-
-    /// Returns the motion along a curve, after a check of the curve, and sets the motions of the
-    /// obstacles along it.
-    pub(crate) fn curve(&mut self, curve: &JointCurve) -> Result<C::Segment, PlanError> {
-        let motion = self.space.curve(curve)?;
-        match curve.times() {
-            Some(times) => self.set_parts(times)?,
-            None => self.world.check_at_rest()?,
-        }
-        Ok(motion)
-    }
-
-    /// Returns the motion along a segment, after a check of its ends.
-    pub(crate) fn segment(&self, from: &[f64], to: &[f64]) -> Result<C::Segment, PlanError> {
-        self.check_ends(from, to)?;
-        self.space.segment(from, to)
-    }
-
-    /// Returns an error if an end of a segment is invalid, or if an obstacle moves.
-    pub(crate) fn check_ends(&self, from: &[f64], to: &[f64]) -> Result<(), PlanError> {
-        self.world.check_at_rest()?;
-        self.space.check(from)?;
-        self.space.check(to)
     }
 
     /// Returns the verdict on a motion; `ends` if it is the segment between two configurations.
@@ -811,13 +563,18 @@ impl<C: ConfigurationSpace> Checker<C> {
                     let pair = self.pairs.all[k].pair;
                     let points = [seen.point_on_a, seen.point_on_b];
                     Verdict::Blocked {
-                        safe,
-                        t,
+                        free_until: safe,
+                        contact_at: t,
+                        piece: 0,
                         pair,
                         witnesses: self.in_world(segment, pair, safe, points),
+                        start_contacts: Vec::new(),
                     }
                 }
-                None => Verdict::Undecided { t: safe },
+                None => Verdict::Undecided {
+                    free_until: safe,
+                    piece: 0,
+                },
             });
             until = safe;
             if any {
@@ -827,10 +584,11 @@ impl<C: ConfigurationSpace> Checker<C> {
                 break;
             }
         }
-        Ok(blocked.unwrap_or(Verdict::Free {
+        let free = Verdict::Free {
             clearance,
-            start_contacts,
-        }))
+            start_contacts: Vec::new(),
+        };
+        Ok(blocked.unwrap_or(free).on_piece(0, start_contacts))
     }
 
     /// Puts a pair first among the recent collisions.

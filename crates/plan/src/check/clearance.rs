@@ -13,7 +13,7 @@ use crate::check::checker::Checker;
 use crate::check::pairs::PairKey;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::motion::curve::JointCurve;
+use crate::motion::joint_motion::{JointMotion, PieceRef};
 use crate::motion::space::{ConfigurationSpace, SegmentMotion};
 use crate::names::{WorldId, WorldPair};
 use crate::tolerance::PLACED;
@@ -125,18 +125,20 @@ impl Ord for Candidate {
     }
 }
 
-/// The clearance along a segment: a proven lower bound, and a distance that is attained.
+/// The clearance along a motion: a proven lower bound, and a distance that is attained.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct SegmentClearance {
-    /// Lower bound of the distance of all pairs over the whole segment; zero if nothing is proven,
+    /// Lower bound of the distance of all pairs over the whole motion; zero if nothing is proven,
     /// infinite if there is no pair.
     pub lower: f64,
-    /// Upper bound of the least distance: at `t`, `pair` is at most this far apart.
+    /// Upper bound of the least distance: at `t` of `piece`, `pair` is at most this far apart.
     pub upper: f64,
-    /// A time at which `upper` holds.
+    /// A time of the piece at which `upper` holds.
     pub t: f64,
+    /// Index of the piece of the motion.
+    pub piece: usize,
     /// The closest pair at `t`; `None` if there is no pair.
     pub pair: Option<WorldPair>,
 }
@@ -395,57 +397,53 @@ impl<C: ConfigurationSpace> Checker<C> {
         near.gradient = gradient;
     }
 
-    /// Returns bounds of the least clearance along a segment.
+    /// Returns bounds of the least clearance along a motion.
     ///
     /// The bounds differ by at most the fraction `relative` of the upper bound, if a proof is
     /// found. This is nearly always so for 1e-3 and more; a smaller `relative` may end without a
-    /// proof.
+    /// proof. A tube around the motion does not matter.
     ///
     /// # Errors
-    /// Returns an error if a configuration is invalid or `relative` is not between 0 and 1.
-    pub fn clearance_along(&mut self, from: &[f64], to: &[f64], relative: f64) -> Result<SegmentClearance, PlanError> {
-        let segment = self.segment(from, to)?;
-        let (from, to) = (from.to_vec(), to.to_vec());
-        self.bounded(&segment, relative, |space, t| space.between(&from, &to, t))
-    }
-
-    /// Returns bounds of the least clearance along a curve: see
-    /// [`clearance_along`](Self::clearance_along).
-    ///
-    /// # Errors
-    /// Returns an error as [`certify_curve`](Self::certify_curve) does, or if `relative` is not
-    /// between 0 and 1.
-    pub fn clearance_along_curve(&mut self, curve: &JointCurve, relative: f64) -> Result<SegmentClearance, PlanError> {
-        let motion = self.curve(curve)?;
-        let found = self.bounded(&motion, relative, |_, t| curve.at(t));
-        if let Some(time) = self.time {
-            self.place_moving(time)?;
-        }
-        found
-    }
-
-    fn bounded(
-        &mut self,
-        segment: &C::Segment,
-        relative: f64,
-        at: impl Fn(&C, f64) -> Vec<f64>,
-    ) -> Result<SegmentClearance, PlanError> {
+    /// Returns an error as [`certify`](Self::certify) does, or if `relative` is not between 0 and 1.
+    pub fn clearance_along(&mut self, motion: &JointMotion, relative: f64) -> Result<SegmentClearance, PlanError> {
         if !(relative > 0.0 && relative < 1.0) {
             return Err(PlanError::Value {
                 what: "relative width of the clearance",
                 value: relative,
             });
         }
+        let mut all = self.bounded(motion, 0, relative)?;
+        for piece in 1..motion.pieces() {
+            let next = self.bounded(motion, piece, relative)?;
+            let lower = all.lower.smaller(next.lower);
+            if next.upper < all.upper {
+                all = next;
+            }
+            all.lower = lower;
+        }
+        if let Some(time) = self.time {
+            self.place_moving(time)?;
+        }
+        Ok(all)
+    }
+
+    /// Returns bounds of the least clearance along a piece.
+    fn bounded(&mut self, motion: &JointMotion, piece: usize, relative: f64) -> Result<SegmentClearance, PlanError> {
+        let segment = self.along(motion, piece)?;
         let is_empty = self.pairs.len() == 0;
         let mut found = SegmentClearance {
             lower: if is_empty { f64::INFINITY } else { 0.0 },
             upper: f64::INFINITY,
             t: 0.0,
+            piece,
             pair: None,
         };
         for k in 0..=SAMPLES {
             let t = f64::from(k) / f64::from(SAMPLES);
-            let q = at(&self.space, t);
+            let q = match motion.piece_ref(piece) {
+                PieceRef::Segment([from, to]) => self.space.between(from, to, t),
+                PieceRef::Curve(curve) => curve.at(t),
+            };
             self.pairs.place_along(t);
             if let Some(near) = self.nearest_within_rounding(&q, 0.0)?.first() {
                 found.lower_to(near.upper, t, near.pair);
@@ -456,7 +454,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             return Ok(found);
         }
         for k in self.pairs.ordered() {
-            match self.lowered(k, segment, keep, relative, &mut found)? {
+            match self.lowered(k, &segment, keep, relative, &mut found)? {
                 Some(kept) => keep = kept,
                 None => return Ok(found),
             }

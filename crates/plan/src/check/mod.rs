@@ -3,13 +3,13 @@
 pub(crate) mod apart;
 pub(crate) mod batch;
 pub(crate) mod boxes;
+pub(crate) mod certify;
 mod changes;
 pub(crate) mod checker;
 pub(crate) mod clearance;
 mod free;
 mod hulls;
 pub(crate) mod pairs;
-mod path;
 pub(crate) mod sweep;
 mod tube;
 pub(crate) mod verdict;

@@ -1,18 +1,14 @@
-//! Verdicts about tubes of joints, and configurations in them at which a pair is closer than it must
-//! be.
+//! Configurations in a tube of joints at which a pair is closer than it must be.
 
 use std::vec::Vec;
 
 use crate::check::checker::Checker;
 use crate::check::clearance::NearPair;
-use crate::check::verdict::Verdict;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::motion::curve::JointCurve;
-use crate::motion::space::{BodyBall, ConfigurationSpace, SegmentMotion};
-use crate::motion::tube::JointTube;
+use crate::motion::joint_motion::{JointMotion, PieceRef, Tube};
+use crate::motion::space::ConfigurationSpace;
 use crate::names::WorldPair;
-use nalgebra::Point3;
 
 /// Number of times after the first at which a contact is searched for. Not measured.
 const TIMES: u32 = 64;
@@ -26,89 +22,21 @@ const CORNERS: usize = 4;
 const HOPE: f64 = 2.0;
 
 impl<C: ConfigurationSpace> Checker<C> {
-    /// Returns the verdict for a tube of joints around a curve.
+    /// Returns a time of a piece of a motion, and a configuration of its tube of joints at this time at
+    /// which a pair is closer than it must be, if one is found.
     ///
-    /// The tube contains all motions whose coordinates deviate from the curve by at most the
-    /// entries of `tube` at every time, for example by the tracking error of a controller: numbers,
-    /// or a curve of them (see [`JointTube`]). The margin of the checker holds inside the tube.
-    ///
-    /// `Blocked` and `Undecided` mean that a pair comes closer on the curve than the margin plus a
-    /// bound of what the tube moves. A free motion may still exist in such a tube;
-    /// [`tube_contact`](Self::tube_contact) searches for a configuration that is in contact.
-    ///
-    /// ```
-    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// # use lin_canny::polyhedron::solids;
-    /// # use lin_canny_plan::{Checker, Joint, JointCurve, JointTree, World};
-    /// # let origin = Isometry3::identity();
-    /// # let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
-    /// # let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
-    /// # let block = JointTree::serial(origin, rails, vec![2], 0.1)?;
-    /// # let mut world = World::new();
-    /// # world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
-    /// # let post = solids::cuboid(Vector3::repeat(0.5))?;
-    /// # world.obstacle("post", post, origin);
-    /// # let mut checker = Checker::new(block, world)?;
-    /// // The lowest point of this parabola is 0.1 above contact.
-    /// let curve = JointCurve::bezier(&[[-1.0, 1.6], [0.0, -0.2], [1.0, 1.6]])?;
-    /// assert!(checker.certify_curve_tube(&curve, &[0.0, 0.09])?.is_free());
-    /// assert!(!checker.certify_curve_tube(&curve, &[0.0, 0.11])?.is_free());
-    /// // The error falls from 0.4 to 0.05 at the lowest point, and grows again.
-    /// let error = JointCurve::bezier(&[[0.0, 0.4], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.4]])?;
-    /// assert!(checker.certify_curve_tube(&curve, error)?.is_free());
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// Returns an error as [`certify_curve`](Self::certify_curve) does, or if `tube` has a wrong
-    /// length or an entry that is negative or not finite, or if the space has no tubes.
-    pub fn certify_curve_tube(&mut self, curve: &JointCurve, tube: impl Into<JointTube>) -> Result<Verdict, PlanError> {
-        let tube = tube.into();
-        let motion = self.check_tube(curve, &tube)?;
-        self.joint_tube = Some(tube).filter(|tube| !tube.is_zero());
-        let start_contact = self.start_contact_margin.take();
-        let verdict = self.judged(&motion, None, false);
-        self.start_contact_margin = start_contact;
-        self.joint_tube = None;
-        verdict
-    }
-
-    /// Returns the motion along a curve, after a check of the curve and of a tube of joints.
-    fn check_tube(&mut self, curve: &JointCurve, tube: &JointTube) -> Result<C::Segment, PlanError> {
-        let refused = |what, value| Err(PlanError::Value { what, value });
-        let (expected, found) = (self.space.coordinates(), tube.coordinates());
-        if found != expected {
-            return Err(PlanError::Length { expected, found });
-        }
-        if let Some(value) = tube.wrong_entry() {
-            return refused("entry of a tube", value);
-        }
-        let motion = self.curve(curve)?;
-        let ball = BodyBall {
-            body: 0,
-            centre: Point3::origin(),
-            radius: 0.0,
-        };
-        if self.space.bodies() > 0 && motion.spread(ball, None, 0.0, 1.0, &tube.over(0.0, 1.0)).is_none() {
-            return refused("length of a tube in a space without joints", expected as f64);
-        }
-        Ok(motion)
-    }
-
-    /// Returns a time of a curve, and a configuration of its tube at this time at which a pair is
-    /// closer than it must be, if one is found.
-    ///
-    /// [`certify_curve_tube`](Self::certify_curve_tube) compares distances on the curve with a
-    /// bound, so a tube that is not free need not contain a contact. This call searches for one: at
-    /// `from`, such as [`Verdict::safe`](crate::Verdict::safe), and at 64 later times, at corners
-    /// of the tube against the gradients of the distances. Deviations are cut at the bounds of the
+    /// [`certify`](Self::certify) compares distances on the motion with a bound, so a tube that is not
+    /// free need not contain a contact. This call searches for one: at `from`, such as
+    /// [`Verdict::free_until`](crate::Verdict::free_until), and at 64 later times, at corners of the
+    /// tube against the gradients of the distances. Deviations are cut at the bounds of the
     /// coordinates. The predicate of [`is_free_at`](Self::is_free_at) decides about what is
-    /// returned. `None` proves nothing.
+    /// returned. `None` proves nothing. Of a motion without a tube of joints, the configurations of the
+    /// motion itself are tried.
     ///
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// # use lin_canny_plan::{Checker, Joint, JointCurve, JointTree, World};
+    /// # use lin_canny_plan::{Checker, Joint, JointCurve, JointMotion, JointTree, World};
     /// # let origin = Isometry3::identity();
     /// # let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
     /// # let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
@@ -120,35 +48,39 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # let mut checker = Checker::new(block, world)?;
     /// // The lowest point of this parabola is 0.1 above contact.
     /// let curve = JointCurve::bezier(&[[-1.0, 1.6], [0.0, -0.2], [1.0, 1.6]])?;
-    /// let tube = [0.0, 0.11];
-    /// let verdict = checker.certify_curve_tube(&curve, &tube)?;
+    /// let motion = JointMotion::curve(&curve).with_tube(&[0.0, 0.11])?;
+    /// let verdict = checker.certify(&motion)?;
     /// assert!(!verdict.is_free());
-    /// let found = checker.tube_contact(&curve, &tube, verdict.safe())?;
+    /// let found = checker.tube_contact(&motion, 0, verdict.free_until())?;
     /// let (t, q) = found.ok_or("no contact")?;
     /// assert!(!checker.is_free_at(&q)? && q[0] == curve.at(t)[0]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// Returns an error as [`certify_curve_tube`](Self::certify_curve_tube) does, or if `from` is
+    /// Returns an error as [`certify`](Self::certify) does, if there is no such piece, or if `from` is
     /// not between 0 and 1.
     pub fn tube_contact(
         &mut self,
-        curve: &JointCurve,
-        tube: impl Into<JointTube>,
+        motion: &JointMotion,
+        piece: usize,
         from: f64,
     ) -> Result<Option<(f64, Vec<f64>)>, PlanError> {
-        let tube = tube.into();
-        self.check_tube(curve, &tube)?;
+        if piece >= motion.pieces() {
+            let (what, value) = ("index of a piece", piece as f64);
+            return Err(PlanError::Value { what, value });
+        }
+        self.along(motion, piece)?;
+        self.check_tube(motion, piece)?;
         if !(0.0..=1.0).contains(&from) {
-            let (what, value) = ("time of a curve", from);
+            let (what, value) = ("time of a piece", from);
             return Err(PlanError::Value { what, value });
         }
         let before = self.time;
         let mut found = Ok(None);
         for k in 0..=TIMES {
             let time = (from + (1.0 - from) * (f64::from(k) / f64::from(TIMES))).at_most(1.0);
-            found = self.tube_contact_at(curve, &tube.at(time), time);
+            found = self.tube_contact_at(motion, piece, time);
             if !matches!(found, Ok(None)) {
                 break;
             }
@@ -162,14 +94,22 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     fn tube_contact_at(
         &mut self,
-        curve: &JointCurve,
-        tube: &[f64],
+        motion: &JointMotion,
+        piece: usize,
         time: f64,
     ) -> Result<Option<(f64, Vec<f64>)>, PlanError> {
-        if let Some([start, end]) = curve.times() {
+        if let Some([start, end]) = motion.times(piece) {
             self.set_time((start + (end - start) * time).clamped(start, end))?;
         }
-        let found = self.contact_about(&curve.at(time), tube)?;
+        let q = match motion.piece_ref(piece) {
+            PieceRef::Segment([from, to]) => self.space.between(from, to, time),
+            PieceRef::Curve(curve) => curve.at(time),
+        };
+        let tube = match &motion.tube {
+            Tube::Joints(tube) => tube.at(time),
+            _ => std::vec![0.0; q.len()],
+        };
+        let found = self.contact_about(&q, &tube)?;
         Ok(found.map(|q| (time, q)))
     }
 

@@ -1,6 +1,7 @@
-//! Verdicts about segments, and counts of the work.
+//! Verdicts about motions, and counts of the work.
 
 use core::fmt;
+use std::string::String;
 use std::vec::Vec;
 
 use nalgebra::Point3;
@@ -9,7 +10,7 @@ use crate::cell::world::Named;
 use crate::names::WorldPair;
 use lin_canny::impact::StartContact;
 
-/// The verdict about a segment.
+/// The verdict about a motion.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -26,20 +27,30 @@ pub enum Verdict {
     },
     /// A pair is proven to be in contact or closer than it must keep.
     Blocked {
-        /// Up to this time all pairs are proven farther apart than they must keep.
-        safe: f64,
-        /// At this time the pair is proven to be in contact or closer than it must keep.
-        t: f64,
+        /// Up to this time of the piece, and on all pieces before, all pairs are proven farther apart
+        /// than they must keep.
+        free_until: f64,
+        /// At this time of the piece the pair is proven to be in contact or closer than it must keep.
+        contact_at: f64,
+        /// Index of the piece: the segment of a path, or the curve of a spline.
+        piece: usize,
         /// The pair.
         pair: WorldPair,
-        /// Closest points of `pair.a` and `pair.b` in the world, at `safe`, or at `t` if `safe` is
-        /// 0.
+        /// Closest points of `pair.a` and `pair.b` in the world, at `free_until`, or at `contact_at`
+        /// if `free_until` is 0.
         witnesses: [Point3<f64>; 2],
+        /// The pairs that are in contact at the start and do not come closer, as in
+        /// [`Free`](Self::Free).
+        start_contacts: Vec<LeavingPair>,
     },
-    /// Undecided: a pair is within rounding error of contact or of what it must keep.
+    /// Undecided: a pair is within rounding error of contact or of what it must keep, or the caller
+    /// stopped the proof.
     Undecided {
-        /// Up to this time all pairs are proven farther apart than they must keep.
-        t: f64,
+        /// Up to this time of the piece, and on all pieces before, all pairs are proven farther apart
+        /// than they must keep.
+        free_until: f64,
+        /// Index of the piece.
+        piece: usize,
     },
 }
 
@@ -56,26 +67,69 @@ pub struct LeavingPair {
 }
 
 impl Verdict {
-    /// Returns whether the whole segment is proven free.
+    /// Returns the name of the verdict: `free`, `blocked` or `undecided`.
     #[must_use]
-    pub fn is_free(&self) -> bool {
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Free { .. } => "free",
+            Self::Blocked { .. } => "blocked",
+            Self::Undecided { .. } => "undecided",
+        }
+    }
+
+    /// Returns whether the whole motion is proven free.
+    #[must_use]
+    pub const fn is_free(&self) -> bool {
         matches!(self, Self::Free { .. })
     }
 
-    /// Returns the time up to which all pairs are proven apart.
+    /// Returns the time of the piece that is not free up to which all pairs are proven apart; 1 if the
+    /// whole motion is free.
     #[must_use]
-    pub fn safe(&self) -> f64 {
+    pub const fn free_until(&self) -> f64 {
         match *self {
             Self::Free { .. } => 1.0,
-            Self::Blocked { safe, .. } => safe,
-            Self::Undecided { t } => t,
+            Self::Blocked { free_until, .. } | Self::Undecided { free_until, .. } => free_until,
         }
+    }
+
+    /// Returns the index of the piece that is not free; `None` if the whole motion is free.
+    #[must_use]
+    pub const fn piece(&self) -> Option<usize> {
+        match *self {
+            Self::Free { .. } => None,
+            Self::Blocked { piece, .. } | Self::Undecided { piece, .. } => Some(piece),
+        }
+    }
+
+    /// Returns the verdict with the index of the piece, and the contacts that were left on pieces
+    /// before.
+    pub(crate) fn on_piece(mut self, index: usize, mut before: Vec<LeavingPair>) -> Self {
+        match &mut self {
+            Self::Free { start_contacts, .. } => {
+                before.append(start_contacts);
+                *start_contacts = before;
+            }
+            Self::Blocked {
+                piece, start_contacts, ..
+            } => {
+                before.append(start_contacts);
+                (*piece, *start_contacts) = (index, before);
+            }
+            Self::Undecided { piece, .. } => *piece = index,
+        }
+        self
     }
 }
 
 impl fmt::Display for Named<'_, Verdict> {
-    /// Writes the verdict with the names of the pair; times are fractions of the segment.
+    /// Writes the verdict with the names of the pair; times are fractions of the piece, which is named
+    /// if it is not the first.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let of = |piece: usize| match piece {
+            0 => String::new(),
+            _ => std::format!(" of piece {piece}"),
+        };
         match *self.value {
             Verdict::Free {
                 clearance,
@@ -88,11 +142,23 @@ impl fmt::Display for Named<'_, Verdict> {
                 }
                 Ok(())
             }
-            Verdict::Blocked { safe, t, pair, .. } => {
+            Verdict::Blocked {
+                free_until,
+                contact_at,
+                piece,
+                pair,
+                ..
+            } => {
                 let pair = self.world.show(&pair);
-                write!(f, "blocked by {pair} at {t:?} (free up to {safe:?})")
+                write!(
+                    f,
+                    "blocked by {pair} at {contact_at:?}{} (free up to {free_until:?})",
+                    of(piece)
+                )
             }
-            Verdict::Undecided { t } => write!(f, "undecided (free up to {t:?})"),
+            Verdict::Undecided { free_until, piece } => {
+                write!(f, "undecided{} (free up to {free_until:?})", of(piece))
+            }
         }
     }
 }

@@ -38,7 +38,7 @@ type Row = [f64; DEGREE_MAX + 1];
 /// curves, each of which starts where the one before it ends.
 ///
 /// Curves that are given in another form are converted. The conversion rounds, and the error is
-/// part of the curve: [`Checker::certify_curve`](crate::Checker::certify_curve) then proves the
+/// part of the curve: [`Checker::certify`](crate::Checker::certify) then proves the
 /// curve that was given.
 ///
 /// ```

@@ -3,6 +3,7 @@
 pub(crate) mod carried;
 pub(crate) mod curve;
 pub(crate) mod joint;
+pub(crate) mod joint_motion;
 pub(crate) mod rigid;
 pub(crate) mod space;
 pub(crate) mod timed_poses;

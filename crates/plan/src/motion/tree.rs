@@ -27,7 +27,7 @@ use lin_canny::RelativePose;
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny_plan::{Checker, Drive, JointKind, JointTree, TreeJoint, World};
+/// use lin_canny_plan::{Checker, Drive, JointKind, JointMotion, JointTree, TreeJoint, World};
 /// use lin_canny::polyhedron::solids;
 ///
 /// let finger = |factor: f64| TreeJoint {
@@ -56,7 +56,7 @@ use lin_canny::RelativePose;
 /// let mut checker = Checker::new(hand, world)?;
 /// let apart = checker.clearance(&[0.5, 0.03])?.unwrap().distance;
 /// assert!((apart - 0.08).abs() < 1e-12);
-/// assert!(checker.is_free(&[0.0, 0.04], &[2.0, 0.0])?);
+/// assert!(checker.is_free(&JointMotion::segment(&[0.0, 0.04], &[2.0, 0.0]))?);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -277,7 +277,7 @@ impl JointTree {
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// use lin_canny_plan::{Checker, Joint, JointTree, Verdict, World};
+    /// use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, Verdict, World};
     /// use lin_canny::polyhedron::solids;
     ///
     /// // Two links in the plane, each one long.
@@ -294,9 +294,9 @@ impl JointTree {
     /// world.obstacle("post", post, side);
     ///
     /// let mut checker = Checker::new(arm, world)?;
-    /// assert!(checker.certify(&[0.0, 0.0], &[0.8, 1.0])?.is_free());
-    /// let verdict = checker.certify(&[0.0, 0.0], &[2.5, 0.0])?;
-    /// let Verdict::Blocked { t, pair, .. } = verdict else {
+    /// assert!(checker.certify(&JointMotion::segment(&[0.0, 0.0], &[0.8, 1.0]))?.is_free());
+    /// let verdict = checker.certify(&JointMotion::segment(&[0.0, 0.0], &[2.5, 0.0]))?;
+    /// let Verdict::Blocked { contact_at: t, pair, .. } = verdict else {
     ///     panic!("the arm hits the post")
     /// };
     /// assert!(t > 0.5 && t < 0.7);

@@ -70,6 +70,11 @@ impl JointTube {
         }
     }
 
+    /// Returns whether the entries are a curve.
+    pub(crate) fn varies(&self) -> bool {
+        matches!(self.0, Entries::Along(_))
+    }
+
     /// Returns a number that is no entry of a tube.
     pub(crate) fn wrong_entry(&self) -> Option<f64> {
         let wrong = |x: &f64| !(0.0..=EXTENT_MAX).contains(x);

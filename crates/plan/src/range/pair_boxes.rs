@@ -61,7 +61,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// # use lin_canny_plan::{Checker, Joint, JointTree, World};
+    /// # use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, World};
     /// // Two blocks on one rail.
     /// let rail = || Joint::prismatic(Isometry3::identity(), Vector3::x_axis(), [0.0, 4.0]);
     /// let rails = JointTree::serial(Isometry3::identity(), vec![rail(), rail()], vec![1, 2], 0.1)?;
@@ -73,7 +73,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ///
     /// let boxes = checker.pair_boxes(100)?;
     /// checker.set_pair_boxes(&boxes)?;
-    /// assert!(checker.is_free(&[0.0, 2.0], &[3.0, 1.5])?);
+    /// assert!(checker.is_free(&JointMotion::segment(&[0.0, 2.0], &[3.0, 1.5]))?);
     /// assert_eq!(checker.work().queries + checker.work().decisions, 0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

@@ -46,13 +46,16 @@ pub enum ReceiptError {
         /// Up to this time all pairs are proven apart.
         time: f64,
     },
-    /// Returned if a segment of a path is not free; [`Receipt::segment`](super::Receipt::segment)
-    /// writes why.
-    #[error("segment {segment} of the path is not proven free")]
+    /// Returned if a motion of several pieces is blocked; [`Receipt::motion`](super::Receipt::motion)
+    /// of the piece alone writes why.
+    #[error("piece {piece} of the motion is not proven free")]
     Blocked {
-        /// Index of the segment.
-        segment: usize,
+        /// Index of the piece.
+        piece: usize,
     },
+    /// Returned if the motion has a tube around it: a receipt is about the motion itself.
+    #[error("the motion has a tube around it (expected a motion without a tube)")]
+    Tube,
     /// Returned if a pair has no evidence that a checker would accept.
     #[error("{a} and {b} have no evidence from time {from:?} to {until:?}: {why}")]
     Pair {

@@ -10,7 +10,7 @@
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
 //! use lin_canny::polyhedron::solids;
 //! use lin_canny_plan::receipt::Receipt;
-//! use lin_canny_plan::{Checker, Joint, JointTree, World};
+//! use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, World};
 //!
 //! // Two links in the plane, and a post.
 //! let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
@@ -26,7 +26,7 @@
 //! world.obstacle("post", post, at(2.2));
 //! let mut checker = Checker::new(arm, world)?;
 //!
-//! let receipt = Receipt::segment(&mut checker, &[0.8, 0.2], &[0.5, 1.4])?;
+//! let receipt = Receipt::motion(&mut checker, &JointMotion::segment(&[0.8, 0.2], &[0.5, 1.4]))?;
 //! let text = receipt.to_string();
 //! let head = r#"{"receipt":1,"claim":"apart","from":"0x0p0","until":"0x1p0""#;
 //! assert!(text.starts_with(head));
@@ -38,9 +38,8 @@
 //!
 //! | answer | writer | the receipt proves |
 //! |---|---|---|
-//! | [`Verdict::Free`](crate::Verdict::Free) of a segment | [`Receipt::segment`] | every pair that is not ignored keeps more than the margin, at all times |
-//! | the same of a curve, a path or a spline of joints | [`Receipt::curve`], [`path`](Receipt::path), [`spline`](Receipt::spline) | the same of each segment or curve |
-//! | [`Verdict::Blocked`](crate::Verdict::Blocked) | [`Receipt::segment`] | the same up to `safe`, and that the pair meets, or is within what it must keep, at `t` |
+//! | [`Verdict::Free`](crate::Verdict::Free) of a motion | [`Receipt::motion`], [`certified`](Receipt::certified) | every pair that is not ignored keeps more than the margin, at all times |
+//! | [`Verdict::Blocked`](crate::Verdict::Blocked) of a motion of one piece | [`Receipt::motion`] | the same up to `free_until`, and that the pair meets, or is within what it must keep, at `contact_at` |
 //! | [`RangeAnswer`](crate::RangeAnswer)s that pairs never meet | [`Receipt::range`] | these pairs keep more than the margin at every configuration of the range |
 //! | a cast of two bodies | [`Receipt::cast`] | a miss, or apart up to `safe` and a contact at `hit` |
 //! | the distance of two bodies | [`Receipt::outcome`] | its lower and its upper bound |

@@ -8,11 +8,11 @@ use super::contact::contact;
 use super::error::ReceiptError;
 use super::scene::{Body, Ignored, Scene, SteadyWay, Way};
 use super::{Claim, Leg, Receipt, Wanted, apart};
-use crate::check::checker::{Checker, PairProof};
+use crate::check::certify::{Certified, CertifyOptions, PairProof};
+use crate::check::checker::Checker;
 use crate::check::verdict::Verdict;
-use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::motion::curve::JointCurve;
+use crate::motion::joint_motion::{JointMotion, Tube};
 use crate::motion::space::{ConfigurationSpace, SegmentMotion};
 use crate::names::{WorldId, WorldPair};
 use lin_canny::Geometry;
@@ -31,43 +31,23 @@ pub(super) struct Stated {
 }
 
 impl Receipt {
-    /// Returns the receipt of [`Checker::certify`]: that a segment is free, or free up to a time
-    /// and blocked by a pair at a later one.
+    /// Returns the receipt of [`Checker::certify`]: that a motion is free, or that a motion of one
+    /// piece is free up to a time and blocked by a pair at a later one.
     ///
-    /// Along a blocked segment, all pairs have evidence until `safe` of the
-    /// [`Verdict::Blocked`], and the pair has four vertex pairs, or two
-    /// points, that prove the contact at `t`; if none are certain there, at most 4,096 times the
-    /// bracket from `safe` to `t` later. A segment that is blocked at its start has the contact
-    /// alone.
+    /// It states the scene once, and has a leg for each piece: the ends of a segment, or the control
+    /// points of a curve ([`JointCurve::control_point`](crate::JointCurve::control_point)). If a curve
+    /// was given in another form, its control points are rounded, and the receipt is about them.
     ///
-    /// # Errors
-    /// Returns an error if a configuration is invalid, if the verdict is undecided, if a body or
-    /// the motion has no receipt ([module](crate::receipt)), or if a pair has no evidence that a checker
-    /// would accept, for example because the pair is in contact at the start.
-    pub fn segment<C: ConfigurationSpace>(
-        checker: &mut Checker<C>,
-        from: &[f64],
-        to: &[f64],
-    ) -> Result<Self, ReceiptError> {
-        let segment = checker.segment(from, to)?;
-        let verdict = checker.certify(from, to)?;
-        Self::judged(checker, &segment, verdict, vec![from.to_vec(), to.to_vec()])
-    }
-
-    /// Returns the receipt of [`Checker::certify_curve`], as [`segment`](Self::segment) does.
-    ///
-    /// The receipt states the control points of the curve ([`JointCurve::control_point`]). If the
-    /// curve was given in another form, they are rounded, and the receipt is about them.
-    ///
-    /// # Errors
-    /// Returns an error as [`segment`](Self::segment) does, if the curve is invalid
-    /// ([`Checker::certify_curve`]), or if an obstacle moves.
+    /// Along a blocked motion, all pairs have evidence until `free_until` of the
+    /// [`Verdict::Blocked`], and the pair has four vertex pairs, or two points, that prove the contact
+    /// at `contact_at`; if none are certain there, at most 4,096 times the bracket later. A motion that
+    /// is blocked at its start has the contact alone.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;
     /// use lin_canny_plan::receipt::Receipt;
-    /// use lin_canny_plan::{Checker, Joint, JointCurve, JointTree, World};
+    /// use lin_canny_plan::{Checker, Joint, JointCurve, JointMotion, JointTree, World};
     ///
     /// // A block on two rails flies over a post along a parabola.
     /// let origin = Isometry3::identity();
@@ -81,115 +61,72 @@ impl Receipt {
     /// let mut checker = Checker::new(block, world)?;
     ///
     /// let curve = JointCurve::bezier(&[[-2.0, 0.0], [0.0, 1.7], [2.0, 0.0]])?;
-    /// let receipt = Receipt::curve(&mut checker, &curve)?;
+    /// let receipt = Receipt::motion(&mut checker, &JointMotion::curve(&curve))?;
     /// assert!(receipt.to_string().contains("\"claim\":\"apart\""));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn curve<C: ConfigurationSpace>(checker: &mut Checker<C>, curve: &JointCurve) -> Result<Self, ReceiptError> {
-        checker.world.check_at_rest()?;
-        let motion = checker.curve(curve)?;
-        let verdict = checker.certify_curve(curve)?;
-        Self::judged(checker, &motion, verdict, curve.control_points())
+    ///
+    /// # Errors
+    /// Returns an error as [`Checker::certify`] does, and as [`certified`](Self::certified) does.
+    pub fn motion<C: ConfigurationSpace>(checker: &mut Checker<C>, motion: &JointMotion) -> Result<Self, ReceiptError> {
+        let found = checker.certify_with(motion, CertifyOptions::default().certificates(true))?;
+        Self::certified(checker, motion, &found)
     }
 
-    fn judged<C: ConfigurationSpace>(
-        checker: &mut Checker<C>,
-        motion: &C::Segment,
-        verdict: Verdict,
-        rows: Vec<Vec<f64>>,
+    /// Returns the receipt of a verdict with its certificates ([`Checker::certify_with`]), as
+    /// [`motion`](Self::motion) does. Nothing is cast again. The certificates only make it shorter.
+    ///
+    /// # Errors
+    /// Returns an error if the verdict is undecided; if a motion of several pieces is blocked
+    /// ([`ReceiptError::Blocked`]); if it has several pieces in a space of a rigid body, where each
+    /// piece needs a separate receipt; if an obstacle moves; if a body or the motion has no receipt
+    /// ([module](crate::receipt)); or if a pair has no evidence that a checker would accept, for
+    /// example because the pair is in contact at the start.
+    pub fn certified<C: ConfigurationSpace>(
+        checker: &Checker<C>,
+        motion: &JointMotion,
+        found: &Certified,
     ) -> Result<Self, ReceiptError> {
-        let stated = Stated::new(checker, motion)?;
-        let (until, blocked) = match verdict {
+        let stated = Stated::of_motion(checker, motion)?;
+        let (until, blocked) = match found.verdict {
             Verdict::Free { .. } => (1.0, None),
-            Verdict::Blocked { safe, t, pair, .. } => (safe, Some((t, pair))),
-            Verdict::Undecided { t } => return Err(ReceiptError::Undecided { time: t }),
-        };
-        let mut leg = Leg {
-            rows: stated.scene.is_driven().then_some(rows),
-            evidence: Vec::new(),
+            Verdict::Blocked { piece, .. } if motion.pieces() > 1 => {
+                return Err(ReceiptError::Blocked { piece });
+            }
+            Verdict::Blocked {
+                free_until,
+                contact_at,
+                pair,
+                ..
+            } => (free_until, Some((contact_at, pair))),
+            Verdict::Undecided { free_until: time, .. } => return Err(ReceiptError::Undecided { time }),
         };
         let margin = stated.margin;
-        let claim = match blocked {
-            Some((t, _)) if !(until > 0.0) || t == 0.0 => Claim::Lines,
-            _ => {
-                let proofs = checker.proven(motion, until)?.unwrap_or_default();
-                leg.evidence = stated.evidence(leg.rows(), until, &proofs)?;
-                let span = [0.0, until];
-                Claim::Apart { span, margin }
-            }
-        };
-        if let Some((hit, pair)) = blocked {
-            let numbers = stated.numbers(pair);
-            let kept = checker.world.kept_distance(pair);
-            let line = contact(&stated.scene, leg.rows(), numbers, [until, hit], 1.0, kept)?;
-            leg.evidence.push(line);
-        }
-        Ok(Self {
-            claim,
-            files: Vec::new(),
-            scene: stated.scene,
-            legs: vec![leg],
-        })
-    }
-
-    /// Returns the receipt of a path that is free: one leg for each segment, and the scene once.
-    ///
-    /// # Errors
-    /// Returns an error as [`segment`](Self::segment) does; if a segment is not proven free
-    /// ([`ReceiptError::Blocked`]); if the path has fewer than two configurations; or if it has
-    /// more in a space of a rigid body: such a path has one receipt for each segment.
-    pub fn path<C: ConfigurationSpace>(checker: &mut Checker<C>, path: &[Vec<f64>]) -> Result<Self, ReceiptError> {
-        let stated = Stated::of_path(checker, path)?;
-        let free = |checker: &mut Checker<C>, k: usize| {
-            let [from, to] = [&path[k], &path[k + 1]];
-            match checker.certify(from, to)?.is_free() {
-                true => Ok(checker.prove(from, to)?),
-                false => Err(ReceiptError::Blocked { segment: k }),
-            }
-        };
-        let rows = path.windows(2).map(<[_]>::to_vec).collect();
-        Self::of_legs(checker, stated, rows, free)
-    }
-
-    /// Returns the receipt of a spline that is free, as [`path`](Self::path) does: one leg for each
-    /// curve. See [`curve`](Self::curve).
-    ///
-    /// # Errors
-    /// Returns an error as [`curve`](Self::curve) does; if a curve is not proven free
-    /// ([`ReceiptError::Blocked`]); or if a curve does not start where the one before ends.
-    pub fn spline<C: ConfigurationSpace>(
-        checker: &mut Checker<C>,
-        curves: &[JointCurve],
-    ) -> Result<Self, ReceiptError> {
-        let stated = Stated::of_spline(checker, curves)?;
-        let free = |checker: &mut Checker<C>, k: usize| match checker.certify_curve(&curves[k])?.is_free() {
-            true => Ok(checker.prove_curve(&curves[k])?),
-            false => Err(ReceiptError::Blocked { segment: k }),
-        };
-        let rows = curves.iter().map(JointCurve::control_points).collect();
-        Self::of_legs(checker, stated, rows, free)
-    }
-
-    fn of_legs<C: ConfigurationSpace>(
-        checker: &mut Checker<C>,
-        stated: Stated,
-        all: Vec<Vec<Vec<f64>>>,
-        free: impl Fn(&mut Checker<C>, usize) -> Result<Option<Vec<PairProof>>, ReceiptError>,
-    ) -> Result<Self, ReceiptError> {
+        let is_at_start = blocked.is_some_and(|(at, _)| !(until > 0.0) || at == 0.0);
         let mut legs = Vec::new();
-        for (k, rows) in all.into_iter().enumerate() {
-            let proofs = free(checker, k)?.unwrap_or_default();
+        for k in 0..motion.pieces() {
             let mut leg = Leg {
-                rows: stated.scene.is_driven().then_some(rows),
+                rows: stated.scene.is_driven().then(|| motion.control_points(k)),
                 evidence: Vec::new(),
             };
-            leg.evidence = stated.evidence(leg.rows(), 1.0, &proofs)?;
+            if !is_at_start {
+                let proofs = found.proofs.get(k).map_or(&[][..], Vec::as_slice);
+                leg.evidence = stated.evidence(leg.rows(), until, proofs)?;
+            }
+            if let Some((hit, pair)) = blocked {
+                let numbers = stated.numbers(pair);
+                let kept = checker.world.kept_distance(pair);
+                let line = contact(&stated.scene, leg.rows(), numbers, [until, hit], 1.0, kept)?;
+                leg.evidence.push(line);
+            }
             legs.push(leg);
         }
+        let span = [0.0, until];
         Ok(Self {
-            claim: Claim::Apart {
-                span: [0.0, 1.0],
-                margin: stated.margin,
+            claim: if is_at_start {
+                Claim::Lines
+            } else {
+                Claim::Apart { span, margin }
             },
             files: Vec::new(),
             scene: stated.scene,
@@ -197,43 +134,27 @@ impl Receipt {
         })
     }
 
-    /// Returns the bodies and a path without a proof, for a checker that evaluates an older receipt
+    /// Returns the bodies and a motion without a proof, for a checker that evaluates an older receipt
     /// on them.
     ///
     /// # Errors
-    /// Returns an error as [`path`](Self::path) does, but for segments that are not free.
-    pub fn scene<C: ConfigurationSpace>(checker: &Checker<C>, path: &[Vec<f64>]) -> Result<Self, ReceiptError> {
-        let stated = Stated::of_path(checker, path)?;
-        Ok(Self::of_scene_alone(stated, path.windows(2).map(<[_]>::to_vec)))
-    }
-
-    /// Returns the bodies and a spline without a proof: see [`scene`](Self::scene).
-    ///
-    /// # Errors
-    /// Returns an error as [`spline`](Self::spline) does, but for curves that are not free.
-    pub fn spline_scene<C: ConfigurationSpace>(
-        checker: &mut Checker<C>,
-        curves: &[JointCurve],
-    ) -> Result<Self, ReceiptError> {
-        let stated = Stated::of_spline(checker, curves)?;
-        Ok(Self::of_scene_alone(
-            stated,
-            curves.iter().map(JointCurve::control_points),
-        ))
-    }
-
-    fn of_scene_alone(stated: Stated, all: impl Iterator<Item = Vec<Vec<f64>>>) -> Self {
-        let is_driven = stated.scene.is_driven();
-        let legs = all.filter(|_| is_driven).map(|rows| Leg {
-            rows: Some(rows),
+    /// Returns an error as [`certified`](Self::certified) does, but for verdicts.
+    pub fn scene<C: ConfigurationSpace>(checker: &Checker<C>, motion: &JointMotion) -> Result<Self, ReceiptError> {
+        let stated = Stated::of_motion(checker, motion)?;
+        let legs = match stated.scene.is_driven() {
+            true => motion.pieces(),
+            false => 0,
+        };
+        let leg = |k: usize| Leg {
+            rows: Some(motion.control_points(k)),
             evidence: Vec::new(),
-        });
-        Self {
+        };
+        Ok(Self {
             claim: Claim::Scene,
             files: Vec::new(),
-            legs: legs.collect(),
+            legs: (0..legs).map(leg).collect(),
             scene: stated.scene,
-        }
+        })
     }
 }
 
@@ -276,28 +197,14 @@ impl Stated {
         Ok(stated)
     }
 
-    /// Returns the bodies of a path.
-    fn of_path<C: ConfigurationSpace>(checker: &Checker<C>, path: &[Vec<f64>]) -> Result<Self, ReceiptError> {
-        let [first, second, ..] = path else {
-            return Err(PlanError::Empty.into());
-        };
-        let segment = checker.segment(first, second)?;
-        Self::new(checker, &segment)?.of_several(path.len() - 1)
-    }
-
-    /// Returns the bodies of a spline.
-    fn of_spline<C: ConfigurationSpace>(checker: &mut Checker<C>, curves: &[JointCurve]) -> Result<Self, ReceiptError> {
-        let first = curves.first().ok_or(PlanError::Empty)?;
-        for (k, pair) in curves.windows(2).enumerate() {
-            let (end, start) = (pair[0].end(), pair[1].start());
-            if let Some(coordinate) = end.iter().zip(&start).position(|(x, y)| x != y) {
-                let index = k + 1;
-                return Err(PlanError::CurveJump { index, coordinate }.into());
-            }
+    /// Returns the bodies of a motion.
+    fn of_motion<C: ConfigurationSpace>(checker: &Checker<C>, motion: &JointMotion) -> Result<Self, ReceiptError> {
+        if motion.tube != Tube::None {
+            return Err(ReceiptError::Tube);
         }
         checker.world.check_at_rest()?;
-        let motion = checker.curve(first)?;
-        Self::new(checker, &motion)?.of_several(curves.len())
+        let first = checker.moved(motion, 0)?;
+        Self::new(checker, &first)?.of_several(motion.pieces())
     }
 
     /// Refuses several legs of bodies whose motion is stated once, as that along the first.

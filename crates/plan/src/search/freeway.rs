@@ -125,7 +125,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         };
         Ok(if !(place.distance > self.margin()) {
             Tried::Lost(FreewayEnd::Closed)
-        } else if self.space.distance(&guess, &place.q) > HOP * way || !self.is_free(here, &place.q)? {
+        } else if self.space.distance(&guess, &place.q) > HOP * way || !self.is_segment_free(here, &place.q)? {
             Tried::Lost(FreewayEnd::Inflection)
         } else {
             Tried::Kept(place)

@@ -7,6 +7,7 @@ use crate::check::checker::Checker;
 use crate::check::clearance::NearPair;
 use crate::check::verdict::CheckWork;
 use crate::error::PlanError;
+use crate::motion::joint_motion::JointMotion;
 use crate::motion::space::ConfigurationSpace;
 use crate::random::Random;
 use crate::search::ascent::{ClearConfiguration, Slice, dot};
@@ -171,11 +172,11 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
             return Ok(None);
         };
         let from = self.roadmap.nodes[node].clone();
-        let safe = self.checker.certify(&from, &goal)?.safe();
+        let safe = self.checker.certify(&JointMotion::segment(&from, &goal))?.free_until();
         let part = if safe < 1.0 { safe * (1.0 - SHORT) } else { 1.0 };
         let reached = self.checker.space.between(&from, &goal, part);
         let is_short = self.checker.space.distance(&from, &reached) < 16.0 * self.lengths.shortest;
-        if is_short || !self.checker.is_free(&from, &reached)? {
+        if is_short || !self.checker.is_segment_free(&from, &reached)? {
             return Ok(None);
         }
         let next = self.roadmap.add(reached.clone());
@@ -316,14 +317,14 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
             return Ok(node);
         };
         let from = self.roadmap.nodes[node].clone();
-        if self.checker.is_free(&from, &last.q)? {
+        if self.checker.is_segment_free(&from, &last.q)? {
             let next = self.roadmap.add(last.q.clone());
             self.roadmap.join(node, next, kind);
             return Ok(next);
         }
         let (mut at, mut here) = (node, from);
         for place in places {
-            if !self.checker.is_free(&here, &place.q)? {
+            if !self.checker.is_segment_free(&here, &place.q)? {
                 break;
             }
             let next = self.roadmap.add(place.q.clone());
@@ -398,7 +399,9 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
     /// Tries the straight segment between two nodes.
     pub(crate) fn tried(&mut self, a: usize, b: usize) -> Result<bool, PlanError> {
         self.work.links[0] += 1;
-        let is_free = self.checker.is_free(&self.roadmap.nodes[a], &self.roadmap.nodes[b])?;
+        let is_free = self
+            .checker
+            .is_segment_free(&self.roadmap.nodes[a], &self.roadmap.nodes[b])?;
         if is_free {
             self.work.links[1] += 1;
             self.roadmap.join(a, b, EdgeKind::Link);

@@ -12,6 +12,7 @@ use lin_canny::Progress;
 use crate::check::checker::Checker;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
+use crate::motion::joint_motion::JointMotion;
 use crate::motion::space::ConfigurationSpace;
 use crate::random::Random;
 use crate::search::ascent::Slice;
@@ -88,7 +89,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         // The trees have proven each segment in the direction of travel, and the opportunistic
         // planner in one of the two directions.
         let path = match found {
-            Some(path) if is_by_trees || self.certify_path(&path)?.1.is_free() => Some(path),
+            Some(path) if is_by_trees || self.certify(&JointMotion::path(&path)?)?.is_free() => Some(path),
             _ => None,
         };
         work.checks = self.work.since(&before);

@@ -79,7 +79,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         }
         let ends = path.nodes.windows(2).zip(&path.is_proven);
         for (ends, _) in ends.filter(|(_, is_proven)| !**is_proven) {
-            if !self.is_free(&ends[0], &ends[1])? {
+            if !self.is_segment_free(&ends[0], &ends[1])? {
                 return Ok(None);
             }
         }
@@ -155,7 +155,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         }
         let at_once = parts == Parts::ProveAtOnce;
         let is_free = self.is_shortcut_free(&from, &to)?
-            && (!at_once || (self.is_free(&path[i], &from)? && self.is_free(&to, &path[j + 1])?));
+            && (!at_once || (self.is_segment_free(&path[i], &from)? && self.is_segment_free(&to, &path[j + 1])?));
         if is_free {
             corners.replace(i + 1..j + 1, [from, to], [at_once, true, at_once]);
         }
@@ -203,7 +203,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             let step: Vec<f64> = parts.map(|(g, s)| g * way / (square * s)).collect();
             let moved = self.space.moved(&path[k], &step);
             let is_better = self.clearance(&moved)?.is_some_and(|n| n.distance > near.distance);
-            if is_better && self.is_free(&path[k - 1], &moved)? && self.is_free(&moved, &path[k + 1])? {
+            if is_better && self.is_segment_free(&path[k - 1], &moved)? && self.is_segment_free(&moved, &path[k + 1])? {
                 path[k] = moved;
                 return Ok(());
             }

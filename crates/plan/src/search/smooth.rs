@@ -162,7 +162,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// use lin_canny_plan::{Checker, Joint, JointTree, SmoothOptions, World};
+    /// use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, SmoothOptions, World};
     ///
     /// // A block on two rails, x and y, goes around a post.
     /// let origin = Isometry3::identity();
@@ -182,7 +182,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// assert!(smooth.stops.is_empty());
     /// // The path has the length 4, so it takes 4 s at full speed.
     /// assert!(smooth.duration() > 4.0 && smooth.duration() < 4.5);
-    /// assert!(checker.certify_spline(&smooth.curves)?.1.is_free());
+    /// assert!(checker.certify(&JointMotion::spline(&smooth.curves)?)?.is_free());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -245,7 +245,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the motion along a path without length.
     fn still(&mut self, q: Vec<f64>, options: &SmoothOptions) -> Result<SmoothPath, PlanError> {
-        if !self.is_free(&q, &q)? {
+        if !self.is_segment_free(&q, &q)? {
             return Err(PlanError::Unproven { segment: 0 });
         }
         let zeros = std::vec![0.0; q.len()];

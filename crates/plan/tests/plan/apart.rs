@@ -5,8 +5,8 @@ use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Geometry, HalfSpace, Mesh, Shape};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, TimedPoses, TreeJoint, Verdict, World,
-    WorldId,
+    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, TimedPoses, TreeJoint, Verdict,
+    World, WorldId,
 };
 use truth::rng::Rng;
 
@@ -148,13 +148,28 @@ fn judged(cases: u64, places: u32, seed: u64) -> Tally {
         let tube: Vec<f64> = (0..3 * CARTS).map(|_| rng.log_range(1e-4, 0.1)).collect();
         let contact = rng.log_range(1e-4, 0.3);
         let (verdict, proof) = match mode {
-            0 => (checker.certify(&from, &to), Some(checker.prove(&from, &to))),
-            1 => (checker.certify_curve(&curve), Some(checker.prove_curve(&curve))),
-            2 => (checker.certify_tube(&from, &to, radius), None),
-            3 => (checker.certify_curve_tube(&curve, &tube), None),
+            0 => (
+                checker.certify(&JointMotion::segment(&from, &to)),
+                Some(crate::prove(&mut checker, &JointMotion::segment(&from, &to))),
+            ),
+            1 => (
+                checker.certify(&JointMotion::curve(&curve)),
+                Some(crate::prove(&mut checker, &JointMotion::curve(&curve))),
+            ),
+            2 => (
+                checker.certify(&JointMotion::segment(&from, &to).with_radius(radius).expect("a motion")),
+                None,
+            ),
+            3 => (
+                checker.certify(&JointMotion::curve(&curve).with_tube(&tube).expect("a motion")),
+                None,
+            ),
             _ => {
                 checker.set_start_contact_margin(Some(contact)).expect("a margin");
-                (checker.certify(&from, &to), Some(checker.prove(&from, &to)))
+                (
+                    checker.certify(&JointMotion::segment(&from, &to)),
+                    Some(crate::prove(&mut checker, &JointMotion::segment(&from, &to))),
+                )
             }
         };
         let verdict = verdict.expect("a motion");
@@ -176,7 +191,7 @@ fn judged(cases: u64, places: u32, seed: u64) -> Tally {
                 continue;
             }
         }
-        let until = verdict.safe();
+        let until = verdict.free_until();
         for i in 0..=places {
             let t = until * f64::from(i) / f64::from(places);
             if !verdict.is_free() && (mode >= 2 || t >= until) {
@@ -246,21 +261,29 @@ fn margins_at_the_distance_of_the_boxes_are_decided() {
             let expected = off < 0.0;
             let mut found = Vec::new();
             checker.set_margin(kept).expect("a margin");
-            found.push(checker.certify(&from, &to));
-            found.push(checker.certify_curve(&curve));
-            let is_proven = checker.prove(&from, &to).expect("a motion").is_some();
+            found.push(checker.certify(&JointMotion::segment(&from, &to)));
+            found.push(checker.certify(&JointMotion::curve(&curve)));
+            let is_proven = crate::prove(&mut checker, &JointMotion::segment(&from, &to))
+                .expect("a motion")
+                .is_some();
             checker.set_margin(0.0).expect("a margin");
             // A tube counts twice for two movers, once for each; the tube of joints as it is.
-            found.push(checker.certify_tube(&from, &to, 0.5 * kept));
+            found.push(
+                checker.certify(
+                    &JointMotion::segment(&from, &to)
+                        .with_radius(0.5 * kept)
+                        .expect("a motion"),
+                ),
+            );
             let tube: Vec<f64> = tube.iter().map(|x| x * kept).collect();
-            found.push(checker.certify_curve_tube(&curve, &tube));
+            found.push(checker.certify(&JointMotion::curve(&curve).with_tube(&tube).expect("a motion")));
             checker.set_pair_margin("0", "1", Some(kept)).expect("a margin");
-            found.push(checker.certify(&from, &to));
+            found.push(checker.certify(&JointMotion::segment(&from, &to)));
             checker.set_pair_margin("0", "1", None).expect("a margin");
             for name in ["0", "1"] {
                 checker.pad(name, 0.5 * kept).expect("a padding");
             }
-            found.push(checker.certify(&from, &to));
+            found.push(checker.certify(&JointMotion::segment(&from, &to)));
             for name in ["0", "1"] {
                 checker.pad(name, 0.0).expect("a padding");
             }
@@ -301,7 +324,7 @@ fn contacts_at_the_start_are_listed_up_to_their_margin() {
         ] {
             checker.set_margin(margin * gap).expect("a margin");
             checker.set_start_contact_margin(Some(contact * gap)).expect("a margin");
-            let verdict = checker.certify(&from, &to).expect("a motion");
+            let verdict = checker.certify(&JointMotion::segment(&from, &to)).expect("a motion");
             assert_eq!(
                 verdict.is_free(),
                 contact > 1.0 || margin < 1.0,

@@ -4,7 +4,7 @@ use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, RigidSpace, TreeJoint, World,
+    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, RigidSpace, TreeJoint, World,
 };
 
 /// The ends of the arc, in radians.
@@ -65,11 +65,18 @@ fn propeller(far: f64, unit: f64) -> Checker<RigidSpace> {
 fn agrees<C: ConfigurationSpace>(checker: &mut Checker<C>, ends: [&[f64]; 2], is_free: bool, what: &str) {
     for [from, to] in [ends, [ends[1], ends[0]]] {
         assert_eq!(
-            checker.certify(from, to).expect("a segment").is_free(),
+            checker
+                .certify(&JointMotion::segment(from, to))
+                .expect("a segment")
+                .is_free(),
             is_free,
             "{what}"
         );
-        assert_eq!(checker.is_free(from, to).expect("a segment"), is_free, "{what}");
+        assert_eq!(
+            checker.is_free(&JointMotion::segment(from, to)).expect("a segment"),
+            is_free,
+            "{what}"
+        );
     }
 }
 
@@ -81,7 +88,7 @@ fn judge(far: f64, unit: f64) {
         let [a, b] = ENDS;
         for points in [&[[a], [b]][..], &[[a], [0.3 * a], [0.3 * b], [b]]] {
             let curve = JointCurve::bezier(points).expect("a curve");
-            let verdict = checker.certify_curve(&curve).expect("a curve");
+            let verdict = checker.certify(&JointMotion::curve(&curve)).expect("a curve");
             assert_eq!(verdict.is_free(), is_free, "{what}, {} points", points.len());
         }
     }

@@ -4,7 +4,7 @@ use cpu_time::ThreadTime;
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Checker, ConfigurationSpace, JointTree, PlanOptions};
+use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, JointTree, PlanOptions};
 use std::time::Duration;
 use truth::arm::{self, motion};
 
@@ -26,7 +26,12 @@ fn checker(window: f64) -> Checker<JointTree> {
 
 /// Every configuration of a dense sample is apart, by distances alone.
 fn judge(checker: &mut Checker<JointTree>, path: &[Vec<f64>]) {
-    assert!(checker.certify_path(path).expect("a path").1.is_free());
+    assert!(
+        checker
+            .certify(&JointMotion::path(path).expect("a motion"))
+            .expect("a path")
+            .is_free()
+    );
     for ends in path.windows(2) {
         for k in 0..=200 {
             let q = checker.space().between(&ends[0], &ends[1], f64::from(k) / 200.0);

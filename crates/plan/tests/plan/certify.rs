@@ -5,7 +5,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::BezierSurface;
 use lin_canny::{Compound, Mesh, Piece, Shape, Tracker};
-use lin_canny_plan::{Checker, PlanError, RigidSpace, TranslationSpace, Verdict, World, WorldId};
+use lin_canny_plan::{Checker, JointMotion, PlanError, RigidSpace, TranslationSpace, Verdict, World, WorldId};
 use truth::rng::Rng;
 use truth::rooms::Room;
 
@@ -31,7 +31,7 @@ fn judge(n: usize, segments: u64, steps: usize) -> Tally {
         let ends = [&from, &to];
         let [p, q] = ends.map(RigidSpace::configuration);
         let before = checker.work();
-        let verdict = checker.certify(&p, &q).expect("a segment");
+        let verdict = checker.certify(&JointMotion::segment(&p, &q)).expect("a segment");
         match verdict {
             Verdict::Free { .. } => {
                 tally.free += 1;
@@ -39,11 +39,18 @@ fn judge(n: usize, segments: u64, steps: usize) -> Tally {
                 let contact = first_contact(&robot, &room.hulls, ends, 1.0, steps);
                 assert_eq!(contact, None, "segment {k} of {n} hulls");
                 if k % 16 == 0 {
-                    let proofs = checker.prove(&p, &q).expect("a segment").expect("a free segment");
+                    let proofs = crate::prove(&mut checker, &JointMotion::segment(&p, &q))
+                        .expect("a segment")
+                        .expect("a free segment");
                     replay(&proofs, &room.robot, &room.hulls, ends);
                 }
             }
-            Verdict::Blocked { safe, t, pair, .. } => {
+            Verdict::Blocked {
+                free_until: safe,
+                contact_at: t,
+                pair,
+                ..
+            } => {
                 tally.blocked += 1;
                 let WorldId::Obstacle(obstacle) = pair.b else {
                     panic!("{pair:?}")
@@ -63,7 +70,10 @@ fn judge(n: usize, segments: u64, steps: usize) -> Tally {
             }
             _ => tally.unknown += 1,
         }
-        assert_eq!(checker.is_free(&p, &q).expect("a segment"), verdict.is_free());
+        assert_eq!(
+            checker.is_free(&JointMotion::segment(&p, &q)).expect("a segment"),
+            verdict.is_free()
+        );
     }
     tally
 }
@@ -105,12 +115,17 @@ fn splines_within_a_tube_are_free() {
     let space = TranslationSpace::new([[-2.0, 2.0]; 3], Default::default(), 1).expect("a space");
     let mut checker = Checker::new(space, world).expect("a checker");
     let (from, to) = ([-1.5, 0.0, 0.0], [1.5, 0.1, 0.0]);
-    let clearance = checker.clearance_along(&from, &to, 1e-3).expect("a segment").lower;
+    let clearance = checker
+        .clearance_along(&JointMotion::segment(&from, &to), 1e-3)
+        .expect("a segment")
+        .lower;
     let mut rng = Rng::new(5);
     let (mut free, mut blocked) = (0, 0);
     for k in 0..200 {
         let radius = (0.01 * f64::from(k) + 0.005) * clearance;
-        let verdict = checker.certify_tube(&from, &to, radius).expect("a segment");
+        let verdict = checker
+            .certify(&JointMotion::segment(&from, &to).with_radius(radius).expect("a motion"))
+            .expect("a segment");
         assert_eq!(checker.margin(), 0.0);
         assert_eq!(
             verdict.is_free(),
@@ -134,7 +149,13 @@ fn splines_within_a_tube_are_free() {
         }
     }
     assert!(free >= 95 && blocked >= 95, "{free} {blocked}");
-    assert!(checker.certify_tube(&from, &to, -1.0).is_err() && checker.certify_tube(&from, &to, f64::NAN).is_err());
+    for wrong in [-1.0, f64::NAN] {
+        let found = JointMotion::segment(&from, &to).with_radius(wrong);
+        assert!(
+            matches!(found, Err(PlanError::Value { what: "radius", .. })),
+            "{found:?}"
+        );
+    }
 }
 
 /// Steps of a length miss thin contacts that certificates find. The table of the issue is printed
@@ -149,7 +170,7 @@ fn fixed_steps_miss_what_certificates_find() {
     for k in 0..1500 {
         let [from, to] = room.segment(&mut Rng::of_case(11, k));
         let [p, q] = [&from, &to].map(RigidSpace::configuration);
-        if checker.is_free(&p, &q).expect("a segment") {
+        if checker.is_free(&JointMotion::segment(&p, &q)).expect("a segment") {
             continue;
         }
         blocked += 1;
@@ -182,20 +203,32 @@ fn margins_are_kept() {
     for (margin, is_free) in [(0.0, true), (0.249, true), (0.251, false)] {
         checker.set_margin(margin).expect("a margin");
         assert_eq!(
-            checker.is_free(&ends[0], &ends[1]).expect("a segment"),
+            checker
+                .is_free(&JointMotion::segment(&ends[0], &ends[1]))
+                .expect("a segment"),
             is_free,
             "{margin}"
         );
     }
     checker.set_margin(0.0).expect("a margin");
-    let found = checker.clearance_along(&ends[0], &ends[1], 0.01).expect("a segment");
+    let found = checker
+        .clearance_along(&JointMotion::segment(&ends[0], &ends[1]), 0.01)
+        .expect("a segment");
     assert!(
         found.lower <= 0.25 && found.lower > 0.247 && (found.upper - 0.25).abs() < 1e-12,
         "{found:?}"
     );
     // Towards the wall, past the middle: contact at x = 1.5.
-    let verdict = checker.certify(&[-1.0, 0.0, 0.0], &[4.0, 0.0, 0.0]).expect("a segment");
-    let Verdict::Blocked { safe, t, witnesses, .. } = verdict else {
+    let verdict = checker
+        .certify(&JointMotion::segment(&[-1.0, 0.0, 0.0], &[4.0, 0.0, 0.0]))
+        .expect("a segment");
+    let Verdict::Blocked {
+        free_until: safe,
+        contact_at: t,
+        witnesses,
+        ..
+    } = verdict
+    else {
         panic!("{verdict:?}")
     };
     assert!(safe < 0.5 && 0.5 < t && t - safe < 1e-5, "{verdict:?}");
@@ -279,12 +312,18 @@ fn a_turn_is_more_than_its_ends() {
     let space = RigidSpace::new([[-1.0, 1.0]; 3], 1.0, 1).expect("a space");
     let mut checker = Checker::new(space, world).expect("a world");
     let at = |angle: f64| RigidSpace::configuration(&Isometry3::rotation(Vector3::z() * angle));
-    let verdict = checker.certify(&at(0.0), &at(1.57)).expect("a segment");
-    let Verdict::Blocked { t, .. } = verdict else {
+    let verdict = checker
+        .certify(&JointMotion::segment(&at(0.0), &at(1.57)))
+        .expect("a segment");
+    let Verdict::Blocked { contact_at: t, .. } = verdict else {
         panic!("{verdict:?}")
     };
     assert!((t - 0.49).abs() < 0.02, "{t}");
-    assert!(checker.is_free(&at(0.0), &at(0.7)).expect("a segment"));
+    assert!(
+        checker
+            .is_free(&JointMotion::segment(&at(0.0), &at(0.7)))
+            .expect("a segment")
+    );
 }
 
 /// Obstacles of every kind of shape, judged by distance: a ball flies at each of them and past it.
@@ -308,8 +347,15 @@ fn obstacles_of_every_kind() {
         let space = RigidSpace::new([[-9.0, 9.0]; 3], 0.9, 1).expect("a space");
         let mut checker = Checker::new(space, world).expect("a world");
         let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, -0.1));
-        let verdict = checker.certify(&at(-3.0, 0.0), &at(3.0, 0.0)).expect("a segment");
-        let Verdict::Blocked { safe, t, .. } = verdict else {
+        let verdict = checker
+            .certify(&JointMotion::segment(&at(-3.0, 0.0), &at(3.0, 0.0)))
+            .expect("a segment");
+        let Verdict::Blocked {
+            free_until: safe,
+            contact_at: t,
+            ..
+        } = verdict
+        else {
             panic!("{name}: {verdict:?}")
         };
         assert!(
@@ -317,7 +363,9 @@ fn obstacles_of_every_kind() {
             "{name}: {verdict:?}"
         );
         assert!(
-            checker.is_free(&at(-3.0, 1.01), &at(3.0, 1.01)).expect("a segment"),
+            checker
+                .is_free(&JointMotion::segment(&at(-3.0, 1.01), &at(3.0, 1.01)))
+                .expect("a segment"),
             "{name}"
         );
     }
@@ -333,7 +381,12 @@ fn bad_input_is_named() {
         q[k] = value;
         q
     };
-    let mut refused = |q: &[f64]| checker.certify(&good, q).expect_err("a bad configuration").to_string();
+    let mut refused = |q: &[f64]| {
+        checker
+            .certify(&JointMotion::segment(&good, q))
+            .expect_err("a bad configuration")
+            .to_string()
+    };
     assert!(refused(&good[..6]).contains("6 numbers (expected 7)"));
     assert!(refused(&with(1, f64::NAN)).contains("coordinate 1"));
     assert!(refused(&with(2, 99.0)).contains("99"));

@@ -5,8 +5,8 @@ use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Geometry, Mesh, PairTracker, RelativePose, Shape};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointKind, JointTree, PlanError, RigidSpace, TreeJoint, Verdict, World,
-    WorldId, WorldPair,
+    Checker, ConfigurationSpace, Drive, JointKind, JointMotion, JointTree, PlanError, RigidSpace, TreeJoint, Verdict,
+    World, WorldId, WorldPair,
 };
 use truth::rng::Rng;
 
@@ -129,13 +129,16 @@ fn ask(checker: &mut Checker<JointTree>, question: usize, q: &[f64], p: &[f64]) 
     match question {
         0 => format!("{:?}", checker.nearest(q, 0.2)),
         1 => format!("{:?}", checker.is_free_at(q)),
-        2 => format!("{:?}", checker.certify(q, p)),
+        2 => format!("{:?}", checker.certify(&JointMotion::segment(q, p))),
         3 => format!("{:?}", checker.clearance(q)),
         4 => format!("{:?}", checker.in_contact(q)),
         5 => format!("{:?}", checker.nearest(q, f64::INFINITY)),
-        6 => format!("{:?}", checker.clearance_along(q, p, 0.1)),
-        7 => format!("{:?}", checker.certify_tube(q, p, 0.01)),
-        _ => format!("{:?}", checker.prove(q, p)),
+        6 => format!("{:?}", checker.clearance_along(&JointMotion::segment(q, p), 0.1)),
+        7 => format!(
+            "{:?}",
+            checker.certify(&JointMotion::segment(q, p).with_radius(0.01).expect("a motion"))
+        ),
+        _ => format!("{:?}", crate::prove(checker, &JointMotion::segment(q, p))),
     }
 }
 
@@ -299,13 +302,13 @@ fn judge_verdicts(motions: usize, places: usize, seed: u64) -> [usize; 2] {
         let q = sample(&mut rng);
         let by = [0; 3].map(|_| rng.range(-0.5, 0.5));
         let p = checker.space().moved(&q, &by);
-        let verdict = checker.certify(&q, &p).expect("a segment");
-        let proof = checker.prove(&q, &p).expect("a segment");
+        let verdict = checker.certify(&JointMotion::segment(&q, &p)).expect("a segment");
+        let proof = crate::prove(&mut checker, &JointMotion::segment(&q, &p)).expect("a segment");
         assert_eq!(proof.is_some(), verdict.is_free());
         let all = pairs(&checker);
         for place in 0..=places {
             let t = place as f64 / places as f64;
-            if t >= verdict.safe() && !verdict.is_free() {
+            if t >= verdict.free_until() && !verdict.is_free() {
                 break;
             }
             let at = checker.space().between(&q, &p, t);
@@ -315,7 +318,10 @@ fn judge_verdicts(motions: usize, places: usize, seed: u64) -> [usize; 2] {
                 assert!(upper > kept - 1e-9, "{} at {t}: {upper}", checker.show(pair));
             }
         }
-        if let Verdict::Blocked { t, pair, .. } = verdict {
+        if let Verdict::Blocked {
+            contact_at: t, pair, ..
+        } = verdict
+        {
             let at = checker.space().between(&q, &p, t);
             let [lower, _] = measured(placed(&checker, pair.a, &at), placed(&checker, pair.b, &at));
             assert!(
@@ -555,7 +561,7 @@ fn worlds_and_answers_are_stored() {
             assert_eq!(ask(&mut read, question, &q, &p), ask(&mut checker, question, &q, &p));
             read.forget();
         }
-        let verdict = checker.certify(&q, &p).expect("a segment");
+        let verdict = checker.certify(&JointMotion::segment(&q, &p)).expect("a segment");
         let text = serde_json::to_string(&verdict).expect("a verdict");
         assert_eq!(serde_json::from_str::<Verdict>(&text).expect("a verdict"), verdict);
     }

@@ -4,8 +4,8 @@
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, Joint, JointCurve, JointKind, JointTree, JointTube, PlanError, PlanarSpace,
-    RigidSpace, TranslationSpace, TreeJoint, Verdict, World,
+    CertifyOptions, Checker, ConfigurationSpace, Drive, Joint, JointCurve, JointKind, JointMotion, JointTree,
+    JointTube, PlanError, PlanarSpace, RigidSpace, TranslationSpace, TreeJoint, Verdict, World,
 };
 use truth::arm::chain::posts;
 use truth::rng::Rng;
@@ -136,11 +136,15 @@ fn judged((space, world): (JointTree, World), count: usize, places: u32, seed: u
             points[3] = points[1].clone();
         }
         let curve = JointCurve::bezier(&points).expect("a curve");
-        let verdict = checker.certify_curve(&curve).expect("within limits");
+        let verdict = checker.certify(&JointMotion::curve(&curve)).expect("within limits");
         let mut is_free = |t: f64| judge.is_free_at(&curve.at(t)).expect("within limits");
         match verdict {
             Verdict::Free { .. } => counts.free += 1,
-            Verdict::Blocked { t, safe, .. } => {
+            Verdict::Blocked {
+                contact_at: t,
+                free_until: safe,
+                ..
+            } => {
                 counts.blocked += 1;
                 counts.widest = counts.widest.max(t - safe);
                 assert!(!is_free(t), "{verdict:?} of curve {k}: {points:?}");
@@ -151,7 +155,7 @@ fn judged((space, world): (JointTree, World), count: usize, places: u32, seed: u
             }
         }
         for i in 0..=places {
-            let t = verdict.safe() * f64::from(i) / f64::from(places);
+            let t = verdict.free_until() * f64::from(i) / f64::from(places);
             assert!(is_free(t), "{verdict:?} of curve {k} meets at {t}: {points:?}");
         }
         // The judge's own evaluation.
@@ -217,11 +221,11 @@ fn slider() -> Checker<JointTree> {
 
 fn verdict(checker: &mut Checker<JointTree>, points: &[[f64; 3]]) -> Verdict {
     let curve = JointCurve::bezier(points).expect("a curve");
-    checker.certify_curve(&curve).expect("within limits")
+    checker.certify(&JointMotion::curve(&curve)).expect("within limits")
 }
 
 fn is_blocked_at_end(verdict: &Verdict) -> bool {
-    matches!(verdict, Verdict::Blocked { t: 1.0, safe, .. } if *safe > 0.99)
+    matches!(verdict, Verdict::Blocked { contact_at: 1.0, free_until: safe, .. } if *safe > 0.99)
 }
 
 #[test]
@@ -234,7 +238,11 @@ fn a_parabola_that_nearly_touches_is_decided() {
             let verdict = verdict(&mut checker, &[[-1.0, 1.6, 0.0], [0.0, low, 0.0], [1.0, 1.6, 0.0]]);
             match verdict {
                 Verdict::Free { .. } => assert!(gap > 0.0, "{gap:e}"),
-                Verdict::Blocked { t, safe, .. } => assert!(gap < 0.0 && t - safe < 1e-3, "{gap:e} {verdict:?}"),
+                Verdict::Blocked {
+                    contact_at: t,
+                    free_until: safe,
+                    ..
+                } => assert!(gap < 0.0 && t - safe < 1e-3, "{gap:e} {verdict:?}"),
                 _ => panic!("{gap:e}: {verdict:?}"),
             }
         }
@@ -268,7 +276,7 @@ fn a_contact_that_is_reached_at_rest_is_found() {
     }
     // A segment that ends in contact, too.
     let found = checker
-        .certify(&[0.0, 1.6, 0.0], &[0.0, 0.6, 0.0])
+        .certify(&JointMotion::segment(&[0.0, 1.6, 0.0], &[0.0, 0.6, 0.0]))
         .expect("within limits");
     assert!(is_blocked_at_end(&found), "{found:?}");
 }
@@ -304,7 +312,10 @@ fn curves_without_length_are_configurations() {
         assert!(verdict(&mut checker, &at(0.7, 0.3)).is_free());
         for (y, turn) in [(0.6, 0.0), (0.5, 0.3)] {
             let found = verdict(&mut checker, &at(y, turn));
-            assert!(matches!(found, Verdict::Blocked { t: 0.0, .. }), "{y}: {found:?}");
+            assert!(
+                matches!(found, Verdict::Blocked { contact_at: 0.0, .. }),
+                "{y}: {found:?}"
+            );
         }
     }
 }
@@ -313,14 +324,25 @@ fn curves_without_length_are_configurations() {
 fn a_straight_segment_has_the_same_verdict_at_every_degree() {
     let mut checker = slider();
     let ends = [[-2.0, 0.3, -1.0], [1.5, 0.1, 2.0]];
-    let Verdict::Blocked { safe, t, pair, .. } = checker.certify(&ends[0], &ends[1]).expect("within limits") else {
+    let Verdict::Blocked {
+        free_until: safe,
+        contact_at: t,
+        pair,
+        ..
+    } = checker
+        .certify(&JointMotion::segment(&ends[0], &ends[1]))
+        .expect("within limits")
+    else {
         panic!("the block meets the box")
     };
     let mut curve = JointCurve::bezier(&ends).expect("a curve");
     for _ in 1..=7 {
-        let found = checker.certify_curve(&curve).expect("within limits");
+        let found = checker.certify(&JointMotion::curve(&curve)).expect("within limits");
         let Verdict::Blocked {
-            safe: s, t: u, pair: p, ..
+            free_until: s,
+            contact_at: u,
+            pair: p,
+            ..
         } = found
         else {
             panic!("{found:?}")
@@ -334,9 +356,14 @@ fn a_straight_segment_has_the_same_verdict_at_every_degree() {
     // Degree 1 is the segment, bit for bit.
     let curve = JointCurve::bezier(&ends).expect("a curve");
     checker.forget();
-    let one = checker.certify_curve(&curve).expect("within limits");
+    let one = checker.certify(&JointMotion::curve(&curve)).expect("within limits");
     checker.forget();
-    assert_eq!(one, checker.certify(&ends[0], &ends[1]).expect("within limits"));
+    assert_eq!(
+        one,
+        checker
+            .certify(&JointMotion::segment(&ends[0], &ends[1]))
+            .expect("within limits")
+    );
 }
 
 /// A joint at its limit along the whole curve stays within the limit, whatever the degree rounds.
@@ -367,7 +394,7 @@ fn limits_hold_between_control_points() {
     let mut checker = Checker::new(space, world).expect("a world");
     let mut check = |points: &[f64]| {
         let points: Vec<[f64; 1]> = points.iter().map(|x| [*x]).collect();
-        checker.certify_curve(&JointCurve::bezier(&points).expect("a curve"))
+        checker.certify(&JointMotion::curve(&JointCurve::bezier(&points).expect("a curve")))
     };
     // A control point outside, the curve inside or on the limit.
     assert!(check(&[0.0, 1.9, 0.0]).is_ok_and(|v| v.is_free()));
@@ -402,7 +429,7 @@ fn curves_of_wrong_numbers_and_spaces_are_errors() {
     let mut checker = slider();
     let short = JointCurve::bezier(&[[0.0, 1.0], [1.0, 1.0]]).expect("a curve");
     assert!(matches!(
-        checker.certify_curve(&short),
+        checker.certify(&JointMotion::curve(&short)),
         Err(PlanError::Length { expected: 3, found: 2 })
     ));
 
@@ -412,10 +439,10 @@ fn curves_of_wrong_numbers_and_spaces_are_errors() {
     let mut rigid = Checker::new(space, world.clone()).expect("a world");
     let at = |x: f64| [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     let straight = JointCurve::bezier(&[at(0.0), at(1.0)]).expect("a curve");
-    assert!(rigid.certify_curve(&straight).is_ok_and(|v| v.is_free()));
+    assert!(rigid.certify(&JointMotion::curve(&straight)).is_ok_and(|v| v.is_free()));
     let bent = JointCurve::bezier(&[at(0.0), at(1.0), at(0.0)]).expect("a curve");
     assert_eq!(
-        rigid.certify_curve(&bent),
+        rigid.certify(&JointMotion::curve(&bent)),
         Err(PlanError::CurveDegree {
             coordinate: 3,
             degree: 2
@@ -450,18 +477,18 @@ fn judged_in<C: ConfigurationSpace + Clone>(space: C, degrees: usize, seed: u64)
         let to: Vec<f64> = from.iter().map(|x| x + rng.range(-way, way)).collect();
         let points = control_points(&mut rng, &from, &to, 1 + k % degrees, [0.2, 1.0][k % 2]);
         let curve = JointCurve::bezier(&points).expect("a curve");
-        let verdict = checker.certify_curve(&curve).expect("within limits");
+        let verdict = checker.certify(&JointMotion::curve(&curve)).expect("within limits");
         let mut is_free = |t: f64| judge.is_free_at(&curve.at(t)).expect("within limits");
         match verdict {
             Verdict::Free { .. } => counts[0] += 1,
-            Verdict::Blocked { t, .. } => {
+            Verdict::Blocked { contact_at: t, .. } => {
                 counts[1] += 1;
                 assert!(!is_free(t), "{verdict:?} of curve {k}: {points:?}");
             }
             _ => panic!("curve {k}: {verdict:?}"),
         }
         for i in 0..=100 {
-            let t = verdict.safe() * f64::from(i) / 100.0;
+            let t = verdict.free_until() * f64::from(i) / 100.0;
             assert!(is_free(t), "{verdict:?} of curve {k} meets at {t}: {points:?}");
         }
         if verdict.is_free() {
@@ -469,7 +496,7 @@ fn judged_in<C: ConfigurationSpace + Clone>(space: C, degrees: usize, seed: u64)
             let e = 0.02;
             let tube: Vec<f64> = (0..3).map(|c| if c == k % 3 { e } else { 0.0 }).collect();
             let is_tube = checker
-                .certify_curve_tube(&curve, &tube)
+                .certify(&JointMotion::curve(&curve).with_tube(&tube).expect("a motion"))
                 .expect("within limits")
                 .is_free();
             for i in 0..=20 {
@@ -509,15 +536,23 @@ fn angles_of_planar_curves_do_not_jump() {
     let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
     let mut checker = Checker::new(space, world).expect("a world");
     let ends = [[0.0, 0.0, 3.0], [0.0, 0.0, -3.0]];
-    assert!(checker.certify(&ends[0], &ends[1]).expect("within limits").is_free());
+    assert!(
+        checker
+            .certify(&JointMotion::segment(&ends[0], &ends[1]))
+            .expect("within limits")
+            .is_free()
+    );
     let curve = JointCurve::bezier(&ends).expect("a curve");
-    assert!(matches!(checker.certify_curve(&curve), Ok(Verdict::Blocked { .. })));
+    assert!(matches!(
+        checker.certify(&JointMotion::curve(&curve)),
+        Ok(Verdict::Blocked { .. })
+    ));
     let short = JointCurve::bezier(&[[0.0, 0.0, 3.0], [0.0, 0.0, 3.28]]).expect("a curve");
-    assert!(checker.certify_curve(&short).is_ok_and(|v| v.is_free()));
+    assert!(checker.certify(&JointMotion::curve(&short)).is_ok_and(|v| v.is_free()));
     let far = JointCurve::bezier(&[[0.0; 3], [0.0, 0.0, 2e3], [0.0; 3]]).expect("a curve");
-    assert!(checker.certify_curve(&far).is_ok_and(|v| !v.is_free()));
+    assert!(checker.certify(&JointMotion::curve(&far)).is_ok_and(|v| !v.is_free()));
     let out = JointCurve::bezier(&[[0.0; 3], [0.0, 4.1, 0.0], [0.0; 3]]).expect("a curve");
-    let error = checker.certify_curve(&out);
+    let error = checker.certify(&JointMotion::curve(&out));
     assert!(
         matches!(error, Err(PlanError::CurveLimit { coordinate: 1, .. })),
         "{error:?}"
@@ -625,10 +660,15 @@ fn proofs_and_clearances_of_curves_agree_with_verdicts() {
         let to: Vec<f64> = from.iter().map(|x| x + rng.range(-0.5, 0.5)).collect();
         let points = control_points(&mut rng, &from, &to, 2 + k % 4, 1.0);
         let curve = JointCurve::bezier(&points).expect("a curve");
-        let is_free = checker.certify_curve(&curve).expect("within limits").is_free();
-        let proof = checker.prove_curve(&curve).expect("within limits");
+        let is_free = checker
+            .certify(&JointMotion::curve(&curve))
+            .expect("within limits")
+            .is_free();
+        let proof = crate::prove(&mut checker, &JointMotion::curve(&curve)).expect("within limits");
         assert_eq!(proof.is_some(), is_free);
-        let clearance = checker.clearance_along_curve(&curve, 1e-2).expect("within limits");
+        let clearance = checker
+            .clearance_along(&JointMotion::curve(&curve), 1e-2)
+            .expect("within limits");
         assert_eq!(clearance.lower > 0.0, is_free, "{clearance:?}");
         if !is_free {
             continue;
@@ -668,25 +708,31 @@ fn paths_and_splines_report_progress_and_stop() {
         .windows(2)
         .map(|ends| JointCurve::bezier(&[&ends[0], &ends[0], &ends[1]]).expect("a curve"))
         .collect();
-    let one = checker.certify_path(&path[..1]);
-    assert_eq!(one, checker.certify(&path[0], &path[0]).map(|verdict| (0, verdict)));
-    for upto in [0, 1, 9] {
+    let one = checker.certify(&JointMotion::path(&path[..1]).expect("a motion"));
+    assert_eq!(one, checker.certify(&JointMotion::segment(&path[0], &path[0])));
+    let motions = [
+        JointMotion::path(&path).expect("a path"),
+        JointMotion::spline(&curves).expect("a spline"),
+    ];
+    for (upto, motion) in [0, 1, 9]
+        .into_iter()
+        .flat_map(|upto| motions.iter().map(move |m| (upto, m)))
+    {
         let mut seen = Vec::new();
-        let mut note = |name: &str, progress: lin_canny::Progress| {
-            assert_eq!((progress.stage, progress.total), (name, Some(3)));
+        let mut note = |progress: lin_canny::Progress| {
+            assert_eq!((progress.stage, progress.total), ("pieces", Some(3)));
             seen.push(progress.done);
             if progress.done == upto { Break(()) } else { Continue(()) }
         };
-        let found = checker.certify_path_with_progress(&path, &mut |p| note("segments", p));
-        let spline = checker.certify_spline_with_progress(&curves, &mut |p| note("curves", p));
+        let found = checker.certify_with(motion, CertifyOptions::default().progress(&mut note));
+        let found = found.expect("within limits");
         let (last, is_stopped) = if upto < 3 { (upto, true) } else { (2, false) };
-        let each = (0..=last).chain(0..=last).collect::<Vec<_>>();
-        assert_eq!(seen, each);
-        let [found, spline] = [found, spline].map(|found| found.expect("within limits"));
-        assert_eq!((found.is_none(), spline.is_none()), (is_stopped, is_stopped));
-        if !is_stopped {
-            assert_eq!(found, Some(checker.certify_path(&path).expect("within limits")));
-            assert_eq!(spline, Some(checker.certify_spline(&curves).expect("within limits")));
+        assert_eq!(seen, (0..=last).collect::<Vec<_>>());
+        assert_eq!(found.is_stopped, is_stopped);
+        let whole = checker.certify(motion).expect("within limits");
+        match is_stopped {
+            true => assert_eq!((found.verdict.free_until(), found.verdict.piece()), (0.0, Some(upto))),
+            false => assert_eq!(found.verdict, whole),
         }
     }
 }
@@ -701,9 +747,12 @@ fn curves_have_the_same_bits_on_every_thread_and_after_forget() {
             let points = control_points(&mut rng, &from, &to, 1 + k % 7, 1.0);
             let curve = JointCurve::bezier(&points).expect("a curve");
             checker.forget();
-            let verdict = checker.certify_curve(&curve);
+            let verdict = checker.certify(&JointMotion::curve(&curve));
             checker.forget();
-            format!("{verdict:?} {:?}", checker.clearance_along_curve(&curve, 0.01))
+            format!(
+                "{verdict:?} {:?}",
+                checker.clearance_along(&JointMotion::curve(&curve), 0.01)
+            )
         });
         each.collect()
     };
@@ -789,14 +838,22 @@ fn tubes_of_joints_hold_at_their_corners() {
             let points = control_points(&mut rng, &from, &to, 1 + k % 7, 1.0);
             let curve = JointCurve::bezier(&points).expect("a curve");
             let tube = random_tube(&mut rng, dims, k % 4, [1e-4, 0.02]);
-            let without = checker.certify_curve(&curve).expect("within limits").is_free();
-            let verdict = checker.certify_curve_tube(&curve, &tube).expect("within limits");
+            let without = checker
+                .certify(&JointMotion::curve(&curve))
+                .expect("within limits")
+                .is_free();
+            let verdict = checker
+                .certify(&JointMotion::curve(&curve).with_tube(&tube).expect("a motion"))
+                .expect("within limits");
             assert!(without || !verdict.is_free());
             free += u32::from(verdict.is_free());
             narrow += u32::from(without && !verdict.is_free());
             for i in 0..=100 {
-                let t = verdict.safe() * f64::from(i) / 100.0;
-                if matches!(verdict, Verdict::Blocked { t: 0.0, .. } | Verdict::Undecided { t: 0.0 }) {
+                let t = verdict.free_until() * f64::from(i) / 100.0;
+                if matches!(
+                    verdict,
+                    Verdict::Blocked { contact_at: 0.0, .. } | Verdict::Undecided { free_until: 0.0, .. }
+                ) {
                     break;
                 }
                 let off = |x: &f64, e: &f64, rng: &mut Rng| x + e * [-1.0, 1.0, rng.range(-1.0, 1.0)][rng.below(3)];
@@ -812,18 +869,20 @@ fn tubes_of_joints_hold_at_their_corners() {
                 );
             }
             let none = checker
-                .certify_curve_tube(&curve, &vec![0.0; dims])
+                .certify(
+                    &JointMotion::curve(&curve)
+                        .with_tube(&vec![0.0; dims])
+                        .expect("a motion"),
+                )
                 .expect("within limits");
             assert_eq!(none.is_free(), without);
         }
         println!("{name}: {free} free, {narrow} too narrow");
         assert!(free > 2, "{name}: {free}");
     }
-    let (space, world) = chain(3);
-    let mut checker = Checker::new(space, world).expect("a world");
     let curve = JointCurve::bezier(&[[0.0; 3], [0.1; 3]]).expect("a curve");
     for tube in [&[0.1, 0.1][..], &[0.1, -0.1, 0.1], &[0.1, f64::NAN, 0.1]] {
-        assert!(checker.certify_curve_tube(&curve, tube).is_err(), "{tube:?}");
+        assert!(JointMotion::curve(&curve).with_tube(tube).is_err(), "{tube:?}");
     }
 }
 
@@ -842,17 +901,32 @@ fn contacts_in_tubes_are_within_the_tube() {
             let to: Vec<f64> = from.iter().map(|x| x + rng.range(-0.5, 0.5)).collect();
             let points = control_points(&mut rng, &from, &to, 1 + k % 7, 1.0);
             let curve = JointCurve::bezier(&points).expect("a curve");
-            if !checker.certify_curve(&curve).expect("within limits").is_free() {
+            if !checker
+                .certify(&JointMotion::curve(&curve))
+                .expect("within limits")
+                .is_free()
+            {
                 continue;
             }
             let tube = random_tube(&mut rng, dims, k % 4, [1e-3, 0.05]);
-            let verdict = checker.certify_curve_tube(&curve, &tube).expect("within limits");
-            let contact = checker.tube_contact(&curve, &tube, verdict.safe()).expect("a tube");
+            let verdict = checker
+                .certify(&JointMotion::curve(&curve).with_tube(&tube).expect("a motion"))
+                .expect("within limits");
+            let contact = checker
+                .tube_contact(
+                    &JointMotion::curve(&curve).with_tube(&tube).expect("a motion"),
+                    0,
+                    verdict.free_until(),
+                )
+                .expect("a tube");
             let Some((t, q)) = contact else {
                 missed += u32::from(!verdict.is_free());
                 continue;
             };
-            assert!(!verdict.is_free() && t >= verdict.safe() && t <= 1.0, "{name} {k}");
+            assert!(
+                !verdict.is_free() && t >= verdict.free_until() && t <= 1.0,
+                "{name} {k}"
+            );
             for ((x, y), e) in q.iter().zip(curve.at(t)).zip(tube.at(t)) {
                 assert!(
                     (x - y).abs() <= e + 1e-15 * y.abs().max(1.0),
@@ -891,15 +965,25 @@ fn a_tube_may_change_along_the_curve() {
         // 0.165 where x leaves it.
         (&[0.06, 0.22], false),
     ] {
-        let verdict = checker.certify_curve_tube(&level, of(points)).expect("a tube");
-        let contact = checker.tube_contact(&level, of(points), 0.0).expect("a tube");
+        let verdict = checker
+            .certify(&JointMotion::curve(&level).with_tube(of(points)).expect("a motion"))
+            .expect("a tube");
+        let contact = checker
+            .tube_contact(
+                &JointMotion::curve(&level).with_tube(of(points)).expect("a motion"),
+                0,
+                0.0,
+            )
+            .expect("a tube");
         assert_eq!(verdict.is_free(), is_free, "{points:?}: {verdict:?}");
         assert_eq!(contact.is_none(), is_free, "{points:?}: {contact:?}");
         // The same numbers in a constant tube have the same verdict, bit for bit.
         if let [a, b] = points
             && a == b
         {
-            let same = checker.certify_curve_tube(&level, &[0.0, *a, 0.0]).expect("a tube");
+            let same = checker
+                .certify(&JointMotion::curve(&level).with_tube(&[0.0, *a, 0.0]).expect("a motion"))
+                .expect("a tube");
             assert_eq!(same, verdict);
         }
     }
@@ -907,7 +991,7 @@ fn a_tube_may_change_along_the_curve() {
         of(&[0.1, -0.1, 0.1]),
         JointCurve::bezier(&[[0.1, 0.1]; 2]).expect("a curve"),
     ] {
-        assert!(checker.certify_curve_tube(&level, wrong).is_err());
+        assert!(JointMotion::curve(&level).with_tube(wrong).is_err());
     }
 }
 
@@ -918,8 +1002,16 @@ fn a_contact_in_a_tube_has_its_time() {
     let level = JointCurve::bezier(&[[-2.0, 0.75, 0.0], [2.0, 0.75, 0.0]]).expect("a curve");
     for (off, touches) in [(0.0, false), (0.1, false), (0.2, true)] {
         let tube = [0.0, off, 0.0];
-        let verdict = checker.certify_curve_tube(&level, &tube).expect("a tube");
-        let found = checker.tube_contact(&level, &tube, verdict.safe()).expect("a tube");
+        let verdict = checker
+            .certify(&JointMotion::curve(&level).with_tube(&tube).expect("a motion"))
+            .expect("a tube");
+        let found = checker
+            .tube_contact(
+                &JointMotion::curve(&level).with_tube(&tube).expect("a motion"),
+                0,
+                verdict.free_until(),
+            )
+            .expect("a tube");
         assert_eq!((verdict.is_free(), found.is_some()), (!touches, touches), "{found:?}");
         if let Some((t, q)) = found {
             assert!(
@@ -941,8 +1033,16 @@ fn a_contact_in_a_tube_has_its_time() {
             moving.set_time(time).expect("a time");
         }
         let tube = [off, 0.0, 0.0];
-        let verdict = moving.certify_curve_tube(&still, &tube).expect("a tube");
-        let found = moving.tube_contact(&still, &tube, verdict.safe()).expect("a tube");
+        let verdict = moving
+            .certify(&JointMotion::curve(&still).with_tube(&tube).expect("a motion"))
+            .expect("a tube");
+        let found = moving
+            .tube_contact(
+                &JointMotion::curve(&still).with_tube(&tube).expect("a motion"),
+                0,
+                verdict.free_until(),
+            )
+            .expect("a tube");
         assert_eq!(
             (verdict.is_free(), found.is_some()),
             (off < 0.05, off > 0.05),
@@ -958,7 +1058,13 @@ fn a_contact_in_a_tube_has_its_time() {
         (&[0.1; 3], f64::NAN),
         (&[0.1; 3], 1.5),
     ] {
-        assert!(checker.tube_contact(&level, tube, from).is_err(), "{tube:?} {from}");
+        assert!(
+            JointMotion::curve(&level)
+                .with_tube(tube)
+                .and_then(|motion| checker.tube_contact(&motion, 0, from))
+                .is_err(),
+            "{tube:?} {from}"
+        );
     }
 }
 
@@ -1001,11 +1107,17 @@ fn scenes_of_all_sizes_have_equal_verdicts() {
             points.iter_mut().for_each(|p| p[1] *= unit);
             let curve = JointCurve::bezier(&points).expect("a curve");
             checker.forget();
-            let verdict = checker.certify_curve(&curve).expect("within limits");
+            let verdict = checker.certify(&JointMotion::curve(&curve)).expect("within limits");
             checker.forget();
-            let tube = checker.certify_curve_tube(&curve, &[0.01, 0.01 * unit, 0.01]);
+            let tube = checker.certify(
+                &JointMotion::curve(&curve)
+                    .with_tube(&[0.01, 0.01 * unit, 0.01])
+                    .expect("a motion"),
+            );
             checker.forget();
-            let clearance = checker.clearance_along_curve(&curve, 1e-2).expect("within limits");
+            let clearance = checker
+                .clearance_along(&JointMotion::curve(&curve), 1e-2)
+                .expect("within limits");
             let is_wide = tube.expect("within limits").is_free();
             (verdict, is_wide, [clearance.lower / unit, clearance.upper / unit])
         });
@@ -1021,15 +1133,31 @@ fn scenes_of_all_sizes_have_equal_verdicts() {
             let is_equal = match (&found.0, &expected.0) {
                 (Verdict::Free { .. }, Verdict::Free { .. }) => true,
                 (
-                    Verdict::Blocked { safe, t, pair, .. },
                     Verdict::Blocked {
-                        safe: s, t: u, pair: p, ..
+                        free_until: safe,
+                        contact_at: t,
+                        pair,
+                        ..
+                    },
+                    Verdict::Blocked {
+                        free_until: s,
+                        contact_at: u,
+                        pair: p,
+                        ..
                     },
                 ) if exponent.abs() <= 40 => (safe, t, pair) == (s, u, p),
                 (
-                    Verdict::Blocked { safe, t, pair, .. },
                     Verdict::Blocked {
-                        safe: s, t: u, pair: p, ..
+                        free_until: safe,
+                        contact_at: t,
+                        pair,
+                        ..
+                    },
+                    Verdict::Blocked {
+                        free_until: s,
+                        contact_at: u,
+                        pair: p,
+                        ..
                     },
                 ) => pair == p && is_near(*safe, *s, 1e-5) && is_near(*t, *u, 1e-5),
                 _ => false,

@@ -2,7 +2,9 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Checker, ConfigurationSpace, Joint, JointTree, PlanError, TreeSegment, Verdict, World};
+use lin_canny_plan::{
+    Checker, ConfigurationSpace, Joint, JointMotion, JointTree, PlanError, TreeSegment, Verdict, World,
+};
 use truth::arm::chain::chain;
 use truth::rng::Rng;
 
@@ -25,19 +27,21 @@ fn queries(joints: usize, most: f64) -> f64 {
         let from: Vec<f64> = (0..joints).map(|_| rng.range(-1.0, 1.0)).collect();
         let to: Vec<f64> = from.iter().map(|x| x + rng.range(-most, most)).collect();
         let before = checker.work().queries;
-        let verdict = checker.certify(&from, &to).expect("within limits");
+        let verdict = checker
+            .certify(&JointMotion::segment(&from, &to))
+            .expect("within limits");
         if verdict.is_free() {
             free += 1;
             work += checker.work().queries - before;
         }
         let at = |t: f64| checker.space().between(&from, &to, t);
         for k in 0..=300 {
-            let t = verdict.safe() * f64::from(k) / 300.0;
+            let t = verdict.free_until() * f64::from(k) / 300.0;
             let apart = judge.is_free_at(&at(t)).expect("within limits");
-            let starts = matches!(verdict, Verdict::Blocked { t: 0.0, .. });
+            let starts = matches!(verdict, Verdict::Blocked { contact_at: 0.0, .. });
             assert!(apart || starts, "{verdict:?} meets at {t} of {from:?} {to:?}");
         }
-        if let Verdict::Blocked { t, .. } = verdict {
+        if let Verdict::Blocked { contact_at: t, .. } = verdict {
             assert!(!judge.is_free_at(&at(t)).expect("within limits"), "{verdict:?}");
         }
     }
@@ -61,7 +65,7 @@ fn joints_that_turn_thousands_of_times_end() {
     let arm = JointTree::serial(Isometry3::identity(), chain, (1..=joints).collect(), 0.3).expect("an arm");
     let mut checker = Checker::new(arm, world).expect("a world");
     for turn in [1e4, 1e9, 1e15] {
-        let verdict = checker.certify(&vec![-turn; joints], &vec![turn; joints]);
+        let verdict = checker.certify(&JointMotion::segment(&vec![-turn; joints], &vec![turn; joints]));
         assert!(!matches!(verdict, Ok(Verdict::Blocked { .. })), "{verdict:?}");
     }
 }
@@ -135,11 +139,22 @@ fn same_verdicts(joints: usize, most: f64, count: usize) -> [u64; 2] {
     for _ in 0..count {
         let from: Vec<f64> = (0..joints).map(|_| rng.range(-1.0, 1.0)).collect();
         let to: Vec<f64> = from.iter().map(|x| x + rng.range(-most, most)).collect();
-        let one = about_origins.certify(&from, &to).expect("within limits");
-        let other = about_middles.certify(&from, &to).expect("within limits");
+        let one = about_origins
+            .certify(&JointMotion::segment(&from, &to))
+            .expect("within limits");
+        let other = about_middles
+            .certify(&JointMotion::segment(&from, &to))
+            .expect("within limits");
         match (&one, &other) {
-            (Verdict::Blocked { t, .. }, Verdict::Blocked { t: u, safe, .. }) => {
-                assert!(one.safe() <= *u && *safe <= *t, "{one:?} {other:?}");
+            (
+                Verdict::Blocked { contact_at: t, .. },
+                Verdict::Blocked {
+                    contact_at: u,
+                    free_until: safe,
+                    ..
+                },
+            ) => {
+                assert!(one.free_until() <= *u && *safe <= *t, "{one:?} {other:?}");
                 let at = judge.space().between(&from, &to, *u);
                 assert!(!judge.is_free_at(&at).expect("within limits"), "{other:?}");
             }

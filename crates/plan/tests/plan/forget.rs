@@ -1,6 +1,6 @@
 //! A checker that has forgotten answers as a new one, bit for bit.
 
-use lin_canny_plan::{Checker, ConfigurationSpace, JointTree};
+use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, JointTree};
 use truth::arm::{self, motion};
 use truth::cells::Cell;
 use truth::rng::Rng;
@@ -24,8 +24,8 @@ fn ask(checker: &mut Checker<JointTree>, question: usize, q: &[f64], p: &[f64]) 
         0 => format!("{:?}", checker.clearance(q)),
         1 => format!("{:?}", checker.nearest(q, 0.1)),
         2 => format!("{:?}", checker.is_free_at(q)),
-        3 => format!("{:?}", checker.certify(q, p)),
-        _ => format!("{:?}", checker.prove(q, p)),
+        3 => format!("{:?}", checker.certify(&JointMotion::segment(q, p))),
+        _ => format!("{:?}", crate::prove(checker, &JointMotion::segment(q, p))),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, Shape};
-use lin_canny_plan::{Checker, ConfigurationSpace, JointTree, RigidSpace, World};
+use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, JointTree, RigidSpace, World};
 use truth::cells::Cell;
 use truth::pose::Pose;
 use truth::rng::Rng;
@@ -102,7 +102,11 @@ fn a_margin_makes_configurations_blocked_that_are_nearer() {
         for (part, is_free) in [(0.999, true), (1.001, false)] {
             checker.set_margin(near.distance * part).expect("a margin");
             assert_eq!(checker.is_free_at(&q).expect("a configuration"), is_free, "{near:?}");
-            assert_eq!(checker.is_free(&q, &q).expect("a configuration"), is_free, "{near:?}");
+            assert_eq!(
+                checker.is_free(&JointMotion::segment(&q, &q)).expect("a configuration"),
+                is_free,
+                "{near:?}"
+            );
             tally[usize::from(is_free)] += 1;
         }
         checker.set_margin(0.0).expect("a margin");
@@ -129,10 +133,16 @@ fn a_segment_that_ends_in_contact_takes_no_distance() {
         let to = arm.moved(&from, &[0; 6].map(|_| rng.range(-0.2, 0.2)));
         let ends = [&from, &to].map(|q| checker.is_free_at(q).expect("a configuration"));
         let before = checker.work();
-        let is_free = checker.is_free(&from, &to).expect("a segment");
+        let is_free = checker.is_free(&JointMotion::segment(&from, &to)).expect("a segment");
         let spent = checker.work().queries - before.queries;
         assert_eq!(checker.work().segments, before.segments + 1);
-        assert_eq!(checker.certify(&from, &to).expect("a segment").is_free(), is_free);
+        assert_eq!(
+            checker
+                .certify(&JointMotion::segment(&from, &to))
+                .expect("a segment")
+                .is_free(),
+            is_free
+        );
         assert!(ends[1] || spent == 0, "{spent} queries");
         tally[if is_free { 0 } else { 1 + usize::from(ends[1]) }] += 1;
     }

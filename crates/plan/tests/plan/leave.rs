@@ -3,7 +3,7 @@
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ContactState, Geometry, Mesh, PairTracker, RelativePose, Shape};
-use lin_canny_plan::{Checker, ConfigurationSpace, Joint, JointTree, PlanError, Verdict, World, WorldId};
+use lin_canny_plan::{Checker, ConfigurationSpace, Joint, JointMotion, JointTree, PlanError, Verdict, World, WorldId};
 use truth::rng::Rng;
 
 /// An arm that moves its last link along x, y and z, and then rotates it about z and x.
@@ -71,7 +71,7 @@ fn run(seed: u64, count: u64) {
             (goal[2], goal[4]) = (q[2] + rng.range(0.1, 0.4), q[4]);
         }
         let is_up = upright && goal[4] == q[4];
-        let verdict = checker.certify(&q, &goal).expect("a verdict");
+        let verdict = checker.certify(&JointMotion::segment(&q, &goal)).expect("a verdict");
         let part = checker.world().geometry(id).expect("an object").clone();
         let distance = |t: f64| {
             let at = checker.space().between(&q, &goal, t);
@@ -104,7 +104,7 @@ fn run(seed: u64, count: u64) {
                 let names = checker.show(&verdict).to_string();
                 assert!(names.ends_with("leaving the contact of part and table"), "{names}");
             }
-            Verdict::Blocked { t, .. } => {
+            Verdict::Blocked { contact_at: t, .. } => {
                 tally[2] += 1;
                 assert!(distance(*t)[0] <= margin, "{case} at {t}: {:?}", distance(*t));
             }
@@ -113,8 +113,8 @@ fn run(seed: u64, count: u64) {
         // Without the option the contact is a contact.
         checker.set_start_contact_margin(None).expect("none");
         assert!(matches!(
-            checker.certify(&q, &goal),
-            Ok(Verdict::Blocked { safe: 0.0, .. } | Verdict::Undecided { t: 0.0 })
+            checker.certify(&JointMotion::segment(&q, &goal)),
+            Ok(Verdict::Blocked { free_until: 0.0, .. } | Verdict::Undecided { free_until: 0.0, .. })
         ));
     }
     println!("lifted, slid, blocked, undecided: {tally:?}");

@@ -23,6 +23,8 @@ mod ranges;
 mod smooth;
 mod spaces;
 
+use lin_canny_plan::{CertifyOptions, Checker, ConfigurationSpace, JointMotion, PairProof, PlanError};
+
 /// The numbers of the robots that an ignored test judges: all, or a part as
 /// `LIN_CANNY_ROBOTS=100..200`.
 pub(crate) fn chosen_robots(all: core::ops::Range<u64>) -> core::ops::Range<u64> {
@@ -30,4 +32,13 @@ pub(crate) fn chosen_robots(all: core::ops::Range<u64>) -> core::ops::Range<u64>
         let (from, to) = text.split_once("..").expect("LIN_CANNY_ROBOTS is a range");
         from.parse().expect("the first robot")..to.parse().expect("the last robot")
     })
+}
+
+/// Returns the certificates of a motion of one piece; `None` if it is not proven free.
+pub(crate) fn prove<C: ConfigurationSpace>(
+    checker: &mut Checker<C>,
+    motion: &JointMotion,
+) -> Result<Option<Vec<PairProof>>, PlanError> {
+    let mut found = checker.certify_with(motion, CertifyOptions::default().certificates(true))?;
+    Ok(found.verdict.is_free().then(|| found.proofs.swap_remove(0)))
 }

@@ -4,7 +4,7 @@ use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, EdgeKind, Plan, PlanMethod, PlanOptions, PlanarSpace, RigidSpace, World,
+    Checker, ConfigurationSpace, EdgeKind, JointMotion, Plan, PlanMethod, PlanOptions, PlanarSpace, RigidSpace, World,
 };
 
 /// A rectangle in the plane, and two walls with a gap in which it fits lengthwise only.
@@ -45,7 +45,12 @@ fn every_method_makes_paths_of_proven_segments() {
             let path = found.path.as_ref().expect("there is a way");
             let (mut judge, [start, goal]) = gap(0.25);
             assert_eq!([&path[0], &path[path.len() - 1]], [&start.to_vec(), &goal.to_vec()]);
-            assert!(judge.certify_path(path).expect("a path").1.is_free());
+            assert!(
+                judge
+                    .certify(&JointMotion::path(path).expect("a motion"))
+                    .expect("a path")
+                    .is_free()
+            );
             let work = &found.work;
             match method {
                 PlanMethod::RrtConnect => assert!(work.samples > 0 && work.freeways + work.slices == 0, "{work:?}"),
@@ -71,7 +76,7 @@ fn edges_of_the_trees_are_proven() {
     for edge in &roadmap.edges {
         assert_eq!(edge.kind, EdgeKind::Tree);
         let [a, b] = edge.ends.map(|node| &roadmap.nodes[node]);
-        assert!(judge.certify(a, b).expect("a segment").is_free());
+        assert!(judge.certify(&JointMotion::segment(a, b)).expect("a segment").is_free());
     }
     for q in found.path.iter().flatten() {
         assert!(roadmap.nodes.contains(q));
@@ -171,7 +176,11 @@ fn corners_are_tried_once() {
                 let ends = [passes[k - 1].clone(), passes[k + 1].clone()];
                 let is_shorter = judge.space().distance(&ends[0], &ends[1]) <= way;
                 theirs += u64::from(is_shorter);
-                if is_shorter && judge.is_free(&ends[0], &ends[1]).expect("a segment") {
+                if is_shorter
+                    && judge
+                        .is_free(&JointMotion::segment(&ends[0], &ends[1]))
+                        .expect("a segment")
+                {
                     passes.remove(k);
                 } else {
                     k += 1;
@@ -179,7 +188,12 @@ fn corners_are_tried_once() {
             }
         }
         assert_eq!(short, passes, "seed {seed}");
-        assert!(judge.certify_path(&short).expect("a path").1.is_free());
+        assert!(
+            judge
+                .certify(&JointMotion::path(&short).expect("a motion"))
+                .expect("a path")
+                .is_free()
+        );
     }
     println!("{ours} segments instead of {theirs}");
     assert!(ours < theirs, "{ours} {theirs}");

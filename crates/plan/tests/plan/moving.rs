@@ -7,8 +7,8 @@ use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, V
 use lin_canny::polyhedron::solids;
 use lin_canny::{Geometry, HalfSpace, Shape};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Joint, JointCurve, JointTree, PlanError, PlanOptions, TimedPoses, TranslationSpace,
-    Verdict, World, WorldId, WorldPair,
+    Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, PlanError, PlanOptions, TimedPoses,
+    TranslationSpace, Verdict, World, WorldId, WorldPair,
 };
 use truth::rng::Rng;
 
@@ -53,7 +53,9 @@ fn curve(points: &[[f64; 3]], times: [f64; 2]) -> JointCurve {
 }
 
 fn certify(checker: &mut Checker<JointTree>, points: &[[f64; 3]], times: [f64; 2]) -> Verdict {
-    checker.certify_curve(&curve(points, times)).expect("within limits")
+    checker
+        .certify(&JointMotion::curve(&curve(points, times)))
+        .expect("within limits")
 }
 
 #[test]
@@ -154,7 +156,10 @@ fn an_obstacle_that_keeps_pace_is_free_unless_it_touches() {
         for (name, found) in [("whole", found), ("rows", in_rows), ("part", part)] {
             match gap > 0.0 {
                 true => assert!(found.is_free(), "{name} {gap:e}: {found:?}"),
-                false => assert!(matches!(found, Verdict::Blocked { t: 0.0, .. }), "{name}: {found:?}"),
+                false => assert!(
+                    matches!(found, Verdict::Blocked { contact_at: 0.0, .. }),
+                    "{name}: {found:?}"
+                ),
             }
         }
     }
@@ -174,7 +179,7 @@ fn an_obstacle_that_keeps_pace_is_free_unless_it_touches() {
         let mut checker = Checker::new(space, world).expect("a world");
         let along = JointCurve::bezier(&[[0.0], [PI]]).expect("a curve");
         let along = along.with_times([0.0, 2.0]).expect("times");
-        let found = checker.certify_curve(&along).expect("within limits");
+        let found = checker.certify(&JointMotion::curve(&along)).expect("within limits");
         assert_eq!(found.is_free(), gap > 0.0, "{gap:e}: {found:?}");
     }
 }
@@ -201,7 +206,11 @@ fn half_turns_go_where_the_signs_say() {
             let found = certify(&mut checker, &[[0.0, y, 0.0]; 2], [0.0, last]);
             match found {
                 Verdict::Free { .. } => None,
-                Verdict::Blocked { t, safe, .. } => {
+                Verdict::Blocked {
+                    contact_at: t,
+                    free_until: safe,
+                    ..
+                } => {
                     assert!(t - safe < 1e-4);
                     Some(t * last)
                 }
@@ -258,7 +267,12 @@ fn tangent_passes_are_decided() {
                 [0.0, 2.0],
             );
             assert_eq!(found.is_free(), gap > 0.0, "parabola {gap:e}: {found:?}");
-            if let Verdict::Blocked { safe, t, .. } = found {
+            if let Verdict::Blocked {
+                free_until: safe,
+                contact_at: t,
+                ..
+            } = found
+            {
                 assert!(
                     safe <= 0.5 && t - safe < 1e-3 && (t - 0.5).abs() < 0.3,
                     "{gap:e}: {found:?}"
@@ -286,13 +300,13 @@ fn an_obstacle_that_arrives_at_the_end_is_blocked_there() {
         // Ends at a row, and between rows.
         let found = certify(&mut checker, &[[0.0; 3]; 2], [times[0], times[2]]);
         assert!(
-            matches!(found, Verdict::Blocked { t: 1.0, safe, .. } if safe > 0.99),
+            matches!(found, Verdict::Blocked { contact_at: 1.0, free_until: safe, .. } if safe > 0.99),
             "{found:?}"
         );
         assert!(certify(&mut checker, &[[0.0; 3]; 2], [times[0], times[1]]).is_free());
         let found = certify(&mut checker, &[[0.0; 3]; 2], [times[1], times[3]]);
         assert!(
-            matches!(found, Verdict::Blocked { t, .. } if (t - 0.375).abs() < 1e-5),
+            matches!(found, Verdict::Blocked { contact_at: t, .. } if (t - 0.375).abs() < 1e-5),
             "{found:?}"
         );
         for gap in [1e-3, 1e-9, 1e-12] {
@@ -314,7 +328,7 @@ fn an_obstacle_that_arrives_at_the_end_is_blocked_there() {
         [0.0, 2.0],
     );
     assert!(
-        matches!(found, Verdict::Blocked { t: 1.0, safe, .. } if safe > 0.99),
+        matches!(found, Verdict::Blocked { contact_at: 1.0, free_until: safe, .. } if safe > 0.99),
         "{found:?}"
     );
 }
@@ -357,7 +371,7 @@ fn rows_of_any_distance_in_time_are_sound() {
         );
         let found = certify(&mut checker, &[[0.0, 0.6, 0.0]; 2], [0.0, 2.0 * size]);
         assert!(
-            matches!(found, Verdict::Blocked { safe, t, .. } if safe < 0.5 && t > 0.4),
+            matches!(found, Verdict::Blocked { free_until: safe, contact_at: t, .. } if safe < 0.5 && t > 0.4),
             "{found:?}"
         );
     }
@@ -371,7 +385,7 @@ fn a_floor_that_rises_is_met() {
     assert!(certify(&mut checker, &[[0.0, 0.6, 0.0]; 2], [0.0, 2.0]).is_free());
     let found = certify(&mut checker, &[[0.0, -2.0, 0.0]; 2], [0.0, 2.0]);
     assert!(
-        matches!(found, Verdict::Blocked { t, .. } if (t - 0.5).abs() < 1e-4),
+        matches!(found, Verdict::Blocked { contact_at: t, .. } if (t - 0.5).abs() < 1e-4),
         "{found:?}"
     );
     // It tilts.
@@ -396,17 +410,32 @@ fn everything_without_a_time_is_an_error() {
     );
     for has_time in [false, true] {
         // Segments have no times, even if configurations have one.
-        assert_eq!(checker.certify(&p, &q), Err(none()));
-        assert_eq!(checker.is_free(&p, &q), Err(none()));
-        assert_eq!(checker.prove(&p, &q), Err(none()));
-        assert_eq!(checker.certify_tube(&p, &q, 0.1), Err(none()));
-        assert_eq!(checker.certify_path(&[p.into(), q.into()]), Err(none()));
-        assert_eq!(checker.clearance_along(&p, &q, 0.1), Err(none()));
-        assert_eq!(checker.certify_curve(&straight), Err(none()));
-        assert_eq!(checker.prove_curve(&straight), Err(none()));
-        assert_eq!(checker.certify_spline(std::slice::from_ref(&straight)), Err(none()));
-        assert_eq!(checker.certify_curve_tube(&straight, &[0.1; 3]), Err(none()));
-        assert_eq!(checker.clearance_along_curve(&straight, 0.1), Err(none()));
+        assert_eq!(checker.certify(&JointMotion::segment(&p, &q)), Err(none()));
+        assert_eq!(checker.is_free(&JointMotion::segment(&p, &q)), Err(none()));
+        assert_eq!(crate::prove(&mut checker, &JointMotion::segment(&p, &q)), Err(none()));
+        assert_eq!(
+            checker.certify(&JointMotion::segment(&p, &q).with_radius(0.1).expect("a motion")),
+            Err(none())
+        );
+        assert_eq!(
+            checker.certify(&JointMotion::path(&[p, q]).expect("a motion")),
+            Err(none())
+        );
+        assert_eq!(checker.clearance_along(&JointMotion::segment(&p, &q), 0.1), Err(none()));
+        assert_eq!(checker.certify(&JointMotion::curve(&straight)), Err(none()));
+        assert_eq!(crate::prove(&mut checker, &JointMotion::curve(&straight)), Err(none()));
+        assert_eq!(
+            checker.certify(&JointMotion::spline(std::slice::from_ref(&straight)).expect("a motion")),
+            Err(none())
+        );
+        assert_eq!(
+            checker.certify(&JointMotion::curve(&straight).with_tube(&[0.1; 3]).expect("a motion")),
+            Err(none())
+        );
+        assert_eq!(
+            checker.clearance_along(&JointMotion::curve(&straight), 0.1),
+            Err(none())
+        );
         assert_eq!(
             checker.plan(&p, &q, &PlanOptions::default()).err(),
             Some(none()),
@@ -438,7 +467,9 @@ fn everything_without_a_time_is_an_error() {
         ([0.0, 3.0], 0.0),
         ([3.0, 4.0], 3.0),
     ] {
-        let error = checker.certify_curve(&curve(&[p, q], times)).expect_err("an error");
+        let error = checker
+            .certify(&JointMotion::curve(&curve(&[p, q], times)))
+            .expect_err("an error");
         let text = format!("obstacle \"cart 0\" has no pose at time {time:?} (its poses cover 1.0 to 2.0)");
         assert_eq!(error.to_string(), text);
     }
@@ -450,7 +481,7 @@ fn everything_without_a_time_is_an_error() {
     // Curves of a spline follow each other in time.
     let [one, two] = [[1.0, 1.5], [1.6, 2.0]].map(|times| curve(&[p, p], times));
     assert_eq!(
-        checker.certify_spline(&[one.clone(), two]),
+        JointMotion::spline(&[one.clone(), two]),
         Err(PlanError::CurveTime {
             index: 1,
             start: 1.6,
@@ -458,7 +489,12 @@ fn everything_without_a_time_is_an_error() {
         })
     );
     let two = curve(&[p, p], [1.5, 2.0]);
-    assert!(checker.certify_spline(&[one, two]).expect("times").1.is_free());
+    assert!(
+        checker
+            .certify(&JointMotion::spline(&[one, two]).expect("a motion"))
+            .expect("times")
+            .is_free()
+    );
 }
 
 #[test]
@@ -467,7 +503,12 @@ fn moving_obstacles_come_and_go() {
     let timed = poses(&[0.0, 1.0], &rows);
     let mut checker = slider(0.5, &[]);
     let still = |times| curve(&[[0.0; 3]; 2], times);
-    assert!(checker.certify(&[0.0; 3], &[0.0; 3]).expect("within limits").is_free());
+    assert!(
+        checker
+            .certify(&JointMotion::segment(&[0.0; 3], &[0.0; 3]))
+            .expect("within limits")
+            .is_free()
+    );
     checker.set_time(0.5).expect("nothing moves");
     let id = checker
         .add_moving_obstacle("press", cuboid([1.0; 3]), timed.clone())
@@ -478,14 +519,24 @@ fn moving_obstacles_come_and_go() {
         checker.clearance(&[0.0; 3]).expect("a pose").expect("a pair").distance,
         1.0
     );
-    let found = checker.certify_curve(&still([0.0, 1.0])).expect("times");
+    let found = checker.certify(&JointMotion::curve(&still([0.0, 1.0]))).expect("times");
     assert!(
-        matches!(found, Verdict::Blocked { t, .. } if (t - 0.7).abs() < 1e-5),
+        matches!(found, Verdict::Blocked { contact_at: t, .. } if (t - 0.7).abs() < 1e-5),
         "{found:?}"
     );
-    assert!(checker.certify_curve(&still([0.0, 0.699])).expect("times").is_free());
+    assert!(
+        checker
+            .certify(&JointMotion::curve(&still([0.0, 0.699])))
+            .expect("times")
+            .is_free()
+    );
     checker.replace_obstacle(id, cuboid([0.1; 3])).expect("an obstacle");
-    assert!(checker.certify_curve(&still([0.0, 0.7])).expect("times").is_free());
+    assert!(
+        checker
+            .certify(&JointMotion::curve(&still([0.0, 0.7])))
+            .expect("times")
+            .is_free()
+    );
     // Without a pose at the time of configurations.
     let late = poses(&[2.0, 3.0], &rows);
     let error = checker.add_moving_obstacle("late", cuboid([1.0; 3]), late);
@@ -494,15 +545,30 @@ fn moving_obstacles_come_and_go() {
     // At rest, then gone.
     checker.move_obstacle(id, at(0.0, 3.0, 0.0)).expect("an obstacle");
     assert_eq!(checker.world().obstacle_motion(id), None);
-    assert!(checker.certify(&[0.0; 3], &[0.0; 3]).expect("within limits").is_free());
+    assert!(
+        checker
+            .certify(&JointMotion::segment(&[0.0; 3], &[0.0; 3]))
+            .expect("within limits")
+            .is_free()
+    );
     let still = JointCurve::bezier(&[[0.0, 2.6, 0.0]; 2]).expect("a curve");
-    assert!(!checker.certify_curve(&still).expect("no times").is_free());
+    assert!(
+        !checker
+            .certify(&JointMotion::curve(&still))
+            .expect("no times")
+            .is_free()
+    );
     let id = checker
         .add_moving_obstacle("press", cuboid([1.0; 3]), timed)
         .expect("a pose");
-    assert!(checker.certify(&[0.0; 3], &[0.0; 3]).is_err());
+    assert!(checker.certify(&JointMotion::segment(&[0.0; 3], &[0.0; 3])).is_err());
     checker.remove_obstacle(id).expect("an obstacle");
-    assert!(checker.certify(&[0.0; 3], &[0.0; 3]).expect("within limits").is_free());
+    assert!(
+        checker
+            .certify(&JointMotion::segment(&[0.0; 3], &[0.0; 3]))
+            .expect("within limits")
+            .is_free()
+    );
 }
 
 /// A contact with a moving obstacle at the start is not accepted, whatever the margin.
@@ -512,14 +578,14 @@ fn contacts_at_the_start_with_moving_obstacles_are_not_accepted() {
     let mut checker = slider(0.5, &[(cuboid([1.0; 3]), poses(&[0.0, 1.0], &rows))]);
     checker.set_start_contact_margin(Some(1e-3)).expect("a length");
     let along = curve(&[[0.0; 3], [0.0, 2.0, 0.0]], [0.0, 1.0]);
-    let found = checker.certify_curve(&along).expect("times");
-    assert!(matches!(found, Verdict::Blocked { t: 0.0, .. }), "{found:?}");
-    assert_eq!(checker.prove_curve(&along), Ok(None));
+    let found = checker.certify(&JointMotion::curve(&along)).expect("times");
+    assert!(matches!(found, Verdict::Blocked { contact_at: 0.0, .. }), "{found:?}");
+    assert_eq!(crate::prove(&mut checker, &JointMotion::curve(&along)), Ok(None));
     checker
         .add_obstacle("table", cuboid([1.0; 3]), at(0.0, -1.5, 0.0))
         .expect("a pose");
     checker.remove_obstacle("cart 0").expect("an obstacle");
-    assert!(checker.certify_curve(&along).expect("times").is_free());
+    assert!(checker.certify(&JointMotion::curve(&along)).expect("times").is_free());
 }
 
 /// Random poses about the robot, at random times that cover -1 to 11.
@@ -595,7 +661,7 @@ fn judged(joints: usize, worlds: usize, curves: usize, places: u32, seed: u64) -
             }));
             let curve = JointCurve::bezier(&points).expect("a curve");
             let curve = curve.with_times(times).expect("times");
-            let verdict = checker.certify_curve(&curve).expect("within limits");
+            let verdict = checker.certify(&JointMotion::curve(&curve)).expect("within limits");
             let mut is_free = |t: f64| {
                 let time = (times[0] + (times[1] - times[0]) * t).clamp(times[0], times[1]);
                 judge.set_time(time).expect("a pose");
@@ -603,7 +669,11 @@ fn judged(joints: usize, worlds: usize, curves: usize, places: u32, seed: u64) -
             };
             match verdict {
                 Verdict::Free { .. } => counts.free += 1,
-                Verdict::Blocked { t, safe, .. } => {
+                Verdict::Blocked {
+                    contact_at: t,
+                    free_until: safe,
+                    ..
+                } => {
                     counts.blocked += 1;
                     counts.widest = counts.widest.max(t - safe);
                     assert!(!is_free(t), "{verdict:?} of curve {k}: {times:?} {points:?}");
@@ -614,7 +684,7 @@ fn judged(joints: usize, worlds: usize, curves: usize, places: u32, seed: u64) -
                 }
             }
             for i in 0..=places {
-                let t = verdict.safe() * f64::from(i) / f64::from(places);
+                let t = verdict.free_until() * f64::from(i) / f64::from(places);
                 assert!(
                     is_free(t),
                     "{verdict:?} of curve {k} meets at {t}: {times:?} {points:?}"
@@ -661,14 +731,21 @@ fn proofs_clearances_and_tubes_agree_with_verdicts() {
         let times = [begin, begin + 3.0];
         let curve = JointCurve::bezier(&points).expect("a curve");
         let curve = curve.with_times(times).expect("times");
-        let is_free = checker.certify_curve(&curve).expect("within limits").is_free();
-        let proof = checker.prove_curve(&curve).expect("within limits");
+        let is_free = checker
+            .certify(&JointMotion::curve(&curve))
+            .expect("within limits")
+            .is_free();
+        let proof = crate::prove(&mut checker, &JointMotion::curve(&curve)).expect("within limits");
         assert_eq!(proof.is_some(), is_free);
-        let tube = checker.certify_curve_tube(&curve, &[1e-9; 4]).expect("within limits");
+        let tube = checker
+            .certify(&JointMotion::curve(&curve).with_tube(&[1e-9; 4]).expect("a motion"))
+            .expect("within limits");
         assert_eq!(tube.is_free(), is_free);
         checker.set_time(begin).expect("a pose");
         let before = checker.clearance(&curve.at(0.0)).expect("within limits");
-        let clearance = checker.clearance_along_curve(&curve, 1e-2).expect("within limits");
+        let clearance = checker
+            .clearance_along(&JointMotion::curve(&curve), 1e-2)
+            .expect("within limits");
         assert_eq!(clearance.lower > 0.0, is_free, "{clearance:?}");
         // The clearance along a curve leaves the time of configurations as it was.
         let after = checker.clearance(&curve.at(0.0)).expect("within limits");
@@ -714,9 +791,9 @@ fn verdicts_have_the_same_bits_on_every_thread_and_after_forget() {
             let curve = JointCurve::bezier(&points).expect("a curve");
             let curve = curve.with_times([begin, begin + 5.0]).expect("times");
             checker.forget();
-            let verdict = checker.certify_curve(&curve);
+            let verdict = checker.certify(&JointMotion::curve(&curve));
             checker.forget();
-            let clearance = checker.clearance_along_curve(&curve, 0.01);
+            let clearance = checker.clearance_along(&JointMotion::curve(&curve), 0.01);
             checker.set_time(begin).expect("a pose");
             let batch = [1, 3].map(|threads| checker.nearest_batch(&points.concat(), 3, 0.5, threads).expect("rows"));
             assert_eq!(batch[0], batch[1]);
@@ -762,7 +839,12 @@ fn scenes_of_all_sizes_have_equal_verdicts() {
             let verdict = certify(&mut checker, &points, [0.5 * clock, 4.0 * clock]);
             found.push(match verdict {
                 Verdict::Free { .. } => None,
-                Verdict::Blocked { safe, t, pair, .. } => Some((safe, t, pair)),
+                Verdict::Blocked {
+                    free_until: safe,
+                    contact_at: t,
+                    pair,
+                    ..
+                } => Some((safe, t, pair)),
                 other => panic!("{exponent}: {other:?}"),
             });
         }
@@ -809,10 +891,10 @@ fn spaces_without_joints_follow_straight_curves() {
         let curve = JointCurve::bezier(&[[-5.0, 0.0, 0.0], [5.0, y, 0.0]]).expect("a curve");
         curve.with_times([0.0, 10.0]).expect("times")
     };
-    let found = checker.certify_curve(&to(0.0)).expect("times");
+    let found = checker.certify(&JointMotion::curve(&to(0.0))).expect("times");
     assert!(
-        matches!(found, Verdict::Blocked { t, .. } if (t - 0.45).abs() < 1e-5),
+        matches!(found, Verdict::Blocked { contact_at: t, .. } if (t - 0.45).abs() < 1e-5),
         "{found:?}"
     );
-    assert!(checker.certify_curve(&to(9.0)).expect("times").is_free());
+    assert!(checker.certify(&JointMotion::curve(&to(9.0))).expect("times").is_free());
 }

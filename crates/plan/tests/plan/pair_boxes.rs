@@ -5,7 +5,9 @@ use core::ops::Range;
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Checker, ConfigurationSpace, Joint, JointTree, PairBoxes, PlanError, PlanarSpace, World};
+use lin_canny_plan::{
+    Checker, ConfigurationSpace, Joint, JointMotion, JointTree, PairBoxes, PlanError, PlanarSpace, World,
+};
 use truth::rng::Rng;
 
 use crate::range_worlds::add_obstacles;
@@ -49,15 +51,15 @@ fn judge(plain: &mut Checker<JointTree>, with: &mut Checker<JointTree>, samples:
         plain.forget();
         with.forget();
         // A world with obstacles that move has no segments.
-        let Ok(verdict) = plain.certify(&from, &to) else {
+        let Ok(verdict) = plain.certify(&JointMotion::segment(&from, &to)) else {
             continue;
         };
         assert_eq!(
-            with.certify(&from, &to).expect("a segment"),
+            with.certify(&JointMotion::segment(&from, &to)).expect("a segment"),
             verdict,
             "{k}: {from:?} {to:?}"
         );
-        let is_free = with.is_free(&from, &to).expect("a segment");
+        let is_free = with.is_free(&JointMotion::segment(&from, &to)).expect("a segment");
         assert_eq!(is_free, verdict.is_free(), "{k}: {from:?} {to:?}");
         free += u64::from(is_free);
     }
@@ -205,8 +207,12 @@ fn configurations_and_segments_on_faces_are_looked_up() {
         }
         plain.forget();
         with.forget();
-        let verdict = plain.certify(&from, &to).expect("a segment");
-        assert_eq!(with.certify(&from, &to).expect("a segment"), verdict, "{from:?} {to:?}");
+        let verdict = plain.certify(&JointMotion::segment(&from, &to)).expect("a segment");
+        assert_eq!(
+            with.certify(&JointMotion::segment(&from, &to)).expect("a segment"),
+            verdict,
+            "{from:?} {to:?}"
+        );
         free += u64::from(is_free) + u64::from(verdict.is_free());
     }
     // Balls and boxes decide most of them before a lookup.

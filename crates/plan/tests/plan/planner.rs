@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Piece, Progress};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, FreewayEnd, PlanError, PlanMethod, PlanOptions, PlanarSpace, RigidSpace,
+    Checker, ConfigurationSpace, FreewayEnd, JointMotion, PlanError, PlanMethod, PlanOptions, PlanarSpace, RigidSpace,
     TranslationSpace, World,
 };
 use std::time::Duration;
@@ -59,10 +59,20 @@ fn passage(width: f64, method: PlanMethod, seeds: u64, limit: Duration) -> (u64,
         solved += 1;
         assert_eq!((&path[0], &path[path.len() - 1]), (&start, &goal));
         judge(&path, &robot, &obstacles, 200);
-        assert!(checker.certify_path(&path).expect("a path").1.is_free());
+        assert!(
+            checker
+                .certify(&JointMotion::path(&path).expect("a motion"))
+                .expect("a path")
+                .is_free()
+        );
         let short = checker.shorten(&path, 100, seed).expect("a path");
         assert!(checker.path_length(&short) <= checker.path_length(&path) * (1.0 + 1e-12));
-        assert!(checker.certify_path(&short).expect("a path").1.is_free());
+        assert!(
+            checker
+                .certify(&JointMotion::path(&short).expect("a motion"))
+                .expect("a path")
+                .is_free()
+        );
         judge(&short, &robot, &obstacles, 400);
     }
     (solved, longest)
@@ -125,7 +135,12 @@ fn a_callback_follows_and_stops_the_shortening_of_a_path() {
         });
         let short = short.expect("a path");
         assert_eq!(calls, stop + 1);
-        assert!(checker.certify_path(&short).expect("a path").1.is_free());
+        assert!(
+            checker
+                .certify(&JointMotion::path(&short).expect("a motion"))
+                .expect("a path")
+                .is_free()
+        );
         assert_eq!((&short[0], &short[short.len() - 1]), (&start, &goal));
         lengths.push(checker.path_length(&short));
     }
@@ -204,7 +219,12 @@ fn a_rectangle_turns_in_the_plane() {
         let (start, goal) = ([-1.5, 0.5, 1.57], [1.5, -0.5, 1.57]);
         let plan = checker.plan(&start, &goal, &options(seed)).expect("free ends");
         let path = plan.path.expect("there is a way");
-        assert!(checker.certify_path(&path).expect("a path").1.is_free());
+        assert!(
+            checker
+                .certify(&JointMotion::path(&path).expect("a motion"))
+                .expect("a path")
+                .is_free()
+        );
     }
 }
 
@@ -235,11 +255,15 @@ fn half_turns<C: ConfigurationSpace + Clone>(space: &C) -> u32 {
             continue;
         };
         found += 1;
-        let verdict = checker.certify_path(&path).expect("a path");
-        assert!(verdict.1.is_free(), "seed {seed}: {verdict:?} of {path:?}");
+        let verdict = checker
+            .certify(&JointMotion::path(&path).expect("a motion"))
+            .expect("a path");
+        assert!(verdict.is_free(), "seed {seed}: {verdict:?} of {path:?}");
         let short = checker.shorten(&path, 50, seed).expect("a path");
-        let verdict = checker.certify_path(&short).expect("a path");
-        assert!(verdict.1.is_free(), "seed {seed}, shortened: {verdict:?} of {short:?}");
+        let verdict = checker
+            .certify(&JointMotion::path(&short).expect("a motion"))
+            .expect("a path");
+        assert!(verdict.is_free(), "seed {seed}, shortened: {verdict:?} of {short:?}");
     }
     found
 }
@@ -395,5 +419,10 @@ fn robots_of_several_pieces() {
         .plan(&at(-1.5, 1.0), &at(1.5, -1.0), &options(2))
         .expect("free ends");
     let path = plan.path.expect("there is a way");
-    assert!(checker.certify_path(&path).expect("a path").1.is_free());
+    assert!(
+        checker
+            .certify(&JointMotion::path(&path).expect("a motion"))
+            .expect("a path")
+            .is_free()
+    );
 }

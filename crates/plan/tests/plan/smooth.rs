@@ -6,8 +6,8 @@ use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::separation::Proof;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Joint, JointCurve, JointTree, Path, PlanError, PlanarSpace, RigidSpace, SmoothOptions,
-    SmoothPath, TranslationSpace, World,
+    Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, Path, PlanError, PlanarSpace, RigidSpace,
+    SmoothOptions, SmoothPath, TranslationSpace, World,
 };
 use truth::arm::chain::{chain, posts};
 use truth::rng::Rng;
@@ -126,7 +126,10 @@ fn random_path<C: ConfigurationSpace>(checker: &mut Checker<C>, rng: &mut Rng, c
             }
         };
         tries += 1;
-        if checker.is_free(path.last().unwrap_or(&q), &q).expect("within limits") {
+        if checker
+            .is_free(&JointMotion::segment(path.last().unwrap_or(&q), &q))
+            .expect("within limits")
+        {
             path.push(q);
         } else if tries % 50 == 0 {
             path.clear();
@@ -166,7 +169,12 @@ fn judged<C: ConfigurationSpace + Clone>(
         let smooth = checker.smooth(&path, &options).expect("a free path");
         judge(&smooth, &options);
         judge_free(&mut other, &smooth, places);
-        assert!(checker.certify_spline(&smooth.curves).expect("a spline").1.is_free());
+        assert!(
+            checker
+                .certify(&JointMotion::spline(&smooth.curves).expect("a motion"))
+                .expect("a spline")
+                .is_free()
+        );
         counts.paths += 1;
         counts.corners += path.len() - 2;
         counts.stops += smooth.stops.len();
@@ -356,8 +364,8 @@ fn corridor(scale: f64, gap: f64) -> impl FnOnce(&mut World) {
 /// A curve has a proof if and only if it is free. A proof without planes is that of the segment on which the curve stays.
 fn proofs_agree(checker: &mut Checker<JointTree>, smooth: &SmoothPath) {
     for (k, curve) in smooth.curves.iter().enumerate() {
-        let verdict = checker.certify_curve(curve).expect("within limits");
-        let proof = checker.prove_curve(curve).expect("within limits");
+        let verdict = checker.certify(&JointMotion::curve(curve)).expect("within limits");
+        let proof = crate::prove(checker, &JointMotion::curve(curve)).expect("within limits");
         assert_eq!(proof.is_some(), verdict.is_free(), "piece {k}: {verdict:?}");
         let each = || proof.iter().flatten().map(|pair| &pair.certificates[..]);
         if proof.is_some() && each().all(|all| matches!(all, [one] if one.proof == Proof::Own)) {
@@ -368,7 +376,12 @@ fn proofs_agree(checker: &mut Checker<JointTree>, smooth: &SmoothPath) {
                 let across = (q[0] - from[0]) * (to[1] - from[1]) - (q[1] - from[1]) * (to[0] - from[0]);
                 assert!(across.abs() < 1e-14, "piece {k}");
             }
-            assert!(checker.prove(&from, &to).expect("within limits").is_some(), "piece {k}");
+            assert!(
+                crate::prove(checker, &JointMotion::segment(&from, &to))
+                    .expect("within limits")
+                    .is_some(),
+                "piece {k}"
+            );
         }
     }
 }
@@ -625,9 +638,11 @@ fn crowded(rng: &mut Rng) -> Option<(Path, Vec<[f64; 2]>)> {
         let inside = |s: f64| [0, 1].map(|c| corner[1][c] + s * (other[c] - one[c]));
         let is_free = |s: f64| {
             let mut checker = slider(1.0, 9.0, posted(&[inside(s)]));
-            corner
-                .windows(2)
-                .all(|ends| checker.is_free(&ends[0], &ends[1]).expect("within limits"))
+            corner.windows(2).all(|ends| {
+                checker
+                    .is_free(&JointMotion::segment(&ends[0], &ends[1]))
+                    .expect("within limits")
+            })
         };
         let (mut near, mut far) = (0.0, 4.0);
         for _ in 0..45 {
@@ -638,7 +653,11 @@ fn crowded(rng: &mut Rng) -> Option<(Path, Vec<[f64; 2]>)> {
     }
     let mut checker = slider(1.0, 9.0, posted(&posts));
     let mut each = way.windows(2);
-    let is_free = each.all(|ends| checker.is_free(&ends[0], &ends[1]).expect("within limits"));
+    let is_free = each.all(|ends| {
+        checker
+            .is_free(&JointMotion::segment(&ends[0], &ends[1]))
+            .expect("within limits")
+    });
     is_free.then_some((way, posts))
 }
 
@@ -665,7 +684,12 @@ fn blends_shrink_or_stop_among_random_posts() {
         let mut checker = slider(1.0, 9.0, posted(&posts));
         let smooth = checker.smooth(&way, &options).expect("a motion");
         judge(&smooth, &options);
-        assert!(checker.certify_spline(&smooth.curves).expect("a spline").1.is_free());
+        assert!(
+            checker
+                .certify(&JointMotion::spline(&smooth.curves).expect("a motion"))
+                .expect("a spline")
+                .is_free()
+        );
         judge_free(&mut slider(1.0, 9.0, posted(&posts)), &smooth, 500);
         let open = slider(1.0, 9.0, |_| {}).smooth(&way, &options).expect("a motion");
         assert!(open.stops.is_empty());
@@ -701,7 +725,12 @@ fn blends_that_barely_pass_are_proven_as_returned() {
             let mut checker = slider(1.0, 9.0, posted(&[post]));
             let is_passed = match checker.smooth(&way, &limits) {
                 Ok(smooth) => {
-                    assert!(checker.certify_spline(&smooth.curves).expect("a spline").1.is_free());
+                    assert!(
+                        checker
+                            .certify(&JointMotion::spline(&smooth.curves).expect("a motion"))
+                            .expect("a spline")
+                            .is_free()
+                    );
                     smooth.stops.is_empty()
                 }
                 Err(error) => {

@@ -17,15 +17,6 @@ pub(super) fn names(checker: &Checker<JointTree>, pair: WorldPair) -> Pair {
     (checker.name(pair.a).to_owned(), checker.name(pair.b).to_owned())
 }
 
-/// Returns the word for the state of a verdict.
-pub(super) fn state_of(verdict: &Judged) -> &'static str {
-    match verdict {
-        Judged::Free { .. } => "free",
-        Judged::Blocked { .. } => "blocked",
-        _ => "undecided",
-    }
-}
-
 /// Two bodies near each other at a configuration, with bounds of their signed distance.
 #[pyclass(frozen, module = "lin_canny")]
 pub(crate) struct NearPair {
@@ -136,7 +127,8 @@ pub(crate) struct Verdict {
 }
 
 impl Verdict {
-    pub(super) fn new(segment: usize, verdict: Judged, checker: &Checker<JointTree>) -> Self {
+    pub(super) fn new(verdict: Judged, checker: &Checker<JointTree>) -> Self {
+        let segment = verdict.piece().unwrap_or(0);
         let pair = match verdict {
             Judged::Blocked { pair, .. } => Some(names(checker, pair)),
             _ => None,
@@ -161,7 +153,7 @@ impl Verdict {
 
     /// Returns the verdict on a trajectory, with the time of a fraction of its segment.
     pub(super) fn with_times(mut self, time_at: impl Fn(f64) -> f64) -> Self {
-        let safe = time_at(self.verdict.safe());
+        let safe = time_at(self.verdict.free_until());
         let blocked = self.blocked_at().map_or(f64::NAN, &time_at);
         self.times = Some([safe, blocked]);
         if !self.is_free() {
@@ -186,7 +178,7 @@ impl Verdict {
     /// in it.
     #[getter]
     fn state(&self) -> &'static str {
-        state_of(&self.verdict)
+        self.verdict.name()
     }
 
     /// The contacts at the start that were accepted: see `Checker.start_contact_margin`.
@@ -213,7 +205,7 @@ impl Verdict {
     /// The time on the segment, 0 to 1, up to which all pairs are proven to keep the margin.
     #[getter]
     fn safe(&self) -> f64 {
-        self.verdict.safe()
+        self.verdict.free_until()
     }
 
     /// The time at which a pair is proven not to keep the margin, or with a tube the margin and what
@@ -221,7 +213,7 @@ impl Verdict {
     #[getter]
     fn blocked_at(&self) -> Option<f64> {
         match self.verdict {
-            Judged::Blocked { t, .. } => Some(t),
+            Judged::Blocked { contact_at, .. } => Some(contact_at),
             _ => None,
         }
     }
@@ -269,7 +261,14 @@ impl Verdict {
 
     fn __repr__(&self) -> String {
         match (&self.verdict, &self.pair) {
-            (Judged::Blocked { safe, t, .. }, Some((a, b))) => {
+            (
+                Judged::Blocked {
+                    free_until: safe,
+                    contact_at: t,
+                    ..
+                },
+                Some((a, b)),
+            ) => {
                 let time = self.blocked_time();
                 let time = time.map_or(String::new(), |time| {
                     format!(" of segment {}, time {time:.9}", self.segment)

@@ -5,8 +5,8 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::Checker;
-use super::answers::state_of;
 use super::batches::Numbers;
+use super::motions::in_tube;
 use crate::array::{filled, of_triples, words};
 use crate::batch::{Batch, Run};
 use crate::curve::curves_of;
@@ -34,11 +34,8 @@ impl Batch for Motions<'_> {
     fn answer(&self, checker: &mut Self::State, first: usize, rows: &mut [Option<Judged>]) -> PyResult<()> {
         for (k, to) in (first..).zip(rows) {
             checker.forget();
-            let curve = &self.curves[k];
-            let found = match self.tubes.get(k) {
-                Some(tube) => checker.certify_curve_tube(curve, tube),
-                None => checker.certify_curve(curve),
-            };
+            let motion = in_tube(&self.curves[k], self.tubes.get(k));
+            let found = motion.and_then(|motion| checker.certify(&motion));
             *to = Some(found.map_err(|e| self.checker.numbered_fault(k, &e))?);
         }
         Ok(())
@@ -107,12 +104,12 @@ impl Checker {
             of_triples(py, found.iter().map(of).collect()).map(Bound::into_any)
         };
         let blocked_at = |verdict: &Judged| match *verdict {
-            Judged::Blocked { t, .. } => t,
+            Judged::Blocked { contact_at, .. } => contact_at,
             _ => f64::NAN,
         };
         let columns = vec![
-            (("state", "U9", None), words::<9>(py, found.iter().map(state_of))?),
-            (("safe", "f8", None), number(Judged::safe)),
+            (("state", "U9", None), words::<9>(py, found.iter().map(Judged::name))?),
+            (("safe", "f8", None), number(Judged::free_until)),
             (("blocked_at", "f8", None), number(blocked_at)),
             (("a", "i4", None), body(false)),
             (("b", "i4", None), body(true)),

@@ -2,7 +2,9 @@
 
 use lin_canny::separation::Proof;
 use lin_canny_robot::Coordinate;
-use lin_canny_robot::plan::{JointCurve as Curve, JointTube, PairProof, PlanError, Verdict as Judged};
+use lin_canny_robot::plan::{
+    Certified, CertifyOptions, JointCurve as Curve, JointMotion, JointTube, PairProof, PlanError, Verdict as Judged,
+};
 use numpy::{PyArray1, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -163,15 +165,8 @@ impl Checker {
         self.motion_fault(&format!("curve {k}"), error, |t| format!("t = {t}"))
     }
 
-    fn judge(&mut self, curve: &Curve, tube: Option<&JointTube>) -> Result<Judged, PlanError> {
-        match tube {
-            Some(tube) => self.checker.certify_curve_tube(curve, tube),
-            None => self.checker.certify_curve(curve),
-        }
-    }
-
-    /// Returns the first verdict that is not free, with the number of its curve. Ctrl-C ends the
-    /// call. `fault` makes the error of a curve.
+    /// Returns the first verdict that is not free, on the curves as one motion. Ctrl-C ends the call.
+    /// `fault` makes the error of a curve.
     fn judge_all(
         &mut self,
         py: Python<'_>,
@@ -179,47 +174,43 @@ impl Checker {
         tubes: &[JointTube],
         progress: Option<&Bound<'_, PyAny>>,
         fault: impl Fn(&Self, usize, &PlanError) -> PyErr + Sync + Send,
-    ) -> PyResult<(usize, Judged)> {
-        let joined = |k: usize| {
-            let (before, curve) = (&curves[k - 1], &curves[k]);
-            let (end, start) = (before.control_point(before.degree()), curve.control_point(0));
-            match end.iter().zip(&start).position(|(x, y)| x != y) {
-                Some(coordinate) => Err(PlanError::CurveJump { index: k, coordinate }),
-                None => match (before.times(), curve.times()) {
-                    (Some([_, end]), Some([start, _])) if start != end => {
-                        Err(PlanError::CurveTime { index: k, start, end })
-                    }
-                    _ => Ok(()),
-                },
-            }
-        };
-        (1..curves.len()).try_for_each(joined).map_err(plan_error)?;
-        let mut all = None;
+    ) -> PyResult<Judged> {
+        JointMotion::spline(curves).map_err(|error| match error {
+            PlanError::Empty => plan_error("spline has no curve (expected at least one)"),
+            error => plan_error(error),
+        })?;
+        let mut all: Option<Certified> = None;
         let run = Run::new(py, curves.len(), 1, progress)?;
         run.steps(py, curves.len(), |k| {
-            let mut found = self.judge(&curves[k], tubes.get(k)).map_err(|e| fault(self, k, &e))?;
-            if !found.is_free() {
-                all = Some((k, found));
-                return Ok(false);
-            }
-            // Contacts at the start of all curves are kept.
-            if let (
-                Judged::Free { start_contacts, .. },
-                Some((
-                    _,
-                    Judged::Free {
-                        start_contacts: before, ..
-                    },
-                )),
-            ) = (&mut found, &mut all)
-            {
-                before.append(start_contacts);
-                *start_contacts = core::mem::take(before);
-            }
-            all = Some((0, found));
-            Ok(true)
+            let motion = in_tube(&curves[k], tubes.get(k));
+            let found = motion.and_then(|motion| self.checker.certify_with(&motion, CertifyOptions::default()));
+            let found = found.map_err(|e| fault(self, k, &e))?;
+            let is_free = found.verdict.is_free();
+            all = Some(match all.take() {
+                Some(before) => before.followed_by(found),
+                None => found,
+            });
+            Ok(is_free)
         })?;
-        all.ok_or_else(|| plan_error("spline has no curve (expected at least one)"))
+        all.map(|all| all.verdict)
+            .ok_or_else(|| plan_error("spline has no curve (expected at least one)"))
+    }
+
+    /// Returns the certificates of a motion as a structured array, if it is free.
+    fn proof<'py>(
+        &mut self,
+        py: Python<'py>,
+        motion: &JointMotion,
+        fault: impl Fn(&Self, &PlanError) -> PyErr,
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let found = py.detach(|| {
+            let options = CertifyOptions::default().certificates(true);
+            self.checker.certify_with(motion, options)
+        });
+        let mut found = found.map_err(|e| fault(self, &e))?;
+        let is_free = found.verdict.is_free();
+        let proofs = found.proofs.pop().filter(|_| is_free);
+        proofs.map(|proofs| self.certificates(py, &proofs)).transpose()
     }
 
     /// Returns the certificates of all pairs as a structured array.
@@ -255,6 +246,15 @@ impl Checker {
     }
 }
 
+/// Returns the motion along a curve, with a tube if it has one.
+pub(super) fn in_tube(curve: &Curve, tube: Option<&JointTube>) -> Result<JointMotion, PlanError> {
+    let motion = JointMotion::curve(curve);
+    match tube {
+        Some(tube) => motion.with_tube(tube),
+        None => Ok(motion),
+    }
+}
+
 #[pymethods]
 impl Checker {
     /// Returns the verdict on a curve, over its whole length.
@@ -285,9 +285,10 @@ impl Checker {
         tube: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Verdict> {
         let (curve, tube) = (curve_of(curve)?, self.tube(tube)?);
-        let found = py.detach(|| self.judge(&curve, tube.as_ref()));
+        let motion = in_tube(&curve, tube.as_ref()).map_err(|e| self.curve_fault(&e))?;
+        let found = py.detach(|| self.checker.certify(&motion));
         let found = found.map_err(|e| self.curve_fault(&e))?;
-        Ok(Verdict::new(0, found, &self.checker))
+        Ok(Verdict::new(found, &self.checker))
     }
 
     /// Returns the verdict on a spline: curves, each of which starts where the one before ends.
@@ -313,8 +314,8 @@ impl Checker {
     ) -> PyResult<Verdict> {
         let curves = curves_of(curves)?;
         let tubes = self.tubes(tube, curves.len())?;
-        let (segment, verdict) = self.judge_all(py, &curves, &tubes, progress, Self::numbered_fault)?;
-        Ok(Verdict::new(segment, verdict, &self.checker))
+        let verdict = self.judge_all(py, &curves, &tubes, progress, Self::numbered_fault)?;
+        Ok(Verdict::new(verdict, &self.checker))
     }
 
     /// Returns the verdict on a trajectory, over all its times.
@@ -353,10 +354,10 @@ impl Checker {
             let what = format!("trajectory, points {k} to {}", k + 1);
             checker.motion_fault(&what, error, |t| format!("time {}", trajectory.time_at(k, t)))
         };
-        let (segment, verdict) = self.judge_all(py, &curves, &tubes, progress, fault)?;
+        let verdict = self.judge_all(py, &curves, &tubes, progress, fault)?;
         // A free verdict is about the end of the last segment.
-        let timed = if verdict.is_free() { last } else { segment };
-        let verdict = Verdict::new(segment, verdict, &self.checker);
+        let timed = verdict.piece().unwrap_or(last);
+        let verdict = Verdict::new(verdict, &self.checker);
         Ok(verdict.with_times(|t| trajectory.time_at(timed, t)))
     }
 
@@ -370,9 +371,7 @@ impl Checker {
         goal: &Bound<'py, PyAny>,
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
         let ends = [configuration(start)?, configuration(goal)?];
-        let found = py.detach(|| self.checker.prove(&ends[0], &ends[1]));
-        let found = found.map_err(|e| self.fault(&e))?;
-        found.map(|proofs| self.certificates(py, &proofs)).transpose()
+        self.proof(py, &JointMotion::segment(&ends[0], &ends[1]), Self::fault)
     }
 
     /// Returns the proof that a curve is free: the certificates of all pairs, in order of time.
@@ -395,9 +394,7 @@ impl Checker {
     ///     proven only as the straight segment on which it stays (see `prove`).
     fn prove_curve<'py>(&mut self, py: Python<'py>, curve: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let curve = curve_of(curve)?;
-        let found = py.detach(|| self.checker.prove_curve(&curve));
-        let found = found.map_err(|e| self.curve_fault(&e))?;
-        found.map(|proofs| self.certificates(py, &proofs)).transpose()
+        self.proof(py, &JointMotion::curve(&curve), Self::curve_fault)
     }
 
     /// Returns the least clearance along a curve: see `clearance_along`.
@@ -411,7 +408,7 @@ impl Checker {
         relative: f64,
     ) -> PyResult<(f64, f64, f64, Option<Pair>)> {
         let curve = curve_of(curve)?;
-        let found = py.detach(|| self.checker.clearance_along_curve(&curve, relative));
+        let found = py.detach(|| self.checker.clearance_along(&JointMotion::curve(&curve), relative));
         let found = found.map_err(|e| self.curve_fault(&e))?;
         let pair = found.pair.map(|pair| answers::names(&self.checker, pair));
         Ok((found.lower, found.upper, found.t, pair))

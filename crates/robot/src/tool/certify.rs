@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lin_canny_robot::plan::receipt::Receipt;
-use lin_canny_robot::plan::{PlanError, Verdict, nearest_name};
+use lin_canny_robot::plan::{Certified, CertifyOptions as Kept, JointMotion, PlanError, Verdict, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory};
 
 use super::end::{End, ToolError};
@@ -126,14 +126,16 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     let bar = progress("segments", path.rows.len() as u64 - 1);
     let (mut end, mut free) = (End::Free, 0);
     let (curves, mut verdicts, mut blocked) = (path.curves()?, Vec::new(), None);
+    let mut whole: Option<Certified> = None;
     for (k, curve) in curves.iter().enumerate() {
         let (from, to) = (path.lines[k], path.lines[k + 1]);
         let tube = tubes.get(k);
-        let verdict = match tube {
-            Some(tube) => checker.certify_curve_tube(curve, tube),
-            None => checker.certify_curve(curve),
+        let motion = match tube {
+            Some(tube) => JointMotion::curve(curve).with_tube(tube)?,
+            None => JointMotion::curve(curve),
         };
-        let verdict = verdict.map_err(|error| match error {
+        let asked = Kept::default().certificates(options.receipt.is_some());
+        let found = checker.certify_with(&motion, asked).map_err(|error| match error {
             PlanError::CurveLimit {
                 coordinate,
                 time,
@@ -156,13 +158,21 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
             error => error.into(),
         })?;
         bar.inc(1);
+        let verdict = found.verdict.clone();
+        if blocked.is_none() && matches!(verdict, Verdict::Blocked { .. }) {
+            blocked = Some((k, found.clone()));
+        }
+        whole = Some(match whole {
+            Some(whole) => whole.followed_by(found),
+            None => found,
+        });
         if options.film.file().is_some() {
             verdicts.push(verdict.clone());
         }
-        let safe = verdict.safe();
-        let contact = match tube.filter(|_| !verdict.is_free()) {
-            Some(tube) => checker.tube_contact(curve, tube, safe)?,
-            None => None,
+        let safe = verdict.free_until();
+        let contact = match tube.is_some() && !verdict.is_free() {
+            true => checker.tube_contact(&motion, 0, safe)?,
+            false => None,
         };
         let mut cells = vec![from.to_string(), to.to_string()];
         match verdict {
@@ -178,7 +188,9 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
                 }
                 cells.extend(["free", "1", "", "", "", ""].map(String::from));
             }
-            Verdict::Blocked { safe, t, pair, .. } => {
+            Verdict::Blocked {
+                contact_at: t, pair, ..
+            } => {
                 let [a, b] = names(&checker, pair);
                 let (time, at) = (time_at(&path, k, t), place(t, time_at(&path, k, t)));
                 let meet = match (checker.margin(), tube) {
@@ -190,7 +202,6 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
                 let apart = fraction_below(safe);
                 bar.suspend(|| say!("{unit} {from} to {to}: {a} - {b} {meet} {at}, free to {apart}"));
                 let time = time.map_or(String::new(), |time| time.to_string());
-                blocked = blocked.or(Some(k));
                 cells.extend(["blocked".into(), safe.to_string(), t.to_string(), time, a, b]);
                 end = end.max(End::Blocked);
             }
@@ -215,29 +226,23 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     }
     film::record(&options.film, &setup, &path, (&curves, &verdicts), unit)?;
     // A path of straight segments has no curves for spaces that follow segments alone.
-    let has_curves = curves.iter().any(|curve| curve.degree() > 1);
+    let motion = match curves.iter().any(|curve| curve.degree() > 1) {
+        true => JointMotion::spline(&curves)?,
+        false => JointMotion::path(&path.rows)?,
+    };
     if let Some(file) = &options.scene {
-        let scene = match has_curves {
-            true => Receipt::spline_scene(&mut checker, &curves),
-            false => Receipt::scene(&checker, &path.rows),
-        };
-        receipt::write(file, &options.robot, &setup, scene)?;
+        receipt::write(file, &options.robot, &setup, Receipt::scene(&checker, &motion))?;
     }
-    match (&options.receipt, end, blocked) {
+    match (&options.receipt, whole, blocked) {
         (None, ..) => {}
-        (Some(file), End::Free, _) => {
-            let written = match has_curves {
-                true => Receipt::spline(&mut checker, &curves),
-                false => Receipt::path(&mut checker, &path.rows),
-            };
+        (Some(file), Some(whole), None) if end == End::Free => {
+            let written = Receipt::certified(&checker, &motion, &whole);
             let count = receipt::write(file, &options.robot, &setup, written)?;
             say!("{}: {count} pieces of evidence", file.display());
         }
-        (Some(file), _, Some(k)) => {
-            let written = match has_curves {
-                true => Receipt::curve(&mut checker, &curves[k]),
-                false => Receipt::segment(&mut checker, &path.rows[k], &path.rows[k + 1]),
-            };
+        (Some(file), _, Some((k, found))) => {
+            let piece = motion.piece(k).unwrap_or(motion);
+            let written = Receipt::certified(&checker, &piece, &found);
             receipt::write(file, &options.robot, &setup, written)?;
             let (from, to) = (path.lines[k], path.lines[k + 1]);
             say!("{}: proof of what blocks {unit} {from} to {to}", file.display());

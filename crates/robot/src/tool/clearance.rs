@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use lin_canny_robot::plan::{
-    Checker, JointCurve, JointTree, NearPair, PlanError, SegmentClearance, Verdict, WorldId, WorldPair,
+    Checker, JointCurve, JointMotion, JointTree, NearPair, PlanError, SegmentClearance, Verdict, WorldId, WorldPair,
 };
 use lin_canny_robot::{Setup, Trajectory};
 
@@ -253,13 +253,15 @@ const WIDTHS: [f64; 3] = [1e-3, 1e-2, 1e-1];
 /// Returns the least clearance along a segment, or its first contact. The lower bound is minus
 /// infinity if the clearance is not proven.
 fn clearance_along(checker: &mut Checker<JointTree>, curve: &JointCurve) -> Result<(End, SegmentClearance), PlanError> {
-    let mut found = checker.clearance_along_curve(curve, WIDTHS[0])?;
+    let mut found = checker.clearance_along(&JointMotion::curve(curve), WIDTHS[0])?;
     if found.lower > 0.0 {
         return Ok((End::Free, found));
     }
-    let end = match checker.certify_curve(curve)? {
+    let end = match checker.certify(&JointMotion::curve(curve))? {
         Verdict::Free { .. } => End::Free,
-        Verdict::Blocked { t, pair, .. } => {
+        Verdict::Blocked {
+            contact_at: t, pair, ..
+        } => {
             (found.upper, found.t, found.pair) = (0.0, t, Some(pair));
             End::Blocked
         }
@@ -270,7 +272,7 @@ fn clearance_along(checker: &mut Checker<JointTree>, curve: &JointCurve) -> Resu
         return Ok((end, found));
     }
     for width in &WIDTHS[1..] {
-        found = checker.clearance_along_curve(curve, *width)?;
+        found = checker.clearance_along(&JointMotion::curve(curve), *width)?;
         if found.lower > 0.0 {
             break;
         }

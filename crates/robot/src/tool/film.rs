@@ -113,9 +113,12 @@ pub(super) fn record(
             let q = at(curve, t, coordinates);
             let Some(near) = checker.clearance(&q)? else { continue };
             match verdict {
-                Verdict::Blocked { safe, t: hit, pair, .. }
-                    if t == *hit && near.pair == *pair && near.distance <= 0.0 =>
-                {
+                Verdict::Blocked {
+                    free_until: safe,
+                    contact_at: hit,
+                    pair,
+                    ..
+                } if t == *hit && near.pair == *pair && near.distance <= 0.0 => {
                     let ends = [*safe, *hit].map(|t| (time_at(path, k, t).unwrap_or(t), at(curve, t, coordinates)));
                     recorder.bracket(&checker, *pair, &ends)?;
                 }
@@ -133,7 +136,7 @@ fn times(is_first: bool, verdict: &Verdict) -> Vec<f64> {
     let mut all: Vec<f64> = (u32::from(!is_first)..=FRAMES)
         .map(|k| f64::from(k) / f64::from(FRAMES))
         .collect();
-    if let Verdict::Blocked { t, .. } = verdict
+    if let Verdict::Blocked { contact_at: t, .. } = verdict
         && !all.contains(t)
     {
         all.push(*t);
@@ -152,10 +155,15 @@ fn at(curve: &JointCurve, t: f64, coordinates: &[Coordinate]) -> Vec<f64> {
 fn told(checker: &Checker<JointTree>, path: &Trajectory, k: usize, verdict: &Verdict) -> String {
     match verdict {
         Verdict::Free { .. } => "free".into(),
-        Verdict::Blocked { t, pair, .. } => {
+        Verdict::Blocked {
+            contact_at: t, pair, ..
+        } => {
             let [a, b] = names(checker, *pair);
             format!("blocked {}: {a} - {b}", place(*t, time_at(path, k, *t)))
         }
-        _ => format!("undecided from {} of the segment on", fraction_below(verdict.safe())),
+        _ => format!(
+            "undecided from {} of the segment on",
+            fraction_below(verdict.free_until())
+        ),
     }
 }

@@ -4,7 +4,7 @@ use datafusion::arrow::array::ArrayRef;
 use datafusion::arrow::datatypes::DataType;
 use datafusion::common::plan_err;
 use datafusion::error::Result;
-use lin_canny_plan::{Checker, JointTree, Verdict};
+use lin_canny_plan::{Checker, JointMotion, JointTree, Verdict};
 
 use super::answers::{Kind, Value, structs};
 use crate::error::RowError;
@@ -39,14 +39,16 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
     structs(study, &FIELDS, rows, |checker, row, numbers| {
         let [from, to] = ends.read(row, coordinates, numbers)?;
         checker.forget();
-        let verdict = checker.certify(from, to).map_err(RowError::refused)?;
+        let verdict = checker
+            .certify(&JointMotion::segment(from, to))
+            .map_err(RowError::refused)?;
         Ok(values(checker, &verdict))
     })
 }
 
 /// Returns the fields of a verdict.
 pub(super) fn values(checker: &Checker<JointTree>, verdict: &Verdict) -> Vec<Value> {
-    let safe = Value::Number(verdict.safe());
+    let safe = Value::Number(verdict.free_until());
     match verdict {
         Verdict::Free { start_contacts, .. } if start_contacts.is_empty() => vec![Value::word("free"), safe],
         Verdict::Free { start_contacts, .. } => {
@@ -63,9 +65,9 @@ pub(super) fn values(checker: &Checker<JointTree>, verdict: &Verdict) -> Vec<Val
                 Value::Word(pairs),
             ]
         }
-        Verdict::Blocked { t, pair, .. } => {
+        Verdict::Blocked { contact_at, pair, .. } => {
             let [a, b] = [pair.a, pair.b].map(|part| Value::word(checker.name(part)));
-            vec![Value::word("blocked"), safe, Value::Number(*t), a, b]
+            vec![Value::word("blocked"), safe, Value::Number(*contact_at), a, b]
         }
         _ => vec![Value::word("undecided"), safe],
     }

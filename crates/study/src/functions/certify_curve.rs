@@ -5,7 +5,7 @@ use datafusion::arrow::array::{Array, ArrayRef, AsArray, ListArray};
 use datafusion::arrow::datatypes::{DataType, Field};
 use datafusion::common::plan_err;
 use datafusion::error::Result;
-use lin_canny_plan::{JointCurve, PlanError};
+use lin_canny_plan::{JointCurve, JointMotion, PlanError};
 use lin_canny_robot::Coordinate;
 use std::sync::Arc;
 
@@ -95,7 +95,7 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
         curves.read(row, coordinates, numbers)?;
         let points: Vec<&[f64]> = numbers.chunks(coordinates.len().max(1)).collect();
         checker.forget();
-        let verdict = JointCurve::bezier(&points).and_then(|curve| checker.certify_curve(&curve));
+        let verdict = JointCurve::bezier(&points).and_then(|curve| checker.certify(&JointMotion::curve(&curve)));
         let verdict = verdict.map_err(|error| match error {
             PlanError::CurveLimit {
                 coordinate,

@@ -2,6 +2,7 @@
 
 use datafusion::arrow::array::ArrayRef;
 use datafusion::error::Result;
+use lin_canny_plan::JointMotion;
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 
 use super::answers::{Kind, Value, structs};
@@ -17,7 +18,7 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
     structs(study, &FIELDS, rows, |checker, row, numbers| {
         let [from, to] = ends.read(row, coordinates, numbers)?;
         checker.forget();
-        match Receipt::segment(checker, from, to) {
+        match Receipt::motion(checker, &JointMotion::segment(from, to)) {
             Ok(receipt) => Ok(vec![Value::word(receipt)]),
             Err(ReceiptError::Plan(error)) => Err(RowError::refused(error)),
             Err(error) => Ok(vec![Value::Null, Value::word(error)]),

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use datafusion::arrow::array::{ArrayRef, Int64Array, RecordBatch, StructArray};
 use datafusion::arrow::buffer::NullBuffer;
 use datafusion::arrow::datatypes::{DataType, Field};
-use lin_canny_plan::Verdict;
 use lin_canny_plan::receipt::Receipt;
+use lin_canny_plan::{JointMotion, Verdict};
 use lin_canny_study::robot::{Cell, RobotFiles};
 use lin_canny_study::sampled::Source;
 use lin_canny_study::{Study, StudyError, StudyOptions, engine, flat};
@@ -197,11 +197,15 @@ fn segments_are_certified_as_by_a_new_checker() {
         let from: Vec<f64> = row[..6].iter().map(bits).collect();
         let (mut to, mut checker) = (from.clone(), study.setup().checker().expect("a checker"));
         (to[0], to[2]) = (bits(&row[6]), bits(&row[7]));
-        let verdict = checker.certify(&from, &to).expect("configurations");
-        assert_eq!(bits(&row[9]).to_bits(), verdict.safe().to_bits());
+        let verdict = checker
+            .certify(&JointMotion::segment(&from, &to))
+            .expect("configurations");
+        assert_eq!(bits(&row[9]).to_bits(), verdict.free_until().to_bits());
         match verdict {
             Verdict::Free { .. } => assert_eq!((row[8].as_str(), row[13].as_str()), ("free", "")),
-            Verdict::Blocked { t, pair, .. } => {
+            Verdict::Blocked {
+                contact_at: t, pair, ..
+            } => {
                 assert_eq!((row[8].as_str(), bits(&row[10]).to_bits()), ("blocked", t.to_bits()));
                 assert_eq!(row[11..13], [pair.a, pair.b].map(|part| checker.name(part).to_owned()));
             }
@@ -226,7 +230,7 @@ fn receipts_are_those_of_a_new_checker() {
         let from: Vec<f64> = row[..6].iter().map(bits).collect();
         let (mut to, mut checker) = (from.clone(), study.setup().checker().expect("a checker"));
         (to[0], to[2]) = (bits(&row[6]), bits(&row[7]));
-        let (text, error) = match Receipt::segment(&mut checker, &from, &to) {
+        let (text, error) = match Receipt::motion(&mut checker, &JointMotion::segment(&from, &to)) {
             Ok(receipt) => (receipt.to_string(), String::new()),
             Err(error) => (String::new(), error.to_string()),
         };

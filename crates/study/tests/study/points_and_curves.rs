@@ -5,7 +5,7 @@ use std::sync::Arc;
 use datafusion::arrow::array::{Float64Builder, ListBuilder, RecordBatch, UInt64Array};
 use lin_canny::PointQuery;
 use lin_canny::nalgebra::Point3;
-use lin_canny_plan::{JointCurve, Verdict};
+use lin_canny_plan::{JointCurve, JointMotion, Verdict};
 use lin_canny_study::robot::RobotFiles;
 use lin_canny_study::sampled::Source;
 use lin_canny_study::{Study, StudyError, StudyOptions, engine, flat};
@@ -232,11 +232,13 @@ fn curves_are_certified_as_by_a_new_checker() {
     for (row, curve) in found.iter().zip(&curves) {
         let mut checker = study.setup().checker().expect("a checker");
         let curve = JointCurve::bezier(curve).expect("a curve");
-        let verdict = checker.certify_curve(&curve).expect("configurations");
-        assert_eq!(bits(&row[2]).to_bits(), verdict.safe().to_bits());
+        let verdict = checker.certify(&JointMotion::curve(&curve)).expect("configurations");
+        assert_eq!(bits(&row[2]).to_bits(), verdict.free_until().to_bits());
         match &verdict {
             Verdict::Free { .. } => assert_eq!((row[1].as_str(), row[4].as_str()), ("free", "")),
-            Verdict::Blocked { t, pair, .. } => {
+            Verdict::Blocked {
+                contact_at: t, pair, ..
+            } => {
                 assert_eq!((row[1].as_str(), bits(&row[3]).to_bits()), ("blocked", t.to_bits()));
                 assert_eq!(row[4..6], [pair.a, pair.b].map(|part| checker.name(part).to_owned()));
             }

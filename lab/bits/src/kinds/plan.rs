@@ -9,9 +9,14 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Shape, Tracker};
 use lin_canny_plan::receipt::Receipt;
 use lin_canny_plan::{
-    Checker, ClearanceWidth, ConfigurationSpace, Joint, JointCurve, JointTree, PlanOptions, PlanarSpace, RangeOptions,
-    RigidSpace, SmoothOptions, TimedPoses, TranslationSpace, World,
+    Certified, CertifyOptions, Checker, ClearanceWidth, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree,
+    PlanError, PlanOptions, PlanarSpace, RangeOptions, RigidSpace, SmoothOptions, TimedPoses, TranslationSpace, World,
 };
+
+/// Returns the verdict with the certificates behind it.
+fn prove<C: ConfigurationSpace>(checker: &mut Checker<C>, motion: &JointMotion) -> Result<Certified, PlanError> {
+    checker.certify_with(motion, CertifyOptions::default().certificates(true))
+}
 
 fn room(r: &mut Random) -> World {
     let mut world = World::new();
@@ -35,14 +40,17 @@ fn questions<C: ConfigurationSpace>(t: &mut Teller, r: &mut Random, space: C, wo
         t.tell("clearance", checker.clearance(&q));
         t.tell("nearest", checker.nearest(&q, 0.3));
         t.tell("free at", checker.is_free_at(&q));
-        t.tell("certify", checker.certify(&last, &q));
-        t.tell("is free", checker.is_free(&last, &q));
+        t.tell("certify", checker.certify(&JointMotion::segment(&last, &q)));
+        t.tell("is free", checker.is_free(&JointMotion::segment(&last, &q)));
         let near: Vec<f64> = q.iter().map(|x| x + r.range(-0.02, 0.02)).collect();
-        t.tell("near", checker.certify(&q, &near));
-        t.tell("tube", checker.certify_tube(&q, &near, 0.001));
-        t.tell("prove", checker.prove(&q, &near));
+        t.tell("near", checker.certify(&JointMotion::segment(&q, &near)));
+        t.tell(
+            "tube",
+            checker.certify(&JointMotion::segment(&q, &near).with_radius(0.001).expect("a motion")),
+        );
+        t.tell("prove", prove(&mut checker, &JointMotion::segment(&q, &near)));
         if k % 4 == 0 {
-            t.tell("along", checker.clearance_along(&last, &q, 1e-2));
+            t.tell("along", checker.clearance_along(&JointMotion::segment(&last, &q), 1e-2));
         }
         last = q;
     }
@@ -145,7 +153,7 @@ pub(super) fn arm_plan(t: &mut Teller, r: &mut Random) {
             .expect("a search");
         t.tell("plan", (&found.path, found.work));
         if let Some(path) = found.path {
-            t.tell("path", checker.certify_path(&path));
+            t.tell("path", checker.certify(&JointMotion::path(&path).expect("a motion")));
             t.tell("short", checker.shorten(&path, 30, seed));
             t.tell("widen", checker.widen(&path, 0.05, 0.5, 2));
         }
@@ -189,16 +197,22 @@ pub(super) fn curves(t: &mut Teller, r: &mut Random) {
                 (0..=curve.degree()).map(|k| curve.control_point(k)).collect::<Vec<_>>(),
             );
             t.tell("at", (curve.at(0.3), curve.velocity(0.3), curve.acceleration(0.3)));
-            t.tell("certify", checker.certify_curve(&curve));
-            t.tell("prove", checker.prove_curve(&curve));
-            t.tell("along", checker.clearance_along_curve(&curve, 1e-2));
-            t.tell("tube", checker.certify_curve_tube(&curve, &[1e-3; 6]));
+            t.tell("certify", checker.certify(&JointMotion::curve(&curve)));
+            t.tell("prove", prove(&mut checker, &JointMotion::curve(&curve)));
+            t.tell("along", checker.clearance_along(&JointMotion::curve(&curve), 1e-2));
+            t.tell(
+                "tube",
+                checker.certify(&JointMotion::curve(&curve).with_tube(&[1e-3; 6]).expect("a motion")),
+            );
         }
         let knots = [0.0, 0.0, 0.0, 0.0, 0.4, 0.5, 1.0, 1.0, 1.0, 1.0];
         for spline in [JointCurve::b_spline(&q, 3, &knots), JointCurve::uniform_b_spline(&q, 3)] {
             t.tell("spline", &spline);
             if let Ok(curves) = spline {
-                t.tell("certify", checker.certify_spline(&curves));
+                t.tell(
+                    "certify",
+                    checker.certify(&JointMotion::spline(&curves).expect("a motion")),
+                );
             }
         }
         let options = SmoothOptions::new(vec![1.0; 6], vec![2.0; 6]).continuous_acceleration(k % 3 == 0);
@@ -245,8 +259,14 @@ pub(super) fn receipts(t: &mut Teller, r: &mut Random) {
     let mut checker = Checker::new(arm, world).expect("a checker");
     for k in 0..t.rounds(60) {
         let q = near(r, checker.space(), 3, [0.02, 0.3][k as usize % 2]);
-        t.tell("segment", text(Receipt::segment(&mut checker, &q[0], &q[1])));
-        t.tell("path", text(Receipt::path(&mut checker, &q)));
+        t.tell(
+            "segment",
+            text(Receipt::motion(&mut checker, &JointMotion::segment(&q[0], &q[1]))),
+        );
+        t.tell(
+            "path",
+            text(Receipt::motion(&mut checker, &JointMotion::path(&q).expect("a motion"))),
+        );
     }
     for _ in 0..t.rounds(200) {
         let bodies = [round(r, 16), hull(r, 14, 1)].map(Geometry::from);
@@ -282,9 +302,9 @@ pub(super) fn timed_obstacles(t: &mut Teller, r: &mut Random) {
             t.tell("free at", checker.is_free_at(&q[1]));
             let curve = JointCurve::bezier(&q).and_then(|curve| curve.with_times([time, time + 0.7]));
             let curve = curve.expect("a curve");
-            t.tell("certify", checker.certify_curve(&curve));
-            t.tell("prove", checker.prove_curve(&curve));
-            t.tell("along", checker.clearance_along_curve(&curve, 1e-2));
+            t.tell("certify", checker.certify(&JointMotion::curve(&curve)));
+            t.tell("prove", prove(&mut checker, &JointMotion::curve(&curve)));
+            t.tell("along", checker.clearance_along(&JointMotion::curve(&curve), 1e-2));
         }
     }
 }
@@ -325,7 +345,7 @@ pub(super) fn worlds(t: &mut Teller, r: &mut Random) {
             let q = near(r, checker.space(), 2, 0.3);
             t.tell("clearance", checker.clearance(&q[0]));
             t.tell("nearest", checker.nearest(&q[0], 0.1));
-            t.tell("certify", checker.certify(&q[0], &q[1]));
+            t.tell("certify", checker.certify(&JointMotion::segment(&q[0], &q[1])));
             t.tell("contacts", checker.in_contact(&q[1]));
         }
         t.tell("work", checker.work());

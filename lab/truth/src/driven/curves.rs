@@ -4,7 +4,7 @@
 
 use super::Bytes;
 use crate::arm::chain::chain;
-use lin_canny_plan::{Checker, JointCurve, JointTree, PlanError};
+use lin_canny_plan::{Checker, JointCurve, JointMotion, JointTree, PlanError};
 use std::sync::LazyLock;
 
 /// Coordinates of a curve: the joints of the arm that follows it.
@@ -63,12 +63,12 @@ pub fn drive(bytes: &[u8]) -> Tally {
         tally.curves[usize::from(curve.is_err())] += 1;
         let Ok(curve) = curve else { continue };
         inside(&curve);
-        let verdict = checker.certify_curve(&curve);
+        let verdict = checker.certify(&JointMotion::curve(&curve));
         tally.followed[usize::from(verdict.is_err())] += 1;
         let Ok(verdict) = verdict else { continue };
         for time in TIMES {
             // A curve that touches a limit inside may exceed it by rounding.
-            let q = curve.at(time * verdict.safe()).into_iter();
+            let q = curve.at(time * verdict.free_until()).into_iter();
             let q: Vec<f64> = q.map(|x| x.clamp(LIMITS[0], LIMITS[1])).collect();
             if verdict.is_free() {
                 assert!(checker.is_free_at(&q).expect("within limits"), "{time} {curve:?}");

@@ -12,8 +12,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, Unit, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, Compound, Geometry, HalfSpace, Mesh, PairTracker, Piece, RelativePose, Shape};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, PlanError, RangeAnswer, RangeOptions,
-    RangeVerdict, TimedPoses, TreeJoint, Verdict, World, WorldId, WorldPair,
+    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, PlanError, RangeAnswer,
+    RangeOptions, RangeVerdict, TimedPoses, TreeJoint, Verdict, World, WorldId, WorldPair,
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -344,7 +344,7 @@ impl Play {
     /// Judges a motion: `at` returns the configuration at a time from 0 to 1, and the time on the
     /// clock.
     fn motion(&self, verdict: &Verdict, at: impl Fn(&Self, f64) -> (Vec<f64>, f64)) -> Result<usize, String> {
-        let safe = verdict.safe();
+        let safe = verdict.free_until();
         // Nothing is proven of a motion that starts in contact.
         let times = if safe > 0.0 { 0..TIMES + 1 } else { 0..0 };
         for k in times {
@@ -355,7 +355,10 @@ impl Play {
                 return Err(format!("{verdict:?} but {hit:?} at {time}, {q:?}"));
             }
         }
-        let Verdict::Blocked { t, pair, .. } = *verdict else {
+        let Verdict::Blocked {
+            contact_at: t, pair, ..
+        } = *verdict
+        else {
             return Ok(if verdict.is_free() { 0 } else { 2 });
         };
         let (q, clock) = at(self, t);
@@ -371,7 +374,7 @@ impl Play {
         if self.mix.worlds[1] > 0 {
             return Ok(());
         }
-        let verdict = self.checker.certify(q, p).map_err(told)?;
+        let verdict = self.checker.certify(&JointMotion::segment(q, p)).map_err(told)?;
         let which = self.motion(&verdict, |play, time| (play.space.between(q, p, time), 0.0))?;
         self.mix.segments[which] += 1;
         Ok(())
@@ -388,7 +391,7 @@ impl Play {
         let curve = JointCurve::bezier(&points)
             .and_then(|c| c.with_times(clock))
             .map_err(told)?;
-        let verdict = self.checker.certify_curve(&curve).map_err(told)?;
+        let verdict = self.checker.certify(&JointMotion::curve(&curve)).map_err(told)?;
         // De Casteljau's algorithm, apart from that of the crate.
         let value = |time: f64| {
             let mut row = points.clone();
@@ -401,7 +404,10 @@ impl Play {
         let at = |_: &Self, time: f64| (value(time), clock[0] + (clock[1] - clock[0]) * time);
         let which = self.motion(&verdict, at)?;
         self.mix.curves[which] += 1;
-        let along = self.checker.clearance_along_curve(&curve, 0.05).map_err(told)?;
+        let along = self
+            .checker
+            .clearance_along(&JointMotion::curve(&curve), 0.05)
+            .map_err(told)?;
         for k in 0..=8 {
             let (q, clock) = at(self, f64::from(k) / 8.0);
             for e in self.excesses(clock, &q)? {
@@ -475,7 +481,11 @@ impl Play {
         self.checker.forget();
         let ask = |checker: &mut Checker<JointTree>| {
             let near = checker.nearest(q, 0.3);
-            format!("{near:?} {:?} {:?}", checker.in_contact(q), checker.certify(q, p))
+            format!(
+                "{near:?} {:?} {:?}",
+                checker.in_contact(q),
+                checker.certify(&JointMotion::segment(q, p))
+            )
         };
         let (old, new) = (ask(&mut self.checker), ask(&mut fresh));
         if old == new {

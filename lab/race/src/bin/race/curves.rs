@@ -15,7 +15,9 @@ use std::path::{Path, PathBuf};
 
 use cpu_time::ThreadTime;
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny_plan::{Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointTree, TreeJoint, Verdict, World};
+use lin_canny_plan::{
+    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, TreeJoint, Verdict, World,
+};
 use lin_canny_robot::{ExcludeReason, RobotFiles, find_excludable};
 use race::common::{Options, Rows, median};
 use truth::arm::chain::chain;
@@ -299,7 +301,7 @@ fn certify(o: &Options, (name, degree): (&str, usize), draw: Draw, checker: &mut
         let from: Vec<f64> = ends.iter().map(|[low, high]| rng.range(*low, *high)).collect();
         if checker.is_free_at(&from).expect("within limits") {
             let curve = random_curve(&mut rng, &from, degree, &ways);
-            let verdict = checker.certify_curve(&curve).expect("within limits");
+            let verdict = checker.certify(&JointMotion::curve(&curve)).expect("within limits");
             all.push(Proven { curve, verdict });
         }
     }
@@ -315,17 +317,21 @@ fn certify(o: &Options, (name, degree): (&str, usize), draw: Draw, checker: &mut
     };
     let of_curves = queries(&mut |checker| {
         for one in &all {
-            let _ = black_box(checker.certify_curve(&one.curve));
+            let _ = black_box(checker.certify(&JointMotion::curve(&one.curve)));
         }
     });
     let of_segments = queries(&mut |checker| {
         for [from, to] in &segments {
-            let _ = black_box(checker.certify(from, to));
+            let _ = black_box(checker.certify(&JointMotion::segment(from, to)));
         }
     });
     let metres: f64 = all.iter().map(|one| path_length(checker.space(), &one.curve)).sum();
-    let ours = times(&all, passes, |one| _ = black_box(checker.certify_curve(&one.curve)));
-    let straight = times(&segments, passes, |[from, to]| _ = black_box(checker.certify(from, to)));
+    let ours = times(&all, passes, |one| {
+        _ = black_box(checker.certify(&JointMotion::curve(&one.curve)))
+    });
+    let straight = times(&segments, passes, |[from, to]| {
+        _ = black_box(checker.certify(&JointMotion::segment(from, to)))
+    });
     let bisected = times(&all, passes, |one| _ = black_box(bisect(checker, &one.curve)));
     let by_metre = |times: &[f64]| times.iter().sum::<f64>() / metres / 1e3;
     let by_metre = [&ours, &bisected].map(|times| by_metre(times));

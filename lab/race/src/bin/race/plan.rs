@@ -14,7 +14,7 @@ use lin_canny::broad::{Aabb, BodyOptions, SweepAndPrune};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{BoxHint, RelativePose, Tracker};
-use lin_canny_plan::{Checker, ConfigurationSpace, PlanMethod, PlanOptions, RigidSpace, Verdict};
+use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, PlanMethod, PlanOptions, RigidSpace, Verdict};
 use race::progress::Progress;
 use truth::cells::Cell;
 use truth::rng::Rng;
@@ -112,7 +112,9 @@ fn segments(room: &Room, checker: &mut Checker<RigidSpace>, count: u64) -> Vec<S
         let ends = room
             .segment(&mut Rng::of_case(17, k))
             .map(|pose| RigidSpace::configuration(&pose));
-        let is_free = checker.is_free(&ends[0], &ends[1]).expect("a segment");
+        let is_free = checker
+            .is_free(&JointMotion::segment(&ends[0], &ends[1]))
+            .expect("a segment");
         let length = checker.space().distance(&ends[0], &ends[1]);
         Segment { ends, length, is_free }
     };
@@ -127,11 +129,17 @@ fn room(o: &Options, scene: &str, n: usize, rows: &mut Rows) {
     let passes = if o.quick { 2 } else { 3 };
     let before = checker.work();
     for s in &free {
-        black_box(checker.is_free(&s.ends[0], &s.ends[1]).expect("a segment"));
+        black_box(
+            checker
+                .is_free(&JointMotion::segment(&s.ends[0], &s.ends[1]))
+                .expect("a segment"),
+        );
     }
     let calls = (checker.work().queries - before.queries) as f64 / free.len() as f64;
     let ours = time(&segments, passes, |s| {
-        checker.is_free(&s.ends[0], &s.ends[1]).expect("a segment")
+        checker
+            .is_free(&JointMotion::segment(&s.ends[0], &s.ends[1]))
+            .expect("a segment")
     });
     println!("{scene}: {} of {} segments free", free.len(), segments.len());
     let line = |name: &str, wrong: usize, calls: f64, [free, blocked]: [f64; 2]| {
@@ -176,7 +184,9 @@ impl Searches {
         self.times.push(took.as_nanos() as f64);
         if let Some((path, checker)) = path {
             self.found += 1;
-            let (_, verdict) = checker.certify_path(path).expect("a path");
+            let verdict = checker
+                .certify(&JointMotion::path(path).expect("a path"))
+                .expect("a path");
             self.wrong += usize::from(matches!(verdict, Verdict::Blocked { .. }));
         }
     }
@@ -286,7 +296,7 @@ fn is_free_at(o: &Options, rows: &mut Rows) {
         let is_ours = engine == "ours";
         let mut ask = |q: &Vec<f64>| match is_ours {
             true => checker.is_free_at(q).expect("a configuration"),
-            false => checker.is_free(q, q).expect("a configuration"),
+            false => checker.is_free(&JointMotion::segment(q, q)).expect("a configuration"),
         };
         let (mut least, mut found) = (f64::INFINITY, Vec::new());
         for _ in 0..3 {

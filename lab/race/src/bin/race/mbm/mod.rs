@@ -19,7 +19,7 @@ use std::path::Path;
 
 use cpu_time::ThreadTime;
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_plan::{Checker, ConfigurationSpace, JointTree, PlanMethod, PlanOptions};
+use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, JointTree, PlanMethod, PlanOptions};
 use lin_canny_robot::{Cell, LoadOptions, MeshUse, Packages, Robot, Setup, Srdf};
 use race::common::Options;
 use race::progress::Progress;
@@ -209,7 +209,8 @@ impl Bench {
     /// and metres.
     fn judged(&self, problem: &Problem, path: &[Vec<f64>]) -> Result<(bool, f64), String> {
         let mut checker = self.checker(problem)?;
-        let (_, verdict) = checker.certify_path(path).map_err(|e| e.to_string())?;
+        let motion = JointMotion::path(path).map_err(|e| e.to_string())?;
+        let verdict = checker.certify(&motion).map_err(|e| e.to_string())?;
         let segment = |ends: &[Vec<f64>]| {
             let squares = ends[0].iter().zip(&ends[1]).map(|(a, b)| (a - b) * (a - b));
             squares.sum::<f64>().sqrt()
