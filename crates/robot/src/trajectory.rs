@@ -105,7 +105,7 @@ impl Trajectory {
     }
 
     /// Returns the tube around the motion from each row to the next, for
-    /// [`Checker::certify_curve_tube`](lin_canny_plan::Checker::certify_curve_tube). Its entries are
+    /// [`JointMotion::with_tube`](lin_canny_plan::JointMotion::with_tube). Its entries are
     /// linear between those of the rows. There are none if no row has a tube.
     ///
     /// # Errors

@@ -4,7 +4,7 @@ use super::{Scene, bumpy, compound, curved, dented};
 use lin_canny::impact::{Tolerance, cast, cast_within, free_until, overlapping_until};
 use lin_canny::separation::Separation;
 use lin_canny::{PairTracker, Tracker};
-use lin_canny_plan::{Checker, TranslationSpace, World};
+use lin_canny_plan::{Checker, JointMotion, TranslationSpace, World};
 use truth::rng::Rng;
 
 /// Runs every query of a pair of motions.
@@ -85,9 +85,22 @@ pub(super) fn clearances(scene: &mut Scene, rng: &mut Rng) {
 pub(super) fn segments(scene: &mut Scene, rng: &mut Rng) {
     let (mut checker, places) = room(scene, rng);
     for ends in places.windows(2) {
-        scene.plain("free", checker.is_free(&ends[0], &ends[1]).expect("a segment"));
-        scene.plain("safe", checker.certify(&ends[0], &ends[1]).expect("a segment").safe());
-        let along = checker.clearance_along(&ends[0], &ends[1], 1e-3).expect("a segment");
+        scene.plain(
+            "free",
+            checker
+                .is_free(&JointMotion::segment(&ends[0], &ends[1]))
+                .expect("a segment"),
+        );
+        scene.plain(
+            "safe",
+            checker
+                .certify(&JointMotion::segment(&ends[0], &ends[1]))
+                .expect("a segment")
+                .free_until(),
+        );
+        let along = checker
+            .clearance_along(&JointMotion::segment(&ends[0], &ends[1]), 1e-3)
+            .expect("a segment");
         scene.bounds("segment", along.lower, along.upper);
         scene.plain("clearance", (along.t, along.pair));
     }
