@@ -4,7 +4,7 @@ use core::fmt;
 
 /// A robot body, an attached object or an obstacle, by its index in the order of insertion.
 ///
-/// [`World::name`] returns its name, and [`World::show`] prints it.
+/// [`World::name`](crate::World::name) returns its name, and [`World::show`](crate::World::show) prints it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum WorldId {

@@ -16,7 +16,7 @@ pub enum JointKind {
     Prismatic,
 }
 
-/// A joint of a serial arm ([`JointTree::serial`]), and the link that the joint moves.
+/// A joint of a serial arm ([`JointTree::serial`](crate::JointTree::serial)), and the link that the joint moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
     /// Revolute or prismatic.

@@ -152,7 +152,7 @@ pub(crate) struct TreeBodies {
 /// Pose and motion model of each body at a time.
 type PlacedBodies = Vec<(Isometry3<f64>, MotionModel)>;
 
-/// The motion of the bodies of a [`JointTree`](super::JointTree) along a curve or a segment.
+/// The motion of the bodies of a [`JointTree`](crate::JointTree) along a curve or a segment.
 #[derive(Clone, Debug)]
 pub struct TreeSegment {
     tree: LinkTree,

@@ -4,7 +4,7 @@ use crate::check::verdict::CheckWork;
 use crate::search::roadmap::Roadmap;
 use crate::search::shorten::Path;
 
-/// The method of [`Checker::plan`].
+/// The method of [`Checker::plan`](crate::Checker::plan).
 ///
 /// Every segment of a path is proven free, whatever the method. The [crate](crate) explains both
 /// methods.
@@ -46,7 +46,7 @@ pub struct PlanOptions {
     /// The method (default [`PlanMethod::RrtConnect`]).
     pub method: PlanMethod,
     /// Random seed (default 0). A new checker returns the same result for the same seed, and so
-    /// does any checker after [`Checker::forget`].
+    /// does any checker after [`Checker::forget`](crate::Checker::forget).
     pub seed: u64,
     /// Maximum number of random slices of the opportunistic planner (default 10,000).
     pub slices: u64,
@@ -56,7 +56,7 @@ pub struct PlanOptions {
     ///
     /// A step is a freeway or a sample. The default takes seconds to tens of seconds, depending on
     /// the bodies. To stop by a clock, set all three budgets to `u64::MAX`
-    /// ([`unlimited`](Self::unlimited)) and call [`Checker::plan_with_progress`].
+    /// ([`unlimited`](Self::unlimited)) and call [`Checker::plan_with_progress`](crate::Checker::plan_with_progress).
     pub queries: u64,
     /// Clearance at which an ascent ends, because more is no better. `None` is an eighth of the
     /// largest extent of the bounds.
