@@ -190,9 +190,12 @@ impl StepContext<'_> {
     }
 }
 
-/// Returns whether a stored distance and a query agree.
+/// Returns whether a stored distance and a query agree. A bound that the query leaves open is open
+/// in the text, too.
 fn agree(told: &Distance, found: &Outcome) -> bool {
     told.state == found.state
+        && told.lower.is_finite() == found.lower.is_finite()
+        && told.upper.is_finite() == found.upper.is_finite()
         && told.lower <= found.upper
         && found.lower <= told.upper
         && told.lower <= told.value
