@@ -121,7 +121,7 @@ def test_receipts_hold(checker, tmp_path):
     file.write_bytes(checker.receipt([[0, 0], [0.5, 0.5], [1, 0]]).encode())
     found = subprocess.run([sys.executable, verify, file], capture_output=True, text=True)
     assert found.returncode == 0 and "of each of 2 legs" in found.stdout, found.stdout
-    with pytest.raises(lc.PlanError, match="segment 1 of the path is not proven free"):
+    with pytest.raises(lc.PlanError, match="piece 1 of the motion is not proven free"):
         checker.receipt([[0, 0], [0, 1], [0, 2]])
 
 
