@@ -576,7 +576,7 @@ fn checkers(library: &Library) -> u32 {
         "six-axis cell: certify, random segments",
         30,
         |k| {
-            rust.certify(&JointMotion::segment(at(k), at(k + 1)))
+            rust.certify(&lin_canny_plan::JointMotion::segment(at(k), at(k + 1)))
                 .expect("a segment")
                 .free_until()
         },
