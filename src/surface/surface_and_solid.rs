@@ -56,8 +56,7 @@ const NARROWER: f64 = 1.0 / 2.0;
 const HOPE: f64 = 0.125;
 
 /// Largest number of searches of a step. A search ends early if its bounds approach each other too
-/// slowly; the next one starts where it ended. Measured: a cold tracker needed two where a warm one
-/// needed one. More than four were never tried.
+/// slowly; the next one starts where it ended. Not measured: a cold tracker needed more than one.
 const SEARCHES: usize = 4;
 
 /// The tracker of a surface (A) and a body of another kind (B).

@@ -390,6 +390,31 @@ fn scenes(most: usize) {
     }
 }
 
+/// A text claims a bound of a depth that no query asks, so the query proves none.
+#[test]
+fn bounds_that_a_query_leaves_open_are_not_believed() {
+    let known = scene();
+    let stored = Value::serialized(&known).expect("serialises");
+    let is_open = |number: &Value| matches!(number, Value::Float(x) if *x == f64::NEG_INFINITY);
+    let mut count = 0;
+    each_number(&mut stored.clone(), &mut |number| count += usize::from(is_open(number)));
+    assert!(count > 0);
+    for (at, claimed) in (0..count).flat_map(|at| [(at, 0.0), (at, -1e-9)]) {
+        let (mut text, mut k) = (stored.clone(), 0);
+        each_number(&mut text, &mut |number| {
+            if is_open(number) {
+                if k == at {
+                    *number = Value::Float(claimed);
+                }
+                k += 1;
+            }
+        });
+        if let Ok(read) = text.deserialized::<Scene>() {
+            use_scene(read, &format!("open number {at} changed to {claimed}"));
+        }
+    }
+}
+
 #[test]
 fn a_scene_that_was_read_has_no_false_answer() {
     scenes(600);

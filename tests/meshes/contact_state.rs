@@ -21,8 +21,9 @@ fn tetrahedron(rng: &mut Rng) -> Soup {
     }
 }
 
-/// Returns whether a body is stored about an origin of its own: the middle of its box is more than
-/// two half diagonals from the origin of its frame, along an axis. Such bodies may count as touching.
+/// Returns whether the middle of a body's box is more than two half diagonals from the origin of its
+/// frame, along an axis. Such a mesh stores its vertices relative to that middle, and may count as
+/// touching.
 fn is_far(soup: &Soup) -> bool {
     let ends = [0, 1, 2].map(|k| {
         let each = || soup.points.iter().map(|p| p[k]);

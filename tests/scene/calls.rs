@@ -42,6 +42,15 @@ fn any_calls_in_any_order_give_what_is_true() {
     assert!(mix.slept.iter().all(|n| *n > 50), "{mix:?}");
 }
 
+/// A scene that was read had a cold tracker of two surfaces, whose cast within a distance was open
+/// where the warm one found no impact.
+#[test]
+fn cold_and_warm_trackers_of_surfaces_report_the_same_impacts() {
+    let mut rng = Rng::new(16_393_487_589_486_275_151);
+    let bytes: Vec<u8> = (0..1500).map(|_| rng.bits() as u8).collect();
+    assert!(scenes::drive(&bytes, read_back).steps > 0);
+}
+
 #[test]
 fn questions_on_top_equal_brute_force() {
     let mut rng = Rng::new(5);

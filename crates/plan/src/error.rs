@@ -75,7 +75,7 @@ pub enum PlanError {
         coordinate: usize,
     },
     /// Returned if the world has a moving obstacle, and a motion or a configuration has no time.
-    #[error("obstacle {0:?} moves (expected a curve with times, or a checker with a time)")]
+    #[error("obstacle {0:?} moves (expected a motion with times, or a checker with a time)")]
     NoTime(String),
     /// Returned if a moving obstacle has no pose at a time of the query.
     #[error("obstacle {name:?} has no pose at time {time:?} (its poses cover {from:?} to {until:?})")]

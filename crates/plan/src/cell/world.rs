@@ -162,7 +162,7 @@ impl World {
 
     /// Adds an obstacle that moves: it has these poses in the world at times on a clock.
     ///
-    /// A motion among moving obstacles is a curve with times ([`JointCurve::with_times`](crate::JointCurve::with_times)),
+    /// A motion among moving obstacles has times ([`JointMotion::with_times`](crate::JointMotion::with_times)),
     /// and configurations are queried at the time of [`Checker::set_time`](crate::Checker::set_time). All
     /// other motions and configurations are errors ([`PlanError::NoTime`]), as are times at which the
     /// obstacle has no pose ([`PlanError::PoseTime`]).

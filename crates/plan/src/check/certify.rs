@@ -380,27 +380,21 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Judges a piece. A curve that stays on a straight segment is judged as the segment first, whose
     /// proof takes fewer queries. If `any`, any contact ends the search.
     fn judged_piece(&mut self, motion: &JointMotion, k: usize, any: bool) -> Result<Verdict, PlanError> {
-        match motion.piece_ref(k) {
-            PieceRef::Segment([from, to]) => {
-                let segment = self.along(motion, k)?;
-                let ends = (motion.tube == Tube::None).then_some([from, to]);
-                self.judged(&segment, ends, any)
+        let along = self.along(motion, k)?;
+        let ends = match motion.piece_ref(k) {
+            PieceRef::Segment(ends) => Some(ends).filter(|_| motion.tube == Tube::None),
+            PieceRef::Curve(curve) => {
+                if let Some(straight) = self.straightened(curve)? {
+                    let verdict = self.judged(&straight, None, true)?;
+                    if verdict.is_free() {
+                        return Ok(verdict);
+                    }
+                    self.work.segments -= 1;
+                }
+                None
             }
-            PieceRef::Curve(curve) => self.judged_curve(curve, any),
-        }
-    }
-
-    /// Judges a curve as [`judged_piece`](Self::judged_piece) does.
-    pub(crate) fn judged_curve(&mut self, curve: &JointCurve, any: bool) -> Result<Verdict, PlanError> {
-        let motion = self.curve(curve)?;
-        if let Some(straight) = self.straightened(curve)? {
-            let verdict = self.judged(&straight, None, true)?;
-            if verdict.is_free() {
-                return Ok(verdict);
-            }
-            self.work.segments -= 1;
-        }
-        self.judged(&motion, None, any)
+        };
+        self.judged(&along, ends, any)
     }
 
     /// Returns the motion along the straight segment on which a curve stays, if its proof is one of
@@ -472,17 +466,6 @@ impl<C: ConfigurationSpace> Checker<C> {
             proofs.push(PairProof { pair, certificates });
         }
         Ok(Some((proofs, contacts)))
-    }
-
-    /// Returns the motion along a curve, after a check of the curve, and sets the motions of the
-    /// obstacles along it.
-    pub(crate) fn curve(&mut self, curve: &JointCurve) -> Result<C::Segment, PlanError> {
-        let motion = self.space.curve(curve)?;
-        match curve.times() {
-            Some(times) => self.set_parts(times)?,
-            None => self.world.check_at_rest()?,
-        }
-        Ok(motion)
     }
 
     /// Returns the motion along a segment, after a check of its ends.

@@ -1,4 +1,4 @@
-//! Motions that are asked about: a segment, a path, a curve or a spline, with a tube around it.
+//! The motions that a checker proves free: segments, paths, curves and splines, with tubes.
 
 use std::vec::Vec;
 

@@ -22,6 +22,7 @@ use crate::check::checker::Checker;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::motion::curve::JointCurve;
+use crate::motion::joint_motion::JointMotion;
 use crate::motion::space::ConfigurationSpace;
 use crate::search::shorten::Path;
 use crate::search::speeds::{Corner, Leg, Limits, Piece, RESERVE, Rows};
@@ -348,7 +349,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     fn is_curve_free(&mut self, curve: &JointCurve) -> Result<bool, PlanError> {
-        Ok(self.judged_curve(curve, true)?.is_free())
+        self.is_free(&JointMotion::curve(curve))
     }
 
     /// Returns the motion with these corners, and the corners whose blends are not proven free.

@@ -14,6 +14,7 @@ mod hulls;
 mod judge;
 mod leave;
 mod methods;
+mod motions;
 mod moving;
 mod pair_boxes;
 mod planner;

@@ -406,7 +406,7 @@ fn everything_without_a_time_is_an_error() {
     let none = || PlanError::NoTime("cart 0".into());
     assert_eq!(
         none().to_string(),
-        "obstacle \"cart 0\" moves (expected a curve with times, or a checker with a time)"
+        "obstacle \"cart 0\" moves (expected a motion with times, or a checker with a time)"
     );
     for has_time in [false, true] {
         // Segments have no times, even if configurations have one.

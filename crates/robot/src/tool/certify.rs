@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lin_canny_robot::plan::receipt::Receipt;
-use lin_canny_robot::plan::{Certified, CertifyOptions as Kept, JointMotion, PlanError, Verdict, nearest_name};
+use lin_canny_robot::plan::{self, Certified, JointMotion, PlanError, Verdict, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory};
 
 use super::end::{End, ToolError};
@@ -134,7 +134,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
             Some(tube) => JointMotion::curve(curve).with_tube(tube)?,
             None => JointMotion::curve(curve),
         };
-        let asked = Kept::default().certificates(options.receipt.is_some());
+        let asked = plan::CertifyOptions::default().certificates(options.receipt.is_some());
         let found = checker.certify_with(&motion, asked).map_err(|error| match error {
             PlanError::CurveLimit {
                 coordinate,
