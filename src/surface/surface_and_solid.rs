@@ -51,13 +51,9 @@ const DEFAULT_WIDTH_FAR: f64 = 1.0 / (1u64 << 38) as f64;
 const NARROWER: f64 = 1.0 / 2.0;
 
 /// A step gives up if its bound proves less than this fraction of the remaining distance. The
-/// searches for a narrower interval have then reached their limit, and each further step would cost
-/// as much and prove less. Measured: no cast of the tests ends for this reason.
+/// search for a narrower interval has then reached its limit, and each further step would cost as
+/// much and prove less. Measured: no cast of the tests ends for this reason.
 const HOPE: f64 = 0.125;
-
-/// Largest number of searches of a step. A search ends early if its bounds approach each other too
-/// slowly; the next one starts where it ended. Not measured: a cold tracker needed more than one.
-const SEARCHES: usize = 4;
 
 /// The tracker of a surface (A) and a body of another kind (B).
 pub(crate) trait BesideSurface {
@@ -158,28 +154,22 @@ pub(super) fn width_of(pair: &impl Separation, pose: &RelativePose, options: &Qu
 }
 
 /// Returns how long a lower bound stays valid. `bounds` takes a width and returns both bounds of a
-/// new search, which starts from the front of the last one. It is called if the measured bound is
-/// far below the remaining distance. The span is zero if no search comes near that distance.
+/// new search. It is called if the measured bound is far below the remaining distance, which the new
+/// upper bound may shorten. The span is zero if the search does not come near that distance.
 pub(super) fn held<S: Separation>(
     pair: &mut S,
     seen: &Measurement,
     flight: &PairMotion,
-    mut bounds: impl FnMut(&mut S, &RelativePose, f64) -> [f64; 2],
+    bounds: impl FnOnce(&mut S, &RelativePose, f64) -> [f64; 2],
 ) -> FreeSpan {
     let [mut lower, mut upper] = [seen.lower, seen.upper];
-    let mut needed = 1.0 - NARROWER;
-    for _ in 0..SEARCHES {
-        let left = upper - flight.keep;
-        if !(left > 0.0 && lower - flight.keep < needed * left) {
-            break;
-        }
-        let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b) else {
-            break;
-        };
+    let left = upper - flight.keep;
+    if left > 0.0
+        && lower - flight.keep < (1.0 - NARROWER) * left
+        && let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b)
+    {
         let found = bounds(pair, &pose, MEASURED * left);
         (lower, upper) = (lower.larger(found[0]), upper.smaller(found[1]));
-        // The first search aims at a long step, the others only at one that is worth its cost.
-        needed = HOPE;
     }
     let proof = Proof::Own;
     if lower - flight.keep < HOPE * (upper - flight.keep) {
