@@ -154,8 +154,8 @@ pub(super) fn width_of(pair: &impl Separation, pose: &RelativePose, options: &Qu
 }
 
 /// Returns how long a lower bound stays valid. `bounds` takes a width and returns both bounds of a
-/// new search. It is called if the measured bound is far below the remaining distance, which the new
-/// upper bound may shorten. The span is zero if the search does not come near that distance.
+/// new search. It is called if the measured bound is far below the remaining distance, which the
+/// new upper bound may shorten. The span is zero if the search does not come near that distance.
 pub(super) fn held<S: Separation>(
     pair: &mut S,
     seen: &Measurement,
